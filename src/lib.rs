@@ -1,0 +1,5 @@
+//! stickslip: parallel parameter studies and Monte Carlo for mechanical systems with dry friction.
+#![forbid(unsafe_code)]
+#![deny(missing_docs)]
+
+pub mod model;

@@ -1,0 +1,166 @@
+//! The automatic ball balancer in SI units: what an engineer measures and a study file names.
+//!
+//! Default values are the thesis's machine (TU Eindhoven, "Modeling and Analysis of an Automatic
+//! Balancing Unit with Dry Friction", table 3.2; the powers of ten that its scan lost are restored
+//! so that the natural frequency, the balancing angles and the amplitudes it prints come out).
+
+use thiserror::Error;
+
+/// The largest number of balls that one machine may have.
+pub const MAX_BALLS: usize = 8;
+
+/// One ball in the ring: a homogeneous sphere that rolls with Coulomb friction.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ball {
+    /// Mass, kg.
+    pub mass_kg: f64,
+    /// Diameter, m.
+    pub diameter_m: f64,
+    /// Coefficient of friction between ball and ring (rolling resistance), dimensionless.
+    pub friction_coefficient: f64,
+}
+
+/// How the normal force between ball and ring is derived.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NormalForce {
+    /// The thesis: the rolling constraint is put in before Lagrange's equations are formed, so the
+    /// normal force carries `2 J d ω β̇ - 4 J β̇²` (its equation 3.5).
+    Lagrange,
+    /// Newton's second law for the ball's centre: no such term.
+    Newton,
+}
+
+/// A machine: table on springs, turning disc with an imbalance, and balls in a ring.
+///
+/// Any finite number can stand in a field; [`Machine::validate`] says whether the whole makes sense.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Machine {
+    /// Mass of table, motor, ring and disc, without imbalance and balls, kg.
+    pub table_mass_kg: f64,
+    /// Spring stiffness of the suspension per direction, N/m.
+    pub stiffness_n_m: f64,
+    /// Viscous damping of the suspension per direction, N s/m.
+    pub damping_n_s_m: f64,
+    /// Distance from the ring's centre to the balls' centres, m.
+    pub ring_radius_m: f64,
+    /// Mass of the imbalance, kg.
+    pub imbalance_mass_kg: f64,
+    /// Distance of the imbalance from the ring's centre, m.
+    pub imbalance_radius_m: f64,
+    /// Prescribed speed of the disc, rad/s; negative turns clockwise.
+    pub speed_rad_s: f64,
+    /// The balls, one to [`MAX_BALLS`].
+    pub balls: Vec<Ball>,
+    /// How the normal force is derived.
+    pub normal_force: NormalForce,
+}
+
+impl Default for Ball {
+    /// A steel ball of 3 mm, as in the thesis (table 3.2).
+    fn default() -> Self {
+        Ball { mass_kg: 1.4e-4, diameter_m: 3.0e-3, friction_coefficient: 2.75e-3 }
+    }
+}
+
+impl Default for Machine {
+    /// The thesis's machine (table 3.2) with two balls at -216.3772 rad/s.
+    fn default() -> Self {
+        Machine {
+            table_mass_kg: 3.24e-1,
+            stiffness_n_m: 1.07e4,
+            damping_n_s_m: 1.28,
+            ring_radius_m: 1.15e-2,
+            imbalance_mass_kg: 5.6e-5,
+            imbalance_radius_m: 3.7e-2,
+            speed_rad_s: -216.3772,
+            balls: vec![Ball::default(); 2],
+            normal_force: NormalForce::Lagrange,
+        }
+    }
+}
+
+/// A value that no machine can have.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[error("{name} is {found}, but must be {allowed}")]
+pub struct InvalidParameter {
+    /// The parameter's name, as in a study file.
+    pub name: String,
+    /// What was given.
+    pub found: String,
+    /// What would do.
+    pub allowed: &'static str,
+}
+
+impl Machine {
+    /// Refuses values without physical meaning: anything not finite, masses, lengths and stiffness
+    /// that are not positive, negative damping or friction, no ball or more than [`MAX_BALLS`].
+    ///
+    /// # Errors
+    /// The first offending parameter, by the name it has in a study file.
+    pub fn validate(&self) -> Result<(), InvalidParameter> {
+        let balls = self.balls.len();
+        if balls == 0 || balls > MAX_BALLS {
+            return Err(invalid("balls", &balls.to_string(), "between 1 and 8"));
+        }
+        for (name, value) in [
+            ("table_mass_kg", self.table_mass_kg),
+            ("stiffness_n_m", self.stiffness_n_m),
+            ("ring_radius_m", self.ring_radius_m),
+            ("imbalance_mass_kg", self.imbalance_mass_kg),
+            ("imbalance_radius_m", self.imbalance_radius_m),
+        ] {
+            positive(name, value)?;
+        }
+        not_negative("damping_n_s_m", self.damping_n_s_m)?;
+        if !self.speed_rad_s.is_finite() {
+            return Err(invalid("speed_rad_s", &self.speed_rad_s.to_string(), "a finite number"));
+        }
+        for (index, ball) in self.balls.iter().enumerate() {
+            let name = |general: &str| ball_parameter_name(general, index + 1);
+            positive(&name("ball_mass_kg"), ball.mass_kg)?;
+            positive(&name("ball_diameter_m"), ball.diameter_m)?;
+            not_negative(&name("friction_coefficient"), ball.friction_coefficient)?;
+        }
+        Ok(())
+    }
+
+    /// The whole vibrating mass `M = M_T + m_I + Σ m_i`, kg.
+    pub fn total_mass_kg(&self) -> f64 {
+        let balls: f64 = self.balls.iter().map(|ball| ball.mass_kg).sum();
+        self.table_mass_kg + self.imbalance_mass_kg + balls
+    }
+
+    /// The natural frequency `ω_n = sqrt(k / M)`, rad/s (thesis section 3.4).
+    pub fn natural_frequency_rad_s(&self) -> f64 {
+        (self.stiffness_n_m / self.total_mass_kg()).sqrt()
+    }
+}
+
+/// The name under which one ball's own value of a parameter is swept or drawn:
+/// `ball_mass_kg` of ball 2 is `ball_mass_2_kg`, `friction_coefficient` is `friction_coefficient_2`.
+pub fn ball_parameter_name(general: &str, ball: usize) -> String {
+    match general.rsplit_once('_') {
+        Some((stem, unit @ ("kg" | "m"))) => format!("{stem}_{ball}_{unit}"),
+        _ => format!("{general}_{ball}"),
+    }
+}
+
+fn invalid(name: &str, found: &str, allowed: &'static str) -> InvalidParameter {
+    InvalidParameter { name: name.to_owned(), found: found.to_owned(), allowed }
+}
+
+fn positive(name: &str, value: f64) -> Result<(), InvalidParameter> {
+    if value.is_finite() && value > 0.0 {
+        Ok(())
+    } else {
+        Err(invalid(name, &value.to_string(), "a positive, finite number"))
+    }
+}
+
+fn not_negative(name: &str, value: f64) -> Result<(), InvalidParameter> {
+    if value.is_finite() && value >= 0.0 {
+        Ok(())
+    } else {
+        Err(invalid(name, &value.to_string(), "a finite number, zero or more"))
+    }
+}
