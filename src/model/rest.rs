@@ -1,0 +1,150 @@
+//! Closed forms for balls at rest: rest point of the table, forces there, the equilibrium set.
+//!
+//! With all balls stuck the table is a damped linear oscillator seen from inertial space, with
+//! eigenvalues `-iω - ζ ± i sqrt(1 - ζ²)`. Its rest point follows from the balls' positions
+//! (thesis equations 5.3 and 5.4), and the equilibrium set from the friction that resting there
+//! takes (its equation 5.5).
+
+use super::{Balancer, State};
+
+/// The table at rest in the turning frame, with the balls held where they are.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RestPoint<const N: usize> {
+    /// The ring's centre `(x_0, y_0)`, non-dimensional.
+    pub position: [f64; 2],
+    /// Normal force on each ball.
+    pub normal: [f64; N],
+    /// Friction force that holds each ball.
+    pub friction: [f64; N],
+}
+
+impl<const N: usize> Balancer<N> {
+    /// Where the table rests when the balls stay at `beta` (thesis equations 5.3, 5.4):
+    /// `z_0 = ω² F / (1 - ω² + 2iζω)` with `F = m_I e + Σ m e^{iβ}`.
+    pub fn rest_point(&self, beta: &[f64; N]) -> RestPoint<N> {
+        let omega = self.speed;
+        let trigonometry = beta.map(libm::sincos);
+        let (mut force_x, mut force_y) = (0.0, 0.0);
+        for (ball, (s, c)) in self.balls.iter().zip(&trigonometry) {
+            force_x += ball.mass * c;
+            force_y += ball.mass * s;
+        }
+        force_x += self.imbalance;
+        let real = 1.0 - omega * omega;
+        let imaginary = 2.0 * self.damping_ratio * omega;
+        let scale = omega * omega / (real * real + imaginary * imaginary);
+        let x = scale * (real * force_x + imaginary * force_y);
+        let y = scale * (real * force_y - imaginary * force_x);
+        let normal = trigonometry.map(|(s, c)| omega * omega * (1.0 + c * x + s * y));
+        let friction = trigonometry.map(|(s, c)| -omega * omega * (s * x - c * y));
+        RestPoint { position: [x, y], normal, friction }
+    }
+
+    /// The least friction coefficient, alike for all balls, with which the balls can rest at
+    /// `beta`; infinite where a normal force would have to pull.
+    pub fn required_friction(&self, beta: &[f64; N]) -> f64 {
+        let rest = self.rest_point(beta);
+        let ratio = |i: usize| {
+            if rest.normal[i] > 0.0 {
+                rest.friction[i].abs() / rest.normal[i]
+            } else {
+                f64::INFINITY
+            }
+        };
+        (0..N).map(ratio).fold(0.0, f64::max)
+    }
+
+    /// Amplitude of the table's vibration with balls at rest at `beta`, over `L`.
+    pub fn rest_amplitude(&self, beta: &[f64; N]) -> f64 {
+        let [x, y] = self.rest_point(beta).position;
+        x.hypot(y)
+    }
+
+    /// The largest part of a ball's friction limit that an acceleration of the table by up to
+    /// `disturbance` beyond the rest point can call for, `(|f_w| + a) / (μ (f_n - a))`: at most 1
+    /// means that no ball can break loose.
+    pub fn friction_use(&self, rest: &RestPoint<N>, disturbance: f64) -> f64 {
+        let used = |i: usize| {
+            let limit = self.balls[i].friction_coefficient * (rest.normal[i] - disturbance);
+            let needed = rest.friction[i].abs() + disturbance;
+            if limit > 0.0 {
+                needed / limit
+            } else if needed == 0.0 {
+                0.0
+            } else {
+                f64::INFINITY
+            }
+        };
+        (0..N).map(used).fold(0.0, f64::max)
+    }
+
+    /// The part of the friction limit that is left where the balls rest: 1 where nothing pulls at
+    /// any ball, 0 on the edge of the equilibrium set, negative outside.
+    pub fn rest_margin(&self, beta: &[f64; N]) -> f64 {
+        1.0 - self.friction_use(&self.rest_point(beta), 0.0)
+    }
+
+    /// Distance of the table from its rest point in phase space, for balls at rest:
+    /// `R = sqrt(|u|² + |v|²)`, `u = z - z_0`, `v = u̇ + iωu`. `R²/2` is the energy of a damped
+    /// oscillator in inertial space, so `R` never grows.
+    pub fn distance_from_rest(&self, state: &State<N>, rest: &RestPoint<N>) -> f64 {
+        let u = [state.position[0] - rest.position[0], state.position[1] - rest.position[1]];
+        let v = [state.velocity[0] - self.speed * u[1], state.velocity[1] + self.speed * u[0]];
+        (u[0] * u[0] + u[1] * u[1] + (v[0] * v[0] + v[1] * v[1])).sqrt()
+    }
+
+    /// Bound on the table's acceleration beyond the rest point for ever after, from the distance
+    /// `R`: `|a_u| ≤ |u| + 2ζ|v| ≤ sqrt(1 + 4ζ²) R`.
+    pub fn acceleration_bound(&self, distance: f64) -> f64 {
+        distance * (1.0 + 4.0 * self.damping_ratio * self.damping_ratio).sqrt()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::model::{Balancer, Machine};
+
+    fn thesis(balls: usize) -> (Machine, f64) {
+        let mut machine = Machine::default();
+        machine.balls.truncate(balls);
+        let radius = machine.ring_radius_m;
+        (machine, radius)
+    }
+
+    /// Thesis sections 3.6 and 5.2: natural frequency and the amplitudes at -216.3772 rad/s.
+    #[test]
+    fn thesis_amplitudes_and_balancing_angles() {
+        let (machine, radius) = thesis(2);
+        assert!((machine.natural_frequency_rad_s() - 181.633).abs() < 5e-4);
+        let balancer = Balancer::<2>::new(&machine).unwrap();
+        let together = balancer.rest_amplitude(&[0.0, 0.0]) * radius;
+        assert!((together - 5.514e-5).abs() < 5e-9, "{together}");
+
+        // No balls: as if the balls' centrifugal forces cancelled each other.
+        let opposite = balancer.rest_amplitude(&[1.0, 1.0 + std::f64::consts::PI]) * radius;
+        assert!((opposite - 2.159e-5).abs() < 5e-9, "{opposite}");
+
+        let cosine = -machine.imbalance_mass_kg * machine.imbalance_radius_m
+            / (2.0 * machine.balls[0].mass_kg * radius);
+        let angle = cosine.acos();
+        assert!(
+            (angle - 2.270).abs() < 5e-4 && (std::f64::consts::TAU - angle - 4.013).abs() < 5e-4
+        );
+        assert!(balancer.rest_amplitude(&[angle, -angle]) < 1e-15);
+        assert!(balancer.required_friction(&[angle, -angle]) < 1e-14);
+    }
+
+    /// Thesis section 5.2.1: at 3.5e-3 every position of the balls is an equilibrium at -216 rad/s.
+    #[test]
+    fn whole_torus_is_equilibrium_above_3_5e_3() {
+        let balancer = Balancer::<2>::new(&Machine::default()).unwrap();
+        let mut most: f64 = 0.0;
+        for i in 0..200 {
+            for j in 0..200 {
+                let beta = [f64::from(i), f64::from(j)].map(|k| k * std::f64::consts::TAU / 200.0);
+                most = most.max(balancer.required_friction(&beta));
+            }
+        }
+        assert!(most < 3.5e-3 && most > 2.75e-3, "{most}");
+    }
+}

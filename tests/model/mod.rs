@@ -1,0 +1,1 @@
+mod extended_lagrange;

@@ -1,0 +1,4 @@
+//! All integration tests in one binary; folders mirror `src`.
+
+/// Equations of motion and closed forms.
+mod model;
