@@ -40,8 +40,9 @@ pub struct Forces<const N: usize, T = f64> {
 }
 
 impl<const N: usize, T: Number> Balancer<N, T> {
-    /// Accelerations and forces for given contacts. A ball that sticks counts as resting on the
-    /// ring, whatever small speed the switch model leaves it.
+    /// Accelerations and forces for given contacts. What small speed the switch model leaves to a
+    /// ball that sticks enters like any other speed: the conditions for stick and for slip then
+    /// meet exactly where one takes over from the other.
     #[inline]
     pub fn forces(&self, state: &State<N, T>, contacts: &[Contact<T>; N]) -> Forces<N, T> {
         let zero = T::constant(0.0);
@@ -62,7 +63,7 @@ impl<const N: usize, T: Number> Balancer<N, T> {
             let ball = &self.balls[i];
             let Contact { free, signed_friction } = contacts[i];
             let (s, c) = state.beta[i].sin_cos();
-            let beta_dot = free * state.beta_dot[i];
+            let beta_dot = state.beta_dot[i];
             let w = omega + beta_dot;
             let w_squared = w * w;
             let rolling = (ball.rolling_linear + ball.rolling_quadratic * beta_dot) * beta_dot;

@@ -50,10 +50,7 @@ pub fn extended_lagrange(
     for i in 0..2 {
         let ball = &balancer.balls[i];
         let (sine, cosine) = state.beta[i].sin_cos();
-        let beta_dot = match configurations[i] {
-            Configuration::Stick => 0.0,
-            Configuration::Slip(_) => state.beta_dot[i],
-        };
+        let beta_dot = state.beta_dot[i];
         let (angle, length) = (2 + i, 4 + i);
         mass[(0, angle)] = -ball.mass * sine;
         mass[(1, angle)] = ball.mass * cosine;

@@ -93,6 +93,20 @@ impl<const N: usize> Balancer<N> {
         (u[0] * u[0] + u[1] * u[1] + (v[0] * v[0] + v[1] * v[1])).sqrt()
     }
 
+    /// Bound on what the speeds that the switch model has left to sticking balls, and which die out
+    /// as `e^{-t}`, can still do: to each ball's normal force, and as a push on the table (to the
+    /// distance from rest).
+    pub fn residual_disturbance(&self, state: &State<N>) -> (f64, f64) {
+        let (mut normal, mut push) = (0.0_f64, 0.0);
+        for (ball, speed) in self.balls.iter().zip(state.beta_dot.map(f64::abs)) {
+            let centrifugal = (2.0 * self.speed.abs() + speed) * speed;
+            let rolling = ball.rolling_linear.abs() + ball.rolling_quadratic.abs() * speed;
+            normal = normal.max(centrifugal + rolling * speed);
+            push += ball.mass * centrifugal;
+        }
+        (normal, push)
+    }
+
     /// Bound on the table's acceleration beyond the rest point for ever after, from the distance
     /// `R`: `|a_u| ≤ |u| + 2ζ|v| ≤ sqrt(1 + 4ζ²) R`.
     pub fn acceleration_bound(&self, distance: f64) -> f64 {

@@ -1,0 +1,124 @@
+//! The rest certificate: whether balls that all stick can ever break loose again.
+//!
+//! With all balls stuck the table is a damped linear oscillator in inertial space, whose distance
+//! `R` from the rest point in phase space never grows; its acceleration beyond the rest point is at
+//! most `sqrt(1 + 4ζ²) R`. If every ball's friction limit covers that, the run has ended in
+//! equilibrium, certainly. Where this bound is too coarse, the motion itself is known in closed
+//! form and can be followed until it is not.
+
+use crate::model::{Balancer, Contact, RestPoint, State};
+
+/// Whether no ball can ever break loose, by the energy bound alone. All balls must stick.
+pub fn certified<const N: usize>(
+    balancer: &Balancer<N>,
+    rest: &RestPoint<N>,
+    state: &State<N>,
+) -> bool {
+    balancer.friction_use(rest, disturbance_bound(balancer, rest, state)) <= 1.0
+}
+
+/// Bound on any force beyond those at rest, for ever after.
+fn disturbance_bound<const N: usize>(
+    balancer: &Balancer<N>,
+    rest: &RestPoint<N>,
+    state: &State<N>,
+) -> f64 {
+    let (normal, push) = balancer.residual_disturbance(state);
+    let distance = balancer.distance_from_rest(state, rest) + push;
+    balancer.acceleration_bound(distance) + normal
+}
+
+/// Whether no ball can ever break loose, by following the closed form of the table's motion until
+/// the energy bound holds. Between the instants that are looked at, forces are bounded through
+/// their rate of change, so that `true` is certain; `false` means that a ball breaks loose, or that
+/// the two are too close to tell.
+///
+/// From inertial space `u e^{iωt}` obeys `ü + 2ζ u̇ + u = 0`; the solution over a fixed time is one
+/// complex 2×2 matrix, which is applied again and again.
+pub fn certified_by_closed_form<const N: usize>(
+    balancer: &Balancer<N>,
+    rest: &RestPoint<N>,
+    state: &State<N>,
+) -> bool {
+    // At the rest point itself the balls must hold, or no patience helps.
+    if balancer.friction_use(rest, 0.0) >= 1.0 || balancer.damping_ratio <= 0.0 {
+        return false;
+    }
+    let omega = balancer.speed;
+    let zeta = balancer.damping_ratio;
+    let stick = [Contact { free: 0.0, signed_friction: 0.0 }; N];
+    let interval = 0.02 / (omega.abs() + 1.0);
+    let propagate = Propagator::new(zeta, omega, interval);
+    let mut current = *state;
+    // What the balls' dying speeds add is not in the closed form: bounded once and for all.
+    let (normal, push) = balancer.residual_disturbance(state);
+    let residual = normal + balancer.acceleration_bound(push);
+    let mut u = [state.position[0] - rest.position[0], state.position[1] - rest.position[1]];
+    let mut v = [state.velocity[0] - omega * u[1], state.velocity[1] + omega * u[0]];
+    for _ in 0..1_000_000 {
+        for axis in 0..2 {
+            current.position[axis] = rest.position[axis] + u[axis];
+        }
+        current.velocity = [v[0] + omega * u[1], v[1] - omega * u[0]];
+        if certified(balancer, rest, &current) {
+            return true;
+        }
+        // Seen from the turning frame the acceleration changes at most at the rate
+        // (|ω| + sqrt(1 + 4ζ²)) times its bound, which never grows: until the next instant it
+        // differs from the present one by no more than this.
+        let bound = disturbance_bound(balancer, rest, &current);
+        let rate = (omega.abs() + balancer.acceleration_bound(1.0)) * bound;
+        let unseen = rate * interval + residual;
+        let forces = balancer.forces(&current, &stick);
+        for ball in 0..N {
+            let limit = balancer.balls[ball].friction_coefficient * (forces.normal[ball] - unseen);
+            if forces.friction[ball].abs() + unseen > limit {
+                return false;
+            }
+        }
+        (u, v) = propagate.step(u, v);
+    }
+    false
+}
+
+/// The exact motion of the damped oscillator over a fixed time, seen from the turning frame.
+struct Propagator {
+    /// `u ← uu·u + uv·v`, `v ← vu·u + vv·v` in inertial space.
+    matrix: [f64; 4],
+    /// Turn of the frame over the time, `(cos, sin)`.
+    turn: (f64, f64),
+}
+
+impl Propagator {
+    fn new(zeta: f64, omega: f64, time: f64) -> Self {
+        // Powers of the oscillator's matrix, summed: for the short times used here a dozen terms
+        // reach rounding, for any damping ratio that is not enormous.
+        let (mut term, mut sum) = ([1.0, 0.0, 0.0, 1.0], [1.0, 0.0, 0.0, 1.0]);
+        for power in 1..60 {
+            let scale = time / f64::from(power);
+            let [a, b, c, d] = term;
+            // Multiply by [[0, 1], [-1, -2ζ]].
+            term = [
+                -b * scale,
+                (a - 2.0 * zeta * b) * scale,
+                -d * scale,
+                (c - 2.0 * zeta * d) * scale,
+            ];
+            for (total, value) in sum.iter_mut().zip(term) {
+                *total += value;
+            }
+        }
+        let (sine, cosine) = libm::sincos(omega * time);
+        Propagator { matrix: sum, turn: (cosine, sine) }
+    }
+
+    fn step(&self, u: [f64; 2], v: [f64; 2]) -> ([f64; 2], [f64; 2]) {
+        let [uu, uv, vu, vv] = self.matrix;
+        let (cosine, sine) = self.turn;
+        let back = |[a, b]: [f64; 2]| [cosine * a + sine * b, cosine * b - sine * a];
+        (
+            back([uu * u[0] + uv * v[0], uu * u[1] + uv * v[1]]),
+            back([vu * u[0] + vv * v[0], vu * u[1] + vv * v[1]]),
+        )
+    }
+}

@@ -1,0 +1,155 @@
+//! What is known about a run when it has ended.
+
+use crate::motion::{Effort, Failure};
+
+/// How a run ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Label {
+    /// All balls are at rest for good.
+    Equilibrium,
+    /// A stable periodic motion, closed modulo 2π of the running balls' angles.
+    LimitCycle,
+    /// Neighbouring motions separate: no cycle will come of it soon.
+    Irregular,
+    /// Nothing could be shown until the end time.
+    Undecided,
+    /// The run could not be computed.
+    Failed,
+}
+
+impl Label {
+    /// All labels, in the order of the tables.
+    pub const ALL: [Label; 5] =
+        [Label::Equilibrium, Label::LimitCycle, Label::Irregular, Label::Undecided, Label::Failed];
+
+    /// The label's name in tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Label::Equilibrium => "equilibrium",
+            Label::LimitCycle => "limit_cycle",
+            Label::Irregular => "irregular",
+            Label::Undecided => "undecided",
+            Label::Failed => "failed",
+        }
+    }
+}
+
+/// Why a run has its label.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Evidence {
+    /// All balls stick and the closed form excludes that any ever breaks loose.
+    RestCertified,
+    /// Balls drift ever slower towards the edge of the equilibrium set.
+    Creep,
+    /// The orbit closes, is stable, and resting balls keep a margin.
+    ClosedOrbit,
+    /// The orbit closes but is unstable.
+    UnstableOrbit,
+    /// The end time was reached with nothing shown.
+    EndTime,
+    /// The motion could not be continued.
+    Failure(Failure),
+    /// The run's parameters make no physical sense (a draw from an uncertain parameter).
+    InvalidParameters,
+    /// The program itself failed in this run.
+    Panic,
+}
+
+impl Evidence {
+    /// Every evidence a table may name, in a fixed order.
+    pub const NAMES: [&'static str; 12] = [
+        "rest_certified",
+        "creep",
+        "closed_orbit",
+        "unstable_orbit",
+        "lyapunov",
+        "end_time",
+        "not_finite",
+        "contact_lost",
+        "step_limit",
+        "no_solution",
+        "invalid_parameters",
+        "panic",
+    ];
+
+    /// The evidence's name in tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Evidence::RestCertified => "rest_certified",
+            Evidence::Creep => "creep",
+            Evidence::ClosedOrbit => "closed_orbit",
+            Evidence::UnstableOrbit => "unstable_orbit",
+            Evidence::EndTime => "end_time",
+            Evidence::Failure(Failure::NotFinite) => "not_finite",
+            Evidence::Failure(Failure::ContactLost { .. }) => "contact_lost",
+            Evidence::Failure(Failure::StepLimit) => "step_limit",
+            Evidence::Failure(Failure::NoSolution) => "no_solution",
+            Evidence::InvalidParameters => "invalid_parameters",
+            Evidence::Panic => "panic",
+        }
+    }
+
+    /// The label that the evidence supports.
+    pub fn label(self) -> Label {
+        match self {
+            Evidence::RestCertified | Evidence::Creep => Label::Equilibrium,
+            Evidence::ClosedOrbit => Label::LimitCycle,
+            Evidence::UnstableOrbit | Evidence::EndTime => Label::Undecided,
+            Evidence::Failure(_) | Evidence::InvalidParameters | Evidence::Panic => Label::Failed,
+        }
+    }
+}
+
+/// One run's result. Per-ball values are in the order of the balls.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Outcome {
+    /// Why it ended as it did; the label follows from it.
+    pub evidence: Evidence,
+    /// How many balls went round the ring in the last tenth of the time, or in the cycle.
+    pub balls_running: Option<u8>,
+    /// When the last ball came to rest for good, s.
+    pub time_to_rest_s: Option<f64>,
+    /// Simulated time at which the run was stopped, s.
+    pub end_time_s: Option<f64>,
+    /// Angles at the end, rad, in [0, 2π).
+    pub beta_rad: Option<Vec<f64>>,
+    /// Amplitude of the table's vibration, m: at the rest point, or root mean square over the cycle
+    /// or the last tenth of the time.
+    pub amplitude_m: Option<f64>,
+    /// The least part of the friction limit that is left to a resting ball: at the rest point, or
+    /// along the cycle.
+    pub friction_margin: Option<f64>,
+    /// The cycle's period, s.
+    pub period_s: Option<f64>,
+    /// Mean speed of each ball relative to the ring in the last tenth of the time or over the
+    /// cycle, rad/s; 0 at rest.
+    pub ball_speed_rad_s: Option<Vec<f64>>,
+    /// What the run has cost.
+    pub effort: Effort,
+    /// What went wrong, in words.
+    pub error: Option<String>,
+}
+
+impl Outcome {
+    /// How the run ended.
+    pub fn label(&self) -> Label {
+        self.evidence.label()
+    }
+
+    /// A run of which nothing is known but why it failed.
+    pub fn failed(evidence: Evidence, error: String) -> Self {
+        Outcome {
+            evidence,
+            balls_running: None,
+            time_to_rest_s: None,
+            end_time_s: None,
+            beta_rad: None,
+            amplitude_m: None,
+            friction_margin: None,
+            period_s: None,
+            ball_speed_rad_s: None,
+            effort: Effort::default(),
+            error: Some(error),
+        }
+    }
+}

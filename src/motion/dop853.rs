@@ -1,0 +1,150 @@
+//! One step of the Runge-Kutta method DOP853 in a smooth phase, its error, its dense output.
+//!
+//! Source: Hairer, Nørsett, Wanner, *Solving Ordinary Differential Equations I*, 2nd ed., Springer
+//! 1993, sections II.5 (method, error estimate) and II.6 (dense output).
+
+use super::dop853_tableau::{
+    DENSE, DENSE_STAGES, ERROR_FIFTH, ERROR_THIRD, SOLUTION, STAGES, Term,
+};
+use crate::model::{Number, State};
+
+/// Errors allowed per step: `absolute + relative · |component|`, angles counting as 1 rad however
+/// often the ball has gone round.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tolerance {
+    /// Relative part.
+    pub relative: f64,
+    /// Absolute part, non-dimensional.
+    pub absolute: f64,
+}
+
+/// A step that was tried: 12 stages and the state they lead to.
+#[derive(Clone, Debug)]
+pub struct Step<const N: usize, T = f64> {
+    /// State at the step's start.
+    pub start: State<N, T>,
+    /// State at its end, of order 8.
+    pub end: State<N, T>,
+    /// Its length, non-dimensional time.
+    pub length: T,
+    stages: [State<N, T>; 12],
+}
+
+#[inline]
+fn combine<const N: usize, T: Number>(terms: &[Term], stages: &[State<N, T>]) -> State<N, T> {
+    let mut sum = State::zero();
+    for &(stage, coefficient) in terms {
+        sum.add_scaled(T::constant(coefficient), &stages[stage]);
+    }
+    sum
+}
+
+impl<const N: usize, T: Number> Step<N, T> {
+    /// Tries a step of `length` from `start`, whose derivative is known.
+    #[inline]
+    pub fn attempt(
+        right_hand_side: impl Fn(&State<N, T>) -> State<N, T>,
+        start: &State<N, T>,
+        derivative: &State<N, T>,
+        length: T,
+    ) -> Self {
+        let mut stages = [*derivative; 12];
+        for (index, terms) in STAGES.iter().enumerate() {
+            let mut state = *start;
+            state.add_scaled(length, &combine(terms, &stages));
+            stages[index + 1] = right_hand_side(&state);
+        }
+        let mut end = *start;
+        end.add_scaled(length, &combine(SOLUTION, &stages));
+        Step { start: *start, end, length, stages }
+    }
+}
+
+impl<const N: usize> Step<N> {
+    /// Estimated error over what is allowed, root mean square over the components: at most 1 is
+    /// good enough. Not a number where the step left the finite numbers.
+    pub fn error(&self, tolerance: Tolerance) -> f64 {
+        let fifth = combine(ERROR_FIFTH, &self.stages);
+        let third = combine(ERROR_THIRD, &self.stages);
+        let Tolerance { relative, absolute } = tolerance;
+        let scale = |a: f64, b: f64| 1.0 / (absolute + relative * a.abs().max(b.abs()));
+        let angle_scale = 1.0 / (absolute + relative);
+        let square = |value: f64| value * value;
+        // Table and balls are summed apart: two balls exchanged give the same sum to the last bit.
+        let (mut fifth_table, mut third_table) = (0.0, 0.0);
+        for axis in 0..2 {
+            let position = scale(self.start.position[axis], self.end.position[axis]);
+            let velocity = scale(self.start.velocity[axis], self.end.velocity[axis]);
+            fifth_table += square(fifth.position[axis] * position);
+            fifth_table += square(fifth.velocity[axis] * velocity);
+            third_table += square(third.position[axis] * position);
+            third_table += square(third.velocity[axis] * velocity);
+        }
+        let (mut fifth_balls, mut third_balls) = (0.0, 0.0);
+        for ball in 0..N {
+            let speed = scale(self.start.beta_dot[ball], self.end.beta_dot[ball]);
+            fifth_balls +=
+                square(fifth.beta[ball] * angle_scale) + square(fifth.beta_dot[ball] * speed);
+            third_balls +=
+                square(third.beta[ball] * angle_scale) + square(third.beta_dot[ball] * speed);
+        }
+        let fifth = fifth_table + fifth_balls;
+        let third = third_table + third_balls;
+        if fifth == 0.0 {
+            return 0.0;
+        }
+        let components = (4 + 2 * N) as f64;
+        self.length.abs() * fifth / ((fifth + 0.01 * third) * components).sqrt()
+    }
+
+    /// The interpolation polynomial of order 7 over the step; costs three right-hand sides.
+    pub fn interpolant(
+        &self,
+        right_hand_side: impl Fn(&State<N>) -> State<N>,
+        end_derivative: &State<N>,
+    ) -> Interpolant<N> {
+        let mut stages = [*end_derivative; 16];
+        stages[..12].copy_from_slice(&self.stages);
+        for (index, terms) in DENSE_STAGES.iter().enumerate() {
+            let mut state = self.start;
+            state.add_scaled(self.length, &combine(terms, &stages));
+            stages[13 + index] = right_hand_side(&state);
+        }
+        let mut coefficients = [State::zero(); 7];
+        let mut change = self.end;
+        change.add_scaled(-1.0, &self.start);
+        coefficients[0] = change;
+        coefficients[1].add_scaled(self.length, &self.stages[0]);
+        coefficients[1].add_scaled(-1.0, &change);
+        coefficients[2].add_scaled(2.0, &change);
+        coefficients[2].add_scaled(-self.length, &self.stages[0]);
+        coefficients[2].add_scaled(-self.length, end_derivative);
+        for (index, terms) in DENSE.iter().enumerate() {
+            coefficients[3 + index].add_scaled(self.length, &combine(terms, &stages));
+        }
+        Interpolant { start: self.start, coefficients }
+    }
+}
+
+/// Dense output: the state anywhere in a step, with an error of order 7.
+#[derive(Clone, Debug)]
+pub struct Interpolant<const N: usize> {
+    start: State<N>,
+    coefficients: [State<N>; 7],
+}
+
+impl<const N: usize> Interpolant<N> {
+    /// The state at the fraction `theta` of the step, 0 at its start and 1 at its end.
+    pub fn at(&self, theta: f64) -> State<N> {
+        let mut sum = State::zero();
+        for (index, coefficient) in self.coefficients.iter().rev().enumerate() {
+            sum.add_scaled(1.0, coefficient);
+            let factor = if index % 2 == 0 { theta } else { 1.0 - theta };
+            let previous = sum;
+            sum = State::zero();
+            sum.add_scaled(factor, &previous);
+        }
+        sum.add_scaled(1.0, &self.start);
+        sum
+    }
+}

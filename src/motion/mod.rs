@@ -1,0 +1,36 @@
+//! How the system moves: integration of smooth phases, stick and slip, switches between them.
+
+mod contact;
+mod dop853;
+mod dop853_tableau;
+mod guard;
+mod root;
+mod switch_model;
+
+pub use contact::{Phase, SLACK, contacts, decide, stick_reserve};
+pub use dop853::{Interpolant, Step, Tolerance};
+pub use root::fall_through_zero;
+pub use switch_model::{Effort, Settings, SwitchModel};
+
+use thiserror::Error;
+
+/// Why a motion could not be continued.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
+pub enum Failure {
+    /// A state or force is infinite or not a number.
+    #[error("the state is no longer finite")]
+    NotFinite,
+    /// A normal force turned negative: a ball would leave the ring, which the model has no
+    /// equations for.
+    #[error("the normal force on ball {ball} turned negative: it would leave the ring")]
+    ContactLost {
+        /// The ball, from 1.
+        ball: usize,
+    },
+    /// Steps and switches reached their limit, or steps became too short to go on.
+    #[error("more steps than the limit, or steps too short to go on")]
+    StepLimit,
+    /// No combination of stick and slip meets all conditions.
+    #[error("no combination of stick and slip meets all conditions")]
+    NoSolution,
+}
