@@ -4,15 +4,14 @@
 //! passage through the angle 0; the return map takes the state at one passage to that some turns
 //! later. An orbit is a limit cycle on three counts:
 //!
-//! 1. it closes: the state comes back to itself within a small multiple of the tolerances;
-//! 2. it is stable: all multipliers of the return map, by central differences, lie inside the unit
-//!    circle, and the fixed point that they point to is as near as the closure says;
+//! 1. it closes: from where the run nearly comes back to itself, Newton's method (with the slope kept) on the return map finds an orbit that does within a small multiple of the tolerances, and the run is near it;
+//! 2. it is stable: all multipliers of the return map, by central differences through all switches
+//!    on the way, lie inside the unit circle;
 //! 3. balls that rest keep a margin all along it. Where such a ball rests does not change from one
 //!    return to the next: those neutral directions (the cycles form a continuous family) are left
 //!    out of the map instead of being mistaken for instability.
 //!
-//! Only cycles in which each ball either runs or rests all along are recognised so far; a cycle in
-//! which a ball sticks and slips stays undecided.
+//! One ball at least must go round without stopping; the others may run, rest, or stick and slip.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -20,11 +19,17 @@ use crate::model::{Balancer, State};
 use crate::motion::{Phase, Settings, SwitchModel, Tolerance};
 
 /// The most turns of the running ball after which an orbit may close.
-const MOST_TURNS: usize = 8;
-/// Returns in a row that must be close.
-const CLOSE_RETURNS: usize = 3;
+const MOST_TURNS: usize = 12;
+/// How near a return must come to an earlier passage for a closer look, non-dimensional.
+const NEAR: f64 = 1e-3;
+/// How far from the run the closed orbit may lie, non-dimensional.
+const REACH: f64 = 1e-2;
+/// Most steps of Newton's method.
+const MOST_REFINEMENTS: usize = 10;
+/// Returns in a row that must be near.
+const NEAR_RETURNS: usize = 3;
 /// How often per run the multipliers are computed at most.
-const MOST_ATTEMPTS: u32 = 4;
+const MOST_ATTEMPTS: u32 = 3;
 /// Step of the central differences, non-dimensional.
 const DIFFERENCE: f64 = 1e-4;
 /// Multipliers must stay this far inside the unit circle to count as stable, and go this far
@@ -65,6 +70,8 @@ struct Passage<const N: usize> {
     time: f64,
     state: State<N>,
     phases: [Phase; N],
+    /// How far it is from the passage `turns` turns earlier.
+    differences: [f64; MOST_TURNS + 1],
 }
 
 /// Watches a motion for a closing orbit.
@@ -73,7 +80,7 @@ pub struct OrbitWatch<const N: usize> {
     closure: f64,
     ball: Option<usize>,
     passages: Vec<Passage<N>>,
-    close_in_a_row: [usize; MOST_TURNS + 1],
+    near_in_a_row: [usize; MOST_TURNS + 1],
     attempts: u32,
     wait_until: f64,
 }
@@ -86,7 +93,7 @@ impl<const N: usize> OrbitWatch<N> {
             closure: 100.0 * (relative + absolute),
             ball: None,
             passages: Vec::with_capacity(MOST_TURNS + 2),
-            close_in_a_row: [0; MOST_TURNS + 1],
+            near_in_a_row: [0; MOST_TURNS + 1],
             attempts: 0,
             wait_until: 0.0,
         }
@@ -98,10 +105,9 @@ impl<const N: usize> OrbitWatch<N> {
         balancer: &Balancer<N>,
         settings: &Settings,
         motion: &mut SwitchModel<N>,
-        switched: bool,
     ) -> Option<Verdict<N>> {
-        if switched {
-            self.restart(None);
+        if self.ball.is_some_and(|ball| motion.phases()[ball].in_band()) {
+            self.restart();
         }
         let gone_round = |angle: f64| !(0.0..std::f64::consts::TAU).contains(&angle);
         let beta = motion.state().beta;
@@ -111,45 +117,49 @@ impl<const N: usize> OrbitWatch<N> {
             None => (0..N).find(|&ball| gone_round(beta[ball]))?,
         };
         let Some((time, state)) = motion.passage(reference) else {
-            self.restart(None);
+            self.restart();
             return None;
         };
         self.ball = Some(reference);
-        let passage = Passage { time, state, phases: *motion.phases() };
-        let candidate = self.record(reference, passage);
-        let turns = candidate?;
+        let differences = [f64::INFINITY; MOST_TURNS + 1];
+        let passage = Passage { time, state, phases: *motion.phases(), differences };
+        let turns = self.record(reference, passage)?;
         if self.attempts >= MOST_ATTEMPTS || time < self.wait_until {
             return None;
         }
         self.attempts += 1;
         // After a look that showed nothing, give the motion ten times as long to settle.
         self.wait_until = time + 10.0 * (time - self.passages.first()?.time);
-        Some(self.examine(balancer, settings, reference, turns))
+        Some(self.examine(balancer, settings, reference, turns, motion.last_switches()))
     }
 
-    fn restart(&mut self, ball: Option<usize>) {
-        self.ball = ball;
+    fn restart(&mut self) {
+        self.ball = None;
         self.passages.clear();
-        self.close_in_a_row = [0; MOST_TURNS + 1];
+        self.near_in_a_row = [0; MOST_TURNS + 1];
     }
 
-    /// Takes a passage in and returns the least number of turns after which the orbit closes.
-    fn record(&mut self, reference: usize, passage: Passage<N>) -> Option<usize> {
-        let mut closed = None;
+    /// Takes a passage in and returns the least number of turns after which the orbit seems to
+    /// close: some returns in a row are near, and nearer than one such return earlier, or as near
+    /// as the tolerances let them be.
+    fn record(&mut self, reference: usize, mut passage: Passage<N>) -> Option<usize> {
+        let mut closing = None;
         for turns in 1..=MOST_TURNS.min(self.passages.len()) {
             let earlier = &self.passages[self.passages.len() - turns];
-            let close = earlier.phases == passage.phases
-                && difference(&earlier.state, &passage.state, reference) <= self.closure;
-            self.close_in_a_row[turns] = if close { self.close_in_a_row[turns] + 1 } else { 0 };
-            if self.close_in_a_row[turns] >= CLOSE_RETURNS && closed.is_none() {
-                closed = Some(turns);
+            let distance = difference(earlier, &passage, reference);
+            passage.differences[turns] = distance;
+            let approaches = distance < earlier.differences[turns] || distance <= self.closure;
+            let near = earlier.phases == passage.phases && distance <= NEAR && approaches;
+            self.near_in_a_row[turns] = if near { self.near_in_a_row[turns] + 1 } else { 0 };
+            if self.near_in_a_row[turns] >= NEAR_RETURNS.max(turns) && closing.is_none() {
+                closing = Some(turns);
             }
         }
         if self.passages.len() > MOST_TURNS {
             self.passages.remove(0);
         }
         self.passages.push(passage);
-        closed
+        closing
     }
 
     /// Multipliers, distance to the fixed point and margins of an orbit that closes.
@@ -159,8 +169,10 @@ impl<const N: usize> OrbitWatch<N> {
         settings: &Settings,
         reference: usize,
         turns: usize,
+        last_switches: &[f64; N],
     ) -> Verdict<N> {
         let Some(passage) = self.passages.last() else { return Verdict::Open };
+        let earlier = self.passages[self.passages.len() - 1 - turns].time;
         let map = ReturnMap {
             balancer,
             settings: Settings {
@@ -174,21 +186,33 @@ impl<const N: usize> OrbitWatch<N> {
             reference,
             turns,
             phases: passage.phases,
-            longest: 2.0 * (passage.time - self.passages[self.passages.len() - 1 - turns].time),
+            rests: std::array::from_fn(|ball| {
+                passage.phases[ball] == Phase::Stick && last_switches[ball] < earlier
+            }),
+            longest: 2.0 * (passage.time - earlier),
         };
-        map.verdict(&passage.state, self.closure).unwrap_or(Verdict::Open)
+        match map.verdict(&passage.state, self.closure).unwrap_or(Verdict::Open) {
+            // An unstable orbit is the run's own only while the run itself closes.
+            Verdict::Unstable if passage.differences[turns] > self.closure => Verdict::Open,
+            verdict => verdict,
+        }
     }
 }
 
-/// The larger of the differences of two states on the section, angles modulo 2π.
-fn difference<const N: usize>(a: &State<N>, b: &State<N>, reference: usize) -> f64 {
+/// The largest difference of two passages, angles modulo 2π. What is left of the speed of a ball
+/// that sticks does not count.
+fn difference<const N: usize>(a: &Passage<N>, b: &Passage<N>, reference: usize) -> f64 {
+    let phases = &a.phases;
+    let (a, b) = (&a.state, &b.state);
     let mut largest: f64 = 0.0;
     for axis in 0..2 {
         largest = largest.max((a.position[axis] - b.position[axis]).abs());
         largest = largest.max((a.velocity[axis] - b.velocity[axis]).abs());
     }
     for ball in 0..N {
-        largest = largest.max((a.beta_dot[ball] - b.beta_dot[ball]).abs());
+        if phases[ball] != Phase::Stick {
+            largest = largest.max((a.beta_dot[ball] - b.beta_dot[ball]).abs());
+        }
         if ball != reference {
             largest = largest.max(wrapped(a.beta[ball] - b.beta[ball]).abs());
         }
@@ -208,6 +232,8 @@ struct ReturnMap<'a, const N: usize> {
     reference: usize,
     turns: usize,
     phases: [Phase; N],
+    /// Which balls rest all along.
+    rests: [bool; N],
     /// Give up after this time.
     longest: f64,
 }
@@ -221,58 +247,75 @@ struct Return<const N: usize> {
 }
 
 impl<const N: usize> ReturnMap<'_, N> {
+    /// Refines the orbit near `state` and says what it is.
     fn verdict(&self, state: &State<N>, closure: f64) -> Option<Verdict<N>> {
-        let orbit = self.follow(state)?;
-        if orbit.margin.is_some_and(|margin| margin <= 0.0) {
-            return Some(Verdict::Open);
+        let first = self.coordinates(state);
+        let mut centre = first.clone();
+        let slope = self.jacobian(state, &centre)?;
+        let dimension = first.len();
+        let newton = (DMatrix::identity(dimension, dimension) - slope).lu();
+        for _ in 0..MOST_REFINEMENTS {
+            let start = self.state(state, &centre);
+            let orbit = self.follow(&start)?;
+            let residual = (self.coordinates(&orbit.state) - &centre).map(wrapped_small);
+            let jacobian = self.jacobian(state, &centre)?;
+            if residual.amax() <= closure {
+                return Some(self.judge(&start, orbit, jacobian));
+            }
+            // (1 - J) δ = P(s) - s
+            let dimension = centre.len();
+            centre += (DMatrix::identity(dimension, dimension) - jacobian).lu().solve(&residual)?;
+            if (&centre - &first).amax() > REACH {
+                return None;
+            }
         }
-        let centre = self.coordinates(state);
-        let image = self.coordinates(&orbit.state);
+        None
+    }
+
+    /// The derivative of the return map, by central differences.
+    fn jacobian(&self, like: &State<N>, centre: &DVector<f64>) -> Option<DMatrix<f64>> {
         let dimension = centre.len();
         let mut jacobian = DMatrix::<f64>::zeros(dimension, dimension);
         for column in 0..dimension {
             let shifted = |step: f64| {
                 let mut point = centre.clone();
                 point[column] += step;
-                self.follow(&self.state(state, &point)).map(|end| self.coordinates(&end.state))
+                self.follow(&self.state(like, &point)).map(|end| self.coordinates(&end.state))
             };
-            let forward = shifted(DIFFERENCE)?;
-            let backward = shifted(-DIFFERENCE)?;
-            let change = (forward - backward).map(wrapped_small) / (2.0 * DIFFERENCE);
-            jacobian.set_column(column, &change);
+            let change = shifted(DIFFERENCE)? - shifted(-DIFFERENCE)?;
+            jacobian.set_column(column, &(change.map(wrapped_small) / (2.0 * DIFFERENCE)));
         }
-        let multipliers = jacobian.clone().complex_eigenvalues();
+        Some(jacobian)
+    }
+
+    /// Stability and margins of a closed orbit from `state`.
+    fn judge(&self, state: &State<N>, orbit: Return<N>, jacobian: DMatrix<f64>) -> Verdict<N> {
+        let multipliers = jacobian.complex_eigenvalues();
         let largest = multipliers.iter().map(|m| m.norm()).fold(0.0, f64::max);
-        if !largest.is_finite() {
-            return Some(Verdict::Open);
-        }
         if largest > 1.0 + MULTIPLIER_DOUBT {
-            return Some(Verdict::Unstable);
+            return Verdict::Unstable;
         }
-        // How far away the fixed point is, to first order: (1 - J) δ = P(s) - s.
-        let residual = (image - centre).map(wrapped_small);
-        let to_fixed_point =
-            (DMatrix::identity(dimension, dimension) - jacobian).lu().solve(&residual)?;
-        if largest >= 1.0 - MULTIPLIER_DOUBT || to_fixed_point.amax() > 100.0 * closure {
-            return Some(Verdict::Open);
+        let keeps_margin = orbit.margin.is_none_or(|margin| margin > 0.0);
+        if !(largest < 1.0 - MULTIPLIER_DOUBT && keeps_margin) {
+            return Verdict::Open;
         }
-        let running = self.phases.map(|phase| phase != Phase::Stick);
-        let speed = std::array::from_fn(|ball| {
-            let turned = if ball == self.reference {
+        let turned: [f64; N] = std::array::from_fn(|ball| {
+            if ball == self.reference {
                 self.direction() * self.turns as f64 * std::f64::consts::TAU
             } else {
                 orbit.state.beta[ball] - state.beta[ball]
-            };
-            turned / orbit.time
+            }
         });
-        Some(Verdict::Stable(Orbit {
+        let running = turned.map(|angle| angle.abs() > std::f64::consts::PI);
+        let speed = turned.map(|angle| angle / orbit.time);
+        Verdict::Stable(Orbit {
             period: orbit.time,
             running,
             speed,
             amplitude: orbit.mean_square.sqrt(),
             margin: orbit.margin,
             largest_multiplier: largest,
-        }))
+        })
     }
 
     fn direction(&self) -> f64 {
@@ -282,19 +325,27 @@ impl<const N: usize> ReturnMap<'_, N> {
         }
     }
 
-    /// The coordinates that the map acts on: the table's, and those of running balls but the angle
-    /// of the one that marks the section.
+    /// The coordinates that the map acts on: the table's, and those of balls that move on the way,
+    /// less the angle of the one that marks the section and the speed of one that sticks there.
     fn coordinates(&self, state: &State<N>) -> DVector<f64> {
         let mut values = [state.position, state.velocity].concat();
         for ball in 0..N {
-            if self.phases[ball] != Phase::Stick {
+            if self.acts_on_speed(ball) {
                 values.push(state.beta_dot[ball]);
-                if ball != self.reference {
-                    values.push(state.beta[ball]);
-                }
+            }
+            if self.acts_on_angle(ball) {
+                values.push(state.beta[ball]);
             }
         }
         DVector::from_vec(values)
+    }
+
+    fn acts_on_speed(&self, ball: usize) -> bool {
+        self.phases[ball] != Phase::Stick
+    }
+
+    fn acts_on_angle(&self, ball: usize) -> bool {
+        ball != self.reference && !self.rests[ball]
     }
 
     /// The state with these coordinates; balls at rest stay where `like` has them.
@@ -305,17 +356,18 @@ impl<const N: usize> ReturnMap<'_, N> {
         state.position = [next(), next()];
         state.velocity = [next(), next()];
         for ball in 0..N {
-            if self.phases[ball] != Phase::Stick {
+            if self.acts_on_speed(ball) {
                 state.beta_dot[ball] = next();
-                if ball != self.reference {
-                    state.beta[ball] = next();
-                }
+            }
+            if self.acts_on_angle(ball) {
+                state.beta[ball] = next();
             }
         }
         state
     }
 
-    /// One return; `None` where a ball changes its phase on the way or the ball does not come back.
+    /// One return; `None` where a ball that should rest moves, or the marking ball stops or does not
+    /// come back.
     fn follow(&self, start: &State<N>) -> Option<Return<N>> {
         let mut start = *start;
         start.beta[self.reference] = 0.0;
@@ -324,7 +376,12 @@ impl<const N: usize> ReturnMap<'_, N> {
         let square = |state: &State<N>| state.position.iter().map(|p| p * p).sum::<f64>();
         let mut passed = 0;
         while motion.time() < self.longest {
-            if motion.phases() != &self.phases {
+            let stays = |ball: usize| {
+                let phase = motion.phases()[ball];
+                (!self.rests[ball] || phase == Phase::Stick)
+                    && (ball != self.reference || !phase.in_band())
+            };
+            if !(0..N).all(stays) {
                 return None;
             }
             let (before, square_before) = (motion.time(), square(motion.state()));
@@ -333,6 +390,9 @@ impl<const N: usize> ReturnMap<'_, N> {
             if let Some((time, mut state)) = motion.passage(self.reference) {
                 passed += 1;
                 if passed == self.turns {
+                    if motion.phases() != &self.phases {
+                        return None;
+                    }
                     square_time += 0.5 * (time - before) * (square_before + square(&state));
                     for ball in 0..N {
                         let turns = motion.unwrapped_angle(ball) - motion.state().beta[ball];
@@ -351,7 +411,7 @@ impl<const N: usize> ReturnMap<'_, N> {
     fn least_margin(&self, motion: &SwitchModel<N>) -> f64 {
         let forces = motion.forces();
         (0..N)
-            .filter(|&ball| self.phases[ball] == Phase::Stick)
+            .filter(|&ball| self.rests[ball])
             .map(|ball| {
                 let limit = self.balancer.balls[ball].friction_coefficient * forces.normal[ball];
                 1.0 - forces.friction[ball].abs() / limit

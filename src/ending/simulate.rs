@@ -144,7 +144,7 @@ impl<'a, const N: usize> Run<'a, N> {
                 self.rest = None;
             }
             self.extend_window(before, square);
-            match self.watch.look(self.balancer, &self.settings, &mut self.motion, switched) {
+            match self.watch.look(self.balancer, &self.settings, &mut self.motion) {
                 Some(Verdict::Stable(orbit)) => return Ending::Cycle(orbit),
                 Some(Verdict::Unstable) => self.unstable_orbit = true,
                 Some(Verdict::Open) | None => {}
@@ -212,7 +212,9 @@ impl<'a, const N: usize> Run<'a, N> {
         let at_rest = |evidence: Evidence, rest: RestPoint<N>| Outcome {
             evidence,
             balls_running: Some(0),
-            time_to_rest_s: Some(self.motion.last_switch() / natural),
+            time_to_rest_s: Some(
+                self.motion.last_switches().iter().fold(0.0_f64, |a, &b| a.max(b)) / natural,
+            ),
             amplitude_m: Some(rest.position[0].hypot(rest.position[1]) * radius),
             friction_margin: Some(1.0 - self.balancer.friction_use(&rest, 0.0))
                 .filter(|margin| margin.is_finite()),

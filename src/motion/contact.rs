@@ -14,10 +14,14 @@ pub enum Phase {
     Transition(f64),
 }
 
-/// Slack of the conditions for stick and transition, in accelerations over `L ω_n²`: well above
-/// rounding, far below any force that matters. It keeps a decision that is met only to rounding
-/// (the instant of break-away) from being taken twice.
-pub const SLACK: f64 = 1e-12;
+/// Slack of the conditions for stick and transition, as an acceleration over `L ω_n²`: a phase ends
+/// when its condition fails by more than this.
+///
+/// It keeps a decision that is met only to rounding (the instant of break-away) from being taken
+/// twice, and it sets the pace at which a creeping ball, whose pull hovers at the friction limit,
+/// alternates between stick and transition: the number of switches goes as one over the slack.
+/// Friction limits of a real balancer are some 1e-3, so that this is a millionth of them.
+pub const SLACK: f64 = 1e-9;
 
 impl Phase {
     /// How friction acts on the ball.

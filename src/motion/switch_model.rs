@@ -48,7 +48,7 @@ pub struct SwitchModel<'a, const N: usize> {
     derivative: State<N>,
     next_length: f64,
     longest: f64,
-    last_switch: f64,
+    last_switches: [f64; N],
     effort: Effort,
     last: Option<LastStep<N>>,
 }
@@ -111,7 +111,7 @@ impl<'a, const N: usize> SwitchModel<'a, N> {
             derivative,
             next_length: 0.1 * longest,
             longest,
-            last_switch: 0.0,
+            last_switches: [0.0; N],
             effort: Effort::default(),
             last: None,
         };
@@ -145,9 +145,9 @@ impl<'a, const N: usize> SwitchModel<'a, N> {
         &self.forces
     }
 
-    /// When a ball last changed its phase; 0 where none has.
-    pub fn last_switch(&self) -> f64 {
-        self.last_switch
+    /// When each ball last changed its phase; 0 where it has not.
+    pub fn last_switches(&self) -> &[f64; N] {
+        &self.last_switches
     }
 
     /// What the motion has cost so far.
@@ -224,10 +224,13 @@ impl<'a, const N: usize> SwitchModel<'a, N> {
                 self.time = last.start_time + theta * last.step.length;
                 self.state = at_switch;
                 self.forces = forces;
-                self.effort.switches +=
-                    phases.iter().zip(&self.phases).filter(|(new, old)| new != old).count() as u64;
+                for ball in 0..N {
+                    if phases[ball] != self.phases[ball] {
+                        self.effort.switches += 1;
+                        self.last_switches[ball] = self.time;
+                    }
+                }
                 self.phases = phases;
-                self.last_switch = self.time;
                 let contacts = super::contact::contacts(balancer, &phases);
                 self.derivative = balancer.derivative(&self.state, &contacts, &self.forces);
                 true
