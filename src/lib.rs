@@ -2,6 +2,11 @@
 #![forbid(unsafe_code)]
 #![deny(missing_docs)]
 
+pub mod analysis;
+pub mod cli;
 pub mod ending;
+pub mod farm;
 pub mod model;
 pub mod motion;
+pub mod study;
+pub mod table;

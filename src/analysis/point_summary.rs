@@ -1,0 +1,156 @@
+//! One point of the sweep in numbers: how its runs ended, how soon, with what amplitude.
+
+use super::interval::{Z_95, wilson_with_failures};
+use super::survival::{Observation, SurvivalCurve};
+use crate::ending::{Label, Outcome};
+
+/// Runs per label, in the order of [`Label::ALL`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct LabelCounts([u64; 5]);
+
+impl LabelCounts {
+    /// Counts one run.
+    pub fn add(&mut self, label: Label) {
+        self.0[label as usize] += 1;
+    }
+
+    /// Runs with this label.
+    pub fn of(&self, label: Label) -> u64 {
+        self.0[label as usize]
+    }
+
+    /// All runs.
+    pub fn total(&self) -> u64 {
+        self.0.iter().sum()
+    }
+
+    /// Share of all runs that have this label; 0 where there are no runs.
+    pub fn fraction(&self, label: Label) -> f64 {
+        match self.total() {
+            0 => 0.0,
+            total => self.of(label) as f64 / total as f64,
+        }
+    }
+}
+
+impl std::ops::AddAssign for LabelCounts {
+    fn add_assign(&mut self, other: Self) {
+        for (count, more) in self.0.iter_mut().zip(other.0) {
+            *count += more;
+        }
+    }
+}
+
+/// Collects the runs of one point.
+#[derive(Clone, Debug, Default)]
+pub struct PointAccumulator {
+    counts: LabelCounts,
+    observations: Vec<Observation>,
+    amplitudes: Vec<f64>,
+}
+
+/// What is known of one point.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PointSummary {
+    /// Runs per label.
+    pub counts: LabelCounts,
+    /// Share of equilibria, with 95 % interval (Wilson; failures widen it).
+    pub equilibrium_fraction: f64,
+    /// The interval's ends.
+    pub interval: (f64, f64),
+    /// Times by which 25, 50, 75 and 95 % of the runs have come to rest, s (Kaplan-Meier);
+    /// `None` where not reached.
+    pub time_to_rest_s: [Option<f64>; 4],
+    /// Quantiles 5, 50 and 95 % of the amplitude over all runs that have one, m.
+    pub amplitude_m: [Option<f64>; 3],
+}
+
+impl PointSummary {
+    /// The shares that `time_to_rest_s` is for.
+    pub const TIME_SHARES: [f64; 4] = [0.25, 0.5, 0.75, 0.95];
+    /// The shares that `amplitude_m` is for.
+    pub const AMPLITUDE_SHARES: [f64; 3] = [0.05, 0.5, 0.95];
+}
+
+impl PointAccumulator {
+    /// Takes in one run. Failed runs say nothing about time and amplitude.
+    pub fn add(&mut self, outcome: &Outcome) {
+        let label = outcome.label();
+        self.counts.add(label);
+        let observation = match (label, outcome.time_to_rest_s, outcome.end_time_s) {
+            (Label::Failed, _, _) => None,
+            (_, Some(time), _) => Some(Observation::Rest(time)),
+            (Label::LimitCycle, _, _) => Some(Observation::MovingUntil(f64::INFINITY)),
+            (_, None, end) => end.map(Observation::MovingUntil),
+        };
+        self.observations.extend(observation);
+        if label != Label::Failed {
+            self.amplitudes.extend(outcome.amplitude_m);
+        }
+    }
+
+    /// The numbers.
+    pub fn summary(mut self) -> PointSummary {
+        self.amplitudes.sort_by(f64::total_cmp);
+        let curve = SurvivalCurve::new(self.observations);
+        let counts = self.counts;
+        PointSummary {
+            counts,
+            equilibrium_fraction: counts.fraction(Label::Equilibrium),
+            interval: wilson_with_failures(
+                counts.of(Label::Equilibrium),
+                counts.of(Label::Failed),
+                counts.total(),
+                Z_95,
+            ),
+            time_to_rest_s: PointSummary::TIME_SHARES
+                .map(|share| curve.time_to_rest_quantile(share)),
+            amplitude_m: PointSummary::AMPLITUDE_SHARES
+                .map(|share| quantile(&self.amplitudes, share)),
+        }
+    }
+}
+
+/// The quantile of ascending values, linear between order statistics (type 7 of Hyndman and Fan,
+/// Am. Stat. 50 (1996) 361); `None` of nothing.
+pub fn quantile(ascending: &[f64], share: f64) -> Option<f64> {
+    let last = ascending.len().checked_sub(1)?;
+    let place = share * last as f64;
+    let low = (place.floor() as usize).min(last);
+    let high = (low + 1).min(last);
+    let part = place - low as f64;
+    Some(ascending[low] + part * (ascending[high] - ascending[low]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{PointAccumulator, quantile};
+    use crate::ending::{Evidence, Outcome};
+
+    #[test]
+    fn quantiles_between_order_statistics() {
+        let values = [1.0, 2.0, 3.0, 4.0];
+        assert_eq!(quantile(&values, 0.5), Some(2.5));
+        assert_eq!(quantile(&values, 0.0), Some(1.0));
+        assert_eq!(quantile(&values, 1.0), Some(4.0));
+        assert_eq!(quantile(&[], 0.5), None);
+    }
+
+    #[test]
+    fn cycles_never_rest_and_failures_say_nothing() {
+        let run = |evidence, time_to_rest_s| Outcome {
+            time_to_rest_s,
+            end_time_s: Some(16.5),
+            ..Outcome::failed(evidence, String::new())
+        };
+        let mut point = PointAccumulator::default();
+        for time in [1.0, 2.0, 3.0] {
+            point.add(&run(Evidence::RestCertified, Some(time)));
+        }
+        point.add(&run(Evidence::ClosedOrbit, None));
+        point.add(&run(Evidence::Panic, None));
+        let summary = point.summary();
+        assert_eq!(summary.equilibrium_fraction, 0.6);
+        assert_eq!(summary.time_to_rest_s, [Some(1.0), Some(2.0), Some(3.0), None]);
+    }
+}

@@ -1,0 +1,56 @@
+//! Arguments that several commands have in common.
+
+use std::num::NonZeroUsize;
+use std::path::PathBuf;
+
+use clap::Args;
+
+use crate::farm::{FarmOptions, Shard};
+
+/// The study file.
+#[derive(Clone, Debug, Args)]
+pub struct StudyArgument {
+    /// Study file, YAML (`stickslip schema` describes it)
+    #[arg(value_name = "STUDY")]
+    pub study: PathBuf,
+}
+
+/// How the runs are farmed. None of it changes a result.
+#[derive(Clone, Debug, Args)]
+pub struct FarmArguments {
+    /// Worker threads [default: one per core]
+    #[arg(long, value_name = "N", value_parser = positive)]
+    threads: Option<NonZeroUsize>,
+
+    /// Compute part K of N of the runs only
+    #[arg(long, value_name = "K/N", default_value = "1/1")]
+    pub shard: Shard,
+
+    /// Runs computed before they are handed to the tables; bounds the memory
+    #[arg(long, value_name = "RUNS", default_value = "1024", value_parser = positive)]
+    chunk: NonZeroUsize,
+
+    /// No progress and no table on the terminal
+    #[arg(long, short)]
+    pub quiet: bool,
+
+    /// Print the result as JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+impl FarmArguments {
+    /// As the farm wants them.
+    pub fn options(&self) -> FarmOptions {
+        let cores = || std::thread::available_parallelism().unwrap_or(NonZeroUsize::MIN);
+        FarmOptions {
+            threads: self.threads.unwrap_or_else(cores).get(),
+            chunk: self.chunk.get(),
+            shard: self.shard,
+        }
+    }
+}
+
+fn positive(text: &str) -> Result<NonZeroUsize, String> {
+    text.parse().map_err(|_| format!("found {text:?}, allowed: a whole number from 1"))
+}

@@ -1,0 +1,33 @@
+//! `stickslip completions`: completions for the shell.
+
+use clap::Args;
+use clap_complete::{Shell, generate};
+
+use super::exit::{CliError, End};
+use super::output::print;
+
+const EXAMPLES: &str = "\
+Examples:
+  stickslip completions bash > ~/.local/share/bash-completion/completions/stickslip
+  stickslip completions zsh > ~/.zfunc/_stickslip
+  stickslip completions fish > ~/.config/fish/completions/stickslip.fish";
+
+/// Print completions for a shell
+#[derive(Clone, Debug, Args)]
+#[command(after_help = EXAMPLES)]
+pub struct CompletionsArguments {
+    /// The shell
+    #[arg(value_enum)]
+    shell: Shell,
+}
+
+/// Prints the completions.
+///
+/// # Errors
+/// Where standard output cannot be written to.
+pub fn completions(arguments: &CompletionsArguments) -> Result<End, CliError> {
+    let mut script = Vec::new();
+    generate(arguments.shell, &mut super::definition(), "stickslip", &mut script);
+    print(&String::from_utf8_lossy(&script))?;
+    Ok(End::Well)
+}

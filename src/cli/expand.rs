@@ -1,0 +1,96 @@
+//! `stickslip expand`: writes the cases of a study without computing them.
+
+use std::path::PathBuf;
+
+use arrow::error::ArrowError;
+use arrow::util::display::{ArrayFormatter, FormatOptions};
+use clap::Args;
+
+use super::arguments::StudyArgument;
+use super::exit::{CliError, End};
+use super::output::print;
+use crate::farm::Shard;
+use crate::study::{PlannedRun, Study};
+use crate::table::column::{Column, batch, schema};
+use crate::table::{TableWriter, planned_columns, provenance};
+
+const EXAMPLES: &str = "\
+Examples:
+  stickslip expand study.yaml | head
+  stickslip expand study.yaml --out cases.parquet
+  stickslip expand study.yaml --shard 1/1000        every thousandth case";
+
+/// Write the cases of a study (parameters and start states) without computing them
+#[derive(Clone, Debug, Args)]
+#[command(after_help = EXAMPLES)]
+pub struct ExpandArguments {
+    #[command(flatten)]
+    study: StudyArgument,
+
+    /// Parquet file to write; without it the cases go to standard output as CSV
+    #[arg(long, short, value_name = "FILE")]
+    out: Option<PathBuf>,
+
+    /// Part K of N of the runs only
+    #[arg(long, value_name = "K/N", default_value = "1/1")]
+    shard: Shard,
+}
+
+/// Rows per piece of CSV.
+const PIECE: u64 = 1024;
+
+/// Writes the cases.
+///
+/// # Errors
+/// Where the study cannot be used, the file exists, or it cannot be written.
+pub fn expand(arguments: &ExpandArguments) -> Result<End, CliError> {
+    let study = Study::load(&arguments.study.study)?;
+    let mut columns = planned_columns::<PlannedRun>(&study, |planned| planned);
+    columns.push(Column::text("error", "why the case cannot be computed", |row: &PlannedRun| {
+        row.case.as_ref().err().map(ToString::to_string)
+    }));
+    let runs = arguments.shard.runs(study.run_count());
+    let planned = |index| study.planned_run(arguments.shard.run_id(index));
+    match &arguments.out {
+        Some(path) if path.exists() => Err(CliError::Usage(format!(
+            "{}: exists already\n  allowed: the name of a new file",
+            path.display()
+        ))),
+        Some(path) => {
+            let mut table = TableWriter::create(path, columns, &provenance(&study, "cases"))?;
+            for index in 0..runs {
+                table.push(planned(index))?;
+            }
+            table.finish()?;
+            Ok(End::Well)
+        }
+        None => {
+            let names: Vec<String> =
+                schema(&columns).fields().iter().map(|field| field.name().clone()).collect();
+            print(&(names.join(",") + "\n"))?;
+            for first in (0..runs).step_by(PIECE as usize) {
+                let rows: Vec<PlannedRun> =
+                    (first..runs.min(first + PIECE)).map(planned).collect();
+                print(&csv(&columns, &rows).map_err(std::io::Error::other)?)?;
+            }
+            Ok(End::Well)
+        }
+    }
+}
+
+fn csv(columns: &[Column<PlannedRun>], rows: &[PlannedRun]) -> Result<String, ArrowError> {
+    let batch = batch(columns, rows)?;
+    let options = FormatOptions::default();
+    let formatters: Vec<ArrayFormatter> = batch
+        .columns()
+        .iter()
+        .map(|column| ArrayFormatter::try_new(column.as_ref(), &options))
+        .collect::<Result<_, _>>()?;
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    for row in 0..rows.len() {
+        let cells = formatters.iter().map(|column| column.value(row).to_string());
+        writer.write_record(cells).map_err(|error| ArrowError::CsvError(error.to_string()))?;
+    }
+    let bytes = writer.into_inner().map_err(|error| ArrowError::CsvError(error.to_string()))?;
+    Ok(String::from_utf8_lossy(&bytes).into_owned())
+}

@@ -1,0 +1,73 @@
+//! The command line: one file per command, and one place where ends turn into exit codes.
+
+mod arguments;
+mod check;
+mod completions;
+mod exit;
+mod expand;
+mod output;
+mod points_table;
+mod run;
+mod schema;
+mod verify;
+
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+pub use exit::{CliError, End};
+
+const EXAMPLES: &str = "\
+Examples:
+  stickslip check studies/preferred-equilibria.yaml     is the study right, what will it cost?
+  stickslip run studies/preferred-equilibria.yaml       run it; tables in results/<study>
+  stickslip run study.yaml --out results/night --threads 8
+  stickslip verify studies/smoke.yaml                   run it and check what it expects
+
+Exit codes:
+  0  all well                         3    finished, but some runs failed
+  1  could not run                    4    verify: an expectation is not met
+  2  wrong usage, study or directory  130  interrupted; everything finished is kept";
+
+/// Parallel parameter studies and Monte Carlo for mechanical systems with dry friction.
+#[derive(Debug, Parser)]
+#[command(name = "stickslip", version, about, after_help = EXAMPLES, max_term_width = 100)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    Run(run::RunArguments),
+    Check(check::CheckArguments),
+    Expand(expand::ExpandArguments),
+    Verify(verify::VerifyArguments),
+    Schema(schema::SchemaArguments),
+    Completions(completions::CompletionsArguments),
+}
+
+/// Reads the arguments of the process, does what they say, and returns the exit code.
+pub fn main() -> ExitCode {
+    // clap prints help and wrong usage itself, with exit codes 0 and 2.
+    let result = match Cli::parse().command {
+        Command::Run(arguments) => run::run(&arguments),
+        Command::Check(arguments) => check::check(&arguments),
+        Command::Expand(arguments) => expand::expand(&arguments),
+        Command::Verify(arguments) => verify::verify(&arguments),
+        Command::Schema(arguments) => schema::schema(&arguments),
+        Command::Completions(arguments) => completions::completions(&arguments),
+    };
+    match result {
+        Ok(end) => end.code(),
+        Err(error) => {
+            eprintln!("error: {error}");
+            error.code()
+        }
+    }
+}
+
+/// The command line's definition, for completions and for tests of the help texts.
+pub fn definition() -> clap::Command {
+    <Cli as clap::CommandFactory>::command()
+}

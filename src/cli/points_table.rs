@@ -1,0 +1,116 @@
+//! The result of a study as a table on the terminal, or as JSON.
+
+use serde_json::{Value, json};
+
+use crate::ending::Label;
+use crate::study::{ParameterValue, Study};
+use crate::table::PointRow;
+
+/// Most points that are printed; the rest is in `points.parquet`.
+const MOST_LINES: usize = 40;
+
+/// One point as shown.
+#[derive(Clone, Debug)]
+pub struct PointsTable {
+    names: Vec<String>,
+    rows: Vec<PointRow>,
+    more: u64,
+    keep_all: bool,
+}
+
+impl PointsTable {
+    /// An empty table for a study; `keep_all` keeps rows that would not be printed.
+    pub fn new(study: &Study, keep_all: bool) -> Self {
+        let names = study.swept().iter().map(|column| column.name.clone()).collect();
+        PointsTable { names, rows: Vec::new(), more: 0, keep_all }
+    }
+
+    /// Adds a point.
+    pub fn push(&mut self, row: &PointRow) {
+        if self.keep_all || self.rows.len() < MOST_LINES {
+            self.rows.push(row.clone());
+        } else {
+            self.more += 1;
+        }
+    }
+
+    /// The table as text, numbers aligned to the right.
+    pub fn text(&self) -> String {
+        let mut header: Vec<String> = vec!["point".to_owned()];
+        header.extend(self.names.iter().cloned());
+        header.extend(["runs", "equilibria", "fraction", "95 % interval", "median rest [s]"].map(String::from));
+        let others: Vec<Label> = Label::ALL[1..]
+            .iter()
+            .copied()
+            .filter(|&label| self.rows.iter().any(|row| row.summary.counts.of(label) > 0))
+            .collect();
+        header.extend(others.iter().map(|label| label.name().to_owned()));
+        let line = |row: &PointRow| -> Vec<String> {
+            let summary = &row.summary;
+            let mut cells = vec![row.point_id.to_string()];
+            cells.extend(row.swept.iter().map(ParameterValue::to_string));
+            cells.push(summary.counts.total().to_string());
+            cells.push(summary.counts.of(Label::Equilibrium).to_string());
+            cells.push(format!("{:.4}", summary.equilibrium_fraction));
+            cells.push(format!("{:.4} .. {:.4}", summary.interval.0, summary.interval.1));
+            cells.push(match summary.time_to_rest_s[1] {
+                Some(median) => format!("{median:.2}"),
+                None => "not reached".to_owned(),
+            });
+            cells.extend(others.iter().map(|&label| summary.counts.of(label).to_string()));
+            cells
+        };
+        let mut lines = vec![header];
+        lines.extend(self.rows.iter().take(MOST_LINES).map(line));
+        let mut text = aligned(&lines);
+        let more = self.more + (self.rows.len().saturating_sub(MOST_LINES)) as u64;
+        if more > 0 {
+            text += &format!("... and {more} more points in points.parquet\n");
+        }
+        text
+    }
+
+    /// The table as JSON.
+    pub fn json(&self) -> Value {
+        let row = |row: &PointRow| {
+            let mut object = serde_json::Map::new();
+            object.insert("point_id".to_owned(), json!(row.point_id));
+            for (name, value) in self.names.iter().zip(&row.swept) {
+                let value = match value {
+                    ParameterValue::Number(number) => json!(number),
+                    ParameterValue::Text(text) => json!(text),
+                };
+                object.insert(name.clone(), value);
+            }
+            let summary = &row.summary;
+            object.insert("runs".to_owned(), json!(summary.counts.total()));
+            for label in Label::ALL {
+                object.insert(format!("{}_runs", label.name()), json!(summary.counts.of(label)));
+            }
+            object.insert("equilibrium_fraction".to_owned(), json!(summary.equilibrium_fraction));
+            object.insert("ci_low".to_owned(), json!(summary.interval.0));
+            object.insert("ci_high".to_owned(), json!(summary.interval.1));
+            object.insert("time_to_rest_p50_s".to_owned(), json!(summary.time_to_rest_s[1]));
+            object.insert("set_fraction".to_owned(), json!(row.set_fraction));
+            Value::Object(object)
+        };
+        self.rows.iter().map(row).collect()
+    }
+}
+
+/// Lines of cells as text, each column as wide as its widest cell.
+fn aligned(lines: &[Vec<String>]) -> String {
+    let columns = lines.first().map_or(0, Vec::len);
+    let width = |column: usize| {
+        let cells = lines.iter().filter_map(|line| line.get(column));
+        cells.map(|cell| cell.chars().count()).max().unwrap_or(0)
+    };
+    let widths: Vec<usize> = (0..columns).map(width).collect();
+    let mut text = String::new();
+    for line in lines {
+        let cells = line.iter().zip(&widths).map(|(cell, width)| format!("{cell:>width$}"));
+        text += cells.collect::<Vec<_>>().join("  ").trim_end();
+        text.push('\n');
+    }
+    text
+}

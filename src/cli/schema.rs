@@ -1,0 +1,29 @@
+//! `stickslip schema`: the JSON Schema of study files.
+
+use clap::Args;
+
+use super::exit::{CliError, End};
+use super::output::print;
+use crate::study::json_schema;
+
+const EXAMPLES: &str = "\
+Examples:
+  stickslip schema > study.schema.json
+
+With the YAML language server, put this line at the top of a study and the editor completes and
+checks it:
+  # yaml-language-server: $schema=study.schema.json";
+
+/// Print the JSON Schema of study files, for editors
+#[derive(Clone, Debug, Args)]
+#[command(after_help = EXAMPLES)]
+pub struct SchemaArguments {}
+
+/// Prints the schema.
+///
+/// # Errors
+/// Where standard output cannot be written to.
+pub fn schema(_: &SchemaArguments) -> Result<End, CliError> {
+    print(&format!("{:#}\n", json_schema()))?;
+    Ok(End::Well)
+}

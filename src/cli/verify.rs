@@ -1,0 +1,131 @@
+//! `stickslip verify`: runs a study and checks what it expects.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::arguments::{FarmArguments, StudyArgument};
+use super::exit::{CliError, End};
+use super::output::print;
+use super::run::farm_study;
+use crate::ending::Label;
+use crate::study::Study;
+use crate::table::{Destination, PointRow, Results, inspect};
+
+const EXAMPLES: &str = "\
+Examples:
+  stickslip verify studies/smoke.yaml
+  stickslip verify studies/smoke.yaml --threads 2 --out results/smoke
+
+Each entry under `expect` in the study is a line: met or NOT MET. Exit code 4 if one is not met.";
+
+/// Run a study and check the fractions that it expects
+#[derive(Clone, Debug, Args)]
+#[command(after_help = EXAMPLES)]
+pub struct VerifyArguments {
+    #[command(flatten)]
+    study: StudyArgument,
+
+    /// Also write the tables into this directory
+    #[arg(long, short, value_name = "DIR")]
+    out: Option<PathBuf>,
+
+    #[command(flatten)]
+    farm: FarmArguments,
+}
+
+/// Runs the study and checks its expectations.
+///
+/// # Errors
+/// As for `run`, and where the study expects nothing or only a part of it would be run.
+pub fn verify(arguments: &VerifyArguments) -> Result<End, CliError> {
+    let study = Study::load(&arguments.study.study)?;
+    if study.expectations().is_empty() {
+        return Err(CliError::Usage(format!(
+            "{}: `expect`: missing key\n  found:   a study that expects nothing\n  allowed: a list \
+             such as expect: [{{point: {{speed_rad_s: -160.0}}, equilibrium_fraction: [0.9, 1.0]}}]",
+            arguments.study.study.display()
+        )));
+    }
+    if arguments.farm.shard != crate::farm::Shard::WHOLE {
+        let message = "--shard: verify needs all runs\n  allowed: run without --shard";
+        return Err(CliError::Usage(message.to_owned()));
+    }
+    let mut results = match &arguments.out {
+        Some(directory) => {
+            if let Destination::Complete(_) = inspect(directory, &study, "1/1")? {
+                let message = format!(
+                    "{}: holds results of this study already\n  allowed: another directory, or \
+                     none to verify without tables",
+                    directory.display()
+                );
+                return Err(CliError::Usage(message));
+            }
+            Some(Results::create(directory, &study)?)
+        }
+        None => None,
+    };
+    let mut findings = Findings::default();
+    let ran = farm_study(&study, &arguments.farm, |record, point| {
+        if let Some(point) = point {
+            findings.check(&study, point);
+        }
+        match (&mut results, record, point) {
+            (Some(results), Some(record), _) => results.push_run(record),
+            (Some(results), _, Some(point)) => results.push_point(point.clone()),
+            _ => Ok(()),
+        }
+    })?;
+    if let Some(results) = results {
+        results.finish(&study, ran.circumstances.clone())?;
+    }
+    ran.report(&study, &arguments.farm, arguments.out.as_deref())?;
+    if ran.tally.interrupted {
+        return Ok(End::Interrupted);
+    }
+    if !arguments.farm.json {
+        print(&findings.lines)?;
+    }
+    Ok(if findings.not_met > 0 {
+        eprintln!("{} expectations not met", findings.not_met);
+        End::ExpectationNotMet
+    } else if ran.tally.counts.of(Label::Failed) > 0 {
+        End::RunsFailed
+    } else {
+        End::Well
+    })
+}
+
+/// What has been found of the expectations so far.
+#[derive(Default)]
+struct Findings {
+    lines: String,
+    not_met: u64,
+}
+
+impl Findings {
+    fn check(&mut self, study: &Study, point: &PointRow) {
+        for expectation in study.expectations() {
+            if !expectation.selects(study, &point.swept) {
+                continue;
+            }
+            for (name, [low, high]) in &expectation.fractions {
+                let Some(label) = Label::ALL.into_iter().find(|label| label.name() == *name) else {
+                    continue;
+                };
+                let fraction = point.summary.counts.fraction(label);
+                let met = (*low..=*high).contains(&fraction);
+                self.not_met += u64::from(!met);
+                let columns = study.swept().iter().zip(&point.swept);
+                let place: Vec<String> =
+                    columns.map(|(column, value)| format!("{}={value}", column.name)).collect();
+                self.lines += &format!(
+                    "{}  point {} {}: {name} fraction {fraction:.4}, expected {low} to {high}\n",
+                    if met { "met    " } else { "NOT MET" },
+                    point.point_id,
+                    place.join(" "),
+                );
+            }
+        }
+    }
+}

@@ -1,0 +1,161 @@
+//! Farms runs over the cores and hands them on in order.
+//!
+//! Which run is computed where and when changes nothing in its result: a run is a pure function of
+//! the study and its number. Chunks bound the memory; while one is computed, the one before is
+//! written.
+
+mod compute;
+mod interrupt;
+mod progress;
+mod shard;
+
+pub use compute::compute;
+pub use interrupt::stop_on_signals;
+pub use progress::Progress;
+pub use shard::{Shard, ShardError};
+
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use rayon::prelude::*;
+use thiserror::Error;
+
+use crate::analysis::{LabelCounts, PointAccumulator};
+use crate::ending::Outcome;
+use crate::model::Case;
+use crate::study::Study;
+use crate::table::{PointRow, RunRecord};
+
+/// How a study is farmed. None of it changes a result.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FarmOptions {
+    /// Worker threads; at least one is used.
+    pub threads: usize,
+    /// Runs computed before they are handed on; at least one.
+    pub chunk: usize,
+    /// The part of the study to compute.
+    pub shard: Shard,
+}
+
+/// Takes in runs and points, in the order of the study.
+pub trait Sink: Send {
+    /// What can go wrong.
+    type Error: Send;
+
+    /// A run has finished. Runs come in ascending order of their numbers.
+    ///
+    /// # Errors
+    /// Stops the farm.
+    fn run(&mut self, record: RunRecord) -> Result<(), Self::Error>;
+
+    /// All runs of a point have finished, or those that will.
+    ///
+    /// # Errors
+    /// Stops the farm.
+    fn point(&mut self, point: PointRow) -> Result<(), Self::Error>;
+}
+
+/// Why a study could not be farmed.
+#[derive(Debug, Error)]
+pub enum FarmError<E> {
+    /// The worker threads could not be started.
+    #[error("cannot start the worker threads: {0}")]
+    Threads(#[from] rayon::ThreadPoolBuildError),
+    /// The sink refused.
+    #[error("{0}")]
+    Sink(E),
+}
+
+/// What a farm has done.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Tally {
+    /// Finished runs per label.
+    pub counts: LabelCounts,
+    /// Whether `stop` cut it short.
+    pub interrupted: bool,
+}
+
+/// Computes the runs of a study's shard with `simulate` and hands runs and points to `sink`.
+///
+/// When `stop` becomes true, runs in progress are finished, all finished runs are handed on, and
+/// the farm returns. A panic in `simulate` is that run's failure and nobody else's.
+///
+/// # Errors
+/// Where threads cannot be started or the sink refuses.
+pub fn farm<S: Sink>(
+    study: &Study,
+    options: FarmOptions,
+    simulate: impl Fn(&Case) -> Outcome + Sync,
+    stop: &AtomicBool,
+    progress: &Progress,
+    sink: &mut S,
+) -> Result<Tally, FarmError<S::Error>> {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(options.threads.max(1)).build()?;
+    let planned = options.shard.runs(study.run_count());
+    let chunk = options.chunk.max(1) as u64;
+    let mut intake = Intake { study, sink, point: None, counts: LabelCounts::default() };
+    let mut finished: Vec<RunRecord> = Vec::new();
+    let mut first = 0;
+    while first < planned && !stop.load(Ordering::Relaxed) {
+        let end = planned.min(first + chunk);
+        let work = || -> Vec<RunRecord> {
+            (first..end)
+                .into_par_iter()
+                .with_max_len(1)
+                .filter_map(|index| {
+                    if stop.load(Ordering::Relaxed) {
+                        return None;
+                    }
+                    let record = compute(study, options.shard.run_id(index), &simulate);
+                    progress.finished(record.outcome.label());
+                    Some(record)
+                })
+                .collect()
+        };
+        let waiting = std::mem::take(&mut finished);
+        let (computed, taken) = pool.install(|| rayon::join(work, || intake.take_all(waiting)));
+        taken.map_err(FarmError::Sink)?;
+        finished = computed;
+        first = end;
+    }
+    intake.take_all(finished).map_err(FarmError::Sink)?;
+    let counts = intake.finish().map_err(FarmError::Sink)?;
+    Ok(Tally { counts, interrupted: counts.total() < planned })
+}
+
+/// Hands runs to the sink and collects them point by point.
+struct Intake<'a, S> {
+    study: &'a Study,
+    sink: &'a mut S,
+    point: Option<(u64, PointAccumulator)>,
+    counts: LabelCounts,
+}
+
+impl<S: Sink> Intake<'_, S> {
+    fn take_all(&mut self, records: Vec<RunRecord>) -> Result<(), S::Error> {
+        for record in records {
+            let point_id = record.planned.point_id;
+            if self.point.as_ref().is_some_and(|(current, _)| *current != point_id) {
+                self.close_point()?;
+            }
+            let (_, point) = self.point.get_or_insert_with(|| (point_id, PointAccumulator::default()));
+            point.add(&record.outcome);
+            self.counts.add(record.outcome.label());
+            self.sink.run(record)?;
+        }
+        Ok(())
+    }
+
+    fn close_point(&mut self) -> Result<(), S::Error> {
+        match self.point.take() {
+            Some((point_id, runs)) => {
+                self.sink.point(PointRow::new(&self.study.point(point_id), runs.summary()))
+            }
+            None => Ok(()),
+        }
+    }
+
+    fn finish(mut self) -> Result<LabelCounts, S::Error> {
+        self.close_point()?;
+        Ok(self.counts)
+    }
+}

@@ -1,0 +1,82 @@
+//! A part of a study: every `N`-th run, so that parts cost about the same.
+
+use std::fmt;
+use std::str::FromStr;
+
+use thiserror::Error;
+
+/// Part `K` of `N`: the runs whose number leaves the remainder `K - 1` when divided by `N`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Shard {
+    part: u64,
+    parts: u64,
+}
+
+/// A shard that does not exist.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[error("found {0:?}, allowed: K/N with whole numbers 1 ≤ K ≤ N, such as 2/8")]
+pub struct ShardError(String);
+
+impl Shard {
+    /// The whole study.
+    pub const WHOLE: Shard = Shard { part: 1, parts: 1 };
+
+    /// How many of a study's runs it has.
+    pub fn runs(self, all: u64) -> u64 {
+        let before = self.part - 1;
+        if all <= before { 0 } else { (all - before).div_ceil(self.parts) }
+    }
+
+    /// The number of its run `index` in the study; `index` below [`Shard::runs`].
+    pub fn run_id(self, index: u64) -> u64 {
+        index * self.parts + self.part - 1
+    }
+}
+
+impl FromStr for Shard {
+    type Err = ShardError;
+
+    fn from_str(text: &str) -> Result<Self, ShardError> {
+        let numbers = text.split_once('/').and_then(|(part, parts)| {
+            Some(Shard { part: part.parse().ok()?, parts: parts.parse().ok()? })
+        });
+        numbers
+            .filter(|shard| 1 <= shard.part && shard.part <= shard.parts)
+            .ok_or_else(|| ShardError(text.to_owned()))
+    }
+}
+
+impl fmt::Display for Shard {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(out, "{}/{}", self.part, self.parts)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Shard;
+
+    #[test]
+    fn shards_have_every_run_once() {
+        for parts in [1_u64, 2, 3, 7, 12] {
+            for all in [0, 1, 5, 12, 100] {
+                let mut ids: Vec<u64> = (1..=parts)
+                    .flat_map(|part| {
+                        let shard: Shard = format!("{part}/{parts}").parse().unwrap();
+                        (0..shard.runs(all)).map(move |index| shard.run_id(index))
+                    })
+                    .collect();
+                ids.sort_unstable();
+                assert_eq!(ids, (0..all).collect::<Vec<_>>(), "{parts} parts of {all}");
+            }
+        }
+    }
+
+    #[test]
+    fn shards_that_do_not_exist() {
+        for wrong in ["3/2", "0/2", "1/0", "2", "a/b", "", "1/2/3", "-1/2", "1.5/2"] {
+            let error = wrong.parse::<Shard>().unwrap_err().to_string();
+            assert!(error.contains(&format!("{wrong:?}")) && error.contains("1 ≤ K ≤ N"), "{error}");
+        }
+    }
+}

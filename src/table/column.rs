@@ -1,0 +1,117 @@
+//! A column of a table: its name, unit and meaning, and how its value is taken from a row.
+//!
+//! A table is a list of columns; its schema and its record batches come from the same list.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use arrow::array::{
+    ArrayRef, Float64Array, RecordBatch, StringArray, StringDictionaryBuilder, UInt8Array,
+    UInt64Array,
+};
+use arrow::datatypes::{DataType, Field, Int32Type, Schema};
+use arrow::error::ArrowError;
+
+type Build<R> = Box<dyn Fn(&[R]) -> ArrayRef + Send + Sync>;
+
+/// One column of a table of rows `R`.
+pub struct Column<R> {
+    field: Field,
+    build: Build<R>,
+}
+
+/// Unit of a column whose values have been made non-dimensional: lengths over the ring's radius,
+/// time times the natural frequency.
+pub const NON_DIMENSIONAL: &str = "1 (non-dimensional)";
+
+impl<R> Column<R> {
+    fn new(name: &str, kind: DataType, unit: &str, meaning: &str, build: Build<R>) -> Self {
+        let metadata = [("unit", unit), ("meaning", meaning)]
+            .into_iter()
+            .filter(|(_, text)| !text.is_empty())
+            .map(|(key, text)| (key.to_owned(), text.to_owned()))
+            .collect::<HashMap<_, _>>();
+        Column { field: Field::new(name, kind, true).with_metadata(metadata), build }
+    }
+
+    /// A column of numbers; a value that is not finite counts as missing.
+    pub fn number(
+        name: &str,
+        unit: &str,
+        meaning: &str,
+        value: impl Fn(&R) -> Option<f64> + Send + Sync + 'static,
+    ) -> Self {
+        let build = move |rows: &[R]| -> ArrayRef {
+            let values = rows.iter().map(|row| value(row).filter(|number| number.is_finite()));
+            Arc::new(values.collect::<Float64Array>())
+        };
+        Self::new(name, DataType::Float64, unit, meaning, Box::new(build))
+    }
+
+    /// A column of counts or numbers of things.
+    pub fn count(
+        name: &str,
+        meaning: &str,
+        value: impl Fn(&R) -> Option<u64> + Send + Sync + 'static,
+    ) -> Self {
+        let build = move |rows: &[R]| -> ArrayRef {
+            Arc::new(rows.iter().map(&value).collect::<UInt64Array>())
+        };
+        Self::new(name, DataType::UInt64, "", meaning, Box::new(build))
+    }
+
+    /// A column of small counts.
+    pub fn small_count(
+        name: &str,
+        meaning: &str,
+        value: impl Fn(&R) -> Option<u8> + Send + Sync + 'static,
+    ) -> Self {
+        let build = move |rows: &[R]| -> ArrayRef {
+            Arc::new(rows.iter().map(&value).collect::<UInt8Array>())
+        };
+        Self::new(name, DataType::UInt8, "", meaning, Box::new(build))
+    }
+
+    /// A column of words out of a few, dictionary-encoded.
+    pub fn word(
+        name: &str,
+        meaning: &str,
+        value: impl Fn(&R) -> &'static str + Send + Sync + 'static,
+    ) -> Self {
+        let build = move |rows: &[R]| -> ArrayRef {
+            let mut words = StringDictionaryBuilder::<Int32Type>::new();
+            for row in rows {
+                words.append_value(value(row));
+            }
+            Arc::new(words.finish())
+        };
+        let kind = DataType::Dictionary(Box::new(DataType::Int32), Box::new(DataType::Utf8));
+        Self::new(name, kind, "", meaning, Box::new(build))
+    }
+
+    /// A column of free text.
+    pub fn text(
+        name: &str,
+        meaning: &str,
+        value: impl Fn(&R) -> Option<String> + Send + Sync + 'static,
+    ) -> Self {
+        let build = move |rows: &[R]| -> ArrayRef {
+            Arc::new(rows.iter().map(&value).collect::<StringArray>())
+        };
+        Self::new(name, DataType::Utf8, "", meaning, Box::new(build))
+    }
+}
+
+/// The schema of a table.
+pub fn schema<R>(columns: &[Column<R>]) -> Arc<Schema> {
+    Arc::new(Schema::new(columns.iter().map(|column| column.field.clone()).collect::<Vec<_>>()))
+}
+
+/// Rows as a record batch.
+///
+/// # Errors
+/// Where a column's values do not fit its type: a defect of this program.
+pub fn batch<R>(columns: &[Column<R>], rows: &[R]) -> Result<RecordBatch, ArrowError> {
+    let arrays = columns.iter().map(|column| (column.build)(rows)).collect();
+    RecordBatch::try_new(schema(columns), arrays)
+}

@@ -1,0 +1,125 @@
+//! `manifest.json`: what an output directory holds, and when, where and how it was made.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::io;
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
+
+/// Name of the manifest in an output directory.
+pub const MANIFEST: &str = "manifest.json";
+
+/// The manifest. Times and host are here and nowhere else.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Manifest {
+    /// Version of the layout.
+    pub format: u32,
+    /// Name of the study.
+    pub study: String,
+    /// Hash of what decides its runs.
+    pub study_hash: String,
+    /// Version of the program.
+    pub version: String,
+    /// Commit that the program was built from.
+    pub commit: String,
+    /// Part of the study that was run, as `K/N`.
+    pub shard: String,
+    /// Runs planned in this part.
+    pub runs_planned: u64,
+    /// Runs finished, failed ones included.
+    pub runs_finished: u64,
+    /// Runs per label.
+    pub labels: BTreeMap<String, u64>,
+    /// Whether all planned runs are finished.
+    pub complete: bool,
+    /// When it started, seconds since 1970-01-01 UTC.
+    pub started_unix_s: f64,
+    /// How long it took, s.
+    pub wall_s: f64,
+    /// Worker threads.
+    pub threads: usize,
+    /// Name of the machine.
+    pub host: String,
+    /// The data files.
+    pub files: BTreeMap<String, FileEntry>,
+}
+
+/// A data file in the manifest.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct FileEntry {
+    /// Rows of the table; none for a file that is not a table.
+    pub rows: Option<u64>,
+    /// Size, bytes.
+    pub bytes: u64,
+    /// SHA-256 of its content, hexadecimal.
+    pub sha256: String,
+}
+
+impl FileEntry {
+    /// The entry of a file on disk.
+    ///
+    /// # Errors
+    /// Where the file cannot be read.
+    pub fn of(path: &Path, rows: Option<u64>) -> io::Result<Self> {
+        let mut hasher = HashWriter { hasher: Sha256::new(), bytes: 0 };
+        io::copy(&mut fs::File::open(path)?, &mut hasher)?;
+        let digest = hasher.hasher.finalize();
+        let sha256 = digest.iter().map(|byte| format!("{byte:02x}")).collect();
+        Ok(FileEntry { rows, bytes: hasher.bytes, sha256 })
+    }
+}
+
+struct HashWriter {
+    hasher: Sha256,
+    bytes: u64,
+}
+
+impl io::Write for HashWriter {
+    fn write(&mut self, content: &[u8]) -> io::Result<usize> {
+        self.hasher.update(content);
+        self.bytes += content.len() as u64;
+        Ok(content.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+impl Manifest {
+    /// Reads the manifest of a directory; none where there is no such file.
+    ///
+    /// # Errors
+    /// Where there is one that cannot be read or is not a manifest.
+    pub fn read(directory: &Path) -> io::Result<Option<Self>> {
+        match fs::read_to_string(directory.join(MANIFEST)) {
+            Ok(text) => Ok(Some(serde_json::from_str(&text).map_err(io::Error::other)?)),
+            Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
+            Err(error) => Err(error),
+        }
+    }
+
+    /// Writes the manifest into a directory, whole or not at all.
+    ///
+    /// # Errors
+    /// Where it cannot be written.
+    pub fn write(&self, directory: &Path) -> io::Result<()> {
+        let text = serde_json::to_string_pretty(self).map_err(io::Error::other)? + "\n";
+        write_atomically(&directory.join(MANIFEST), text.as_bytes())
+    }
+}
+
+/// Writes a file under a temporary name, syncs it and renames it.
+///
+/// # Errors
+/// Where it cannot be written or renamed.
+pub fn write_atomically(path: &Path, content: &[u8]) -> io::Result<()> {
+    use std::io::Write;
+    let temporary = path.with_added_extension("partial");
+    let mut file = fs::File::create(&temporary)?;
+    file.write_all(content)?;
+    file.sync_all()?;
+    fs::rename(&temporary, path)
+}

@@ -1,0 +1,22 @@
+//! Results as files: Parquet tables with units and provenance, and the manifest beside them.
+//!
+//! The only room that knows Arrow and Parquet.
+
+pub mod column;
+mod equilibria;
+mod manifest;
+mod points;
+mod provenance;
+mod record;
+mod results;
+mod runs;
+mod writer;
+
+pub use equilibria::{EquilibriumRow, equilibrium_columns};
+pub use manifest::{FileEntry, MANIFEST, Manifest};
+pub use points::{PointRow, point_columns};
+pub use provenance::{COMMIT, FORMAT, VERSION, provenance};
+pub use record::RunRecord;
+pub use results::{Circumstances, Destination, Results, ResultsError, inspect};
+pub use runs::{planned_columns, run_columns};
+pub use writer::{TableWriter, WriteCause, WriteError};

@@ -1,0 +1,123 @@
+//! `points.parquet`: one row per point of the sweep.
+
+use super::column::Column;
+use super::runs::swept_columns;
+use crate::analysis::{PointSummary, set_fraction};
+use crate::ending::Label;
+use crate::model::{Balancer, Machine};
+use crate::study::{ParameterValue, Point, Study};
+
+/// One point of the sweep with what its runs have shown.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PointRow {
+    /// Number of the point, from 0.
+    pub point_id: u64,
+    /// Values of the swept parameters, in the order of [`Study::swept`].
+    pub swept: Vec<ParameterValue>,
+    /// How its runs ended.
+    pub summary: PointSummary,
+    /// Amplitude without balls, m.
+    pub amplitude_without_balls_m: Option<f64>,
+    /// Share of all ball positions that are equilibria.
+    pub set_fraction: Option<f64>,
+}
+
+impl PointRow {
+    /// The row of a point.
+    pub fn new(point: &Point, summary: PointSummary) -> Self {
+        let machine = point.machine();
+        PointRow {
+            point_id: point.point_id,
+            swept: point.swept.clone(),
+            summary,
+            amplitude_without_balls_m: amplitude_without_balls(&machine),
+            set_fraction: set_fraction(&machine),
+        }
+    }
+}
+
+/// Amplitude of the table when balls of the same mass cancel each other out: what the imbalance
+/// alone does (thesis section 5.2, "if no balls were present").
+fn amplitude_without_balls(machine: &Machine) -> Option<f64> {
+    let mut opposite = machine.clone();
+    opposite.balls.resize(2, *machine.balls.first()?);
+    let ball_mass = machine.balls.iter().map(|ball| ball.mass_kg).sum::<f64>() / 2.0;
+    for ball in &mut opposite.balls {
+        ball.mass_kg = ball_mass;
+    }
+    let balancer = Balancer::<2>::new(&opposite)?;
+    Some(balancer.rest_amplitude(&[0.0, std::f64::consts::PI]) * machine.ring_radius_m)
+}
+
+/// The columns of `points.parquet`.
+pub fn point_columns(study: &Study) -> Vec<Column<PointRow>> {
+    let mut columns =
+        vec![Column::count("point_id", "number of the sweep's point, from 0", |row: &PointRow| {
+            Some(row.point_id)
+        })];
+    columns.extend(swept_columns(study, |row: &PointRow| &row.swept));
+    columns.push(Column::count("runs", "runs that finished, failed ones included", |row: &PointRow| {
+        Some(row.summary.counts.total())
+    }));
+    for label in Label::ALL {
+        columns.push(Column::count(
+            &format!("{}_runs", label.name()),
+            &format!("runs with the label {}", label.name()),
+            move |row: &PointRow| Some(row.summary.counts.of(label)),
+        ));
+    }
+    columns.extend([
+        Column::number(
+            "equilibrium_fraction",
+            "1",
+            "share of runs that ended in equilibrium by the end time",
+            |row: &PointRow| Some(row.summary.equilibrium_fraction),
+        ),
+        Column::number(
+            "ci_low",
+            "1",
+            "lower end of its 95 % interval (Wilson; no failed run counted as equilibrium)",
+            |row: &PointRow| Some(row.summary.interval.0),
+        ),
+        Column::number(
+            "ci_high",
+            "1",
+            "upper end of its 95 % interval (Wilson; all failed runs counted as equilibrium)",
+            |row: &PointRow| Some(row.summary.interval.1),
+        ),
+    ]);
+    for (index, share) in PointSummary::TIME_SHARES.into_iter().enumerate() {
+        let percent = (100.0 * share).round();
+        columns.push(Column::number(
+            &format!("time_to_rest_p{percent:02}_s"),
+            "s",
+            &format!("time by which {percent} % of the runs are at rest (Kaplan-Meier); null where not reached"),
+            move |row: &PointRow| row.summary.time_to_rest_s[index],
+        ));
+    }
+    for (index, share) in PointSummary::AMPLITUDE_SHARES.into_iter().enumerate() {
+        let percent = (100.0 * share).round();
+        columns.push(Column::number(
+            &format!("amplitude_p{percent:02}_m"),
+            "m",
+            &format!("quantile {percent} % of the amplitude over all runs that did not fail"),
+            move |row: &PointRow| row.summary.amplitude_m[index],
+        ));
+    }
+    columns.extend([
+        Column::number(
+            "amplitude_without_balls_m",
+            "m",
+            "amplitude that the imbalance alone causes",
+            |row: &PointRow| row.amplitude_without_balls_m,
+        ),
+        Column::number(
+            "set_fraction",
+            "1",
+            "share of all ball positions that are equilibria, to about 0.01; without uncertain \
+             draws",
+            |row: &PointRow| row.set_fraction,
+        ),
+    ]);
+    columns
+}

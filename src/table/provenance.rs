@@ -1,0 +1,32 @@
+//! Where a table comes from: the JSON under the metadata key `stickslip` of every data file.
+//!
+//! It holds what decides the data and nothing else, no time and no host, so that data files of
+//! equal studies are equal to the byte.
+
+use serde_json::json;
+
+use crate::study::Study;
+
+/// Version of this program.
+pub const VERSION: &str = env!("CARGO_PKG_VERSION");
+/// Commit that this program was built from, `unknown` outside of a repository.
+pub const COMMIT: &str = env!("STICKSLIP_COMMIT");
+
+/// Version of the layout of the tables and of this JSON.
+pub const FORMAT: u32 = 1;
+
+/// The provenance of a table of a study.
+pub fn provenance(study: &Study, table: &str) -> String {
+    json!({
+        "format": FORMAT,
+        "table": table,
+        "program": "stickslip",
+        "version": VERSION,
+        "commit": COMMIT,
+        "study": study.name(),
+        "study_hash": study.hash(),
+        "seed": study.seed(),
+        "study_yaml": study.resolved_yaml(),
+    })
+    .to_string()
+}

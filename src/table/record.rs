@@ -1,0 +1,13 @@
+//! One row of the run table: what was planned and what came out.
+
+use crate::ending::Outcome;
+use crate::study::PlannedRun;
+
+/// A run with its outcome.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RunRecord {
+    /// The run as planned.
+    pub planned: PlannedRun,
+    /// How it ended.
+    pub outcome: Outcome,
+}

@@ -1,0 +1,181 @@
+//! `runs.parquet`: one row per run, failures included. And the columns of planned cases.
+
+use super::column::{Column, NON_DIMENSIONAL};
+use super::record::RunRecord;
+use crate::study::{ParameterKind, ParameterValue, PlannedRun, Study, VariedParameter};
+
+/// The columns that say which run it is and where it starts; `planned` finds that in a row.
+pub fn planned_columns<R: 'static>(
+    study: &Study,
+    planned: fn(&R) -> &PlannedRun,
+) -> Vec<Column<R>> {
+    let mut columns = vec![
+        Column::count("run_id", "number of the run in the study, from 0", move |row| {
+            Some(planned(row).run_id)
+        }),
+        Column::count("point_id", "number of the sweep's point, from 0", move |row| {
+            Some(planned(row).point_id)
+        }),
+        Column::count("cell", "cell of the sampling design, from 0", move |row| {
+            Some(planned(row).cell)
+        }),
+        Column::count("replicate", "number of the sample in its cell, from 0", move |row| {
+            Some(planned(row).replicate)
+        }),
+    ];
+    columns.extend(swept_columns(study, move |row| &planned(row).swept));
+    for (index, parameter) in study.uncertain().iter().enumerate() {
+        let VariedParameter { name, unit, meaning, .. } = parameter;
+        let meaning = format!("{meaning} (drawn for this run)");
+        columns.push(Column::number(name, unit, &meaning, move |row| {
+            planned(row).uncertain.get(index).copied()
+        }));
+    }
+    columns.extend(start_columns(study.balls(), planned));
+    columns
+}
+
+/// One column for each swept parameter; `values` finds their values in a row.
+pub fn swept_columns<R: 'static>(
+    study: &Study,
+    values: impl Fn(&R) -> &[ParameterValue] + Copy + Send + Sync + 'static,
+) -> Vec<Column<R>> {
+    let columns = study.swept().iter().enumerate();
+    columns
+        .map(|(index, VariedParameter { name, unit, meaning, kind })| match kind {
+            ParameterKind::Number => {
+                Column::number(name, unit, meaning, move |row| match values(row).get(index) {
+                    Some(ParameterValue::Number(number)) => Some(*number),
+                    _ => None,
+                })
+            }
+            ParameterKind::Text => {
+                Column::word(name, meaning, move |row| match values(row).get(index) {
+                    Some(ParameterValue::Text(text)) => text,
+                    _ => "",
+                })
+            }
+        })
+        .collect()
+}
+
+fn start_columns<R: 'static>(balls: usize, planned: fn(&R) -> &PlannedRun) -> Vec<Column<R>> {
+    let number = |name: &str, meaning: &str, value: Box<dyn Fn(&PlannedRun) -> Option<f64> + Send + Sync>| {
+        Column::number(name, NON_DIMENSIONAL, meaning, move |row| value(planned(row)))
+    };
+    let mut columns = vec![
+        number(
+            "initial_x",
+            "start position of the ring's centre towards the imbalance",
+            Box::new(|run| Some(run.start.x)),
+        ),
+        number(
+            "initial_y",
+            "start position of the ring's centre at right angles to that",
+            Box::new(|run| Some(run.start.y)),
+        ),
+    ];
+    for ball in 0..balls {
+        columns.push(Column::number(
+            &format!("initial_beta_{}", ball + 1),
+            "rad",
+            "start angle of the ball from the imbalance",
+            move |row| planned(row).start.beta.get(ball).copied(),
+        ));
+    }
+    columns.push(number(
+        "initial_x_dot",
+        "start velocity along x",
+        Box::new(|run| Some(run.start.x_dot)),
+    ));
+    columns.push(number(
+        "initial_y_dot",
+        "start velocity along y",
+        Box::new(|run| Some(run.start.y_dot)),
+    ));
+    for ball in 0..balls {
+        columns.push(number(
+            &format!("initial_beta_dot_{}", ball + 1),
+            "start speed of the ball relative to the ring",
+            Box::new(move |run| run.start.beta_dot.get(ball).copied()),
+        ));
+    }
+    columns
+}
+
+/// The columns of `runs.parquet`.
+pub fn run_columns(study: &Study) -> Vec<Column<RunRecord>> {
+    let mut columns = planned_columns::<RunRecord>(study, |row| &row.planned);
+    columns.extend([
+        Column::word("label", "how the run ended", |row: &RunRecord| row.outcome.label().name()),
+        Column::word("evidence", "why it has that label, or what failed", |row: &RunRecord| {
+            row.outcome.evidence.name()
+        }),
+        Column::small_count("balls_running", "balls that go round the ring", |row: &RunRecord| {
+            row.outcome.balls_running
+        }),
+        Column::number(
+            "time_to_rest_s",
+            "s",
+            "when the last ball came to rest for good; null while moving",
+            |row: &RunRecord| row.outcome.time_to_rest_s,
+        ),
+        Column::number(
+            "end_time_s",
+            "s",
+            "simulated time at which the run was stopped",
+            |row: &RunRecord| row.outcome.end_time_s,
+        ),
+    ]);
+    for ball in 0..study.balls() {
+        columns.push(Column::number(
+            &format!("beta_{}_rad", ball + 1),
+            "rad",
+            "angle of the ball from the imbalance at the end, in [0, 2π)",
+            move |row: &RunRecord| row.outcome.beta_rad.as_ref()?.get(ball).copied(),
+        ));
+    }
+    columns.extend([
+        Column::number(
+            "amplitude_m",
+            "m",
+            "amplitude of the table's vibration: at rest, or root mean square over the cycle or \
+             the last tenth of the time",
+            |row: &RunRecord| row.outcome.amplitude_m,
+        ),
+        Column::number(
+            "friction_margin",
+            "1",
+            "least part of the friction limit left to a resting ball, 0 on the edge of the \
+             equilibrium set",
+            |row: &RunRecord| row.outcome.friction_margin,
+        ),
+        Column::number("period_s", "s", "period of the limit cycle", |row: &RunRecord| {
+            row.outcome.period_s
+        }),
+    ]);
+    for ball in 0..study.balls() {
+        columns.push(Column::number(
+            &format!("ball_speed_{}_rad_s", ball + 1),
+            "rad/s",
+            "mean speed of the ball relative to the ring, over the cycle or the last tenth of the \
+             time; 0 at rest",
+            move |row: &RunRecord| row.outcome.ball_speed_rad_s.as_ref()?.get(ball).copied(),
+        ));
+    }
+    columns.extend([
+        Column::count("steps", "accepted integration steps", |row: &RunRecord| {
+            Some(row.outcome.effort.steps)
+        }),
+        Column::count("rejected_steps", "steps rejected by error control", |row: &RunRecord| {
+            Some(row.outcome.effort.rejected_steps)
+        }),
+        Column::count("switches", "changes between stick, transition and slip", |row: &RunRecord| {
+            Some(row.outcome.effort.switches)
+        }),
+        Column::text("error", "what went wrong, in words", |row: &RunRecord| {
+            row.outcome.error.clone()
+        }),
+    ]);
+    columns
+}
