@@ -5,3 +5,4 @@
 pub mod ending;
 pub mod model;
 pub mod motion;
+pub mod study;
