@@ -2,3 +2,4 @@
 
 /// Equations of motion and closed forms.
 mod model;
+mod study;

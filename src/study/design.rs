@@ -1,0 +1,203 @@
+//! Sampling designs: which start state a sample has, computed from its index alone.
+
+use std::sync::Arc;
+
+use super::draw::{DrawKey, RandomOrder};
+use super::start_box::{Axis, StartBox};
+
+/// The most samples of a Sobol' design; the library's sequence is that long.
+pub(crate) const MAX_SOBOL_SAMPLES: u64 = 65_536;
+
+/// How the samples of a point are laid out.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Layout {
+    Stratified {
+        parts: u64,
+        samples_per_cell: u64,
+    },
+    LatinHypercube {
+        samples: u64,
+    },
+    Sobol {
+        samples: u64,
+    },
+    MonteCarlo {
+        samples: u64,
+    },
+    Grid {
+        points: u64,
+    },
+    /// Given start states in the order of the axes.
+    Table {
+        rows: Arc<Vec<Vec<f64>>>,
+    },
+}
+
+/// A layout over a box with the keys of its draws: every sample is a function of its index.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Design {
+    layout: Layout,
+    axes: Vec<AxisDraws>,
+    sobol_seed: u32,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+struct AxisDraws {
+    axis: Axis,
+    key: DrawKey,
+    order: Option<RandomOrder>,
+    dimension: u32,
+}
+
+/// Where a sample stands in its design.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct SampleId {
+    /// Cell of a stratified design, point of a grid, row of a table; otherwise zero.
+    pub cell: u64,
+    /// Number of the sample within its cell.
+    pub replicate: u64,
+}
+
+impl Design {
+    /// A design over a box; draws are keyed by the names of the axes.
+    pub fn new(layout: Layout, start_box: &StartBox, seed: u64) -> Design {
+        let axes = start_box
+            .axes
+            .iter()
+            .map(|axis| {
+                let order = match layout {
+                    Layout::LatinHypercube { samples } => {
+                        let key = DrawKey::new(seed, "latin_hypercube order", &axis.name);
+                        Some(RandomOrder::new(&key, samples))
+                    }
+                    _ => None,
+                };
+                AxisDraws {
+                    axis: axis.clone(),
+                    key: DrawKey::new(seed, layout.kind(), &axis.name),
+                    order,
+                    dimension: sobol_dimension(&axis.name),
+                }
+            })
+            .collect();
+        let sobol_seed = DrawKey::new(seed, "sobol", "scramble").bits(0, 0) as u32;
+        Design { layout, axes, sobol_seed }
+    }
+
+    /// The factors whose product is the number of samples at one point.
+    pub fn factors(&self) -> Vec<u64> {
+        match &self.layout {
+            Layout::Stratified { parts, samples_per_cell } => {
+                let mut factors = vec![*parts; self.free_axes()];
+                factors.push(*samples_per_cell);
+                factors
+            }
+            Layout::LatinHypercube { samples }
+            | Layout::Sobol { samples }
+            | Layout::MonteCarlo { samples } => vec![*samples],
+            Layout::Grid { points } => vec![*points; self.free_axes()],
+            Layout::Table { rows } => vec![rows.len() as u64],
+        }
+    }
+
+    /// Cell and replicate of a sample. In a stratified design every cell has its first sample
+    /// before any has its second, so that more samples per cell are appended.
+    pub fn identify(&self, sample: u64) -> SampleId {
+        match &self.layout {
+            Layout::Stratified { parts, .. } => {
+                let free = u32::try_from(self.free_axes()).unwrap_or(u32::MAX);
+                let cells = parts.saturating_pow(free).max(1);
+                SampleId { cell: sample % cells, replicate: sample / cells }
+            }
+            Layout::Grid { .. } | Layout::Table { .. } => SampleId { cell: sample, replicate: 0 },
+            _ => SampleId { cell: 0, replicate: sample },
+        }
+    }
+
+    /// The coordinates of a sample, in the order of the axes.
+    pub fn coordinates(&self, id: SampleId) -> Vec<f64> {
+        if let Layout::Table { rows } = &self.layout {
+            let row = usize::try_from(id.cell).ok().and_then(|row| rows.get(row));
+            return row.cloned().unwrap_or_else(|| vec![0.0; self.axes.len()]);
+        }
+        let mut digits = id.cell;
+        let mut coordinates: Vec<f64> = self
+            .axes
+            .iter()
+            .rev()
+            .map(|draws| {
+                if draws.axis.is_fixed() {
+                    return draws.axis.low;
+                }
+                let share = self.share(draws, &mut digits, id);
+                draws.axis.at(share)
+            })
+            .collect();
+        coordinates.reverse();
+        coordinates
+    }
+
+    /// The share of an axis's range at which a sample lies; takes the axis's digit off the cell.
+    fn share(&self, draws: &AxisDraws, digits: &mut u64, id: SampleId) -> f64 {
+        let uniform = || draws.key.uniform(id.cell, id.replicate);
+        let mut digit = |parts: u64| {
+            let digit = *digits % parts;
+            *digits /= parts;
+            digit
+        };
+        match &self.layout {
+            Layout::Stratified { parts, .. } => within(digit(*parts), *parts, uniform()),
+            Layout::Grid { points } => within(digit(*points), *points, 0.5),
+            Layout::LatinHypercube { samples } => {
+                let stratum = draws.order.as_ref().map_or(0, |order| order.at(id.replicate));
+                within(stratum, *samples, uniform())
+            }
+            Layout::Sobol { .. } => {
+                let index = u32::try_from(id.replicate).unwrap_or(0);
+                f64::from(sobol_burley::sample(index, draws.dimension, self.sobol_seed))
+            }
+            Layout::MonteCarlo { .. } | Layout::Table { .. } => uniform(),
+        }
+    }
+
+    fn free_axes(&self) -> usize {
+        self.axes.iter().filter(|draws| !draws.axis.is_fixed()).count()
+    }
+}
+
+impl Layout {
+    fn kind(&self) -> &'static str {
+        match self {
+            Layout::Stratified { .. } => "stratified",
+            Layout::LatinHypercube { .. } => "latin_hypercube",
+            Layout::Sobol { .. } => "sobol",
+            Layout::MonteCarlo { .. } => "monte_carlo",
+            Layout::Grid { .. } => "grid",
+            Layout::Table { .. } => "table",
+        }
+    }
+}
+
+/// A share inside one of several equal parts of the unit interval; rounding never leaves the part.
+fn within(part: u64, parts: u64, share: f64) -> f64 {
+    let upper = (part + 1) as f64 / parts as f64;
+    ((part as f64 + share) / parts as f64).min(upper.next_down())
+}
+
+/// The dimension of the Sobol' sequence that an axis has whatever the number of balls.
+fn sobol_dimension(axis: &str) -> u32 {
+    let of_ball = |ball: &str, offset: u32| {
+        let ball: u32 = ball.parse().unwrap_or(1);
+        2 + 2 * ball + offset
+    };
+    match axis {
+        "x" => 0,
+        "y" => 1,
+        "x_dot" => 2,
+        "y_dot" => 3,
+        _ => match axis.strip_prefix("beta_dot_") {
+            Some(ball) => of_ball(ball, 1),
+            None => of_ball(axis.strip_prefix("beta_").unwrap_or("1"), 0),
+        },
+    }
+}

@@ -1,0 +1,206 @@
+//! The one clear message that a wrong study gets: where, what was found, what is allowed.
+
+use std::fmt;
+use std::path::{Path, PathBuf};
+
+use super::key_path::KeyPath;
+
+/// Why a study cannot be used: one message with file, line, key, finding and remedy.
+///
+/// Printed it reads, for example:
+///
+/// ```text
+/// studies/a.yaml:12:5: `model.parameters.table_mas_kg`: unknown key
+///   found:   table_mas_kg
+///   allowed: table_mass_kg (did you mean this?), stiffness_n_m, ...
+///   12 |     table_mas_kg: 0.324
+/// ```
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct StudyError(Box<Message>);
+
+#[derive(Clone, Debug, PartialEq, Eq)]
+struct Message {
+    file: PathBuf,
+    place: Option<Place>,
+    key: String,
+    problem: String,
+    found: Option<String>,
+    allowed: Option<String>,
+    snippet: Option<String>,
+}
+
+/// A place in a text, both numbers counted from one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Place {
+    /// Line, counted from one.
+    pub line: usize,
+    /// Column in characters, counted from one.
+    pub column: usize,
+}
+
+/// What is wrong, before it is known where.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Fault {
+    /// What is wrong, in a few words.
+    pub problem: String,
+    /// What stands there.
+    pub found: Option<String>,
+    /// What could stand there.
+    pub allowed: Option<String>,
+}
+
+impl Fault {
+    /// A fault with all three parts.
+    pub fn new(
+        problem: impl Into<String>,
+        found: impl Into<String>,
+        allowed: impl Into<String>,
+    ) -> Fault {
+        Fault { problem: problem.into(), found: Some(found.into()), allowed: Some(allowed.into()) }
+    }
+}
+
+impl StudyError {
+    /// A message without a place inside the file.
+    pub(crate) fn about_file(file: &Path, fault: Fault) -> StudyError {
+        StudyError::new(file, None, String::new(), fault, None)
+    }
+
+    /// A message about a key (or, in a table, a row and column) of a file.
+    pub(crate) fn new(
+        file: &Path,
+        place: Option<Place>,
+        key: String,
+        fault: Fault,
+        line_text: Option<&str>,
+    ) -> StudyError {
+        StudyError(Box::new(Message {
+            file: file.to_path_buf(),
+            place,
+            key,
+            problem: fault.problem,
+            found: fault.found,
+            allowed: fault.allowed,
+            snippet: line_text.map(shorten),
+        }))
+    }
+
+    /// The file that is wrong: the study file or a table that it names.
+    pub fn file(&self) -> &Path {
+        &self.0.file
+    }
+
+    /// The line, counted from one, where it is known.
+    pub fn line(&self) -> Option<usize> {
+        self.0.place.map(|place| place.line)
+    }
+
+    /// The column in characters, counted from one, where it is known.
+    pub fn column(&self) -> Option<usize> {
+        self.0.place.map(|place| place.column)
+    }
+
+    /// The key, such as `model.parameters.speed_rad_s` or, in a table, `row 2, column x`; empty
+    /// where the whole file is meant.
+    pub fn key(&self) -> &str {
+        &self.0.key
+    }
+
+    /// What is wrong, in a few words.
+    pub fn problem(&self) -> &str {
+        &self.0.problem
+    }
+
+    /// What was found, where something was.
+    pub fn found(&self) -> Option<&str> {
+        self.0.found.as_deref()
+    }
+
+    /// What is allowed, or what to do.
+    pub fn allowed(&self) -> Option<&str> {
+        self.0.allowed.as_deref()
+    }
+}
+
+impl fmt::Display for StudyError {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let message = &self.0;
+        write!(out, "{}", message.file.display())?;
+        if let Some(place) = message.place {
+            write!(out, ":{}:{}", place.line, place.column)?;
+        }
+        if !message.key.is_empty() {
+            write!(out, ": `{}`", message.key)?;
+        }
+        write!(out, ": {}", message.problem)?;
+        if let Some(found) = &message.found {
+            write!(out, "\n  found:   {found}")?;
+        }
+        if let Some(allowed) = &message.allowed {
+            write!(out, "\n  allowed: {allowed}")?;
+        }
+        if let (Some(place), Some(snippet)) = (message.place, &message.snippet) {
+            write!(out, "\n  {} | {snippet}", place.line)?;
+        }
+        Ok(())
+    }
+}
+
+impl std::error::Error for StudyError {}
+
+/// Where an error is reported: the key itself or the value that it holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Spot {
+    /// The key.
+    Key,
+    /// The value.
+    Value,
+}
+
+/// Says where in the study file a key path stands and makes the message.
+pub(crate) trait Locate {
+    /// The message for a fault at this path.
+    fn refuse(&self, path: &KeyPath, spot: Spot, fault: Fault) -> StudyError;
+
+    /// The message for a faulty value.
+    fn refuse_value(&self, path: &KeyPath, fault: Fault) -> StudyError {
+        self.refuse(path, Spot::Value, fault)
+    }
+
+    /// The message for a faulty key.
+    fn refuse_key(&self, path: &KeyPath, fault: Fault) -> StudyError {
+        self.refuse(path, Spot::Key, fault)
+    }
+}
+
+/// The names that are allowed, the nearest to `found` first and marked.
+pub(crate) fn list_names<S: AsRef<str>>(found: &str, names: &[S]) -> String {
+    let likeness = |name: &str| {
+        let edits = strsim::normalized_damerau_levenshtein(found, name);
+        let beginning = strsim::jaro_winkler(found, name);
+        (edits >= 0.6 || beginning >= 0.85).then_some(edits + beginning)
+    };
+    let nearest = names
+        .iter()
+        .map(AsRef::as_ref)
+        .filter_map(|name| Some((likeness(name)?, name)))
+        .max_by(|left, right| left.0.total_cmp(&right.0))
+        .map(|(_, name)| name);
+    let mut parts: Vec<String> = Vec::with_capacity(names.len());
+    parts.extend(nearest.map(|name| format!("{name} (did you mean this?)")));
+    parts.extend(
+        names.iter().map(AsRef::as_ref).filter(|name| Some(*name) != nearest).map(str::to_owned),
+    );
+    parts.join(", ")
+}
+
+/// Text as it is quoted in a message: one line, not too long, no control characters.
+pub(crate) fn shorten(text: &str) -> String {
+    const LONGEST: usize = 96;
+    let clean = |character: char| if character.is_control() { ' ' } else { character };
+    let mut short: String = text.trim_end().chars().take(LONGEST).map(clean).collect();
+    if text.trim_end().chars().count() > LONGEST {
+        short.push_str(" ...");
+    }
+    short
+}

@@ -1,0 +1,135 @@
+//! What a study expects of its own results, point by point.
+
+use super::error::{Fault, Locate, StudyError, list_names, shorten};
+use super::file::ExpectationFile;
+use super::key_path::KeyPath;
+use super::node::describe_number;
+use super::parameter::{Parameter, ParameterValue};
+use super::plan::Study;
+use super::resolve_sweep::resolve_value;
+
+/// Ranges of the shares of runs per label, expected at every point that the selector matches.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Expectation {
+    /// Names and values of swept parameters that select points; empty selects all.
+    pub point: Vec<(String, ParameterValue)>,
+    /// Label, such as `equilibrium`, and the expected range `[low, high]` of its share of runs.
+    pub fractions: Vec<(&'static str, [f64; 2])>,
+}
+
+impl Expectation {
+    /// Whether a point with these swept values (one per column of [`Study::swept`], in that
+    /// order) is selected.
+    pub fn selects(&self, study: &Study, swept: &[ParameterValue]) -> bool {
+        self.point.iter().all(|(name, wanted)| {
+            let column = study.swept().iter().position(|column| column.name == *name);
+            column.and_then(|column| swept.get(column)).is_some_and(|value| same(value, wanted))
+        })
+    }
+
+    /// The expected range of the share of runs at rest, if one is given.
+    pub fn equilibrium_fraction(&self) -> Option<[f64; 2]> {
+        self.fraction("equilibrium")
+    }
+
+    /// The expected range of a label's share of runs, if one is given.
+    pub fn fraction(&self, label: &str) -> Option<[f64; 2]> {
+        self.fractions.iter().find(|(name, _)| *name == label).map(|(_, range)| *range)
+    }
+}
+
+/// Equal words, or numbers that agree to twelve digits.
+pub(crate) fn same(left: &ParameterValue, right: &ParameterValue) -> bool {
+    match (left, right) {
+        (ParameterValue::Number(left), ParameterValue::Number(right)) => {
+            (left - right).abs() <= 1.0e-12 * left.abs().max(right.abs())
+        }
+        (left, right) => left == right,
+    }
+}
+
+/// Checks the expectations of a study.
+///
+/// # Errors
+/// A selector with a name that is not swept or a value that no point has; no range, or one that
+/// is not between zero and one.
+pub(crate) fn resolve_expectations(
+    locate: &dyn Locate,
+    study: &Study,
+    parameters: &[Parameter],
+    written: &[ExpectationFile],
+) -> Result<Vec<Expectation>, StudyError> {
+    let resolve = |(index, file): (usize, &ExpectationFile)| {
+        let path = KeyPath::of("expect").item(index);
+        let point = resolve_selector(locate, parameters, &path.key("point"), file)?;
+        let expectation = Expectation { point, fractions: fractions(locate, &path, file)? };
+        if !study.has_point(&expectation) {
+            let found: Vec<String> =
+                expectation.point.iter().map(|(name, value)| format!("{name} {value}")).collect();
+            let fault = Fault::new(
+                "no point of the sweep has these values",
+                found.join(", "),
+                "values that the sweep has together",
+            );
+            return Err(locate.refuse_value(&path.key("point"), fault));
+        }
+        Ok(expectation)
+    };
+    written.iter().enumerate().map(resolve).collect()
+}
+
+fn resolve_selector(
+    locate: &dyn Locate,
+    parameters: &[Parameter],
+    path: &KeyPath,
+    file: &ExpectationFile,
+) -> Result<Vec<(String, ParameterValue)>, StudyError> {
+    let mut point = Vec::new();
+    for (name, entry) in file.point.iter().flat_map(|named| &named.0) {
+        let path = path.key(name);
+        let Some(parameter) = parameters.iter().find(|parameter| parameter.name() == *name) else {
+            let names: Vec<String> = parameters.iter().map(|other| other.name()).collect();
+            let allowed = match list_names(name, &names) {
+                list if list.is_empty() => "nothing: this study sweeps no parameter".to_owned(),
+                list => list,
+            };
+            let fault = Fault::new("not a swept parameter", shorten(name), allowed);
+            return Err(locate.refuse_key(&path, fault));
+        };
+        let value =
+            resolve_value(*parameter, entry).map_err(|fault| locate.refuse_value(&path, fault))?;
+        point.push((name.clone(), value));
+    }
+    Ok(point)
+}
+
+fn fractions(
+    locate: &dyn Locate,
+    path: &KeyPath,
+    file: &ExpectationFile,
+) -> Result<Vec<(&'static str, [f64; 2])>, StudyError> {
+    let mut fractions = Vec::new();
+    for (label, range) in [
+        ("equilibrium", file.equilibrium_fraction),
+        ("limit_cycle", file.limit_cycle_fraction),
+        ("irregular", file.irregular_fraction),
+        ("undecided", file.undecided_fraction),
+        ("failed", file.failed_fraction),
+    ] {
+        let Some(range) = range else { continue };
+        let [low, high] = range.0;
+        if !(0.0 <= low && low <= high && high <= 1.0) {
+            let found = format!("[{}, {}]", describe_number(low), describe_number(high));
+            let fault = Fault::new("not a range of shares", found, "0 <= low <= high <= 1");
+            return Err(locate.refuse_value(&path.key(&format!("{label}_fraction")), fault));
+        }
+        fractions.push((label, [low, high]));
+    }
+    if fractions.is_empty() {
+        let allowed = "at least one of equilibrium_fraction, limit_cycle_fraction, \
+                       irregular_fraction, undecided_fraction, failed_fraction";
+        let fault = Fault::new("nothing is expected", "no range", allowed);
+        return Err(locate.refuse_value(path, fault));
+    }
+    Ok(fractions)
+}

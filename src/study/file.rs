@@ -1,0 +1,343 @@
+//! The study file exactly as written: types for reading, writing and the JSON Schema.
+//!
+//! Nothing here is checked beyond its form; `resolve` does that and fills in the defaults.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::file_values::{Balls, Count, Entry, Listed, Named, Range, Table};
+use super::schema;
+
+/// A study for stickslip: one machine, the points of a sweep, and sampled start states at each.
+#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
+#[serde(deny_unknown_fields)]
+#[schemars(title = "stickslip study")]
+pub struct StudyFile {
+    /// Version of the study file's format; this program reads version 1.
+    #[schemars(extend("const" = 1))]
+    pub schema: u64,
+    /// Name of the study: letters, digits, `-`, `_` and `.`, for example for its results' folder.
+    #[schemars(length(min = 1, max = 100), regex(pattern = r"^[A-Za-z0-9_-][A-Za-z0-9._-]*$"))]
+    pub name: String,
+    /// Master seed of every random draw, from 0 to 2^64 - 1.
+    pub seed: u64,
+    /// What is simulated.
+    pub model: ModelFile,
+    /// Blocks of points, joined one after another; without it there is one point.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sweep: Option<Vec<BlockFile>>,
+    /// Parameters that are drawn anew for every run, each with its distribution.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(schema_with = "schema::uncertain")]
+    pub uncertain: Option<Named<DistributionFile>>,
+    /// Where the runs start.
+    pub initial_conditions: InitialConditionsFile,
+    /// How runs are integrated and for how long.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub simulation: Option<SimulationFile>,
+    /// What `stickslip verify` holds the results against.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub expect: Option<Vec<ExpectationFile>>,
+}
+
+/// The model with its parameters.
+#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct ModelFile {
+    /// Kind of machine.
+    pub kind: ModelKind,
+    /// Parameters in SI units; what is not given has the value of the thesis's machine.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub parameters: Option<ParametersFile>,
+    /// Law of the friction between balls and ring; the default is `coulomb`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub friction: Option<FrictionKind>,
+    /// How the normal force between ball and ring is derived; the default is `lagrange`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub normal_force: Option<NormalForceKind>,
+}
+
+/// Kinds of machine.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ModelKind {
+    /// Table on springs, turning disc with an imbalance, balls in a ring.
+    BallBalancer,
+}
+
+/// Laws of friction.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum FrictionKind {
+    /// Dry friction: the friction force is at most the coefficient times the normal force.
+    Coulomb,
+}
+
+/// Derivations of the normal force.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum NormalForceKind {
+    /// From Lagrange's equations with the rolling constraint put in first, as in the thesis.
+    Lagrange,
+    /// From Newton's second law for the ball's centre.
+    Newton,
+}
+
+/// Parameters of a ball balancer in SI units.
+#[derive(Clone, Debug, Default, Deserialize, JsonSchema, PartialEq, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct ParametersFile {
+    /// Mass of table, motor, ring and disc, without imbalance and balls, kg.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub table_mass_kg: Option<f64>,
+    /// Spring stiffness of the suspension per direction, N/m.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub stiffness_n_m: Option<f64>,
+    /// Viscous damping of the suspension per direction, N s/m.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("minimum" = 0))]
+    pub damping_n_s_m: Option<f64>,
+    /// Distance from the ring's centre to the balls' centres, m.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub ring_radius_m: Option<f64>,
+    /// Mass of the imbalance, kg.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub imbalance_mass_kg: Option<f64>,
+    /// Distance of the imbalance from the ring's centre, m.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub imbalance_radius_m: Option<f64>,
+    /// Number of balls, 1 to 8, or a list with one entry per ball where they differ.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub balls: Option<Balls>,
+    /// Mass of each ball that has none of its own, kg.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub ball_mass_kg: Option<f64>,
+    /// Diameter of each ball that has none of its own, m.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub ball_diameter_m: Option<f64>,
+    /// Coefficient of friction of each ball that has none of its own, dimensionless.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("minimum" = 0))]
+    pub friction_coefficient: Option<f64>,
+    /// Prescribed speed of the disc, rad/s; negative turns clockwise.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub speed_rad_s: Option<f64>,
+}
+
+/// One ball; what is not given is as for all balls.
+#[derive(Clone, Debug, Default, Deserialize, JsonSchema, PartialEq, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct BallFile {
+    /// Mass, kg.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub mass_kg: Option<f64>,
+    /// Diameter, m.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub diameter_m: Option<f64>,
+    /// Coefficient of friction between ball and ring, dimensionless.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("minimum" = 0))]
+    pub friction_coefficient: Option<f64>,
+}
+
+/// A block of points: exactly one of `grid`, `zip` and `table`.
+#[derive(Clone, Debug, Default, Deserialize, JsonSchema, PartialEq, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct BlockFile {
+    /// Every combination of the listed values; the last key changes fastest.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(schema_with = "schema::swept")]
+    pub grid: Option<Named<Listed>>,
+    /// The first values together, then the second ones, and so on; lists of equal length.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(schema_with = "schema::swept")]
+    pub zip: Option<Named<Listed>>,
+    /// One point per row of a table whose columns are named as parameters.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub table: Option<Table>,
+    /// Sampling of the start states at this block's points, instead of
+    /// `initial_conditions.design`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub design: Option<DesignFile>,
+}
+
+/// A distribution of a parameter, in the parameter's own unit.
+#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum DistributionFile {
+    /// Normal. A draw that makes no physical sense, such as a negative mass, is a failed run.
+    Normal {
+        /// Mean.
+        mean: f64,
+        /// Standard deviation, positive.
+        std_dev: f64,
+    },
+    /// Normal, cut off at both ends.
+    TruncatedNormal {
+        /// Mean before the cut.
+        mean: f64,
+        /// Standard deviation before the cut, positive.
+        std_dev: f64,
+        /// Smallest value.
+        min: f64,
+        /// Largest value.
+        max: f64,
+    },
+    /// Log-normal, given by mean and standard deviation of the parameter itself (not of its
+    /// logarithm).
+    Lognormal {
+        /// Mean of the parameter, positive.
+        mean: f64,
+        /// Standard deviation of the parameter, positive.
+        std_dev: f64,
+    },
+    /// Uniform.
+    Uniform {
+        /// Smallest value.
+        min: f64,
+        /// Largest value.
+        max: f64,
+    },
+    /// Triangular.
+    Triangular {
+        /// Smallest value.
+        min: f64,
+        /// Most likely value.
+        mode: f64,
+        /// Largest value.
+        max: f64,
+    },
+    /// One of several values.
+    Choice {
+        /// The values.
+        values: Vec<f64>,
+        /// Their weights, zero or more, in any scale; without them all values are equally likely.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        weights: Option<Vec<f64>>,
+    },
+}
+
+/// Start states: a box of non-dimensional coordinates and how it is sampled.
+#[derive(Clone, Debug, Default, Deserialize, JsonSchema, PartialEq, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct InitialConditionsFile {
+    /// Ranges `[low, high]` per coordinate, lengths over the ring radius, time times the natural
+    /// frequency; `beta` and `beta_dot` for every ball, `beta_1` and so on for one.
+    #[serde(rename = "box", skip_serializing_if = "Option::is_none")]
+    #[schemars(schema_with = "schema::start_box")]
+    pub start_box: Option<Named<Range>>,
+    /// How the box is sampled; may be left out only where every block of the sweep has its own.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub design: Option<DesignFile>,
+}
+
+/// A sampling design for start states.
+#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum DesignFile {
+    /// Every axis cut into equal parts, uniform samples in each cell of the box.
+    Stratified {
+        /// Parts per axis.
+        parts_per_axis: Count,
+        /// Samples in each cell.
+        samples_per_cell: Count,
+    },
+    /// One sample in each of `samples` equal parts of every axis.
+    LatinHypercube {
+        /// Number of samples; another number gives other samples.
+        samples: Count,
+    },
+    /// A scrambled Sobol' sequence, best with a power of two.
+    Sobol {
+        /// Number of samples, at most 65536.
+        samples: Count,
+    },
+    /// Independent uniform samples.
+    MonteCarlo {
+        /// Number of samples.
+        samples: Count,
+    },
+    /// The midpoints of equal parts of every axis.
+    Grid {
+        /// Points per axis.
+        points_per_axis: Count,
+    },
+    /// Given start states: columns `x`, `y`, `beta_1` ..., `x_dot`, `y_dot`, `beta_dot_1` ...
+    Table(Table),
+}
+
+/// How runs are integrated and for how long.
+#[derive(Clone, Debug, Default, Deserialize, JsonSchema, PartialEq, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct SimulationFile {
+    /// How stick and slip are computed; the default is `switch`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub method: Option<MethodKind>,
+    /// Half width of the band around zero ball speed, over the natural frequency.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub band: Option<f64>,
+    /// When a run that has not ended by itself is stopped, s.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub end_time_s: Option<f64>,
+    /// Error allowed per integration step.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tolerance: Option<ToleranceFile>,
+}
+
+/// Methods for stick and slip.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum MethodKind {
+    /// The switch model with a band of finite width.
+    Switch,
+}
+
+/// Error allowed per integration step.
+#[derive(Clone, Debug, Default, Deserialize, JsonSchema, PartialEq, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct ToleranceFile {
+    /// Relative error, dimensionless.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub relative: Option<f64>,
+    /// Absolute error, non-dimensional.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub absolute: Option<f64>,
+}
+
+/// Shares of runs per label that are expected at some points; at least one share.
+#[derive(Clone, Debug, Default, Deserialize, JsonSchema, PartialEq, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct ExpectationFile {
+    /// Values of swept parameters; every point that has them is meant, all points without it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(schema_with = "schema::selector")]
+    pub point: Option<Named<Entry>>,
+    /// Share of runs that come to rest, `[low, high]` between 0 and 1.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub equilibrium_fraction: Option<Range>,
+    /// Share of runs that end in a limit cycle, `[low, high]`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub limit_cycle_fraction: Option<Range>,
+    /// Share of runs that move irregularly, `[low, high]`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub irregular_fraction: Option<Range>,
+    /// Share of runs without enough evidence for any end, `[low, high]`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub undecided_fraction: Option<Range>,
+    /// Share of runs that failed, `[low, high]`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub failed_fraction: Option<Range>,
+}

@@ -1,0 +1,52 @@
+//! The way from the top of a study file to one of its values, such as `sweep[0].grid.speed_rad_s`.
+
+use std::fmt;
+
+/// One step down.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) enum Step {
+    /// Into a map, by key.
+    Key(String),
+    /// Into a list, by index counted from zero.
+    Item(usize),
+}
+
+/// Steps from the top of the file.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(crate) struct KeyPath(pub Vec<Step>);
+
+impl KeyPath {
+    /// The path of keys joined by dots in `keys`.
+    pub fn of(keys: &str) -> KeyPath {
+        KeyPath(keys.split('.').map(|key| Step::Key(key.to_owned())).collect())
+    }
+
+    /// This path and one key more.
+    pub fn key(&self, key: &str) -> KeyPath {
+        self.and(Step::Key(key.to_owned()))
+    }
+
+    /// This path and one list item more.
+    pub fn item(&self, index: usize) -> KeyPath {
+        self.and(Step::Item(index))
+    }
+
+    fn and(&self, step: Step) -> KeyPath {
+        let mut steps = self.0.clone();
+        steps.push(step);
+        KeyPath(steps)
+    }
+}
+
+impl fmt::Display for KeyPath {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (depth, step) in self.0.iter().enumerate() {
+            match step {
+                Step::Key(key) if depth == 0 => write!(out, "{}", super::error::shorten(key))?,
+                Step::Key(key) => write!(out, ".{}", super::error::shorten(key))?,
+                Step::Item(index) => write!(out, "[{index}]")?,
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,53 @@
+//! Studies: from a study file to planned runs.
+//!
+//! A study file ([`file::StudyFile`], exactly as written) is resolved into a [`Study`]: checked,
+//! with every default filled in, its points and runs counted. [`Study::planned_run`] then gives
+//! any run by its number, without state and without memory that grows with the number of runs.
+//!
+//! ```
+//! use std::path::Path;
+//! use stickslip::study::Study;
+//!
+//! let text = "
+//! schema: 1
+//! name: two-speeds
+//! seed: 7
+//! model: {kind: ball_balancer}
+//! sweep: [{grid: {speed_rad_s: [-160.0, -200.0]}}]
+//! initial_conditions: {design: {monte_carlo: {samples: 1000}}}
+//! ";
+//! let study = Study::parse(Path::new("two-speeds.yaml"), text.to_owned())?;
+//! assert_eq!(study.run_count(), 2000);
+//! let run = study.planned_run(1234);
+//! assert_eq!((run.point_id, run.replicate), (1, 234));
+//! # Ok::<(), stickslip::study::StudyError>(())
+//! ```
+
+mod csv_table;
+mod decode;
+mod design;
+mod distribution;
+mod draw;
+mod error;
+mod expectation;
+pub mod file;
+pub mod file_values;
+mod key_path;
+mod node;
+mod parameter;
+mod plan;
+mod resolve;
+mod resolve_design;
+mod resolve_model;
+mod resolve_sweep;
+mod resolve_uncertain;
+mod resolved_file;
+mod schema;
+mod start_box;
+mod sweep;
+
+pub use error::StudyError;
+pub use expectation::Expectation;
+pub use parameter::{ParameterKind, ParameterValue, VariedParameter};
+pub use plan::{PlannedRun, Point, Study};
+pub use schema::json_schema;

@@ -1,0 +1,250 @@
+//! A resolved study and its plan: every point and every run as a function of its number.
+
+use super::design::SampleId;
+use super::expectation::{Expectation, same};
+use super::file::StudyFile;
+use super::parameter::{Parameter, ParameterValue, VariedParameter};
+use super::resolve_model::Base;
+use super::resolve_uncertain::Uncertain;
+use super::start_box::start_of;
+use super::sweep::{Block, Listing};
+use crate::model::{Case, InvalidParameter, Machine, Simulation, Start};
+
+/// A study with everything checked and every default filled in; it never changes.
+///
+/// Its runs are numbered from zero, point by point in the order of the sweep. Each is a pure
+/// function of the study and its number, computed when it is asked for.
+#[derive(Clone, Debug)]
+pub struct Study {
+    pub(super) name: String,
+    pub(super) seed: u64,
+    pub(super) base: Base,
+    pub(super) simulation: Simulation,
+    pub(super) blocks: Vec<Block>,
+    pub(super) swept_parameters: Vec<Parameter>,
+    pub(super) swept: Vec<VariedParameter>,
+    pub(super) uncertain_parameters: Vec<Uncertain>,
+    pub(super) uncertain: Vec<VariedParameter>,
+    pub(super) expectations: Vec<Expectation>,
+    pub(super) resolved: StudyFile,
+}
+
+/// One point of the sweep.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Point {
+    /// Number of the point, counted from zero in the order of the sweep.
+    pub point_id: u64,
+    /// One value per column of [`Study::swept`]; the base value where the point's block does not
+    /// sweep the column.
+    pub swept: Vec<ParameterValue>,
+    /// Number of the point's first run.
+    pub first_run: u64,
+    /// Number of the point's runs, which follow one another.
+    pub runs: u64,
+    machine: Machine,
+}
+
+impl Point {
+    /// The machine at this point, without uncertain draws.
+    pub fn machine(&self) -> Machine {
+        self.machine.clone()
+    }
+}
+
+/// One run as planned.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlannedRun {
+    /// Number of the run, counted from zero over the whole study.
+    pub run_id: u64,
+    /// Number of its point.
+    pub point_id: u64,
+    /// Cell of a stratified design, point of a grid, row of a table of starts; otherwise zero.
+    pub cell: u64,
+    /// Number of the sample within its cell, counted from zero.
+    pub replicate: u64,
+    /// One value per column of [`Study::swept`].
+    pub swept: Vec<ParameterValue>,
+    /// One drawn value per column of [`Study::uncertain`].
+    pub uncertain: Vec<f64>,
+    /// Where the run starts.
+    pub start: Start,
+    /// What is to be computed, or the drawn parameter that makes no physical sense: such a run is
+    /// a failed one.
+    pub case: Result<Case, InvalidParameter>,
+}
+
+impl Study {
+    /// Name of the study.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Master seed of every draw.
+    pub fn seed(&self) -> u64 {
+        self.seed
+    }
+
+    /// Number of balls, the same in every case.
+    pub fn balls(&self) -> usize {
+        self.base.balls()
+    }
+
+    /// The machine before anything is swept or drawn.
+    pub fn machine(&self) -> &Machine {
+        &self.base.machine
+    }
+
+    /// How every run is integrated.
+    pub fn simulation(&self) -> &Simulation {
+        &self.simulation
+    }
+
+    /// Number of planned runs.
+    pub fn run_count(&self) -> u64 {
+        self.blocks.last().map_or(0, |block| block.first_run + block.points * block.runs_per_point)
+    }
+
+    /// Number of points of the sweep; one where nothing is swept.
+    pub fn point_count(&self) -> u64 {
+        self.blocks.last().map_or(0, |block| block.first_point + block.points)
+    }
+
+    /// Columns for swept parameters: those of all blocks in order of first appearance.
+    pub fn swept(&self) -> &[VariedParameter] {
+        &self.swept
+    }
+
+    /// Columns for uncertain parameters, in the order of the model's parameters.
+    pub fn uncertain(&self) -> &[VariedParameter] {
+        &self.uncertain
+    }
+
+    /// What the study expects of its results.
+    pub fn expectations(&self) -> &[Expectation] {
+        &self.expectations
+    }
+
+    /// A point of the sweep by its number.
+    ///
+    /// # Panics
+    /// If `point_id` is not below [`Study::point_count`].
+    pub fn point(&self, point_id: u64) -> Point {
+        assert!(point_id < self.point_count(), "there is no point {point_id}");
+        let index = self.blocks.partition_point(|block| block.first_point <= point_id);
+        let block = &self.blocks[index - 1];
+        let local = point_id - block.first_point;
+        let values = block.values(local);
+        let machine = self.machine_with(&values);
+        let column = |parameter: &Parameter| {
+            let swept = values.iter().find(|(other, _)| other == parameter);
+            swept.map_or_else(|| parameter.get(&machine, &self.base.general), |(_, value)| *value)
+        };
+        Point {
+            point_id,
+            swept: self.swept_parameters.iter().map(column).collect(),
+            first_run: block.first_run + local * block.runs_per_point,
+            runs: block.runs_per_point,
+            machine,
+        }
+    }
+
+    /// A run by its number: the same for the same study, whatever else is computed.
+    ///
+    /// # Panics
+    /// If `run_id` is not below [`Study::run_count`].
+    pub fn planned_run(&self, run_id: u64) -> PlannedRun {
+        assert!(run_id < self.run_count(), "there is no run {run_id}");
+        let index = self.blocks.partition_point(|block| block.first_run <= run_id);
+        let block = &self.blocks[index - 1];
+        let local = run_id - block.first_run;
+        let local_point = local / block.runs_per_point;
+        let point = self.point(block.first_point + local_point);
+        let id = block.design.identify(local % block.runs_per_point);
+        let start = start_of(&block.design.coordinates(id));
+        let uncertain = self.draw(id);
+        let machine = if uncertain.is_empty() {
+            point.machine
+        } else {
+            let drawn = self.uncertain_parameters.iter().zip(&uncertain);
+            let drawn = drawn.map(|(one, value)| (one.parameter, ParameterValue::Number(*value)));
+            let mut values = block.values(local_point);
+            values.extend(drawn);
+            self.machine_with(&values)
+        };
+        let case = machine.validate().map(|()| Case {
+            machine,
+            start: start.clone(),
+            simulation: self.simulation,
+        });
+        PlannedRun {
+            run_id,
+            point_id: point.point_id,
+            cell: id.cell,
+            replicate: id.replicate,
+            swept: point.swept,
+            uncertain,
+            start,
+            case,
+        }
+    }
+
+    fn draw(&self, id: SampleId) -> Vec<f64> {
+        self.uncertain_parameters
+            .iter()
+            .map(|one| one.distribution.quantile(one.key.uniform(id.cell, id.replicate)))
+            .collect()
+    }
+
+    /// The base machine with these values: first those of all balls, then those of one ball.
+    fn machine_with(&self, values: &[(Parameter, ParameterValue)]) -> Machine {
+        let mut machine = self.base.machine.clone();
+        for of_one_ball in [false, true] {
+            for (parameter, value) in values {
+                if parameter.general().is_some() == of_one_ball {
+                    parameter.set(&mut machine, *value);
+                }
+            }
+        }
+        machine
+    }
+
+    /// Whether an expectation selects at least one point; does not go through all points of a
+    /// grid.
+    pub(super) fn has_point(&self, expectation: &Expectation) -> bool {
+        self.blocks.iter().any(|block| match block.listing {
+            Listing::Rows => (block.first_point..block.first_point + block.points)
+                .any(|point| expectation.selects(self, &self.point(point).swept)),
+            Listing::Grid => {
+                let first = self.point(block.first_point);
+                let columns = self.swept_parameters.iter().zip(&self.swept).zip(&first.swept);
+                expectation.point.iter().all(|(name, wanted)| {
+                    columns.clone().filter(|((_, column), _)| column.name == *name).any(
+                        |((parameter, _), base)| {
+                            let swept = block.columns.iter().find(|(other, _)| other == parameter);
+                            match swept {
+                                Some((_, values)) => values.iter().any(|value| same(value, wanted)),
+                                None => self.follows(block, *parameter, wanted, base),
+                            }
+                        },
+                    )
+                })
+            }
+        })
+    }
+
+    /// Whether a column that a grid does not sweep itself takes a value in it: one ball's value
+    /// follows that of all balls.
+    fn follows(
+        &self,
+        block: &Block,
+        parameter: Parameter,
+        wanted: &ParameterValue,
+        base: &ParameterValue,
+    ) -> bool {
+        let general = block.columns.iter().find(|(other, _)| Some(*other) == parameter.general());
+        match general {
+            Some((_, values)) => values.iter().any(|value| same(value, wanted)),
+            None => same(base, wanted),
+        }
+    }
+}

@@ -1,0 +1,284 @@
+//! From a study file to a resolved study: everything is checked and counted here, once.
+
+use std::path::Path;
+
+use super::csv_table::read_text;
+use super::decode::decode;
+use super::design::Design;
+use super::error::{Fault, Locate, StudyError, shorten};
+use super::expectation::resolve_expectations;
+use super::file::{BlockFile, DesignFile, DistributionFile, InitialConditionsFile, StudyFile};
+use super::file_values::{MAX_COUNT, Named};
+use super::key_path::KeyPath;
+use super::node::{Content, Source, describe_number};
+use super::parameter::{Parameter, VariedParameter};
+use super::plan::Study;
+use super::resolve_design::{ResolvedDesign, resolve_design};
+use super::resolve_model::{Base, resolve_simulation, simulation_to_file};
+use super::resolve_sweep::{ResolvedBlock, resolve_block};
+use super::resolve_uncertain::resolve_uncertain;
+use super::start_box::StartBox;
+use super::sweep::{Block, Listing, product};
+
+/// The version of the study file's format that this program reads.
+const SCHEMA: u64 = 1;
+
+/// The most values that all sweeps and tables of a study may hold together.
+const MAX_VALUES: usize = 1_000_000;
+
+impl Study {
+    /// Reads a study file and the tables that it names, and checks everything.
+    ///
+    /// # Errors
+    /// The first thing that is wrong, with its place.
+    pub fn load(path: &Path) -> Result<Study, StudyError> {
+        let text = read_text(path).map_err(|fault| StudyError::about_file(path, fault))?;
+        Study::parse(path, text)
+    }
+
+    /// Reads a study from the text of a file of this name, relative to which tables are found.
+    ///
+    /// # Errors
+    /// The first thing that is wrong, with its place.
+    pub fn parse(file: &Path, text: String) -> Result<Study, StudyError> {
+        let source = Source::new(file, text)?;
+        check_schema(&source)?;
+        let written: StudyFile = decode(&source)?;
+        resolve(&source, &written)
+    }
+}
+
+/// Says that a file is of another version before complaining about its keys.
+fn check_schema(source: &Source) -> Result<(), StudyError> {
+    let Content::Map(entries) = &source.root.content else { return Ok(()) };
+    let Some((_, node)) = entries.iter().find(|(key, _)| key.name == "schema") else {
+        return Ok(());
+    };
+    match node.content {
+        Content::Natural(SCHEMA) => Ok(()),
+        _ => {
+            let allowed = format!("{SCHEMA}, the version that this program reads");
+            let fault = Fault::new("unknown version of the format", node.describe(), allowed);
+            Err(source.refuse_value(&KeyPath::of("schema"), fault))
+        }
+    }
+}
+
+fn resolve(source: &Source, written: &StudyFile) -> Result<Study, StudyError> {
+    check_name(source, &written.name)?;
+    let base = Base::resolve(source, &written.model)?;
+    let simulation = resolve_simulation(source, written.simulation.as_ref())?;
+    let conditions = KeyPath::of("initial_conditions");
+    let start_box = StartBox::resolve(
+        source,
+        &conditions.key("box"),
+        written.initial_conditions.start_box.as_ref(),
+        base.balls(),
+    )?;
+    let common = match &written.initial_conditions.design {
+        None => None,
+        Some(design) => {
+            let path = conditions.key("design");
+            Some(resolve_design(source, source.file(), &path, design, base.balls())?)
+        }
+    };
+    let mut blocks = resolve_blocks(source, written, &base)?;
+    let designs = designs(source, written, &base, &mut blocks, common.as_ref())?;
+    check_values(source, &blocks, common.as_ref())?;
+    let mut swept_parameters: Vec<Parameter> = Vec::new();
+    for (parameter, _) in blocks.iter().flat_map(|block| &block.columns) {
+        if !swept_parameters.contains(parameter) {
+            swept_parameters.push(*parameter);
+        }
+    }
+    let uncertain_parameters = resolve_uncertain(
+        source,
+        written.uncertain.as_ref(),
+        &base,
+        &swept_parameters,
+        written.seed,
+    )?;
+    let column = |parameter: &Parameter| parameter.column();
+    let uncertain: Vec<VariedParameter> =
+        uncertain_parameters.iter().map(|one| one.parameter.column()).collect();
+    let resolved = StudyFile {
+        schema: SCHEMA,
+        name: written.name.clone(),
+        seed: written.seed,
+        model: base.to_file(),
+        sweep: written
+            .sweep
+            .is_some()
+            .then(|| blocks.iter().map(|block| block.file.clone()).collect()),
+        uncertain: uncertain_to_file(written, &uncertain),
+        initial_conditions: InitialConditionsFile {
+            start_box: Some(start_box.to_file()),
+            design: common.map(|design| design.file),
+        },
+        simulation: Some(simulation_to_file(&simulation)),
+        expect: written.expect.clone(),
+    };
+    let mut study = Study {
+        name: written.name.clone(),
+        seed: written.seed,
+        base,
+        simulation,
+        blocks: count(source, blocks, &designs, &start_box, written.seed)?,
+        swept: swept_parameters.iter().map(column).collect(),
+        swept_parameters,
+        uncertain,
+        uncertain_parameters,
+        expectations: Vec::new(),
+        resolved,
+    };
+    let expected = written.expect.as_deref().unwrap_or_default();
+    study.expectations = resolve_expectations(source, &study, &study.swept_parameters, expected)?;
+    Ok(study)
+}
+
+fn check_name(source: &Source, name: &str) -> Result<(), StudyError> {
+    let usual = |character: char| character.is_ascii_alphanumeric() || "-_.".contains(character);
+    if (1..=100).contains(&name.len()) && name.chars().all(usual) && !name.starts_with('.') {
+        return Ok(());
+    }
+    let allowed = "1 to 100 letters, digits, `-`, `_` and `.`, not starting with `.`";
+    let fault = Fault::new("not a name", format!("text {:?}", shorten(name)), allowed);
+    Err(source.refuse_value(&KeyPath::of("name"), fault))
+}
+
+fn resolve_blocks(
+    source: &Source,
+    written: &StudyFile,
+    base: &Base,
+) -> Result<Vec<ResolvedBlock>, StudyError> {
+    let path = KeyPath::of("sweep");
+    match written.sweep.as_deref() {
+        None => Ok(vec![ResolvedBlock {
+            listing: Listing::Grid,
+            columns: Vec::new(),
+            file: BlockFile::default(),
+        }]),
+        Some([]) => {
+            let allowed = "at least one block, or no `sweep` for a single point";
+            let fault = Fault::new("an empty sweep", "an empty list", allowed);
+            Err(source.refuse_value(&path, fault))
+        }
+        Some(blocks) => blocks
+            .iter()
+            .enumerate()
+            .map(|(index, block)| {
+                resolve_block(source, source.file(), &path.item(index), block, base)
+            })
+            .collect(),
+    }
+}
+
+fn check_values(
+    source: &Source,
+    blocks: &[ResolvedBlock],
+    common: Option<&ResolvedDesign>,
+) -> Result<(), StudyError> {
+    let swept: usize =
+        blocks.iter().flat_map(|block| &block.columns).map(|(_, values)| values.len()).sum();
+    let own = blocks.iter().filter_map(|block| block.file.design.as_ref());
+    let designs = own.chain(common.map(|design| &design.file));
+    let starts: usize = designs.map(DesignFile::values).sum();
+    if swept + starts <= MAX_VALUES {
+        return Ok(());
+    }
+    let found = format!("{swept} swept values and {starts} coordinates of given starts");
+    let fault = Fault::new("too many values", found, format!("at most {MAX_VALUES} together"));
+    Err(source.refuse_value(&KeyPath::of("sweep"), fault))
+}
+
+/// The design of every block: its own, which is noted in the block's file, or the common one.
+fn designs(
+    source: &Source,
+    written: &StudyFile,
+    base: &Base,
+    blocks: &mut [ResolvedBlock],
+    common: Option<&ResolvedDesign>,
+) -> Result<Vec<ResolvedDesign>, StudyError> {
+    let own = written.sweep.as_deref().unwrap_or_default();
+    let resolve = |(index, block): (usize, &mut ResolvedBlock)| {
+        if let Some(design) = own.get(index).and_then(|block| block.design.as_ref()) {
+            let path = KeyPath::of("sweep").item(index).key("design");
+            let design = resolve_design(source, source.file(), &path, design, base.balls())?;
+            block.file.design = Some(design.file.clone());
+            return Ok(design);
+        }
+        common.cloned().ok_or_else(|| {
+            let path = KeyPath::of("initial_conditions.design");
+            let allowed = "stratified, latin_hypercube, sobol, monte_carlo, grid or table";
+            source.refuse_value(&path, Fault::new("missing key", "no such key", allowed))
+        })
+    };
+    blocks.iter_mut().enumerate().map(resolve).collect()
+}
+
+/// Numbers the points and runs of all blocks.
+fn count(
+    source: &Source,
+    resolved: Vec<ResolvedBlock>,
+    designs: &[ResolvedDesign],
+    start_box: &StartBox,
+    seed: u64,
+) -> Result<Vec<Block>, StudyError> {
+    let mut blocks = Vec::with_capacity(resolved.len());
+    let (mut first_point, mut first_run) = (0_u64, 0_u64);
+    for (block, design) in resolved.into_iter().zip(designs) {
+        let mut block = Block {
+            listing: block.listing,
+            columns: block.columns,
+            design: Design::new(design.layout.clone(), start_box, seed),
+            first_point,
+            points: 0,
+            first_run,
+            runs_per_point: 0,
+        };
+        let (points, samples) = (block.factors(), block.design.factors());
+        let all: Vec<u64> = points.iter().chain(&samples).copied().collect();
+        let size = |factors: &[u64]| product(factors, MAX_COUNT);
+        let total = size(&all).and_then(|runs| match first_run + runs {
+            total if total <= MAX_COUNT => Ok(total),
+            total => Err(total as f64),
+        });
+        match (total, size(&points), size(&samples)) {
+            (Ok(total), Ok(points), Ok(samples)) => {
+                block.points = points;
+                block.runs_per_point = samples;
+                first_point += points;
+                first_run = total;
+            }
+            (total, points, samples) => {
+                let number = |count: Result<u64, f64>| count.map_or_else(|large| large, to_float);
+                let found = format!(
+                    "{:e} runs (points: {}, samples at each: {})",
+                    number(total),
+                    describe_number(number(points)),
+                    describe_number(number(samples)),
+                );
+                let fault = Fault::new("too many runs", found, "at most 1e15 runs");
+                return Err(source.refuse_value(&design.path, fault));
+            }
+        }
+        blocks.push(block);
+    }
+    Ok(blocks)
+}
+
+fn to_float(count: u64) -> f64 {
+    count as f64
+}
+
+fn uncertain_to_file(
+    written: &StudyFile,
+    columns: &[VariedParameter],
+) -> Option<Named<DistributionFile>> {
+    let written = written.uncertain.as_ref()?;
+    let entries: Vec<_> = columns
+        .iter()
+        .filter_map(|column| Some((column.name.clone(), written.get(&column.name)?.clone())))
+        .collect();
+    (!entries.is_empty()).then_some(Named(entries))
+}

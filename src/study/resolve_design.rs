@@ -1,0 +1,114 @@
+//! From a sampling design as written to a checked layout, with tables read in.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use super::csv_table::Rows;
+use super::design::{Layout, MAX_SOBOL_SAMPLES};
+use super::error::{Fault, Locate, StudyError};
+use super::file::DesignFile;
+use super::file_values::{Entry, InlineTable, Table};
+use super::key_path::KeyPath;
+use super::start_box::axis_names;
+
+/// A checked layout and the design as a self-contained study file writes it.
+#[derive(Clone)]
+pub(crate) struct ResolvedDesign {
+    /// The layout.
+    pub layout: Layout,
+    /// The design with tables written out.
+    pub file: DesignFile,
+    /// Where it stands.
+    pub path: KeyPath,
+}
+
+/// Checks a design.
+///
+/// # Errors
+/// Too many samples of a Sobol' sequence, or a table of start states that does not fit.
+pub(crate) fn resolve_design(
+    locate: &dyn Locate,
+    study_file: &Path,
+    path: &KeyPath,
+    written: &DesignFile,
+    balls: usize,
+) -> Result<ResolvedDesign, StudyError> {
+    let layout = match written {
+        DesignFile::Stratified { parts_per_axis, samples_per_cell } => {
+            Layout::Stratified { parts: parts_per_axis.0, samples_per_cell: samples_per_cell.0 }
+        }
+        DesignFile::LatinHypercube { samples } => Layout::LatinHypercube { samples: samples.0 },
+        DesignFile::Sobol { samples } => {
+            if samples.0 > MAX_SOBOL_SAMPLES {
+                let allowed = format!("at most {MAX_SOBOL_SAMPLES}, or another design");
+                let fault = Fault::new("too many samples", samples.0.to_string(), allowed);
+                return Err(locate.refuse_value(&path.key("sobol").key("samples"), fault));
+            }
+            Layout::Sobol { samples: samples.0 }
+        }
+        DesignFile::MonteCarlo { samples } => Layout::MonteCarlo { samples: samples.0 },
+        DesignFile::Grid { points_per_axis } => Layout::Grid { points: points_per_axis.0 },
+        DesignFile::Table(table) => {
+            return resolve_starts(locate, study_file, path, table, balls);
+        }
+    };
+    Ok(ResolvedDesign { layout, file: written.clone(), path: path.clone() })
+}
+
+fn resolve_starts(
+    locate: &dyn Locate,
+    study_file: &Path,
+    path: &KeyPath,
+    table: &Table,
+    balls: usize,
+) -> Result<ResolvedDesign, StudyError> {
+    let names = axis_names(balls);
+    let table_path = path.key("table");
+    let read = Rows::read(locate, study_file, &table_path, table, &names)?;
+    let mut order = Vec::with_capacity(names.len());
+    for name in &names {
+        let Some(column) = read.columns.iter().position(|column| column == name) else {
+            let found = read.columns.join(", ");
+            let fault = Fault::new("a missing column", found, format!("a column `{name}`"));
+            return Err(read.refuse(locate, None, None, fault));
+        };
+        order.push(column);
+    }
+    let mut rows = Vec::with_capacity(read.rows.len());
+    for (row, values) in read.rows.iter().enumerate() {
+        let mut coordinates = Vec::with_capacity(order.len());
+        for &column in &order {
+            match values.get(column) {
+                Some(Entry::Number(number)) => coordinates.push(*number),
+                Some(Entry::Text(text)) => {
+                    let fault = Fault::new("not a number", format!("text {text:?}"), "a number");
+                    return Err(read.refuse(locate, Some(row), Some(column), fault));
+                }
+                None => {}
+            }
+        }
+        rows.push(coordinates);
+    }
+    let inline = InlineTable {
+        columns: names,
+        rows: rows
+            .iter()
+            .map(|row| row.iter().map(|number| Entry::Number(*number)).collect())
+            .collect(),
+    };
+    Ok(ResolvedDesign {
+        layout: Layout::Table { rows: Arc::new(rows) },
+        file: DesignFile::Table(Table::Inline(inline)),
+        path: path.clone(),
+    })
+}
+
+impl DesignFile {
+    /// How many values the design lists.
+    pub(crate) fn values(&self) -> usize {
+        match self {
+            DesignFile::Table(Table::Inline(table)) => table.columns.len() * table.rows.len(),
+            _ => 0,
+        }
+    }
+}

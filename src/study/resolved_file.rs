@@ -1,0 +1,120 @@
+//! A resolved study written as a study file again, and its hash.
+
+use serde_json::Value;
+use sha2::{Digest, Sha256};
+
+use super::file::StudyFile;
+use super::plan::Study;
+
+/// Words that some readers of YAML do not take for text.
+const NOT_TEXT: [&str; 9] = ["true", "false", "yes", "no", "on", "off", "null", "nan", "inf"];
+
+impl Study {
+    /// The complete study file: all defaults filled in, tables written out, in a fixed form.
+    /// Loading it gives the same study with the same hash.
+    pub fn resolved_yaml(&self) -> String {
+        let mut out = String::new();
+        write_block(&to_value(&self.resolved), 0, &mut out);
+        out
+    }
+
+    /// SHA-256, in hexadecimal, of what determines the runs: not the file's name, form and
+    /// comments, nor `name` and `expect`.
+    pub fn hash(&self) -> String {
+        let determining = StudyFile { name: String::new(), expect: None, ..self.resolved.clone() };
+        let mut digest = Sha256::new();
+        digest.update(b"stickslip study 1\n");
+        digest.update(to_value(&determining).to_string());
+        digest.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
+    }
+}
+
+/// The file as plain values; its types hold nothing that could not be written.
+fn to_value(file: &StudyFile) -> Value {
+    serde_json::to_value(file).unwrap_or_default()
+}
+
+fn write_block(value: &Value, indent: usize, out: &mut String) {
+    let margin = " ".repeat(indent);
+    match value {
+        Value::Object(fields) => {
+            for (key, value) in fields {
+                out.push_str(&margin);
+                write_text(key, out);
+                out.push(':');
+                if fits_one_line(value) {
+                    out.push(' ');
+                    write_flow(value, out);
+                    out.push('\n');
+                } else {
+                    out.push('\n');
+                    write_block(value, indent + 2, out);
+                }
+            }
+        }
+        Value::Array(items) => {
+            for item in items {
+                out.push_str(&margin);
+                out.push_str("- ");
+                if fits_one_line(item) {
+                    write_flow(item, out);
+                    out.push('\n');
+                } else {
+                    let mut below = String::new();
+                    write_block(item, indent + 2, &mut below);
+                    out.push_str(below.trim_start());
+                }
+            }
+        }
+        scalar => write_flow(scalar, out),
+    }
+}
+
+/// Single values, lists of them, and small maps of them stay on one line.
+fn fits_one_line(value: &Value) -> bool {
+    let single = |value: &Value| !value.is_array() && !value.is_object();
+    match value {
+        Value::Object(fields) => {
+            fields.is_empty() || fields.len() <= 4 && fields.values().all(single)
+        }
+        Value::Array(items) => items.iter().all(single),
+        _ => true,
+    }
+}
+
+fn write_flow(value: &Value, out: &mut String) {
+    match value {
+        Value::Object(fields) => {
+            out.push('{');
+            for (index, (key, value)) in fields.iter().enumerate() {
+                out.push_str(if index == 0 { "" } else { ", " });
+                write_text(key, out);
+                out.push_str(": ");
+                write_flow(value, out);
+            }
+            out.push('}');
+        }
+        Value::Array(items) => {
+            out.push('[');
+            for (index, item) in items.iter().enumerate() {
+                out.push_str(if index == 0 { "" } else { ", " });
+                write_flow(item, out);
+            }
+            out.push(']');
+        }
+        Value::String(text) => write_text(text, out),
+        other => out.push_str(&other.to_string()),
+    }
+}
+
+fn write_text(text: &str, out: &mut String) {
+    let usual = |character: char| character.is_ascii_alphanumeric() || "-_.".contains(character);
+    let plain = text.starts_with(|first: char| first.is_ascii_alphabetic())
+        && text.chars().all(usual)
+        && !NOT_TEXT.contains(&text.to_ascii_lowercase().as_str());
+    if plain {
+        out.push_str(text);
+    } else {
+        out.push_str(&Value::from(text).to_string());
+    }
+}

@@ -1,0 +1,104 @@
+//! Files that are no studies: each gets one message with its place, and nothing panics.
+
+use std::fmt::Write;
+use std::fs;
+
+use stickslip::study::Study;
+
+use super::{parse, text_with_design};
+
+#[track_caller]
+fn refused(text: &str, line: Option<usize>, problem: &str) {
+    let error = parse(text).err().unwrap_or_else(|| panic!("accepted: {text}"));
+    assert!(error.problem().contains(problem), "{error}");
+    assert_eq!(error.line(), line, "{error}");
+    assert!(error.to_string().starts_with("a.yaml"), "{error}");
+}
+
+fn good() -> String {
+    text_with_design("{monte_carlo: {samples: 10}}")
+}
+
+#[test]
+fn empty_files_and_other_values_are_no_studies() {
+    refused("", None, "the file is empty");
+    refused("# only a comment\n", None, "the file is empty");
+    refused("[1, 2]", Some(1), "not a study");
+    refused("study", Some(1), "not a study");
+}
+
+#[test]
+fn yaml_errors_are_placed() {
+    refused("schema: [1", Some(1), "not valid YAML");
+    refused("schema: 1\nname: b: c\n", Some(2), "not valid YAML");
+    refused("schema: 1\nname: \"a\n", Some(3), "not valid YAML");
+    refused("schema: 1\nname: *nothing\n", Some(2), "not valid YAML");
+    refused("schema: 1\n<<: {name: a}\n", Some(2), "merge keys");
+    refused(&format!("{0}---\n{0}", good()), Some(8), "more than one YAML document");
+}
+
+#[test]
+fn duplicate_keys_are_refused_at_every_depth() {
+    refused(&format!("{}seed: 6\n", good()), Some(7), "given twice");
+    let nested = good().replace("{kind: ball_balancer}", "\n  kind: a\n  kind: b");
+    refused(&nested, Some(6), "given twice");
+}
+
+#[test]
+fn deep_nesting_is_refused_without_overflow() {
+    let flow = format!("model: {}{}\n", "[".repeat(200_000), "]".repeat(200_000));
+    refused(&flow, Some(1), "too deep");
+    let mut block = String::new();
+    for depth in 0..3_000 {
+        let _ = writeln!(block, "{}a:", " ".repeat(depth));
+    }
+    refused(&block, Some(25), "too deep");
+}
+
+#[test]
+fn alias_bombs_are_refused() {
+    let mut bomb = String::from("a: &a [1, 1, 1, 1, 1, 1, 1, 1, 1, 1]\n");
+    for (old, new) in ('a'..='k').zip('b'..='l') {
+        let _ = writeln!(bomb, "{new}: &{new} [{}]", vec![format!("*{old}"); 10].join(", "));
+    }
+    refused(&bomb, Some(5), "too many aliases");
+}
+
+#[test]
+fn a_small_alias_is_fine() {
+    let text = good().replace("seed: 5", "seed: &five 5");
+    let text = format!("{text}sweep: [{{grid: {{speed_rad_s: [*five]}}}}]\n");
+    assert!(parse(&text).is_ok());
+}
+
+#[test]
+fn directories_missing_files_and_other_encodings_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let error = Study::load(folder.path()).unwrap_err();
+    assert!(error.to_string().contains("a directory"), "{error}");
+
+    let error = Study::load(&folder.path().join("nothing.yaml")).unwrap_err();
+    assert!(error.to_string().contains("nothing.yaml: No such file"), "{error}");
+
+    let latin1 = folder.path().join("latin1.yaml");
+    fs::write(&latin1, b"schema: 1\nname: caf\xe9\n").unwrap();
+    let error = Study::load(&latin1).unwrap_err();
+    assert!(error.to_string().contains("not UTF-8"), "{error}");
+    assert!(error.to_string().contains("position 19"), "{error}");
+}
+
+#[test]
+fn a_message_shows_file_line_key_finding_remedy_and_source() {
+    let text = good().replace(
+        "{kind: ball_balancer}",
+        "\n  kind: ball_balancer\n  parameters:\n    table_mas_kg: 0.3",
+    );
+    let message = parse(&text).unwrap_err().to_string();
+    let lines: Vec<&str> = message.lines().collect();
+    assert_eq!(lines[0], "a.yaml:7:5: `model.parameters.table_mas_kg`: unknown key");
+    assert_eq!(lines[1], "  found:   table_mas_kg");
+    assert!(lines[2].starts_with(
+        "  allowed: table_mass_kg (did you mean this?), stiffness_n_m, damping_n_s_m"
+    ));
+    assert_eq!(lines[3], "  7 |     table_mas_kg: 0.3");
+}

@@ -1,0 +1,386 @@
+//! Wrong values in a study: line, key, finding and remedy of each.
+
+use super::parse;
+
+/// A right study, one value per line.
+const GOOD: &str = "\
+schema: 1
+name: good
+seed: 5
+model:
+  kind: ball_balancer
+  parameters:
+    table_mass_kg: 0.3
+    stiffness_n_m: 1.0e4
+    ring_radius_m: 0.0115
+    balls: 2
+    ball_mass_kg: 1.0e-4
+    friction_coefficient: 2.75e-3
+    speed_rad_s: -200
+  friction: coulomb
+  normal_force: lagrange
+sweep:
+  - grid:
+      speed_rad_s: [-160, -200]
+  - zip:
+      speed_rad_s: [-160, -200]
+      damping_n_s_m: [1.0, 2.0]
+uncertain:
+  imbalance_mass_kg: {uniform: {min: 5.0e-5, max: 6.0e-5}}
+initial_conditions:
+  box:
+    x: [-0.05, 0.05]
+  design:
+    stratified: {parts_per_axis: 2, samples_per_cell: 3}
+simulation:
+  method: switch
+  band: 1.0e-4
+  end_time_s: 16.5
+  tolerance: {relative: 1.0e-8, absolute: 1.0e-10}
+expect:
+  - point: {speed_rad_s: -160}
+    equilibrium_fraction: [0.5, 1.0]
+";
+
+/// Replaces one text by another and checks the message.
+#[track_caller]
+fn refused(old: &str, new: &str, line: usize, key: &str, found: &str, allowed: &str) {
+    assert!(GOOD.contains(old), "{old}");
+    let text = GOOD.replacen(old, new, 1);
+    let error = parse(&text).err().unwrap_or_else(|| panic!("accepted: {new}"));
+    assert_eq!(error.line(), Some(line), "{error}");
+    assert_eq!(error.key(), key, "{error}");
+    assert!(error.found().unwrap_or_default().contains(found), "{error}");
+    assert!(error.allowed().unwrap_or_default().contains(allowed), "{error}");
+}
+
+#[test]
+fn the_good_study_is_good() {
+    assert_eq!(parse(GOOD).unwrap().run_count(), 4 * 768);
+}
+
+#[test]
+fn unknown_keys_come_with_the_nearest() {
+    refused("seed: 5", "sed: 5", 3, "sed", "sed", "seed (did you mean this?)");
+    refused("  kind:", "  kindd:", 5, "model.kindd", "kindd", "kind (did you mean this?)");
+    refused("  band", "  bnd", 31, "simulation.bnd", "bnd", "band (did you mean this?)");
+    refused("  box", "  bx", 25, "initial_conditions.bx", "bx", "box (did you mean this?), design");
+    let key = "initial_conditions.box.xdot";
+    refused("    x:", "    xdot:", 26, key, "xdot", "x_dot (did you mean this?)");
+    let key = "sweep[0].grid.speed";
+    refused("speed_rad_s: [", "speed: [", 18, key, "speed", "speed_rad_s (did you mean this?)");
+    let key = "uncertain.imbalance_mas_kg";
+    refused(
+        "imbalance_mass_kg",
+        "imbalance_mas_kg",
+        23,
+        key,
+        "mas_kg",
+        "imbalance_mass_kg (did you",
+    );
+    let key = "initial_conditions.design";
+    refused(
+        "    stratified",
+        "    stratfied",
+        28,
+        key,
+        "stratfied",
+        "stratified (did you mean this?)",
+    );
+    let key = "initial_conditions.design.stratified.parts";
+    refused("parts_per_axis", "parts", 28, key, "parts", "parts_per_axis (did you mean this?)");
+    let key = "uncertain.imbalance_mass_kg.uniform.maxi";
+    refused("max:", "maxi:", 23, key, "maxi", "max (did you mean this?)");
+    refused(
+        "equilibrium_f",
+        "equilibriumf",
+        36,
+        "expect[0].equilibriumfraction",
+        "",
+        "equilibrium_f",
+    );
+}
+
+#[test]
+fn what_is_not_in_this_version_is_an_unknown_choice() {
+    refused("ball_balancer", "block_on_belt", 5, "model.kind", "block_on_belt", "ball_balancer");
+    refused("coulomb", "{stribeck: {a: 1}}", 14, "model.friction", "stribeck", "coulomb");
+    refused("switch", "event", 30, "simulation.method", "event", "switch");
+    refused(": lagrange", ": euler", 15, "model.normal_force", "euler", "lagrange, newton");
+    refused("schema: 1", "schema: 2", 1, "schema", "2", "1, the version");
+}
+
+#[test]
+fn wrong_types() {
+    refused("seed: 5", "seed: five", 3, "seed", "text \"five\"", "a whole number");
+    refused("seed: 5", "seed: -5", 3, "seed", "-5", "a whole number");
+    refused("seed: 5", "seed: 1.5", 3, "seed", "1.5", "a whole number");
+    refused("name: good", "name: 12", 2, "name", "12", "quote it");
+    refused("name: good", "name: ../up", 2, "name", "../up", "letters, digits");
+    let key = "model.parameters.table_mass_kg";
+    refused("0.3\n", "heavy\n", 7, key, "text \"heavy\"", "a number");
+    refused("0.3\n", "\"0.3\"\n", 7, key, "text \"0.3\"", "a number");
+    refused("0.3\n", "[1]\n", 7, key, "a list", "a number");
+    refused("0.3\n", "\n", 7, key, "nothing", "a number");
+    refused("0.3\n", "true\n", 7, key, "true", "a number");
+    refused("balls: 2", "balls: 2.5", 10, "model.parameters.balls", "2.5", "from 1 to 8");
+    refused("[-160, -200]", "-160", 18, "sweep[0].grid.speed_rad_s", "-160", "a list");
+    refused("[-160, -200]", "[-160, a]", 18, "sweep[0].grid.speed_rad_s[1]", "\"a\"", "a number");
+    let design = "stratified: {parts_per_axis: 2, samples_per_cell: 3}";
+    refused(design, "sobol", 28, "initial_conditions.design", "sobol", "{sobol: ...}");
+    refused(design, "sobol: 5", 28, "initial_conditions.design.sobol", "5", "");
+}
+
+#[test]
+fn missing_keys() {
+    refused("schema: 1\n", "", 1, "schema", "no such key", "schema");
+    refused("seed: 5\n", "", 1, "seed", "no such key", "seed");
+    refused("  kind: ball_balancer\n", "", 5, "model.kind", "no such key", "kind");
+    refused(", max: 6.0e-5", "", 23, "uncertain.imbalance_mass_kg.uniform.max", "", "max");
+    let design = "  design:\n    stratified: {parts_per_axis: 2, samples_per_cell: 3}\n";
+    refused(
+        design,
+        "",
+        25,
+        "initial_conditions.design",
+        "no such key",
+        "stratified, latin_hypercube",
+    );
+}
+
+#[test]
+fn numbers_that_are_not_finite() {
+    let key = "model.parameters.table_mass_kg";
+    for number in [".nan", ".NaN", ".inf", "-.inf", "1e999", "-1e999"] {
+        refused("0.3\n", &format!("{number}\n"), 7, key, "", "a finite number");
+    }
+    refused("-200]", ".inf]", 18, "sweep[0].grid.speed_rad_s[1]", ".inf", "a finite number");
+    refused("[-0.05", "[-.inf", 26, "initial_conditions.box.x[0]", "-.inf", "a finite number");
+    refused("16.5", ".nan", 32, "simulation.end_time_s", ".nan", "a finite number");
+    refused(
+        "max: 6.0e-5",
+        "max: 1e400",
+        23,
+        "uncertain.imbalance_mass_kg.uniform.max",
+        "inf",
+        "finite",
+    );
+}
+
+#[test]
+fn values_without_physical_meaning() {
+    let positive = "a positive, finite number";
+    for (line, key, value) in [
+        (7, "table_mass_kg", "0.3"),
+        (8, "stiffness_n_m", "1.0e4"),
+        (9, "ring_radius_m", "0.0115"),
+        (11, "ball_mass_kg", "1.0e-4"),
+    ] {
+        let path = format!("model.parameters.{key}");
+        for wrong in ["0", "-1", "-0.0"] {
+            let (old, new) = (format!("{key}: {value}"), format!("{key}: {wrong}"));
+            refused(&old, &new, line, &path, "", positive);
+        }
+    }
+    refused(
+        "t: 2.75e-3",
+        "t: -1",
+        12,
+        "model.parameters.friction_coefficient",
+        "-1",
+        "zero or more",
+    );
+    for wrong in ["0", "-1"] {
+        let band = format!("band: {wrong}");
+        refused("band: 1.0e-4", &band, 31, "simulation.band", wrong, positive);
+        let end = format!("end_time_s: {wrong}");
+        refused("end_time_s: 16.5", &end, 32, "simulation.end_time_s", wrong, positive);
+        for (key, value) in [("relative", "1.0e-8"), ("absolute", "1.0e-10")] {
+            let (old, new) = (format!("{key}: {value}"), format!("{key}: {wrong}"));
+            refused(&old, &new, 33, &format!("simulation.tolerance.{key}"), wrong, positive);
+        }
+    }
+    for wrong in ["0", "9", "1000000000000"] {
+        let balls = format!("balls: {wrong}");
+        refused("balls: 2", &balls, 10, "model.parameters.balls", wrong, "between 1 and 8");
+    }
+    refused("balls: 2", "balls: []", 10, "model.parameters.balls", "0", "between 1 and 8");
+    let key = "model.parameters.balls[1].mass_kg";
+    refused("balls: 2", "balls: [{}, {mass_kg: 0}]", 10, key, "0", positive);
+    refused("[1.0, 2.0]", "[1.0, -2.0]", 21, "sweep[1].zip.damping_n_s_m[1]", "-2", "zero or more");
+}
+
+#[test]
+fn boxes() {
+    let key = "initial_conditions.box.x";
+    refused("[-0.05, 0.05]", "[0.05, -0.05]", 26, key, "[0.05, -0.05]", "low not above high");
+    refused("[-0.05, 0.05]", "[0.05]", 26, key, "a list of 1", "[low, high]");
+    refused("[-0.05, 0.05]", "[0, 1, 2]", 26, key, "a list of 3", "[low, high]");
+    refused("[-0.05, 0.05]", "0.05", 26, key, "0.05", "[low, high]");
+    refused("    x:", "    beta_3:", 26, "initial_conditions.box.beta_3", "beta_3", "beta_2 (did");
+}
+
+#[test]
+fn counts() {
+    let cell = "initial_conditions.design.stratified.samples_per_cell";
+    refused("cell: 3", "cell: 0", 28, cell, "0", "a whole number from 1 to 1e15");
+    refused("cell: 3", "cell: -3", 28, cell, "-3", "a whole number from 1 to 1e15");
+    refused("cell: 3", "cell: 1.5", 28, cell, "1.5", "a whole number from 1 to 1e15");
+    refused("cell: 3", "cell: 1e24", 28, cell, "1e24", "a whole number from 1 to 1e15");
+    refused("cell: 3", "cell: 1000000000000000000000000", 28, cell, "1e24", "from 1 to 1e15");
+    let design = "initial_conditions.design";
+    let parts = "parts_per_axis: 1000, samples_per_cell: 1";
+    let found = "2e24 runs (points: 2, samples at each: 1e24)";
+    refused("parts_per_axis: 2, samples_per_cell: 3", parts, 28, design, found, "at most 1e15");
+    let sobol = "sobol: {samples: 65537}";
+    let stratified = "stratified: {parts_per_axis: 2, samples_per_cell: 3}";
+    let key = "initial_conditions.design.sobol.samples";
+    refused(stratified, sobol, 28, key, "65537", "at most 65536");
+    // Each block is within the limit, both together are not.
+    let parts = "parts_per_axis: 1, samples_per_cell: 4e14";
+    refused(
+        "parts_per_axis: 2, samples_per_cell: 3",
+        parts,
+        28,
+        design,
+        "1.6e15 runs",
+        "at most 1e15",
+    );
+}
+
+#[test]
+fn sweeps() {
+    let second = "      damping_n_s_m: [1.0, 2.0]\n";
+    let key = "sweep[1].zip.damping_n_s_m";
+    let found = "speed_rad_s 2, damping_n_s_m 3";
+    refused("[1.0, 2.0]", "[1.0, 2.0, 3.0]", 21, key, found, "as many values");
+    refused("[1.0, 2.0]", "[]", 21, key, "an empty list", "at least one value");
+    refused(
+        second,
+        "      balls: [1, 2]\n",
+        21,
+        "sweep[1].zip.balls",
+        "balls",
+        "one study per number",
+    );
+    refused(second, "      colour: [1, 2]\n", 21, "sweep[1].zip.colour", "colour", "normal_force");
+    refused(
+        second,
+        "      ball_mass_3_kg: [1, 2]\n",
+        21,
+        "sweep[1].zip.ball_mass_3_kg",
+        "",
+        "ball_mass_",
+    );
+    let force = "      normal_force: [newton, neuton]\n";
+    refused(second, force, 21, "sweep[1].zip.normal_force[1]", "neuton", "newton (did you mean");
+    let old = "      speed_rad_s: [-160, -200]\n  - zip:";
+    refused(old, "      {}\n  - zip:", 18, "sweep[0].grid", "no parameter", "at least one");
+    let both = "      speed_rad_s: [1]\n    zip: {speed_rad_s: [1]}\n  - zip:";
+    refused(old, both, 17, "sweep[0]", "grid, zip", "exactly one of grid, zip, table");
+    let all = &GOOD[GOOD.find("sweep:").unwrap()..GOOD.find("uncertain:").unwrap()];
+    refused(all, "sweep: []\n", 16, "sweep", "an empty list", "no `sweep`");
+    let own = "balls: [{mass_kg: 1.0e-4}, {}]";
+    let text = GOOD.replacen("balls: 2", own, 1).replacen("damping_n_s_m", "ball_mass_kg", 1);
+    let error = parse(&text).unwrap_err();
+    assert_eq!(error.key(), "sweep[1].zip.ball_mass_kg");
+    assert_eq!(error.allowed(), Some("ball_mass_1_kg, ball_mass_2_kg"));
+}
+
+#[test]
+fn uncertain_parameters() {
+    let old = "imbalance_mass_kg: {uniform: {min: 5.0e-5, max: 6.0e-5}}";
+    for (new, key, found, allowed) in [
+        ("speed_rad_s: {normal: {mean: 1, std_dev: 1}}", "speed_rad_s", "in `sweep`", "either"),
+        ("normal_force: {normal: {mean: 1, std_dev: 1}}", "normal_force", "", "numeric parameter"),
+        ("balls: {normal: {mean: 1, std_dev: 1}}", "balls", "balls", "ball_mass_kg"),
+        ("ball_mass_kg: {gamma: {mean: 1}}", "ball_mass_kg", "gamma", "normal"),
+        (
+            "ball_mass_kg: {normal: {mean: 1, std_dev: 0}}",
+            "ball_mass_kg.normal.std_dev",
+            "0",
+            "a positive",
+        ),
+        (
+            "ball_mass_kg: {lognormal: {mean: -1, std_dev: 1}}",
+            "ball_mass_kg.lognormal.mean",
+            "-1",
+            "a positive",
+        ),
+        (
+            "ball_mass_kg: {uniform: {min: 2, max: 1}}",
+            "ball_mass_kg.uniform.max",
+            "1",
+            "above min, which is 2",
+        ),
+        (
+            "ball_mass_kg: {uniform: {min: -1, max: 1}}",
+            "ball_mass_kg.uniform.min",
+            "-1",
+            "a positive",
+        ),
+        (
+            "ball_mass_kg: {triangular: {min: 1, mode: 4, max: 3}}",
+            "ball_mass_kg.triangular.mode",
+            "4",
+            "from min to max",
+        ),
+        (
+            "ball_mass_kg: {truncated_normal: {mean: 1, std_dev: 0.1, min: 3, max: 4}}",
+            "ball_mass_kg.truncated_normal.max",
+            "4",
+            "1e-12",
+        ),
+        (
+            "ball_mass_kg: {choice: {values: []}}",
+            "ball_mass_kg.choice.values",
+            "an empty list",
+            "values",
+        ),
+        (
+            "ball_mass_kg: {choice: {values: [1, 0]}}",
+            "ball_mass_kg.choice.values",
+            "0",
+            "a positive",
+        ),
+        (
+            "ball_mass_kg: {choice: {values: [1, 2], weights: [1]}}",
+            "ball_mass_kg.choice.weights",
+            "1 weights for 2 values",
+            "one weight per value",
+        ),
+        (
+            "ball_mass_kg: {choice: {values: [1, 2], weights: [1, -1]}}",
+            "ball_mass_kg.choice.weights",
+            "-1",
+            "zero or more",
+        ),
+        (
+            "ball_mass_kg: {choice: {values: [1, 2], weights: [0, 0]}}",
+            "ball_mass_kg.choice.weights",
+            "0",
+            "positive",
+        ),
+    ] {
+        refused(old, new, 23, &format!("uncertain.{key}"), found, allowed);
+    }
+}
+
+#[test]
+fn expectations() {
+    let range = "expect[0].equilibrium_fraction";
+    refused("[0.5, 1.0]", "[1.0, 0.5]", 36, range, "[1, 0.5]", "low <= high");
+    refused("[0.5, 1.0]", "[0.5, 1.5]", 36, range, "[0.5, 1.5]", "<= 1");
+    refused(
+        "    equilibrium_fraction: [0.5, 1.0]\n",
+        "",
+        35,
+        "expect[0]",
+        "no range",
+        "at least one",
+    );
+    let point = "expect[0].point";
+    refused("{speed_rad_s: -160}", "{speed_rad_s: -161}", 35, point, "speed_rad_s -161", "values");
+    let key = "expect[0].point.ball_mass_kg";
+    refused("{speed_rad_s: -160}", "{ball_mass_kg: 1}", 35, key, "ball_mass_kg", "speed_rad_s");
+}

@@ -1,0 +1,124 @@
+//! Sampling designs: their strata by property, their evenness by statistics.
+
+use std::collections::HashSet;
+
+use super::{assert_follows, coordinates, shares, study, with_design};
+
+#[test]
+fn stratified_has_every_sample_in_its_own_cell() {
+    let study = with_design("{stratified: {parts_per_axis: 2, samples_per_cell: 3}}", "");
+    assert_eq!(study.run_count(), 768);
+    for run in 0..768 {
+        let planned = study.planned_run(run);
+        assert_eq!((planned.cell, planned.replicate), (run % 256, run / 256));
+        let cell =
+            shares(&study, run).iter().fold(0, |cell, share| 2 * cell + u64::from(*share >= 0.5));
+        assert_eq!(cell, planned.cell);
+    }
+}
+
+#[test]
+fn a_fixed_coordinate_is_not_cut() {
+    let text = super::text_with_design("{stratified: {parts_per_axis: 3, samples_per_cell: 2}}");
+    let study = study(&format!("{text}  box: {{x: [0.01, 0.01], beta: [1, 1]}}\n"));
+    assert_eq!(study.run_count(), 2 * 3_u64.pow(5));
+    assert!((0..study.run_count()).all(|run| {
+        let all = coordinates(&study, run);
+        all[0] == 0.01 && all[2] == 1.0 && all[3] == 1.0
+    }));
+}
+
+#[test]
+fn latin_hypercube_has_one_sample_in_each_stratum_of_each_axis() {
+    for samples in [1_u64, 2, 3, 7, 64, 1000] {
+        let study = with_design(&format!("{{latin_hypercube: {{samples: {samples}}}}}"), "");
+        let mut seen = vec![HashSet::new(); 8];
+        for run in 0..samples {
+            for (axis, share) in shares(&study, run).iter().enumerate() {
+                assert!(seen[axis].insert((share * samples as f64).floor() as u64));
+            }
+        }
+        assert!(seen.iter().all(|strata| strata.len() as u64 == samples));
+    }
+}
+
+#[test]
+fn latin_hypercube_orders_of_two_axes_are_unrelated() {
+    let samples = 2000;
+    let study = with_design(&format!("{{latin_hypercube: {{samples: {samples}}}}}"), "");
+    let all: Vec<Vec<f64>> = (0..samples).map(|run| shares(&study, run)).collect();
+    for left in 0..8 {
+        // Each axis against the next, and against the order of the samples.
+        let right = (left + 1) % 8;
+        let (mut next, mut index) = (0.0, 0.0);
+        for (run, sample) in all.iter().enumerate() {
+            next += 12.0 * (sample[left] - 0.5) * (sample[right] - 0.5);
+            index += 12.0 * (sample[left] - 0.5) * (run as f64 / samples as f64 - 0.5);
+        }
+        // Standard deviation of the correlation is 1/sqrt(n); four of them, 16 tests.
+        let bound = 4.0 * (samples as f64).sqrt();
+        assert!(f64::abs(next) < bound && f64::abs(index) < bound, "{left}: {next}, {index}");
+    }
+}
+
+#[test]
+fn monte_carlo_is_uniform_on_every_axis() {
+    let samples = 10_000;
+    let study = with_design(&format!("{{monte_carlo: {{samples: {samples}}}}}"), "");
+    let all: Vec<Vec<f64>> = (0..samples).map(|run| shares(&study, run)).collect();
+    for axis in 0..8 {
+        assert_follows(all.iter().map(|sample| sample[axis]).collect(), |share| share, 1.0e-3);
+    }
+}
+
+#[test]
+fn stratified_is_uniform_within_cells() {
+    let study = with_design("{stratified: {parts_per_axis: 1, samples_per_cell: 5000}}", "");
+    let all: Vec<Vec<f64>> = (0..5000).map(|run| shares(&study, run)).collect();
+    for axis in 0..8 {
+        assert_follows(all.iter().map(|sample| sample[axis]).collect(), |share| share, 1.0e-3);
+    }
+}
+
+#[test]
+fn sobol_fills_every_stratum_of_every_axis() {
+    let samples = 1024;
+    let study = with_design(&format!("{{sobol: {{samples: {samples}}}}}"), "");
+    let all: Vec<Vec<f64>> = (0..samples).map(|run| shares(&study, run)).collect();
+    for axis in 0..8 {
+        // The small margin is for the way to the box and back.
+        let strata: HashSet<u64> =
+            all.iter().map(|sample| (sample[axis] * 1024.0 + 1.0e-6).floor() as u64).collect();
+        assert!(strata.len() >= 1020, "axis {axis}: {} strata", strata.len());
+    }
+}
+
+#[test]
+fn grid_takes_midpoints_so_that_no_angle_is_taken_twice() {
+    let study = with_design("{grid: {points_per_axis: 3}}", "");
+    assert_eq!(study.run_count(), 3_u64.pow(8));
+    let mut angles = HashSet::new();
+    for run in 0..study.run_count() {
+        let planned = study.planned_run(run);
+        assert_eq!((planned.cell, planned.replicate), (run, 0));
+        for share in shares(&study, run) {
+            let thirds = 6.0 * share;
+            assert!([1.0, 3.0, 5.0].iter().any(|middle| (thirds - middle).abs() < 1.0e-9));
+        }
+        angles.insert(planned.start.beta[0].to_bits());
+    }
+    assert_eq!(angles.len(), 3);
+    // The last coordinate changes fastest.
+    assert_eq!(study.planned_run(0).start.x, study.planned_run(1).start.x);
+    assert_ne!(study.planned_run(0).start.beta_dot[1], study.planned_run(1).start.beta_dot[1]);
+}
+
+#[test]
+fn one_balls_range_wins_over_that_of_all() {
+    let text = super::text_with_design("{monte_carlo: {samples: 100}}");
+    let study = study(&format!("{text}  box: {{beta: [0, 1], beta_2: [2, 3]}}\n"));
+    for run in 0..100 {
+        let start = study.planned_run(run).start;
+        assert!((0.0..=1.0).contains(&start.beta[0]) && (2.0..=3.0).contains(&start.beta[1]));
+    }
+}

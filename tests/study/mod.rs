@@ -1,0 +1,74 @@
+//! Study files, sampling and plans, all through the public interface.
+
+use std::path::Path;
+
+use stickslip::study::{Study, StudyError};
+
+mod bad_files;
+mod bad_tables;
+mod bad_values;
+mod designs;
+mod distributions;
+mod fuzz;
+mod plan;
+mod resolved;
+mod shipped;
+mod stability;
+
+/// Parses a text as if it stood in `a.yaml`.
+fn parse(text: &str) -> Result<Study, StudyError> {
+    Study::parse(Path::new("a.yaml"), text.to_owned())
+}
+
+/// A study that must be right.
+fn study(text: &str) -> Study {
+    parse(text).unwrap_or_else(|error| panic!("{error}\n{text}"))
+}
+
+/// A study with this design, model defaults, and further lines.
+fn with_design(design: &str, rest: &str) -> Study {
+    study(&format!("{}{rest}", text_with_design(design)))
+}
+
+/// The text of a study with this design: six lines.
+fn text_with_design(design: &str) -> String {
+    format!(
+        "schema: 1\nname: a\nseed: 5\nmodel: {{kind: ball_balancer}}\n\
+         initial_conditions:\n  design: {design}\n"
+    )
+}
+
+/// The coordinates of a run's start state in the order x, y, beta ..., x_dot, y_dot, beta_dot ...
+fn coordinates(study: &Study, run: u64) -> Vec<f64> {
+    let start = study.planned_run(run).start;
+    let mut all = vec![start.x, start.y];
+    all.extend(start.beta);
+    all.extend([start.x_dot, start.y_dot]);
+    all.extend(start.beta_dot);
+    all
+}
+
+/// Coordinates as shares of the default box for two balls.
+fn shares(study: &Study, run: u64) -> Vec<f64> {
+    let tau = std::f64::consts::TAU;
+    let low = [-0.05, -0.05, 0.0, 0.0, -0.05, -0.05, -1.0, -1.0];
+    let width = [0.1, 0.1, tau, tau, 0.1, 0.1, 2.0, 2.0];
+    let all = coordinates(study, run);
+    (0..8).map(|axis| (all[axis] - low[axis]) / width[axis]).collect()
+}
+
+/// Largest difference between the empirical distribution and a distribution function
+/// (Kolmogorov-Smirnov), compared with its critical value for a given alpha (asymptotic, good for
+/// hundreds of samples and more).
+fn assert_follows(mut samples: Vec<f64>, cdf: impl Fn(f64) -> f64, alpha: f64) {
+    samples.sort_by(f64::total_cmp);
+    let count = samples.len() as f64;
+    let mut largest: f64 = 0.0;
+    for (index, sample) in samples.iter().enumerate() {
+        let expected = cdf(*sample);
+        let (below, above) = (index as f64 / count, (index + 1) as f64 / count);
+        largest = largest.max(expected - below).max(above - expected);
+    }
+    let critical = (-0.5 * (alpha / 2.0).ln()).sqrt() / count.sqrt();
+    assert!(largest < critical, "distance {largest} is above {critical}");
+}

@@ -1,0 +1,52 @@
+//! The study files that come with the program.
+
+use std::path::{Path, PathBuf};
+
+use stickslip::study::{ParameterValue, Study};
+
+fn folder() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("studies")
+}
+
+fn load(name: &str) -> Study {
+    Study::load(&folder().join(name)).unwrap_or_else(|error| panic!("{error}"))
+}
+
+#[test]
+fn every_shipped_study_loads_and_resolves_to_itself() {
+    let mut count = 0;
+    for entry in std::fs::read_dir(folder()).unwrap() {
+        let path = entry.unwrap().path();
+        if path.extension().is_some_and(|extension| extension == "yaml") {
+            let study = Study::load(&path).unwrap_or_else(|error| panic!("{error}"));
+            assert_eq!(path.file_stem().unwrap().to_str(), Some(study.name()));
+            let again = super::study(&study.resolved_yaml());
+            assert_eq!(again.hash(), study.hash());
+            assert!(study.planned_run(study.run_count() - 1).case.is_ok());
+            count += 1;
+        }
+    }
+    assert!(count >= 5);
+}
+
+#[test]
+fn the_thesis_study_has_4096_runs_at_six_points() {
+    let study = load("preferred-equilibria.yaml");
+    assert_eq!((study.point_count(), study.run_count(), study.seed()), (6, 4096, 2003));
+    let runs: Vec<u64> = (0..6).map(|point| study.point(point).runs).collect();
+    assert_eq!(runs, [768, 768, 768, 768, 768, 256]);
+    let number = ParameterValue::Number;
+    assert_eq!(study.point(4).swept, [number(-216.3772), number(2.75e-3)]);
+    assert_eq!(study.point(5).swept, [number(-216.3772), number(2.75e-4)]);
+    assert_eq!(*study.machine(), stickslip::model::Machine::default());
+    assert_eq!(*study.simulation(), stickslip::model::Simulation::default());
+    for (point, expectation) in study.expectations().iter().enumerate() {
+        let selected: Vec<u64> =
+            (0..6).filter(|id| expectation.selects(&study, &study.point(*id).swept)).collect();
+        assert_eq!(selected, [point as u64]);
+    }
+    // The 256 runs with less friction start as the first replicate of the others.
+    for run in 0..256 {
+        assert_eq!(study.planned_run(3840 + run).start, study.planned_run(run).start);
+    }
+}
