@@ -33,7 +33,8 @@ impl SurvivalCurve {
     /// The curve of these observations, in any order. At equal times, runs that came to rest count
     /// before runs that were stopped.
     pub fn new(mut observations: Vec<Observation>) -> Self {
-        let stopped = |observation: &Observation| matches!(observation, Observation::MovingUntil(_));
+        let stopped =
+            |observation: &Observation| matches!(observation, Observation::MovingUntil(_));
         observations
             .sort_by(|a, b| a.time().total_cmp(&b.time()).then(stopped(a).cmp(&stopped(b))));
         let mut at_risk = observations.len();

@@ -69,8 +69,7 @@ pub fn expand(arguments: &ExpandArguments) -> Result<End, CliError> {
                 schema(&columns).fields().iter().map(|field| field.name().clone()).collect();
             print(&(names.join(",") + "\n"))?;
             for first in (0..runs).step_by(PIECE as usize) {
-                let rows: Vec<PlannedRun> =
-                    (first..runs.min(first + PIECE)).map(planned).collect();
+                let rows: Vec<PlannedRun> = (first..runs.min(first + PIECE)).map(planned).collect();
                 print(&csv(&columns, &rows).map_err(std::io::Error::other)?)?;
             }
             Ok(End::Well)

@@ -38,7 +38,10 @@ impl PointsTable {
     pub fn text(&self) -> String {
         let mut header: Vec<String> = vec!["point".to_owned()];
         header.extend(self.names.iter().cloned());
-        header.extend(["runs", "equilibria", "fraction", "95 % interval", "median rest [s]"].map(String::from));
+        header.extend(
+            ["runs", "equilibria", "fraction", "95 % interval", "median rest [s]"]
+                .map(String::from),
+        );
         let others: Vec<Label> = Label::ALL[1..]
             .iter()
             .copied()

@@ -53,10 +53,8 @@ static STOP: AtomicBool = AtomicBool::new(false);
 /// Where the study or the output directory cannot be used, or a table not be written.
 pub fn run(arguments: &RunArguments) -> Result<End, CliError> {
     let study = Study::load(&arguments.study.study)?;
-    let directory = arguments
-        .out
-        .clone()
-        .unwrap_or_else(|| Path::new("results").join(study.name()));
+    let directory =
+        arguments.out.clone().unwrap_or_else(|| Path::new("results").join(study.name()));
     let shard = arguments.farm.shard.to_string();
     if let Destination::Complete(manifest) = inspect(&directory, &study, &shard)? {
         if !arguments.farm.quiet {
@@ -132,7 +130,9 @@ impl Ran {
             eprintln!("{runs} runs in {seconds:.1} s on {threads} threads: {rate:.0} runs/s");
             let failed = self.tally.counts.of(Label::Failed);
             if failed > 0 {
-                eprintln!("{failed} runs failed: see the columns evidence and error of runs.parquet");
+                eprintln!(
+                    "{failed} runs failed: see the columns evidence and error of runs.parquet"
+                );
             }
             if let Some(directory) = directory {
                 eprintln!("tables in {}", directory.display());

@@ -258,13 +258,11 @@ impl<const N: usize> ReturnMap<'_, N> {
             let start = self.state(state, &centre);
             let orbit = self.follow(&start)?;
             let residual = (self.coordinates(&orbit.state) - &centre).map(wrapped_small);
-            let jacobian = self.jacobian(state, &centre)?;
             if residual.amax() <= closure {
-                return Some(self.judge(&start, orbit, jacobian));
+                return Some(self.judge(&start, orbit, self.jacobian(state, &centre)?));
             }
             // (1 - J) δ = P(s) - s
-            let dimension = centre.len();
-            centre += (DMatrix::identity(dimension, dimension) - jacobian).lu().solve(&residual)?;
+            centre += newton.solve(&residual)?;
             if (&centre - &first).amax() > REACH {
                 return None;
             }

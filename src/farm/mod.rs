@@ -98,14 +98,15 @@ pub fn farm<S: Sink>(
     while first < planned && !stop.load(Ordering::Relaxed) {
         let end = planned.min(first + chunk);
         let work = || -> Vec<RunRecord> {
-            (first..end)
+            (0..(end - first) as usize)
                 .into_par_iter()
                 .with_max_len(1)
                 .filter_map(|index| {
                     if stop.load(Ordering::Relaxed) {
                         return None;
                     }
-                    let record = compute(study, options.shard.run_id(index), &simulate);
+                    let run_id = options.shard.run_id(first + index as u64);
+                    let record = compute(study, run_id, &simulate);
                     progress.finished(record.outcome.label());
                     Some(record)
                 })
@@ -137,7 +138,8 @@ impl<S: Sink> Intake<'_, S> {
             if self.point.as_ref().is_some_and(|(current, _)| *current != point_id) {
                 self.close_point()?;
             }
-            let (_, point) = self.point.get_or_insert_with(|| (point_id, PointAccumulator::default()));
+            let (_, point) =
+                self.point.get_or_insert_with(|| (point_id, PointAccumulator::default()));
             point.add(&record.outcome);
             self.counts.add(record.outcome.label());
             self.sink.run(record)?;

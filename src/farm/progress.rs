@@ -60,13 +60,19 @@ impl Progress {
         if let Ok(style) = ProgressStyle::with_template(template) {
             bar.set_style(
                 style
-                    .with_key("fraction", move |_: &ProgressState, out: &mut dyn std::fmt::Write| {
-                        // Nobody can do anything about a bar that cannot be drawn.
-                        let _ = out.write_str(&for_fraction.fraction());
-                    })
-                    .with_key("runs_per_s", |state: &ProgressState, out: &mut dyn std::fmt::Write| {
-                        let _ = write!(out, "{:.0}/s", state.per_sec());
-                    }),
+                    .with_key(
+                        "fraction",
+                        move |_: &ProgressState, out: &mut dyn std::fmt::Write| {
+                            // Nobody can do anything about a bar that cannot be drawn.
+                            let _ = out.write_str(&for_fraction.fraction());
+                        },
+                    )
+                    .with_key(
+                        "runs_per_s",
+                        |state: &ProgressState, out: &mut dyn std::fmt::Write| {
+                            let _ = write!(out, "{:.0}/s", state.per_sec());
+                        },
+                    ),
             );
         }
         Progress { bar, lines: !terminal && !quiet, planned, started: Instant::now(), counts }

@@ -76,7 +76,10 @@ mod tests {
     fn shards_that_do_not_exist() {
         for wrong in ["3/2", "0/2", "1/0", "2", "a/b", "", "1/2/3", "-1/2", "1.5/2"] {
             let error = wrong.parse::<Shard>().unwrap_err().to_string();
-            assert!(error.contains(&format!("{wrong:?}")) && error.contains("1 ≤ K ≤ N"), "{error}");
+            assert!(
+                error.contains(&format!("{wrong:?}")) && error.contains("1 ≤ K ≤ N"),
+                "{error}"
+            );
         }
     }
 }

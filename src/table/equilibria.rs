@@ -61,9 +61,11 @@ fn sorted_where_alike(beta: &[f64], balls: &[Ball]) -> Vec<f64> {
 /// The columns of `equilibria.parquet`.
 pub fn equilibrium_columns(study: &Study) -> Vec<Column<EquilibriumRow>> {
     let mut columns = vec![
-        Column::count("run_id", "number of the run in the study, from 0", |row: &EquilibriumRow| {
-            Some(row.run_id)
-        }),
+        Column::count(
+            "run_id",
+            "number of the run in the study, from 0",
+            |row: &EquilibriumRow| Some(row.run_id),
+        ),
         Column::count("point_id", "number of the sweep's point, from 0", |row: &EquilibriumRow| {
             Some(row.point_id)
         }),

@@ -56,9 +56,11 @@ pub fn point_columns(study: &Study) -> Vec<Column<PointRow>> {
             Some(row.point_id)
         })];
     columns.extend(swept_columns(study, |row: &PointRow| &row.swept));
-    columns.push(Column::count("runs", "runs that finished, failed ones included", |row: &PointRow| {
-        Some(row.summary.counts.total())
-    }));
+    columns.push(Column::count(
+        "runs",
+        "runs that finished, failed ones included",
+        |row: &PointRow| Some(row.summary.counts.total()),
+    ));
     for label in Label::ALL {
         columns.push(Column::count(
             &format!("{}_runs", label.name()),

@@ -60,7 +60,9 @@ pub fn swept_columns<R: 'static>(
 }
 
 fn start_columns<R: 'static>(balls: usize, planned: fn(&R) -> &PlannedRun) -> Vec<Column<R>> {
-    let number = |name: &str, meaning: &str, value: Box<dyn Fn(&PlannedRun) -> Option<f64> + Send + Sync>| {
+    let number = |name: &str,
+                  meaning: &str,
+                  value: Box<dyn Fn(&PlannedRun) -> Option<f64> + Send + Sync>| {
         Column::number(name, NON_DIMENSIONAL, meaning, move |row| value(planned(row)))
     };
     let mut columns = vec![
@@ -170,9 +172,11 @@ pub fn run_columns(study: &Study) -> Vec<Column<RunRecord>> {
         Column::count("rejected_steps", "steps rejected by error control", |row: &RunRecord| {
             Some(row.outcome.effort.rejected_steps)
         }),
-        Column::count("switches", "changes between stick, transition and slip", |row: &RunRecord| {
-            Some(row.outcome.effort.switches)
-        }),
+        Column::count(
+            "switches",
+            "changes between stick, transition and slip",
+            |row: &RunRecord| Some(row.outcome.effort.switches),
+        ),
         Column::text("error", "what went wrong, in words", |row: &RunRecord| {
             row.outcome.error.clone()
         }),
