@@ -56,9 +56,7 @@ pub fn certified_by_closed_form<const N: usize>(
     let mut u = [state.position[0] - rest.position[0], state.position[1] - rest.position[1]];
     let mut v = [state.velocity[0] - omega * u[1], state.velocity[1] + omega * u[0]];
     for _ in 0..1_000_000 {
-        for axis in 0..2 {
-            current.position[axis] = rest.position[axis] + u[axis];
-        }
+        current.position = [rest.position[0] + u[0], rest.position[1] + u[1]];
         current.velocity = [v[0] + omega * u[1], v[1] - omega * u[0]];
         if certified(balancer, rest, &current) {
             return true;

@@ -209,8 +209,8 @@ fn difference<const N: usize>(a: &Passage<N>, b: &Passage<N>, reference: usize) 
         largest = largest.max((a.position[axis] - b.position[axis]).abs());
         largest = largest.max((a.velocity[axis] - b.velocity[axis]).abs());
     }
-    for ball in 0..N {
-        if phases[ball] != Phase::Stick {
+    for (ball, phase) in phases.iter().enumerate() {
+        if *phase != Phase::Stick {
             largest = largest.max((a.beta_dot[ball] - b.beta_dot[ball]).abs());
         }
         if ball != reference {
@@ -259,12 +259,29 @@ impl<const N: usize> ReturnMap<'_, N> {
             let orbit = self.follow(&start)?;
             let residual = (self.coordinates(&orbit.state) - &centre).map(wrapped_small);
             if residual.amax() <= closure {
-                return Some(self.judge(&start, orbit, self.jacobian(state, &centre)?));
+                return self.in_fewest_turns(&start, closure);
             }
             // (1 - J) δ = P(s) - s
             centre += newton.solve(&residual)?;
             if (&centre - &first).amax() > REACH {
                 return None;
+            }
+        }
+        None
+    }
+
+    /// What the closed orbit from `state` is when it is followed once round: an orbit that closes
+    /// after six turns may close after two.
+    fn in_fewest_turns(&self, state: &State<N>, closure: f64) -> Option<Verdict<N>> {
+        let centre = self.coordinates(state);
+        for turns in (1..=self.turns).filter(|turns| self.turns.is_multiple_of(*turns)) {
+            let once = ReturnMap { turns, ..*self };
+            if let Some(orbit) = once.follow(state) {
+                let residual = (self.coordinates(&orbit.state) - &centre).map(wrapped_small);
+                if residual.amax() <= closure {
+                    let jacobian = once.jacobian(state, &centre)?;
+                    return Some(once.judge(state, orbit, jacobian));
+                }
             }
         }
         None

@@ -134,10 +134,10 @@ impl<const N: usize, T: Number> Balancer<N, T> {
             beta: state.beta_dot,
             beta_dot: forces.beta_ddot,
         };
-        for i in 0..N {
-            let free = contacts[i].free;
-            derivative.beta[i] = free * state.beta_dot[i];
-            derivative.beta_dot[i] = forces.beta_ddot[i] - (one - free) * state.beta_dot[i];
+        for (i, contact) in contacts.iter().enumerate() {
+            let stuck = one - contact.free;
+            derivative.beta[i] = contact.free * state.beta_dot[i];
+            derivative.beta_dot[i] = forces.beta_ddot[i] - stuck * state.beta_dot[i];
         }
         derivative
     }

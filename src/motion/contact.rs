@@ -73,9 +73,9 @@ pub fn decide<const N: usize>(
     for _ in 0..N + 3 {
         let forces = evaluate(phases);
         let mut settled = true;
-        for ball in 0..N {
-            if let Some(other) = better_phase(balancer, &forces, phases[ball], ball) {
-                phases[ball] = other;
+        for (ball, phase) in phases.iter_mut().enumerate() {
+            if let Some(other) = better_phase(balancer, &forces, *phase, ball) {
+                *phase = other;
                 settled = false;
             }
         }

@@ -49,9 +49,11 @@ pub fn fall_through_zero(
 mod tests {
     use super::fall_through_zero;
 
+    type Function = fn(f64) -> f64;
+
     #[test]
     fn roots_to_the_width_asked_for() {
-        let functions: [(fn(f64) -> f64, f64); 4] = [
+        let functions: [(Function, f64); 4] = [
             (|t| 0.3 - t, 0.3),
             (|t| (0.7 - t).powi(3), 0.7),
             (|t| (1.0 - t * t).sqrt() - t, std::f64::consts::FRAC_1_SQRT_2),

@@ -224,10 +224,10 @@ impl<'a, const N: usize> SwitchModel<'a, N> {
                 self.time = last.start_time + theta * last.step.length;
                 self.state = at_switch;
                 self.forces = forces;
-                for ball in 0..N {
+                for (ball, last_switch) in self.last_switches.iter_mut().enumerate() {
                     if phases[ball] != self.phases[ball] {
                         self.effort.switches += 1;
-                        self.last_switches[ball] = self.time;
+                        *last_switch = self.time;
                     }
                 }
                 self.phases = phases;

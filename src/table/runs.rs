@@ -2,6 +2,7 @@
 
 use super::column::{Column, NON_DIMENSIONAL};
 use super::record::RunRecord;
+use crate::model::Start;
 use crate::study::{ParameterKind, ParameterValue, PlannedRun, Study, VariedParameter};
 
 /// The columns that say which run it is and where it starts; `planned` finds that in a row.
@@ -60,48 +61,27 @@ pub fn swept_columns<R: 'static>(
 }
 
 fn start_columns<R: 'static>(balls: usize, planned: fn(&R) -> &PlannedRun) -> Vec<Column<R>> {
-    let number = |name: &str,
-                  meaning: &str,
-                  value: Box<dyn Fn(&PlannedRun) -> Option<f64> + Send + Sync>| {
-        Column::number(name, NON_DIMENSIONAL, meaning, move |row| value(planned(row)))
+    let scalar = |name: &str, meaning: &str, value: fn(&Start) -> f64| {
+        Column::number(name, NON_DIMENSIONAL, meaning, move |row| Some(value(&planned(row).start)))
     };
     let mut columns = vec![
-        number(
-            "initial_x",
-            "start position of the ring's centre towards the imbalance",
-            Box::new(|run| Some(run.start.x)),
-        ),
-        number(
-            "initial_y",
-            "start position of the ring's centre at right angles to that",
-            Box::new(|run| Some(run.start.y)),
-        ),
+        scalar("initial_x", "start position of the ring's centre towards the imbalance", |s| s.x),
+        scalar("initial_y", "start position of the ring's centre at right angles to that", |s| s.y),
     ];
-    for ball in 0..balls {
-        columns.push(Column::number(
-            &format!("initial_beta_{}", ball + 1),
-            "rad",
-            "start angle of the ball from the imbalance",
-            move |row| planned(row).start.beta.get(ball).copied(),
-        ));
-    }
-    columns.push(number(
-        "initial_x_dot",
-        "start velocity along x",
-        Box::new(|run| Some(run.start.x_dot)),
-    ));
-    columns.push(number(
-        "initial_y_dot",
-        "start velocity along y",
-        Box::new(|run| Some(run.start.y_dot)),
-    ));
-    for ball in 0..balls {
-        columns.push(number(
-            &format!("initial_beta_dot_{}", ball + 1),
-            "start speed of the ball relative to the ring",
-            Box::new(move |run| run.start.beta_dot.get(ball).copied()),
-        ));
-    }
+    columns.extend((0..balls).map(|ball| {
+        let name = format!("initial_beta_{}", ball + 1);
+        let meaning = "start angle of the ball from the imbalance";
+        Column::number(&name, "rad", meaning, move |row| planned(row).start.beta.get(ball).copied())
+    }));
+    columns.push(scalar("initial_x_dot", "start velocity along x", |s| s.x_dot));
+    columns.push(scalar("initial_y_dot", "start velocity along y", |s| s.y_dot));
+    columns.extend((0..balls).map(|ball| {
+        let name = format!("initial_beta_dot_{}", ball + 1);
+        let meaning = "start speed of the ball relative to the ring";
+        Column::number(&name, NON_DIMENSIONAL, meaning, move |row| {
+            planned(row).start.beta_dot.get(ball).copied()
+        })
+    }));
     columns
 }
 
