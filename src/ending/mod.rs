@@ -21,6 +21,6 @@ mod outcome;
 mod simulate;
 
 pub use certificate::{certified, certified_by_closed_form};
-pub use orbit::{Orbit, OrbitWatch, Verdict};
+pub use orbit::{Orbit, OrbitWatch};
 pub use outcome::{Evidence, Label, Outcome};
 pub use simulate::simulate;

@@ -55,7 +55,7 @@ pub struct Orbit<const N: usize> {
 
 /// What a look at a closing orbit has shown.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Verdict<const N: usize> {
+enum Verdict<const N: usize> {
     /// A limit cycle.
     Stable(Orbit<N>),
     /// A closed orbit that a disturbance grows away from.
@@ -83,6 +83,8 @@ pub struct OrbitWatch<const N: usize> {
     near_in_a_row: [usize; MOST_TURNS + 1],
     attempts: u32,
     wait_until: f64,
+    /// Turns of an unstable closed orbit that the run has come near.
+    unstable: Option<usize>,
 }
 
 impl<const N: usize> OrbitWatch<N> {
@@ -96,16 +98,18 @@ impl<const N: usize> OrbitWatch<N> {
             near_in_a_row: [0; MOST_TURNS + 1],
             attempts: 0,
             wait_until: 0.0,
+            unstable: None,
         }
     }
 
-    /// Looks at the motion's latest step. Most steps show nothing.
+    /// Looks at the motion's latest step and returns the limit cycle that the run has been shown to
+    /// be on. Most steps show nothing.
     pub fn look(
         &mut self,
         balancer: &Balancer<N>,
         settings: &Settings,
         motion: &mut SwitchModel<N>,
-    ) -> Option<Verdict<N>> {
+    ) -> Option<Orbit<N>> {
         if self.ball.is_some_and(|ball| motion.phases()[ball].in_band()) {
             self.restart();
         }
@@ -130,7 +134,21 @@ impl<const N: usize> OrbitWatch<N> {
         self.attempts += 1;
         // After a look that showed nothing, give the motion ten times as long to settle.
         self.wait_until = time + 10.0 * (time - self.passages.first()?.time);
-        Some(self.examine(balancer, settings, reference, turns, motion.last_switches()))
+        match self.examine(balancer, settings, reference, turns, motion.last_switches()) {
+            Verdict::Stable(orbit) => return Some(orbit),
+            Verdict::Unstable => self.unstable = Some(turns),
+            Verdict::Open => {}
+        }
+        None
+    }
+
+    /// Whether the run itself, at its latest passage, closes on an orbit that has been shown to be
+    /// unstable: only a symmetry, or too little time, has kept it there.
+    pub fn on_unstable_orbit(&self) -> bool {
+        match (self.unstable, self.passages.last()) {
+            (Some(turns), Some(passage)) => passage.differences[turns] <= self.closure,
+            _ => false,
+        }
     }
 
     fn restart(&mut self) {
@@ -191,11 +209,7 @@ impl<const N: usize> OrbitWatch<N> {
             }),
             longest: 2.0 * (passage.time - earlier),
         };
-        match map.verdict(&passage.state, self.closure).unwrap_or(Verdict::Open) {
-            // An unstable orbit is the run's own only while the run itself closes.
-            Verdict::Unstable if passage.differences[turns] > self.closure => Verdict::Open,
-            verdict => verdict,
-        }
+        map.verdict(&passage.state, self.closure).unwrap_or(Verdict::Open)
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::certificate::{certified, certified_by_closed_form};
 use super::creep::creeps;
-use super::orbit::{Orbit, OrbitWatch, Verdict};
+use super::orbit::{Orbit, OrbitWatch};
 use super::outcome::{Evidence, Outcome};
 use crate::model::{Balancer, Case, RestPoint, Start, State};
 use crate::motion::{Failure, Settings, SwitchModel, Tolerance};
@@ -86,7 +86,6 @@ struct Run<'a, const N: usize> {
     motion: SwitchModel<'a, N>,
     end: f64,
     watch: OrbitWatch<N>,
-    unstable_orbit: bool,
     window: Window<N>,
     rest: Option<RestPoint<N>>,
 }
@@ -112,7 +111,6 @@ impl<'a, const N: usize> Run<'a, N> {
             motion,
             end,
             watch: OrbitWatch::new(&settings),
-            unstable_orbit: false,
             window: Window {
                 start: (1.0 - WINDOW) * end,
                 angles: None,
@@ -144,10 +142,9 @@ impl<'a, const N: usize> Run<'a, N> {
                 self.rest = None;
             }
             self.extend_window(before, square);
-            match self.watch.look(self.balancer, &self.settings, &mut self.motion) {
-                Some(Verdict::Stable(orbit)) => return Ending::Cycle(orbit),
-                Some(Verdict::Unstable) => self.unstable_orbit = true,
-                Some(Verdict::Open) | None => {}
+            let cycle = self.watch.look(self.balancer, &self.settings, &mut self.motion);
+            if let Some(orbit) = cycle {
+                return Ending::Cycle(orbit);
             }
         }
         match self.rest_point() {
@@ -245,7 +242,7 @@ impl<'a, const N: usize> Run<'a, N> {
                 });
                 let turned = turned.filter(|_| span > 0.0);
                 Outcome {
-                    evidence: if self.unstable_orbit {
+                    evidence: if self.watch.on_unstable_orbit() {
                         Evidence::UnstableOrbit
                     } else {
                         Evidence::EndTime

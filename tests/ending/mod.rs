@@ -1,0 +1,5 @@
+//! How runs end: against an independent integration, the thesis's numbers, and themselves.
+
+mod certificate;
+mod limit_cycle;
+mod reference;

@@ -1,0 +1,99 @@
+//! Run by run against an independent integration: another language, another form of the equations,
+//! another integrator, the exact motion instead of the switch model (`scripts/reference`).
+
+use std::path::Path;
+
+use rayon::prelude::*;
+use stickslip::ending::{Label, Outcome, simulate};
+use stickslip::model::{Case, Machine, Simulation, Start};
+
+struct Reference {
+    start: Start,
+    label: String,
+    end_beta: [f64; 2],
+}
+
+fn references(speed: &str) -> Vec<Reference> {
+    let path =
+        Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("tests/data/reference_{speed}.csv"));
+    let mut reader = csv::Reader::from_path(path).expect("the reference data are there");
+    let header = reader.headers().expect("a header").clone();
+    reader
+        .records()
+        .map(|record| {
+            let record = record.expect("a row");
+            let text = |name: &str| {
+                let column = header.iter().position(|column| column == name).expect("the column");
+                record[column].to_owned()
+            };
+            let number = |name: &str| text(name).parse::<f64>().expect("a number");
+            Reference {
+                start: Start {
+                    x: number("x"),
+                    y: number("y"),
+                    beta: vec![number("beta_1"), number("beta_2")],
+                    x_dot: number("x_dot"),
+                    y_dot: number("y_dot"),
+                    beta_dot: vec![number("beta_dot_1"), number("beta_dot_2")],
+                },
+                label: text("label"),
+                end_beta: [number("end_beta_1"), number("end_beta_2")],
+            }
+        })
+        .collect()
+}
+
+fn run_all(speed: &str, references: &[Reference]) -> Vec<Outcome> {
+    let speed_rad_s = -speed.parse::<f64>().expect("a speed");
+    references
+        .par_iter()
+        .map(|reference| {
+            simulate(&Case {
+                machine: Machine { speed_rad_s, ..Machine::default() },
+                start: reference.start.clone(),
+                simulation: Simulation::default(),
+            })
+        })
+        .collect()
+}
+
+fn label_agrees(reference: &Reference, outcome: &Outcome) -> bool {
+    (reference.label == "equilibrium") == (outcome.label() == Label::Equilibrium)
+}
+
+fn distance(a: f64, b: f64) -> f64 {
+    let turn = (a - b).rem_euclid(std::f64::consts::TAU);
+    turn.min(std::f64::consts::TAU - turn)
+}
+
+/// All labels at subcritical speeds; final ball angles to 1e-3 rad in 99 % of the runs.
+#[test]
+fn subcritical_runs_end_at_the_same_place() {
+    for speed in ["160.8103", "173.1803", "179.2671"] {
+        let references = references(speed);
+        let outcomes = run_all(speed, &references);
+        let pairs = || references.iter().zip(&outcomes);
+        let flipped = pairs().filter(|(reference, outcome)| !label_agrees(reference, outcome));
+        assert_eq!(flipped.count(), 0, "-{speed} rad/s");
+        let close = pairs()
+            .filter(|(reference, outcome)| {
+                let beta = outcome.beta_rad.as_deref().expect("an equilibrium has angles");
+                (0..2).all(|ball| distance(beta[ball], reference.end_beta[ball]) < 1e-3)
+            })
+            .count();
+        println!("-{speed} rad/s: {close} of {} final angles agree to 1e-3 rad", outcomes.len());
+        assert!(close * 100 >= 99 * outcomes.len(), "-{speed} rad/s: {close} close");
+    }
+}
+
+/// Labels at 98 % at -216.3772 and 92 % at -191.6372, where motions are irregular.
+#[test]
+fn supercritical_labels_agree() {
+    for (speed, percent) in [("216.3772", 98), ("191.6372", 92)] {
+        let references = references(speed);
+        let outcomes = run_all(speed, &references);
+        let agree = references.iter().zip(&outcomes).filter(|(r, o)| label_agrees(r, o)).count();
+        println!("-{speed} rad/s: {agree} of {} labels agree", outcomes.len());
+        assert!(agree * 100 >= percent * outcomes.len(), "-{speed} rad/s: {agree} agree");
+    }
+}

@@ -1,0 +1,128 @@
+//! Stick, slip or transition: the decision for all balls in the band together, and its traps.
+
+use proptest::prelude::*;
+use stickslip::model::{Balancer, Machine, State};
+use stickslip::motion::{
+    Phase, SLACK, Settings, SwitchModel, Tolerance, contacts, decide, stick_reserve,
+};
+
+fn balancer<const N: usize>(friction: f64, heavier: f64) -> Balancer<N> {
+    let mut machine = Machine::default();
+    machine.balls.resize(N, machine.balls[0]);
+    for (index, ball) in machine.balls.iter_mut().enumerate() {
+        ball.friction_coefficient = friction;
+        ball.mass_kg *= heavier * (1.0 + index as f64);
+    }
+    Balancer::new(&machine).expect("the number of balls fits")
+}
+
+fn settings() -> Settings {
+    let tolerance = Tolerance { relative: 1e-9, absolute: 1e-11 };
+    Settings { band: 1e-4, tolerance, effort_limit: 1_000_000 }
+}
+
+proptest! {
+    /// The conditions of the thesis's appendix C hold for what has been decided: a sticking ball's
+    /// friction is within its limit, a ball in transition accelerates against full friction.
+    #[test]
+    fn decided_configurations_meet_their_conditions(
+        x in -0.1..0.1, y in -0.1..0.1, x_dot in -0.1..0.1, y_dot in -0.1..0.1,
+        beta in prop::array::uniform4(0.0..6.28), beta_dot in prop::array::uniform4(-1e-4..1e-4),
+        friction in 1e-4..0.3_f64, heavier in 1.0..50.0_f64,
+    ) {
+        let balancer = balancer::<4>(friction, heavier);
+        let state = State { position: [x, y], velocity: [x_dot, y_dot], beta, beta_dot };
+        let mut phases = [Phase::Stick; 4];
+        let forces = decide(&balancer, &state, &mut phases).expect("a solution");
+        let again = balancer.forces(&state, &contacts(&balancer, &phases));
+        prop_assert_eq!(forces, again);
+        for (ball, phase) in phases.into_iter().enumerate() {
+            match phase {
+                Phase::Stick => prop_assert!(stick_reserve(&balancer, &forces, ball) >= -SLACK),
+                Phase::Transition(direction) => {
+                    prop_assert!(direction * forces.beta_ddot[ball] >= -SLACK);
+                    let limit = friction * forces.normal[ball];
+                    prop_assert!((forces.friction[ball] - direction * limit).abs() < 1e-12);
+                }
+                Phase::Slip(_) => prop_assert!(false, "no ball slips"),
+            }
+        }
+    }
+}
+
+/// Trap: a start state exactly on the edge of the band, in both directions.
+#[test]
+fn start_on_the_edge_of_the_band() {
+    for speed in [1e-4, -1e-4, 1e-4 + 1e-18] {
+        let balancer = balancer::<2>(2.75e-3, 1.0);
+        let state = State {
+            position: [0.0, 0.0],
+            velocity: [0.0, 0.0],
+            beta: [1.0, 2.0],
+            beta_dot: [speed, 0.0],
+        };
+        let mut motion = SwitchModel::new(&balancer, settings(), state).expect("starts");
+        while motion.time() < 50.0 {
+            motion.advance(50.0).expect("goes on");
+        }
+        assert!(motion.effort().switches < 100, "{:?}", motion.effort());
+    }
+}
+
+/// Trap: both balls' events in one step. Balls exactly side by side do everything at the same
+/// time and stay side by side to the last bit.
+#[test]
+fn balls_side_by_side_stay_side_by_side() {
+    let balancer = balancer::<2>(2.75e-3, 1.0);
+    for balancer in [Balancer { balls: [balancer.balls[0]; 2], ..balancer }] {
+        let state = State {
+            position: [-0.01, 0.02],
+            velocity: [0.01, 0.0],
+            beta: [2.5, 2.5],
+            beta_dot: [0.3, 0.3],
+        };
+        let mut motion = SwitchModel::new(&balancer, settings(), state).expect("starts");
+        while motion.time() < 400.0 {
+            motion.advance(400.0).expect("goes on");
+            assert_eq!(motion.state().beta[0].to_bits(), motion.state().beta[1].to_bits());
+            assert_eq!(motion.phases()[0], motion.phases()[1]);
+        }
+        assert!(motion.effort().switches > 2, "they switch: {:?}", motion.effort());
+    }
+}
+
+/// Traps: break-away that is met only to rounding, and immediate re-trigger. Near the edge of the
+/// equilibrium set at -179.2671 rad/s, both balls side by side creep; the number of switches stays
+/// small and time goes on.
+#[test]
+fn creep_does_not_chatter() {
+    let machine = Machine { speed_rad_s: -179.2671, ..Machine::default() };
+    let balancer = Balancer::<2>::new(&machine).expect("two balls");
+    // The edge of the set for balls side by side, by bisection on the closed form.
+    let margin = |beta: f64| balancer.rest_margin(&[beta, beta]);
+    let (mut inside, mut outside) = (0.0, 0.0);
+    for k in 0..628 {
+        let beta = 0.01 * f64::from(k);
+        if margin(beta) > 0.0 && margin(beta + 0.01) <= 0.0 {
+            (inside, outside) = (beta, beta + 0.01);
+        }
+    }
+    assert!(outside > 0.0, "the set has an edge for balls side by side");
+    for _ in 0..60 {
+        let middle = 0.5 * (inside + outside);
+        if margin(middle) > 0.0 { inside = middle } else { outside = middle }
+    }
+    for offset in [0.0, 1e-12, -1e-12, 1e-9, -1e-9, 1e-6] {
+        let beta = [inside + offset; 2];
+        let rest = balancer.rest_point(&beta);
+        let state = State { position: rest.position, velocity: [0.0; 2], beta, beta_dot: [0.0; 2] };
+        let mut motion = SwitchModel::new(&balancer, settings(), state).expect("starts");
+        while motion.time() < 1000.0 {
+            motion.advance(1000.0).expect("goes on");
+        }
+        let effort = motion.effort();
+        assert!(effort.switches < 3000 && effort.steps < 10_000, "{offset:e}: {effort:?}");
+        let moved = (motion.state().beta[0] - beta[0]).abs();
+        assert!(moved < 0.1, "{offset:e}: moved by {moved}");
+    }
+}

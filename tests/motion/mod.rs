@@ -1,0 +1,5 @@
+//! Integration of smooth phases, switches, and the symmetries that every motion has.
+
+mod decision;
+mod smooth;
+mod symmetry;
