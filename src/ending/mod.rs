@@ -18,9 +18,11 @@ mod certificate;
 mod creep;
 mod orbit;
 mod outcome;
+mod return_map;
 mod simulate;
 
 pub use certificate::{certified, certified_by_closed_form};
-pub use orbit::{Orbit, OrbitWatch};
+pub use orbit::OrbitWatch;
 pub use outcome::{Evidence, Label, Outcome};
+pub use return_map::Orbit;
 pub use simulate::simulate;

@@ -4,7 +4,8 @@
 //! passage through the angle 0; the return map takes the state at one passage to that some turns
 //! later. An orbit is a limit cycle on three counts:
 //!
-//! 1. it closes: from where the run nearly comes back to itself, Newton's method (with the slope kept) on the return map finds an orbit that does within a small multiple of the tolerances, and the run is near it;
+//! 1. it closes: from where the run nearly comes back to itself, Newton's method on the return map
+//!    finds an orbit that does within a small multiple of the tolerances, and the run is near it;
 //! 2. it is stable: all multipliers of the return map, by central differences through all switches
 //!    on the way, lie inside the unit circle;
 //! 3. balls that rest keep a margin all along it. Where such a ball rests does not change from one
@@ -13,8 +14,7 @@
 //!
 //! One ball at least must go round without stopping; the others may run, rest, or stick and slip.
 
-use nalgebra::{DMatrix, DVector};
-
+use super::return_map::{Orbit, ReturnMap, Verdict, wrapped};
 use crate::model::{Balancer, State};
 use crate::motion::{Phase, Settings, SwitchModel, Tolerance};
 
@@ -22,48 +22,10 @@ use crate::motion::{Phase, Settings, SwitchModel, Tolerance};
 const MOST_TURNS: usize = 12;
 /// How near a return must come to an earlier passage for a closer look, non-dimensional.
 const NEAR: f64 = 1e-3;
-/// How far from the run the closed orbit may lie, non-dimensional.
-const REACH: f64 = 1e-2;
-/// Most steps of Newton's method.
-const MOST_REFINEMENTS: usize = 10;
 /// Returns in a row that must be near.
 const NEAR_RETURNS: usize = 3;
 /// How often per run the multipliers are computed at most.
 const MOST_ATTEMPTS: u32 = 3;
-/// Step of the central differences, non-dimensional.
-const DIFFERENCE: f64 = 1e-4;
-/// Multipliers must stay this far inside the unit circle to count as stable, and go this far
-/// outside to count as unstable: the accuracy of the differences.
-const MULTIPLIER_DOUBT: f64 = 1e-3;
-
-/// A closed orbit.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Orbit<const N: usize> {
-    /// Period, non-dimensional.
-    pub period: f64,
-    /// Which balls run.
-    pub running: [bool; N],
-    /// Mean speed of each ball relative to the ring, non-dimensional.
-    pub speed: [f64; N],
-    /// Root mean square over the period of the table's displacement, over `L`.
-    pub amplitude: f64,
-    /// The least part of the friction limit that is left to a resting ball; none where none rests.
-    pub margin: Option<f64>,
-    /// Largest modulus of the multipliers off the neutral directions.
-    pub largest_multiplier: f64,
-}
-
-/// What a look at a closing orbit has shown.
-#[derive(Clone, Debug, PartialEq)]
-enum Verdict<const N: usize> {
-    /// A limit cycle.
-    Stable(Orbit<N>),
-    /// A closed orbit that a disturbance grows away from.
-    Unstable,
-    /// Neither could be shown.
-    Open,
-}
-
 /// A passage of the running ball through the section.
 #[derive(Clone, Debug)]
 struct Passage<const N: usize> {
@@ -232,224 +194,4 @@ fn difference<const N: usize>(a: &Passage<N>, b: &Passage<N>, reference: usize) 
         }
     }
     largest
-}
-
-/// An angle in [-π, π].
-fn wrapped(angle: f64) -> f64 {
-    angle - std::f64::consts::TAU * (angle / std::f64::consts::TAU).round()
-}
-
-/// The map from one passage of the section to a later one.
-struct ReturnMap<'a, const N: usize> {
-    balancer: &'a Balancer<N>,
-    settings: Settings,
-    reference: usize,
-    turns: usize,
-    phases: [Phase; N],
-    /// Which balls rest all along.
-    rests: [bool; N],
-    /// Give up after this time.
-    longest: f64,
-}
-
-/// Where the map leads and what is met on the way.
-struct Return<const N: usize> {
-    state: State<N>,
-    time: f64,
-    margin: Option<f64>,
-    mean_square: f64,
-}
-
-impl<const N: usize> ReturnMap<'_, N> {
-    /// Refines the orbit near `state` and says what it is.
-    fn verdict(&self, state: &State<N>, closure: f64) -> Option<Verdict<N>> {
-        let first = self.coordinates(state);
-        let mut centre = first.clone();
-        let slope = self.jacobian(state, &centre)?;
-        let dimension = first.len();
-        let newton = (DMatrix::identity(dimension, dimension) - slope).lu();
-        for _ in 0..MOST_REFINEMENTS {
-            let start = self.state(state, &centre);
-            let orbit = self.follow(&start)?;
-            let residual = (self.coordinates(&orbit.state) - &centre).map(wrapped_small);
-            if residual.amax() <= closure {
-                return self.in_fewest_turns(&start, closure);
-            }
-            // (1 - J) δ = P(s) - s
-            centre += newton.solve(&residual)?;
-            if (&centre - &first).amax() > REACH {
-                return None;
-            }
-        }
-        None
-    }
-
-    /// What the closed orbit from `state` is when it is followed once round: an orbit that closes
-    /// after six turns may close after two.
-    fn in_fewest_turns(&self, state: &State<N>, closure: f64) -> Option<Verdict<N>> {
-        let centre = self.coordinates(state);
-        for turns in (1..=self.turns).filter(|turns| self.turns.is_multiple_of(*turns)) {
-            let once = ReturnMap { turns, ..*self };
-            if let Some(orbit) = once.follow(state) {
-                let residual = (self.coordinates(&orbit.state) - &centre).map(wrapped_small);
-                if residual.amax() <= closure {
-                    let jacobian = once.jacobian(state, &centre)?;
-                    return Some(once.judge(state, orbit, jacobian));
-                }
-            }
-        }
-        None
-    }
-
-    /// The derivative of the return map, by central differences.
-    fn jacobian(&self, like: &State<N>, centre: &DVector<f64>) -> Option<DMatrix<f64>> {
-        let dimension = centre.len();
-        let mut jacobian = DMatrix::<f64>::zeros(dimension, dimension);
-        for column in 0..dimension {
-            let shifted = |step: f64| {
-                let mut point = centre.clone();
-                point[column] += step;
-                self.follow(&self.state(like, &point)).map(|end| self.coordinates(&end.state))
-            };
-            let change = shifted(DIFFERENCE)? - shifted(-DIFFERENCE)?;
-            jacobian.set_column(column, &(change.map(wrapped_small) / (2.0 * DIFFERENCE)));
-        }
-        Some(jacobian)
-    }
-
-    /// Stability and margins of a closed orbit from `state`.
-    fn judge(&self, state: &State<N>, orbit: Return<N>, jacobian: DMatrix<f64>) -> Verdict<N> {
-        let multipliers = jacobian.complex_eigenvalues();
-        let largest = multipliers.iter().map(|m| m.norm()).fold(0.0, f64::max);
-        if largest > 1.0 + MULTIPLIER_DOUBT {
-            return Verdict::Unstable;
-        }
-        let keeps_margin = orbit.margin.is_none_or(|margin| margin > 0.0);
-        if !(largest < 1.0 - MULTIPLIER_DOUBT && keeps_margin) {
-            return Verdict::Open;
-        }
-        let turned: [f64; N] = std::array::from_fn(|ball| {
-            if ball == self.reference {
-                self.direction() * self.turns as f64 * std::f64::consts::TAU
-            } else {
-                orbit.state.beta[ball] - state.beta[ball]
-            }
-        });
-        let running = turned.map(|angle| angle.abs() > std::f64::consts::PI);
-        let speed = turned.map(|angle| angle / orbit.time);
-        Verdict::Stable(Orbit {
-            period: orbit.time,
-            running,
-            speed,
-            amplitude: orbit.mean_square.sqrt(),
-            margin: orbit.margin,
-            largest_multiplier: largest,
-        })
-    }
-
-    fn direction(&self) -> f64 {
-        match self.phases[self.reference] {
-            Phase::Slip(direction) | Phase::Transition(direction) => direction,
-            Phase::Stick => 0.0,
-        }
-    }
-
-    /// The coordinates that the map acts on: the table's, and those of balls that move on the way,
-    /// less the angle of the one that marks the section and the speed of one that sticks there.
-    fn coordinates(&self, state: &State<N>) -> DVector<f64> {
-        let mut values = [state.position, state.velocity].concat();
-        for ball in 0..N {
-            if self.acts_on_speed(ball) {
-                values.push(state.beta_dot[ball]);
-            }
-            if self.acts_on_angle(ball) {
-                values.push(state.beta[ball]);
-            }
-        }
-        DVector::from_vec(values)
-    }
-
-    fn acts_on_speed(&self, ball: usize) -> bool {
-        self.phases[ball] != Phase::Stick
-    }
-
-    fn acts_on_angle(&self, ball: usize) -> bool {
-        ball != self.reference && !self.rests[ball]
-    }
-
-    /// The state with these coordinates; balls at rest stay where `like` has them.
-    fn state(&self, like: &State<N>, coordinates: &DVector<f64>) -> State<N> {
-        let mut state = *like;
-        let mut values = coordinates.iter().copied();
-        let mut next = || values.next().unwrap_or(0.0);
-        state.position = [next(), next()];
-        state.velocity = [next(), next()];
-        for ball in 0..N {
-            if self.acts_on_speed(ball) {
-                state.beta_dot[ball] = next();
-            }
-            if self.acts_on_angle(ball) {
-                state.beta[ball] = next();
-            }
-        }
-        state
-    }
-
-    /// One return; `None` where a ball that should rest moves, or the marking ball stops or does not
-    /// come back.
-    fn follow(&self, start: &State<N>) -> Option<Return<N>> {
-        let mut start = *start;
-        start.beta[self.reference] = 0.0;
-        let mut motion = SwitchModel::new(self.balancer, self.settings, start).ok()?;
-        let (mut margin, mut square_time) = (f64::INFINITY, 0.0);
-        let square = |state: &State<N>| state.position.iter().map(|p| p * p).sum::<f64>();
-        let mut passed = 0;
-        while motion.time() < self.longest {
-            let stays = |ball: usize| {
-                let phase = motion.phases()[ball];
-                (!self.rests[ball] || phase == Phase::Stick)
-                    && (ball != self.reference || !phase.in_band())
-            };
-            if !(0..N).all(stays) {
-                return None;
-            }
-            let (before, square_before) = (motion.time(), square(motion.state()));
-            motion.advance(self.longest).ok()?;
-            margin = margin.min(self.least_margin(&motion));
-            if let Some((time, mut state)) = motion.passage(self.reference) {
-                passed += 1;
-                if passed == self.turns {
-                    if motion.phases() != &self.phases {
-                        return None;
-                    }
-                    square_time += 0.5 * (time - before) * (square_before + square(&state));
-                    for ball in 0..N {
-                        let turns = motion.unwrapped_angle(ball) - motion.state().beta[ball];
-                        state.beta[ball] += turns;
-                    }
-                    let margin = margin.is_finite().then_some(margin);
-                    return Some(Return { state, time, margin, mean_square: square_time / time });
-                }
-            }
-            square_time +=
-                0.5 * (motion.time() - before) * (square_before + square(motion.state()));
-        }
-        None
-    }
-
-    fn least_margin(&self, motion: &SwitchModel<N>) -> f64 {
-        let forces = motion.forces();
-        (0..N)
-            .filter(|&ball| self.rests[ball])
-            .map(|ball| {
-                let limit = self.balancer.balls[ball].friction_coefficient * forces.normal[ball];
-                1.0 - forces.friction[ball].abs() / limit
-            })
-            .fold(f64::INFINITY, f64::min)
-    }
-}
-
-/// Whole turns taken off a difference that is small otherwise; anything smaller is left alone.
-fn wrapped_small(difference: f64) -> f64 {
-    if difference.abs() > std::f64::consts::PI { wrapped(difference) } else { difference }
 }

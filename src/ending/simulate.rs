@@ -2,8 +2,9 @@
 
 use super::certificate::{certified, certified_by_closed_form};
 use super::creep::creeps;
-use super::orbit::{Orbit, OrbitWatch};
+use super::orbit::OrbitWatch;
 use super::outcome::{Evidence, Outcome};
+use super::return_map::Orbit;
 use crate::model::{Balancer, Case, RestPoint, Start, State};
 use crate::motion::{Failure, Settings, SwitchModel, Tolerance};
 
