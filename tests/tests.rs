@@ -1,5 +1,7 @@
 //! All integration tests in one binary; folders mirror `src`.
 
+/// The README.
+mod docs;
 /// How runs end.
 mod ending;
 /// Equations of motion and closed forms.

@@ -45,8 +45,8 @@ proptest! {
     #[test]
     fn certified_balls_never_move(
         speed in -400.0..400.0_f64, damping in 0.3..30.0_f64, friction in 1e-3..0.05_f64,
-        beta in prop::array::uniform2(0.0..6.28), far in -5.0..-1.5_f64,
-        direction in prop::array::uniform2(0.0..6.28),
+        beta in prop::array::uniform2(0.0..std::f64::consts::TAU), far in -5.0..-1.5_f64,
+        direction in prop::array::uniform2(0.0..std::f64::consts::TAU),
     ) {
         let mut machine = Machine { speed_rad_s: speed, damping_n_s_m: damping, ..Machine::default() };
         machine.balls.iter_mut().for_each(|ball| ball.friction_coefficient = friction);

@@ -27,7 +27,7 @@ proptest! {
     #[test]
     fn decided_configurations_meet_their_conditions(
         x in -0.1..0.1, y in -0.1..0.1, x_dot in -0.1..0.1, y_dot in -0.1..0.1,
-        beta in prop::array::uniform4(0.0..6.28), beta_dot in prop::array::uniform4(-1e-4..1e-4),
+        beta in prop::array::uniform4(0.0..std::f64::consts::TAU), beta_dot in prop::array::uniform4(-1e-4..1e-4),
         friction in 1e-4..0.3_f64, heavier in 1.0..50.0_f64,
     ) {
         let balancer = balancer::<4>(friction, heavier);

@@ -1,0 +1,69 @@
+//! The README says what the program does: its outputs, its study and its commands are run.
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+const README: &str = include_str!("../../README.md");
+
+fn stickslip(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_stickslip"))
+        .current_dir(env!("CARGO_MANIFEST_DIR"))
+        .args(arguments)
+        .output()
+        .expect("the program starts")
+}
+
+/// The code block that follows a line of the README.
+fn block_after(line: &str) -> String {
+    let mut lines = README.lines().skip_while(|text| *text != line).skip(1);
+    assert!(lines.next().is_some_and(|fence| fence.starts_with("```")), "a block after {line}");
+    lines.take_while(|text| !text.starts_with("```")).map(|text| format!("{text}\n")).collect()
+}
+
+/// The table that the first command prints is the one in the README.
+#[test]
+fn output_of_the_first_command() {
+    let out = tempfile::tempdir().expect("a folder");
+    let folder = out.path().join("results");
+    let folder = folder.to_str().expect("a plain name");
+    let output = stickslip(&["run", "studies/preferred-equilibria.yaml", "--out", folder]);
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    let printed = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert_eq!(printed, block_after("<!-- tested: preferred-equilibria -->"));
+}
+
+/// The annotated study of the README is a study.
+#[test]
+fn study_of_the_readme() {
+    let start = README.find("```yaml\n").expect("a YAML block") + "```yaml\n".len();
+    let text = &README[start..];
+    let text = &text[..text.find("```").expect("its end")];
+    let study = stickslip::study::Study::parse(Path::new("README.md"), text.to_owned())
+        .unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(study.point_count(), 6);
+    assert_eq!(study.run_count(), 6 * 256);
+}
+
+/// Every command has help with examples, and the README names every command.
+#[test]
+fn commands_have_help_and_are_in_the_readme() {
+    let definition = stickslip::cli::definition();
+    for command in definition.get_subcommands().map(clap::Command::get_name) {
+        let help = stickslip(&[command, "--help"]);
+        assert_eq!(help.status.code(), Some(0));
+        let help = String::from_utf8_lossy(&help.stdout).into_owned();
+        assert!(help.contains("Examples:"), "{command}: {help}");
+        assert!(README.contains(&format!("| `stickslip {command}")), "{command} in the README");
+    }
+}
+
+/// Files that the README links to are there.
+#[test]
+fn links_lead_somewhere() {
+    for link in README.split("](").skip(1).filter_map(|rest| rest.split(')').next()) {
+        if !link.starts_with("https://") {
+            let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(link);
+            assert!(path.exists(), "{link}");
+        }
+    }
+}
