@@ -55,7 +55,7 @@ impl Progress {
         };
         let bar = ProgressBar::with_draw_target(Some(planned), target);
         let template = "{bar:32} {human_pos}/{human_len} runs  {runs_per_s}  \
-                        equilibria {fraction}  {elapsed} + {eta}";
+                        equilibria {fraction}  {eta} left";
         let for_fraction = Arc::clone(&counts);
         if let Ok(style) = ProgressStyle::with_template(template) {
             bar.set_style(
