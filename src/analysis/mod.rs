@@ -6,8 +6,10 @@ mod equilibrium_set;
 mod interval;
 mod point_summary;
 mod survival;
+mod tally;
 
 pub use equilibrium_set::set_fraction;
 pub use interval::{Z_95, wilson, wilson_with_failures};
-pub use point_summary::{LabelCounts, PointAccumulator, PointSummary, quantile};
-pub use survival::{Observation, SurvivalCurve};
+pub use point_summary::{LabelCounts, PointAccumulator, PointSummary};
+pub use survival::SurvivalCurve;
+pub use tally::Tally;

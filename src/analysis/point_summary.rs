@@ -1,7 +1,8 @@
 //! One point of the sweep in numbers: how its runs ended, how soon, with what amplitude.
 
 use super::interval::{Z_95, wilson_with_failures};
-use super::survival::{Observation, SurvivalCurve};
+use super::survival::SurvivalCurve;
+use super::tally::Tally;
 use crate::ending::{Label, Outcome};
 
 /// Runs per label, in the order of [`Label::ALL`].
@@ -41,12 +42,17 @@ impl std::ops::AddAssign for LabelCounts {
     }
 }
 
+/// Kinds of times.
+const REST: usize = 0;
+const STOPPED: usize = 1;
+
 /// Collects the runs of one point.
 #[derive(Clone, Debug, Default)]
 pub struct PointAccumulator {
     counts: LabelCounts,
-    observations: Vec<Observation>,
-    amplitudes: Vec<f64>,
+    /// Times at which runs came to rest (kind 0) or were stopped while moving (kind 1).
+    times: Tally,
+    amplitudes: Tally,
 }
 
 /// What is known of one point.
@@ -77,22 +83,20 @@ impl PointAccumulator {
     pub fn add(&mut self, outcome: &Outcome) {
         let label = outcome.label();
         self.counts.add(label);
-        let observation = match (label, outcome.time_to_rest_s, outcome.end_time_s) {
-            (Label::Failed, _, _) => None,
-            (_, Some(time), _) => Some(Observation::Rest(time)),
-            (Label::LimitCycle, _, _) => Some(Observation::MovingUntil(f64::INFINITY)),
-            (_, None, end) => end.map(Observation::MovingUntil),
-        };
-        self.observations.extend(observation);
-        if label != Label::Failed {
-            self.amplitudes.extend(outcome.amplitude_m);
+        if label == Label::Failed {
+            return;
         }
+        match (outcome.time_to_rest_s, outcome.end_time_s) {
+            (Some(time), _) => self.times.add(time, REST),
+            (None, _) if label == Label::LimitCycle => self.times.add(f64::INFINITY, STOPPED),
+            (None, end) => end.into_iter().for_each(|end| self.times.add(end, STOPPED)),
+        }
+        outcome.amplitude_m.into_iter().for_each(|amplitude| self.amplitudes.add(amplitude, REST));
     }
 
     /// The numbers.
-    pub fn summary(mut self) -> PointSummary {
-        self.amplitudes.sort_by(f64::total_cmp);
-        let curve = SurvivalCurve::new(self.observations);
+    pub fn summary(self) -> PointSummary {
+        let curve = SurvivalCurve::new(self.times.groups());
         let counts = self.counts;
         PointSummary {
             counts,
@@ -106,35 +110,15 @@ impl PointAccumulator {
             time_to_rest_s: PointSummary::TIME_SHARES
                 .map(|share| curve.time_to_rest_quantile(share)),
             amplitude_m: PointSummary::AMPLITUDE_SHARES
-                .map(|share| quantile(&self.amplitudes, share)),
+                .map(|share| self.amplitudes.quantile(share)),
         }
     }
 }
 
-/// The quantile of ascending values, linear between order statistics (type 7 of Hyndman and Fan,
-/// Am. Stat. 50 (1996) 361); `None` of nothing.
-pub fn quantile(ascending: &[f64], share: f64) -> Option<f64> {
-    let last = ascending.len().checked_sub(1)?;
-    let place = share * last as f64;
-    let low = (place.floor() as usize).min(last);
-    let high = (low + 1).min(last);
-    let part = place - low as f64;
-    Some(ascending[low] + part * (ascending[high] - ascending[low]))
-}
-
 #[cfg(test)]
 mod tests {
-    use super::{PointAccumulator, quantile};
+    use super::PointAccumulator;
     use crate::ending::{Evidence, Outcome};
-
-    #[test]
-    fn quantiles_between_order_statistics() {
-        let values = [1.0, 2.0, 3.0, 4.0];
-        assert_eq!(quantile(&values, 0.5), Some(2.5));
-        assert_eq!(quantile(&values, 0.0), Some(1.0));
-        assert_eq!(quantile(&values, 1.0), Some(4.0));
-        assert_eq!(quantile(&[], 0.5), None);
-    }
 
     #[test]
     fn cycles_never_rest_and_failures_say_nothing() {

@@ -1,24 +1,6 @@
 //! Time to rest: the share of runs still moving over time, with runs that were stopped before they
 //! came to rest as censored observations (Kaplan-Meier).
 
-/// What is known of one run's time to rest.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Observation {
-    /// It came to rest at this time, s.
-    Rest(f64),
-    /// It was still moving when it was stopped at this time, s; infinite for a run that has been
-    /// shown never to come to rest.
-    MovingUntil(f64),
-}
-
-impl Observation {
-    fn time(self) -> f64 {
-        match self {
-            Observation::Rest(time) | Observation::MovingUntil(time) => time,
-        }
-    }
-}
-
 /// The Kaplan-Meier estimate of the share of runs still moving.
 ///
 /// Source: E. L. Kaplan, P. Meier, J. Am. Stat. Assoc. 53 (1958) 457,
@@ -30,23 +12,19 @@ pub struct SurvivalCurve {
 }
 
 impl SurvivalCurve {
-    /// The curve of these observations, in any order. At equal times, runs that came to rest count
-    /// before runs that were stopped.
-    pub fn new(mut observations: Vec<Observation>) -> Self {
-        let stopped =
-            |observation: &Observation| matches!(observation, Observation::MovingUntil(_));
-        observations
-            .sort_by(|a, b| a.time().total_cmp(&b.time()).then(stopped(a).cmp(&stopped(b))));
-        let mut at_risk = observations.len();
+    /// The curve of `[runs that came to rest, runs that were stopped]` at ascending times, s. A run
+    /// that has been shown never to come to rest was stopped at an infinite time. At equal times,
+    /// runs that came to rest count before runs that were stopped.
+    pub fn new(groups: impl Iterator<Item = (f64, [u64; 2])> + Clone) -> Self {
+        let mut at_risk: u64 = groups.clone().map(|(_, [rests, stopped])| rests + stopped).sum();
         let mut moving = 1.0;
         let mut steps: Vec<(f64, f64)> = Vec::new();
-        for group in observations.chunk_by(|a, b| a.time() == b.time()) {
-            let rests = group.iter().filter(|one| !stopped(one)).count();
+        for (time, [rests, stopped]) in groups {
             if rests > 0 {
                 moving *= 1.0 - rests as f64 / at_risk as f64;
-                steps.push((group[0].time(), moving));
+                steps.push((time, moving));
             }
-            at_risk -= group.len();
+            at_risk -= rests + stopped;
         }
         SurvivalCurve { steps }
     }
@@ -61,7 +39,15 @@ impl SurvivalCurve {
 
 #[cfg(test)]
 mod tests {
-    use super::{Observation::MovingUntil, Observation::Rest, SurvivalCurve};
+    use super::SurvivalCurve;
+    use crate::analysis::Tally;
+
+    fn curve(rests: &[f64], stopped: &[f64]) -> SurvivalCurve {
+        let mut times = Tally::default();
+        stopped.iter().for_each(|time| times.add(*time, 1));
+        rests.iter().for_each(|time| times.add(*time, 0));
+        SurvivalCurve::new(times.groups())
+    }
 
     /// The remission times of the 6-MP group of Freireich et al. (Blood 21 (1963) 699), with the
     /// estimates that textbooks print: 0.857, 0.807, 0.753, 0.690, 0.627, 0.538, 0.448.
@@ -69,8 +55,7 @@ mod tests {
     fn textbook_data() {
         let rests = [6.0, 6.0, 6.0, 7.0, 10.0, 13.0, 16.0, 22.0, 23.0];
         let stopped = [6.0, 9.0, 10.0, 11.0, 17.0, 19.0, 20.0, 25.0, 32.0, 32.0, 34.0, 35.0];
-        let all = stopped.map(MovingUntil).into_iter().chain(rests.map(Rest)).collect();
-        let curve = SurvivalCurve::new(all);
+        let curve = curve(&rests, &stopped);
         let expected = [0.857, 0.807, 0.753, 0.690, 0.627, 0.538, 0.448];
         assert_eq!(curve.steps.len(), expected.len());
         for ((_, moving), printed) in curve.steps.iter().zip(expected) {
@@ -82,10 +67,11 @@ mod tests {
 
     #[test]
     fn nothing_censored_gives_the_sample_quantile() {
-        let curve = SurvivalCurve::new((1..=100).rev().map(|i| Rest(f64::from(i))).collect());
+        let times: Vec<f64> = (1..=100).map(f64::from).collect();
+        let curve = curve(&times, &[]);
         assert_eq!(curve.time_to_rest_quantile(0.5), Some(50.0));
         assert_eq!(curve.time_to_rest_quantile(0.95), Some(95.0));
         assert_eq!(curve.time_to_rest_quantile(1.0), Some(100.0));
-        assert_eq!(SurvivalCurve::new(vec![]).time_to_rest_quantile(0.5), None);
+        assert_eq!(SurvivalCurve::new([].into_iter()).time_to_rest_quantile(0.5), None);
     }
 }
