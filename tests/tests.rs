@@ -1,14 +1,20 @@
 //! All integration tests in one binary; folders mirror `src`.
 
+/// The command line: what goes in, what comes out, exit codes, interruption, memory.
+mod cli;
 /// The README.
 mod docs;
 /// How runs end.
 mod ending;
+/// Threads, chunks, failures: what the farm must not change and must keep.
+mod farm;
 /// Equations of motion and closed forms.
 mod model;
 /// Integration, switches and symmetries.
 mod motion;
 /// Study files, sampling designs, uncertain parameters and plans.
 mod study;
+/// Columns, metadata and contents of the tables.
+mod table;
 /// The thesis's counts, from the study files.
 mod thesis;

@@ -19,7 +19,7 @@ pub struct StudyArgument {
 #[derive(Clone, Debug, Args)]
 pub struct FarmArguments {
     /// Worker threads [default: one per core]
-    #[arg(long, value_name = "N", value_parser = positive)]
+    #[arg(long, value_name = "N", value_parser = threads, allow_negative_numbers = true)]
     threads: Option<NonZeroUsize>,
 
     /// Compute part K of N of the runs only
@@ -28,6 +28,7 @@ pub struct FarmArguments {
 
     /// Runs computed before they are handed to the tables; bounds the memory
     #[arg(long, value_name = "RUNS", default_value = "1024", value_parser = positive)]
+    #[arg(allow_negative_numbers = true)]
     chunk: NonZeroUsize,
 
     /// No progress and no table on the terminal
@@ -49,6 +50,15 @@ impl FarmArguments {
             shard: self.shard,
         }
     }
+}
+
+/// More threads than any machine has cores would only take memory.
+const MOST_THREADS: usize = 1024;
+
+fn threads(text: &str) -> Result<NonZeroUsize, String> {
+    let threads = text.parse().ok().filter(|threads: &NonZeroUsize| threads.get() <= MOST_THREADS);
+    threads
+        .ok_or_else(|| format!("found {text:?}, allowed: a whole number from 1 to {MOST_THREADS}"))
 }
 
 fn positive(text: &str) -> Result<NonZeroUsize, String> {

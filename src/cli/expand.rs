@@ -8,7 +8,7 @@ use clap::Args;
 
 use super::arguments::StudyArgument;
 use super::exit::{CliError, End};
-use super::output::print;
+use super::output::{Reader, print};
 use crate::farm::Shard;
 use crate::study::{PlannedRun, Study};
 use crate::table::column::{Column, batch, schema};
@@ -57,7 +57,11 @@ pub fn expand(arguments: &ExpandArguments) -> Result<End, CliError> {
             path.display()
         ))),
         Some(path) => {
-            let mut table = TableWriter::create(path, columns, &provenance(&study, "cases"))?;
+            let mut table = TableWriter::create(path, columns, &provenance(&study, "cases"))
+                .map_err(|error| {
+                    let allowed = "the name of a new file in a directory that can be written to";
+                    CliError::Usage(format!("{error}\n  allowed: {allowed}"))
+                })?;
             for index in 0..runs {
                 table.push(planned(index))?;
             }
@@ -67,10 +71,13 @@ pub fn expand(arguments: &ExpandArguments) -> Result<End, CliError> {
         None => {
             let names: Vec<String> =
                 schema(&columns).fields().iter().map(|field| field.name().clone()).collect();
-            print(&(names.join(",") + "\n"))?;
+            let mut reader = print(&(names.join(",") + "\n"))?;
             for first in (0..runs).step_by(PIECE as usize) {
+                if reader == Reader::Gone {
+                    break;
+                }
                 let rows: Vec<PlannedRun> = (first..runs.min(first + PIECE)).map(planned).collect();
-                print(&csv(&columns, &rows).map_err(std::io::Error::other)?)?;
+                reader = print(&csv(&columns, &rows).map_err(std::io::Error::other)?)?;
             }
             Ok(End::Well)
         }

@@ -61,7 +61,7 @@ pub fn main() -> ExitCode {
     match result {
         Ok(end) => end.code(),
         Err(error) => {
-            eprintln!("error: {error}");
+            crate::farm::say(&format!("error: {error}"));
             error.code()
         }
     }

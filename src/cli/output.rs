@@ -2,14 +2,23 @@
 
 use std::io::{self, Write};
 
-/// Writes text to standard output. Where its reader has gone (`| head`), nothing more is owed.
+/// Whether anyone still reads standard output.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Reader {
+    /// It took the text.
+    Reading,
+    /// It has gone (`| head`): nothing more is owed.
+    Gone,
+}
+
+/// Writes text to standard output.
 ///
 /// # Errors
-/// Where it cannot be written for another reason.
-pub fn print(text: &str) -> io::Result<()> {
+/// Where it cannot be written, and not because its reader has gone.
+pub fn print(text: &str) -> io::Result<Reader> {
     let mut out = io::stdout().lock();
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
-        Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
-        result => result,
+        Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(Reader::Gone),
+        result => result.map(|()| Reader::Reading),
     }
 }

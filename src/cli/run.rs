@@ -5,14 +5,14 @@ use std::sync::atomic::AtomicBool;
 use std::time::{SystemTime, UNIX_EPOCH};
 
 use clap::Args;
-use serde_json::json;
+use serde_json::{Value, json};
 
 use super::arguments::{FarmArguments, StudyArgument};
 use super::exit::{CliError, End};
 use super::output::print;
 use super::points_table::PointsTable;
 use crate::ending::{Label, simulate};
-use crate::farm::{Progress, Sink, Tally, farm, stop_on_signals};
+use crate::farm::{Progress, Sink, Tally, farm, say, stop_on_signals};
 use crate::study::Study;
 use crate::table::{
     Circumstances, Destination, PointRow, Results, ResultsError, RunRecord, inspect,
@@ -58,11 +58,22 @@ pub fn run(arguments: &RunArguments) -> Result<End, CliError> {
     let shard = arguments.farm.shard.to_string();
     if let Destination::Complete(manifest) = inspect(&directory, &study, &shard)? {
         if !arguments.farm.quiet {
-            eprintln!(
+            say(&format!(
                 "{} already holds all {} runs of this study: nothing to do",
                 directory.display(),
                 manifest.runs_finished,
-            );
+            ));
+        }
+        if arguments.farm.json {
+            let report = json!({
+                "study": study.name(),
+                "out": directory.display().to_string(),
+                "runs_planned": manifest.runs_planned,
+                "runs_finished": manifest.runs_finished,
+                "interrupted": false,
+                "already_complete": true,
+            });
+            print(&format!("{report:#}\n"))?;
         }
         return Ok(end(&manifest.labels, false));
     }
@@ -74,7 +85,7 @@ pub fn run(arguments: &RunArguments) -> Result<End, CliError> {
     })?;
     let manifest = results.finish(&study, ran.circumstances.clone())?;
     let end = end(&manifest.labels, ran.tally.interrupted);
-    ran.report(&study, &arguments.farm, Some(&directory))?;
+    ran.report(&study, &arguments.farm, Some(&directory), None)?;
     Ok(end)
 }
 
@@ -98,7 +109,7 @@ pub struct Ran {
 }
 
 impl Ran {
-    /// Says on the terminal what came out.
+    /// Says on the terminal what came out; `expectations` is added to the JSON.
     ///
     /// # Errors
     /// Where standard output cannot be written to.
@@ -107,18 +118,23 @@ impl Ran {
         study: &Study,
         arguments: &FarmArguments,
         directory: Option<&Path>,
+        expectations: Option<Value>,
     ) -> Result<(), CliError> {
         let runs = self.tally.counts.total();
         if arguments.json {
-            let report = json!({
+            let mut report = json!({
                 "study": study.name(),
                 "out": directory.map(|directory| directory.display().to_string()),
                 "runs_planned": self.circumstances.runs_planned,
                 "runs_finished": runs,
                 "interrupted": self.tally.interrupted,
+                "already_complete": false,
                 "wall_s": self.circumstances.wall_s,
                 "points": self.table.json(),
             });
+            if let Some(expectations) = expectations {
+                report["expectations"] = expectations;
+            }
             print(&format!("{report:#}\n"))?;
         } else if !arguments.quiet {
             print(&self.table.text())?;
@@ -127,19 +143,21 @@ impl Ran {
             let seconds = self.circumstances.wall_s;
             let rate = runs as f64 / seconds.max(1e-9);
             let threads = self.circumstances.threads;
-            eprintln!("{runs} runs in {seconds:.1} s on {threads} threads: {rate:.0} runs/s");
+            say(&format!("{runs} runs in {seconds:.1} s on {threads} threads: {rate:.0} runs/s"));
             let failed = self.tally.counts.of(Label::Failed);
             if failed > 0 {
-                eprintln!(
+                say(&format!(
                     "{failed} runs failed: see the columns evidence and error of runs.parquet"
-                );
+                ));
             }
             if let Some(directory) = directory {
-                eprintln!("tables in {}", directory.display());
+                say(&format!("tables in {}", directory.display()));
             }
             if self.tally.interrupted {
                 let planned = self.circumstances.runs_planned;
-                eprintln!("interrupted after {runs} of {planned} runs; what is finished is kept");
+                say(&format!(
+                    "interrupted after {runs} of {planned} runs; what is finished is kept"
+                ));
             }
         }
         Ok(())
@@ -180,7 +198,7 @@ pub fn farm_study(
     let options = arguments.options();
     let runs_planned = options.shard.runs(study.run_count());
     if let Err(error) = stop_on_signals(&STOP) {
-        eprintln!("warning: Ctrl-C will not be clean: {error}");
+        say(&format!("warning: Ctrl-C will not be clean: {error}"));
     }
     // A clock before 1970 is a clock that is wrong: the manifest then says 0.
     let started = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();

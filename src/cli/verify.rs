@@ -3,12 +3,14 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use serde_json::{Value, json};
 
 use super::arguments::{FarmArguments, StudyArgument};
 use super::exit::{CliError, End};
 use super::output::print;
 use super::run::farm_study;
 use crate::ending::Label;
+use crate::farm::{Shard, say};
 use crate::study::Study;
 use crate::table::{Destination, PointRow, Results, inspect};
 
@@ -17,7 +19,8 @@ Examples:
   stickslip verify studies/smoke.yaml
   stickslip verify studies/smoke.yaml --threads 2 --out results/smoke
 
-Each entry under `expect` in the study is a line: met or NOT MET. Exit code 4 if one is not met.";
+Each entry under `expect` in the study is a line: met or NOT MET; with --json, an entry of the list
+`expectations`. With --quiet the exit code says it all: 4 if one is not met.";
 
 /// Run a study and check the fractions that it expects
 #[derive(Clone, Debug, Args)]
@@ -47,7 +50,7 @@ pub fn verify(arguments: &VerifyArguments) -> Result<End, CliError> {
             arguments.study.study.display()
         )));
     }
-    if arguments.farm.shard != crate::farm::Shard::WHOLE {
+    if arguments.farm.shard != Shard::WHOLE {
         let message = "--shard: verify needs all runs\n  allowed: run without --shard";
         return Err(CliError::Usage(message.to_owned()));
     }
@@ -79,15 +82,18 @@ pub fn verify(arguments: &VerifyArguments) -> Result<End, CliError> {
     if let Some(results) = results {
         results.finish(&study, ran.circumstances.clone())?;
     }
-    ran.report(&study, &arguments.farm, arguments.out.as_deref())?;
+    let expectations = (!ran.tally.interrupted).then(|| Value::from(findings.json));
+    ran.report(&study, &arguments.farm, arguments.out.as_deref(), expectations)?;
     if ran.tally.interrupted {
         return Ok(End::Interrupted);
     }
-    if !arguments.farm.json {
+    if !arguments.farm.json && !arguments.farm.quiet {
         print(&findings.lines)?;
     }
     Ok(if findings.not_met > 0 {
-        eprintln!("{} expectations not met", findings.not_met);
+        if !arguments.farm.quiet {
+            say(&format!("{} expectations not met", findings.not_met));
+        }
         End::ExpectationNotMet
     } else if ran.tally.counts.of(Label::Failed) > 0 {
         End::RunsFailed
@@ -100,6 +106,7 @@ pub fn verify(arguments: &VerifyArguments) -> Result<End, CliError> {
 #[derive(Default)]
 struct Findings {
     lines: String,
+    json: Vec<Value>,
     not_met: u64,
 }
 
@@ -116,6 +123,13 @@ impl Findings {
                 let fraction = point.summary.counts.fraction(label);
                 let met = (*low..=*high).contains(&fraction);
                 self.not_met += u64::from(!met);
+                self.json.push(json!({
+                    "point_id": point.point_id,
+                    "label": name,
+                    "fraction": fraction,
+                    "expected": [low, high],
+                    "met": met,
+                }));
                 let columns = study.swept().iter().zip(&point.swept);
                 let place: Vec<String> =
                     columns.map(|(column, value)| format!("{}={value}", column.name)).collect();

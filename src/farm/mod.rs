@@ -11,7 +11,7 @@ mod shard;
 
 pub use compute::compute;
 pub use interrupt::stop_on_signals;
-pub use progress::Progress;
+pub use progress::{Progress, say};
 pub use shard::{Shard, ShardError};
 
 use std::sync::atomic::{AtomicBool, Ordering};

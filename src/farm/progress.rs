@@ -1,6 +1,6 @@
 //! Progress while runs are computed: how many, how fast, until when, and how they end so far.
 
-use std::io::IsTerminal;
+use std::io::{self, IsTerminal, Write};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
@@ -37,6 +37,12 @@ impl Counts {
             }
         }
     }
+}
+
+/// Writes a line to standard error. Where nobody can read it any more (a terminal that was closed, a
+/// reader that has gone) it is lost, and the runs are not: `eprintln` would end the program.
+pub fn say(line: &str) {
+    let _ = writeln!(io::stderr().lock(), "{line}");
 }
 
 /// Seconds between lines where there is no terminal.
@@ -102,21 +108,12 @@ impl Progress {
         }
         let rate = runs as f64 / elapsed.as_secs_f64();
         let left = Duration::from_secs_f64((self.planned - runs) as f64 / rate);
-        eprintln!(
+        say(&format!(
             "{runs} of {} runs, {rate:.0} runs/s, equilibria {}, about {} s left",
             self.planned,
             self.counts.fraction(),
             left.as_secs(),
-        );
-    }
-
-    /// Shows a line of text without tearing the bar.
-    pub fn say(&self, line: &str) {
-        if self.bar.is_hidden() {
-            eprintln!("{line}");
-        } else {
-            self.bar.println(line);
-        }
+        ));
     }
 
     /// Takes the bar away and returns how long it all took.

@@ -34,7 +34,11 @@ pub enum ResultsError {
         allowed: String,
     },
     /// It cannot be made or written to.
-    #[error("{}: cannot be used as output directory: {cause}", path.display())]
+    #[error(
+        "{}: cannot be used as output directory\n  found:   {cause}\n  allowed: a directory that can \
+         be made, read and written to",
+        path.display()
+    )]
     Unusable {
         /// The directory or a file in it.
         path: PathBuf,
@@ -100,6 +104,16 @@ pub fn inspect(directory: &Path, study: &Study, shard: &str) -> Result<Destinati
     if !manifest.complete {
         let found = format!("{} of {} runs", manifest.runs_finished, manifest.runs_planned);
         return Err(occupied("an interrupted run of this study is here", found, another));
+    }
+    for (name, entry) in &manifest.files {
+        let bytes = fs::metadata(directory.join(name)).map(|file| file.len());
+        if bytes.as_ref().ok() != Some(&entry.bytes) {
+            let found = match bytes {
+                Ok(bytes) => format!("{name} of {bytes} bytes, {} in the manifest", entry.bytes),
+                Err(error) => format!("{name}: {error}"),
+            };
+            return Err(occupied("these results have been changed since", found, another));
+        }
     }
     Ok(Destination::Complete(Box::new(manifest)))
 }

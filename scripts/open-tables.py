@@ -1,0 +1,109 @@
+#!/usr/bin/env python3
+"""Open the tables of a study with pandas, Polars and DuckDB and check that all three read the same.
+
+    pip install pandas pyarrow polars duckdb
+    python scripts/open-tables.py results/preferred-equilibria
+
+Prints one line for each reader. Ends with exit code 1 where they differ or one cannot read a table,
+2 where there are no tables.
+"""
+
+import math
+import sys
+from pathlib import Path
+
+import duckdb
+import pandas
+import polars
+
+TABLES = ("runs", "points", "equilibria")
+
+
+def with_pandas(directory):
+    """What pandas (with pyarrow) finds."""
+    tables = (pandas.read_parquet(directory / f"{name}.parquet") for name in TABLES)
+    runs, points, equilibria = tables
+    labels = runs["label"].value_counts()
+    return {
+        "rows": [len(runs), len(points), len(equilibria)],
+        "labels": {str(label): int(count) for label, count in labels.items() if count > 0},
+        "runs of all points": int(points["runs"].sum()),
+        "sum of end_time_s": float(runs["end_time_s"].sum()),
+        "sum of amplitude_m": float(equilibria["amplitude_m"].sum()),
+    }
+
+
+def with_polars(directory):
+    """What Polars finds."""
+    tables = (polars.read_parquet(directory / f"{name}.parquet") for name in TABLES)
+    runs, points, equilibria = tables
+    labels = runs.group_by("label").len()
+    return {
+        "rows": [runs.height, points.height, equilibria.height],
+        "labels": {str(label): count for label, count in labels.iter_rows()},
+        "runs of all points": points["runs"].sum(),
+        "sum of end_time_s": runs["end_time_s"].sum(),
+        "sum of amplitude_m": equilibria["amplitude_m"].sum(),
+    }
+
+
+def with_duckdb(directory):
+    """What DuckDB finds."""
+    connection = duckdb.connect()
+
+    def ask(table, columns, rest=""):
+        path = str(directory / f"{table}.parquet")
+        question = f"select {columns} from read_parquet($path) {rest}"
+        return connection.execute(question, {"path": path}).fetchall()
+
+    labels = ask("runs", "label, count(*)", "group by label")
+    return {
+        "rows": [ask(table, "count(*)")[0][0] for table in TABLES],
+        "labels": {str(label): count for label, count in labels},
+        "runs of all points": int(ask("points", "coalesce(sum(runs), 0)")[0][0]),
+        "sum of end_time_s": ask("runs", "coalesce(sum(end_time_s), 0)")[0][0],
+        "sum of amplitude_m": ask("equilibria", "coalesce(sum(amplitude_m), 0)")[0][0],
+    }
+
+
+READERS = {
+    f"pandas {pandas.__version__}": with_pandas,
+    f"polars {polars.__version__}": with_polars,
+    f"duckdb {duckdb.__version__}": with_duckdb,
+}
+
+
+def same(left, right):
+    """Equal; numbers that are summed in another order agree to nine digits."""
+    if isinstance(left, float) or isinstance(right, float):
+        return math.isclose(left, right, rel_tol=1e-9, abs_tol=1e-300)
+    return left == right
+
+
+def main(arguments):
+    """Compares the readers; returns the exit code."""
+    if len(arguments) != 1 or arguments[0].startswith("-"):
+        print(__doc__.strip(), file=sys.stderr)
+        return 2
+    directory = Path(arguments[0])
+    missing = [name for name in TABLES if not (directory / f"{name}.parquet").is_file()]
+    if missing:
+        print(f"{directory}: holds no {missing[0]}.parquet", file=sys.stderr)
+        return 2
+    first = None
+    differences = 0
+    for reader, read in READERS.items():
+        found = read(directory)
+        rows = ", ".join(f"{count} {name}" for name, count in zip(TABLES, found["rows"]))
+        labels = ", ".join(f"{label} {count}" for label, count in sorted(found["labels"].items()))
+        print(f"{reader}: {rows}; {labels}; end times add up to {found['sum of end_time_s']:.9g} s")
+        first = first or found
+        for what, value in found.items():
+            if not same(first[what], value):
+                differences += 1
+                print(f"  {what}: {value}, but {first[what]} above", file=sys.stderr)
+    return 1 if differences else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,144 @@
+//! `check`, `verify`, `schema`, `completions` and the help texts.
+
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use serde_json::{Value, json};
+
+use super::support::{AT_ONCE, Scratch, assert_has, study_text};
+
+#[test]
+fn every_command_shows_examples() {
+    let scratch = Scratch::new();
+    for command in ["run", "check", "expand", "verify", "schema", "completions"] {
+        let help = scratch.well(&format!("{command} --help"));
+        let examples = help.split_once("Examples:").map(|(_, examples)| examples).unwrap();
+        assert_has(examples, &[format!("  stickslip {command} ")]);
+        assert_eq!(help, scratch.well(&format!("help {command}")));
+    }
+    assert_has(&scratch.well("--help"), &["Examples:\n  stickslip ", "130  interrupted"]);
+    assert_eq!(scratch.well("--version"), format!("stickslip {}\n", env!("CARGO_PKG_VERSION")));
+}
+
+#[test]
+fn check_counts_and_computes_nothing() {
+    let scratch = Scratch::new();
+    let rest = "sweep: [{grid: {speed_rad_s: [-160.0, -200.0]}}]\n\
+                uncertain: {ball_mass_kg: {uniform: {min: 1.0e-4, max: 2.0e-4}}}\n";
+    scratch.write("a.yaml", study_text("a", "{sobol: {samples: 7}}", AT_ONCE, rest));
+    let before = scratch.files();
+    let text = scratch.well("check a.yaml");
+    assert_has(
+        &text,
+        &[
+            "study         a (hash ",
+            "swept         speed_rad_s\n",
+            "uncertain     ball_mass_kg\n",
+            "points        2\n",
+            "runs          14, each",
+        ],
+    );
+    let report: Value = serde_json::from_str(&scratch.well("check a.yaml --json")).unwrap();
+    let whole = ["study", "seed", "points", "runs", "balls", "swept", "uncertain", "expectations"];
+    let expected = json!(["a", 5, 2, 14, 2, ["speed_rad_s"], ["ball_mass_kg"], 0]);
+    assert_eq!(Value::from(whole.map(|key| report[key].clone()).to_vec()), expected);
+    assert_eq!(report["hash"].as_str().map(str::len), Some(64));
+    assert!(report["most_core_seconds"].as_f64().unwrap() > 0.0);
+    assert_eq!(scratch.files(), before);
+}
+
+#[test]
+fn check_of_a_thousand_million_runs_is_instant() {
+    let scratch = Scratch::new();
+    let design = "{monte_carlo: {samples: 1000000000}}";
+    scratch.write("a.yaml", study_text("a", design, 16.5, ""));
+    let started = Instant::now();
+    let text = scratch.well("check a.yaml");
+    assert!(started.elapsed() < Duration::from_secs(2), "{:?}", started.elapsed());
+    assert_has(&text, &["runs          1000000000, each to 16.5 s", "days on one core"]);
+}
+
+#[test]
+fn the_schema_is_json_and_knows_every_key_of_a_resolved_study() {
+    let scratch = Scratch::new();
+    let schema: Value = serde_json::from_str(&scratch.well("schema")).unwrap();
+    assert_has(schema["$schema"].as_str().unwrap(), &["json-schema.org"]);
+    scratch.write("a.yaml", study_text("a", "{sobol: {samples: 1}}", AT_ONCE, ""));
+    scratch.well("run a.yaml --out out");
+    let resolved = std::fs::read_to_string(scratch.path("out/study.yaml")).unwrap();
+    for line in resolved.lines().filter(|line| line.starts_with(|first: char| first != ' ')) {
+        let key = line.split(':').next().unwrap();
+        assert!(schema["properties"].get(key).is_some(), "{key}");
+    }
+    assert!(schema["properties"].get("expect").is_some());
+}
+
+#[test]
+fn completions_for_three_shells() {
+    let scratch = Scratch::new();
+    for (shell, sign) in [
+        ("bash", "complete -F _stickslip"),
+        ("zsh", "#compdef stickslip"),
+        ("fish", "complete -c stickslip"),
+    ] {
+        let script = scratch.well(&format!("completions {shell}"));
+        assert_has(&script, &[sign, "threads", "shard", "verify", "expand"]);
+    }
+}
+
+fn with_expectation(range: &str) -> String {
+    let rest = format!(
+        "sweep: [{{grid: {{speed_rad_s: [-160.0, -200.0]}}}}]\n\
+         expect: [{{point: {{speed_rad_s: -200.0}}, equilibrium_fraction: {range}}}]\n"
+    );
+    study_text("a", "{monte_carlo: {samples: 5}}", AT_ONCE, &rest)
+}
+
+#[test]
+fn verify_says_what_is_met() {
+    let scratch = Scratch::new();
+    scratch.write("met.yaml", with_expectation("[0, 0.1]"));
+    let text = scratch.well("verify met.yaml --out met");
+    let line = "point 1 speed_rad_s=-200: equilibrium fraction 0.0000, expected";
+    assert_has(&text, &[format!("met      {line} 0 to 0.1\n")]);
+    assert_eq!(scratch.table("met", "runs").num_rows(), 10);
+    scratch.refused("verify met.yaml --out met", &["met: holds results of this study already"]);
+
+    scratch.write("not.yaml", with_expectation("[0.9, 1]"));
+    for arguments in ["verify not.yaml", "verify not.yaml --json", "verify not.yaml --quiet"] {
+        let ended = scratch.stickslip(arguments);
+        assert_eq!(ended.code, Some(4), "{arguments}");
+        match arguments.split_once("--") {
+            None => {
+                assert_has(&ended.out, &[format!("NOT MET  {line} 0.9 to 1\n")]);
+                assert_has(&ended.err, &["1 expectations not met"]);
+            }
+            Some((_, "json")) => {
+                let report: Value = serde_json::from_str(&ended.out).unwrap();
+                let expected = json!([{"point_id": 1, "label": "equilibrium", "fraction": 0.0,
+                    "expected": [0.9, 1.0], "met": false}]);
+                assert_eq!(report["expectations"], expected);
+            }
+            _ => assert_eq!((ended.out.as_str(), ended.err.as_str()), ("", "")),
+        }
+    }
+}
+
+#[test]
+fn verify_needs_expectations_and_all_runs() {
+    let scratch = Scratch::new();
+    scratch.write("a.yaml", study_text("a", "{sobol: {samples: 1}}", AT_ONCE, ""));
+    let missing = ["a.yaml: `expect`: missing key", "found: ", "allowed: a list such as expect"];
+    scratch.refused("verify a.yaml --out out", &missing);
+    scratch.write("b.yaml", with_expectation("[0, 1]"));
+    scratch.refused("verify b.yaml --shard 1/2", &["--shard: verify needs all runs", "allowed: "]);
+}
+
+/// The smoke study is what continuous integration verifies.
+#[test]
+fn the_smoke_study_holds() {
+    let scratch = Scratch::new();
+    let smoke = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/smoke.yaml");
+    let text = scratch.well(&format!("verify {} --threads 2", smoke.display()));
+    assert_eq!(text.matches("\nmet    ").count(), 6, "{text}");
+}

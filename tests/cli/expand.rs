@@ -1,0 +1,116 @@
+//! `expand` writes exactly the cases that `run` computes.
+
+use super::support::{AT_ONCE, Scratch, counts, numbers, parse, row, study_text, words};
+
+/// Blocks with different columns, words, and draws of which some make no physical sense.
+fn study() -> String {
+    let rest = "sweep:\n\
+                \x20 - grid: {speed_rad_s: [-160.0, -200.0], normal_force: [lagrange, newton]}\n\
+                \x20 - zip: {friction_coefficient: [1.0e-3]}\n\
+                uncertain: {ball_mass_2_kg: {normal: {mean: 1.0e-4, std_dev: 1.0e-4}}}\n";
+    study_text("a", "{monte_carlo: {samples: 300}}", AT_ONCE, rest)
+}
+
+const COLUMNS: [&str; 17] = [
+    "run_id",
+    "point_id",
+    "cell",
+    "replicate",
+    "speed_rad_s",
+    "normal_force",
+    "friction_coefficient",
+    "ball_mass_2_kg",
+    "initial_x",
+    "initial_y",
+    "initial_beta_1",
+    "initial_beta_2",
+    "initial_x_dot",
+    "initial_y_dot",
+    "initial_beta_dot_1",
+    "initial_beta_dot_2",
+    "error",
+];
+
+#[test]
+fn csv_parquet_plan_and_run_agree() {
+    let scratch = Scratch::new();
+    scratch.write("a.yaml", study());
+    let text = scratch.well("expand a.yaml");
+    scratch.well("expand a.yaml --out cases.parquet");
+    assert_eq!(scratch.stickslip("run a.yaml --out out").code, Some(3));
+    let (cases, runs) = (scratch.table(".", "cases"), scratch.table("out", "runs"));
+    let names: Vec<String> =
+        cases.schema().fields().iter().map(|field| field.name().clone()).collect();
+    assert_eq!(names, COLUMNS);
+
+    let mut reader = csv::Reader::from_reader(text.as_bytes());
+    assert_eq!(reader.headers().unwrap(), &COLUMNS[..]);
+    let lines: Vec<csv::StringRecord> = reader.records().map(Result::unwrap).collect();
+    let study = parse(&study());
+    assert_eq!(study.run_count(), 1500);
+    assert_eq!((lines.len(), cases.num_rows(), runs.num_rows()), (1500, 1500, 1500));
+
+    let others: Vec<String> = runs
+        .schema()
+        .fields()
+        .iter()
+        .map(|field| field.name().clone())
+        .filter(|name| !COLUMNS.contains(&name.as_str()) || name == "error")
+        .collect();
+    let others: Vec<&str> = others.iter().map(String::as_str).collect();
+    let (errors, run_errors) = (words(&cases, "error"), words(&runs, "error"));
+    let mut invalid = 0;
+    for (index, line) in lines.iter().enumerate() {
+        let planned = study.planned_run(index as u64);
+        let start = &planned.start;
+        let mut expected = vec![start.x, start.y];
+        expected.extend(&start.beta);
+        expected.extend([start.x_dot, start.y_dot]);
+        expected.extend(&start.beta_dot);
+        let number = |column: usize| line[column].parse::<f64>().unwrap();
+        assert_eq!((8..16).map(number).collect::<Vec<_>>(), expected);
+        assert_eq!(number(7), planned.uncertain[0]);
+        assert_eq!(number(0), index as f64);
+        assert_eq!(number(1), planned.point_id as f64);
+        assert_eq!(number(3), planned.replicate as f64);
+        let swept: Vec<String> = planned.swept.iter().map(ToString::to_string).collect();
+        assert_eq!((number(4), &line[5]), (swept[0].parse().unwrap(), swept[1].as_str()));
+        let error = planned.case.as_ref().err().map(ToString::to_string);
+        invalid += usize::from(error.is_some());
+        assert_eq!(line[16], error.unwrap_or_default());
+        // Parquet to Parquet, all columns that both tables have; runs with a message have the
+        // message of their case.
+        assert_eq!(row(&cases, index, &["error"]), row(&runs, index, &others));
+        if let Some(error) = &errors[index] {
+            assert_eq!(run_errors[index].as_ref(), Some(error));
+        }
+    }
+    assert!(invalid > 100, "{invalid}");
+    for name in &COLUMNS[7..16] {
+        assert_eq!(numbers(&cases, name), numbers(&runs, name));
+    }
+}
+
+#[test]
+fn a_shard_is_every_nth_case() {
+    let scratch = Scratch::new();
+    scratch.write("a.yaml", study());
+    scratch.well("expand a.yaml --shard 2/7 --out part.parquet");
+    let ids = counts(&scratch.table(".", "part"), "run_id");
+    assert_eq!(ids, (1..1500).step_by(7).collect::<Vec<u64>>());
+    let text = scratch.well("expand a.yaml --shard 2/7");
+    assert_eq!(text.lines().count(), ids.len() + 1);
+}
+
+#[test]
+fn a_file_is_never_overwritten() {
+    let scratch = Scratch::new();
+    scratch.write("a.yaml", study());
+    scratch.write("cases.parquet", "mine");
+    let exists = ["cases.parquet: exists already", "allowed: the name of a new file"];
+    scratch.refused("expand a.yaml --out cases.parquet", &exists);
+    for out in ["nowhere/cases.parquet", "a.yaml/cases.parquet"] {
+        let message = ["cannot write ", out, "allowed: the name of a new file in a directory"];
+        scratch.refused(&format!("expand a.yaml --out {out}"), &message);
+    }
+}

@@ -1,0 +1,11 @@
+//! The command line, through the built program.
+
+pub mod support;
+
+mod commands;
+mod directories;
+mod expand;
+mod interrupt;
+mod memory;
+mod streams;
+mod usage;

@@ -1,0 +1,127 @@
+//! What goes to which stream, and streams that are closed or full.
+
+use std::fs::OpenOptions;
+use std::io::Read;
+use std::process::Stdio;
+
+use serde_json::{Value, json};
+
+use super::support::{AT_ONCE, Scratch, study_text};
+
+fn scratch() -> Scratch {
+    let scratch = Scratch::new();
+    let rest = "sweep: [{grid: {speed_rad_s: [-160.0, -200.0]}}]\n\
+                uncertain: {ball_mass_kg: {normal: {mean: 1.4e-4, std_dev: 1.4e-4}}}\n";
+    scratch.write("a.yaml", study_text("a", "{monte_carlo: {samples: 50}}", AT_ONCE, rest));
+    let expect = "expect: [{point: {}, undecided_fraction: [0.5, 1.0]}]\n";
+    scratch.write("b.yaml", study_text("b", "{monte_carlo: {samples: 5}}", AT_ONCE, expect));
+    scratch
+}
+
+#[test]
+fn json_is_one_document_on_standard_output() {
+    let scratch = scratch();
+    let ended = scratch.stickslip("run a.yaml --json --out out");
+    assert_eq!(ended.code, Some(3));
+    let report: Value = serde_json::from_str(&ended.out).unwrap();
+    let whole = ["study", "out", "runs_planned", "runs_finished", "interrupted"];
+    assert_eq!(
+        whole.map(|key| report[key].clone()),
+        [json!("a"), json!("out"), json!(100), json!(100), json!(false)]
+    );
+    let points = report["points"].as_array().unwrap();
+    assert_eq!(points.len(), 2);
+    assert_eq!((&points[1]["speed_rad_s"], &points[1]["runs"]), (&(-200.0).into(), &50.into()));
+    assert_eq!(points[0]["time_to_rest_p50_s"], Value::Null);
+    let failed = points[0]["failed_runs"].as_u64().unwrap();
+    assert!(failed > 0);
+    assert_eq!(points[0]["undecided_runs"], 50 - failed);
+
+    let again = scratch.stickslip("run a.yaml --json --out out");
+    assert_eq!(again.code, Some(3));
+    let report: Value = serde_json::from_str(&again.out).unwrap();
+    assert_eq!(
+        (&report["already_complete"], &report["runs_finished"]),
+        (&true.into(), &100.into())
+    );
+
+    let verified: Value = serde_json::from_str(&scratch.well("verify b.yaml --json")).unwrap();
+    assert_eq!(verified["expectations"][0]["met"], true);
+    assert_eq!(verified["expectations"][0]["label"], "undecided");
+}
+
+#[test]
+fn quiet_is_silent() {
+    let scratch = scratch();
+    for (arguments, code) in [
+        ("run b.yaml --quiet --out out", 0),
+        ("run b.yaml --quiet --out out", 0),
+        ("run a.yaml -q", 3),
+        ("verify b.yaml --quiet", 0),
+    ] {
+        let ended = scratch.stickslip(arguments);
+        assert_eq!(
+            (ended.code, ended.out.as_str(), ended.err.as_str()),
+            (Some(code), "", ""),
+            "{arguments}"
+        );
+    }
+    // Data that was asked for is no noise; an error is not kept back.
+    let asked: Value =
+        serde_json::from_str(&scratch.well("run b.yaml --quiet --json --out other")).unwrap();
+    assert_eq!(asked["runs_finished"], 5);
+    scratch.refused("run missing.yaml --quiet", &["missing.yaml"]);
+}
+
+#[test]
+fn no_escape_sequences_where_there_is_no_terminal() {
+    let scratch = scratch();
+    for arguments in
+        ["run a.yaml", "run missing.yaml", "run --thread", "--help", "run --help", "verify b.yaml"]
+    {
+        let mut command = scratch.command(arguments);
+        let ended = super::support::Ended::of(command.env("TERM", "xterm").output().unwrap());
+        let both = format!("{}{}", ended.out, ended.err);
+        assert!(!both.contains('\u{1b}') && !both.contains('\r'), "{arguments}: {both:?}");
+    }
+}
+
+/// A device that takes no byte.
+fn full() -> Stdio {
+    OpenOptions::new().write(true).open("/dev/full").unwrap().into()
+}
+
+#[test]
+fn a_full_stderr_costs_no_run() {
+    let scratch = scratch();
+    let ended = scratch.command("run b.yaml --out out").stderr(full()).output().unwrap();
+    assert_eq!(ended.status.code(), Some(0));
+    assert_eq!(scratch.table("out", "runs").num_rows(), 5);
+    let refused = scratch.command("run missing.yaml").stderr(full()).output().unwrap();
+    assert_eq!(refused.status.code(), Some(2));
+}
+
+#[test]
+fn a_full_stdout_is_an_error_after_the_tables() {
+    let scratch = scratch();
+    let ended = scratch.command("run b.yaml --out out").stdout(full()).output().unwrap();
+    assert_eq!(ended.status.code(), Some(1));
+    assert!(String::from_utf8_lossy(&ended.stderr).contains("cannot write to standard output"));
+    assert_eq!(scratch.manifest("out")["complete"], true);
+}
+
+#[test]
+fn a_reader_that_goes_early_ends_expand_well() {
+    let scratch = scratch();
+    let design = "{monte_carlo: {samples: 1000000000000}}";
+    scratch.write("endless.yaml", study_text("endless", design, AT_ONCE, ""));
+    let mut child = scratch.command("expand endless.yaml").spawn().unwrap();
+    let mut reader = child.stdout.take().unwrap();
+    let mut start = [0; 6];
+    reader.read_exact(&mut start).unwrap();
+    assert_eq!(&start, b"run_id");
+    drop(reader);
+    let mut message = String::new();
+    child.stderr.take().unwrap().read_to_string(&mut message).unwrap();
+    assert_eq!((child.wait().unwrap().code(), message.as_str()), (Some(0), ""));
+}

@@ -1,0 +1,224 @@
+//! A scratch directory, the built program in it, and its tables as record batches.
+
+use std::collections::BTreeMap;
+use std::fmt::Display;
+use std::fs::{self, File};
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+
+use arrow::array::{ArrayRef, AsArray, RecordBatch};
+use arrow::compute::concat_batches;
+use arrow::datatypes::{DataType, Float64Type, Int32Type, UInt64Type};
+use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
+use stickslip::study::Study;
+use tempfile::TempDir;
+
+/// The files of an output directory that hold data; their bytes depend on the study alone.
+pub const DATA_FILES: [&str; 4] =
+    ["runs.parquet", "points.parquet", "equilibria.parquet", "study.yaml"];
+
+/// The end time of runs whose course does not matter, s.
+pub const AT_ONCE: f64 = 1.0e-5;
+
+/// A directory that goes away with the test.
+pub struct Scratch(TempDir);
+
+/// What a program left behind when it ended.
+#[derive(Debug)]
+pub struct Ended {
+    pub code: Option<i32>,
+    pub out: String,
+    pub err: String,
+}
+
+impl Scratch {
+    pub fn new() -> Self {
+        Scratch(TempDir::new().unwrap())
+    }
+
+    pub fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    /// Writes a file.
+    pub fn write(&self, name: &str, content: impl AsRef<[u8]>) -> PathBuf {
+        let path = self.path(name);
+        fs::write(&path, content).unwrap();
+        path
+    }
+
+    /// The program with these arguments, separated by blanks, in this directory.
+    pub fn command(&self, arguments: &str) -> Command {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_stickslip"));
+        command.args(arguments.split_whitespace()).current_dir(self.0.path());
+        command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
+        command
+    }
+
+    /// Runs the program to its end.
+    pub fn stickslip(&self, arguments: &str) -> Ended {
+        Ended::of(self.command(arguments).output().unwrap())
+    }
+
+    /// Runs the program, which must end well; returns its standard output.
+    #[track_caller]
+    pub fn well(&self, arguments: &str) -> String {
+        let ended = self.stickslip(arguments);
+        assert_eq!(ended.code, Some(0), "{arguments}\n{}{}", ended.out, ended.err);
+        ended.out
+    }
+
+    /// Runs the program, which must refuse with exit code 2, print no data, change no file, and
+    /// say all of `parts`.
+    #[track_caller]
+    pub fn refused(&self, arguments: &str, parts: &[&str]) {
+        let before = self.files();
+        let ended = self.stickslip(arguments);
+        assert_eq!((ended.code, ended.out.as_str()), (Some(2), ""), "{arguments}\n{}", ended.err);
+        for part in parts {
+            assert!(ended.err.contains(part), "{arguments}: no {part:?} in\n{}", ended.err);
+        }
+        assert_eq!(self.files(), before, "{arguments} has changed files");
+    }
+
+    /// Every file below this directory with its content.
+    pub fn files(&self) -> BTreeMap<PathBuf, Vec<u8>> {
+        let mut files = BTreeMap::new();
+        let mut folders = vec![self.0.path().to_owned()];
+        while let Some(folder) = folders.pop() {
+            for entry in fs::read_dir(folder).unwrap() {
+                let path = entry.unwrap().path();
+                if path.is_dir() {
+                    files.insert(path.clone(), Vec::new());
+                    folders.push(path);
+                } else {
+                    let content = fs::read(&path).unwrap();
+                    files.insert(path, content);
+                }
+            }
+        }
+        files
+    }
+
+    /// A table of an output directory.
+    #[track_caller]
+    pub fn table(&self, directory: &str, name: &str) -> RecordBatch {
+        table(&self.path(directory).join(format!("{name}.parquet")))
+    }
+
+    /// The manifest of an output directory.
+    pub fn manifest(&self, directory: &str) -> serde_json::Value {
+        let text = fs::read_to_string(self.path(directory).join("manifest.json")).unwrap();
+        serde_json::from_str(&text).unwrap()
+    }
+
+    /// The data files of an output directory.
+    pub fn data(&self, directory: &str) -> Vec<Vec<u8>> {
+        DATA_FILES.map(|name| fs::read(self.path(directory).join(name)).unwrap()).to_vec()
+    }
+}
+
+impl Ended {
+    pub fn of(output: Output) -> Self {
+        let text = |bytes| String::from_utf8(bytes).unwrap();
+        Ended { code: output.status.code(), out: text(output.stdout), err: text(output.stderr) }
+    }
+}
+
+/// The text of a study: a name, a design, an end time, and lines with all else.
+pub fn study_text(name: &str, design: &str, end_time_s: f64, rest: &str) -> String {
+    let model = if rest.contains("model:") { "" } else { "model: {kind: ball_balancer}\n" };
+    format!(
+        "schema: 1\nname: {name}\nseed: 5\n{model}initial_conditions: {{design: {design}}}\n\
+         simulation: {{end_time_s: {end_time_s:e}}}\n{rest}"
+    )
+}
+
+/// A text as a study.
+pub fn parse(text: &str) -> Study {
+    Study::parse(Path::new("a.yaml"), text.to_owned()).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// A Parquet file as one batch.
+#[track_caller]
+pub fn table(path: &Path) -> RecordBatch {
+    let file = File::open(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+    let reader = ParquetRecordBatchReaderBuilder::try_new(file).unwrap();
+    let schema = reader.schema().clone();
+    let batches: Vec<RecordBatch> = reader.build().unwrap().map(Result::unwrap).collect();
+    concat_batches(&schema, &batches).unwrap()
+}
+
+/// A column by its name.
+#[track_caller]
+pub fn column<'a>(table: &'a RecordBatch, name: &str) -> &'a ArrayRef {
+    table.column_by_name(name).unwrap_or_else(|| panic!("no column {name}"))
+}
+
+/// A column of numbers.
+#[track_caller]
+pub fn numbers(table: &RecordBatch, name: &str) -> Vec<Option<f64>> {
+    column(table, name).as_primitive::<Float64Type>().iter().collect()
+}
+
+/// A column of counts, none missing.
+#[track_caller]
+pub fn counts(table: &RecordBatch, name: &str) -> Vec<u64> {
+    column(table, name).as_primitive::<UInt64Type>().values().to_vec()
+}
+
+/// A column of text, plain or dictionary-encoded.
+#[track_caller]
+pub fn words(table: &RecordBatch, name: &str) -> Vec<Option<String>> {
+    let column = column(table, name);
+    let strings = match column.data_type() {
+        DataType::Utf8 => column.as_string::<i32>().iter().map(|text| text.map(str::to_owned)),
+        _ => {
+            let words = column.as_dictionary::<Int32Type>();
+            let words = words.downcast_dict::<arrow::array::StringArray>().unwrap();
+            return words.into_iter().map(|text| text.map(str::to_owned)).collect();
+        }
+    };
+    strings.collect()
+}
+
+/// One row of a table as text, without the columns named.
+pub fn row(table: &RecordBatch, index: usize, without: &[&str]) -> Vec<(String, String)> {
+    let options = arrow::util::display::FormatOptions::default().with_null("null");
+    let fields = table.schema();
+    fields
+        .fields()
+        .iter()
+        .zip(table.columns())
+        .filter(|(field, _)| !without.contains(&field.name().as_str()))
+        .map(|(field, column)| {
+            let cells =
+                arrow::util::display::ArrayFormatter::try_new(column.as_ref(), &options).unwrap();
+            (field.name().clone(), cells.value(index).to_string())
+        })
+        .collect()
+}
+
+/// Rows as text by a key made of columns, without the columns named.
+#[track_caller]
+pub fn rows_by_key(
+    table: &RecordBatch,
+    key: &[&str],
+    without: &[&str],
+) -> BTreeMap<Vec<String>, Vec<(String, String)>> {
+    (0..table.num_rows())
+        .map(|index| {
+            let cells: BTreeMap<String, String> = row(table, index, &[]).into_iter().collect();
+            let key = key.iter().map(|name| cells[*name].clone()).collect();
+            (key, row(table, index, without))
+        })
+        .collect()
+}
+
+/// Asserts that a text has every part.
+#[track_caller]
+pub fn assert_has(text: &str, parts: &[impl Display]) {
+    for part in parts {
+        assert!(text.contains(&part.to_string()), "no {part} in\n{text}");
+    }
+}

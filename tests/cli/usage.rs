@@ -1,0 +1,58 @@
+//! Wrong arguments and studies that cannot be read: exit code 2, one message, nothing written.
+
+use std::fs;
+
+use super::support::{AT_ONCE, Scratch, study_text};
+
+fn scratch() -> Scratch {
+    let scratch = Scratch::new();
+    scratch.write("a.yaml", study_text("a", "{monte_carlo: {samples: 4}}", AT_ONCE, ""));
+    scratch
+}
+
+#[test]
+fn wrong_arguments() {
+    let scratch = scratch();
+    let whole = "allowed: a whole number from 1";
+    let shard = "allowed: K/N with whole numbers 1 ≤ K ≤ N, such as 2/8";
+    for (arguments, parts) in [
+        ("run a.yaml --threads 0", ["--threads", "found \"0\"", whole]),
+        ("run a.yaml --threads x", ["--threads", "found \"x\"", whole]),
+        ("run a.yaml --threads 1000000", ["--threads", "found \"1000000\"", "1 to 1024"]),
+        ("run a.yaml --threads -1", ["--threads", "found \"-1\"", whole]),
+        ("run a.yaml --chunk 0", ["--chunk", "found \"0\"", whole]),
+        ("run a.yaml --shard 3/2", ["--shard", "found \"3/2\"", shard]),
+        ("run a.yaml --shard 0/2", ["--shard", "found \"0/2\"", shard]),
+        ("run a.yaml --shard x", ["--shard", "found \"x\"", shard]),
+        ("verify a.yaml --threads 0", ["--threads", "found \"0\"", whole]),
+        ("expand a.yaml --shard 3/2", ["--shard", "found \"3/2\"", shard]),
+        ("run a.yaml --thread 2", ["unexpected argument '--thread'", "'--threads'", ""]),
+        ("run a.yaml b.yaml", ["unexpected argument 'b.yaml'", "", ""]),
+        ("run", ["<STUDY>", "", ""]),
+        ("rum a.yaml", ["unrecognized subcommand 'rum'", "'run'", ""]),
+        ("completions tcsh", ["invalid value 'tcsh'", "bash", "fish"]),
+        ("", ["Usage: stickslip <COMMAND>", "Examples:", "Exit codes:"]),
+    ] {
+        scratch.refused(arguments, &parts);
+    }
+}
+
+#[test]
+fn studies_that_cannot_be_read() {
+    let scratch = scratch();
+    fs::create_dir(scratch.path("folder.yaml")).unwrap();
+    scratch.write("latin-1.yaml", b"schema: 1\nname: caf\xe9\n");
+    scratch.write("empty.yaml", "");
+    scratch.write("misspelt.yaml", study_text("a", "{monte_carlo: {smaples: 4}}", AT_ONCE, ""));
+    for command in ["run", "check", "expand", "verify"] {
+        for (study, parts) in [
+            ("missing.yaml", ["missing.yaml", "", ""]),
+            ("folder.yaml", ["folder.yaml", "directory", ""]),
+            ("latin-1.yaml", ["latin-1.yaml", "UTF-8", "wrong byte at position 19"]),
+            ("empty.yaml", ["empty.yaml", "empty", ""]),
+            ("misspelt.yaml", ["misspelt.yaml:5:", "smaples", "samples (did you mean this?)"]),
+        ] {
+            scratch.refused(&format!("{command} {study}"), &parts);
+        }
+    }
+}

@@ -1,0 +1,52 @@
+//! The same bytes in every data file, however the runs are farmed.
+
+use crate::cli::support::{AT_ONCE, DATA_FILES, Scratch, study_text};
+
+/// Runs a study farmed in these ways and compares all data files with those of the first.
+fn same_bytes(text: &str, code: i32, ways: &[&str]) {
+    let scratch = Scratch::new();
+    scratch.write("a.yaml", text);
+    let mut first: Option<Vec<Vec<u8>>> = None;
+    for (index, way) in ways.iter().enumerate() {
+        let out = format!("out-{index}");
+        let ended = scratch.stickslip(&format!("run a.yaml --out {out} {way}"));
+        assert_eq!(ended.code, Some(code), "{}", ended.err);
+        let found = scratch.data(&out);
+        let expected = first.get_or_insert_with(|| found.clone());
+        for ((name, found), expected) in DATA_FILES.iter().zip(&found).zip(&*expected) {
+            assert!(found == expected, "{name} differs with {way}");
+        }
+    }
+}
+
+/// Runs of all lengths: at rest early, late and never, failed ones among them.
+#[test]
+fn for_any_number_of_threads_and_any_chunk() {
+    let rest = "sweep: [{grid: {speed_rad_s: [-160.8103, -216.3772]}}]\n\
+                uncertain: {ball_mass_kg: {normal: {mean: 1.4e-4, std_dev: 1.0e-4}}}\n";
+    let text = study_text("a", "{latin_hypercube: {samples: 24}}", 5.0, rest);
+    same_bytes(
+        &text,
+        3,
+        &[
+            "--threads 1",
+            "--threads 2",
+            "--threads 7",
+            "--threads 1 --chunk 1",
+            "--threads 2 --chunk 5",
+            "--threads 7 --chunk 5",
+            "--threads 7 --chunk 1",
+            "--threads 2 --chunk 1024",
+        ],
+    );
+}
+
+/// Some runs fail at once: with Newton's normal force a ball would leave the ring. More rows than are written at a time (4096) and than one row group has (32768).
+#[test]
+fn for_tables_of_many_blocks() {
+    let rest =
+        "sweep: [{grid: {speed_rad_s: [-160.0, -170.0], normal_force: [newton, lagrange]}}]\n";
+    let text = study_text("a", "{monte_carlo: {samples: 9000}}", AT_ONCE, rest);
+    let ways = ["--threads 1", "--threads 7 --chunk 777", "--threads 2 --chunk 4096"];
+    same_bytes(&text, 3, &ways);
+}

@@ -1,0 +1,190 @@
+//! Names, order, types, units and meanings of columns. Readers rely on them: a change here breaks
+//! notebooks and has to be announced.
+
+use std::collections::BTreeSet;
+
+use arrow::array::RecordBatch;
+use arrow::datatypes::DataType;
+
+use crate::cli::support::{AT_ONCE, Scratch, counts, numbers, study_text, words};
+
+fn results(text: &str) -> Scratch {
+    let scratch = Scratch::new();
+    scratch.write("a.yaml", text);
+    scratch.well("run a.yaml --out out");
+    scratch
+}
+
+const REST: &str = "sweep:\n\
+                    \x20 - grid: {speed_rad_s: [-160.0], normal_force: [lagrange, newton]}\n\
+                    uncertain: {ball_mass_2_kg: {uniform: {min: 1.3e-4, max: 1.5e-4}}}\n";
+
+fn study() -> String {
+    study_text("a", "{monte_carlo: {samples: 5}}", AT_ONCE, REST)
+}
+
+/// Name, type and unit of every column; `n` is a number, `c` a count, `s` a small count, `w` a
+/// word out of a few, `t` text.
+fn columns(table: &RecordBatch) -> Vec<String> {
+    let schema = table.schema();
+    let describe = |field: &arrow::datatypes::FieldRef| {
+        let kind = match field.data_type() {
+            DataType::Float64 => "n",
+            DataType::UInt64 => "c",
+            DataType::UInt8 => "s",
+            DataType::Utf8 => "t",
+            DataType::Dictionary(_, words) if **words == DataType::Utf8 => "w",
+            other => panic!("{}: {other}", field.name()),
+        };
+        let unit = field.metadata().get("unit").map_or("-", String::as_str);
+        let meaning = field.metadata().get("meaning").map_or("", String::as_str);
+        assert!(meaning.len() > 5, "{} has no meaning", field.name());
+        assert_eq!(kind == "n", unit != "-", "{} has the unit {unit}", field.name());
+        format!("{} {kind} {unit}", field.name())
+    };
+    schema.fields().iter().map(describe).collect()
+}
+
+const NON_DIMENSIONAL: &str = "n 1 (non-dimensional)";
+
+#[test]
+fn runs() {
+    let scratch = results(&study());
+    let start = |name: &str| format!("{name} {NON_DIMENSIONAL}");
+    let mut expected: Vec<String> = [
+        "run_id c -",
+        "point_id c -",
+        "cell c -",
+        "replicate c -",
+        "speed_rad_s n rad/s",
+        "normal_force w -",
+        "ball_mass_2_kg n kg",
+    ]
+    .map(String::from)
+    .to_vec();
+    expected.extend([start("initial_x"), start("initial_y")]);
+    expected.extend(["initial_beta_1 n rad", "initial_beta_2 n rad"].map(String::from));
+    expected.extend(
+        ["initial_x_dot", "initial_y_dot", "initial_beta_dot_1", "initial_beta_dot_2"].map(start),
+    );
+    expected.extend(
+        [
+            "label w -",
+            "evidence w -",
+            "balls_running s -",
+            "time_to_rest_s n s",
+            "end_time_s n s",
+            "beta_1_rad n rad",
+            "beta_2_rad n rad",
+            "amplitude_m n m",
+            "friction_margin n 1",
+            "period_s n s",
+            "ball_speed_1_rad_s n rad/s",
+            "ball_speed_2_rad_s n rad/s",
+            "steps c -",
+            "rejected_steps c -",
+            "switches c -",
+            "error t -",
+        ]
+        .map(String::from),
+    );
+    assert_eq!(columns(&scratch.table("out", "runs")), expected);
+}
+
+#[test]
+fn points() {
+    let scratch = results(&study());
+    let expected = [
+        "point_id c -",
+        "speed_rad_s n rad/s",
+        "normal_force w -",
+        "runs c -",
+        "equilibrium_runs c -",
+        "limit_cycle_runs c -",
+        "irregular_runs c -",
+        "undecided_runs c -",
+        "failed_runs c -",
+        "equilibrium_fraction n 1",
+        "ci_low n 1",
+        "ci_high n 1",
+        "time_to_rest_p25_s n s",
+        "time_to_rest_p50_s n s",
+        "time_to_rest_p75_s n s",
+        "time_to_rest_p95_s n s",
+        "amplitude_p05_m n m",
+        "amplitude_p50_m n m",
+        "amplitude_p95_m n m",
+        "amplitude_without_balls_m n m",
+        "set_fraction n 1",
+    ];
+    let points = scratch.table("out", "points");
+    assert_eq!(columns(&points), expected);
+    assert_eq!(counts(&points, "point_id"), [0, 1]);
+    assert_eq!(counts(&points, "runs"), [5, 5]);
+    let words: Vec<String> = words(&points, "normal_force").into_iter().flatten().collect();
+    assert_eq!(words, ["lagrange", "newton"]);
+}
+
+/// Balls that are alike have no names: an equilibrium is the set of their angles.
+#[test]
+fn equilibria_of_balls_that_are_alike_are_sorted() {
+    let scratch = results(&study_text("a", "{monte_carlo: {samples: 40}}", 5.0, ""));
+    let (runs, equilibria) = (scratch.table("out", "runs"), scratch.table("out", "equilibria"));
+    let expected = [
+        "run_id c -",
+        "point_id c -",
+        "beta_1_rad n rad",
+        "beta_2_rad n rad",
+        "amplitude_m n m",
+        "friction_margin n 1",
+        "time_to_rest_s n s",
+        "evidence w -",
+    ];
+    assert_eq!(columns(&equilibria), expected);
+    let angles = |table: &RecordBatch| -> Vec<(f64, f64)> {
+        let [first, second] = ["beta_1_rad", "beta_2_rad"].map(|name| numbers(table, name));
+        first.into_iter().zip(second).map(|(a, b)| (a.unwrap(), b.unwrap())).collect()
+    };
+    let (all, sorted) = (angles(&runs), angles(&equilibria));
+    let ids = counts(&equilibria, "run_id");
+    let at_rest: Vec<u64> = (0..40)
+        .filter(|&run| words(&runs, "label")[run as usize].as_deref() == Some("equilibrium"))
+        .collect();
+    assert_eq!(ids, at_rest);
+    let mut exchanged = 0;
+    for (&run, &(low, high)) in ids.iter().zip(&sorted) {
+        let (first, second) = all[run as usize];
+        assert_eq!((low, high), (first.min(second), first.max(second)));
+        assert!(low >= 0.0 && high < std::f64::consts::TAU);
+        exchanged += usize::from(first > second);
+    }
+    assert!(exchanged > 0, "the study shows too little");
+}
+
+#[test]
+fn equilibria_of_balls_that_differ_keep_their_places() {
+    let model = "model: {kind: ball_balancer, parameters: {speed_rad_s: -160.0, \
+                 balls: [{mass_kg: 1.3e-4}, {mass_kg: 1.5e-4}]}}\n";
+    let scratch = results(&study_text("a", "{monte_carlo: {samples: 20}}", 8.0, model));
+    let (runs, equilibria) = (scratch.table("out", "runs"), scratch.table("out", "equilibria"));
+    let ids = counts(&equilibria, "run_id");
+    assert!(ids.len() > 5);
+    for name in ["beta_1_rad", "beta_2_rad"] {
+        let all = numbers(&runs, name);
+        let kept: Vec<Option<f64>> = ids.iter().map(|&run| all[run as usize]).collect();
+        assert_eq!(numbers(&equilibria, name), kept);
+    }
+}
+
+/// Any number of balls has its own columns; three are enough to see the pattern.
+#[test]
+fn columns_of_three_balls() {
+    let model = "model: {kind: ball_balancer, parameters: {balls: 3}}\n";
+    let scratch = results(&study_text("a", "{monte_carlo: {samples: 2}}", AT_ONCE, model));
+    let runs = columns(&scratch.table("out", "runs"));
+    let runs: BTreeSet<&str> = runs.iter().filter_map(|column| column.split(' ').next()).collect();
+    for name in ["initial_beta_3", "initial_beta_dot_3", "beta_3_rad", "ball_speed_3_rad_s"] {
+        assert!(runs.contains(name), "{name}");
+    }
+    assert!(columns(&scratch.table("out", "equilibria")).contains(&"beta_3_rad n rad".to_owned()));
+}

@@ -1,0 +1,4 @@
+//! The tables as readers find them.
+
+mod contract;
+mod provenance;
