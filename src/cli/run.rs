@@ -1,6 +1,7 @@
 //! `stickslip run`: computes a study and writes its tables.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::{SystemTime, UNIX_EPOCH};
 
@@ -43,9 +44,6 @@ pub struct RunArguments {
     #[command(flatten)]
     farm: FarmArguments,
 }
-
-/// Set by Ctrl-C.
-static STOP: AtomicBool = AtomicBool::new(false);
 
 /// Runs the study.
 ///
@@ -197,14 +195,15 @@ pub fn farm_study(
 ) -> Result<Ran, CliError> {
     let options = arguments.options();
     let runs_planned = options.shard.runs(study.run_count());
-    if let Err(error) = stop_on_signals(&STOP) {
+    let stop = stop_on_signals().unwrap_or_else(|error| {
         say(&format!("warning: Ctrl-C will not be clean: {error}"));
-    }
+        Arc::new(AtomicBool::new(false))
+    });
     // A clock before 1970 is a clock that is wrong: the manifest then says 0.
     let started = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
     let progress = Progress::new(runs_planned, arguments.quiet);
     let mut collector = Collector { take, table: PointsTable::new(study, arguments.json) };
-    let farmed = farm(study, options, simulate, &STOP, &progress, &mut collector);
+    let farmed = farm(study, options, simulate, &stop, &progress, &mut collector);
     let wall = progress.close();
     let tally = farmed?;
     Ok(Ran {

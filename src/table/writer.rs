@@ -18,7 +18,7 @@ use super::column::{Column, batch, schema};
 /// the bytes do not depend on how many runs were farmed at a time.
 const BLOCK: usize = 4096;
 /// Rows per row group.
-const ROW_GROUP: usize = 8 * BLOCK;
+const ROW_GROUP: usize = 2 * BLOCK;
 
 /// Why a table could not be written.
 #[derive(Debug, Error)]

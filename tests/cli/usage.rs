@@ -19,6 +19,7 @@ fn wrong_arguments() {
         ("run a.yaml --threads 0", ["--threads", "found \"0\"", whole]),
         ("run a.yaml --threads x", ["--threads", "found \"x\"", whole]),
         ("run a.yaml --threads 1000000", ["--threads", "found \"1000000\"", "1 to 1024"]),
+        ("run a.yaml --out=", ["--out", "value is required", ""]),
         ("run a.yaml --threads -1", ["--threads", "found \"-1\"", whole]),
         ("run a.yaml --chunk 0", ["--chunk", "found \"0\"", whole]),
         ("run a.yaml --shard 3/2", ["--shard", "found \"3/2\"", shard]),
