@@ -1,4 +1,44 @@
 //! stickslip: parallel parameter studies and Monte Carlo for mechanical systems with dry friction.
+//!
+//! One way through the house, from left to right:
+//!
+//! ```text
+//! study.yaml -> study -> case -> motion, ending -> outcome -> analysis -> table
+//!                         `------ farm: what is computed where ------'
+//! ```
+//!
+//! - [`study`]: a study file, checked, and its plan: any run by its number.
+//! - [`model`]: parameters, equations of motion, closed forms.
+//! - [`motion`]: integration, the switch model, stick and slip.
+//! - [`ending`]: how a run ends, on evidence.
+//! - [`farm`]: runs over the cores, in order, whatever happens in one of them.
+//! - [`analysis`]: intervals, times to rest, what is known of a point.
+//! - [`table`]: Parquet files with units and provenance; the only room that knows Arrow.
+//! - [`cli`]: the commands.
+//!
+//! A case is a pure function of the study and the run's number, an outcome a pure function of the
+//! case:
+//!
+//! ```
+//! use stickslip::ending::{Label, simulate};
+//! use stickslip::model::{Case, Machine, Simulation, Start};
+//!
+//! let case = Case {
+//!     machine: Machine { speed_rad_s: -160.8103, ..Machine::default() },
+//!     start: Start {
+//!         x: 0.01,
+//!         y: 0.0,
+//!         beta: vec![1.0, 4.0],
+//!         x_dot: 0.0,
+//!         y_dot: 0.02,
+//!         beta_dot: vec![0.5, -0.3],
+//!     },
+//!     simulation: Simulation::default(),
+//! };
+//! let outcome = simulate(&case);
+//! assert_eq!(outcome.label(), Label::Equilibrium);
+//! assert!(outcome.time_to_rest_s < Some(16.5));
+//! ```
 #![forbid(unsafe_code)]
 #![deny(missing_docs)]
 
