@@ -52,7 +52,7 @@ pub fn certified_by_closed_form<const N: usize>(
     let mut current = *state;
     // What the balls' dying speeds add is not in the closed form: bounded once and for all.
     let (normal, push) = balancer.residual_disturbance(state);
-    let residual = normal + balancer.acceleration_bound(push);
+    let residual = normal + push + balancer.acceleration_bound(push);
     let mut u = [state.position[0] - rest.position[0], state.position[1] - rest.position[1]];
     let mut v = [state.velocity[0] - omega * u[1], state.velocity[1] + omega * u[0]];
     for _ in 0..1_000_000 {

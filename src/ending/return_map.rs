@@ -3,7 +3,7 @@
 //! Newton's method finds the closed orbit near a state, central differences of the map its
 //! multipliers. Both integrate through all switches on the way.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, Schur};
 
 use crate::model::{Balancer, State};
 use crate::motion::{Phase, Settings, SwitchModel};
@@ -126,7 +126,14 @@ impl<const N: usize> ReturnMap<'_, N> {
 
     /// Stability and margins of a closed orbit from `state`.
     fn judge(&self, state: &State<N>, orbit: Return<N>, jacobian: DMatrix<f64>) -> Verdict<N> {
-        let multipliers = jacobian.complex_eigenvalues();
+        // The decomposition is bounded: of a matrix that is not finite it would never come back.
+        let Some(multipliers) = Some(jacobian)
+            .filter(|jacobian| jacobian.iter().all(|slope| slope.is_finite()))
+            .and_then(|jacobian| Schur::try_new(jacobian, f64::EPSILON, 10_000))
+            .map(|schur| schur.complex_eigenvalues())
+        else {
+            return Verdict::Open;
+        };
         let largest = multipliers.iter().map(|m| m.norm()).fold(0.0, f64::max);
         if largest > 1.0 + MULTIPLIER_DOUBT {
             return Verdict::Unstable;

@@ -40,7 +40,7 @@ fn simulate_balls<const N: usize>(case: &Case) -> Outcome {
             relative: case.simulation.relative_tolerance,
             absolute: case.simulation.absolute_tolerance,
         },
-        effort_limit: effort_limit(end),
+        effort_limit: effort_limit(end, balancer.speed, balancer.damping_ratio),
     };
     let units = Units { natural, radius: case.machine.ring_radius_m };
     match SwitchModel::new(&balancer, settings, state) {
@@ -50,8 +50,10 @@ fn simulate_balls<const N: usize>(case: &Case) -> Outcome {
 }
 
 /// Far more than any sound run takes: it takes ten steps and a few switches per unit of time.
-fn effort_limit(end: f64) -> u64 {
-    100_000 + (1000.0 * end).min(1e15) as u64
+/// Steps get shorter with the speed of the disc and the damping of the table. However long a run is,
+/// it is given up after a few minutes of computing.
+fn effort_limit(end: f64, speed: f64, damping_ratio: f64) -> u64 {
+    100_000 + (1000.0 * end * (1.0 + speed.abs() + damping_ratio)).min(1e8) as u64
 }
 
 fn start<const N: usize>(start: &Start) -> Option<State<N>> {
@@ -61,6 +63,11 @@ fn start<const N: usize>(start: &Start) -> Option<State<N>> {
         beta: start.beta.as_slice().try_into().ok()?,
         beta_dot: start.beta_dot.as_slice().try_into().ok()?,
     })
+}
+
+/// The latest of some times.
+fn latest(times: &[f64]) -> f64 {
+    times.iter().copied().fold(0.0, f64::max)
 }
 
 /// What turns non-dimensional values into SI units.
@@ -210,9 +217,7 @@ impl<'a, const N: usize> Run<'a, N> {
         let at_rest = |evidence: Evidence, rest: RestPoint<N>| Outcome {
             evidence,
             balls_running: Some(0),
-            time_to_rest_s: Some(
-                self.motion.last_switches().iter().fold(0.0_f64, |a, &b| a.max(b)) / natural,
-            ),
+            time_to_rest_s: Some(latest(self.motion.last_switches()) / natural),
             amplitude_m: Some(rest.position[0].hypot(rest.position[1]) * radius),
             friction_margin: Some(1.0 - self.balancer.friction_use(&rest, 0.0))
                 .filter(|margin| margin.is_finite()),
@@ -230,10 +235,10 @@ impl<'a, const N: usize> Run<'a, N> {
                 ball_speed_rad_s: Some(orbit.speed.map(|speed| speed * natural).to_vec()),
                 ..base
             },
-            Ending::EndTime
-                if creeps(self.balancer, state, self.motion.phases(), self.settings.band) =>
-            {
-                at_rest(Evidence::Creep, self.balancer.rest_point(&state.beta))
+            Ending::EndTime if creeps(self.balancer, &self.motion) => {
+                let creeping = at_rest(Evidence::Creep, self.balancer.rest_point(&state.beta));
+                let since = self.motion.in_band_since();
+                Outcome { time_to_rest_s: Some(latest(since) / natural), ..creeping }
             }
             Ending::EndTime => {
                 let span = self.motion.time() - self.window.opened;

@@ -48,12 +48,12 @@ impl Default for Simulation {
     /// The thesis's band is lost in the scan but for "a power of ten, smaller values change
     /// nothing". Final ball angles converge to the exact motion in proportion to the band: against
     /// an independent event-located integration their 99th percentile is off by 4e-2 rad with
-    /// 1e-4 and by 2e-4 rad with 1e-6 at -160.8103 rad/s. As switches are located, a narrower band
+    /// 1e-4 and by 2e-6 rad with 1e-8 at -160.8103 rad/s. As switches are located, a narrower band
     /// costs nothing.
     fn default() -> Self {
         Simulation {
             method: Method::Switch,
-            band: 1.0e-6,
+            band: 1.0e-8,
             end_time_s: 16.5,
             relative_tolerance: 1.0e-8,
             absolute_tolerance: 1.0e-10,

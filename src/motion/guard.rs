@@ -22,6 +22,8 @@ enum Kind {
     Accelerating(f64),
     /// Stick lasts while friction suffices.
     Held,
+    /// Any phase lasts while the ring presses on the ball.
+    Pressed,
 }
 
 /// A point of a step: its state and the forces there.
@@ -38,7 +40,8 @@ impl Guard {
                     (Kind::InBand(direction), Some(Kind::Accelerating(direction)))
                 }
             };
-            [Some(first), second].into_iter().flatten().map(move |kind| Guard { ball, kind })
+            let kinds = [Some(first), second, Some(Kind::Pressed)].into_iter().flatten();
+            kinds.map(move |kind| Guard { ball, kind })
         })
     }
 
@@ -54,6 +57,7 @@ impl Guard {
             Kind::InBand(direction) => band - direction * state.beta_dot[self.ball],
             Kind::Accelerating(direction) => direction * forces.beta_ddot[self.ball] + SLACK,
             Kind::Held => stick_reserve(balancer, forces, self.ball) + SLACK,
+            Kind::Pressed => forces.normal[self.ball],
         }
     }
 
@@ -75,6 +79,7 @@ impl Guard {
                 falls < 0.0 && rises > 0.0 && start.min(end) < 0.5 * falls.abs().max(rises)
             }
             Kind::InBand(_) => false,
+            Kind::Pressed => start.min(end) < 0.25 * balancer.speed * balancer.speed,
             Kind::Accelerating(_) | Kind::Held => {
                 let ball = &balancer.balls[self.ball];
                 let limit = ball.friction_coefficient
@@ -93,7 +98,18 @@ impl Guard {
     ) -> Option<f64> {
         const WIDTH: f64 = 1e-13;
         if start <= 0.0 {
-            return (end < 0.0).then_some(0.0);
+            if end >= 0.0 {
+                return None;
+            }
+            // Exactly on the boundary, or just beyond it by rounding. If the value rises before it
+            // falls (a ball that leaves the band and comes back), the failure is the fall.
+            let rise = (1..30).map(|halvings| 0.5_f64.powi(halvings)).find_map(|inside| {
+                let risen = value(inside);
+                (risen > 0.0).then_some((inside, risen))
+            });
+            return Some(
+                rise.map_or(0.0, |risen| fall_through_zero(value, risen, (1.0, end), WIDTH)),
+            );
         }
         if end < 0.0 {
             return Some(fall_through_zero(value, (0.0, start), (1.0, end), WIDTH));

@@ -49,6 +49,7 @@ pub struct SwitchModel<'a, const N: usize> {
     next_length: f64,
     longest: f64,
     last_switches: [f64; N],
+    in_band_since: [f64; N],
     effort: Effort,
     last: Option<LastStep<N>>,
 }
@@ -100,6 +101,7 @@ impl<'a, const N: usize> SwitchModel<'a, N> {
         // A quarter of the shortest period of the table in the turning frame: within it, a
         // friction force can hardly rise and fall back unseen.
         let longest = 0.5 * std::f64::consts::PI / (balancer.speed.abs() + 1.0);
+        check_forces(&forces)?;
         let mut motion = SwitchModel {
             balancer,
             settings,
@@ -112,11 +114,12 @@ impl<'a, const N: usize> SwitchModel<'a, N> {
             next_length: 0.1 * longest,
             longest,
             last_switches: [0.0; N],
+            in_band_since: [0.0; N],
             effort: Effort::default(),
             last: None,
         };
-        motion.check_forces()?;
         motion.wrap_angles();
+        motion.turns = [0; N];
         Ok(motion)
     }
 
@@ -130,7 +133,7 @@ impl<'a, const N: usize> SwitchModel<'a, N> {
         &self.state
     }
 
-    /// Angle of a ball since the start, whole turns included, rad.
+    /// Angle of a ball, rad, with the whole turns that it has made since the start.
     pub fn unwrapped_angle(&self, ball: usize) -> f64 {
         self.state.beta[ball] + self.turns[ball] as f64 * std::f64::consts::TAU
     }
@@ -148,6 +151,11 @@ impl<'a, const N: usize> SwitchModel<'a, N> {
     /// When each ball last changed its phase; 0 where it has not.
     pub fn last_switches(&self) -> &[f64; N] {
         &self.last_switches
+    }
+
+    /// When each ball last came into the band; 0 where it has been there from the start.
+    pub fn in_band_since(&self) -> &[f64; N] {
+        &self.in_band_since
     }
 
     /// What the motion has cost so far.
@@ -219,6 +227,7 @@ impl<'a, const N: usize> SwitchModel<'a, N> {
                 *phase = reclassify(*phase, at_switch.beta_dot[ball], self.settings.band);
             }
             let forces = decide(balancer, &at_switch, &mut phases)?;
+            check_forces(&forces)?;
             if phases != self.phases {
                 last.used = theta;
                 self.time = last.start_time + theta * last.step.length;
@@ -228,6 +237,9 @@ impl<'a, const N: usize> SwitchModel<'a, N> {
                     if phases[ball] != self.phases[ball] {
                         self.effort.switches += 1;
                         *last_switch = self.time;
+                        if !self.phases[ball].in_band() {
+                            self.in_band_since[ball] = self.time;
+                        }
                     }
                 }
                 self.phases = phases;
@@ -241,6 +253,7 @@ impl<'a, const N: usize> SwitchModel<'a, N> {
             false
         };
         if !switched {
+            check_forces(&end_forces)?;
             self.time = if until - self.time <= last.step.length {
                 until
             } else {
@@ -251,7 +264,6 @@ impl<'a, const N: usize> SwitchModel<'a, N> {
             self.derivative = end_derivative;
         }
         self.last = Some(last);
-        self.check_forces()?;
         Ok(switched)
     }
 
@@ -321,18 +333,17 @@ impl<'a, const N: usize> SwitchModel<'a, N> {
             }
         }
     }
+}
 
-    /// Refuses forces that are not finite and normal forces that pull.
-    fn check_forces(&self) -> Result<(), Failure> {
-        let Forces { table_acceleration, beta_ddot, normal, .. } = &self.forces;
-        if !table_acceleration.iter().chain(beta_ddot).chain(normal).all(|force| force.is_finite())
-        {
-            return Err(Failure::NotFinite);
-        }
-        match normal.iter().position(|&force| force < 0.0) {
-            Some(ball) => Err(Failure::ContactLost { ball: ball + 1 }),
-            None => Ok(()),
-        }
+/// Refuses forces that are not finite and normal forces that pull.
+fn check_forces<const N: usize>(forces: &Forces<N>) -> Result<(), Failure> {
+    let Forces { table_acceleration, beta_ddot, normal, .. } = forces;
+    if !table_acceleration.iter().chain(beta_ddot).chain(normal).all(|force| force.is_finite()) {
+        return Err(Failure::NotFinite);
+    }
+    match normal.iter().position(|&force| force <= 0.0) {
+        Some(ball) => Err(Failure::ContactLost { ball: ball + 1 }),
+        None => Ok(()),
     }
 }
 

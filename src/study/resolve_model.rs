@@ -179,10 +179,14 @@ fn check(
     })
 }
 
+/// In a wider band, balls that move count as standing, and may switch between stick and transition
+/// without end.
+const WIDEST_BAND: f64 = 1.0e-2;
+
 /// Checks how runs are integrated and fills in the defaults.
 ///
 /// # Errors
-/// A band, tolerance or end time that is not positive.
+/// A band, tolerance or end time that is not positive; a band that is too wide to be one.
 pub(crate) fn resolve_simulation(
     locate: &dyn Locate,
     written: Option<&SimulationFile>,
@@ -199,11 +203,17 @@ pub(crate) fn resolve_simulation(
         let fault = Fault::new("not positive", describe_number(value), allowed);
         Err(locate.refuse_value(&KeyPath::of(keys), fault))
     };
+    let band = positive("simulation.band", given.band, default.band)?;
+    if band > WIDEST_BAND {
+        let allowed = format!("at most {WIDEST_BAND}; results are better the narrower it is");
+        let fault = Fault::new("too wide", describe_number(band), allowed);
+        return Err(locate.refuse_value(&KeyPath::of("simulation.band"), fault));
+    }
     Ok(Simulation {
         method: match given.method {
             None | Some(MethodKind::Switch) => Method::Switch,
         },
-        band: positive("simulation.band", given.band, default.band)?,
+        band,
         end_time_s: positive("simulation.end_time_s", given.end_time_s, default.end_time_s)?,
         relative_tolerance: positive(
             "simulation.tolerance.relative",

@@ -126,3 +126,26 @@ fn creep_does_not_chatter() {
         assert!(moved < 0.1, "{offset:e}: moved by {moved}");
     }
 }
+
+/// Trap: a ball that starts exactly on the edge of the band and rises out of it while others switch.
+/// Time must go on; it once stood still until the step limit.
+#[test]
+fn rising_from_the_edge_of_the_band() {
+    let mut stalled = 0;
+    for k in 0..400_u32 {
+        let balancer = balancer::<4>(2.75e-3, 20.0);
+        let spread = |factor: f64| (f64::from(k) * factor + 0.7).sin();
+        let state = State {
+            position: [0.05 * spread(1.3), 0.05 * spread(2.1)],
+            velocity: [0.05 * spread(3.7), 0.05 * spread(4.9)],
+            beta: [1.3, 2.9, 4.1, 5.7].map(|factor| 3.0 + 3.0 * spread(factor)),
+            beta_dot: [1e-4, -1e-4, 1e-4, -1e-4],
+        };
+        let mut motion = SwitchModel::new(&balancer, settings(), state).expect("starts");
+        while motion.time() < 1.0 && motion.effort().switches < 1000 {
+            motion.advance(1.0).expect("goes on");
+        }
+        stalled += i32::from(motion.time() < 1.0);
+    }
+    assert_eq!(stalled, 0);
+}

@@ -190,6 +190,7 @@ fn values_without_physical_meaning() {
         "-1",
         "zero or more",
     );
+    refused("band: 1.0e-4", "band: 0.5", 31, "simulation.band", "0.5", "at most 0.01");
     for wrong in ["0", "-1"] {
         let band = format!("band: {wrong}");
         refused("band: 1.0e-4", &band, 31, "simulation.band", wrong, positive);

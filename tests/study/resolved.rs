@@ -84,7 +84,7 @@ fn the_resolved_file_names_every_default() {
         "    beta_2: [0.0, 6.283185307179586]",
         "    beta_dot_1: [-1.0, 1.0]",
         "    monte_carlo: {samples: 1000}",
-        "  band: 1e-6",
+        "  band: 1e-8",
         "  end_time_s: 16.5",
         "  tolerance: {relative: 1e-8, absolute: 1e-10}",
     ] {
@@ -102,7 +102,7 @@ fn the_hash_is_that_of_what_determines_the_runs() {
         text.replace("name: a", "name: b"),
         format!("# comment\n{text}"),
         format!("{text}expect: [{{equilibrium_fraction: [0, 1]}}]\n"),
-        format!("{text}simulation: {{band: 1e-6}}\n"),
+        format!("{text}simulation: {{band: 1e-8}}\n"),
         format!("{text}  box: {{y: [-0.05, 0.05], x: [-5e-2, 0.05]}}\n"),
         text.replace("schema: 1\nname: a\nseed: 5\n", "seed: 5\nschema: 1\nname: a\n"),
         text.replace(
