@@ -19,9 +19,9 @@ const EXCESS: f64 = 1e-3;
 const WHILE: f64 = 200.0;
 /// How far a ball may drift in that time, rad.
 const DRIFT: f64 = 1e-3;
-/// How much further in its second half, rad: rounding, and the ups and downs of a table that is not
-/// quite still.
-const UNSTEADY: f64 = 1e-8;
+/// How much further in its second half, rad: a table that is not quite still moves the balls on in
+/// small steps, uneven ones. A ball that leaves gains a hundredfold from one half to the next.
+const UNSTEADY: f64 = 1e-5;
 
 /// Whether all balls of a motion creep.
 pub fn creeps<const N: usize>(balancer: &Balancer<N>, motion: &SwitchModel<N>) -> bool {
@@ -68,7 +68,8 @@ mod tests {
     fn balls_that_leave_do_not_creep() {
         let balancer = Balancer::<2>::new(&Machine::default()).unwrap();
         let tolerance = Tolerance { relative: 1e-8, absolute: 1e-10 };
-        let settings = Settings { band: 1e-8, tolerance, effort_limit: 1_000_000 };
+        let bands = [1e-4, 1e-8];
+        let settings = bands.map(|band| Settings { band, tolerance, effort_limit: 1_000_000 });
         let mut left = 0;
         for k in 0..400_000_u32 {
             // Points of a lattice that covers the torus.
@@ -81,7 +82,8 @@ mod tests {
             }
             let [x, y] = rest.position;
             let state = State { position: [x, y], velocity: [0.0; 2], beta, beta_dot: [0.0; 2] };
-            let mut motion = SwitchModel::new(&balancer, settings, state).unwrap();
+            let mut motion =
+                SwitchModel::new(&balancer, settings[(k % 2) as usize], state).unwrap();
             let creeping = creeps(&balancer, &motion);
             while motion.time() < 500.0 {
                 motion.advance(500.0).unwrap();
