@@ -8,7 +8,8 @@
 //! - all balls are slower than the band, now and all along that while;
 //! - the table is at the rest point of where the balls are, and the pull there is at most a hair
 //!   above the friction limit;
-//! - the balls hardly move on, and no further in the second half of the while than in the first.
+//! - the balls hardly move on, and do not gather speed from the first half of the while to the
+//!   second.
 
 use crate::model::{Balancer, State};
 use crate::motion::SwitchModel;

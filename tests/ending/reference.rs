@@ -43,7 +43,7 @@ fn references(speed: &str) -> Vec<Reference> {
         .collect()
 }
 
-fn run_all(speed: &str, references: &[Reference]) -> Vec<Outcome> {
+fn run_all(speed: &str, references: &[Reference], band: f64) -> Vec<Outcome> {
     let speed_rad_s = -speed.parse::<f64>().expect("a speed");
     references
         .par_iter()
@@ -51,7 +51,7 @@ fn run_all(speed: &str, references: &[Reference]) -> Vec<Outcome> {
             simulate(&Case {
                 machine: Machine { speed_rad_s, ..Machine::default() },
                 start: reference.start.clone(),
-                simulation: Simulation::default(),
+                simulation: Simulation { band, ..Simulation::default() },
             })
         })
         .collect()
@@ -71,7 +71,7 @@ fn distance(a: f64, b: f64) -> f64 {
 fn subcritical_runs_end_at_the_same_place() {
     for speed in ["160.8103", "173.1803", "179.2671"] {
         let references = references(speed);
-        let outcomes = run_all(speed, &references);
+        let outcomes = run_all(speed, &references, Simulation::default().band);
         let pairs = || references.iter().zip(&outcomes);
         let flipped = pairs().filter(|(reference, outcome)| !label_agrees(reference, outcome));
         assert_eq!(flipped.count(), 0, "-{speed} rad/s");
@@ -91,9 +91,37 @@ fn subcritical_runs_end_at_the_same_place() {
 fn supercritical_labels_agree() {
     for (speed, percent) in [("216.3772", 98), ("191.6372", 92)] {
         let references = references(speed);
-        let outcomes = run_all(speed, &references);
+        let outcomes = run_all(speed, &references, Simulation::default().band);
         let agree = references.iter().zip(&outcomes).filter(|(r, o)| label_agrees(r, o)).count();
         println!("-{speed} rad/s: {agree} of {} labels agree", outcomes.len());
         assert!(agree * 100 >= percent * outcomes.len(), "-{speed} rad/s: {agree} agree");
+    }
+}
+
+/// The switch model converges to the exact motion in proportion to its band: the median error of the
+/// final angles falls tenfold with the band, over four decades.
+#[test]
+fn final_angles_converge_with_the_band() {
+    let speed = "160.8103";
+    let references = references(speed);
+    let median_error = |band: f64| {
+        let outcomes = run_all(speed, &references, band);
+        let mut errors: Vec<f64> = references
+            .iter()
+            .zip(&outcomes)
+            .map(|(reference, outcome)| {
+                let beta = outcome.beta_rad.as_deref().expect("an equilibrium has angles");
+                let error = |ball: usize| distance(beta[ball], reference.end_beta[ball]);
+                error(0).max(error(1))
+            })
+            .collect();
+        errors.sort_by(f64::total_cmp);
+        errors[errors.len() / 2]
+    };
+    let errors = [1e-4, 1e-5, 1e-6, 1e-7, 1e-8].map(median_error);
+    println!("median errors of final angles, band 1e-4 to 1e-8: {errors:?} rad");
+    for pair in errors.windows(2) {
+        let factor = pair[0] / pair[1];
+        assert!((7.0..14.0).contains(&factor), "{errors:?}");
     }
 }
