@@ -46,7 +46,7 @@ pub fn certified_by_closed_form<const N: usize>(
     }
     let omega = balancer.speed;
     let zeta = balancer.damping_ratio;
-    let stick = [Contact { free: 0.0, signed_friction: 0.0 }; N];
+    let stick = [Contact::STICK; N];
     let interval = 0.02 / (omega.abs() + 1.0);
     let propagate = Propagator::new(zeta, omega, interval);
     let mut current = *state;
@@ -69,7 +69,7 @@ pub fn certified_by_closed_form<const N: usize>(
         let unseen = rate * interval + residual;
         let forces = balancer.forces(&current, &stick);
         for ball in 0..N {
-            let limit = balancer.balls[ball].friction_coefficient * (forces.normal[ball] - unseen);
+            let limit = balancer.balls[ball].friction.limit * (forces.normal[ball] - unseen);
             if forces.friction[ball].abs() + unseen > limit {
                 return false;
             }

@@ -5,14 +5,15 @@
 //! any practical standard the ball is at rest. Seen at one instant, a ball that is about to leave
 //! the set looks the same; so the motion is followed on for a while. What is asked for:
 //!
-//! - all balls are slower than the band, now and all along that while;
+//! - all balls are slow (1e-6 of the natural frequency, or slower than the band where that is
+//!   wider), now and all along that while;
 //! - the table is at the rest point of where the balls are, and the pull there is at most a hair
 //!   above the friction limit;
 //! - the balls hardly move on, and do not gather speed from the first half of the while to the
 //!   second.
 
 use crate::model::{Balancer, State};
-use crate::motion::SwitchModel;
+use crate::motion::Motion;
 
 /// How far above the friction limit, relative to it, the pull may be.
 const EXCESS: f64 = 1e-3;
@@ -25,17 +26,17 @@ const DRIFT: f64 = 1e-3;
 const UNSTEADY: f64 = 1e-5;
 
 /// Whether all balls of a motion creep.
-pub fn creeps<const N: usize>(balancer: &Balancer<N>, motion: &SwitchModel<N>) -> bool {
-    if !all_in_band(motion) || !pull_is_small(balancer, motion.state()) {
+pub fn creeps<const N: usize>(balancer: &Balancer<N>, motion: &Motion<Balancer<N>, N>) -> bool {
+    if !motion.all_slow() || !pull_is_small(balancer, motion.state()) {
         return false;
     }
     let mut motion = motion.clone();
-    let mut angles = [[0.0; N]; 3];
+    let mut angles = [[0.0_f64; N]; 3];
     let start = motion.time();
     for (half, angles) in angles.iter_mut().enumerate() {
         let until = start + 0.5 * WHILE * half as f64;
         while motion.time() < until {
-            if motion.advance(until).is_err() || !all_in_band(&motion) {
+            if motion.advance(until).is_err() || !motion.all_slow() {
                 return false;
             }
         }
@@ -47,10 +48,6 @@ pub fn creeps<const N: usize>(balancer: &Balancer<N>, motion: &SwitchModel<N>) -
     drift(0, 2) <= DRIFT && drift(1, 2) <= drift(0, 1) + UNSTEADY
 }
 
-fn all_in_band<const N: usize>(motion: &SwitchModel<N>) -> bool {
-    motion.phases().iter().all(|phase| phase.in_band())
-}
-
 fn pull_is_small<const N: usize>(balancer: &Balancer<N>, state: &State<N>) -> bool {
     let rest = balancer.rest_point(&state.beta);
     let disturbance = balancer.acceleration_bound(balancer.distance_from_rest(state, &rest));
@@ -60,8 +57,8 @@ fn pull_is_small<const N: usize>(balancer: &Balancer<N>, state: &State<N>) -> bo
 #[cfg(test)]
 mod tests {
     use super::creeps;
-    use crate::model::{Balancer, Machine, State};
-    use crate::motion::{Settings, SwitchModel, Tolerance};
+    use crate::model::{Balancer, Machine, Method, State};
+    use crate::motion::{Motion, Settings, Tolerance};
 
     /// Two balls at rest just outside the equilibrium set: most of them leave, and none of those
     /// that do may be taken for creeping.
@@ -70,7 +67,12 @@ mod tests {
         let balancer = Balancer::<2>::new(&Machine::default()).unwrap();
         let tolerance = Tolerance { relative: 1e-8, absolute: 1e-10 };
         let bands = [1e-4, 1e-8];
-        let settings = bands.map(|band| Settings { band, tolerance, effort_limit: 1_000_000 });
+        let settings = bands.map(|band| Settings {
+            method: Method::Switch,
+            band,
+            tolerance,
+            effort_limit: 1_000_000,
+        });
         let mut left = 0;
         for k in 0..400_000_u32 {
             // Points of a lattice that covers the torus.
@@ -83,8 +85,7 @@ mod tests {
             }
             let [x, y] = rest.position;
             let state = State { position: [x, y], velocity: [0.0; 2], beta, beta_dot: [0.0; 2] };
-            let mut motion =
-                SwitchModel::new(&balancer, settings[(k % 2) as usize], state).unwrap();
+            let mut motion = Motion::new(&balancer, settings[(k % 2) as usize], state).unwrap();
             let creeping = creeps(&balancer, &motion);
             while motion.time() < 500.0 {
                 motion.advance(500.0).unwrap();

@@ -16,7 +16,7 @@
 
 use super::return_map::{Orbit, ReturnMap, Verdict, wrapped};
 use crate::model::{Balancer, State};
-use crate::motion::{Phase, Settings, SwitchModel, Tolerance};
+use crate::motion::{Motion, Phase, Settings, Tolerance};
 
 /// The most turns of the running ball after which an orbit may close.
 const MOST_TURNS: usize = 12;
@@ -70,7 +70,7 @@ impl<const N: usize> OrbitWatch<N> {
         &mut self,
         balancer: &Balancer<N>,
         settings: &Settings,
-        motion: &mut SwitchModel<N>,
+        motion: &mut Motion<Balancer<N>, N>,
     ) -> Option<Orbit<N>> {
         if self.ball.is_some_and(|ball| motion.phases()[ball].in_band()) {
             self.restart();

@@ -6,7 +6,7 @@
 use nalgebra::{DMatrix, DVector, Schur};
 
 use crate::model::{Balancer, State};
-use crate::motion::{Phase, Settings, SwitchModel};
+use crate::motion::{Motion, Phase, Settings};
 
 /// How far from the run the closed orbit may lie, non-dimensional.
 const REACH: f64 = 1e-2;
@@ -144,7 +144,7 @@ impl<const N: usize> ReturnMap<'_, N> {
         }
         let turned: [f64; N] = std::array::from_fn(|ball| {
             if ball == self.reference {
-                self.direction() * self.turns as f64 * std::f64::consts::TAU
+                state.beta_dot[self.reference].signum() * self.turns as f64 * std::f64::consts::TAU
             } else {
                 orbit.state.beta[ball] - state.beta[ball]
             }
@@ -159,13 +159,6 @@ impl<const N: usize> ReturnMap<'_, N> {
             margin: orbit.margin,
             largest_multiplier: largest,
         })
-    }
-
-    fn direction(&self) -> f64 {
-        match self.phases[self.reference] {
-            Phase::Slip(direction) | Phase::Transition(direction) => direction,
-            Phase::Stick => 0.0,
-        }
     }
 
     /// The coordinates that the map acts on: the table's, and those of balls that move on the way,
@@ -214,7 +207,7 @@ impl<const N: usize> ReturnMap<'_, N> {
     fn follow(&self, start: &State<N>) -> Option<Return<N>> {
         let mut start = *start;
         start.beta[self.reference] = 0.0;
-        let mut motion = SwitchModel::new(self.balancer, self.settings, start).ok()?;
+        let mut motion = Motion::new(self.balancer, self.settings, start).ok()?;
         let (mut margin, mut square_time) = (f64::INFINITY, 0.0);
         let square = |state: &State<N>| state.position.iter().map(|p| p * p).sum::<f64>();
         let mut passed = 0;
@@ -251,12 +244,12 @@ impl<const N: usize> ReturnMap<'_, N> {
         None
     }
 
-    fn least_margin(&self, motion: &SwitchModel<N>) -> f64 {
+    fn least_margin(&self, motion: &Motion<Balancer<N>, N>) -> f64 {
         let forces = motion.forces();
         (0..N)
             .filter(|&ball| self.rests[ball])
             .map(|ball| {
-                let limit = self.balancer.balls[ball].friction_coefficient * forces.normal[ball];
+                let limit = self.balancer.balls[ball].friction.limit * forces.normal[ball];
                 1.0 - forces.friction[ball].abs() / limit
             })
             .fold(f64::INFINITY, f64::min)

@@ -6,7 +6,7 @@ use super::orbit::OrbitWatch;
 use super::outcome::{Evidence, Outcome};
 use super::return_map::Orbit;
 use crate::model::{Balancer, Case, RestPoint, Start, State};
-use crate::motion::{Failure, Settings, SwitchModel, Tolerance};
+use crate::motion::{Failure, Motion, Settings, Tolerance};
 
 /// Simulates a case until its ending is known. A pure function: equal cases give equal outcomes.
 pub fn simulate(case: &Case) -> Outcome {
@@ -35,6 +35,7 @@ fn simulate_balls<const N: usize>(case: &Case) -> Outcome {
     let natural = case.machine.natural_frequency_rad_s();
     let end = case.simulation.end_time_s * natural;
     let settings = Settings {
+        method: case.simulation.method,
         band: case.simulation.band,
         tolerance: Tolerance {
             relative: case.simulation.relative_tolerance,
@@ -43,7 +44,7 @@ fn simulate_balls<const N: usize>(case: &Case) -> Outcome {
         effort_limit: effort_limit(end, balancer.speed, balancer.damping_ratio),
     };
     let units = Units { natural, radius: case.machine.ring_radius_m };
-    match SwitchModel::new(&balancer, settings, state) {
+    match Motion::new(&balancer, settings, state) {
         Ok(motion) => Run::new(&balancer, settings, motion, end).finish(units),
         Err(failure) => Outcome::failed(Evidence::Failure(failure), failure.to_string()),
     }
@@ -91,7 +92,7 @@ struct Window<const N: usize> {
 struct Run<'a, const N: usize> {
     balancer: &'a Balancer<N>,
     settings: Settings,
-    motion: SwitchModel<'a, N>,
+    motion: Motion<'a, Balancer<N>, N>,
     end: f64,
     watch: OrbitWatch<N>,
     window: Window<N>,
@@ -110,7 +111,7 @@ impl<'a, const N: usize> Run<'a, N> {
     fn new(
         balancer: &'a Balancer<N>,
         settings: Settings,
-        motion: SwitchModel<'a, N>,
+        motion: Motion<'a, Balancer<N>, N>,
         end: f64,
     ) -> Self {
         Run {
@@ -237,7 +238,7 @@ impl<'a, const N: usize> Run<'a, N> {
             },
             Ending::EndTime if creeps(self.balancer, &self.motion) => {
                 let creeping = at_rest(Evidence::Creep, self.balancer.rest_point(&state.beta));
-                let since = self.motion.in_band_since();
+                let since = self.motion.slow_since();
                 Outcome { time_to_rest_s: Some(latest(since) / natural), ..creeping }
             }
             Ending::EndTime => {

@@ -1,7 +1,7 @@
 //! The balancer in non-dimensional form (thesis section 3.4): lengths over `L`, time times `ω_n`,
 //! masses over the whole vibrating mass `M`.
 
-use super::{Machine, NormalForce, Number};
+use super::{Friction, Machine, NormalForce, Number};
 
 /// A ball's non-dimensional parameters.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -12,8 +12,8 @@ pub struct BalancerBall<T = f64> {
     pub inertia: T,
     /// Diameter over `L`.
     pub diameter: T,
-    /// Coefficient of Coulomb friction `μ`.
-    pub friction_coefficient: T,
+    /// Friction between ball and ring.
+    pub friction: Friction,
     /// `1 / (1 + 4 J)`: how much of a tangential force turns into angular acceleration.
     pub mobility: T,
     /// Coefficient of `β̇` in the rolling term `r` of the normal force: `2 J d ω`, or 0 (Newton).
@@ -60,7 +60,11 @@ impl<const N: usize> Balancer<N> {
                     mass: ball.mass_kg / total,
                     inertia: SPHERE_INERTIA,
                     diameter,
-                    friction_coefficient: ball.friction_coefficient,
+                    friction: machine.friction.contact(
+                        ball.friction_coefficient,
+                        natural,
+                        ball.mass_kg * natural,
+                    ),
                     mobility: 1.0 / (1.0 + 4.0 * SPHERE_INERTIA),
                     rolling_linear: rolling * 2.0 * SPHERE_INERTIA * diameter * speed,
                     rolling_quadratic: rolling * -4.0 * SPHERE_INERTIA,
@@ -70,24 +74,29 @@ impl<const N: usize> Balancer<N> {
     }
 }
 
-/// Positions and velocities, non-dimensional, in the frame that turns with the disc.
+/// Positions and velocities, non-dimensional: of the `FREE` coordinates that no friction acts on,
+/// and of `N` contacts.
+///
+/// In the balancer the free coordinates are the ring's centre in the frame that turns with the
+/// disc, and the contacts are the balls.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct State<const N: usize, T = f64> {
+pub struct State<const N: usize, T = f64, const FREE: usize = 2> {
     /// The ring's centre `(x, y)`.
-    pub position: [T; 2],
+    pub position: [T; FREE],
     /// Its velocity `(ẋ, ẏ)`.
-    pub velocity: [T; 2],
-    /// Angle of each ball from the imbalance, rad.
+    pub velocity: [T; FREE],
+    /// Angle of each ball from the imbalance, rad; position of a block.
     pub beta: [T; N],
-    /// Speed of each ball relative to the ring.
+    /// Sliding speed of each contact: of a ball relative to the ring, of a block relative to what
+    /// it lies on.
     pub beta_dot: [T; N],
 }
 
-impl<const N: usize, T: Number> State<N, T> {
+impl<const N: usize, T: Number, const FREE: usize> State<N, T, FREE> {
     /// Adds `factor` times another state, component by component.
     #[inline]
     pub fn add_scaled(&mut self, factor: T, other: &Self) {
-        for axis in 0..2 {
+        for axis in 0..FREE {
             self.position[axis] = self.position[axis] + factor * other.position[axis];
             self.velocity[axis] = self.velocity[axis] + factor * other.velocity[axis];
         }
@@ -101,6 +110,11 @@ impl<const N: usize, T: Number> State<N, T> {
     #[inline]
     pub fn zero() -> Self {
         let zero = T::constant(0.0);
-        State { position: [zero; 2], velocity: [zero; 2], beta: [zero; N], beta_dot: [zero; N] }
+        State {
+            position: [zero; FREE],
+            velocity: [zero; FREE],
+            beta: [zero; N],
+            beta_dot: [zero; N],
+        }
     }
 }

@@ -25,6 +25,8 @@ pub struct Start {
 pub enum Method {
     /// The switch model with a band of finite width (thesis section 4.2, after Leine).
     Switch,
+    /// Its limit as the band goes to zero, the exact motion: stops and break-aways are located.
+    Event,
 }
 
 /// How a case is integrated and for how long.

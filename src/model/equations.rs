@@ -12,7 +12,8 @@
 //! f_n = w² - c a_x - s a_y - r        r = 2 J d ω β̇ - 4 J β̇²  (or 0: Newton)
 //! ```
 //!
-//! with `f_w = p f_n` in slip, `p = μ sign(β̇)`, and `β̈ = 0` in stick. Forces are over `m ω_n² L`.
+//! with `f_w = p f_n + q` in slip, for Coulomb friction `p = μ sign(β̇)` and `q = 0`, and `β̈ = 0` in
+//! stick. Forces are over `m ω_n² L`.
 
 use super::{Balancer, Number, State};
 
@@ -24,18 +25,25 @@ pub struct Contact<T = f64> {
     /// Friction force over normal force, with sign: `μ` times the direction that friction acts
     /// against; 0 where the ball sticks.
     pub signed_friction: T,
+    /// Friction that does not depend on the normal force (viscous), with sign.
+    pub drag: T,
+}
+
+impl Contact {
+    /// A contact that sticks.
+    pub const STICK: Contact = Contact { free: 0.0, signed_friction: 0.0, drag: 0.0 };
 }
 
 /// Accelerations and contact forces in one state.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Forces<const N: usize, T = f64> {
+pub struct Forces<const N: usize, T = f64, const FREE: usize = 2> {
     /// Absolute acceleration `(a_x, a_y)` of the ring's centre, resolved in the turning frame.
-    pub table_acceleration: [T; 2],
-    /// Angular acceleration `β̈` of each ball relative to the ring.
+    pub table_acceleration: [T; FREE],
+    /// Angular acceleration `β̈` of each ball relative to the ring; acceleration of a block.
     pub beta_ddot: [T; N],
-    /// Normal force on each ball, compression positive.
+    /// Normal force on each contact, compression positive.
     pub normal: [T; N],
-    /// Friction force on each ball, acting against positive `β̇`; in stick, what sticking takes.
+    /// Friction force on each contact, acting against positive `β̇`; in stick, what sticking takes.
     pub friction: [T; N],
 }
 
@@ -61,7 +69,7 @@ impl<const N: usize, T: Number> Balancer<N, T> {
         let mut centrifugal = [zero; N]; // w² - r
         for i in 0..N {
             let ball = &self.balls[i];
-            let Contact { free, signed_friction } = contacts[i];
+            let Contact { free, signed_friction, drag } = contacts[i];
             let (s, c) = state.beta[i].sin_cos();
             let beta_dot = state.beta_dot[i];
             let w = omega + beta_dot;
@@ -71,7 +79,7 @@ impl<const N: usize, T: Number> Balancer<N, T> {
             let mobile = ball.mass * ball.mobility * free;
             let along_x = mobile * (s + signed_friction * c);
             let along_y = mobile * (signed_friction * s - c);
-            let held = mobile * signed_friction * pressed;
+            let held = mobile * (signed_friction * pressed + drag);
             m_xx = m_xx + s * along_x;
             m_xy = m_xy + s * along_y;
             m_yx = m_yx + c * along_x;
@@ -99,10 +107,10 @@ impl<const N: usize, T: Number> Balancer<N, T> {
             friction: [zero; N],
         };
         for i in 0..N {
-            let Contact { free, signed_friction } = contacts[i];
+            let Contact { free, signed_friction, drag } = contacts[i];
             let tangential = sine[i] * a_x - cosine[i] * a_y;
             let normal = centrifugal[i] - (cosine[i] * a_x + sine[i] * a_y);
-            let slipping = signed_friction * normal;
+            let slipping = signed_friction * normal + drag;
             forces.beta_ddot[i] = free * self.balls[i].mobility * (tangential - slipping);
             forces.normal[i] = normal;
             forces.friction[i] = free * slipping + (one - free) * tangential;

@@ -83,7 +83,7 @@ pub fn extended_lagrange(
         let row = sticking.len() + ball;
         r[(row, 4 + ball)] = -1.0;
         if let Configuration::Slip(sign) = configuration {
-            s[(2 + ball, row)] = balancer.balls[ball].friction_coefficient * sign;
+            s[(2 + ball, row)] = balancer.balls[ball].friction.coefficient * sign;
         }
     }
 
@@ -96,7 +96,7 @@ pub fn extended_lagrange(
         Configuration::Stick => {
             sticking.iter().position(|&ball| ball == i).map_or(0.0, |row| multipliers[row])
         }
-        Configuration::Slip(sign) => balancer.balls[i].friction_coefficient * sign * normal[i],
+        Configuration::Slip(sign) => balancer.balls[i].friction.coefficient * sign * normal[i],
     });
     Some(Forces {
         table_acceleration: [accelerations[0] + coriolis[0], accelerations[1] + coriolis[1]],

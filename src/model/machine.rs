@@ -6,17 +6,20 @@
 
 use thiserror::Error;
 
+use super::FrictionLaw;
+
 /// The largest number of balls that one machine may have.
 pub const MAX_BALLS: usize = 8;
 
-/// One ball in the ring: a homogeneous sphere that rolls with Coulomb friction.
+/// One ball in the ring: a homogeneous sphere that rolls with dry friction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ball {
     /// Mass, kg.
     pub mass_kg: f64,
     /// Diameter, m.
     pub diameter_m: f64,
-    /// Coefficient of friction between ball and ring (rolling resistance), dimensionless.
+    /// Coefficient of friction between ball and ring (rolling resistance), dimensionless; the
+    /// kinetic one where the law has a static one, too. Not used by the viscous law.
     pub friction_coefficient: f64,
 }
 
@@ -53,6 +56,8 @@ pub struct Machine {
     pub balls: Vec<Ball>,
     /// How the normal force is derived.
     pub normal_force: NormalForce,
+    /// The law of the friction between balls and ring.
+    pub friction: FrictionLaw,
 }
 
 impl Default for Ball {
@@ -75,6 +80,7 @@ impl Default for Machine {
             speed_rad_s: -216.3772,
             balls: vec![Ball::default(); 2],
             normal_force: NormalForce::Lagrange,
+            friction: FrictionLaw::Coulomb,
         }
     }
 }
@@ -120,6 +126,7 @@ impl Machine {
             positive(&name("ball_mass_kg"), ball.mass_kg)?;
             positive(&name("ball_diameter_m"), ball.diameter_m)?;
             not_negative(&name("friction_coefficient"), ball.friction_coefficient)?;
+            self.friction.validate(ball.friction_coefficient, "rad_s")?;
         }
         Ok(())
     }
@@ -145,11 +152,11 @@ pub fn ball_parameter_name(general: &str, ball: usize) -> String {
     }
 }
 
-fn invalid(name: &str, found: &str, allowed: &'static str) -> InvalidParameter {
+pub(super) fn invalid(name: &str, found: &str, allowed: &'static str) -> InvalidParameter {
     InvalidParameter { name: name.to_owned(), found: found.to_owned(), allowed }
 }
 
-fn positive(name: &str, value: f64) -> Result<(), InvalidParameter> {
+pub(super) fn positive(name: &str, value: f64) -> Result<(), InvalidParameter> {
     if value.is_finite() && value > 0.0 {
         Ok(())
     } else {
@@ -157,7 +164,7 @@ fn positive(name: &str, value: f64) -> Result<(), InvalidParameter> {
     }
 }
 
-fn not_negative(name: &str, value: f64) -> Result<(), InvalidParameter> {
+pub(super) fn not_negative(name: &str, value: f64) -> Result<(), InvalidParameter> {
     if value.is_finite() && value >= 0.0 {
         Ok(())
     } else {

@@ -4,16 +4,22 @@
 //! the equations of motion. Nothing here knows how motion is integrated or how a run ends.
 
 mod balancer;
+mod block;
 mod case;
 mod equations;
 pub mod extended_lagrange;
+mod friction;
 mod machine;
 mod number;
 mod rest;
+mod system;
 
 pub use balancer::{Balancer, BalancerBall, State};
+pub use block::{Block, Ground, Slider, SliderState};
 pub use case::{Case, Method, Simulation, Start};
 pub use equations::{Contact, Forces};
+pub use friction::{Friction, FrictionLaw, Sliding};
 pub use machine::{Ball, InvalidParameter, MAX_BALLS, Machine, NormalForce, ball_parameter_name};
 pub use number::Number;
 pub use rest::RestPoint;
+pub use system::System;

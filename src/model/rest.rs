@@ -65,7 +65,7 @@ impl<const N: usize> Balancer<N> {
     /// means that no ball can break loose.
     pub fn friction_use(&self, rest: &RestPoint<N>, disturbance: f64) -> f64 {
         let used = |i: usize| {
-            let limit = self.balls[i].friction_coefficient * (rest.normal[i] - disturbance);
+            let limit = self.balls[i].friction.limit * (rest.normal[i] - disturbance);
             let needed = rest.friction[i].abs() + disturbance;
             if limit > 0.0 {
                 needed / limit

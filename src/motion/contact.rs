@@ -1,118 +1,122 @@
-//! What each ball does, and how that is decided for all balls in the band together.
+//! What each contact does, and how that is settled for several contacts together.
 
 use super::Failure;
-use crate::model::{Balancer, Contact, Forces, State};
+use crate::model::{Contact, Forces, Friction, State, System};
 
-/// What a ball does (thesis table 4.2).
+/// What a ball does (thesis table 4.2), or a block.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Phase {
-    /// It moves, faster than the band, in the direction 1 or -1.
+    /// It moves, faster than the band, in the direction 1 or -1. In the exact motion, which has no
+    /// band, also from the instant at which it breaks away.
     Slip(f64),
     /// It rests on the ring: friction holds it.
     Stick,
     /// It is in the band but friction does not hold it: it accelerates in the direction 1 or -1.
     Transition(f64),
+    /// Its law has no stick: it moves as the law says, in either direction.
+    Free,
 }
 
-/// Slack of the conditions for stick and transition, as an acceleration over `L ω_n²`: a phase ends
-/// when its condition fails by more than this.
-///
-/// It keeps a decision that is met only to rounding (the instant of break-away) from being taken
-/// twice, and it sets the pace at which a creeping ball, whose pull hovers at the friction limit,
-/// alternates between stick and transition: the number of switches goes as one over the slack.
-/// Friction limits of a real balancer are some 1e-3, so that this is a millionth of them.
-pub const SLACK: f64 = 1e-9;
-
 impl Phase {
-    /// How friction acts on the ball.
-    pub fn contact(self, friction_coefficient: f64) -> Contact {
+    /// How friction acts on a contact in this phase.
+    #[inline]
+    pub fn contact(self, friction: &Friction, speed: f64) -> Contact {
         match self {
-            Phase::Stick => Contact { free: 0.0, signed_friction: 0.0 },
+            Phase::Stick => Contact::STICK,
             Phase::Slip(direction) | Phase::Transition(direction) => {
-                Contact { free: 1.0, signed_friction: direction * friction_coefficient }
+                friction.slip(direction, speed)
             }
+            Phase::Free => friction.slip(0.0, speed),
         }
     }
 
-    /// Whether the ball's speed is in the band.
+    /// Whether it sticks, or may at any moment.
     pub fn in_band(self) -> bool {
-        !matches!(self, Phase::Slip(_))
+        matches!(self, Phase::Stick | Phase::Transition(_))
     }
 }
 
-/// How friction acts on every ball.
-pub fn contacts<const N: usize>(balancer: &Balancer<N>, phases: &[Phase; N]) -> [Contact; N] {
-    std::array::from_fn(|i| phases[i].contact(balancer.balls[i].friction_coefficient))
+/// How friction acts on every contact.
+#[inline]
+pub fn contacts<S: System<N, FREE>, const N: usize, const FREE: usize>(
+    system: &S,
+    phases: &[Phase; N],
+    state: &State<N, f64, FREE>,
+) -> [Contact; N] {
+    std::array::from_fn(|i| phases[i].contact(system.friction(i), state.beta_dot[i]))
 }
 
-/// What is left of the friction limit on a ball that sticks, `μ f_n - |f_w|`.
-pub fn stick_reserve<const N: usize>(
-    balancer: &Balancer<N>,
-    forces: &Forces<N>,
-    ball: usize,
+/// The forces in a state for given phases.
+#[inline]
+pub fn forces<S: System<N, FREE>, const N: usize, const FREE: usize>(
+    system: &S,
+    phases: &[Phase; N],
+    state: &State<N, f64, FREE>,
+) -> Forces<N, f64, FREE> {
+    system.forces(state, &contacts(system, phases, state))
+}
+
+/// The time derivative of a state for given phases.
+#[inline]
+pub fn derivative<S: System<N, FREE>, const N: usize, const FREE: usize>(
+    system: &S,
+    phases: &[Phase; N],
+    state: &State<N, f64, FREE>,
+) -> State<N, f64, FREE> {
+    let contacts = contacts(system, phases, state);
+    system.derivative(state, &contacts, &system.forces(state, &contacts))
+}
+
+/// What is left of the friction limit on a contact that sticks, `μ_s f_n - |f_w|`.
+pub fn stick_reserve<S: System<N, FREE>, const N: usize, const FREE: usize>(
+    system: &S,
+    forces: &Forces<N, f64, FREE>,
+    contact: usize,
 ) -> f64 {
-    balancer.balls[ball].friction_coefficient * forces.normal[ball] - forces.friction[ball].abs()
+    system.friction(contact).limit * forces.normal[contact] - forces.friction[contact].abs()
 }
 
-/// Decides stick or transition for all balls in the band together (thesis section 4.3, appendix
-/// C) and returns the forces that go with the decision. Balls in slip are left alone.
+/// Settles the phases of the contacts that are `open` together (thesis section 4.3, appendix C)
+/// and returns the forces that go with them; the others are left alone. `better` names the phase
+/// that a contact should have instead where the one assumed fails its condition.
 ///
-/// The conditions are a linear complementarity problem: a ball sticks if friction within its limit
-/// can hold it, else it accelerates against full friction. For light balls the problem's matrix is
-/// nearly diagonal; exchanging all phases that fail their condition at once then settles it in a
-/// step or two. Should it not settle, all `3^k` combinations are tried.
+/// The conditions are a linear complementarity problem. For light balls its matrix is nearly
+/// diagonal; exchanging all phases that fail their condition at once then settles it in a step or
+/// two. Should it not settle, all `3^k` combinations of `choices` are tried.
 ///
 /// # Errors
 /// [`Failure::NoSolution`] where no combination meets all conditions.
-pub fn decide<const N: usize>(
-    balancer: &Balancer<N>,
-    state: &State<N>,
+pub(super) fn settle<S: System<N, FREE>, const N: usize, const FREE: usize>(
+    system: &S,
+    state: &State<N, f64, FREE>,
     phases: &mut [Phase; N],
-) -> Result<Forces<N>, Failure> {
-    let evaluate = |phases: &[Phase; N]| balancer.forces(state, &contacts(balancer, phases));
+    open: [bool; N],
+    choices: [Phase; 3],
+    better: impl Fn(&Forces<N, f64, FREE>, &[Phase; N], usize) -> Option<Phase>,
+) -> Result<Forces<N, f64, FREE>, Failure> {
     for _ in 0..N + 3 {
-        let forces = evaluate(phases);
-        let mut settled = true;
-        for (ball, phase) in phases.iter_mut().enumerate() {
-            if let Some(other) = better_phase(balancer, &forces, *phase, ball) {
-                *phase = other;
-                settled = false;
+        let forces = forces(system, phases, state);
+        let before = *phases;
+        for ball in (0..N).filter(|&ball| open[ball]) {
+            if let Some(other) = better(&forces, &before, ball) {
+                phases[ball] = other;
             }
         }
-        if settled {
+        if *phases == before {
             return Ok(forces);
         }
     }
-    let choices = [Phase::Stick, Phase::Transition(1.0), Phase::Transition(-1.0)];
-    let in_band: Vec<usize> = (0..N).filter(|&ball| phases[ball].in_band()).collect();
-    for combination in 0..3_usize.pow(in_band.len() as u32) {
+    let open: Vec<usize> = (0..N).filter(|&ball| open[ball]).collect();
+    for combination in 0..3_usize.pow(open.len() as u32) {
         let mut rest = combination;
-        for &ball in &in_band {
+        for &ball in &open {
             phases[ball] = choices[rest % 3];
             rest /= 3;
         }
-        let forces = evaluate(phases);
-        let fits = |&ball: &usize| better_phase(balancer, &forces, phases[ball], ball).is_none();
-        if in_band.iter().all(fits) {
+        let forces = forces(system, phases, state);
+        if open.iter().all(|&ball| better(&forces, phases, ball).is_none()) {
             return Ok(forces);
         }
     }
     Err(Failure::NoSolution)
-}
-
-/// The phase that a ball should have instead, where the one that was assumed fails its condition.
-fn better_phase<const N: usize>(
-    balancer: &Balancer<N>,
-    forces: &Forces<N>,
-    assumed: Phase,
-    ball: usize,
-) -> Option<Phase> {
-    match assumed {
-        Phase::Slip(_) => None,
-        Phase::Stick => (stick_reserve(balancer, forces, ball) < -SLACK)
-            .then(|| Phase::Transition(forces.friction[ball].signum())),
-        Phase::Transition(direction) => {
-            (direction * forces.beta_ddot[ball] < -SLACK).then_some(Phase::Stick)
-        }
-    }
 }

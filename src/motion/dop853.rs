@@ -20,18 +20,21 @@ pub struct Tolerance {
 
 /// A step that was tried: 12 stages and the state they lead to.
 #[derive(Clone, Debug)]
-pub struct Step<const N: usize, T = f64> {
+pub struct Step<const N: usize, T = f64, const FREE: usize = 2> {
     /// State at the step's start.
-    pub start: State<N, T>,
+    pub start: State<N, T, FREE>,
     /// State at its end, of order 8.
-    pub end: State<N, T>,
+    pub end: State<N, T, FREE>,
     /// Its length, non-dimensional time.
     pub length: T,
-    stages: [State<N, T>; 12],
+    stages: [State<N, T, FREE>; 12],
 }
 
 #[inline]
-fn combine<const N: usize, T: Number>(terms: &[Term], stages: &[State<N, T>]) -> State<N, T> {
+fn combine<const N: usize, T: Number, const FREE: usize>(
+    terms: &[Term],
+    stages: &[State<N, T, FREE>],
+) -> State<N, T, FREE> {
     let mut sum = State::zero();
     for &(stage, coefficient) in terms {
         sum.add_scaled(T::constant(coefficient), &stages[stage]);
@@ -39,13 +42,13 @@ fn combine<const N: usize, T: Number>(terms: &[Term], stages: &[State<N, T>]) ->
     sum
 }
 
-impl<const N: usize, T: Number> Step<N, T> {
+impl<const N: usize, T: Number, const FREE: usize> Step<N, T, FREE> {
     /// Tries a step of `length` from `start`, whose derivative is known.
     #[inline]
     pub fn attempt(
-        right_hand_side: impl Fn(&State<N, T>) -> State<N, T>,
-        start: &State<N, T>,
-        derivative: &State<N, T>,
+        right_hand_side: impl Fn(&State<N, T, FREE>) -> State<N, T, FREE>,
+        start: &State<N, T, FREE>,
+        derivative: &State<N, T, FREE>,
         length: T,
     ) -> Self {
         let mut stages = [*derivative; 12];
@@ -60,10 +63,11 @@ impl<const N: usize, T: Number> Step<N, T> {
     }
 }
 
-impl<const N: usize> Step<N> {
+impl<const N: usize, const FREE: usize> Step<N, f64, FREE> {
     /// Estimated error over what is allowed, root mean square over the components: at most 1 is
     /// good enough. Not a number where the step left the finite numbers.
-    pub fn error(&self, tolerance: Tolerance) -> f64 {
+    /// `angular` contacts turn: their angles count as 1 rad in the relative error.
+    pub fn error(&self, tolerance: Tolerance, angular: bool) -> f64 {
         let fifth = combine(ERROR_FIFTH, &self.stages);
         let third = combine(ERROR_THIRD, &self.stages);
         let Tolerance { relative, absolute } = tolerance;
@@ -72,7 +76,7 @@ impl<const N: usize> Step<N> {
         let square = |value: f64| value * value;
         // Table and balls are summed apart: two balls exchanged give the same sum to the last bit.
         let (mut fifth_table, mut third_table) = (0.0, 0.0);
-        for axis in 0..2 {
+        for axis in 0..FREE {
             let position = scale(self.start.position[axis], self.end.position[axis]);
             let velocity = scale(self.start.velocity[axis], self.end.velocity[axis]);
             fifth_table += square(fifth.position[axis] * position);
@@ -83,26 +87,29 @@ impl<const N: usize> Step<N> {
         let (mut fifth_balls, mut third_balls) = (0.0, 0.0);
         for ball in 0..N {
             let speed = scale(self.start.beta_dot[ball], self.end.beta_dot[ball]);
-            fifth_balls +=
-                square(fifth.beta[ball] * angle_scale) + square(fifth.beta_dot[ball] * speed);
-            third_balls +=
-                square(third.beta[ball] * angle_scale) + square(third.beta_dot[ball] * speed);
+            let angle = if angular {
+                angle_scale
+            } else {
+                scale(self.start.beta[ball], self.end.beta[ball])
+            };
+            fifth_balls += square(fifth.beta[ball] * angle) + square(fifth.beta_dot[ball] * speed);
+            third_balls += square(third.beta[ball] * angle) + square(third.beta_dot[ball] * speed);
         }
         let fifth = fifth_table + fifth_balls;
         let third = third_table + third_balls;
         if fifth == 0.0 {
             return 0.0;
         }
-        let components = (4 + 2 * N) as f64;
+        let components = (2 * FREE + 2 * N) as f64;
         self.length.abs() * fifth / ((fifth + 0.01 * third) * components).sqrt()
     }
 
     /// The interpolation polynomial of order 7 over the step; costs three right-hand sides.
     pub fn interpolant(
         &self,
-        right_hand_side: impl Fn(&State<N>) -> State<N>,
-        end_derivative: &State<N>,
-    ) -> Interpolant<N> {
+        right_hand_side: impl Fn(&State<N, f64, FREE>) -> State<N, f64, FREE>,
+        end_derivative: &State<N, f64, FREE>,
+    ) -> Interpolant<N, FREE> {
         let mut stages = [*end_derivative; 16];
         stages[..12].copy_from_slice(&self.stages);
         for (index, terms) in DENSE_STAGES.iter().enumerate() {
@@ -128,14 +135,14 @@ impl<const N: usize> Step<N> {
 
 /// Dense output: the state anywhere in a step, with an error of order 7.
 #[derive(Clone, Debug)]
-pub struct Interpolant<const N: usize> {
-    start: State<N>,
-    coefficients: [State<N>; 7],
+pub struct Interpolant<const N: usize, const FREE: usize = 2> {
+    start: State<N, f64, FREE>,
+    coefficients: [State<N, f64, FREE>; 7],
 }
 
-impl<const N: usize> Interpolant<N> {
+impl<const N: usize, const FREE: usize> Interpolant<N, FREE> {
     /// The state at the fraction `theta` of the step, 0 at its start and 1 at its end.
-    pub fn at(&self, theta: f64) -> State<N> {
+    pub fn at(&self, theta: f64) -> State<N, f64, FREE> {
         let mut sum = State::zero();
         for (index, coefficient) in self.coefficients.iter().rev().enumerate() {
             sum.add_scaled(1.0, coefficient);

@@ -1,9 +1,9 @@
 //! What ends a smooth phase: conditions that hold all along it, and the instant at which the
 //! first of them fails.
 
-use super::contact::{Phase, SLACK, stick_reserve};
+use super::contact::{Phase, stick_reserve};
 use super::root::fall_through_zero;
-use crate::model::{Balancer, Forces, State};
+use crate::model::{Forces, State, System};
 
 /// One condition of one ball; its value is positive while the phase lasts.
 #[derive(Clone, Copy, Debug)]
@@ -27,7 +27,17 @@ enum Kind {
 }
 
 /// A point of a step: its state and the forces there.
-pub(super) type Point<'a, const N: usize> = (&'a State<N>, &'a Forces<N>);
+pub(super) type Point<'a, const N: usize, const FREE: usize> =
+    (&'a State<N, f64, FREE>, &'a Forces<N, f64, FREE>);
+
+/// By how much conditions may fail before they count as failed.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Margins {
+    /// Half width of the band around zero speed; 0 in the exact motion.
+    pub(super) band: f64,
+    /// Slack of the conditions on forces and accelerations.
+    pub(super) slack: f64,
+}
 
 impl Guard {
     /// All conditions of a configuration.
@@ -39,36 +49,38 @@ impl Guard {
                 Phase::Transition(direction) => {
                     (Kind::InBand(direction), Some(Kind::Accelerating(direction)))
                 }
+                Phase::Free => (Kind::Pressed, None),
             };
-            let kinds = [Some(first), second, Some(Kind::Pressed)].into_iter().flatten();
+            let pressed = (*phase != Phase::Free).then_some(Kind::Pressed);
+            let kinds = [Some(first), second, pressed].into_iter().flatten();
             kinds.map(move |kind| Guard { ball, kind })
         })
     }
 
     /// The condition's value.
-    pub(super) fn value<const N: usize>(
+    pub(super) fn value<S: System<N, FREE>, const N: usize, const FREE: usize>(
         self,
-        balancer: &Balancer<N>,
-        band: f64,
-        (state, forces): Point<N>,
+        system: &S,
+        Margins { band, slack }: Margins,
+        (state, forces): Point<N, FREE>,
     ) -> f64 {
         match self.kind {
             Kind::OutOfBand(direction) => direction * state.beta_dot[self.ball] - band,
             Kind::InBand(direction) => band - direction * state.beta_dot[self.ball],
-            Kind::Accelerating(direction) => direction * forces.beta_ddot[self.ball] + SLACK,
-            Kind::Held => stick_reserve(balancer, forces, self.ball) + SLACK,
+            Kind::Accelerating(direction) => direction * forces.beta_ddot[self.ball] + slack,
+            Kind::Held => stick_reserve(system, forces, self.ball) + slack,
             Kind::Pressed => forces.normal[self.ball],
         }
     }
 
     /// Whether the condition may have failed and recovered inside a step of `length`, so that a
     /// look inside is due.
-    pub(super) fn may_dip<const N: usize>(
+    pub(super) fn may_dip<S: System<N, FREE>, const N: usize, const FREE: usize>(
         self,
-        balancer: &Balancer<N>,
+        system: &S,
         length: f64,
         (start, end): (f64, f64),
-        (start_forces, end_forces): (&Forces<N>, &Forces<N>),
+        (start_forces, end_forces): (&Forces<N, f64, FREE>, &Forces<N, f64, FREE>),
     ) -> bool {
         match self.kind {
             Kind::OutOfBand(direction) => {
@@ -79,10 +91,9 @@ impl Guard {
                 falls < 0.0 && rises > 0.0 && start.min(end) < 0.5 * falls.abs().max(rises)
             }
             Kind::InBand(_) => false,
-            Kind::Pressed => start.min(end) < 0.25 * balancer.speed * balancer.speed,
+            Kind::Pressed => start.min(end) < 0.25 * (system.force_scale() - 1.0),
             Kind::Accelerating(_) | Kind::Held => {
-                let ball = &balancer.balls[self.ball];
-                let limit = ball.friction_coefficient
+                let limit = system.friction(self.ball).limit
                     * start_forces.normal[self.ball].max(end_forces.normal[self.ball]);
                 start.min(end) < 0.25 * limit
             }

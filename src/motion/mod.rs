@@ -3,14 +3,17 @@
 mod contact;
 mod dop853;
 mod dop853_tableau;
+mod event_driven;
 mod guard;
+mod motion;
 mod root;
 mod switch_model;
 
-pub use contact::{Phase, SLACK, contacts, decide, stick_reserve};
+pub use contact::{Phase, contacts, stick_reserve};
 pub use dop853::{Interpolant, Step, Tolerance};
+pub use motion::{Effort, Motion, SLOW, Settings};
 pub use root::fall_through_zero;
-pub use switch_model::{Effort, Settings, SwitchModel};
+pub use switch_model::{SLACK, decide};
 
 use thiserror::Error;
 

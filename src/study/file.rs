@@ -301,6 +301,8 @@ pub struct SimulationFile {
 pub enum MethodKind {
     /// The switch model with a band of finite width.
     Switch,
+    /// Its limit as the band goes to zero, the exact motion; does not use `band`.
+    Event,
 }
 
 /// Error allowed per integration step.

@@ -212,6 +212,7 @@ pub(crate) fn resolve_simulation(
     Ok(Simulation {
         method: match given.method {
             None | Some(MethodKind::Switch) => Method::Switch,
+            Some(MethodKind::Event) => Method::Event,
         },
         band,
         end_time_s: positive("simulation.end_time_s", given.end_time_s, default.end_time_s)?,
@@ -233,6 +234,7 @@ pub(crate) fn simulation_to_file(simulation: &Simulation) -> SimulationFile {
     SimulationFile {
         method: Some(match simulation.method {
             Method::Switch => MethodKind::Switch,
+            Method::Event => MethodKind::Event,
         }),
         band: Some(simulation.band),
         end_time_s: Some(simulation.end_time_s),

@@ -2,8 +2,8 @@
 
 use proptest::prelude::*;
 use stickslip::ending::{certified, certified_by_closed_form};
-use stickslip::model::{Balancer, Machine, State};
-use stickslip::motion::{Phase, Settings, SwitchModel, Tolerance};
+use stickslip::model::{Balancer, Machine, Method, State};
+use stickslip::motion::{Motion, Phase, Settings, Tolerance};
 
 fn state(balancer: &Balancer<2>, beta: [f64; 2], far: f64, direction: [f64; 2]) -> State<2> {
     let rest = balancer.rest_point(&beta);
@@ -20,11 +20,12 @@ fn state(balancer: &Balancer<2>, beta: [f64; 2], far: f64, direction: [f64; 2]) 
 /// Integrates on and says whether a ball ever leaves stick.
 fn ever_moves(balancer: &Balancer<2>, state: State<2>) -> bool {
     let settings = Settings {
+        method: Method::Switch,
         band: 1e-4,
         tolerance: Tolerance { relative: 1e-10, absolute: 1e-12 },
         effort_limit: 1_000_000,
     };
-    let mut motion = SwitchModel::new(balancer, settings, state).expect("starts");
+    let mut motion = Motion::new(balancer, settings, state).expect("starts");
     let end = 30.0 / balancer.damping_ratio.max(0.01);
     loop {
         if motion.phases().iter().any(|phase| *phase != Phase::Stick) {

@@ -4,8 +4,8 @@ use std::path::Path;
 
 use rayon::prelude::*;
 use stickslip::ending::{Evidence, Label, certified, simulate};
-use stickslip::model::{Balancer, Case, Machine, Simulation, Start, State};
-use stickslip::motion::{Settings, SwitchModel, Tolerance};
+use stickslip::model::{Balancer, Case, Machine, Method, Simulation, Start, State};
+use stickslip::motion::{Motion, Settings, Tolerance};
 use stickslip::study::Study;
 
 /// Thesis table 5.1 and figure 5.15: balls exactly side by side still run after 55 s, with mean
@@ -75,12 +75,13 @@ initial_conditions: {design: {latin_hypercube: {samples: 64}}}
             beta_dot: [case.start.beta_dot[0], case.start.beta_dot[1]],
         };
         let settings = Settings {
+            method: Method::Switch,
             band: case.simulation.band,
             tolerance: Tolerance { relative: 1e-8, absolute: 1e-10 },
             effort_limit: u64::MAX,
         };
         let end = 165.0 * natural;
-        let mut motion = SwitchModel::new(&balancer, settings, start).expect("starts");
+        let mut motion = Motion::new(&balancer, settings, start).expect("starts");
         let mut earlier = None;
         while motion.time() < end {
             if motion.all_stick() {

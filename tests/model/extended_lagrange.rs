@@ -1,7 +1,7 @@
 //! The 2×2 form of the equations against the thesis's matrices, in all nine configurations.
 
 use stickslip::model::extended_lagrange::{Configuration, extended_lagrange};
-use stickslip::model::{Balancer, Contact, Machine, NormalForce, State};
+use stickslip::model::{Balancer, Contact, Friction, Machine, NormalForce, State};
 
 /// A small generator that is nobody else's, so that this test stands alone (xorshift64*).
 fn uniform(seed: &mut u64) -> f64 {
@@ -13,8 +13,8 @@ fn uniform(seed: &mut u64) -> f64 {
 
 fn contact(configuration: Configuration, coefficient: f64) -> Contact {
     match configuration {
-        Configuration::Stick => Contact { free: 0.0, signed_friction: 0.0 },
-        Configuration::Slip(sign) => Contact { free: 1.0, signed_friction: sign * coefficient },
+        Configuration::Stick => Contact::STICK,
+        Configuration::Slip(sign) => Friction::coulomb(coefficient).slip(sign, 0.0),
     }
 }
 
@@ -46,7 +46,7 @@ fn same_accelerations_and_forces_in_all_configurations() {
             for second in kinds {
                 let configurations = [first, second];
                 let contacts = [0, 1]
-                    .map(|i| contact(configurations[i], balancer.balls[i].friction_coefficient));
+                    .map(|i| contact(configurations[i], balancer.balls[i].friction.coefficient));
                 let fast = balancer.forces(&state, &contacts);
                 let thesis = extended_lagrange(&balancer, &state, configurations)
                     .expect("the thesis's matrices are regular");

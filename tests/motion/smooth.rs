@@ -1,11 +1,11 @@
 //! Smooth phases: order of the method and of its dense output, and a quantity that must not change.
 
-use stickslip::model::{Balancer, Machine, State};
-use stickslip::motion::{Settings, Step, SwitchModel, Tolerance};
+use stickslip::model::{Balancer, Machine, Method, State};
+use stickslip::motion::{Motion, Settings, Step, Tolerance};
 
 fn settings(relative: f64) -> Settings {
     let tolerance = Tolerance { relative, absolute: 1e-2 * relative };
-    Settings { band: 1e-4, tolerance, effort_limit: 10_000_000 }
+    Settings { method: Method::Switch, band: 1e-4, tolerance, effort_limit: 10_000_000 }
 }
 
 /// Without friction and damping the Jacobi integral of the system with prescribed rotation,
@@ -50,7 +50,7 @@ fn jacobi_integral_is_constant_without_friction() {
         beta_dot: [0.5, -0.7],
     };
     let before = jacobi_integral(&machine, &balancer, &start);
-    let mut motion = SwitchModel::new(&balancer, settings(1e-11), start).expect("starts");
+    let mut motion = Motion::new(&balancer, settings(1e-11), start).expect("starts");
     while motion.time() < 300.0 {
         motion.advance(300.0).expect("goes on");
     }
@@ -71,7 +71,7 @@ fn errors(count: u32) -> (f64, f64) {
         beta_dot: [0.9, 0.8],
     };
     let phases = [stickslip::motion::Phase::Slip(1.0); 2];
-    let contacts = stickslip::motion::contacts(&balancer, &phases);
+    let contacts = stickslip::motion::contacts(&balancer, &phases, &start);
     let f = |state: &State<2>| {
         balancer.derivative(state, &contacts, &balancer.forces(state, &contacts))
     };

@@ -1,0 +1,161 @@
+//! A block on a spring, on rigid ground or on a moving belt: systems with dry friction whose motion
+//! is known in closed form.
+//!
+//! `m ẍ = -k x - f_w`, with friction `f_w` against the block's speed relative to what it lies on.
+//! On rigid ground with Coulomb friction (thesis figure 4.2) each half swing is shorter than the
+//! one before by twice `μ F_n / k`, and the block stops for good in the interval
+//! `|x| ≤ μ F_n / k`. On a belt, with a static coefficient above the kinetic one, it sticks and
+//! slips in a limit cycle (R. I. Leine, D. H. van Campen, A. de Kraker, L. van den Steen,
+//! "Stick-slip vibrations induced by alternate friction models", Nonlinear Dynamics 16 (1998) 41,
+//! doi:10.1023/A:1008289604683).
+//!
+//! Without dimensions: lengths over `F_n / k`, time times `ω_n = sqrt(k / m)`; then
+//! `ẍ = -x - f_w` with normal force 1.
+
+use super::machine::{not_negative, positive};
+use super::{Contact, Forces, Friction, FrictionLaw, InvalidParameter, State, System};
+
+/// What a block lies on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Ground {
+    /// Rigid ground.
+    Fixed,
+    /// A belt that moves with constant speed.
+    Belt {
+        /// The belt's speed, m/s.
+        speed_m_s: f64,
+    },
+}
+
+/// A block on a spring in SI units.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Block {
+    /// Mass, kg.
+    pub mass_kg: f64,
+    /// Spring stiffness, N/m.
+    pub stiffness_n_m: f64,
+    /// Force that presses the block on the ground, N.
+    pub normal_force_n: f64,
+    /// Coefficient of friction; the kinetic one where the law has a static one, too.
+    pub friction_coefficient: f64,
+    /// The law of friction.
+    pub friction: FrictionLaw,
+    /// What it lies on.
+    pub ground: Ground,
+}
+
+impl Block {
+    /// A block of 1 kg on a spring of 100 N/m, pressed on rigid ground with 10 N, `μ = 0.1`.
+    pub fn on_spring() -> Self {
+        Block {
+            mass_kg: 1.0,
+            stiffness_n_m: 100.0,
+            normal_force_n: 10.0,
+            friction_coefficient: 0.1,
+            friction: FrictionLaw::Coulomb,
+            ground: Ground::Fixed,
+        }
+    }
+
+    /// The same block on a belt of 0.1 m/s.
+    pub fn on_belt() -> Self {
+        Block { ground: Ground::Belt { speed_m_s: 0.1 }, ..Block::on_spring() }
+    }
+
+    /// Refuses values without physical meaning.
+    ///
+    /// # Errors
+    /// The first offending parameter, by the name it has in a study file.
+    pub fn validate(&self) -> Result<(), InvalidParameter> {
+        positive("mass_kg", self.mass_kg)?;
+        positive("stiffness_n_m", self.stiffness_n_m)?;
+        positive("normal_force_n", self.normal_force_n)?;
+        not_negative("friction_coefficient", self.friction_coefficient)?;
+        self.friction.validate(self.friction_coefficient, "m_s")?;
+        match self.ground {
+            Ground::Fixed => Ok(()),
+            Ground::Belt { speed_m_s } => positive("belt_speed_m_s", speed_m_s),
+        }
+    }
+
+    /// The natural frequency `ω_n = sqrt(k / m)`, rad/s.
+    pub fn natural_frequency_rad_s(&self) -> f64 {
+        (self.stiffness_n_m / self.mass_kg).sqrt()
+    }
+
+    /// The length that counts as 1, `F_n / k`, m.
+    pub fn unit_length_m(&self) -> f64 {
+        self.normal_force_n / self.stiffness_n_m
+    }
+
+    /// Without dimensions.
+    pub fn slider(&self) -> Slider {
+        let natural = self.natural_frequency_rad_s();
+        let speed_unit = self.unit_length_m() * natural;
+        let drag_unit = self.mass_kg * natural;
+        Slider {
+            friction: self.friction.contact(self.friction_coefficient, speed_unit, drag_unit),
+            belt_speed: match self.ground {
+                Ground::Fixed => 0.0,
+                Ground::Belt { speed_m_s } => speed_m_s / speed_unit,
+            },
+        }
+    }
+}
+
+/// The block without dimensions.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Slider {
+    /// Friction between block and ground.
+    pub friction: Friction,
+    /// Speed of the ground; 0 where it is rigid.
+    pub belt_speed: f64,
+}
+
+/// Where a block is and how fast it slides: its position in `beta`, and in `beta_dot` its speed
+/// relative to what it lies on.
+pub type SliderState = State<1, f64, 0>;
+
+impl System<1, 0> for Slider {
+    const ANGULAR: bool = false;
+
+    fn forces(&self, state: &SliderState, contacts: &[Contact; 1]) -> Forces<1, f64, 0> {
+        let [Contact { free, signed_friction, drag }] = *contacts;
+        let spring = -state.beta[0];
+        let slipping = signed_friction + drag;
+        Forces {
+            table_acceleration: [],
+            beta_ddot: [free * (spring - slipping)],
+            normal: [1.0],
+            friction: [free * slipping + (1.0 - free) * spring],
+        }
+    }
+
+    fn derivative(
+        &self,
+        state: &SliderState,
+        contacts: &[Contact; 1],
+        forces: &Forces<1, f64, 0>,
+    ) -> SliderState {
+        let stuck = 1.0 - contacts[0].free;
+        State {
+            position: [],
+            velocity: [],
+            beta: [self.belt_speed + contacts[0].free * state.beta_dot[0]],
+            beta_dot: [forces.beta_ddot[0] - stuck * state.beta_dot[0]],
+        }
+    }
+
+    fn friction(&self, _contact: usize) -> &Friction {
+        &self.friction
+    }
+
+    /// A quarter of a period.
+    fn longest_step(&self) -> f64 {
+        std::f64::consts::FRAC_PI_2
+    }
+
+    fn force_scale(&self) -> f64 {
+        1.0
+    }
+}

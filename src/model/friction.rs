@@ -1,0 +1,183 @@
+//! Friction laws: how the friction force follows from sliding speed and normal force.
+//!
+//! Coulomb, with equal coefficients for rest and motion; Stribeck, whose coefficient falls from a
+//! static to a kinetic value with speed (thesis figure 3.3); a smooth law that cannot stick (thesis
+//! section 3.3.1, the earlier work); viscous drag without dry friction (thesis section 5.1).
+
+use super::{Contact, InvalidParameter};
+
+/// A friction law in SI units. Speeds are sliding speeds: rad/s for a ball relative to the ring,
+/// m/s for a block.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum FrictionLaw {
+    /// Dry friction with one coefficient `μ`: in slip `μ f_n`, in stick at most that.
+    Coulomb,
+    /// `μ(v) = μ + (μ_s - μ) e^{-|v|/v_s}`: at most `μ_s f_n` in stick, and down to `μ f_n` as the
+    /// speed grows. With `v_s = 0` the coefficient drops at once (static and kinetic friction).
+    Stribeck {
+        /// `μ_s`, not below the (kinetic) friction coefficient.
+        static_friction_coefficient: f64,
+        /// `v_s`, zero or more.
+        stribeck_speed: f64,
+    },
+    /// `μ f_n (2/π) atan(v / v_0)`: without a force at rest, so that nothing ever sticks.
+    Smooth {
+        /// `v_0`, positive: the speed at which half of the limit is reached.
+        smoothing_speed: f64,
+    },
+    /// A drag in proportion to speed and independent of the normal force; no dry friction.
+    Viscous {
+        /// Drag over sliding speed (of the ball's centre along the ring, or of the block), N s/m.
+        viscous_coefficient_n_s_m: f64,
+    },
+}
+
+impl FrictionLaw {
+    /// The law's name in a study file.
+    pub fn name(&self) -> &'static str {
+        match self {
+            FrictionLaw::Coulomb => "coulomb",
+            FrictionLaw::Stribeck { .. } => "stribeck",
+            FrictionLaw::Smooth { .. } => "smooth",
+            FrictionLaw::Viscous { .. } => "viscous",
+        }
+    }
+
+    /// Whether bodies can stick: whether the force at rest is any of an interval.
+    pub fn can_stick(&self) -> bool {
+        matches!(self, FrictionLaw::Coulomb | FrictionLaw::Stribeck { .. })
+    }
+
+    /// Refuses values without physical meaning, for a contact with this (kinetic) coefficient.
+    ///
+    /// # Errors
+    /// The first offending parameter; `speed_unit` ends the names of speeds, as in a study file.
+    pub(super) fn validate(
+        &self,
+        friction_coefficient: f64,
+        speed_unit: &str,
+    ) -> Result<(), InvalidParameter> {
+        let refuse = |name: String, value: f64, allowed| {
+            Err(InvalidParameter { name, found: value.to_string(), allowed })
+        };
+        match *self {
+            FrictionLaw::Coulomb => Ok(()),
+            FrictionLaw::Stribeck { static_friction_coefficient: value, .. }
+                if !(value.is_finite() && value >= friction_coefficient) =>
+            {
+                let allowed = "a finite number, not below the friction coefficient";
+                refuse("static_friction_coefficient".to_owned(), value, allowed)
+            }
+            FrictionLaw::Stribeck { stribeck_speed: value, .. }
+                if !(value.is_finite() && value >= 0.0) =>
+            {
+                refuse(
+                    format!("stribeck_speed_{speed_unit}"),
+                    value,
+                    "a finite number, zero or more",
+                )
+            }
+            FrictionLaw::Smooth { smoothing_speed: value }
+                if !(value.is_finite() && value > 0.0) =>
+            {
+                refuse(format!("smoothing_speed_{speed_unit}"), value, "a positive, finite number")
+            }
+            FrictionLaw::Viscous { viscous_coefficient_n_s_m: value }
+                if !(value.is_finite() && value >= 0.0) =>
+            {
+                let allowed = "a finite number, zero or more";
+                refuse("viscous_coefficient_n_s_m".to_owned(), value, allowed)
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// The non-dimensional friction of a contact of which `coefficient` is the (kinetic)
+    /// coefficient, `speed_unit` the sliding speed that counts as 1 (SI) and `drag_unit` the
+    /// viscous coefficient that counts as 1 (N s/m).
+    pub(super) fn contact(&self, coefficient: f64, speed_unit: f64, drag_unit: f64) -> Friction {
+        let dry = |limit, sliding| Friction { coefficient, limit, sliding };
+        match *self {
+            FrictionLaw::Coulomb => dry(coefficient, Sliding::Coulomb),
+            FrictionLaw::Stribeck { static_friction_coefficient, stribeck_speed } => {
+                let speed = stribeck_speed / speed_unit;
+                dry(static_friction_coefficient, Sliding::Stribeck { speed })
+            }
+            FrictionLaw::Smooth { smoothing_speed } => {
+                dry(0.0, Sliding::Smooth { speed: smoothing_speed / speed_unit })
+            }
+            FrictionLaw::Viscous { viscous_coefficient_n_s_m } => {
+                let drag = viscous_coefficient_n_s_m / drag_unit;
+                Friction { coefficient: 0.0, limit: 0.0, sliding: Sliding::Viscous { drag } }
+            }
+        }
+    }
+}
+
+/// Non-dimensional friction of one contact.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Friction {
+    /// Friction over normal force in fast slip, `μ`; 0 where there is no dry friction.
+    pub coefficient: f64,
+    /// The most friction over normal force in stick, `μ_s`; 0 where nothing can stick.
+    pub limit: f64,
+    /// How friction in slip depends on speed.
+    pub sliding: Sliding,
+}
+
+/// How friction in slip depends on the non-dimensional sliding speed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Sliding {
+    /// Not at all.
+    Coulomb,
+    /// It falls from the limit to the coefficient.
+    Stribeck {
+        /// The speed of the fall; at 0 it is a jump.
+        speed: f64,
+    },
+    /// It grows from 0 to the coefficient.
+    Smooth {
+        /// The speed at which half of it is reached.
+        speed: f64,
+    },
+    /// It is a drag, not in proportion to the normal force.
+    Viscous {
+        /// Drag over speed.
+        drag: f64,
+    },
+}
+
+impl Friction {
+    /// Coulomb friction.
+    pub fn coulomb(coefficient: f64) -> Self {
+        Friction { coefficient, limit: coefficient, sliding: Sliding::Coulomb }
+    }
+
+    /// Whether the contact can stick.
+    pub fn can_stick(&self) -> bool {
+        matches!(self.sliding, Sliding::Coulomb | Sliding::Stribeck { .. })
+    }
+
+    /// Friction of a contact that moves, or is about to move, in a direction (1 or -1) at a speed.
+    /// A law that cannot stick does not need the direction.
+    #[inline]
+    pub fn slip(&self, direction: f64, speed: f64) -> Contact {
+        let (signed_friction, drag) = match self.sliding {
+            Sliding::Coulomb => (direction * self.coefficient, 0.0),
+            Sliding::Stribeck { speed: reference } => {
+                // Inside the band of the switch model, a speed against the direction is rounding or
+                // rest.
+                let sliding = (direction * speed).max(0.0);
+                let excess = if reference > 0.0 { libm::exp(-sliding / reference) } else { 0.0 };
+                let ratio = self.coefficient + (self.limit - self.coefficient) * excess;
+                (direction * ratio, 0.0)
+            }
+            Sliding::Smooth { speed: reference } => {
+                let share = libm::atan(speed / reference) * std::f64::consts::FRAC_2_PI;
+                (self.coefficient * share, 0.0)
+            }
+            Sliding::Viscous { drag } => (0.0, drag * speed),
+        };
+        Contact { free: 1.0, signed_friction, drag }
+    }
+}

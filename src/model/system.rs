@@ -1,0 +1,64 @@
+//! What the computation of motion needs to know of a mechanical system with dry friction.
+
+use super::{Balancer, Contact, Forces, Friction, State};
+
+/// A system with `N` contacts that stick or slip and `FREE` other coordinates, without dimensions.
+pub trait System<const N: usize, const FREE: usize> {
+    /// Whether the contacts' coordinates are angles, the same after a whole turn.
+    const ANGULAR: bool;
+
+    /// Accelerations and contact forces in a state, for given contacts.
+    fn forces(&self, state: &State<N, f64, FREE>, contacts: &[Contact; N]) -> Forces<N, f64, FREE>;
+
+    /// The time derivative of the state, from the forces in it. A contact that sticks keeps still on
+    /// what it lies on, and what is left of its speed dies out (switch model, thesis section 4.2:
+    /// `β' = 0`, `(β̇)' = -β̇`).
+    fn derivative(
+        &self,
+        state: &State<N, f64, FREE>,
+        contacts: &[Contact; N],
+        forces: &Forces<N, f64, FREE>,
+    ) -> State<N, f64, FREE>;
+
+    /// The friction of a contact, counted from 0.
+    fn friction(&self, contact: usize) -> &Friction;
+
+    /// The longest step within which a friction force can hardly rise and fall back unseen.
+    fn longest_step(&self) -> f64;
+
+    /// The size of the forces: what their rounding is relative to.
+    fn force_scale(&self) -> f64;
+}
+
+impl<const N: usize> System<N, 2> for Balancer<N> {
+    const ANGULAR: bool = true;
+
+    #[inline]
+    fn forces(&self, state: &State<N>, contacts: &[Contact; N]) -> Forces<N> {
+        Balancer::forces(self, state, contacts)
+    }
+
+    #[inline]
+    fn derivative(
+        &self,
+        state: &State<N>,
+        contacts: &[Contact; N],
+        forces: &Forces<N>,
+    ) -> State<N> {
+        Balancer::derivative(self, state, contacts, forces)
+    }
+
+    #[inline]
+    fn friction(&self, contact: usize) -> &Friction {
+        &self.balls[contact].friction
+    }
+
+    /// A quarter of the shortest period of the table in the turning frame.
+    fn longest_step(&self) -> f64 {
+        0.5 * std::f64::consts::PI / (self.speed.abs() + 1.0)
+    }
+
+    fn force_scale(&self) -> f64 {
+        1.0 + self.speed * self.speed
+    }
+}

@@ -1,0 +1,125 @@
+//! The exact motion (Filippov): the switch model's limit as its band goes to zero.
+//!
+//! There is no band. A ball that moves is in slip until its speed is zero; there, and where the
+//! force on a resting ball reaches the friction limit, the next phase of all balls at rest follows
+//! from the complementarity problem of their accelerations: a ball rests if friction within its
+//! limit can hold it, else it sets off against full friction in the direction in which it then
+//! accelerates.
+//!
+//! What makes such a method fail in practice, and what is done here:
+//!
+//! - At break-away `|f_w| = μ f_n` holds to rounding only, so that a plain "stick, else slip" finds
+//!   neither or both. Within rounding ([`TIE`]) the rate of change decides: the force that is about
+//!   to exceed the limit breaks the ball loose, one that is about to fall back does not.
+//! - A ball may move by rounding only and come to rest at the instant at which it set off. It then
+//!   rests, and is let go only when the force exceeds the limit by ten times what the decision
+//!   takes for rounding. Without this, a ball that creeps towards the edge of the equilibrium set,
+//!   its pull ever nearer to the limit, would stop and go for ever.
+//! - Speeds at an event are put to exactly zero, so that a step may begin on an event; a crossing
+//!   counts only in the direction in which the condition fails.
+//! - All balls that are at rest at the instant decide together, also those whose events fell into
+//!   the same step.
+
+use super::Failure;
+use super::contact::{Phase, derivative, forces, settle, stick_reserve};
+use crate::model::{Forces, State, System};
+
+/// What counts as rounding in a condition, over the size of the forces.
+const TIE: f64 = 1e-14;
+/// How much more than that must be missing before a ball at rest is let go.
+const RELEASE: f64 = 10.0;
+/// How far ahead, in time, the rate of change of a condition is looked for.
+const AHEAD: f64 = 1e-6;
+
+/// The slack of the condition for rest, as a force.
+pub(super) fn release_slack<S: System<N, FREE>, const N: usize, const FREE: usize>(
+    system: &S,
+) -> f64 {
+    RELEASE * TIE * system.force_scale()
+}
+
+/// What a contact does at first, by its speed alone.
+pub(super) fn first_phase(can_stick: bool, speed: f64) -> Phase {
+    if !can_stick {
+        Phase::Free
+    } else if speed == 0.0 {
+        Phase::Stick
+    } else {
+        Phase::Slip(speed.signum())
+    }
+}
+
+/// Decides for all contacts `at_rest` together whether they stick or which way they set off, and
+/// returns the forces that go with the decision.
+///
+/// # Errors
+/// [`Failure::NoSolution`] where no combination meets all conditions.
+pub(super) fn decide<S: System<N, FREE>, const N: usize, const FREE: usize>(
+    system: &S,
+    state: &State<N, f64, FREE>,
+    phases: &mut [Phase; N],
+    at_rest: [bool; N],
+) -> Result<Forces<N, f64, FREE>, Failure> {
+    let tie = TIE * system.force_scale();
+    let choices = [Phase::Stick, Phase::Slip(1.0), Phase::Slip(-1.0)];
+    settle(system, state, phases, at_rest, choices, |forces, phases, ball| match phases[ball] {
+        Phase::Transition(_) | Phase::Free => None,
+        Phase::Stick => (!rests(system, state, phases, ball, tie))
+            .then(|| Phase::Slip(forces.friction[ball].signum())),
+        Phase::Slip(direction) => {
+            let acceleration = direction * forces.beta_ddot[ball];
+            // Where it neither accelerates nor decelerates but for rounding, rest decides.
+            let sets_off = acceleration > tie
+                || (acceleration >= -tie && !rests(system, state, phases, ball, tie));
+            (!sets_off).then_some(Phase::Stick)
+        }
+    })
+}
+
+/// Whether a contact would rest if it stuck, the others doing what is assumed of them: by the value
+/// of the condition, and within rounding of zero by its rate of change.
+fn rests<S: System<N, FREE>, const N: usize, const FREE: usize>(
+    system: &S,
+    state: &State<N, f64, FREE>,
+    phases: &[Phase; N],
+    ball: usize,
+    tie: f64,
+) -> bool {
+    let mut stuck = *phases;
+    stuck[ball] = Phase::Stick;
+    let reserve =
+        |state: &State<N, f64, FREE>| stick_reserve(system, &forces(system, &stuck, state), ball);
+    let value = reserve(state);
+    if value.abs() > tie {
+        return value > 0.0;
+    }
+    let mut ahead = *state;
+    ahead.add_scaled(AHEAD, &derivative(system, &stuck, state));
+    reserve(&ahead) - value >= -tie
+}
+
+/// What comes after an event in this state. `stopped_at_once` is a contact that came to rest at the
+/// very instant at which it had set off: it stays.
+///
+/// # Errors
+/// [`Failure::NoSolution`] where no combination meets all conditions.
+pub(super) fn switch<S: System<N, FREE>, const N: usize, const FREE: usize>(
+    system: &S,
+    state: &mut State<N, f64, FREE>,
+    phases: &mut [Phase; N],
+    stopped_at_once: Option<usize>,
+) -> Result<Forces<N, f64, FREE>, Failure> {
+    let mut at_rest = [false; N];
+    for ball in 0..N {
+        match phases[ball] {
+            Phase::Slip(direction) if direction * state.beta_dot[ball] <= 0.0 => {
+                state.beta_dot[ball] = 0.0;
+                phases[ball] = Phase::Stick;
+                at_rest[ball] = stopped_at_once != Some(ball);
+            }
+            Phase::Stick => at_rest[ball] = true,
+            _ => {}
+        }
+    }
+    decide(system, state, phases, at_rest)
+}

@@ -1,0 +1,405 @@
+//! A motion in progress: smooth phases, joined by switches that are located on the dense output.
+//!
+//! Every smooth phase is integrated with what each contact does kept as it is. The instant at which
+//! a condition of that fails ends the step, and the method (the switch model or its limit) says
+//! what comes next; no step crosses a switch, so that the integrator keeps its order.
+
+use super::contact::{Phase, derivative, forces};
+use super::dop853::{Interpolant, Step, Tolerance};
+use super::guard::{Guard, Margins};
+use super::{Failure, event_driven, fall_through_zero, switch_model};
+use crate::model::{Forces, Method, State, System};
+
+/// How a motion is computed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Settings {
+    /// Switch model or its limit.
+    pub method: Method,
+    /// Half width `η` of the switch model's band, over `ω_n`.
+    pub band: f64,
+    /// Errors allowed per step.
+    pub tolerance: Tolerance,
+    /// Most steps, accepted and rejected, and switches together.
+    pub effort_limit: u64,
+}
+
+/// What a motion has cost so far.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Effort {
+    /// Accepted steps.
+    pub steps: u64,
+    /// Steps rejected by error control.
+    pub rejected_steps: u64,
+    /// Changes of a ball's phase.
+    pub switches: u64,
+}
+
+/// Slower than this, over `ω_n`, a contact counts as slow; see [`Motion::slow_since`].
+pub const SLOW: f64 = 1e-6;
+
+/// A motion in progress.
+#[derive(Clone, Debug)]
+pub struct Motion<'a, S, const N: usize, const FREE: usize = 2> {
+    system: &'a S,
+    settings: Settings,
+    margins: Margins,
+    slow: f64,
+    time: f64,
+    state: State<N, f64, FREE>,
+    turns: [i64; N],
+    phases: [Phase; N],
+    forces: Forces<N, f64, FREE>,
+    derivative: State<N, f64, FREE>,
+    next_length: f64,
+    longest: f64,
+    last_switches: [f64; N],
+    slow_since: [f64; N],
+    effort: Effort,
+    last: Option<LastStep<N, FREE>>,
+}
+
+/// The latest step as it was computed, for looking inside.
+#[derive(Clone, Debug)]
+struct LastStep<const N: usize, const FREE: usize> {
+    step: Step<N, f64, FREE>,
+    phases: [Phase; N],
+    end_derivative: State<N, f64, FREE>,
+    start_time: f64,
+    /// The part of the step that was used: less than 1 where a switch cut it short.
+    used: f64,
+    interpolant: Option<Interpolant<N, FREE>>,
+}
+
+impl<const N: usize, const FREE: usize> LastStep<N, FREE> {
+    /// Dense output over the step, made when first asked for.
+    fn interpolant<S: System<N, FREE>>(&mut self, system: &S) -> &Interpolant<N, FREE> {
+        let (step, phases) = (&self.step, &self.phases);
+        let end_derivative = &self.end_derivative;
+        self.interpolant.get_or_insert_with(|| {
+            step.interpolant(|state| derivative(system, phases, state), end_derivative)
+        })
+    }
+}
+
+/// What ends a step early.
+#[derive(Clone, Copy, Debug)]
+struct FirstSwitch {
+    /// When, as a fraction of the step.
+    theta: f64,
+    /// The contact whose condition fails.
+    ball: usize,
+}
+
+/// The shortest step, over the time that has passed, that still moves the clock.
+const SHORTEST: f64 = 1e-14;
+
+impl<'a, S: System<N, FREE>, const N: usize, const FREE: usize> Motion<'a, S, N, FREE> {
+    /// A motion that starts from `state` at time 0.
+    ///
+    /// # Errors
+    /// [`Failure`] where the start state itself cannot be continued.
+    pub fn new(
+        system: &'a S,
+        settings: Settings,
+        state: State<N, f64, FREE>,
+    ) -> Result<Self, Failure> {
+        let Settings { method, band, .. } = settings;
+        let (margins, slow) = match method {
+            Method::Switch => (Margins { band, slack: switch_model::SLACK }, SLOW.max(band)),
+            Method::Event => {
+                (Margins { band: 0.0, slack: event_driven::release_slack(system) }, SLOW)
+            }
+        };
+        let mut phases = std::array::from_fn(|ball| {
+            let (can_stick, speed) = (system.friction(ball).can_stick(), state.beta_dot[ball]);
+            match method {
+                Method::Switch => switch_model::first_phase(can_stick, speed, band),
+                Method::Event => event_driven::first_phase(can_stick, speed),
+            }
+        });
+        let forces = match method {
+            Method::Switch => switch_model::decide(system, &state, &mut phases)?,
+            Method::Event => {
+                let at_rest = phases.map(|phase| phase == Phase::Stick);
+                event_driven::decide(system, &state, &mut phases, at_rest)?
+            }
+        };
+        check_forces(&forces)?;
+        let longest = system.longest_step();
+        let mut motion = Motion {
+            system,
+            settings,
+            margins,
+            slow,
+            time: 0.0,
+            derivative: derivative(system, &phases, &state),
+            state,
+            turns: [0; N],
+            phases,
+            forces,
+            next_length: 0.1 * longest,
+            longest,
+            last_switches: [0.0; N],
+            slow_since: [0.0; N],
+            effort: Effort::default(),
+            last: None,
+        };
+        motion.wrap_angles();
+        motion.turns = [0; N];
+        Ok(motion)
+    }
+
+    /// Non-dimensional time.
+    pub fn time(&self) -> f64 {
+        self.time
+    }
+
+    /// The present state. Angles lie within a step of [0, 2π); whole turns are counted apart.
+    pub fn state(&self) -> &State<N, f64, FREE> {
+        &self.state
+    }
+
+    /// Angle of a ball, rad, with the whole turns that it has made since the start.
+    pub fn unwrapped_angle(&self, ball: usize) -> f64 {
+        self.state.beta[ball] + self.turns[ball] as f64 * std::f64::consts::TAU
+    }
+
+    /// What each ball does.
+    pub fn phases(&self) -> &[Phase; N] {
+        &self.phases
+    }
+
+    /// Accelerations and forces in the present state.
+    pub fn forces(&self) -> &Forces<N, f64, FREE> {
+        &self.forces
+    }
+
+    /// When each ball last changed its phase; 0 where it has not.
+    pub fn last_switches(&self) -> &[f64; N] {
+        &self.last_switches
+    }
+
+    /// The last time at which each ball was faster than [`SLOW`], or than the band where that is
+    /// wider; 0 where it never was, and now where it is.
+    pub fn slow_since(&self) -> &[f64; N] {
+        &self.slow_since
+    }
+
+    /// Whether all balls are that slow.
+    pub fn all_slow(&self) -> bool {
+        self.state.beta_dot.iter().all(|speed| speed.abs() <= self.slow)
+    }
+
+    /// What the motion has cost so far.
+    pub fn effort(&self) -> Effort {
+        self.effort
+    }
+
+    /// Whether all balls stick.
+    pub fn all_stick(&self) -> bool {
+        self.phases.iter().all(|phase| *phase == Phase::Stick)
+    }
+
+    /// Goes on by one step, which ends at the next switch or at time `until` at the latest.
+    /// Returns whether a ball changed its phase.
+    ///
+    /// # Errors
+    /// [`Failure`]; the motion then stands where it last was sound.
+    pub fn advance(&mut self, until: f64) -> Result<bool, Failure> {
+        self.wrap_angles();
+        let system = self.system;
+        let phases = self.phases;
+        let (step, suggestion) = self.sound_step(until)?;
+        let end_forces = forces(system, &phases, &step.end);
+        let end_derivative = derivative(system, &phases, &step.end);
+        let shortened = step.length < suggestion && step.length < self.next_length;
+        self.next_length = if shortened { self.next_length } else { suggestion };
+        self.effort.steps += 1;
+        let start_time = self.time;
+        let mut last =
+            LastStep { step, phases, end_derivative, start_time, used: 1.0, interpolant: None };
+        let switched = match self.first_switch(&mut last, &end_forces) {
+            Some(first) => self.switch(&mut last, first)?,
+            None => None,
+        };
+        if switched.is_none() {
+            check_forces(&end_forces)?;
+            self.time = if until - self.time <= last.step.length {
+                until
+            } else {
+                self.time + last.step.length
+            };
+            self.state = last.step.end;
+            self.forces = end_forces;
+            self.derivative = end_derivative;
+        }
+        for (since, speed) in self.slow_since.iter_mut().zip(self.state.beta_dot) {
+            if speed.abs() > self.slow {
+                *since = self.time;
+            }
+        }
+        self.last = Some(last);
+        Ok(switched.unwrap_or(false))
+    }
+
+    /// A step within the tolerances, with what contacts do kept as it is, and the length that error
+    /// control suggests for the next.
+    fn sound_step(&mut self, until: f64) -> Result<(Step<N, f64, FREE>, f64), Failure> {
+        let (system, phases) = (self.system, self.phases);
+        loop {
+            let effort = self.effort;
+            if effort.steps + effort.rejected_steps + effort.switches >= self.settings.effort_limit
+            {
+                return Err(Failure::StepLimit);
+            }
+            let length = self.next_length.min(self.longest).min(until - self.time);
+            let right_hand_side = |state: &State<N, f64, FREE>| derivative(system, &phases, state);
+            let step = Step::attempt(right_hand_side, &self.state, &self.derivative, length);
+            let error = step.error(self.settings.tolerance, S::ANGULAR);
+            // Error control of DOP853: order 8, safety 0.9, change between 1/3 and 6.
+            let change = 0.9 / error.sqrt().sqrt().sqrt();
+            if error <= 1.0 {
+                return Ok((step, length * change.clamp(0.333, 6.0)));
+            }
+            self.effort.rejected_steps += 1;
+            self.next_length =
+                if error.is_finite() { length * change.clamp(0.333, 1.0) } else { 0.1 * length };
+            if self.next_length < SHORTEST * self.time.max(1.0) {
+                return Err(if error.is_finite() {
+                    Failure::StepLimit
+                } else {
+                    Failure::NotFinite
+                });
+            }
+        }
+    }
+
+    /// Ends the step at a switch and begins the next phase. Returns whether a ball changed what it
+    /// does, or nothing where the whole step stands as it is.
+    fn switch(
+        &mut self,
+        last: &mut LastStep<N, FREE>,
+        FirstSwitch { theta, ball }: FirstSwitch,
+    ) -> Result<Option<bool>, Failure> {
+        let system = self.system;
+        let mut state = if theta > 0.0 { last.interpolant(system).at(theta) } else { self.state };
+        let mut phases = self.phases;
+        let forces = match self.settings.method {
+            Method::Switch => {
+                let band = self.settings.band;
+                let forces = switch_model::switch(system, band, &state, &mut phases)?;
+                if phases == self.phases {
+                    return Ok(None);
+                }
+                forces
+            }
+            Method::Event => {
+                let slips = matches!(self.phases[ball], Phase::Slip(_));
+                let stopped_at_once = (theta == 0.0 && slips).then_some(ball);
+                event_driven::switch(system, &mut state, &mut phases, stopped_at_once)?
+            }
+        };
+        check_forces(&forces)?;
+        last.used = theta;
+        self.time = last.start_time + theta * last.step.length;
+        self.state = state;
+        self.forces = forces;
+        for (ball, last_switch) in self.last_switches.iter_mut().enumerate() {
+            if phases[ball] != self.phases[ball] {
+                self.effort.switches += 1;
+                *last_switch = self.time;
+            }
+        }
+        let changed = phases != self.phases;
+        self.phases = phases;
+        self.derivative = derivative(system, &phases, &self.state);
+        Ok(Some(changed))
+    }
+
+    /// Where in the latest step a ball went once round, through the angle 0: time and state there,
+    /// if it did.
+    pub fn passage(&mut self, ball: usize) -> Option<(f64, State<N, f64, FREE>)> {
+        let system = self.system;
+        let last = self.last.as_mut()?;
+        let (start, end) = (last.step.start.beta[ball], self.state.beta[ball]);
+        let (mark, sign) = if start < std::f64::consts::TAU && end >= std::f64::consts::TAU {
+            (std::f64::consts::TAU, 1.0)
+        } else if start > 0.0 && end <= 0.0 {
+            (0.0, -1.0)
+        } else {
+            return None;
+        };
+        let used = last.used;
+        let (start_time, length) = (last.start_time, last.step.length);
+        let interpolant = last.interpolant(system);
+        let ahead = |theta: f64| sign * (mark - interpolant.at(theta).beta[ball]);
+        let theta = fall_through_zero(
+            ahead,
+            (0.0, sign * (mark - start)),
+            (used, sign * (mark - end)),
+            1e-13,
+        );
+        Some((start_time + theta * length, interpolant.at(theta)))
+    }
+
+    /// What ends the step early, if anything: the condition that fails first.
+    fn first_switch(
+        &self,
+        last: &mut LastStep<N, FREE>,
+        end_forces: &Forces<N, f64, FREE>,
+    ) -> Option<FirstSwitch> {
+        let system = self.system;
+        let phases = last.phases;
+        let mut first: Option<FirstSwitch> = None;
+        for guard in Guard::all(&phases) {
+            let start = guard.value(system, self.margins, (&self.state, &self.forces));
+            let end = guard.value(system, self.margins, (&last.step.end, end_forces));
+            let dips = || {
+                guard.may_dip(system, last.step.length, (start, end), (&self.forces, end_forces))
+            };
+            if end >= 0.0 && !dips() {
+                continue;
+            }
+            let interpolant = last.interpolant(system);
+            let failure = guard.first_failure((start, end), |theta| {
+                let state = interpolant.at(theta);
+                guard.value(system, self.margins, (&state, &forces(system, &phases, &state)))
+            });
+            if let Some(theta) = failure
+                && first.is_none_or(|first| theta < first.theta)
+            {
+                first = Some(FirstSwitch { theta, ball: guard.ball });
+            }
+        }
+        first
+    }
+
+    /// Brings angles into [0, 2π), counting whole turns apart.
+    fn wrap_angles(&mut self) {
+        if !S::ANGULAR {
+            return;
+        }
+        for ball in 0..N {
+            let angle = self.state.beta[ball];
+            if !(0.0..std::f64::consts::TAU).contains(&angle) {
+                let turns = (angle / std::f64::consts::TAU).floor();
+                self.state.beta[ball] = angle - turns * std::f64::consts::TAU;
+                self.turns[ball] += turns as i64;
+            }
+        }
+    }
+}
+
+/// Refuses forces that are not finite and normal forces that pull.
+fn check_forces<const N: usize, const FREE: usize>(
+    forces: &Forces<N, f64, FREE>,
+) -> Result<(), Failure> {
+    let Forces { table_acceleration, beta_ddot, normal, .. } = forces;
+    if !table_acceleration.iter().chain(beta_ddot).chain(normal).all(|force| force.is_finite()) {
+        return Err(Failure::NotFinite);
+    }
+    match normal.iter().position(|&force| force <= 0.0) {
+        Some(ball) => Err(Failure::ContactLost { ball: ball + 1 }),
+        None => Ok(()),
+    }
+}
