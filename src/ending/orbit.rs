@@ -25,7 +25,7 @@ const NEAR: f64 = 1e-3;
 /// Returns in a row that must be near.
 const NEAR_RETURNS: usize = 3;
 /// How often per run the multipliers are computed at most.
-const MOST_ATTEMPTS: u32 = 3;
+const MOST_ATTEMPTS: u32 = 6;
 /// A passage of the running ball through the section.
 #[derive(Clone, Debug)]
 struct Passage<const N: usize> {
@@ -94,8 +94,9 @@ impl<const N: usize> OrbitWatch<N> {
             return None;
         }
         self.attempts += 1;
-        // After a look that showed nothing, give the motion ten times as long to settle.
-        self.wait_until = time + 10.0 * (time - self.passages.first()?.time);
+        // After a look that showed nothing, give the motion time to settle; longer each time.
+        let looked_at = time - self.passages.first()?.time;
+        self.wait_until = time + f64::from(1 << self.attempts) * looked_at;
         match self.examine(balancer, settings, reference, turns, motion.last_switches()) {
             Verdict::Stable(orbit) => return Some(orbit),
             Verdict::Unstable => self.unstable = Some(turns),

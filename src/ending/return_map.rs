@@ -12,6 +12,8 @@ use crate::motion::{Motion, Phase, Settings};
 const REACH: f64 = 1e-2;
 /// Most steps of Newton's method.
 const MOST_REFINEMENTS: usize = 10;
+/// Most returns within which the run must come ten times nearer to the orbit.
+const MOST_RETURNS: usize = 200;
 /// Step of the central differences, non-dimensional.
 const DIFFERENCE: f64 = 1e-4;
 /// Multipliers must stay this far inside the unit circle to count as stable, and go this far
@@ -80,7 +82,7 @@ impl<const N: usize> ReturnMap<'_, N> {
             let orbit = self.follow(&start)?;
             let residual = (self.coordinates(&orbit.state) - &centre).map(wrapped_small);
             if residual.amax() <= closure {
-                return self.in_fewest_turns(&start, closure);
+                return self.in_fewest_turns(&start, state, closure);
             }
             // (1 - J) δ = P(s) - s
             centre += newton.solve(&residual)?;
@@ -93,7 +95,13 @@ impl<const N: usize> ReturnMap<'_, N> {
 
     /// What the closed orbit from `state` is when it is followed once round: an orbit that closes
     /// after six turns may close after two.
-    fn in_fewest_turns(&self, state: &State<N>, closure: f64) -> Option<Verdict<N>> {
+    /// `run` is where the run itself is.
+    fn in_fewest_turns(
+        &self,
+        state: &State<N>,
+        run: &State<N>,
+        closure: f64,
+    ) -> Option<Verdict<N>> {
         let centre = self.coordinates(state);
         for turns in (1..=self.turns).filter(|turns| self.turns.is_multiple_of(*turns)) {
             let once = ReturnMap { turns, ..*self };
@@ -101,11 +109,34 @@ impl<const N: usize> ReturnMap<'_, N> {
                 let residual = (self.coordinates(&orbit.state) - &centre).map(wrapped_small);
                 if residual.amax() <= closure {
                     let jacobian = once.jacobian(state, &centre)?;
-                    return Some(once.judge(state, orbit, jacobian));
+                    let verdict = once.judge(state, orbit, jacobian);
+                    let claimed = matches!(verdict, Verdict::Stable(_));
+                    return (!claimed || once.attracts(run, &centre, closure)).then_some(verdict);
                 }
             }
         }
         None
+    }
+
+    /// Whether the run itself is drawn to the orbit: whether it comes ten times nearer. An orbit
+    /// with multipliers inside the unit circle may have a small basin; a ball that slowly swings
+    /// about its place in the orbit, sticking at every turn, may never come closer.
+    fn attracts(&self, run: &State<N>, centre: &DVector<f64>, closure: f64) -> bool {
+        let distance =
+            |state: &State<N>| (self.coordinates(state) - centre).map(wrapped_small).amax();
+        let mut state = *run;
+        let first = distance(&state);
+        for _ in 0..MOST_RETURNS {
+            let now = distance(&state);
+            if now <= closure.max(0.1 * first) {
+                return true;
+            }
+            match self.follow(&state) {
+                Some(next) if now <= 10.0 * first => state = next.state,
+                _ => return false,
+            }
+        }
+        false
     }
 
     /// The derivative of the return map, by central differences.
