@@ -40,7 +40,8 @@ struct Passage<const N: usize> {
 #[derive(Clone, Debug)]
 pub struct OrbitWatch<const N: usize> {
     closure: f64,
-    ball: Option<usize>,
+    /// The ball whose passages mark the section, and its direction.
+    ball: Option<(usize, f64)>,
     passages: Vec<Passage<N>>,
     near_in_a_row: [usize; MOST_TURNS + 1],
     attempts: u32,
@@ -72,13 +73,17 @@ impl<const N: usize> OrbitWatch<N> {
         settings: &Settings,
         motion: &mut Motion<Balancer<N>, N>,
     ) -> Option<Orbit<N>> {
-        if self.ball.is_some_and(|ball| motion.phases()[ball].in_band()) {
+        let beta_dot = motion.state().beta_dot;
+        let has_stopped = |(ball, direction): (usize, f64)| {
+            motion.phases()[ball].in_band() || direction * beta_dot[ball] <= 0.0
+        };
+        if self.ball.is_some_and(has_stopped) {
             self.restart();
         }
         let gone_round = |angle: f64| !(0.0..std::f64::consts::TAU).contains(&angle);
         let beta = motion.state().beta;
         let reference = match self.ball {
-            Some(ball) if gone_round(beta[ball]) => ball,
+            Some((ball, _)) if gone_round(beta[ball]) => ball,
             Some(_) => return None,
             None => (0..N).find(|&ball| gone_round(beta[ball]))?,
         };
@@ -86,7 +91,7 @@ impl<const N: usize> OrbitWatch<N> {
             self.restart();
             return None;
         };
-        self.ball = Some(reference);
+        self.ball = Some((reference, beta_dot[reference].signum()));
         let differences = [f64::INFINITY; MOST_TURNS + 1];
         let passage = Passage { time, state, phases: *motion.phases(), differences };
         let turns = self.record(reference, passage)?;
