@@ -24,15 +24,8 @@
 //! use stickslip::model::{Case, Machine, Simulation, Start};
 //!
 //! let case = Case {
-//!     machine: Machine { speed_rad_s: -160.8103, ..Machine::default() },
-//!     start: Start {
-//!         x: 0.01,
-//!         y: 0.0,
-//!         beta: vec![1.0, 4.0],
-//!         x_dot: 0.0,
-//!         y_dot: 0.02,
-//!         beta_dot: vec![0.5, -0.3],
-//!     },
+//!     model: Machine { speed_rad_s: -160.8103, ..Machine::default() }.into(),
+//!     start: Start::of_balancer([0.01, 0.0], &[1.0, 4.0], [0.0, 0.02], &[0.5, -0.3]),
 //!     simulation: Simulation::default(),
 //! };
 //! let outcome = simulate(&case);

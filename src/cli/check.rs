@@ -6,6 +6,7 @@ use serde_json::json;
 use super::arguments::StudyArgument;
 use super::exit::{CliError, End};
 use super::output::print;
+use crate::model::Method;
 use crate::study::{Study, VariedParameter};
 
 const EXAMPLES: &str = "\
@@ -35,6 +36,10 @@ pub fn check(arguments: &CheckArguments) -> Result<End, CliError> {
         columns.iter().map(|column| column.name.clone()).collect()
     };
     let (swept, uncertain) = (names(study.swept()), names(study.uncertain()));
+    let method = match study.simulation().method {
+        Method::Switch => "switch",
+        Method::Event => "event",
+    };
     let core_seconds = most_core_seconds(&study);
     if arguments.json {
         let report = json!({
@@ -43,7 +48,9 @@ pub fn check(arguments: &CheckArguments) -> Result<End, CliError> {
             "seed": study.seed(),
             "points": study.point_count(),
             "runs": study.run_count(),
-            "balls": study.balls(),
+            "model": study.model().kind(),
+            "method": method,
+            "balls": study.model().balls(),
             "swept": swept,
             "uncertain": uncertain,
             "expectations": study.expectations().len(),
@@ -55,20 +62,25 @@ pub fn check(arguments: &CheckArguments) -> Result<End, CliError> {
     let listed = |names: &[String]| {
         if names.is_empty() { "nothing".to_owned() } else { names.join(", ") }
     };
-    let natural = study.machine().natural_frequency_rad_s();
+    let what = match study.model().balls() {
+        0 => study.model().kind().to_owned(),
+        1 => "ball_balancer with 1 ball".to_owned(),
+        balls => format!("ball_balancer with {balls} balls"),
+    };
+    let natural = study.model().natural_frequency_rad_s();
     print(&format!(
         "study         {} (hash {}, seed {})\n\
-         machine       {} balls, natural frequency {natural:.3} rad/s\n\
+         model         {what}, {} friction, natural frequency {natural:.3} rad/s\n\
          swept         {}\n\
          uncertain     {}\n\
          points        {}\n\
-         runs          {}, each to {} s or until its ending is known\n\
+         runs          {}, each to {} s or until its ending is known, method {method}\n\
          expectations  {}\n\
          cost          at most about {} on one core; less where runs come to rest early\n",
         study.name(),
         &study.hash()[..12],
         study.seed(),
-        study.balls(),
+        study.model().friction().name(),
         listed(&swept),
         listed(&uncertain),
         study.point_count(),
@@ -85,8 +97,8 @@ pub fn check(arguments: &CheckArguments) -> Result<End, CliError> {
 /// number of components and, the method being of order 8, with the tolerance's eighth root.
 fn most_core_seconds(study: &Study) -> f64 {
     let simulation = study.simulation();
-    let units = simulation.end_time_s * study.machine().natural_frequency_rad_s();
-    let components = (4 + 2 * study.balls()) as f64 / 8.0;
+    let units = simulation.end_time_s * study.model().natural_frequency_rad_s();
+    let components = (4 + 2 * study.model().balls()) as f64 / 8.0;
     let tolerance = (1e-8 / simulation.relative_tolerance).powf(0.125);
     1e-6 * units * components * tolerance * study.run_count() as f64
 }

@@ -5,7 +5,7 @@
 //! | label | evidence | what has been shown |
 //! |---|---|---|
 //! | `equilibrium` | `rest_certified` | all balls stick and, by the closed form, can never break loose |
-//! | `equilibrium` | `creep` | all balls are in the band and drift, ever slower, at the edge of the equilibrium set |
+//! | `equilibrium` | `creep` | all balls are slow and drift, ever slower, at the edge of the equilibrium set |
 //! | `limit_cycle` | `closed_orbit` | the orbit closes modulo 2π, its multipliers lie inside the unit circle, resting balls keep a margin |
 //! | `undecided` | `unstable_orbit` | the orbit closes, but a multiplier lies outside the unit circle |
 //! | `undecided` | `end_time` | none of the above until the end time |
@@ -14,6 +14,8 @@
 //! `irregular` (evidence `lyapunov`) is part of the vocabulary but not yet given: what shows no
 //! closed orbit stays `undecided`.
 
+mod balancer;
+mod block;
 mod certificate;
 mod creep;
 mod orbit;

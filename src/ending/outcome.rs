@@ -111,10 +111,11 @@ pub struct Outcome {
     pub time_to_rest_s: Option<f64>,
     /// Simulated time at which the run was stopped, s.
     pub end_time_s: Option<f64>,
-    /// Angles at the end, rad, in [0, 2π).
-    pub beta_rad: Option<Vec<f64>>,
+    /// Where each contact is at the end: a ball's angle in rad, in [0, 2π); a block's position in m.
+    pub position: Option<Vec<f64>>,
     /// Amplitude of the table's vibration, m: at the rest point, or root mean square over the cycle
-    /// or the last tenth of the time.
+    /// or the last tenth of the time. Of a block, half of the way between the extremes of its
+    /// position in that time; 0 at rest.
     pub amplitude_m: Option<f64>,
     /// The least part of the friction limit that is left to a resting ball: at the rest point, or
     /// along the cycle.
@@ -123,7 +124,7 @@ pub struct Outcome {
     pub period_s: Option<f64>,
     /// Mean speed of each ball relative to the ring in the last tenth of the time or over the
     /// cycle, rad/s; 0 at rest.
-    pub ball_speed_rad_s: Option<Vec<f64>>,
+    pub mean_speed: Option<Vec<f64>>,
     /// What the run has cost.
     pub effort: Effort,
     /// What went wrong, in words.
@@ -143,11 +144,11 @@ impl Outcome {
             balls_running: None,
             time_to_rest_s: None,
             end_time_s: None,
-            beta_rad: None,
+            position: None,
             amplitude_m: None,
             friction_margin: None,
             period_s: None,
-            ball_speed_rad_s: None,
+            mean_speed: None,
             effort: Effort::default(),
             error: Some(error),
         }

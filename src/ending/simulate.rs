@@ -1,274 +1,44 @@
 //! The one arrow of this room: a case goes in, an outcome comes out.
 
-use super::certificate::{certified, certified_by_closed_form};
-use super::creep::creeps;
-use super::orbit::OrbitWatch;
+use super::balancer::simulate_balancer;
+use super::block::simulate_block;
 use super::outcome::{Evidence, Outcome};
-use super::return_map::Orbit;
-use crate::model::{Balancer, Case, RestPoint, Start, State};
-use crate::motion::{Failure, Motion, Settings, Tolerance};
+use crate::model::{Case, Machine, Model, Simulation, Start};
+
+/// The part of the time at the end of a run over which means are taken.
+pub(super) const WINDOW: f64 = 0.1;
 
 /// Simulates a case until its ending is known. A pure function: equal cases give equal outcomes.
 pub fn simulate(case: &Case) -> Outcome {
-    if let Err(invalid) = case.machine.validate() {
+    if let Err(invalid) = case.model.validate() {
         return Outcome::failed(Evidence::InvalidParameters, invalid.to_string());
     }
-    match case.machine.balls.len() {
-        1 => simulate_balls::<1>(case),
-        2 => simulate_balls::<2>(case),
-        3 => simulate_balls::<3>(case),
-        4 => simulate_balls::<4>(case),
-        5 => simulate_balls::<5>(case),
-        6 => simulate_balls::<6>(case),
-        7 => simulate_balls::<7>(case),
-        8 => simulate_balls::<8>(case),
-        other => Outcome::failed(Evidence::InvalidParameters, format!("{other} balls")),
+    match &case.model {
+        Model::BallBalancer(machine) => simulate_balls(machine, &case.start, &case.simulation),
+        Model::Block(block) => simulate_block(block, &case.start, &case.simulation),
     }
 }
 
-fn simulate_balls<const N: usize>(case: &Case) -> Outcome {
-    let (Some(balancer), Some(state)) = (Balancer::<N>::new(&case.machine), start(&case.start))
-    else {
-        let error = "the start state has another number of balls than the machine";
-        return Outcome::failed(Evidence::InvalidParameters, error.to_owned());
+fn simulate_balls(machine: &Machine, start: &Start, simulation: &Simulation) -> Outcome {
+    let run = match machine.balls.len() {
+        1 => simulate_balancer::<1>,
+        2 => simulate_balancer::<2>,
+        3 => simulate_balancer::<3>,
+        4 => simulate_balancer::<4>,
+        5 => simulate_balancer::<5>,
+        6 => simulate_balancer::<6>,
+        7 => simulate_balancer::<7>,
+        8 => simulate_balancer::<8>,
+        other => {
+            return Outcome::failed(Evidence::InvalidParameters, format!("{other} balls"));
+        }
     };
-    let natural = case.machine.natural_frequency_rad_s();
-    let end = case.simulation.end_time_s * natural;
-    let settings = Settings {
-        method: case.simulation.method,
-        band: case.simulation.band,
-        tolerance: Tolerance {
-            relative: case.simulation.relative_tolerance,
-            absolute: case.simulation.absolute_tolerance,
-        },
-        effort_limit: effort_limit(end, balancer.speed, balancer.damping_ratio),
-    };
-    let units = Units { natural, radius: case.machine.ring_radius_m };
-    match Motion::new(&balancer, settings, state) {
-        Ok(motion) => Run::new(&balancer, settings, motion, end).finish(units),
-        Err(failure) => Outcome::failed(Evidence::Failure(failure), failure.to_string()),
-    }
+    run(machine, start, simulation)
 }
 
-/// Far more than any sound run takes: it takes ten steps and a few switches per unit of time.
-/// Steps get shorter with the speed of the disc and the damping of the table. However long a run is,
-/// it is given up after a few minutes of computing.
-fn effort_limit(end: f64, speed: f64, damping_ratio: f64) -> u64 {
-    100_000 + (1000.0 * end * (1.0 + speed.abs() + damping_ratio)).min(1e8) as u64
-}
-
-fn start<const N: usize>(start: &Start) -> Option<State<N>> {
-    Some(State {
-        position: [start.x, start.y],
-        velocity: [start.x_dot, start.y_dot],
-        beta: start.beta.as_slice().try_into().ok()?,
-        beta_dot: start.beta_dot.as_slice().try_into().ok()?,
-    })
-}
-
-/// The latest of some times.
-fn latest(times: &[f64]) -> f64 {
-    times.iter().copied().fold(0.0, f64::max)
-}
-
-/// What turns non-dimensional values into SI units.
-#[derive(Clone, Copy)]
-struct Units {
-    natural: f64,
-    radius: f64,
-}
-
-/// The part of the time at the end of a run over which means are taken.
-const WINDOW: f64 = 0.1;
-
-/// Means over the last part of a run.
-struct Window<const N: usize> {
-    start: f64,
-    angles: Option<[f64; N]>,
-    opened: f64,
-    square_time: f64,
-}
-
-struct Run<'a, const N: usize> {
-    balancer: &'a Balancer<N>,
-    settings: Settings,
-    motion: Motion<'a, Balancer<N>, N>,
-    end: f64,
-    watch: OrbitWatch<N>,
-    window: Window<N>,
-    rest: Option<RestPoint<N>>,
-}
-
-/// How the loop came to its end.
-enum Ending<const N: usize> {
-    Rest(RestPoint<N>),
-    Cycle(Orbit<N>),
-    EndTime,
-    Failure(Failure),
-}
-
-impl<'a, const N: usize> Run<'a, N> {
-    fn new(
-        balancer: &'a Balancer<N>,
-        settings: Settings,
-        motion: Motion<'a, Balancer<N>, N>,
-        end: f64,
-    ) -> Self {
-        Run {
-            balancer,
-            settings,
-            motion,
-            end,
-            watch: OrbitWatch::new(&settings),
-            window: Window {
-                start: (1.0 - WINDOW) * end,
-                angles: None,
-                opened: 0.0,
-                square_time: 0.0,
-            },
-            rest: None,
-        }
-    }
-
-    fn finish(mut self, units: Units) -> Outcome {
-        let ending = self.until_it_ends();
-        self.outcome(ending, units)
-    }
-
-    fn until_it_ends(&mut self) -> Ending<N> {
-        while self.motion.time() < self.end {
-            if let Some(rest) = self.rest_point()
-                && certified(self.balancer, &rest, self.motion.state())
-            {
-                return Ending::Rest(rest);
-            }
-            let (before, square) = (self.motion.time(), self.square());
-            let switched = match self.motion.advance(self.end) {
-                Ok(switched) => switched,
-                Err(failure) => return Ending::Failure(failure),
-            };
-            if switched {
-                self.rest = None;
-            }
-            self.extend_window(before, square);
-            let cycle = self.watch.look(self.balancer, &self.settings, &mut self.motion);
-            if let Some(orbit) = cycle {
-                return Ending::Cycle(orbit);
-            }
-        }
-        match self.rest_point() {
-            Some(rest) if certified_by_closed_form(self.balancer, &rest, self.motion.state()) => {
-                Ending::Rest(rest)
-            }
-            _ => Ending::EndTime,
-        }
-    }
-
-    /// The rest point while all balls stick; it stays the same until one breaks loose.
-    fn rest_point(&mut self) -> Option<RestPoint<N>> {
-        if !self.motion.all_stick() {
-            return None;
-        }
-        let state = self.motion.state();
-        Some(*self.rest.get_or_insert_with(|| self.balancer.rest_point(&state.beta)))
-    }
-
-    fn square(&self) -> f64 {
-        let [x, y] = self.motion.state().position;
-        x * x + y * y
-    }
-
-    fn angles(&self) -> [f64; N] {
-        std::array::from_fn(|ball| self.motion.unwrapped_angle(ball))
-    }
-
-    fn extend_window(&mut self, before: f64, square_before: f64) {
-        if before < self.window.start {
-            return;
-        }
-        if self.window.angles.is_none() {
-            self.window.angles = Some(self.angles());
-            self.window.opened = self.motion.time();
-        } else {
-            self.window.square_time +=
-                0.5 * (self.motion.time() - before) * (square_before + self.square());
-        }
-    }
-
-    fn outcome(self, ending: Ending<N>, units: Units) -> Outcome {
-        let Units { natural, radius } = units;
-        let state = self.motion.state();
-        let in_circle = |angle: f64| {
-            let wrapped = angle.rem_euclid(std::f64::consts::TAU);
-            if wrapped < std::f64::consts::TAU { wrapped } else { 0.0 }
-        };
-        let base = Outcome {
-            evidence: Evidence::EndTime,
-            balls_running: None,
-            time_to_rest_s: None,
-            end_time_s: Some(self.motion.time() / natural),
-            beta_rad: Some(state.beta.map(in_circle).to_vec()),
-            amplitude_m: None,
-            friction_margin: None,
-            period_s: None,
-            ball_speed_rad_s: None,
-            effort: self.motion.effort(),
-            error: None,
-        };
-        let at_rest = |evidence: Evidence, rest: RestPoint<N>| Outcome {
-            evidence,
-            balls_running: Some(0),
-            time_to_rest_s: Some(latest(self.motion.last_switches()) / natural),
-            amplitude_m: Some(rest.position[0].hypot(rest.position[1]) * radius),
-            friction_margin: Some(1.0 - self.balancer.friction_use(&rest, 0.0))
-                .filter(|margin| margin.is_finite()),
-            ball_speed_rad_s: Some(vec![0.0; N]),
-            ..base.clone()
-        };
-        match ending {
-            Ending::Rest(rest) => at_rest(Evidence::RestCertified, rest),
-            Ending::Cycle(orbit) => Outcome {
-                evidence: Evidence::ClosedOrbit,
-                balls_running: Some(orbit.running.iter().filter(|&&runs| runs).count() as u8),
-                amplitude_m: Some(orbit.amplitude * radius),
-                friction_margin: orbit.margin,
-                period_s: Some(orbit.period / natural),
-                ball_speed_rad_s: Some(orbit.speed.map(|speed| speed * natural).to_vec()),
-                ..base
-            },
-            Ending::EndTime if creeps(self.balancer, &self.motion) => {
-                let creeping = at_rest(Evidence::Creep, self.balancer.rest_point(&state.beta));
-                let since = self.motion.slow_since();
-                Outcome { time_to_rest_s: Some(latest(since) / natural), ..creeping }
-            }
-            Ending::EndTime => {
-                let span = self.motion.time() - self.window.opened;
-                let turned = self.window.angles.map(|earlier| {
-                    let now = self.angles();
-                    std::array::from_fn::<f64, N, _>(|ball| now[ball] - earlier[ball])
-                });
-                let turned = turned.filter(|_| span > 0.0);
-                Outcome {
-                    evidence: if self.watch.on_unstable_orbit() {
-                        Evidence::UnstableOrbit
-                    } else {
-                        Evidence::EndTime
-                    },
-                    balls_running: turned.map(|turned| {
-                        let runs = |angle: &&f64| angle.abs() >= std::f64::consts::TAU;
-                        turned.iter().filter(runs).count() as u8
-                    }),
-                    amplitude_m: turned.map(|_| (self.window.square_time / span).sqrt() * radius),
-                    ball_speed_rad_s: turned
-                        .map(|turned| turned.map(|angle| angle / span * natural).to_vec()),
-                    ..base
-                }
-            }
-            Ending::Failure(failure) => Outcome {
-                evidence: Evidence::Failure(failure),
-                error: Some(failure.to_string()),
-                ..base
-            },
-        }
-    }
+/// Far more steps than any sound run takes over the non-dimensional time `end`: it takes ten steps
+/// and a few switches per unit of time, more the faster the system can change (`pace`). However
+/// long a run is, it is given up after a few minutes of computing.
+pub(super) fn effort_limit(end: f64, pace: f64) -> u64 {
+    100_000 + (1000.0 * end * pace).min(1e8) as u64
 }

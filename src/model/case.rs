@@ -1,23 +1,40 @@
 //! One case: everything that decides one run. An outcome is a pure function of this value.
 
-use super::Machine;
+use super::{Model, State};
 
-/// A start state, non-dimensional as in the thesis (lengths over `L`, time times `ω_n`), in the
-/// frame that turns with the disc.
+/// A start state: one value for each of [`Model::coordinates`], in that order.
+///
+/// The balancer's are non-dimensional as in the thesis (lengths over `L`, time times `ω_n`), in the
+/// frame that turns with the disc; a block's are in m and m/s.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Start {
-    /// Position of the ring's centre towards the imbalance, over `L`.
-    pub x: f64,
-    /// Position of the ring's centre at right angles to it, over `L`.
-    pub y: f64,
-    /// Angle of each ball from the imbalance, rad.
-    pub beta: Vec<f64>,
-    /// Velocity along `x`, over `L ω_n`.
-    pub x_dot: f64,
-    /// Velocity along `y`, over `L ω_n`.
-    pub y_dot: f64,
-    /// Speed of each ball relative to the ring, over `ω_n`.
-    pub beta_dot: Vec<f64>,
+pub struct Start(pub Vec<f64>);
+
+impl Start {
+    /// A start state of the balancer: table position and velocity, angle and speed of each ball.
+    ///
+    /// ```
+    /// use stickslip::model::Start;
+    ///
+    /// let start = Start::of_balancer([0.01, 0.0], &[1.0, 4.0], [0.0, 0.02], &[0.5, -0.3]);
+    /// assert_eq!(start.0, [0.01, 0.0, 1.0, 4.0, 0.0, 0.02, 0.5, -0.3]);
+    /// ```
+    pub fn of_balancer(
+        position: [f64; 2],
+        beta: &[f64],
+        velocity: [f64; 2],
+        beta_dot: &[f64],
+    ) -> Self {
+        Start([&position, beta, &velocity, beta_dot].concat())
+    }
+
+    /// The start state of a balancer with `N` balls; `None` of another number.
+    pub fn of_balls<const N: usize>(&self) -> Option<State<N>> {
+        let (position, rest) = self.0.split_first_chunk()?;
+        let (beta, rest) = rest.split_first_chunk()?;
+        let (velocity, rest) = rest.split_first_chunk()?;
+        let beta_dot = rest.try_into().ok()?;
+        Some(State { position: *position, velocity: *velocity, beta: *beta, beta_dot })
+    }
 }
 
 /// How stick and slip are computed.
@@ -34,7 +51,8 @@ pub enum Method {
 pub struct Simulation {
     /// Switch model or its limit.
     pub method: Method,
-    /// Half width `η` of the band around zero ball speed, over `ω_n`.
+    /// Half width `η` of the band around zero sliding speed, non-dimensional (for a ball, over
+    /// `ω_n`).
     pub band: f64,
     /// When a run that has not ended by itself is stopped, s.
     pub end_time_s: f64,
@@ -66,9 +84,9 @@ impl Default for Simulation {
 /// Parameters, start state and settings of one run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Case {
-    /// The machine with all parameters in SI units.
-    pub machine: Machine,
-    /// Where it starts; one angle and one speed for each ball.
+    /// The system with all parameters in SI units.
+    pub model: Model,
+    /// Where it starts.
     pub start: Start,
     /// How it is integrated.
     pub simulation: Simulation,

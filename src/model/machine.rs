@@ -126,9 +126,10 @@ impl Machine {
             positive(&name("ball_mass_kg"), ball.mass_kg)?;
             positive(&name("ball_diameter_m"), ball.diameter_m)?;
             not_negative(&name("friction_coefficient"), ball.friction_coefficient)?;
-            self.friction.validate(ball.friction_coefficient, "rad_s")?;
         }
-        Ok(())
+        self.balls
+            .iter()
+            .try_for_each(|ball| self.friction.validate(ball.friction_coefficient, "rad_s"))
     }
 
     /// The whole vibrating mass `M = M_T + m_I + Σ m_i`, kg.

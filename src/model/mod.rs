@@ -1,7 +1,8 @@
 //! The mechanical system: parameters, equations of motion, closed forms.
 //!
-//! [`Machine`] is what a study names, in SI units; [`Balancer`] the same without dimensions, with
-//! the equations of motion. Nothing here knows how motion is integrated or how a run ends.
+//! [`Model`] is what a study names, in SI units: a [`Machine`] (the ball balancer) or a [`Block`].
+//! [`Balancer`] and [`Slider`] are the same without dimensions, with the equations of motion; what
+//! they have in common is a [`System`]. Nothing here knows how motion is integrated or how a run ends.
 
 mod balancer;
 mod block;
@@ -10,6 +11,7 @@ mod equations;
 pub mod extended_lagrange;
 mod friction;
 mod machine;
+mod modelled;
 mod number;
 mod rest;
 mod system;
@@ -20,6 +22,7 @@ pub use case::{Case, Method, Simulation, Start};
 pub use equations::{Contact, Forces};
 pub use friction::{Friction, FrictionLaw, Sliding};
 pub use machine::{Ball, InvalidParameter, MAX_BALLS, Machine, NormalForce, ball_parameter_name};
+pub use modelled::{Coordinate, Model};
 pub use number::Number;
 pub use rest::RestPoint;
 pub use system::System;

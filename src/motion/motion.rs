@@ -8,7 +8,7 @@ use super::contact::{Phase, derivative, forces};
 use super::dop853::{Interpolant, Step, Tolerance};
 use super::guard::{Guard, Margins};
 use super::{Failure, event_driven, fall_through_zero, switch_model};
-use crate::model::{Forces, Method, State, System};
+use crate::model::{Forces, Method, Simulation, State, System};
 
 /// How a motion is computed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,6 +21,21 @@ pub struct Settings {
     pub tolerance: Tolerance,
     /// Most steps, accepted and rejected, and switches together.
     pub effort_limit: u64,
+}
+
+impl Settings {
+    /// The settings of a simulation.
+    pub fn new(simulation: &Simulation, effort_limit: u64) -> Self {
+        Settings {
+            method: simulation.method,
+            band: simulation.band,
+            tolerance: Tolerance {
+                relative: simulation.relative_tolerance,
+                absolute: simulation.absolute_tolerance,
+            },
+            effort_limit,
+        }
+    }
 }
 
 /// What a motion has cost so far.
@@ -319,9 +334,7 @@ impl<'a, S: System<N, FREE>, const N: usize, const FREE: usize> Motion<'a, S, N,
     /// Where in the latest step a ball went once round, through the angle 0: time and state there,
     /// if it did.
     pub fn passage(&mut self, ball: usize) -> Option<(f64, State<N, f64, FREE>)> {
-        let system = self.system;
-        let last = self.last.as_mut()?;
-        let (start, end) = (last.step.start.beta[ball], self.state.beta[ball]);
+        let (start, end) = (self.last.as_ref()?.step.start.beta[ball], self.state.beta[ball]);
         let (mark, sign) = if start < std::f64::consts::TAU && end >= std::f64::consts::TAU {
             (std::f64::consts::TAU, 1.0)
         } else if start > 0.0 && end <= 0.0 {
@@ -329,14 +342,27 @@ impl<'a, S: System<N, FREE>, const N: usize, const FREE: usize> Motion<'a, S, N,
         } else {
             return None;
         };
-        let used = last.used;
-        let (start_time, length) = (last.start_time, last.step.length);
+        self.falls_through_zero(|state| sign * (mark - state.beta[ball]))
+    }
+
+    /// Where in the latest step a function of the state fell from above zero to zero or below: time
+    /// and state there, if it did from the step's start to its end.
+    pub fn falls_through_zero(
+        &mut self,
+        value: impl Fn(&State<N, f64, FREE>) -> f64,
+    ) -> Option<(f64, State<N, f64, FREE>)> {
+        let system = self.system;
+        let last = self.last.as_mut()?;
+        let (start, end) = (value(&last.step.start), value(&self.state));
+        if !(start > 0.0 && end <= 0.0) {
+            return None;
+        }
+        let (used, start_time, length) = (last.used, last.start_time, last.step.length);
         let interpolant = last.interpolant(system);
-        let ahead = |theta: f64| sign * (mark - interpolant.at(theta).beta[ball]);
         let theta = fall_through_zero(
-            ahead,
-            (0.0, sign * (mark - start)),
-            (used, sign * (mark - end)),
+            |theta| value(&interpolant.at(theta)),
+            (0.0, start),
+            (used, end),
             1e-13,
         );
         Some((start_time + theta * length, interpolant.at(theta)))

@@ -61,7 +61,7 @@ pub(crate) fn resolve_expectations(
 ) -> Result<Vec<Expectation>, StudyError> {
     let resolve = |(index, file): (usize, &ExpectationFile)| {
         let path = KeyPath::of("expect").item(index);
-        let point = resolve_selector(locate, parameters, &path.key("point"), file)?;
+        let point = resolve_selector(locate, study, parameters, &path.key("point"), file)?;
         let expectation = Expectation { point, fractions: fractions(locate, &path, file)? };
         if !study.has_point(&expectation) {
             let found: Vec<String> =
@@ -80,6 +80,7 @@ pub(crate) fn resolve_expectations(
 
 fn resolve_selector(
     locate: &dyn Locate,
+    study: &Study,
     parameters: &[Parameter],
     path: &KeyPath,
     file: &ExpectationFile,
@@ -96,8 +97,8 @@ fn resolve_selector(
             let fault = Fault::new("not a swept parameter", shorten(name), allowed);
             return Err(locate.refuse_key(&path, fault));
         };
-        let value =
-            resolve_value(*parameter, entry).map_err(|fault| locate.refuse_value(&path, fault))?;
+        let value = resolve_value(*parameter, entry, study.model())
+            .map_err(|fault| locate.refuse_value(&path, fault))?;
         point.push((name.clone(), value));
     }
     Ok(point)

@@ -46,13 +46,15 @@ pub struct StudyFile {
 pub struct ModelFile {
     /// Kind of machine.
     pub kind: ModelKind,
-    /// Parameters in SI units; what is not given has the value of the thesis's machine.
+    /// Parameters in SI units; what is not given has the value of the thesis's machine, or of a
+    /// block of 1 kg on a spring of 100 N/m.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub parameters: Option<ParametersFile>,
-    /// Law of the friction between balls and ring; the default is `coulomb`.
+    /// Law of friction; the default is `coulomb`.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub friction: Option<FrictionKind>,
-    /// How the normal force between ball and ring is derived; the default is `lagrange`.
+    pub friction: Option<FrictionFile>,
+    /// How the normal force between ball and ring is derived; the default is `lagrange`. Only of a
+    /// ball balancer.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub normal_force: Option<NormalForceKind>,
 }
@@ -63,14 +65,63 @@ pub struct ModelFile {
 pub enum ModelKind {
     /// Table on springs, turning disc with an imbalance, balls in a ring.
     BallBalancer,
+    /// A block on a spring, on rigid ground.
+    BlockOnSpring,
+    /// A block on a spring, on a moving belt.
+    BlockOnBelt,
 }
 
-/// Laws of friction.
+/// Laws of friction. Speeds are sliding speeds: of a ball relative to the ring in rad/s, of a block
+/// in m/s.
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum FrictionKind {
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum FrictionFile {
     /// Dry friction: the friction force is at most the coefficient times the normal force.
     Coulomb,
+    /// Dry friction whose coefficient falls with speed from a static to a kinetic value, the
+    /// `friction_coefficient`: `μ + (μ_s - μ) exp(-|v| / v_s)`.
+    Stribeck(StribeckFile),
+    /// Friction that grows from zero at rest, as `μ f_n (2/π) atan(v / v_0)`: it never holds
+    /// anything.
+    Smooth(SmoothFile),
+    /// A drag in proportion to speed; no dry friction.
+    Viscous {
+        /// Drag over sliding speed, N s/m.
+        #[schemars(extend("minimum" = 0))]
+        viscous_coefficient_n_s_m: f64,
+    },
+}
+
+/// Settings of the Stribeck law; one of the two speeds.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct StribeckFile {
+    /// Coefficient of friction at rest, not below `friction_coefficient`.
+    #[schemars(extend("minimum" = 0))]
+    pub static_friction_coefficient: f64,
+    /// Speed of a ball over which friction falls to its kinetic value, rad/s; at 0 it drops at
+    /// once.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("minimum" = 0))]
+    pub stribeck_speed_rad_s: Option<f64>,
+    /// The same of a block, m/s.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("minimum" = 0))]
+    pub stribeck_speed_m_s: Option<f64>,
+}
+
+/// Settings of the smooth law; one of the two speeds.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct SmoothFile {
+    /// Speed of a ball at which friction reaches half of its limit, rad/s.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub smoothing_speed_rad_s: Option<f64>,
+    /// The same of a block, m/s.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub smoothing_speed_m_s: Option<f64>,
 }
 
 /// Derivations of the normal force.
@@ -83,7 +134,8 @@ pub enum NormalForceKind {
     Newton,
 }
 
-/// Parameters of a ball balancer in SI units.
+/// Parameters in SI units: of a ball balancer, or `mass_kg`, `stiffness_n_m`, `normal_force_n`,
+/// `friction_coefficient` and (on a belt) `belt_speed_m_s` of a block.
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct ParametersFile {
@@ -91,7 +143,7 @@ pub struct ParametersFile {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub table_mass_kg: Option<f64>,
-    /// Spring stiffness of the suspension per direction, N/m.
+    /// Stiffness of the suspension per direction, or of a block's spring, N/m.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub stiffness_n_m: Option<f64>,
@@ -122,13 +174,26 @@ pub struct ParametersFile {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub ball_diameter_m: Option<f64>,
-    /// Coefficient of friction of each ball that has none of its own, dimensionless.
+    /// Coefficient of friction, dimensionless: of each ball that has none of its own, or of a block;
+    /// the kinetic one where the law has a static one, too.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("minimum" = 0))]
     pub friction_coefficient: Option<f64>,
     /// Prescribed speed of the disc, rad/s; negative turns clockwise.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub speed_rad_s: Option<f64>,
+    /// Mass of a block, kg.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub mass_kg: Option<f64>,
+    /// Force that presses a block on the ground, N.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub normal_force_n: Option<f64>,
+    /// Speed of the belt, m/s.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub belt_speed_m_s: Option<f64>,
 }
 
 /// One ball; what is not given is as for all balls.
@@ -230,8 +295,9 @@ pub enum DistributionFile {
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct InitialConditionsFile {
-    /// Ranges `[low, high]` per coordinate, lengths over the ring radius, time times the natural
-    /// frequency; `beta` and `beta_dot` for every ball, `beta_1` and so on for one.
+    /// Ranges `[low, high]` per coordinate. Ball balancer: lengths over the ring radius, time times
+    /// the natural frequency; `beta` and `beta_dot` for every ball, `beta_1` and so on for one.
+    /// Block: `position_m` and `velocity_m_s`.
     #[serde(rename = "box", skip_serializing_if = "Option::is_none")]
     #[schemars(schema_with = "schema::start_box")]
     pub start_box: Option<Named<Range>>,
@@ -282,7 +348,8 @@ pub struct SimulationFile {
     /// How stick and slip are computed; the default is `switch`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub method: Option<MethodKind>,
-    /// Half width of the band around zero ball speed, over the natural frequency.
+    /// Half width of the band around zero sliding speed, over the natural frequency (of a block: over
+    /// natural frequency times the length that the normal force stretches the spring by).
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub band: Option<f64>,

@@ -2,7 +2,9 @@
 
 use std::fmt;
 
-use crate::model::{Ball, Machine, NormalForce, ball_parameter_name};
+use crate::model::{
+    Ball, Block, FrictionLaw, Ground, Machine, Model, NormalForce, ball_parameter_name,
+};
 
 /// The value of a parameter at a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -48,6 +50,7 @@ pub struct VariedParameter {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Quantity {
     TableMass,
+    Mass,
     Stiffness,
     Damping,
     RingRadius,
@@ -55,15 +58,22 @@ enum Quantity {
     ImbalanceRadius,
     BallMass,
     BallDiameter,
+    PressingForce,
     FrictionCoefficient,
+    StaticFrictionCoefficient,
+    StribeckSpeed,
+    SmoothingSpeed,
+    ViscousCoefficient,
     Speed,
+    BeltSpeed,
     NormalForce,
 }
 
 use Quantity as Q;
 
-const QUANTITIES: [Quantity; 11] = [
+const QUANTITIES: [Quantity; 18] = [
     Q::TableMass,
+    Q::Mass,
     Q::Stiffness,
     Q::Damping,
     Q::RingRadius,
@@ -71,8 +81,14 @@ const QUANTITIES: [Quantity; 11] = [
     Q::ImbalanceRadius,
     Q::BallMass,
     Q::BallDiameter,
+    Q::PressingForce,
     Q::FrictionCoefficient,
+    Q::StaticFrictionCoefficient,
+    Q::StribeckSpeed,
+    Q::SmoothingSpeed,
+    Q::ViscousCoefficient,
     Q::Speed,
+    Q::BeltSpeed,
     Q::NormalForce,
 ];
 
@@ -81,11 +97,13 @@ pub(crate) const NORMAL_FORCES: [(&str, NormalForce); 2] =
     [("lagrange", NormalForce::Lagrange), ("newton", NormalForce::Newton)];
 
 impl Quantity {
-    /// Name, unit and meaning.
-    fn describe(self) -> (&'static str, &'static str, &'static str) {
+    /// Name, unit and meaning; sliding speeds are of balls or of blocks.
+    fn describe(self, of_balls: bool) -> (&'static str, &'static str, &'static str) {
+        let speed = |balls, block| if of_balls { (balls, "rad/s") } else { (block, "m/s") };
         match self {
             Q::TableMass => ("table_mass_kg", "kg", "mass of table, motor, ring and disc"),
-            Q::Stiffness => ("stiffness_n_m", "N/m", "spring stiffness of the suspension"),
+            Q::Mass => ("mass_kg", "kg", "mass of the block"),
+            Q::Stiffness => ("stiffness_n_m", "N/m", "stiffness of the spring or suspension"),
             Q::Damping => ("damping_n_s_m", "N s/m", "viscous damping of the suspension"),
             Q::RingRadius => {
                 ("ring_radius_m", "m", "distance from the ring's centre to the balls' centres")
@@ -96,14 +114,28 @@ impl Quantity {
             }
             Q::BallMass => ("ball_mass_kg", "kg", "mass"),
             Q::BallDiameter => ("ball_diameter_m", "m", "diameter"),
+            Q::PressingForce => {
+                ("normal_force_n", "N", "force that presses the block on the ground")
+            }
             Q::FrictionCoefficient => ("friction_coefficient", "1", "coefficient of friction"),
+            Q::StaticFrictionCoefficient => {
+                ("static_friction_coefficient", "1", "coefficient of friction at rest")
+            }
+            Q::StribeckSpeed => {
+                let (name, unit) = speed("stribeck_speed_rad_s", "stribeck_speed_m_s");
+                (name, unit, "speed over which friction falls from its static value")
+            }
+            Q::SmoothingSpeed => {
+                let (name, unit) = speed("smoothing_speed_rad_s", "smoothing_speed_m_s");
+                (name, unit, "speed at which friction reaches half of its limit")
+            }
+            Q::ViscousCoefficient => {
+                ("viscous_coefficient_n_s_m", "N s/m", "viscous drag over sliding speed")
+            }
             Q::Speed => ("speed_rad_s", "rad/s", "prescribed speed of the disc"),
+            Q::BeltSpeed => ("belt_speed_m_s", "m/s", "speed of the belt"),
             Q::NormalForce => ("normal_force", "", "how the normal force is derived"),
         }
-    }
-
-    fn is_of_balls(self) -> bool {
-        matches!(self, Q::BallMass | Q::BallDiameter | Q::FrictionCoefficient)
     }
 
     fn of_ball(self, ball: &mut Ball) -> Option<&mut f64> {
@@ -127,51 +159,91 @@ impl Quantity {
             _ => None,
         }
     }
+
+    fn of_block(self, block: &mut Block) -> Option<&mut f64> {
+        match (self, &mut block.ground) {
+            (Q::Mass, _) => Some(&mut block.mass_kg),
+            (Q::Stiffness, _) => Some(&mut block.stiffness_n_m),
+            (Q::PressingForce, _) => Some(&mut block.normal_force_n),
+            (Q::FrictionCoefficient, _) => Some(&mut block.friction_coefficient),
+            (Q::BeltSpeed, Ground::Belt { speed_m_s }) => Some(speed_m_s),
+            _ => None,
+        }
+    }
+
+    fn of_friction(self, law: &mut FrictionLaw) -> Option<&mut f64> {
+        match (self, law) {
+            (
+                Q::StaticFrictionCoefficient,
+                FrictionLaw::Stribeck { static_friction_coefficient, .. },
+            ) => Some(static_friction_coefficient),
+            (Q::StribeckSpeed, FrictionLaw::Stribeck { stribeck_speed, .. }) => {
+                Some(stribeck_speed)
+            }
+            (Q::SmoothingSpeed, FrictionLaw::Smooth { smoothing_speed }) => Some(smoothing_speed),
+            (Q::ViscousCoefficient, FrictionLaw::Viscous { viscous_coefficient_n_s_m }) => {
+                Some(viscous_coefficient_n_s_m)
+            }
+            _ => None,
+        }
+    }
+
+    fn is_of_balls(self) -> bool {
+        self.of_ball(&mut Ball::default()).is_some()
+    }
 }
 
-/// A parameter of the machine, of all its balls, or of one ball.
+/// A parameter of a model, of all its balls, or of one ball.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct Parameter {
     quantity: Quantity,
     /// The ball, counted from one, where one ball's own value is meant.
     ball: Option<usize>,
+    /// Whether the model has balls.
+    of_balls: bool,
 }
 
 impl Parameter {
-    /// Every parameter of a machine with so many balls.
-    pub fn all(balls: usize) -> Vec<Parameter> {
-        QUANTITIES
-            .into_iter()
-            .flat_map(|quantity| {
-                let own = if quantity.is_of_balls() { balls } else { 0 };
-                let of_one = (1..=own).map(move |ball| Parameter { quantity, ball: Some(ball) });
-                std::iter::once(Parameter { quantity, ball: None }).chain(of_one)
+    /// Every parameter of a model.
+    pub fn all(model: &Model) -> Vec<Parameter> {
+        let balls = model.balls();
+        let mut model = model.clone();
+        let candidates = QUANTITIES.into_iter().flat_map(|quantity| {
+            let own = if quantity.is_of_balls() { balls } else { 0 };
+            let general = std::iter::once(None);
+            general.chain((1..=own).map(Some)).map(move |ball| Parameter {
+                quantity,
+                ball,
+                of_balls: balls > 0,
             })
+        });
+        candidates
+            .filter(|parameter| !parameter.is_number() && balls > 0 || parameter.is_in(&mut model))
             .collect()
     }
 
-    /// The parameter of this name in a machine with so many balls.
-    pub fn find(name: &str, balls: usize) -> Option<Parameter> {
-        Parameter::all(balls).into_iter().find(|parameter| parameter.name() == name)
+    /// The parameter of this name in a model.
+    pub fn find(name: &str, model: &Model) -> Option<Parameter> {
+        Parameter::all(model).into_iter().find(|parameter| parameter.name() == name)
     }
 
     /// Name, as in the study file.
     pub fn name(self) -> String {
-        let general = self.quantity.describe().0;
+        let general = self.quantity.describe(self.of_balls).0;
         self.ball.map_or_else(|| general.to_owned(), |ball| ball_parameter_name(general, ball))
     }
 
     /// Unit; `1` for dimensionless numbers, empty for words.
     pub fn unit(self) -> &'static str {
-        self.quantity.describe().1
+        self.quantity.describe(self.of_balls).1
     }
 
     /// What it means.
     pub fn meaning(self) -> String {
-        let meaning = self.quantity.describe().2;
+        let meaning = self.quantity.describe(self.of_balls).2;
         match self.ball {
             Some(ball) => format!("{meaning} of ball {ball}"),
-            None if self.quantity.is_of_balls() => format!("{meaning} of every ball"),
+            None if self.is_general() => format!("{meaning} of every ball"),
             None => meaning.to_owned(),
         }
     }
@@ -183,17 +255,17 @@ impl Parameter {
 
     /// Whether it is the value of all balls together.
     pub fn is_general(self) -> bool {
-        self.quantity.is_of_balls() && self.ball.is_none()
+        self.of_balls && self.quantity.is_of_balls() && self.ball.is_none()
     }
 
     /// The parameter of all balls together that this one ball's parameter refines.
     pub fn general(self) -> Option<Parameter> {
-        self.ball.map(|_| Parameter { quantity: self.quantity, ball: None })
+        self.ball.map(|_| Parameter { ball: None, ..self })
     }
 
     /// The same parameter of one ball.
     pub fn of_one_ball(self, ball: usize) -> Parameter {
-        Parameter { quantity: self.quantity, ball: Some(ball) }
+        Parameter { ball: Some(ball), ..self }
     }
 
     /// The column that it makes in a table.
@@ -202,52 +274,99 @@ impl Parameter {
         VariedParameter { name: self.name(), unit: self.unit(), meaning: self.meaning(), kind }
     }
 
-    /// Sets the value in a machine; a value of the wrong kind changes nothing.
-    pub fn set(self, machine: &mut Machine, value: ParameterValue) {
+    /// Sets the value in a model; a value of the wrong kind changes nothing.
+    pub fn set(self, model: &mut Model, value: ParameterValue) {
         match value {
-            ParameterValue::Number(number) => {
-                if let Some(field) = self.quantity.of_machine(machine) {
+            ParameterValue::Number(number) => self.set_number(model, number),
+            ParameterValue::Text(text) => {
+                let force = NORMAL_FORCES.into_iter().find(|(name, _)| *name == text);
+                if let (Q::NormalForce, Some((_, force)), Some(machine)) =
+                    (self.quantity, force, model.ball_balancer_mut())
+                {
+                    machine.normal_force = force;
+                }
+            }
+        }
+    }
+
+    fn set_number(self, model: &mut Model, number: f64) {
+        let quantity = self.quantity;
+        if let Some(field) = quantity.of_friction(model.friction_mut()) {
+            *field = number;
+        }
+        match model {
+            Model::Block(block) => {
+                if let Some(field) = quantity.of_block(block) {
+                    *field = number;
+                }
+            }
+            Model::BallBalancer(machine) => {
+                if let Some(field) = quantity.of_machine(machine) {
                     *field = number;
                 }
                 for (index, ball) in machine.balls.iter_mut().enumerate() {
                     let meant = self.ball.is_none_or(|ball| ball == index + 1);
-                    if let (true, Some(field)) = (meant, self.quantity.of_ball(ball)) {
+                    if let (true, Some(field)) = (meant, quantity.of_ball(ball)) {
                         *field = number;
                     }
                 }
             }
-            ParameterValue::Text(text) => {
-                for (name, normal_force) in NORMAL_FORCES {
-                    if self.quantity == Q::NormalForce && name == text {
-                        machine.normal_force = normal_force;
-                    }
-                }
-            }
         }
     }
 
-    /// The value in a machine; `general` holds the values of balls that have none of their own.
-    pub fn get(self, machine: &Machine, general: &Ball) -> ParameterValue {
-        let mut machine = machine.clone();
-        let mut ball = match self.ball {
-            Some(ball) => machine.balls.get(ball - 1).copied().unwrap_or(*general),
-            None => *general,
+    /// The number in a model, where it is one; of balls, that of the first one meant.
+    fn number_in(self, model: &mut Model) -> Option<f64> {
+        let quantity = self.quantity;
+        if let Some(number) = quantity.of_friction(model.friction_mut()) {
+            return Some(*number);
+        }
+        let number = match model {
+            Model::Block(block) => quantity.of_block(block),
+            Model::BallBalancer(machine) if quantity.is_of_balls() => {
+                let ball = machine.balls.get_mut(self.ball.unwrap_or(1).saturating_sub(1));
+                ball.and_then(|ball| quantity.of_ball(ball))
+            }
+            Model::BallBalancer(machine) => quantity.of_machine(machine),
         };
-        if let Some(number) = self.quantity.of_ball(&mut ball) {
+        number.copied()
+    }
+
+    fn is_in(self, model: &mut Model) -> bool {
+        self.number_in(model).is_some()
+    }
+
+    /// The value in a model; `general` holds the values of balls that have none of their own.
+    pub fn get(self, model: &Model, general: &Ball) -> ParameterValue {
+        let mut general = *general;
+        if let (true, Some(number)) = (self.is_general(), self.quantity.of_ball(&mut general)) {
             return ParameterValue::Number(*number);
         }
-        if let Some(number) = self.quantity.of_machine(&mut machine) {
-            return ParameterValue::Number(*number);
+        if let Some(number) = self.number_in(&mut model.clone()) {
+            return ParameterValue::Number(number);
         }
-        let found = NORMAL_FORCES.iter().find(|(_, force)| *force == machine.normal_force);
+        let force = model.ball_balancer().map(|machine| machine.normal_force);
+        let found = NORMAL_FORCES.iter().find(|(_, other)| Some(*other) == force);
         ParameterValue::Text(found.map_or("lagrange", |(name, _)| *name))
     }
 
-    /// What is wrong with a value: the finding and what is allowed.
-    pub fn check(self, number: f64) -> Result<(), &'static str> {
-        let mut machine = Machine::default();
-        machine.balls.resize(self.ball.unwrap_or(1).max(1), Ball::default());
-        self.set(&mut machine, ParameterValue::Number(number));
-        machine.validate().map_err(|invalid| invalid.allowed)
+    /// What is allowed where a value by itself makes no sense in a model of this form. How it
+    /// goes together with other values is for [`Model::validate`] to say.
+    pub fn check(self, number: f64, form: &Model) -> Result<(), &'static str> {
+        let mut model = form.clone();
+        self.set(&mut model, ParameterValue::Number(number));
+        if self.quantity == Q::StaticFrictionCoefficient {
+            // Its lower bound is another parameter; by itself it is bounded by zero.
+            Parameter { quantity: Q::FrictionCoefficient, ball: None, ..self }
+                .set(&mut model, ParameterValue::Number(0.0));
+        }
+        match model.validate() {
+            Err(invalid) if invalid.name == self.validated_name() => Err(invalid.allowed),
+            _ => Ok(()),
+        }
+    }
+
+    /// The name that validation complains of.
+    fn validated_name(self) -> String {
+        if self.is_general() { self.of_one_ball(1).name() } else { self.name() }
     }
 }

@@ -6,9 +6,8 @@ use super::file::StudyFile;
 use super::parameter::{Parameter, ParameterValue, VariedParameter};
 use super::resolve_model::Base;
 use super::resolve_uncertain::Uncertain;
-use super::start_box::start_of;
 use super::sweep::{Block, Listing};
-use crate::model::{Case, InvalidParameter, Machine, Simulation, Start};
+use crate::model::{Case, InvalidParameter, Model, Simulation, Start};
 
 /// A study with everything checked and every default filled in; it never changes.
 ///
@@ -41,13 +40,13 @@ pub struct Point {
     pub first_run: u64,
     /// Number of the point's runs, which follow one another.
     pub runs: u64,
-    machine: Machine,
+    model: Model,
 }
 
 impl Point {
-    /// The machine at this point, without uncertain draws.
-    pub fn machine(&self) -> Machine {
-        self.machine.clone()
+    /// The model at this point, without uncertain draws.
+    pub fn model(&self) -> &Model {
+        &self.model
     }
 }
 
@@ -84,14 +83,10 @@ impl Study {
         self.seed
     }
 
-    /// Number of balls, the same in every case.
-    pub fn balls(&self) -> usize {
-        self.base.balls()
-    }
-
-    /// The machine before anything is swept or drawn.
-    pub fn machine(&self) -> &Machine {
-        &self.base.machine
+    /// The model before anything is swept or drawn; its kind and its number of balls are the same
+    /// in every case.
+    pub fn model(&self) -> &Model {
+        &self.base.model
     }
 
     /// How every run is integrated.
@@ -134,17 +129,17 @@ impl Study {
         let block = &self.blocks[index - 1];
         let local = point_id - block.first_point;
         let values = block.values(local);
-        let machine = self.machine_with(&values);
+        let model = self.model_with(&values);
         let column = |parameter: &Parameter| {
             let swept = values.iter().find(|(other, _)| other == parameter);
-            swept.map_or_else(|| parameter.get(&machine, &self.base.general), |(_, value)| *value)
+            swept.map_or_else(|| parameter.get(&model, &self.base.general), |(_, value)| *value)
         };
         Point {
             point_id,
             swept: self.swept_parameters.iter().map(column).collect(),
             first_run: block.first_run + local * block.runs_per_point,
             runs: block.runs_per_point,
-            machine,
+            model,
         }
     }
 
@@ -160,19 +155,19 @@ impl Study {
         let local_point = local / block.runs_per_point;
         let point = self.point(block.first_point + local_point);
         let id = block.design.identify(local % block.runs_per_point);
-        let start = start_of(&block.design.coordinates(id));
+        let start = Start(block.design.coordinates(id));
         let uncertain = self.draw(id);
-        let machine = if uncertain.is_empty() {
-            point.machine
+        let model = if uncertain.is_empty() {
+            point.model
         } else {
             let drawn = self.uncertain_parameters.iter().zip(&uncertain);
             let drawn = drawn.map(|(one, value)| (one.parameter, ParameterValue::Number(*value)));
             let mut values = block.values(local_point);
             values.extend(drawn);
-            self.machine_with(&values)
+            self.model_with(&values)
         };
-        let case = machine.validate().map(|()| Case {
-            machine,
+        let case = model.validate().map(|()| Case {
+            model,
             start: start.clone(),
             simulation: self.simulation,
         });
@@ -195,17 +190,17 @@ impl Study {
             .collect()
     }
 
-    /// The base machine with these values: first those of all balls, then those of one ball.
-    fn machine_with(&self, values: &[(Parameter, ParameterValue)]) -> Machine {
-        let mut machine = self.base.machine.clone();
+    /// The base model with these values: first those of all balls, then those of one ball.
+    fn model_with(&self, values: &[(Parameter, ParameterValue)]) -> Model {
+        let mut model = self.base.model.clone();
         for of_one_ball in [false, true] {
             for (parameter, value) in values {
                 if parameter.general().is_some() == of_one_ball {
-                    parameter.set(&mut machine, *value);
+                    parameter.set(&mut model, *value);
                 }
             }
         }
-        machine
+        model
     }
 
     /// Whether an expectation selects at least one point; does not go through all points of a

@@ -14,7 +14,8 @@ use super::node::{Content, Source, describe_number};
 use super::parameter::{Parameter, VariedParameter};
 use super::plan::Study;
 use super::resolve_design::{ResolvedDesign, resolve_design};
-use super::resolve_model::{Base, resolve_simulation, simulation_to_file};
+use super::resolve_model::Base;
+use super::resolve_simulation::{resolve_simulation, simulation_to_file};
 use super::resolve_sweep::{ResolvedBlock, resolve_block};
 use super::resolve_uncertain::resolve_uncertain;
 use super::start_box::StartBox;
@@ -73,13 +74,13 @@ fn resolve(source: &Source, written: &StudyFile) -> Result<Study, StudyError> {
         source,
         &conditions.key("box"),
         written.initial_conditions.start_box.as_ref(),
-        base.balls(),
+        &base.model,
     )?;
     let common = match &written.initial_conditions.design {
         None => None,
         Some(design) => {
             let path = conditions.key("design");
-            Some(resolve_design(source, source.file(), &path, design, base.balls())?)
+            Some(resolve_design(source, source.file(), &path, design, &base.model)?)
         }
     };
     let mut blocks = resolve_blocks(source, written, &base)?;
@@ -203,7 +204,7 @@ fn designs(
     let resolve = |(index, block): (usize, &mut ResolvedBlock)| {
         if let Some(design) = own.get(index).and_then(|block| block.design.as_ref()) {
             let path = KeyPath::of("sweep").item(index).key("design");
-            let design = resolve_design(source, source.file(), &path, design, base.balls())?;
+            let design = resolve_design(source, source.file(), &path, design, &base.model)?;
             block.file.design = Some(design.file.clone());
             return Ok(design);
         }

@@ -10,6 +10,7 @@ use super::file::DesignFile;
 use super::file_values::{Entry, InlineTable, Table};
 use super::key_path::KeyPath;
 use super::start_box::axis_names;
+use crate::model::Model;
 
 /// A checked layout and the design as a self-contained study file writes it.
 #[derive(Clone)]
@@ -31,7 +32,7 @@ pub(crate) fn resolve_design(
     study_file: &Path,
     path: &KeyPath,
     written: &DesignFile,
-    balls: usize,
+    model: &Model,
 ) -> Result<ResolvedDesign, StudyError> {
     let layout = match written {
         DesignFile::Stratified { parts_per_axis, samples_per_cell } => {
@@ -49,7 +50,7 @@ pub(crate) fn resolve_design(
         DesignFile::MonteCarlo { samples } => Layout::MonteCarlo { samples: samples.0 },
         DesignFile::Grid { points_per_axis } => Layout::Grid { points: points_per_axis.0 },
         DesignFile::Table(table) => {
-            return resolve_starts(locate, study_file, path, table, balls);
+            return resolve_starts(locate, study_file, path, table, model);
         }
     };
     Ok(ResolvedDesign { layout, file: written.clone(), path: path.clone() })
@@ -60,9 +61,9 @@ fn resolve_starts(
     study_file: &Path,
     path: &KeyPath,
     table: &Table,
-    balls: usize,
+    model: &Model,
 ) -> Result<ResolvedDesign, StudyError> {
-    let names = axis_names(balls);
+    let names = axis_names(model);
     let table_path = path.key("table");
     let read = Rows::read(locate, study_file, &table_path, table, &names)?;
     let mut order = Vec::with_capacity(names.len());

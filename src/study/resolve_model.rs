@@ -1,21 +1,20 @@
-//! From the model and simulation as written to a checked machine and settings with all defaults.
+//! From the model as written to a checked one with all defaults.
 
 use super::error::{Fault, Locate, StudyError};
-use super::file::{
-    BallFile, FrictionKind, MethodKind, ModelFile, ModelKind, NormalForceKind, ParametersFile,
-    SimulationFile, ToleranceFile,
-};
+use super::file::{BallFile, ModelFile, ModelKind, NormalForceKind, ParametersFile};
 use super::file_values::Balls;
 use super::key_path::KeyPath;
 use super::node::describe_number;
 use super::parameter::{Parameter, ParameterValue};
-use crate::model::{Ball, MAX_BALLS, Machine, Method, NormalForce, Simulation};
+use super::resolve_friction::{check_friction, friction_to_file, resolve_friction};
+use super::resolve_sweep::find_parameter as find;
+use crate::model::{Ball, Block, Ground, MAX_BALLS, Machine, Model, NormalForce};
 
-/// The machine before anything is swept or drawn.
+/// The model before anything is swept or drawn.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Base {
-    /// The machine.
-    pub machine: Machine,
+    /// The model.
+    pub model: Model,
     /// Values of balls that have none of their own.
     pub general: Ball,
     /// What each ball has of its own.
@@ -23,34 +22,57 @@ pub(crate) struct Base {
 }
 
 impl Base {
-    /// Checks the parameters and fills in the thesis's values for those not given.
+    /// Checks the parameters and fills in the defaults for those not given.
     ///
     /// # Errors
-    /// The first parameter that makes no physical sense.
+    /// The first parameter that the model does not have or that makes no physical sense.
     pub fn resolve(locate: &dyn Locate, written: &ModelFile) -> Result<Base, StudyError> {
         let path = KeyPath::of("model.parameters");
         let given = written.parameters.clone().unwrap_or_default();
-        let mut machine = Machine { balls: vec![Ball::default()], ..Machine::default() };
-        for (name, value) in numbers(&given) {
-            let (Some(parameter), Some(value)) = (Parameter::find(name, 1), value) else {
-                continue;
-            };
-            check(locate, &path.key(name), parameter, value)?;
-            parameter.set(&mut machine, ParameterValue::Number(value));
-        }
-        machine.normal_force = match written.normal_force {
-            None | Some(NormalForceKind::Lagrange) => NormalForce::Lagrange,
-            Some(NormalForceKind::Newton) => NormalForce::Newton,
+        let friction = resolve_friction(locate, written)?;
+        // Until all values are known, one ball stands for all.
+        let mut model = match written.kind {
+            ModelKind::BallBalancer => Model::BallBalancer(Machine {
+                balls: vec![Ball::default()],
+                friction,
+                ..Machine::default()
+            }),
+            ModelKind::BlockOnSpring => Model::Block(Block { friction, ..Block::on_spring() }),
+            ModelKind::BlockOnBelt => Model::Block(Block { friction, ..Block::on_belt() }),
         };
-        let general = machine.balls.first().copied().unwrap_or_default();
-        let own = own_values(locate, &path.key("balls"), given.balls.as_ref())?;
-        machine.balls = own.iter().map(|ball| overlay(general, ball)).collect();
-        Ok(Base { machine, general, own })
-    }
-
-    /// Number of balls.
-    pub fn balls(&self) -> usize {
-        self.own.len()
+        for (name, value) in numbers(&given) {
+            let Some(value) = value else { continue };
+            let parameter =
+                find(name, &model).map_err(|fault| locate.refuse_key(&path.key(name), fault))?;
+            check(locate, &path.key(name), parameter, &model, value)?;
+            parameter.set(&mut model, ParameterValue::Number(value));
+        }
+        let (mut general, mut own) = (Ball::default(), Vec::new());
+        match &mut model {
+            Model::BallBalancer(machine) => {
+                machine.normal_force = match written.normal_force {
+                    None | Some(NormalForceKind::Lagrange) => NormalForce::Lagrange,
+                    Some(NormalForceKind::Newton) => NormalForce::Newton,
+                };
+                general = machine.balls.first().copied().unwrap_or_default();
+                own = own_values(locate, &path.key("balls"), given.balls.as_ref())?;
+                machine.balls = own.iter().map(|ball| overlay(general, ball)).collect();
+            }
+            Model::Block(_) => {
+                let foreign = [
+                    (path.key("balls"), given.balls.is_some()),
+                    (KeyPath::of("model.normal_force"), written.normal_force.is_some()),
+                ];
+                if let Some((path, _)) = foreign.into_iter().find(|(_, given)| *given) {
+                    let allowed = "kind: ball_balancer, or leave it out";
+                    let found = format!("kind: {}", model.kind());
+                    let fault = Fault::new("only of a ball balancer", found, allowed);
+                    return Err(locate.refuse_key(&path, fault));
+                }
+            }
+        }
+        check_friction(locate, &model)?;
+        Ok(Base { model, general, own })
     }
 
     /// Refuses to vary a value of all balls where one ball has its own: which would count?
@@ -87,34 +109,57 @@ impl Base {
         } else {
             Balls::Each(self.own.clone())
         };
-        let machine = &self.machine;
+        let (kind, parameters, normal_force) = match &self.model {
+            Model::BallBalancer(machine) => {
+                let parameters = ParametersFile {
+                    table_mass_kg: Some(machine.table_mass_kg),
+                    stiffness_n_m: Some(machine.stiffness_n_m),
+                    damping_n_s_m: Some(machine.damping_n_s_m),
+                    ring_radius_m: Some(machine.ring_radius_m),
+                    imbalance_mass_kg: Some(machine.imbalance_mass_kg),
+                    imbalance_radius_m: Some(machine.imbalance_radius_m),
+                    balls: Some(balls),
+                    ball_mass_kg: Some(self.general.mass_kg),
+                    ball_diameter_m: Some(self.general.diameter_m),
+                    friction_coefficient: Some(self.general.friction_coefficient),
+                    speed_rad_s: Some(machine.speed_rad_s),
+                    ..ParametersFile::default()
+                };
+                let normal_force = match machine.normal_force {
+                    NormalForce::Lagrange => NormalForceKind::Lagrange,
+                    NormalForce::Newton => NormalForceKind::Newton,
+                };
+                (ModelKind::BallBalancer, parameters, Some(normal_force))
+            }
+            Model::Block(block) => {
+                let (kind, belt_speed_m_s) = match block.ground {
+                    Ground::Fixed => (ModelKind::BlockOnSpring, None),
+                    Ground::Belt { speed_m_s } => (ModelKind::BlockOnBelt, Some(speed_m_s)),
+                };
+                let parameters = ParametersFile {
+                    mass_kg: Some(block.mass_kg),
+                    stiffness_n_m: Some(block.stiffness_n_m),
+                    normal_force_n: Some(block.normal_force_n),
+                    friction_coefficient: Some(block.friction_coefficient),
+                    belt_speed_m_s,
+                    ..ParametersFile::default()
+                };
+                (kind, parameters, None)
+            }
+        };
         ModelFile {
-            kind: ModelKind::BallBalancer,
-            parameters: Some(ParametersFile {
-                table_mass_kg: Some(machine.table_mass_kg),
-                stiffness_n_m: Some(machine.stiffness_n_m),
-                damping_n_s_m: Some(machine.damping_n_s_m),
-                ring_radius_m: Some(machine.ring_radius_m),
-                imbalance_mass_kg: Some(machine.imbalance_mass_kg),
-                imbalance_radius_m: Some(machine.imbalance_radius_m),
-                balls: Some(balls),
-                ball_mass_kg: Some(self.general.mass_kg),
-                ball_diameter_m: Some(self.general.diameter_m),
-                friction_coefficient: Some(self.general.friction_coefficient),
-                speed_rad_s: Some(machine.speed_rad_s),
-            }),
-            friction: Some(FrictionKind::Coulomb),
-            normal_force: Some(match machine.normal_force {
-                NormalForce::Lagrange => NormalForceKind::Lagrange,
-                NormalForce::Newton => NormalForceKind::Newton,
-            }),
+            kind,
+            parameters: Some(parameters),
+            friction: Some(friction_to_file(self.model.friction(), kind)),
+            normal_force,
         }
     }
 }
 
-fn numbers(given: &ParametersFile) -> [(&'static str, Option<f64>); 10] {
+fn numbers(given: &ParametersFile) -> [(&'static str, Option<f64>); 13] {
     [
         ("table_mass_kg", given.table_mass_kg),
+        ("mass_kg", given.mass_kg),
         ("stiffness_n_m", given.stiffness_n_m),
         ("damping_n_s_m", given.damping_n_s_m),
         ("ring_radius_m", given.ring_radius_m),
@@ -122,8 +167,10 @@ fn numbers(given: &ParametersFile) -> [(&'static str, Option<f64>); 10] {
         ("imbalance_radius_m", given.imbalance_radius_m),
         ("ball_mass_kg", given.ball_mass_kg),
         ("ball_diameter_m", given.ball_diameter_m),
+        ("normal_force_n", given.normal_force_n),
         ("friction_coefficient", given.friction_coefficient),
         ("speed_rad_s", given.speed_rad_s),
+        ("belt_speed_m_s", given.belt_speed_m_s),
     ]
 }
 
@@ -151,8 +198,9 @@ fn own_values(
             ("diameter_m", "ball_diameter_m", ball.diameter_m),
             ("friction_coefficient", "friction_coefficient", ball.friction_coefficient),
         ] {
-            if let (Some(parameter), Some(value)) = (Parameter::find(general, 1), value) {
-                check(locate, &path.item(index).key(key), parameter, value)?;
+            let form = Model::BallBalancer(Machine::default());
+            if let (Some(parameter), Some(value)) = (Parameter::find(general, &form), value) {
+                check(locate, &path.item(index).key(key), parameter, &form, value)?;
             }
         }
     }
@@ -171,76 +219,11 @@ fn check(
     locate: &dyn Locate,
     path: &KeyPath,
     parameter: Parameter,
+    form: &Model,
     value: f64,
 ) -> Result<(), StudyError> {
-    parameter.check(value).map_err(|allowed| {
+    parameter.check(value, form).map_err(|allowed| {
         let fault = Fault::new("no physical meaning", describe_number(value), allowed);
         locate.refuse_value(path, fault)
     })
-}
-
-/// In a wider band, balls that move count as standing, and may switch between stick and transition
-/// without end.
-const WIDEST_BAND: f64 = 1.0e-2;
-
-/// Checks how runs are integrated and fills in the defaults.
-///
-/// # Errors
-/// A band, tolerance or end time that is not positive; a band that is too wide to be one.
-pub(crate) fn resolve_simulation(
-    locate: &dyn Locate,
-    written: Option<&SimulationFile>,
-) -> Result<Simulation, StudyError> {
-    let default = Simulation::default();
-    let given = written.cloned().unwrap_or_default();
-    let tolerance = given.tolerance.unwrap_or_default();
-    let positive = |keys: &str, given: Option<f64>, default: f64| {
-        let value = given.unwrap_or(default);
-        if value.is_finite() && value > 0.0 {
-            return Ok(value);
-        }
-        let allowed = "a positive, finite number";
-        let fault = Fault::new("not positive", describe_number(value), allowed);
-        Err(locate.refuse_value(&KeyPath::of(keys), fault))
-    };
-    let band = positive("simulation.band", given.band, default.band)?;
-    if band > WIDEST_BAND {
-        let allowed = format!("at most {WIDEST_BAND}; results are better the narrower it is");
-        let fault = Fault::new("too wide", describe_number(band), allowed);
-        return Err(locate.refuse_value(&KeyPath::of("simulation.band"), fault));
-    }
-    Ok(Simulation {
-        method: match given.method {
-            None | Some(MethodKind::Switch) => Method::Switch,
-            Some(MethodKind::Event) => Method::Event,
-        },
-        band,
-        end_time_s: positive("simulation.end_time_s", given.end_time_s, default.end_time_s)?,
-        relative_tolerance: positive(
-            "simulation.tolerance.relative",
-            tolerance.relative,
-            default.relative_tolerance,
-        )?,
-        absolute_tolerance: positive(
-            "simulation.tolerance.absolute",
-            tolerance.absolute,
-            default.absolute_tolerance,
-        )?,
-    })
-}
-
-/// The simulation with every value written out.
-pub(crate) fn simulation_to_file(simulation: &Simulation) -> SimulationFile {
-    SimulationFile {
-        method: Some(match simulation.method {
-            Method::Switch => MethodKind::Switch,
-            Method::Event => MethodKind::Event,
-        }),
-        band: Some(simulation.band),
-        end_time_s: Some(simulation.end_time_s),
-        tolerance: Some(ToleranceFile {
-            relative: Some(simulation.relative_tolerance),
-            absolute: Some(simulation.absolute_tolerance),
-        }),
-    }
 }

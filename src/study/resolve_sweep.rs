@@ -11,6 +11,7 @@ use super::node::describe_number;
 use super::parameter::{NORMAL_FORCES, Parameter, ParameterValue};
 use super::resolve_model::Base;
 use super::sweep::Listing;
+use crate::model::Model;
 
 /// Swept parameters and their values, and the block as a self-contained study file writes it.
 pub(crate) struct ResolvedBlock {
@@ -82,7 +83,7 @@ fn resolve_lists(
         }
         let mut values = Vec::with_capacity(list.len());
         for (index, entry) in list.iter().enumerate() {
-            let value = resolve_value(parameter, entry)
+            let value = resolve_value(parameter, entry, &base.model)
                 .map_err(|fault| locate.refuse_value(&path.item(index), fault))?;
             values.push(value);
         }
@@ -117,8 +118,7 @@ fn resolve_table(
     table: &Table,
     base: &Base,
 ) -> Result<ResolvedBlock, StudyError> {
-    let names: Vec<String> =
-        Parameter::all(base.balls()).into_iter().map(Parameter::name).collect();
+    let names: Vec<String> = Parameter::all(&base.model).into_iter().map(Parameter::name).collect();
     let read = Rows::read(locate, study_file, path, table, &names)?;
     let mut columns = Vec::with_capacity(read.columns.len());
     for (column, name) in read.columns.iter().enumerate() {
@@ -127,7 +127,7 @@ fn resolve_table(
         let mut values = Vec::with_capacity(read.rows.len());
         for (row, entries) in read.rows.iter().enumerate() {
             if let Some(entry) = entries.get(column) {
-                let value = resolve_value(parameter, entry)
+                let value = resolve_value(parameter, entry, &base.model)
                     .map_err(|fault| read.refuse(locate, Some(row), Some(column), fault))?;
                 values.push(value);
             }
@@ -148,23 +148,32 @@ fn find_swept(name: &str, base: &Base) -> Result<Parameter, Fault> {
             "one study per number of balls (start box and columns depend on it)",
         ));
     }
-    let parameter = find_parameter(name, base.balls())?;
+    let parameter = find_parameter(name, &base.model)?;
     base.check_varied(parameter)?;
     Ok(parameter)
 }
 
 /// The parameter of this name.
-pub(crate) fn find_parameter(name: &str, balls: usize) -> Result<Parameter, Fault> {
-    Parameter::find(name, balls).ok_or_else(|| {
-        let names: Vec<String> = Parameter::all(balls).into_iter().map(Parameter::name).collect();
-        Fault::new("not a parameter", shorten(name), list_names(name, &names))
+pub(crate) fn find_parameter(name: &str, model: &Model) -> Result<Parameter, Fault> {
+    Parameter::find(name, model).ok_or_else(|| {
+        let names: Vec<String> = Parameter::all(model).into_iter().map(Parameter::name).collect();
+        let problem = format!(
+            "not a parameter of {} with {} friction",
+            model.kind(),
+            model.friction().name()
+        );
+        Fault::new(problem, shorten(name), list_names(name, &names))
     })
 }
 
 /// The checked value of a parameter.
-pub(crate) fn resolve_value(parameter: Parameter, entry: &Entry) -> Result<ParameterValue, Fault> {
+pub(crate) fn resolve_value(
+    parameter: Parameter,
+    entry: &Entry,
+    form: &Model,
+) -> Result<ParameterValue, Fault> {
     match (entry, parameter.is_number()) {
-        (Entry::Number(number), true) => match parameter.check(*number) {
+        (Entry::Number(number), true) => match parameter.check(*number, form) {
             Ok(()) => Ok(ParameterValue::Number(*number)),
             Err(allowed) => {
                 Err(Fault::new("no physical meaning", describe_number(*number), allowed))

@@ -45,7 +45,9 @@ pub(crate) fn resolve_uncertain(
         for (key, bound) in distribution.bounds() {
             // Draws stay strictly inside a range, so that its end may itself be just too small.
             let inside = if key == "min" { bound.next_up() } else { bound };
-            if let (Err(allowed), Err(_)) = (parameter.check(bound), parameter.check(inside)) {
+            if let (Err(allowed), Err(_)) =
+                (parameter.check(bound, &base.model), parameter.check(inside, &base.model))
+            {
                 let fault = Fault::new("no physical meaning", describe_number(bound), allowed);
                 return Err(locate.refuse_value(&path.key(key), fault));
             }
@@ -58,7 +60,7 @@ pub(crate) fn resolve_uncertain(
 }
 
 fn find_uncertain(name: &str, base: &Base, swept: &[Parameter]) -> Result<Parameter, Fault> {
-    let parameter = find_parameter(name, base.balls())?;
+    let parameter = find_parameter(name, &base.model)?;
     if !parameter.is_number() {
         return Err(Fault::new("not a number", name, "a numeric parameter (or sweep it)"));
     }

@@ -7,7 +7,7 @@ use super::file::{DistributionFile, StudyFile};
 use super::file_values::{Entry, Listed, Range};
 use super::parameter::Parameter;
 use super::start_box::axis_names;
-use crate::model::MAX_BALLS;
+use crate::model::{Ball, Block, FrictionLaw, MAX_BALLS, Machine, Model};
 
 /// The JSON Schema (draft 2020-12) of a study file, with units in the descriptions.
 pub fn json_schema() -> Value {
@@ -16,17 +16,17 @@ pub fn json_schema() -> Value {
 
 /// Lists of values per parameter.
 pub(super) fn swept(generator: &mut SchemaGenerator) -> Schema {
-    per_parameter(generator.subschema_for::<Listed>(), &Parameter::all(MAX_BALLS))
+    per_parameter(generator.subschema_for::<Listed>(), &all_parameters())
 }
 
 /// One value per parameter.
 pub(super) fn selector(generator: &mut SchemaGenerator) -> Schema {
-    per_parameter(generator.subschema_for::<Entry>(), &Parameter::all(MAX_BALLS))
+    per_parameter(generator.subschema_for::<Entry>(), &all_parameters())
 }
 
 /// A distribution per numeric parameter.
 pub(super) fn uncertain(generator: &mut SchemaGenerator) -> Schema {
-    let mut parameters = Parameter::all(MAX_BALLS);
+    let mut parameters = all_parameters();
     parameters.retain(|parameter| parameter.is_number());
     per_parameter(generator.subschema_for::<DistributionFile>(), &parameters)
 }
@@ -34,10 +34,47 @@ pub(super) fn uncertain(generator: &mut SchemaGenerator) -> Schema {
 /// A range per start coordinate.
 pub(super) fn start_box(generator: &mut SchemaGenerator) -> Schema {
     let range = <Range as JsonSchema>::json_schema(generator);
-    let names = ["beta".to_owned(), "beta_dot".to_owned()].into_iter().chain(axis_names(MAX_BALLS));
+    let general = ["beta", "beta_dot"].map(str::to_owned);
+    let models = all_models();
+    let names = general.into_iter().chain(models.iter().flat_map(axis_names));
     let properties: Map<String, Value> =
         names.map(|name| (name, range.clone().to_value())).collect();
     json_schema!({ "type": "object", "properties": properties, "additionalProperties": false })
+}
+
+/// One model of every kind, as large as it may be, with every law of friction.
+fn all_models() -> Vec<Model> {
+    let laws = [
+        FrictionLaw::Coulomb,
+        FrictionLaw::Stribeck { static_friction_coefficient: 1.0, stribeck_speed: 0.0 },
+        FrictionLaw::Smooth { smoothing_speed: 1.0 },
+        FrictionLaw::Viscous { viscous_coefficient_n_s_m: 0.0 },
+    ];
+    let kinds = [
+        Model::BallBalancer(Machine {
+            balls: vec![Ball::default(); MAX_BALLS],
+            ..Machine::default()
+        }),
+        Model::Block(Block::on_spring()),
+        Model::Block(Block::on_belt()),
+    ];
+    let with = |model: &Model, law: FrictionLaw| {
+        let mut model = model.clone();
+        *model.friction_mut() = law;
+        model
+    };
+    kinds.iter().flat_map(|model| laws.map(|law| with(model, law))).collect()
+}
+
+/// Every parameter of any model, each name once.
+fn all_parameters() -> Vec<Parameter> {
+    let mut parameters: Vec<Parameter> = Vec::new();
+    for parameter in all_models().iter().flat_map(Parameter::all) {
+        if !parameters.iter().any(|known| known.name() == parameter.name()) {
+            parameters.push(parameter);
+        }
+    }
+    parameters
 }
 
 fn per_parameter(value: Schema, parameters: &[Parameter]) -> Schema {

@@ -1,4 +1,4 @@
-//! The box of start states: one range per coordinate, and how coordinates make a start state.
+//! The box of start states: one range per coordinate.
 
 use std::f64::consts::TAU;
 
@@ -6,7 +6,7 @@ use super::error::{Fault, Locate, StudyError, list_names};
 use super::file_values::{Named, Range};
 use super::key_path::KeyPath;
 use super::node::describe_number;
-use crate::model::Start;
+use crate::model::Model;
 
 /// Default half width of positions and table speeds. Like the ball speed below it is
 /// *reconstructed*: the thesis's box is lost, and this one reproduces its six counts.
@@ -15,32 +15,9 @@ const DEFAULT_HALF_WIDTH: f64 = 0.05;
 /// Default largest ball speed over the natural frequency (reconstructed).
 const DEFAULT_BALL_SPEED: f64 = 1.0;
 
-/// Names of the coordinates of a start state in their order: `x`, `y`, `beta_1` ..., `x_dot`,
-/// `y_dot`, `beta_dot_1` ...
-pub(crate) fn axis_names(balls: usize) -> Vec<String> {
-    let own = |stem: &'static str| (1..=balls).map(move |ball| format!("{stem}_{ball}"));
-    ["x", "y"]
-        .into_iter()
-        .map(str::to_owned)
-        .chain(own("beta"))
-        .chain(["x_dot", "y_dot"].into_iter().map(str::to_owned))
-        .chain(own("beta_dot"))
-        .collect()
-}
-
-/// The start state with these coordinates, in the order of [`axis_names`].
-pub(crate) fn start_of(coordinates: &[f64]) -> Start {
-    let balls = coordinates.len().saturating_sub(4) / 2;
-    let at = |index: usize| coordinates.get(index).copied().unwrap_or(0.0);
-    let run = |first: usize| coordinates.iter().skip(first).take(balls).copied().collect();
-    Start {
-        x: at(0),
-        y: at(1),
-        beta: run(2),
-        x_dot: at(2 + balls),
-        y_dot: at(3 + balls),
-        beta_dot: run(4 + balls),
-    }
+/// Names of the coordinates of a start state, in their order.
+pub(crate) fn axis_names(model: &Model) -> Vec<String> {
+    model.coordinates().into_iter().map(|coordinate| coordinate.name).collect()
 }
 
 /// One coordinate of the box.
@@ -82,12 +59,14 @@ impl StartBox {
         locate: &dyn Locate,
         path: &KeyPath,
         written: Option<&Named<Range>>,
-        balls: usize,
+        model: &Model,
     ) -> Result<StartBox, StudyError> {
-        let names = axis_names(balls);
+        let names = axis_names(model);
+        let general_names: &[&str] = if model.balls() > 0 { &["beta", "beta_dot"] } else { &[] };
         for (name, Range([low, high])) in written.iter().flat_map(|ranges| &ranges.0) {
-            if !names.contains(name) && name != "beta" && name != "beta_dot" {
-                let mut allowed = vec!["beta".to_owned(), "beta_dot".to_owned()];
+            if !names.contains(name) && !general_names.contains(&name.as_str()) {
+                let mut allowed: Vec<String> =
+                    general_names.iter().map(|&name| name.to_owned()).collect();
                 allowed.extend(names);
                 let fault = Fault::new("unknown key", name, list_names(name, &allowed));
                 return Err(locate.refuse_key(&path.key(name), fault));
@@ -107,7 +86,7 @@ impl StartBox {
         let range = |name: &str| {
             let general = general_name(name);
             let given = written.and_then(|ranges| ranges.get(name).or_else(|| ranges.get(general)));
-            given.map_or_else(|| default_range(general), |range| range.0)
+            given.map_or_else(|| default_range(general, model), |range| range.0)
         };
         let axes = names
             .into_iter()
@@ -130,10 +109,13 @@ fn general_name(name: &str) -> &str {
     ["beta_dot", "beta"].into_iter().find(|stem| name.starts_with(stem)).unwrap_or(name)
 }
 
-fn default_range(general: &str) -> [f64; 2] {
-    match general {
-        "beta" => [0.0, TAU],
-        "beta_dot" => [-DEFAULT_BALL_SPEED, DEFAULT_BALL_SPEED],
-        _ => [-DEFAULT_HALF_WIDTH, DEFAULT_HALF_WIDTH],
+fn default_range(general: &str, model: &Model) -> [f64; 2] {
+    let either_way = |half: f64| [-half, half];
+    match (general, model) {
+        ("beta", _) => [0.0, TAU],
+        ("beta_dot", _) => either_way(DEFAULT_BALL_SPEED),
+        ("velocity_m_s", _) => [0.0, 0.0],
+        ("position_m", Model::Block(block)) => either_way(block.unit_length_m()),
+        _ => either_way(DEFAULT_HALF_WIDTH),
     }
 }

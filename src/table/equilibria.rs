@@ -2,7 +2,7 @@
 
 use super::column::Column;
 use super::record::RunRecord;
-use super::runs::swept_columns;
+use super::runs::{position_columns, swept_columns};
 use crate::ending::Label;
 use crate::model::Ball;
 use crate::study::{ParameterValue, Study};
@@ -13,7 +13,7 @@ pub struct EquilibriumRow {
     run_id: u64,
     point_id: u64,
     swept: Vec<ParameterValue>,
-    beta_rad: Vec<f64>,
+    position: Vec<f64>,
     amplitude_m: Option<f64>,
     friction_margin: Option<f64>,
     time_to_rest_s: Option<f64>,
@@ -27,12 +27,16 @@ impl EquilibriumRow {
         if outcome.label() != Label::Equilibrium {
             return None;
         }
-        let balls = &planned.case.as_ref().ok()?.machine.balls;
+        let position = outcome.position.as_ref()?;
+        let position = match planned.case.as_ref().ok()?.model.ball_balancer() {
+            Some(machine) => sorted_where_alike(position, &machine.balls),
+            None => position.clone(),
+        };
         Some(EquilibriumRow {
             run_id: planned.run_id,
             point_id: planned.point_id,
             swept: planned.swept.clone(),
-            beta_rad: sorted_where_alike(outcome.beta_rad.as_ref()?, balls),
+            position,
             amplitude_m: outcome.amplitude_m,
             friction_margin: outcome.friction_margin,
             time_to_rest_s: outcome.time_to_rest_s,
@@ -71,15 +75,12 @@ pub fn equilibrium_columns(study: &Study) -> Vec<Column<EquilibriumRow>> {
         }),
     ];
     columns.extend(swept_columns(study, |row: &EquilibriumRow| &row.swept));
-    for ball in 0..study.balls() {
-        columns.push(Column::number(
-            &format!("beta_{}_rad", ball + 1),
-            "rad",
-            "angle at which the ball rests, from the imbalance, in [0, 2π); ascending among balls \
-             that are alike",
-            move |row: &EquilibriumRow| row.beta_rad.get(ball).copied(),
-        ));
-    }
+    columns.extend(position_columns(
+        study,
+        "angle at which the ball rests, from the imbalance, in [0, 2π); ascending among balls that \
+         are alike",
+        |row: &EquilibriumRow| Some(&row.position),
+    ));
     columns.extend([
         Column::number(
             "amplitude_m",

@@ -25,13 +25,15 @@ pub struct PointRow {
 impl PointRow {
     /// The row of a point.
     pub fn new(point: &Point, summary: PointSummary) -> Self {
-        let machine = point.machine();
         PointRow {
             point_id: point.point_id,
             swept: point.swept.clone(),
             summary,
-            amplitude_without_balls_m: amplitude_without_balls(&machine),
-            set_fraction: set_fraction(&machine),
+            amplitude_without_balls_m: point
+                .model()
+                .ball_balancer()
+                .and_then(amplitude_without_balls),
+            set_fraction: point.model().ball_balancer().and_then(set_fraction),
         }
     }
 }
@@ -105,6 +107,9 @@ pub fn point_columns(study: &Study) -> Vec<Column<PointRow>> {
             &format!("quantile {percent} % of the amplitude over all runs that did not fail"),
             move |row: &PointRow| row.summary.amplitude_m[index],
         ));
+    }
+    if study.model().balls() == 0 {
+        return columns;
     }
     columns.extend([
         Column::number(

@@ -2,7 +2,7 @@
 
 use super::column::{Column, NON_DIMENSIONAL};
 use super::record::RunRecord;
-use crate::model::Start;
+use crate::model::Coordinate;
 use crate::study::{ParameterKind, ParameterValue, PlannedRun, Study, VariedParameter};
 
 /// The columns that say which run it is and where it starts; `planned` finds that in a row.
@@ -32,7 +32,7 @@ pub fn planned_columns<R: 'static>(
             planned(row).uncertain.get(index).copied()
         }));
     }
-    columns.extend(start_columns(study.balls(), planned));
+    columns.extend(start_columns(study, planned));
     columns
 }
 
@@ -60,29 +60,34 @@ pub fn swept_columns<R: 'static>(
         .collect()
 }
 
-fn start_columns<R: 'static>(balls: usize, planned: fn(&R) -> &PlannedRun) -> Vec<Column<R>> {
-    let scalar = |name: &str, meaning: &str, value: fn(&Start) -> f64| {
-        Column::number(name, NON_DIMENSIONAL, meaning, move |row| Some(value(&planned(row).start)))
-    };
-    let mut columns = vec![
-        scalar("initial_x", "start position of the ring's centre towards the imbalance", |s| s.x),
-        scalar("initial_y", "start position of the ring's centre at right angles to that", |s| s.y),
-    ];
-    columns.extend((0..balls).map(|ball| {
-        let name = format!("initial_beta_{}", ball + 1);
-        let meaning = "start angle of the ball from the imbalance";
-        Column::number(&name, "rad", meaning, move |row| planned(row).start.beta.get(ball).copied())
-    }));
-    columns.push(scalar("initial_x_dot", "start velocity along x", |s| s.x_dot));
-    columns.push(scalar("initial_y_dot", "start velocity along y", |s| s.y_dot));
-    columns.extend((0..balls).map(|ball| {
-        let name = format!("initial_beta_dot_{}", ball + 1);
-        let meaning = "start speed of the ball relative to the ring";
-        Column::number(&name, NON_DIMENSIONAL, meaning, move |row| {
-            planned(row).start.beta_dot.get(ball).copied()
+fn start_columns<R: 'static>(study: &Study, planned: fn(&R) -> &PlannedRun) -> Vec<Column<R>> {
+    let coordinates = study.model().coordinates().into_iter().enumerate();
+    coordinates
+        .map(|(index, Coordinate { name, unit, meaning })| {
+            let name = format!("initial_{name}");
+            Column::number(&name, unit.unwrap_or(NON_DIMENSIONAL), meaning, move |row| {
+                planned(row).start.0.get(index).copied()
+            })
         })
-    }));
-    columns
+        .collect()
+}
+
+/// Where each contact is at the end: a ball's angle, a block's position; `value` finds it in a row.
+pub fn position_columns<R: 'static>(
+    study: &Study,
+    meaning: &str,
+    value: impl Fn(&R) -> Option<&Vec<f64>> + Copy + Send + Sync + 'static,
+) -> Vec<Column<R>> {
+    let of_contact = move |row: &R, contact: usize| value(row)?.get(contact).copied();
+    if study.model().balls() == 0 {
+        let meaning = "position of the block at the end, from where the spring is free";
+        return vec![Column::number("position_m", "m", meaning, move |row| of_contact(row, 0))];
+    }
+    let column = |ball: usize| {
+        let name = format!("beta_{}_rad", ball + 1);
+        Column::number(&name, "rad", meaning, move |row| of_contact(row, ball))
+    };
+    (0..study.model().balls()).map(column).collect()
 }
 
 /// The columns of `runs.parquet`.
@@ -93,9 +98,15 @@ pub fn run_columns(study: &Study) -> Vec<Column<RunRecord>> {
         Column::word("evidence", "why it has that label, or what failed", |row: &RunRecord| {
             row.outcome.evidence.name()
         }),
-        Column::small_count("balls_running", "balls that go round the ring", |row: &RunRecord| {
-            row.outcome.balls_running
-        }),
+    ]);
+    if study.model().balls() > 0 {
+        columns.push(Column::small_count(
+            "balls_running",
+            "balls that go round the ring",
+            |row: &RunRecord| row.outcome.balls_running,
+        ));
+    }
+    columns.extend([
         Column::number(
             "time_to_rest_s",
             "s",
@@ -109,40 +120,32 @@ pub fn run_columns(study: &Study) -> Vec<Column<RunRecord>> {
             |row: &RunRecord| row.outcome.end_time_s,
         ),
     ]);
-    for ball in 0..study.balls() {
-        columns.push(Column::number(
-            &format!("beta_{}_rad", ball + 1),
-            "rad",
-            "angle of the ball from the imbalance at the end, in [0, 2π)",
-            move |row: &RunRecord| row.outcome.beta_rad.as_ref()?.get(ball).copied(),
-        ));
-    }
+    columns.extend(position_columns(
+        study,
+        "angle of the ball from the imbalance at the end, in [0, 2π)",
+        |row: &RunRecord| row.outcome.position.as_ref(),
+    ));
     columns.extend([
-        Column::number(
-            "amplitude_m",
-            "m",
-            "amplitude of the table's vibration: at rest, or root mean square over the cycle or \
-             the last tenth of the time",
-            |row: &RunRecord| row.outcome.amplitude_m,
-        ),
+        Column::number("amplitude_m", "m", amplitude_meaning(study), |row: &RunRecord| {
+            row.outcome.amplitude_m
+        }),
         Column::number(
             "friction_margin",
             "1",
-            "least part of the friction limit left to a resting ball, 0 on the edge of the \
-             equilibrium set",
+            "least part of the friction limit left at rest, 0 on the edge of the equilibrium set",
             |row: &RunRecord| row.outcome.friction_margin,
         ),
         Column::number("period_s", "s", "period of the limit cycle", |row: &RunRecord| {
             row.outcome.period_s
         }),
     ]);
-    for ball in 0..study.balls() {
+    for ball in 0..study.model().balls() {
         columns.push(Column::number(
             &format!("ball_speed_{}_rad_s", ball + 1),
             "rad/s",
             "mean speed of the ball relative to the ring, over the cycle or the last tenth of the \
              time; 0 at rest",
-            move |row: &RunRecord| row.outcome.ball_speed_rad_s.as_ref()?.get(ball).copied(),
+            move |row: &RunRecord| row.outcome.mean_speed.as_ref()?.get(ball).copied(),
         ));
     }
     columns.extend([
@@ -162,4 +165,14 @@ pub fn run_columns(study: &Study) -> Vec<Column<RunRecord>> {
         }),
     ]);
     columns
+}
+
+fn amplitude_meaning(study: &Study) -> &'static str {
+    if study.model().balls() > 0 {
+        "amplitude of the table's vibration: at rest, or root mean square over the cycle or the \
+         last tenth of the time"
+    } else {
+        "half of the way between the block's extreme positions over the cycle or the last tenth \
+         of the time; 0 at rest"
+    }
 }

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use rayon::prelude::*;
 use stickslip::ending::{Evidence, Label, certified, simulate};
-use stickslip::model::{Balancer, Case, Machine, Method, Simulation, Start, State};
+use stickslip::model::{Balancer, Case, Machine, Method, Simulation, Start};
 use stickslip::motion::{Motion, Settings, Tolerance};
 use stickslip::study::Study;
 
@@ -12,13 +12,8 @@ use stickslip::study::Study;
 /// speeds of 72.3 and 133.5 rad/s. The orbit is closed, but on the symmetric subspace only.
 #[test]
 fn thesis_orbits_with_balls_side_by_side() {
-    let from = |x, y, beta, x_dot, y_dot, beta_dot| Start {
-        x,
-        y,
-        beta: vec![beta; 2],
-        x_dot,
-        y_dot,
-        beta_dot: vec![beta_dot; 2],
+    let from = |x, y, beta, x_dot, y_dot, beta_dot| {
+        Start::of_balancer([x, y], &[beta; 2], [x_dot, y_dot], &[beta_dot; 2])
     };
     let thesis = [
         (-247.3, 72.3, from(-0.0109, -0.0047, 3.3088, 0.0020, -0.0041, 0.4224)),
@@ -26,11 +21,11 @@ fn thesis_orbits_with_balls_side_by_side() {
     ];
     for (speed_rad_s, mean_speed, start) in thesis {
         let outcome = simulate(&Case {
-            machine: Machine { speed_rad_s, ..Machine::default() },
+            model: Machine { speed_rad_s, ..Machine::default() }.into(),
             start,
             simulation: Simulation { end_time_s: 55.0, ..Simulation::default() },
         });
-        let speeds = outcome.ball_speed_rad_s.clone().expect("running balls have speeds");
+        let speeds = outcome.mean_speed.clone().expect("running balls have speeds");
         println!("{speed_rad_s} rad/s: balls at {speeds:?} rad/s, {}", outcome.evidence.name());
         assert!((outcome.end_time_s.expect("ran") - 55.0).abs() < 1e-9);
         assert_eq!(outcome.balls_running, Some(2));
@@ -66,14 +61,10 @@ initial_conditions: {design: {latin_hypercube: {samples: 64}}}
         .collect();
     assert!(claimed.len() >= 5, "{} cycles", claimed.len());
     claimed.par_iter().for_each(|(case, outcome)| {
-        let balancer = Balancer::<2>::new(&case.machine).expect("two balls");
-        let natural = case.machine.natural_frequency_rad_s();
-        let start = State {
-            position: [case.start.x, case.start.y],
-            velocity: [case.start.x_dot, case.start.y_dot],
-            beta: [case.start.beta[0], case.start.beta[1]],
-            beta_dot: [case.start.beta_dot[0], case.start.beta_dot[1]],
-        };
+        let machine = case.model.ball_balancer().expect("a balancer");
+        let balancer = Balancer::<2>::new(machine).expect("two balls");
+        let natural = machine.natural_frequency_rad_s();
+        let start = case.start.of_balls().expect("two balls");
         let settings = Settings {
             method: Method::Switch,
             band: case.simulation.band,
@@ -94,7 +85,7 @@ initial_conditions: {design: {latin_hypercube: {samples: 64}}}
             }
         }
         let (time, angles) = earlier.expect("it went on");
-        let speeds = outcome.ball_speed_rad_s.as_ref().expect("a cycle has speeds");
+        let speeds = outcome.mean_speed.as_ref().expect("a cycle has speeds");
         for ball in 0..2 {
             let turned = motion.unwrapped_angle(ball) - angles[ball];
             let speed = turned / (end - time) * natural;

@@ -28,14 +28,12 @@ fn references(speed: &str) -> Vec<Reference> {
             };
             let number = |name: &str| text(name).parse::<f64>().expect("a number");
             Reference {
-                start: Start {
-                    x: number("x"),
-                    y: number("y"),
-                    beta: vec![number("beta_1"), number("beta_2")],
-                    x_dot: number("x_dot"),
-                    y_dot: number("y_dot"),
-                    beta_dot: vec![number("beta_dot_1"), number("beta_dot_2")],
-                },
+                start: Start::of_balancer(
+                    ["x", "y"].map(number),
+                    &["beta_1", "beta_2"].map(number),
+                    ["x_dot", "y_dot"].map(number),
+                    &["beta_dot_1", "beta_dot_2"].map(number),
+                ),
                 label: text("label"),
                 end_beta: [number("end_beta_1"), number("end_beta_2")],
             }
@@ -49,7 +47,7 @@ fn run_all(speed: &str, references: &[Reference], band: f64) -> Vec<Outcome> {
         .par_iter()
         .map(|reference| {
             simulate(&Case {
-                machine: Machine { speed_rad_s, ..Machine::default() },
+                model: Machine { speed_rad_s, ..Machine::default() }.into(),
                 start: reference.start.clone(),
                 simulation: Simulation { band, ..Simulation::default() },
             })
@@ -77,7 +75,7 @@ fn subcritical_runs_end_at_the_same_place() {
         assert_eq!(flipped.count(), 0, "-{speed} rad/s");
         let close = pairs()
             .filter(|(reference, outcome)| {
-                let beta = outcome.beta_rad.as_deref().expect("an equilibrium has angles");
+                let beta = outcome.position.as_deref().expect("an equilibrium has angles");
                 (0..2).all(|ball| distance(beta[ball], reference.end_beta[ball]) < 1e-3)
             })
             .count();
@@ -110,7 +108,7 @@ fn final_angles_converge_with_the_band() {
             .iter()
             .zip(&outcomes)
             .map(|(reference, outcome)| {
-                let beta = outcome.beta_rad.as_deref().expect("an equilibrium has angles");
+                let beta = outcome.position.as_deref().expect("an equilibrium has angles");
                 let error = |ball: usize| distance(beta[ball], reference.end_beta[ball]);
                 error(0).max(error(1))
             })

@@ -59,7 +59,7 @@ fn a_panic_is_a_row() {
     let mut kept = Kept::default();
     // Half of the start states have their ring to the left.
     let tally = farmed(&study, &mut kept, &go, |case| {
-        assert!(case.start.x > 0.0, "the ring is at {}", case.start.x);
+        assert!(case.start.0[0] > 0.0, "the ring is at {}", case.start.0[0]);
         simulate(case)
     })
     .unwrap();
@@ -68,13 +68,13 @@ fn a_panic_is_a_row() {
     let mut panics = 0;
     for (record, sound) in kept.runs.iter().zip(&sound.runs) {
         assert_eq!(record.planned, sound.planned);
-        if record.planned.start.x > 0.0 {
+        if record.planned.start.0[0] > 0.0 {
             assert_eq!(record.outcome, sound.outcome);
         } else {
             panics += 1;
             let expected = format!(
                 "the program failed in this run: the ring is at {}",
-                record.planned.start.x
+                record.planned.start.0[0]
             );
             assert_eq!(record.outcome, Outcome::failed(Evidence::Panic, expected));
             assert_eq!(record.outcome.label().name(), "failed");

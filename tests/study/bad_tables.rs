@@ -33,7 +33,7 @@ fn a_right_table_makes_points() {
     let table = "# designs\nspeed_rad_s, normal_force\n-160.5, newton\n\n-200, lagrange\n";
     let study = sweep(table).unwrap();
     assert_eq!((study.point_count(), study.run_count()), (2, 20));
-    assert_eq!(study.point(0).machine().speed_rad_s, -160.5);
+    assert_eq!(super::machine_at(&study, 0).speed_rad_s, -160.5);
     let with_mark = sweep(&format!("\u{feff}{table}")).unwrap();
     assert_eq!(with_mark.hash(), study.hash());
 }

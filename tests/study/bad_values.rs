@@ -103,9 +103,9 @@ fn unknown_keys_come_with_the_nearest() {
 
 #[test]
 fn what_is_not_in_this_version_is_an_unknown_choice() {
-    refused("ball_balancer", "block_on_belt", 5, "model.kind", "block_on_belt", "ball_balancer");
-    refused("coulomb", "{stribeck: {a: 1}}", 14, "model.friction", "stribeck", "coulomb");
-    refused("switch", "event", 30, "simulation.method", "event", "switch");
+    refused("ball_balancer", "pendulum", 5, "model.kind", "pendulum", "ball_balancer");
+    refused("coulomb", "{lugre: {a: 1}}", 14, "model.friction", "lugre", "coulomb");
+    refused("switch", "newmark", 30, "simulation.method", "newmark", "switch");
     refused(": lagrange", ": euler", 15, "model.normal_force", "euler", "lagrange, newton");
     refused("schema: 1", "schema: 2", 1, "schema", "2", "1, the version");
 }

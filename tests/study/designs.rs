@@ -105,12 +105,12 @@ fn grid_takes_midpoints_so_that_no_angle_is_taken_twice() {
             let thirds = 6.0 * share;
             assert!([1.0, 3.0, 5.0].iter().any(|middle| (thirds - middle).abs() < 1.0e-9));
         }
-        angles.insert(planned.start.beta[0].to_bits());
+        angles.insert(planned.start.0[2].to_bits());
     }
     assert_eq!(angles.len(), 3);
     // The last coordinate changes fastest.
-    assert_eq!(study.planned_run(0).start.x, study.planned_run(1).start.x);
-    assert_ne!(study.planned_run(0).start.beta_dot[1], study.planned_run(1).start.beta_dot[1]);
+    assert_eq!(study.planned_run(0).start.0[0], study.planned_run(1).start.0[0]);
+    assert_ne!(study.planned_run(0).start.0[7], study.planned_run(1).start.0[7]);
 }
 
 #[test]
@@ -119,6 +119,6 @@ fn one_balls_range_wins_over_that_of_all() {
     let study = study(&format!("{text}  box: {{beta: [0, 1], beta_2: [2, 3]}}\n"));
     for run in 0..100 {
         let start = study.planned_run(run).start;
-        assert!((0.0..=1.0).contains(&start.beta[0]) && (2.0..=3.0).contains(&start.beta[1]));
+        assert!((0.0..=1.0).contains(&start.0[2]) && (2.0..=3.0).contains(&start.0[3]));
     }
 }

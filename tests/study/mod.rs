@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use stickslip::model::Machine;
 use stickslip::study::{Study, StudyError};
 
 mod bad_files;
@@ -40,12 +41,12 @@ fn text_with_design(design: &str) -> String {
 
 /// The coordinates of a run's start state in the order x, y, beta ..., x_dot, y_dot, beta_dot ...
 fn coordinates(study: &Study, run: u64) -> Vec<f64> {
-    let start = study.planned_run(run).start;
-    let mut all = vec![start.x, start.y];
-    all.extend(start.beta);
-    all.extend([start.x_dot, start.y_dot]);
-    all.extend(start.beta_dot);
-    all
+    study.planned_run(run).start.0
+}
+
+/// The machine at a point.
+fn machine_at(study: &Study, point: u64) -> Machine {
+    study.point(point).model().ball_balancer().expect("a balancer").clone()
 }
 
 /// Coordinates as shares of the default box for two balls.

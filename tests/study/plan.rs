@@ -5,7 +5,7 @@ use std::time::Instant;
 use stickslip::model::NormalForce;
 use stickslip::study::{ParameterValue, Study};
 
-use super::{study, text_with_design, with_design};
+use super::{machine_at, study, text_with_design, with_design};
 
 fn swept_numbers(study: &Study, point: u64) -> Vec<f64> {
     let number = |value: &ParameterValue| match value {
@@ -26,10 +26,10 @@ fn a_study_can_be_shared_between_threads() {
 #[test]
 fn without_a_sweep_there_is_one_point() {
     let study = with_design(SMALL, "");
-    assert_eq!((study.point_count(), study.run_count(), study.balls()), (1, 4, 2));
+    assert_eq!((study.point_count(), study.run_count(), study.model().balls()), (1, 4, 2));
     assert!(study.swept().is_empty() && study.point(0).swept.is_empty());
     let case = study.planned_run(3).case.unwrap();
-    assert_eq!(case.machine, *study.machine());
+    assert_eq!(case.model, *study.model());
     assert_eq!(case.simulation, *study.simulation());
 }
 
@@ -61,7 +61,7 @@ fn grids_run_through_their_last_key_first_and_blocks_follow_one_another() {
             let planned = study.planned_run(run);
             assert_eq!((planned.run_id, planned.point_id), (run, id));
             assert_eq!(planned.swept, point.swept);
-            assert_eq!(planned.case.unwrap().machine, point.machine());
+            assert_eq!(planned.case.unwrap().model, *point.model());
         }
         next += point.runs;
     }
@@ -84,7 +84,7 @@ fn one_balls_value_is_set_after_that_of_all() {
   {grid: {friction_coefficient: [0.3]}}]\n",
     );
     let friction = |point| {
-        let machine = study.point(point).machine();
+        let machine = machine_at(&study, point);
         machine.balls.iter().map(|ball| ball.friction_coefficient).collect::<Vec<_>>()
     };
     assert_eq!(friction(1), [0.2, 0.5]);
@@ -100,15 +100,15 @@ fn balls_that_differ() {
         "{kind: ball_balancer, parameters: {ball_mass_kg: 2, balls: [{}, {mass_kg: 3}, {}]}}",
     );
     let study = study(&format!("{text}sweep: [{{grid: {{ball_mass_3_kg: [4]}}}}]\n"));
-    let masses: Vec<f64> = study.point(0).machine().balls.iter().map(|ball| ball.mass_kg).collect();
+    let masses: Vec<f64> = machine_at(&study, 0).balls.iter().map(|ball| ball.mass_kg).collect();
     assert_eq!(masses, [2.0, 3.0, 4.0]);
-    assert_eq!(study.planned_run(0).start.beta.len(), 3);
+    assert_eq!(study.planned_run(0).start.0.len(), 10);
 }
 
 #[test]
 fn the_normal_force_can_be_swept() {
     let study = with_design(SMALL, "sweep: [{grid: {normal_force: [lagrange, newton]}}]\n");
-    assert_eq!(study.point(1).machine().normal_force, NormalForce::Newton);
+    assert_eq!(machine_at(&study, 1).normal_force, NormalForce::Newton);
     assert_eq!(study.point(1).swept, [ParameterValue::Text("newton")]);
 }
 
@@ -123,7 +123,7 @@ fn a_draw_without_physical_meaning_is_a_run_without_a_case() {
         assert_eq!(run.case.is_err(), run.uncertain[0] <= 0.0);
         match run.case {
             Ok(case) => {
-                assert_eq!(case.machine.imbalance_mass_kg, run.uncertain[0]);
+                assert_eq!(case.model.ball_balancer().unwrap().imbalance_mass_kg, run.uncertain[0]);
                 assert_eq!(case.start, run.start);
             }
             Err(invalid) => assert_eq!(invalid.name, "imbalance_mass_kg"),

@@ -150,7 +150,10 @@ fn the_json_schema_knows_every_key_with_its_unit() {
         "beta_dot_8",
         "samples_per_cell",
         "equilibrium_fraction",
-        "Spring stiffness of the suspension per direction, N/m.",
+        "Stiffness of the suspension per direction, or of a block's spring, N/m.",
+        "stribeck_speed_m_s",
+        "belt_speed_m_s",
+        "velocity_m_s",
         "\"additionalProperties\":false",
         "https://json-schema.org/draft/2020-12/schema",
     ] {

@@ -38,7 +38,7 @@ fn the_thesis_study_has_4096_runs_at_six_points() {
     let number = ParameterValue::Number;
     assert_eq!(study.point(4).swept, [number(-216.3772), number(2.75e-3)]);
     assert_eq!(study.point(5).swept, [number(-216.3772), number(2.75e-4)]);
-    assert_eq!(*study.machine(), stickslip::model::Machine::default());
+    assert_eq!(*study.model(), stickslip::model::Machine::default().into());
     assert_eq!(*study.simulation(), stickslip::model::Simulation::default());
     for (point, expectation) in study.expectations().iter().enumerate() {
         let selected: Vec<u64> =

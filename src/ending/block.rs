@@ -1,0 +1,158 @@
+//! One run of a block on a spring: simulated until its ending is known.
+//!
+//! On rigid ground a block that sticks stays: the spring's force on it no longer changes. On a belt
+//! it is carried along until it breaks away, always at the same place, so that its state there is
+//! the same each time: two break-aways in a row close a cycle, and nothing of a disturbance is left
+//! after one. A block that slides on a belt for good has no dry friction to stop it; unless its law
+//! damps it, it swings for ever as it started.
+
+use super::outcome::{Evidence, Outcome};
+use super::simulate::{WINDOW, effort_limit};
+use crate::model::{Block, Simulation, Slider, SliderState, Start};
+use crate::motion::{Failure, Motion, Phase, Settings};
+
+/// Simulates a block until its ending is known.
+pub(super) fn simulate_block(block: &Block, start: &Start, simulation: &Simulation) -> Outcome {
+    let [position_m, velocity_m_s] = start.0[..] else {
+        let error = "the start state of a block is its position and its velocity";
+        return Outcome::failed(Evidence::InvalidParameters, error.to_owned());
+    };
+    let natural = block.natural_frequency_rad_s();
+    let length = block.unit_length_m();
+    let slider = block.slider();
+    let state = SliderState {
+        position: [],
+        velocity: [],
+        beta: [position_m / length],
+        beta_dot: [velocity_m_s / (length * natural) - slider.belt_speed],
+    };
+    let end = simulation.end_time_s * natural;
+    let settings = Settings::new(simulation, effort_limit(end, 1.0));
+    match Motion::new(&slider, settings, state) {
+        Ok(motion) => Run { slider: &slider, motion, extremes: None, last_break_away: None, end }
+            .finish(natural, length),
+        Err(failure) => Outcome::failed(Evidence::Failure(failure), failure.to_string()),
+    }
+}
+
+struct Run<'a> {
+    slider: &'a Slider,
+    motion: Motion<'a, Slider, 1, 0>,
+    /// The least and the greatest position since the last break-away, or in the last part of the
+    /// time.
+    extremes: Option<[f64; 2]>,
+    last_break_away: Option<BreakAway>,
+    end: f64,
+}
+
+/// The instant at which the block breaks away from the belt.
+#[derive(Clone, Copy, Debug)]
+struct BreakAway {
+    time: f64,
+    position: f64,
+}
+
+/// How the loop came to its end.
+enum Ending {
+    Rest,
+    Cycle { period: f64 },
+    EndTime,
+    Failure(Failure),
+}
+
+impl Run<'_> {
+    fn until_it_ends(&mut self) -> Ending {
+        let window = (1.0 - WINDOW) * self.end;
+        while self.motion.time() < self.end {
+            let stuck = self.motion.all_stick();
+            if stuck && self.slider.belt_speed == 0.0 {
+                return Ending::Rest;
+            }
+            let before = self.motion.time();
+            if let Err(failure) = self.motion.advance(self.end) {
+                return Ending::Failure(failure);
+            }
+            if before < window && self.motion.time() >= window && self.last_break_away.is_none() {
+                self.extremes = None;
+            }
+            self.extend();
+            if stuck
+                && !self.motion.all_stick()
+                && let Some(period) = self.break_away()
+            {
+                return Ending::Cycle { period };
+            }
+        }
+        Ending::EndTime
+    }
+
+    /// Takes a break-away in; the period where it closes a cycle.
+    fn break_away(&mut self) -> Option<f64> {
+        let now = BreakAway { time: self.motion.time(), position: self.motion.state().beta[0] };
+        if let Some(last) = self.last_break_away
+            && (now.position - last.position).abs() <= 1e-6 * now.position.abs().max(1.0)
+        {
+            return Some(now.time - last.time);
+        }
+        self.last_break_away = Some(now);
+        self.extremes = Some([now.position; 2]);
+        None
+    }
+
+    /// Extends the extremes by the latest step: its end, and where the block turns back in it.
+    fn extend(&mut self) {
+        let belt = self.slider.belt_speed;
+        let moves = !matches!(self.motion.phases()[0], Phase::Stick);
+        let turns = [1.0, -1.0].map(|direction| {
+            let velocity = |state: &SliderState| direction * (belt + state.beta_dot[0]);
+            let turn = if moves { self.motion.falls_through_zero(velocity) } else { None };
+            turn.map(|(_, state)| state.beta[0])
+        });
+        let end = self.motion.state().beta[0];
+        let [low, high] = self.extremes.get_or_insert([end; 2]);
+        for position in turns.into_iter().flatten().chain([end]) {
+            *low = low.min(position);
+            *high = high.max(position);
+        }
+    }
+
+    fn finish(mut self, natural: f64, length: f64) -> Outcome {
+        let ending = self.until_it_ends();
+        let motion = &self.motion;
+        let position = motion.state().beta[0];
+        let base = Outcome {
+            evidence: Evidence::EndTime,
+            balls_running: None,
+            time_to_rest_s: None,
+            end_time_s: Some(motion.time() / natural),
+            position: Some(vec![position * length]),
+            amplitude_m: self.extremes.map(|[low, high]| 0.5 * (high - low) * length),
+            friction_margin: None,
+            period_s: None,
+            mean_speed: None,
+            effort: motion.effort(),
+            error: None,
+        };
+        match ending {
+            Ending::Rest => Outcome {
+                evidence: Evidence::RestCertified,
+                time_to_rest_s: Some(motion.last_switches()[0] / natural),
+                amplitude_m: Some(0.0),
+                friction_margin: Some(1.0 - position.abs() / self.slider.friction.limit)
+                    .filter(|margin| margin.is_finite()),
+                ..base
+            },
+            Ending::Cycle { period } => Outcome {
+                evidence: Evidence::ClosedOrbit,
+                period_s: Some(period / natural),
+                ..base
+            },
+            Ending::EndTime => base,
+            Ending::Failure(failure) => Outcome {
+                evidence: Evidence::Failure(failure),
+                error: Some(failure.to_string()),
+                ..base
+            },
+        }
+    }
+}

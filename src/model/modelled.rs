@@ -1,0 +1,149 @@
+//! What a study can be about: one of the mechanical systems, in SI units.
+
+use super::{Block, FrictionLaw, Ground, InvalidParameter, Machine};
+
+/// One of the mechanical systems with its parameters.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Model {
+    /// The automatic ball balancer.
+    BallBalancer(Machine),
+    /// A block on a spring, on rigid ground or on a belt.
+    Block(Block),
+}
+
+impl From<Machine> for Model {
+    fn from(machine: Machine) -> Self {
+        Model::BallBalancer(machine)
+    }
+}
+
+impl From<Block> for Model {
+    fn from(block: Block) -> Self {
+        Model::Block(block)
+    }
+}
+
+/// A coordinate of a start state.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Coordinate {
+    /// Name, as in a study file.
+    pub name: String,
+    /// Unit; none where the value is non-dimensional.
+    pub unit: Option<&'static str>,
+    /// What it means.
+    pub meaning: &'static str,
+}
+
+impl Model {
+    /// The model's kind, as in a study file.
+    pub fn kind(&self) -> &'static str {
+        match self {
+            Model::BallBalancer(_) => "ball_balancer",
+            Model::Block(Block { ground: Ground::Fixed, .. }) => "block_on_spring",
+            Model::Block(Block { ground: Ground::Belt { .. }, .. }) => "block_on_belt",
+        }
+    }
+
+    /// Refuses values without physical meaning.
+    ///
+    /// # Errors
+    /// The first offending parameter, by the name it has in a study file.
+    pub fn validate(&self) -> Result<(), InvalidParameter> {
+        match self {
+            Model::BallBalancer(machine) => machine.validate(),
+            Model::Block(block) => block.validate(),
+        }
+    }
+
+    /// The machine, where the model is the ball balancer.
+    pub fn ball_balancer(&self) -> Option<&Machine> {
+        match self {
+            Model::BallBalancer(machine) => Some(machine),
+            Model::Block(_) => None,
+        }
+    }
+
+    /// The machine, to be changed, where the model is the ball balancer.
+    pub fn ball_balancer_mut(&mut self) -> Option<&mut Machine> {
+        match self {
+            Model::BallBalancer(machine) => Some(machine),
+            Model::Block(_) => None,
+        }
+    }
+
+    /// Number of balls; 0 in a model without.
+    pub fn balls(&self) -> usize {
+        self.ball_balancer().map_or(0, |machine| machine.balls.len())
+    }
+
+    /// Number of contacts with friction.
+    pub fn contacts(&self) -> usize {
+        self.balls().max(1)
+    }
+
+    /// The law of friction.
+    pub fn friction(&self) -> &FrictionLaw {
+        match self {
+            Model::BallBalancer(machine) => &machine.friction,
+            Model::Block(block) => &block.friction,
+        }
+    }
+
+    /// The law of friction, to be changed.
+    pub fn friction_mut(&mut self) -> &mut FrictionLaw {
+        match self {
+            Model::BallBalancer(machine) => &mut machine.friction,
+            Model::Block(block) => &mut block.friction,
+        }
+    }
+
+    /// The natural frequency, rad/s.
+    pub fn natural_frequency_rad_s(&self) -> f64 {
+        match self {
+            Model::BallBalancer(machine) => machine.natural_frequency_rad_s(),
+            Model::Block(block) => block.natural_frequency_rad_s(),
+        }
+    }
+
+    /// The coordinates of a start state, in order.
+    pub fn coordinates(&self) -> Vec<Coordinate> {
+        let scalar =
+            |name: &str, unit, meaning| Coordinate { name: name.to_owned(), unit, meaning };
+        match self {
+            Model::BallBalancer(machine) => {
+                let balls = 1..=machine.balls.len();
+                let own = |stem: &'static str, unit, meaning| {
+                    balls.clone().map(move |ball| scalar(&format!("{stem}_{ball}"), unit, meaning))
+                };
+                let table = [
+                    scalar("x", None, "start position of the ring's centre towards the imbalance"),
+                    scalar(
+                        "y",
+                        None,
+                        "start position of the ring's centre at right angles to that",
+                    ),
+                ];
+                let velocity = [
+                    scalar("x_dot", None, "start velocity along x"),
+                    scalar("y_dot", None, "start velocity along y"),
+                ];
+                let angle = "start angle of the ball from the imbalance";
+                let speed = "start speed of the ball relative to the ring";
+                table
+                    .into_iter()
+                    .chain(own("beta", Some("rad"), angle))
+                    .chain(velocity)
+                    .chain(own("beta_dot", None, speed))
+                    .collect()
+            }
+            Model::Block(_) => vec![
+                scalar(
+                    "position_m",
+                    Some("m"),
+                    "start position of the block, from where the spring is free",
+                ),
+                scalar("velocity_m_s", Some("m/s"), "start velocity of the block"),
+            ],
+        }
+    }
+}

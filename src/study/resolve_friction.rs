@@ -1,0 +1,93 @@
+//! From a friction law as written to a checked one, and back.
+
+use super::error::{Fault, Locate, StudyError};
+use super::file::{FrictionFile, ModelFile, ModelKind, SmoothFile, StribeckFile};
+use super::key_path::KeyPath;
+use crate::model::{FrictionLaw, Model};
+
+/// The law as written, with the speed that goes with the kind of model.
+///
+/// # Errors
+/// A speed that is missing, or in the unit of another kind of model.
+pub(super) fn resolve_friction(
+    locate: &dyn Locate,
+    written: &ModelFile,
+) -> Result<FrictionLaw, StudyError> {
+    let path = KeyPath::of("model.friction");
+    let of_balls = written.kind == ModelKind::BallBalancer;
+    let speed = |path: KeyPath, stem: &str, rad_s: Option<f64>, m_s: Option<f64>| {
+        let (unit, own, other_unit, other) =
+            if of_balls { ("rad_s", rad_s, "m_s", m_s) } else { ("m_s", m_s, "rad_s", rad_s) };
+        let allowed = format!("{stem}_{unit}");
+        if other.is_some() {
+            let found = format!("{stem}_{other_unit}");
+            let path = path.key(&found);
+            let fault = Fault::new("a speed in the unit of another kind of model", found, allowed);
+            return Err(locate.refuse_key(&path, fault));
+        }
+        own.ok_or_else(|| {
+            let fault =
+                Fault::new("missing key", "no such key", format!("a value for `{allowed}`"));
+            locate.refuse_value(&path, fault)
+        })
+    };
+    Ok(match written.friction {
+        None | Some(FrictionFile::Coulomb) => FrictionLaw::Coulomb,
+        Some(FrictionFile::Stribeck(law)) => FrictionLaw::Stribeck {
+            static_friction_coefficient: law.static_friction_coefficient,
+            stribeck_speed: speed(
+                path.key("stribeck"),
+                "stribeck_speed",
+                law.stribeck_speed_rad_s,
+                law.stribeck_speed_m_s,
+            )?,
+        },
+        Some(FrictionFile::Smooth(law)) => FrictionLaw::Smooth {
+            smoothing_speed: speed(
+                path.key("smooth"),
+                "smoothing_speed",
+                law.smoothing_speed_rad_s,
+                law.smoothing_speed_m_s,
+            )?,
+        },
+        Some(FrictionFile::Viscous { viscous_coefficient_n_s_m }) => {
+            FrictionLaw::Viscous { viscous_coefficient_n_s_m }
+        }
+    })
+}
+
+/// Checks the law with the parameters that it goes with.
+///
+/// # Errors
+/// A value of the law that makes no physical sense.
+pub(super) fn check_friction(locate: &dyn Locate, model: &Model) -> Result<(), StudyError> {
+    model.validate().map_err(|invalid| {
+        let path = KeyPath::of("model.friction").key(model.friction().name()).key(&invalid.name);
+        let fault = Fault::new("no physical meaning", invalid.found, invalid.allowed);
+        locate.refuse_value(&path, fault)
+    })
+}
+
+/// The law as a study file writes it.
+pub(super) fn friction_to_file(law: &FrictionLaw, kind: ModelKind) -> FrictionFile {
+    let of_balls = kind == ModelKind::BallBalancer;
+    let pair = |speed: f64| if of_balls { (Some(speed), None) } else { (None, Some(speed)) };
+    match *law {
+        FrictionLaw::Coulomb => FrictionFile::Coulomb,
+        FrictionLaw::Stribeck { static_friction_coefficient, stribeck_speed } => {
+            let (stribeck_speed_rad_s, stribeck_speed_m_s) = pair(stribeck_speed);
+            FrictionFile::Stribeck(StribeckFile {
+                static_friction_coefficient,
+                stribeck_speed_rad_s,
+                stribeck_speed_m_s,
+            })
+        }
+        FrictionLaw::Smooth { smoothing_speed } => {
+            let (smoothing_speed_rad_s, smoothing_speed_m_s) = pair(smoothing_speed);
+            FrictionFile::Smooth(SmoothFile { smoothing_speed_rad_s, smoothing_speed_m_s })
+        }
+        FrictionLaw::Viscous { viscous_coefficient_n_s_m } => {
+            FrictionFile::Viscous { viscous_coefficient_n_s_m }
+        }
+    }
+}

@@ -1,0 +1,73 @@
+//! From the simulation settings as written to checked ones with all defaults.
+
+use super::error::{Fault, Locate, StudyError};
+use super::file::{MethodKind, SimulationFile, ToleranceFile};
+use super::key_path::KeyPath;
+use super::node::describe_number;
+use crate::model::{Method, Simulation};
+
+/// In a wider band, balls that move count as standing, and may switch between stick and transition
+/// without end.
+const WIDEST_BAND: f64 = 1.0e-2;
+
+/// Checks how runs are integrated and fills in the defaults.
+///
+/// # Errors
+/// A band, tolerance or end time that is not positive; a band that is too wide to be one.
+pub(crate) fn resolve_simulation(
+    locate: &dyn Locate,
+    written: Option<&SimulationFile>,
+) -> Result<Simulation, StudyError> {
+    let default = Simulation::default();
+    let given = written.cloned().unwrap_or_default();
+    let tolerance = given.tolerance.unwrap_or_default();
+    let positive = |keys: &str, given: Option<f64>, default: f64| {
+        let value = given.unwrap_or(default);
+        if value.is_finite() && value > 0.0 {
+            return Ok(value);
+        }
+        let allowed = "a positive, finite number";
+        let fault = Fault::new("not positive", describe_number(value), allowed);
+        Err(locate.refuse_value(&KeyPath::of(keys), fault))
+    };
+    let band = positive("simulation.band", given.band, default.band)?;
+    if band > WIDEST_BAND {
+        let allowed = format!("at most {WIDEST_BAND}; results are better the narrower it is");
+        let fault = Fault::new("too wide", describe_number(band), allowed);
+        return Err(locate.refuse_value(&KeyPath::of("simulation.band"), fault));
+    }
+    Ok(Simulation {
+        method: match given.method {
+            None | Some(MethodKind::Switch) => Method::Switch,
+            Some(MethodKind::Event) => Method::Event,
+        },
+        band,
+        end_time_s: positive("simulation.end_time_s", given.end_time_s, default.end_time_s)?,
+        relative_tolerance: positive(
+            "simulation.tolerance.relative",
+            tolerance.relative,
+            default.relative_tolerance,
+        )?,
+        absolute_tolerance: positive(
+            "simulation.tolerance.absolute",
+            tolerance.absolute,
+            default.absolute_tolerance,
+        )?,
+    })
+}
+
+/// The simulation with every value written out.
+pub(crate) fn simulation_to_file(simulation: &Simulation) -> SimulationFile {
+    SimulationFile {
+        method: Some(match simulation.method {
+            Method::Switch => MethodKind::Switch,
+            Method::Event => MethodKind::Event,
+        }),
+        band: Some(simulation.band),
+        end_time_s: Some(simulation.end_time_s),
+        tolerance: Some(ToleranceFile {
+            relative: Some(simulation.relative_tolerance),
+            absolute: Some(simulation.absolute_tolerance),
+        }),
+    }
+}
