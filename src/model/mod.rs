@@ -6,6 +6,7 @@
 mod balancer;
 mod case;
 mod equations;
+mod existence;
 pub mod extended_lagrange;
 mod machine;
 mod number;
@@ -14,6 +15,7 @@ mod rest;
 pub use balancer::{Balancer, BalancerBall, State};
 pub use case::{Case, Method, Simulation, Start};
 pub use equations::{Contact, Forces};
+pub use existence::{ExistenceVerdict, SAFE_FRICTION};
 pub use machine::{Ball, InvalidParameter, MAX_BALLS, Machine, NormalForce, ball_parameter_name};
 pub use number::Number;
 pub use rest::RestPoint;

@@ -1,6 +1,7 @@
 //! What each ball does, and how that is decided for all balls in the band together.
 
 use super::Failure;
+use super::ambiguity::unique_or_refused;
 use crate::model::{Balancer, Contact, Forces, State};
 
 /// What a ball does (thesis table 4.2).
@@ -60,15 +61,20 @@ pub fn stick_reserve<const N: usize>(
 /// The conditions are a linear complementarity problem: a ball sticks if friction within its limit
 /// can hold it, else it accelerates against full friction. For light balls the problem's matrix is
 /// nearly diagonal; exchanging all phases that fail their condition at once then settles it in a
-/// step or two. Should it not settle, all `3^k` combinations are tried.
+/// step or two. Should it not settle, all `3^k` combinations are tried. Where the balls are so heavy
+/// and the friction so large that there may be several solutions, all of them are looked for, and
+/// none is chosen silently ([`crate::model::ExistenceVerdict`]).
 ///
 /// # Errors
-/// [`Failure::NoSolution`] where no combination meets all conditions.
+/// [`Failure::NoSolution`] where no combination meets all conditions, or several different ones do.
 pub fn decide<const N: usize>(
     balancer: &Balancer<N>,
     state: &State<N>,
     phases: &mut [Phase; N],
 ) -> Result<Forces<N>, Failure> {
+    if !balancer.surely_one_solution() && !balancer.one_solution_at(&state.beta) {
+        return unique_or_refused(balancer, state, phases);
+    }
     let evaluate = |phases: &[Phase; N]| balancer.forces(state, &contacts(balancer, phases));
     for _ in 0..N + 3 {
         let forces = evaluate(phases);
@@ -97,11 +103,11 @@ pub fn decide<const N: usize>(
             return Ok(forces);
         }
     }
-    Err(Failure::NoSolution)
+    Err(Failure::NoSolution { solutions: 0 })
 }
 
 /// The phase that a ball should have instead, where the one that was assumed fails its condition.
-fn better_phase<const N: usize>(
+pub(super) fn better_phase<const N: usize>(
     balancer: &Balancer<N>,
     forces: &Forces<N>,
     assumed: Phase,

@@ -1,5 +1,6 @@
 //! How the system moves: integration of smooth phases, stick and slip, switches between them.
 
+mod ambiguity;
 mod contact;
 mod dop853;
 mod dop853_tableau;
@@ -30,7 +31,10 @@ pub enum Failure {
     /// Steps and switches reached their limit, or steps became too short to go on.
     #[error("more steps than the limit, or steps too short to go on")]
     StepLimit,
-    /// No combination of stick and slip meets all conditions.
-    #[error("no combination of stick and slip meets all conditions")]
-    NoSolution,
+    /// Stick and slip cannot be decided: no combination meets all conditions, or several do.
+    #[error("{} all conditions", ambiguity::combinations_meet(*.solutions))]
+    NoSolution {
+        /// How many combinations with different accelerations meet all conditions.
+        solutions: usize,
+    },
 }
