@@ -193,8 +193,7 @@ fn verdict(couplings: &[Coupling]) -> ExistenceVerdict {
     let angle = |(ball, direction): (usize, f64)| {
         (ball + 1, -0.5 * libm::atan(direction * couplings[ball].friction))
     };
-    let mut position: Vec<(usize, f64)> =
-        chosen(combination, couplings.len()).map(angle).collect();
+    let mut position: Vec<(usize, f64)> = chosen(combination, couplings.len()).map(angle).collect();
     let first = position.first().map_or(0.0, |(_, angle)| *angle);
     for (_, angle) in &mut position {
         *angle -= first;
