@@ -273,3 +273,24 @@ fn the_example_without_a_unique_solution() {
     assert_eq!(words, ["unique", "not_unique"]);
     assert!((60..=110).contains(&none) && (25..=65).contains(&several), "{none} {several}");
 }
+
+/// Where the closed form says that there is one solution, a decision never fails: either it is
+/// found, or a contact opens.
+#[test]
+fn with_one_solution_a_decision_never_fails() {
+    let mut opened = 0;
+    for k in 0..50_000_u32 {
+        let spread = |factor: f64| (f64::from(k) * factor + 0.7).sin();
+        let balancer = undecided_machine(2.5 + 2.49 * spread(0.9));
+        let beta = [3.0 * spread(1.3), 3.0 * spread(2.7)];
+        if !balancer.one_solution_at(&beta) {
+            continue;
+        }
+        let state = at_rest(0.2 * spread(2.1), 0.2 * spread(3.7), beta);
+        let mut phases = [Phase::Stick; 2];
+        let forces = decide(&balancer, &state, &mut phases);
+        let forces = forces.unwrap_or_else(|failure| panic!("{k}: {failure}"));
+        opened += u32::from(forces.normal.iter().any(|&normal| normal <= 0.0));
+    }
+    assert!(opened > 1000, "{opened}");
+}
