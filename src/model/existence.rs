@@ -100,7 +100,8 @@ impl ExistenceVerdict {
 }
 
 impl Machine {
-    /// Whether stick and slip are always decided in exactly one way.
+    /// Whether stick and slip are always decided in exactly one way. For a machine that is valid: all
+    /// sets of balls are gone through, so that their number matters.
     pub fn existence(&self) -> ExistenceVerdict {
         verdict(&self.couplings(1.0))
     }
