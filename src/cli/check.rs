@@ -4,6 +4,7 @@ use clap::Args;
 use serde_json::json;
 
 use super::arguments::StudyArgument;
+use super::existence::Existence;
 use super::exit::{CliError, End};
 use super::output::print;
 use crate::model::Method;
@@ -12,7 +13,8 @@ use crate::study::{Study, VariedParameter};
 const EXAMPLES: &str = "\
 Examples:
   stickslip check study.yaml
-  stickslip check study.yaml --json";
+  stickslip check study.yaml --json
+  stickslip check study.yaml --existence";
 
 /// Check a study file and say what it would compute; nothing is computed
 #[derive(Clone, Debug, Args)]
@@ -20,6 +22,10 @@ Examples:
 pub struct CheckArguments {
     #[command(flatten)]
     study: StudyArgument,
+
+    /// Also say at which points stick and slip are always decided in exactly one way
+    #[arg(long)]
+    existence: bool,
 
     /// Print as JSON
     #[arg(long)]
@@ -41,8 +47,9 @@ pub fn check(arguments: &CheckArguments) -> Result<End, CliError> {
         Method::Event => "event",
     };
     let core_seconds = most_core_seconds(&study);
+    let existence = arguments.existence.then(|| Existence::of(&study));
     if arguments.json {
-        let report = json!({
+        let mut report = json!({
             "study": study.name(),
             "hash": study.hash(),
             "seed": study.seed(),
@@ -56,6 +63,9 @@ pub fn check(arguments: &CheckArguments) -> Result<End, CliError> {
             "expectations": study.expectations().len(),
             "most_core_seconds": core_seconds,
         });
+        if let Some(existence) = existence {
+            report["existence"] = existence.json();
+        }
         print(&format!("{report:#}\n"))?;
         return Ok(End::Well);
     }
@@ -89,6 +99,9 @@ pub fn check(arguments: &CheckArguments) -> Result<End, CliError> {
         study.expectations().len(),
         duration(core_seconds),
     ))?;
+    if let Some(existence) = existence {
+        print(&existence.text())?;
+    }
     Ok(End::Well)
 }
 

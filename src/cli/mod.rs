@@ -3,6 +3,7 @@
 mod arguments;
 mod check;
 mod completions;
+mod existence;
 mod exit;
 mod expand;
 mod output;

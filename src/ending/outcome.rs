@@ -83,7 +83,7 @@ impl Evidence {
             Evidence::Failure(Failure::NotFinite) => "not_finite",
             Evidence::Failure(Failure::ContactLost { .. }) => "contact_lost",
             Evidence::Failure(Failure::StepLimit) => "step_limit",
-            Evidence::Failure(Failure::NoSolution) => "no_solution",
+            Evidence::Failure(Failure::NoSolution { .. }) => "no_solution",
             Evidence::InvalidParameters => "invalid_parameters",
             Evidence::Panic => "panic",
         }

@@ -155,6 +155,15 @@ impl System<1, 0> for Slider {
         std::f64::consts::FRAC_PI_2
     }
 
+    /// The normal force does not depend on the acceleration.
+    fn surely_one_solution(&self) -> bool {
+        true
+    }
+
+    fn one_solution_at(&self, _state: &SliderState) -> bool {
+        true
+    }
+
     fn force_scale(&self) -> f64 {
         1.0
     }

@@ -48,6 +48,18 @@ impl FrictionLaw {
         matches!(self, FrictionLaw::Coulomb | FrictionLaw::Stribeck { .. })
     }
 
+    /// The most friction over normal force, at rest or at any speed, of a contact with this
+    /// (kinetic) coefficient.
+    pub fn largest_ratio(&self, friction_coefficient: f64) -> f64 {
+        match *self {
+            FrictionLaw::Coulomb | FrictionLaw::Smooth { .. } => friction_coefficient,
+            FrictionLaw::Stribeck { static_friction_coefficient, .. } => {
+                static_friction_coefficient
+            }
+            FrictionLaw::Viscous { .. } => 0.0,
+        }
+    }
+
     /// Refuses values without physical meaning, for a contact with this (kinetic) coefficient.
     ///
     /// # Errors
@@ -151,6 +163,12 @@ impl Friction {
     /// Coulomb friction.
     pub fn coulomb(coefficient: f64) -> Self {
         Friction { coefficient, limit: coefficient, sliding: Sliding::Coulomb }
+    }
+
+    /// The most friction over normal force, at rest or at any speed.
+    #[inline]
+    pub fn largest_ratio(&self) -> f64 {
+        self.limit.max(self.coefficient)
     }
 
     /// Whether the contact can stick.

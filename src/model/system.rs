@@ -26,6 +26,13 @@ pub trait System<const N: usize, const FREE: usize> {
     /// The longest step within which a friction force can hardly rise and fall back unseen.
     fn longest_step(&self) -> f64;
 
+    /// Whether stick and slip are surely decided in exactly one way in every state, by a test that
+    /// takes next to no time.
+    fn surely_one_solution(&self) -> bool;
+
+    /// Whether stick and slip are decided in exactly one way in this state, whatever the forces.
+    fn one_solution_at(&self, state: &State<N, f64, FREE>) -> bool;
+
     /// The size of the forces: what their rounding is relative to.
     fn force_scale(&self) -> f64;
 }
@@ -56,6 +63,15 @@ impl<const N: usize> System<N, 2> for Balancer<N> {
     /// A quarter of the shortest period of the table in the turning frame.
     fn longest_step(&self) -> f64 {
         0.5 * std::f64::consts::PI / (self.speed.abs() + 1.0)
+    }
+
+    #[inline]
+    fn surely_one_solution(&self) -> bool {
+        Balancer::surely_one_solution(self)
+    }
+
+    fn one_solution_at(&self, state: &State<N>) -> bool {
+        Balancer::one_solution_at(self, &state.beta)
     }
 
     fn force_scale(&self) -> f64 {

@@ -1,6 +1,7 @@
 //! What each contact does, and how that is settled for several contacts together.
 
 use super::Failure;
+use super::ambiguity::unique_or_refused;
 use crate::model::{Contact, Forces, Friction, State, System};
 
 /// What a ball does (thesis table 4.2), or a block.
@@ -82,10 +83,12 @@ pub fn stick_reserve<S: System<N, FREE>, const N: usize, const FREE: usize>(
 ///
 /// The conditions are a linear complementarity problem. For light balls its matrix is nearly
 /// diagonal; exchanging all phases that fail their condition at once then settles it in a step or
-/// two. Should it not settle, all `3^k` combinations of `choices` are tried.
+/// two. Should it not settle, all `3^k` combinations of `choices` are tried. Where the balls are so
+/// heavy and the friction so large that there may be several solutions, all of them are looked for,
+/// and none is chosen silently ([`crate::model::ExistenceVerdict`]).
 ///
 /// # Errors
-/// [`Failure::NoSolution`] where no combination meets all conditions.
+/// [`Failure::NoSolution`] where no combination meets all conditions, or several different ones do.
 pub(super) fn settle<S: System<N, FREE>, const N: usize, const FREE: usize>(
     system: &S,
     state: &State<N, f64, FREE>,
@@ -94,6 +97,9 @@ pub(super) fn settle<S: System<N, FREE>, const N: usize, const FREE: usize>(
     choices: [Phase; 3],
     better: impl Fn(&Forces<N, f64, FREE>, &[Phase; N], usize) -> Option<Phase>,
 ) -> Result<Forces<N, f64, FREE>, Failure> {
+    if !system.surely_one_solution() && !system.one_solution_at(state) {
+        return unique_or_refused(system, state, phases, open, choices, better);
+    }
     for _ in 0..N + 3 {
         let forces = forces(system, phases, state);
         let before = *phases;
@@ -118,5 +124,5 @@ pub(super) fn settle<S: System<N, FREE>, const N: usize, const FREE: usize>(
             return Ok(forces);
         }
     }
-    Err(Failure::NoSolution)
+    Err(Failure::NoSolution { solutions: 0 })
 }

@@ -1,17 +1,18 @@
 //! How the system moves: integration of smooth phases, stick and slip, switches between them.
 
+mod ambiguity;
 mod contact;
 mod dop853;
 mod dop853_tableau;
+mod driver;
 mod event_driven;
 mod guard;
-mod motion;
 mod root;
 mod switch_model;
 
 pub use contact::{Phase, contacts, stick_reserve};
 pub use dop853::{Interpolant, Step, Tolerance};
-pub use motion::{Effort, Motion, SLOW, Settings};
+pub use driver::{Effort, Motion, SLOW, Settings};
 pub use root::fall_through_zero;
 pub use switch_model::{SLACK, decide};
 
@@ -33,7 +34,10 @@ pub enum Failure {
     /// Steps and switches reached their limit, or steps became too short to go on.
     #[error("more steps than the limit, or steps too short to go on")]
     StepLimit,
-    /// No combination of stick and slip meets all conditions.
-    #[error("no combination of stick and slip meets all conditions")]
-    NoSolution,
+    /// Stick and slip cannot be decided: no combination meets all conditions, or several do.
+    #[error("{} all conditions", ambiguity::combinations_meet(*.solutions))]
+    NoSolution {
+        /// How many combinations with different accelerations meet all conditions.
+        solutions: usize,
+    },
 }

@@ -4,7 +4,7 @@ use super::column::Column;
 use super::runs::swept_columns;
 use crate::analysis::{PointSummary, set_fraction};
 use crate::ending::Label;
-use crate::model::{Balancer, Machine};
+use crate::model::{Balancer, ExistenceVerdict, Machine};
 use crate::study::{ParameterValue, Point, Study};
 
 /// One point of the sweep with what its runs have shown.
@@ -20,6 +20,8 @@ pub struct PointRow {
     pub amplitude_without_balls_m: Option<f64>,
     /// Share of all ball positions that are equilibria.
     pub set_fraction: Option<f64>,
+    /// Whether stick and slip are always decided in exactly one way.
+    pub existence: Option<ExistenceVerdict>,
 }
 
 impl PointRow {
@@ -34,6 +36,7 @@ impl PointRow {
                 .ball_balancer()
                 .and_then(amplitude_without_balls),
             set_fraction: point.model().ball_balancer().and_then(set_fraction),
+            existence: point.model().ball_balancer().map(Machine::existence),
         }
     }
 }
@@ -124,6 +127,20 @@ pub fn point_columns(study: &Study) -> Vec<Column<PointRow>> {
             "share of all ball positions that are equilibria, to about 0.01; without uncertain \
              draws",
             |row: &PointRow| row.set_fraction,
+        ),
+        Column::word(
+            "solution",
+            "unique: stick and slip are decided in exactly one way at all positions and for all \
+             forces, proven; not_unique: some runs may end in no_solution; without uncertain draws",
+            |row: &PointRow| row.existence.as_ref().map_or("", ExistenceVerdict::word),
+        ),
+        Column::number(
+            "least_principal_minor",
+            "1",
+            "what decides that: the least principal minor of the decision's matrix over all \
+             positions, over the product of its diagonal entries; 1 where balls do not feel each \
+             other, 0 or less where the solution is not unique",
+            |row: &PointRow| row.existence.as_ref().map(ExistenceVerdict::least_minor),
         ),
     ]);
     columns

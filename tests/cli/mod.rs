@@ -4,6 +4,7 @@ pub mod support;
 
 mod commands;
 mod directories;
+mod existence;
 mod expand;
 mod interrupt;
 mod memory;

@@ -4,7 +4,7 @@ use stickslip::model::extended_lagrange::{Configuration, extended_lagrange};
 use stickslip::model::{Balancer, Contact, Friction, Machine, NormalForce, State};
 
 /// A small generator that is nobody else's, so that this test stands alone (xorshift64*).
-fn uniform(seed: &mut u64) -> f64 {
+pub(super) fn uniform(seed: &mut u64) -> f64 {
     *seed ^= *seed >> 12;
     *seed ^= *seed << 25;
     *seed ^= *seed >> 27;

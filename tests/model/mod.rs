@@ -1,1 +1,2 @@
+mod existence;
 mod extended_lagrange;

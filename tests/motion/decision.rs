@@ -1,10 +1,14 @@
 //! Stick, slip or transition: the decision for all balls in the band together, and its traps.
 
+use std::path::Path;
+
 use proptest::prelude::*;
+use stickslip::ending::{Evidence, simulate};
 use stickslip::model::{Balancer, Machine, Method, State};
 use stickslip::motion::{
-    Motion, Phase, SLACK, Settings, Tolerance, contacts, decide, stick_reserve,
+    Failure, Motion, Phase, SLACK, Settings, Tolerance, contacts, decide, stick_reserve,
 };
+use stickslip::study::Study;
 
 fn balancer<const N: usize>(friction: f64, heavier: f64) -> Balancer<N> {
     let mut machine = Machine::default();
@@ -148,4 +152,147 @@ fn rising_from_the_edge_of_the_band() {
         stalled += i32::from(motion.time() < 1.0);
     }
     assert_eq!(stalled, 0);
+}
+
+/// Two balls that hold nearly all mass, with large friction: where stick and slip are not decided in
+/// one way.
+fn undecided_machine(friction: f64) -> Balancer<2> {
+    let mut machine = Machine { table_mass_kg: 0.02, speed_rad_s: -60.0, ..Machine::default() };
+    for ball in &mut machine.balls {
+        (ball.mass_kg, ball.friction_coefficient) = (0.15, friction);
+    }
+    Balancer::new(&machine).expect("two balls")
+}
+
+fn at_rest(x: f64, y: f64, beta: [f64; 2]) -> State<2> {
+    State { position: [x, y], velocity: [0.0; 2], beta, beta_dot: [0.0; 2] }
+}
+
+/// Accelerations of all combinations that meet the conditions of appendix C, pressed to the ring.
+fn all_solutions(balancer: &Balancer<2>, state: &State<2>) -> Vec<[f64; 2]> {
+    let kinds = [Phase::Stick, Phase::Transition(1.0), Phase::Transition(-1.0)];
+    let mut found: Vec<[f64; 2]> = Vec::new();
+    for phases in kinds.into_iter().flat_map(|a| kinds.map(|b| [a, b])) {
+        let forces = balancer.forces(state, &contacts(balancer, &phases, state));
+        let meets = |ball: usize| match phases[ball] {
+            Phase::Stick => stick_reserve(balancer, &forces, ball) >= -SLACK,
+            Phase::Transition(direction) => direction * forces.beta_ddot[ball] >= -SLACK,
+            Phase::Slip(_) | Phase::Free => true,
+        };
+        let pressed = forces.normal.iter().all(|&normal| normal > 0.0);
+        let new = found
+            .iter()
+            .all(|other| (0..2).any(|ball| (other[ball] - forces.beta_ddot[ball]).abs() > 1e-5));
+        if pressed && new && (0..2).all(meets) {
+            found.push(forces.beta_ddot);
+        }
+    }
+    found
+}
+
+/// None of several solutions is chosen, and where there is none none is made up.
+#[test]
+fn several_solutions_are_refused() {
+    let mut seen = [0_u32; 4];
+    for k in 0..20_000_u32 {
+        let spread = |factor: f64| (f64::from(k) * factor + 0.7).sin();
+        let balancer = undecided_machine(3.0 + 2.0 * spread(0.9));
+        let beta = [0.95 + spread(1.3), -0.95 + spread(2.7)];
+        let state = at_rest(-0.065 + 0.065 * spread(2.1), 0.02 * spread(3.7), beta);
+        let mut phases = [Phase::Stick; 2];
+        let found = all_solutions(&balancer, &state);
+        seen[found.len()] += 1;
+        match (decide(&balancer, &state, &mut phases), found.as_slice()) {
+            (Ok(forces), [only]) => {
+                assert!((0..2).all(|ball| (forces.beta_ddot[ball] - only[ball]).abs() < 1e-5));
+            }
+            (Ok(forces), []) => assert!(forces.normal.iter().any(|&normal| normal <= 0.0)),
+            (Err(Failure::NoSolution { solutions }), several) => {
+                assert_eq!(solutions, several.len());
+                assert!(!balancer.one_solution_at(&beta));
+            }
+            (decided, found) => panic!("{decided:?} of {found:?}"),
+        }
+    }
+    assert!(seen[..3].iter().all(|&count| count > 100), "{seen:?}");
+    let message = |solutions| Failure::NoSolution { solutions }.to_string();
+    assert_eq!(message(0), "no combination of stick and slip meets all conditions");
+    assert_eq!(message(3), "3 different combinations of stick and slip meet all conditions");
+}
+
+/// At the instant of break-away stick and transition both hold, with the same accelerations: that
+/// is one solution, and the phases stay what they were.
+#[test]
+fn break_away_is_not_ambiguous() {
+    let balancer = undecided_machine(3.0);
+    let mut found = 0;
+    for k in 0..2000 {
+        let beta = [0.0, 0.003 * f64::from(k)];
+        let slip = [Phase::Stick, Phase::Slip(1.0)];
+        let moving = |x: f64| State { beta_dot: [0.0, 0.5], ..at_rest(x, 0.0, beta) };
+        let reserve = |x: f64| {
+            let state = moving(x);
+            let forces = balancer.forces(&state, &contacts(&balancer, &slip, &state));
+            stick_reserve(&balancer, &forces, 0)
+        };
+        let (mut held, mut loose) = (0.0, -0.2);
+        if balancer.one_solution_at(&beta) || reserve(held) <= 0.0 || reserve(loose) >= 0.0 {
+            continue;
+        }
+        for _ in 0..100 {
+            let middle = 0.5 * (held + loose);
+            if reserve(middle) > 0.0 { held = middle } else { loose = middle }
+        }
+        let (state, mut phases) = (moving(held), slip);
+        let held_forces = balancer.forces(&state, &contacts(&balancer, &phases, &state));
+        if held_forces.normal.iter().any(|&normal| normal <= 0.0) {
+            continue;
+        }
+        assert_eq!(decide(&balancer, &state, &mut phases), Ok(held_forces));
+        assert_eq!(phases, slip);
+        found += 1;
+    }
+    assert!(found > 0);
+}
+
+/// The shipped example: most of its runs with large friction end in `no_solution`, none with less.
+#[test]
+fn the_example_without_a_unique_solution() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/no-unique-solution.yaml");
+    let study = Study::load(&path).expect("a sound study");
+    let (mut none, mut several) = (0, 0);
+    for run in 0..study.run_count() {
+        let planned = study.planned_run(run);
+        let outcome = simulate(&planned.case.expect("a sound case"));
+        if let Evidence::Failure(Failure::NoSolution { solutions }) = outcome.evidence {
+            assert_eq!(planned.point_id, 1, "less friction always has one solution");
+            assert_eq!(outcome.evidence.name(), "no_solution");
+            if solutions == 0 { none += 1 } else { several += 1 }
+        }
+    }
+    let words = [0, 1]
+        .map(|id| study.point(id).model().ball_balancer().expect("a balancer").existence().word());
+    assert_eq!(words, ["unique", "not_unique"]);
+    assert!((60..=110).contains(&none) && (25..=65).contains(&several), "{none} {several}");
+}
+
+/// Where the closed form says that there is one solution, a decision never fails: either it is
+/// found, or a contact opens.
+#[test]
+fn with_one_solution_a_decision_never_fails() {
+    let mut opened = 0;
+    for k in 0..50_000_u32 {
+        let spread = |factor: f64| (f64::from(k) * factor + 0.7).sin();
+        let balancer = undecided_machine(2.5 + 2.49 * spread(0.9));
+        let beta = [3.0 * spread(1.3), 3.0 * spread(2.7)];
+        if !balancer.one_solution_at(&beta) {
+            continue;
+        }
+        let state = at_rest(0.2 * spread(2.1), 0.2 * spread(3.7), beta);
+        let mut phases = [Phase::Stick; 2];
+        let forces = decide(&balancer, &state, &mut phases);
+        let forces = forces.unwrap_or_else(|failure| panic!("{k}: {failure}"));
+        opened += u32::from(forces.normal.iter().any(|&normal| normal <= 0.0));
+    }
+    assert!(opened > 1000, "{opened}");
 }

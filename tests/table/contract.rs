@@ -116,6 +116,8 @@ fn points() {
         "amplitude_p95_m n m",
         "amplitude_without_balls_m n m",
         "set_fraction n 1",
+        "solution w -",
+        "least_principal_minor n 1",
     ];
     let points = scratch.table("out", "points");
     assert_eq!(columns(&points), expected);

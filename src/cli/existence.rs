@@ -1,0 +1,191 @@
+//! `stickslip check --existence`: at which points of the sweep stick and slip are always decided in
+//! exactly one way.
+
+use serde_json::{Value, json};
+
+use crate::model::{ExistenceVerdict, SAFE_FRICTION};
+use crate::study::{ParameterValue, Point, Study};
+
+/// Most points that are looked at, over `3^N` for `N` balls; of more, so many spread over the sweep.
+const MOST_WORK: u64 = 65_610_000;
+/// Most points that are looked at, however few balls there are.
+const MOST_POINTS: u64 = 1_000_000;
+/// Most points that are named.
+const MOST_NAMED: usize = 20;
+
+/// A point at which stick and slip are not always decided in one way.
+struct Failing {
+    point_id: u64,
+    swept: Vec<(String, ParameterValue)>,
+    least_minor: f64,
+    position: Vec<(usize, f64)>,
+    friction_share: f64,
+}
+
+/// What has been found over the sweep.
+pub(super) struct Existence {
+    points: u64,
+    looked_at: u64,
+    /// The least principal minor of all and the point that has it.
+    least: (f64, u64),
+    not_unique: u64,
+    /// The first of them.
+    named: Vec<Failing>,
+    /// Whether the runs' machines differ from their point's.
+    uncertain: bool,
+}
+
+impl Existence {
+    /// Looks at the points of a study.
+    pub(super) fn of(study: &Study) -> Self {
+        let points = study.point_count();
+        let work = 3_u64.saturating_pow(study.model().balls() as u32);
+        let looked_at = points.min(MOST_POINTS).min(MOST_WORK / work).max(1);
+        let mut found = Existence {
+            points,
+            looked_at,
+            least: (f64::INFINITY, 0),
+            not_unique: 0,
+            named: Vec::new(),
+            uncertain: !study.uncertain().is_empty(),
+        };
+        for index in 0..looked_at {
+            found.add(study, &study.point(spread(index, looked_at, points)));
+        }
+        found
+    }
+
+    fn add(&mut self, study: &Study, point: &Point) {
+        let Some(machine) = point.model().ball_balancer() else { return };
+        let verdict = machine.existence();
+        let least_minor = verdict.least_minor();
+        if least_minor < self.least.0 {
+            self.least = (least_minor, point.point_id);
+        }
+        let ExistenceVerdict::NotUnique { position, .. } = verdict else { return };
+        self.not_unique += 1;
+        if self.named.len() < MOST_NAMED {
+            let names = study.swept().iter().map(|column| column.name.clone());
+            self.named.push(Failing {
+                point_id: point.point_id,
+                swept: names.zip(point.swept.iter().copied()).collect(),
+                least_minor,
+                position,
+                friction_share: machine.unambiguous_friction_share(),
+            });
+        }
+    }
+
+    /// As lines of text.
+    pub(super) fn text(&self) -> String {
+        let place = match (self.looked_at == self.points, self.points) {
+            (true, 1) => "at the only point".to_owned(),
+            (true, points) => format!("at all {points} points"),
+            (false, points) => {
+                format!("at {} of {points} points, spread over the sweep,", self.looked_at)
+            }
+        };
+        let (least_minor, at) = self.least;
+        let mut text = if self.not_unique == 0 {
+            format!(
+                "existence     {place} stick and slip are decided in exactly one way, proven for \
+                 all positions and forces;\n              least principal minor \
+                 {least_minor:.8} at point {at} (1: uncoupled, 0: fails)\n",
+            )
+        } else {
+            format!(
+                "existence     at {} of {} points stick and slip are not always decided in one \
+                 way; runs there can end in no_solution\n",
+                self.not_unique, self.looked_at,
+            )
+        };
+        for failing in &self.named {
+            text += &failing.text();
+        }
+        let more = self.not_unique - self.named.len() as u64;
+        if more > 0 {
+            text += &format!("  ... and {more} more points\n");
+        }
+        if self.not_unique > 0 && self.looked_at < self.points {
+            text += &format!(
+                "  looked at {} of {} points, spread over the sweep\n",
+                self.looked_at, self.points
+            );
+        }
+        if self.uncertain {
+            text += "  uncertain parameters at their nominal values; their draws can differ\n";
+        }
+        text
+    }
+
+    /// As JSON.
+    pub(super) fn json(&self) -> Value {
+        json!({
+            "points": self.points,
+            "points_looked_at": self.looked_at,
+            "not_unique_points": self.not_unique,
+            "least_principal_minor": self.least.0,
+            "least_at_point": self.least.1,
+            "uncertain_draws_left_out": self.uncertain,
+            "not_unique": self.named.iter().map(Failing::json).collect::<Vec<_>>(),
+        })
+    }
+}
+
+/// The point to look at as number `index` out of `looked_at`: one out of each of so many equal parts
+/// of the sweep, its place in the part following the golden ratio, so that a sweep's own periods
+/// are not met. All points where there are no more.
+fn spread(index: u64, looked_at: u64, points: u64) -> u64 {
+    let mark = |k: u64| (u128::from(k) * u128::from(points) / u128::from(looked_at)) as u64;
+    let (from, to) = (mark(index), mark(index + 1));
+    let place = (index as f64 * 0.618_033_988_749_894_9).fract();
+    from + (place * (to - from) as f64) as u64
+}
+
+impl Failing {
+    fn text(&self) -> String {
+        let swept: String =
+            self.swept.iter().map(|(name, value)| format!(" {name}={value}")).collect();
+        let position: Vec<String> = self
+            .position
+            .iter()
+            .map(|(ball, angle)| format!("ball {ball} at {angle:.4}"))
+            .collect();
+        format!(
+            "  point {}{swept}: least principal minor {:.4}, with {} rad (relative, give or take \
+             half turns)\n    remedy: {}\n",
+            self.point_id,
+            self.least_minor,
+            position.join(", "),
+            self.remedy(),
+        )
+    }
+
+    fn remedy(&self) -> String {
+        format!(
+            "at most {:.4} times the friction (coefficients below {SAFE_FRICTION} always do), or \
+             balls that are lighter against the table",
+            self.friction_share,
+        )
+    }
+
+    fn json(&self) -> Value {
+        let mut object = serde_json::Map::new();
+        object.insert("point_id".to_owned(), json!(self.point_id));
+        for (name, value) in &self.swept {
+            let value = match value {
+                ParameterValue::Number(number) => json!(number),
+                ParameterValue::Text(text) => json!(text),
+            };
+            object.insert(name.clone(), value);
+        }
+        let position = self.position.iter();
+        let position: Vec<Value> =
+            position.map(|(ball, angle)| json!({"ball": ball, "beta_rad": angle})).collect();
+        object.insert("least_principal_minor".to_owned(), json!(self.least_minor));
+        object.insert("worst_position".to_owned(), json!(position));
+        object.insert("unambiguous_friction_share".to_owned(), json!(self.friction_share));
+        object.insert("remedy".to_owned(), json!(self.remedy()));
+        Value::Object(object)
+    }
+}

@@ -1,0 +1,89 @@
+//! The decision between stick and slip where it may have several solutions, or none: all
+//! combinations are tried, and a motion goes on only if what comes of it is one and the same.
+
+use super::Failure;
+use super::contact::{Phase, forces};
+use crate::model::{Forces, State, System};
+
+/// Accelerations that differ by no more than this, over 1 and the largest of them, are the same
+/// motion: on the boundary between stick and transition both hold, to rounding or to the slack.
+const SAME: f64 = 1e-6;
+
+/// Settles like [`super::contact::settle`], by trying all `3^k` combinations of the open contacts.
+/// The phases that they have stay where they are among the solutions.
+///
+/// # Errors
+/// [`Failure::NoSolution`] unless all combinations that meet the conditions, with every ball pressed
+/// to the ring, have the same accelerations. Where a normal force would have to pull in all of
+/// them, they are returned as they are: contact is lost.
+pub(super) fn unique_or_refused<S: System<N, FREE>, const N: usize, const FREE: usize>(
+    system: &S,
+    state: &State<N, f64, FREE>,
+    phases: &mut [Phase; N],
+    open: [bool; N],
+    choices: [Phase; 3],
+    better: impl Fn(&Forces<N, f64, FREE>, &[Phase; N], usize) -> Option<Phase>,
+) -> Result<Forces<N, f64, FREE>, Failure> {
+    let mut solutions: Vec<([Phase; N], Forces<N, f64, FREE>)> = Vec::new();
+    let mut unsound = None;
+    for candidate in combinations(phases, open, choices) {
+        let forces = forces(system, &candidate, state);
+        let finite = forces.beta_ddot.iter().chain(&forces.normal).all(|force| force.is_finite());
+        let fits = |ball: usize| !open[ball] || better(&forces, &candidate, ball).is_none();
+        if finite && !(0..N).all(fits) {
+            continue;
+        }
+        if !finite || forces.normal.iter().any(|&normal| normal <= 0.0) {
+            unsound.get_or_insert((candidate, forces));
+        } else if !solutions.iter().any(|(_, other)| same(other, &forces)) {
+            solutions.push((candidate, forces));
+        }
+    }
+    let (decided, forces) = match (solutions.as_slice(), unsound) {
+        ([solution], _) => *solution,
+        ([], Some(unsound)) => unsound,
+        (several, _) => return Err(Failure::NoSolution { solutions: several.len() }),
+    };
+    *phases = decided;
+    Ok(forces)
+}
+
+/// The phases as they are, then every combination for the open contacts.
+fn combinations<const N: usize>(
+    phases: &[Phase; N],
+    open: [bool; N],
+    choices: [Phase; 3],
+) -> impl Iterator<Item = [Phase; N]> {
+    let given = *phases;
+    let number = open.iter().filter(|open| **open).count();
+    let all = (0..3_usize.pow(number as u32)).map(move |mut combination| {
+        std::array::from_fn(|ball| {
+            if !open[ball] {
+                return given[ball];
+            }
+            let choice = combination % 3;
+            combination /= 3;
+            choices[choice]
+        })
+    });
+    std::iter::once(given).chain(all)
+}
+
+/// Whether two solutions are the same motion.
+fn same<const N: usize, const FREE: usize>(
+    one: &Forces<N, f64, FREE>,
+    other: &Forces<N, f64, FREE>,
+) -> bool {
+    let pairs = || one.beta_ddot.iter().zip(&other.beta_ddot);
+    let scale = pairs().fold(1.0, |most: f64, (a, b)| most.max(a.abs()).max(b.abs()));
+    pairs().all(|(a, b)| (a - b).abs() <= SAME * scale)
+}
+
+/// How many combinations of stick and slip meet something, as the start of a message.
+pub(super) fn combinations_meet(solutions: usize) -> String {
+    match solutions {
+        0 => "no combination of stick and slip meets".to_owned(),
+        1 => "one combination of stick and slip meets".to_owned(),
+        _ => format!("{solutions} different combinations of stick and slip meet"),
+    }
+}

@@ -1,0 +1,72 @@
+//! `check --existence`.
+
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use serde_json::{Value, json};
+
+use super::support::{AT_ONCE, Scratch, assert_has, study_text};
+
+fn shipped(name: &str) -> String {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies").join(name);
+    path.display().to_string()
+}
+
+#[test]
+fn the_thesis_study_is_certain_at_all_points() {
+    let scratch = Scratch::new();
+    let path = shipped("preferred-equilibria.yaml");
+    let text = scratch.well(&format!("check {path} --existence"));
+    assert_has(&text, &["existence     at all 6 points stick and slip are decided in exactly one"]);
+    assert_has(&text, &["least principal minor 0.9999999"]);
+    assert!(!scratch.well(&format!("check {path}")).contains("existence"));
+}
+
+#[test]
+fn failing_points_are_named_with_position_and_remedy() {
+    let scratch = Scratch::new();
+    let path = shipped("no-unique-solution.yaml");
+    let text = scratch.well(&format!("check {path} --existence"));
+    assert_has(
+        &text,
+        &[
+            "existence     at 1 of 2 points stick and slip are not always decided in one way",
+            "\n  point 1 friction_coefficient=3: least principal minor -1.",
+            "ball 1 at 0.0000, ball 2 at ",
+            "remedy: at most 0.5",
+        ],
+    );
+    let report = scratch.well(&format!("check {path} --existence --json"));
+    let existence = &serde_json::from_str::<Value>(&report).unwrap()["existence"];
+    let whole = ["points", "points_looked_at", "not_unique_points", "least_at_point"];
+    let expected = json!([2, 2, 1, 1]);
+    assert_eq!(Value::from(whole.map(|key| existence[key].clone()).to_vec()), expected);
+    let named = &existence["not_unique"][0];
+    assert_eq!((&named["point_id"], &named["friction_coefficient"]), (&json!(1), &json!(3.0)));
+    assert_eq!(named["worst_position"][1]["ball"], json!(2));
+    assert_eq!(named["least_principal_minor"], existence["least_principal_minor"]);
+}
+
+/// Of a huge sweep a part is looked at, and the text says so.
+#[test]
+fn huge_sweeps_stay_quick() {
+    let scratch = Scratch::new();
+    let values: Vec<String> = (0..400).map(|k| format!("{}", -100.0 - f64::from(k))).collect();
+    let friction: Vec<String> = (1..=100).map(|k| format!("{}", 0.05 * f64::from(k))).collect();
+    let rest = format!(
+        "model: {{kind: ball_balancer, parameters: {{balls: 8, ball_mass_kg: 0.1, \
+         table_mass_kg: 0.01}}}}\n\
+         sweep: [{{grid: {{speed_rad_s: [{}], friction_coefficient: [{}]}}}}]\n\
+         uncertain: {{imbalance_mass_kg: {{uniform: {{min: 1.0e-5, max: 2.0e-5}}}}}}\n",
+        values.join(", "),
+        friction.join(", "),
+    );
+    scratch.write("a.yaml", study_text("a", "{monte_carlo: {samples: 1}}", AT_ONCE, &rest));
+    let started = Instant::now();
+    let text = scratch.well("check a.yaml --existence");
+    assert!(started.elapsed() < Duration::from_secs(20), "{:?}", started.elapsed());
+    assert_has(&text, &["of 10000 points stick and slip", " more points\n", "uncertain"]);
+    assert_has(&text, &["looked at 10000 of 40000 points, spread over the sweep"]);
+    assert!(text.lines().count() < 60, "{text}");
+    println!("{:?}", started.elapsed());
+}
