@@ -54,7 +54,7 @@ pub struct SmallMotions {
 }
 
 /// Real parts below this part of the matrix's size are rounding.
-const ROUNDING: f64 = 1e-12;
+const ROUNDING: f64 = 1e-14;
 /// Most iterations per eigenvalue: some ten are usual.
 const ITERATIONS: usize = 200;
 
