@@ -3,8 +3,8 @@
 use rayon::prelude::*;
 
 use super::balance::Balance;
-use super::rest_form::RestForm;
-use super::set_grid::SetGrid;
+use super::rest_form::{AtRest, RestForm};
+use super::set_grid::{GridRow, SetGrid};
 use super::set_samples::{self, REPLICATES};
 use crate::model::Machine;
 
@@ -55,6 +55,49 @@ impl EquilibriumSet {
             set.calmest_rad = Some(beta.to_vec());
         }
         Some(set)
+    }
+}
+
+impl Resolution {
+    /// Number of positions for a number of balls; none where it is beyond counting.
+    pub fn positions(self, balls: usize) -> Option<u64> {
+        match self {
+            Resolution::Grid(points) => (points as u64).checked_pow(u32::try_from(balls).ok()?),
+            Resolution::Samples(samples) => Some(u64::from(REPLICATES) * u64::from(samples)),
+        }
+    }
+
+    /// Shows all positions, one angle per ball in rad, and what resting there takes, one by one
+    /// and always in the same order; none on a grid with more than two balls.
+    ///
+    /// # Errors
+    /// The first one that `show` gives ends it.
+    pub fn visit<E>(
+        self,
+        form: &RestForm,
+        mut show: impl FnMut(&[f64], AtRest) -> Result<(), E>,
+    ) -> Result<(), E> {
+        match self {
+            Resolution::Grid(points) => {
+                let Some(grid) = SetGrid::new(form, points) else { return Ok(()) };
+                let mut values = GridRow::default();
+                for row in 0..grid.rows() {
+                    grid.fill(row, &mut values);
+                    for column in 0..points {
+                        show(&grid.beta(row, column), grid.at(&values, column))?;
+                    }
+                }
+            }
+            Resolution::Samples(samples) => {
+                for replicate in 0..REPLICATES {
+                    for index in 0..samples {
+                        let beta = set_samples::sample(form.mass.len(), replicate, index);
+                        show(&beta, form.at_rest(&beta))?;
+                    }
+                }
+            }
+        }
+        Ok(())
     }
 }
 

@@ -3,12 +3,15 @@
 mod arguments;
 mod check;
 mod completions;
+mod equilibria;
+mod equilibria_report;
 mod exit;
 mod expand;
 mod output;
 mod points_table;
 mod run;
 mod schema;
+mod speeds;
 mod verify;
 
 use std::process::ExitCode;
@@ -43,6 +46,7 @@ enum Command {
     Check(check::CheckArguments),
     Expand(expand::ExpandArguments),
     Verify(verify::VerifyArguments),
+    Equilibria(equilibria::EquilibriaArguments),
     Schema(schema::SchemaArguments),
     Completions(completions::CompletionsArguments),
 }
@@ -55,6 +59,7 @@ pub fn main() -> ExitCode {
         Command::Check(arguments) => check::check(&arguments),
         Command::Expand(arguments) => expand::expand(&arguments),
         Command::Verify(arguments) => verify::verify(&arguments),
+        Command::Equilibria(arguments) => equilibria::equilibria(&arguments),
         Command::Schema(arguments) => schema::schema(&arguments),
         Command::Completions(arguments) => completions::completions(&arguments),
     };
