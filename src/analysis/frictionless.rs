@@ -157,7 +157,7 @@ fn on_a_line(form: &RestForm, drag: f64) -> Vec<FrictionlessEquilibrium> {
     for (signs, self_opposite) in sides(form) {
         let sum: f64 = signs.iter().zip(&form.mass).map(|(sign, mass)| sign * mass).sum();
         let sine = sum / form.imbalance * gamma.sin();
-        if sine.abs() > 1.0 {
+        if !sine.is_finite() || sine.abs() > 1.0 {
             continue;
         }
         let together = signs.iter().all(|sign| *sign > 0.0);

@@ -90,7 +90,7 @@ impl Report {
             }
             cells.push(set.amplitude_m.map_or_else(
                 || "none".to_owned(),
-                |(smallest, largest)| format!("{smallest:.3e} .. {largest:.3e}"),
+                |(smallest, largest)| format!("{} .. {}", metres(smallest), metres(largest)),
             ));
             cells.push(set.balance.name().to_owned());
             if !self.own_speeds {
@@ -184,4 +184,8 @@ impl Report {
 
 fn count(count: Option<u64>) -> String {
     count.map_or_else(String::new, |count| count.to_string())
+}
+
+fn metres(amplitude: f64) -> String {
+    if amplitude == 0.0 { "0".to_owned() } else { format!("{amplitude:.3e}") }
 }
