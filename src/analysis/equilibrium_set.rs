@@ -107,7 +107,7 @@ fn on_grid(form: &RestForm, grid: &SetGrid) -> EquilibriumSet {
     let alike = form.balls.iter().all(|ball| *ball == form.balls[0]);
     let radius = form.ring_radius_m;
     EquilibriumSet {
-        share: summary.inside as f64 / grid.len() as f64,
+        share: summary.inside as f64 / grid.size() as f64,
         share_interval: None,
         parts: Some(parts),
         parts_modulo_exchange: exchanged.filter(|_| alike).or(Some(parts)),

@@ -77,7 +77,7 @@ impl<'a> SetGrid<'a> {
     }
 
     /// Number of points in all.
-    pub fn len(&self) -> u64 {
+    pub fn size(&self) -> u64 {
         self.rows() as u64 * self.points as u64
     }
 
@@ -141,7 +141,7 @@ impl<'a> SetGrid<'a> {
             self.fill(row, &mut values);
             values.used.iter().filter(|used| **used <= 1.0).count() as u64
         });
-        inside.sum::<u64>() as f64 / self.len() as f64
+        inside.sum::<u64>() as f64 / self.size() as f64
     }
 
     /// The whole set, over the threads of the pool that this is called in.

@@ -146,7 +146,8 @@ pub fn equilibria(arguments: &EquilibriaArguments) -> Result<End, CliError> {
     }
     if !arguments.quiet {
         let (points, seconds) = (study.point_count(), started.elapsed().as_secs_f64());
-        say(&format!("{points} equilibrium sets in {seconds:.1} s"));
+        let sets = if points == 1 { "set" } else { "sets" };
+        say(&format!("{points} equilibrium {sets} in {seconds:.1} s"));
         say(&format!("tables in {}", directory.display()));
     }
     Ok(End::Well)

@@ -5,7 +5,7 @@ use std::f64::consts::{PI, TAU};
 
 use nalgebra::{DMatrix, DVector};
 use stickslip::analysis::{
-    FrictionlessEquilibrium, FrictionlessKind as Kind, RestForm, Stability,
+    FrictionlessEquilibrium, FrictionlessKind as Kind, RestForm, SmallMotions, Stability,
     frictionless_equilibria, sorted_where_alike,
 };
 use stickslip::model::{Balancer, Ball, Machine};
@@ -204,6 +204,23 @@ fn three_balls_balance_in_a_family() {
     assert_eq!(stable(&above), [Kind::B1]);
     let zeros = family.eigenvalues_1_s.iter().filter(|value| value.norm() < 1e-6).count();
     assert_eq!(zeros, 1, "{:?}", family.eigenvalues_1_s);
+    // Along the family stability is the same: the third ball anywhere, the others balance it.
+    let form = RestForm::new(&Machine { balls: balls.clone(), ..thesis(-216.3772) }).unwrap();
+    let slow = RestForm::new(&Machine { balls: balls.clone(), ..thesis(-160.0) }).unwrap();
+    for step in 0..48 {
+        let third = f64::from(step) / 48.0 * TAU;
+        let held = nalgebra::Complex::from(form.imbalance)
+            + nalgebra::Complex::from_polar(form.mass[0], third);
+        if held.norm() > 2.0 * form.mass[0] {
+            continue;
+        }
+        let (middle, half) = ((-held).arg(), (held.norm() / (2.0 * form.mass[0])).acos());
+        let beta = [middle + half, middle - half, third];
+        assert!(form.imbalance_at(&beta).norm() < 1e-15);
+        let stability = |form| SmallMotions::about(form, &beta, HIGH, 1).stability;
+        assert_eq!(stability(&form), Stability::Stable, "{beta:?}");
+        assert_eq!(stability(&slow), Stability::Unstable, "{beta:?}");
+    }
     assert_eq!(stable(&at(&Machine { balls, ..thesis(-160.0) }, HIGH)), [Kind::A1Plus]);
 }
 
