@@ -68,6 +68,15 @@ fn figure_5_1() {
     }
 }
 
+/// Where B1 becomes stable depends on the drag; with high drag it is the natural frequency.
+#[test]
+fn b1_becomes_stable_at_the_natural_frequency_with_high_drag() {
+    for (drag, unstable, then_stable) in [(1.0, 185.0, 186.0), (HIGH, 181.63, 181.64)] {
+        assert_eq!(stable(&at(&thesis(-unstable), drag)), [], "{drag}");
+        assert_eq!(stable(&at(&thesis(-then_stable), drag)), [Kind::B1], "{drag}");
+    }
+}
+
 /// The direction of rotation mirrors everything.
 #[test]
 fn the_other_direction_is_the_mirror_image() {

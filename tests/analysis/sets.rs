@@ -96,6 +96,17 @@ fn every_point_is_what_the_model_says() {
     }
 }
 
+/// One ball: the model's own condition on a fine scan of the circle.
+#[test]
+fn quick_share_of_one_ball_against_a_fine_scan() {
+    let mut machine = machine(-216.3772, 1.0e-3);
+    machine.balls.truncate(1);
+    let balancer = Balancer::<1>::new(&machine).unwrap();
+    let held = |i: &i32| balancer.required_friction(&[f64::from(*i) * TAU / 1e6]) <= 1e-3;
+    let share = (0..1_000_000).filter(held).count() as f64 / 1e6;
+    assert!((set_fraction(&machine).unwrap() - share).abs() < 4.0 / 16_384.0, "{share}");
+}
+
 /// One ball: the condition is |q| ≤ μ (1 + p) with q a sine of the angle, so that two arcs, about
 /// the two frictionless equilibria, make up the set, until they meet.
 #[test]
@@ -159,6 +170,7 @@ fn samples_agree_with_the_grid() {
     three.balls.push(Ball { mass_kg: 1e-15, friction_coefficient: 1.0, ..Ball::default() });
     let exact = set(&two, 2048).share;
     let sampled = EquilibriumSet::of(&three, Resolution::Samples(4096)).unwrap();
+    assert!((set_fraction(&three).unwrap() - exact).abs() < 0.005);
     let (low, high) = sampled.share_interval.unwrap();
     assert!(low < exact && exact < high, "{exact} {low} {high}");
     // As many independent samples would have 0.0076.
