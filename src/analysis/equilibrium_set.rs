@@ -3,6 +3,7 @@
 use rayon::prelude::*;
 
 use super::balance::Balance;
+use super::frictionless::places;
 use super::rest_form::{AtRest, RestForm};
 use super::set_grid::{GridRow, SetGrid};
 use super::set_samples::{self, REPLICATES};
@@ -29,6 +30,9 @@ pub struct EquilibriumSet {
     /// Separate parts where positions that differ by an exchange of two balls that are alike count
     /// as one; the same as `parts` for balls that differ.
     pub parts_modulo_exchange: Option<u64>,
+    /// Equilibria without friction, which are in the set, about which no grid point is: above 0 the
+    /// grid is too coarse to see all parts. None where positions were sampled.
+    pub unseen: Option<u64>,
     /// The smallest and the largest amplitude in the set, m: of the positions looked at and of the
     /// balanced one; none where none of them is in the set.
     pub amplitude_m: Option<(f64, f64)>,
@@ -106,11 +110,13 @@ fn on_grid(form: &RestForm, grid: &SetGrid) -> EquilibriumSet {
     let (parts, exchanged) = summary.runs.parts();
     let alike = form.balls.iter().all(|ball| *ball == form.balls[0]);
     let radius = form.ring_radius_m;
+    let places = if form.speed == 0.0 { Vec::new() } else { places(form) };
     EquilibriumSet {
         share: summary.inside as f64 / grid.size() as f64,
         share_interval: None,
         parts: Some(parts),
         parts_modulo_exchange: exchanged.filter(|_| alike).or(Some(parts)),
+        unseen: Some(places.iter().filter(|place| !grid.sees(&place.beta)).count() as u64),
         amplitude_m: summary.amplitudes.map(|[low, high]| (low.0 * radius, high.0 * radius)),
         calmest_rad: summary.amplitudes.map(|[(_, [row, column]), _]| grid.beta(row, column)),
         balance: Balance::of(form),
@@ -143,6 +149,7 @@ fn sampled(form: &RestForm, samples: u32) -> EquilibriumSet {
         share_interval: Some(interval),
         parts: None,
         parts_modulo_exchange: None,
+        unseen: None,
         amplitude_m: all.calmest.as_ref().map(|(smallest, _)| (*smallest, all.largest_m)),
         calmest_rad: all.calmest.map(|(_, beta)| beta),
         balance: Balance::of(form),

@@ -85,13 +85,8 @@ impl FrictionlessEquilibrium {
         self.position_m[0].hypot(self.position_m[1])
     }
 
-    fn at(
-        form: &RestForm,
-        kind: FrictionlessKind,
-        beta: Vec<f64>,
-        family_dimension: usize,
-        drag: f64,
-    ) -> Self {
+    fn at(form: &RestForm, place: Place, drag: f64) -> Self {
+        let Place { kind, beta, family_dimension } = place;
         let motions = SmallMotions::about(form, &beta, drag, family_dimension);
         let balanced = kind == FrictionlessKind::B1;
         let z = if balanced { Complex::from(0.0) } else { form.rest_point(&beta) };
@@ -125,11 +120,24 @@ pub fn frictionless_equilibria(
             eigenvalues_1_s: Vec::new(),
         }]);
     }
-    let mut all = on_a_line(&form, drag);
-    let balanced = |beta, dimension| {
-        FrictionlessEquilibrium::at(&form, FrictionlessKind::B1, beta, dimension, drag)
-    };
-    match Balance::of(&form) {
+    let places = places(&form).into_iter();
+    Some(places.map(|place| FrictionlessEquilibrium::at(&form, place, drag)).collect())
+}
+
+/// Where there is an equilibrium without friction.
+pub(super) struct Place {
+    kind: FrictionlessKind,
+    /// Angle of each ball, in [0, 2π).
+    pub beta: Vec<f64>,
+    family_dimension: usize,
+}
+
+/// All places at a speed other than 0, in the order of their kinds.
+pub(super) fn places(form: &RestForm) -> Vec<Place> {
+    let mut all = on_a_line(form);
+    let balanced =
+        |beta, family_dimension| Place { kind: FrictionlessKind::B1, beta, family_dimension };
+    match Balance::of(form) {
         Balance::Nowhere => {}
         Balance::Family { example, dimension } => all.push(balanced(example, dimension)),
         Balance::Position(beta) => {
@@ -141,14 +149,14 @@ pub fn frictionless_equilibria(
             }
         }
     }
-    all.sort_by_key(|equilibrium| equilibrium.kind);
-    Some(all)
+    all.sort_by_key(|place| place.kind);
+    all
 }
 
 /// Relative size of a sum of imbalances that is zero but for rounding.
 const ROUNDING: f64 = 1e-12;
 
-fn on_a_line(form: &RestForm, drag: f64) -> Vec<FrictionlessEquilibrium> {
+fn on_a_line(form: &RestForm) -> Vec<Place> {
     let mut found = Vec::new();
     if !form.transfer.is_finite() {
         return found;
@@ -178,7 +186,7 @@ fn on_a_line(form: &RestForm, drag: f64) -> Vec<FrictionlessEquilibrium> {
                 (false, 2) => FrictionlessKind::A2,
                 (false, _) => FrictionlessKind::Other,
             };
-            found.push(FrictionlessEquilibrium::at(form, kind, beta, 0, drag));
+            found.push(Place { kind, beta, family_dimension: 0 });
         }
     }
     found

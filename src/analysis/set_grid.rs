@@ -134,6 +134,19 @@ impl<'a> SetGrid<'a> {
         }
     }
 
+    /// Whether one of the grid points about a position, its cell's corners, is in the set.
+    pub fn sees(&self, beta: &[f64]) -> bool {
+        let points = self.points;
+        let corner = |corners: usize| -> Vec<f64> {
+            let along = |(axis, beta): (usize, &f64)| {
+                let cell = (beta / TAU * points as f64).floor() as usize;
+                Self::angle((cell + (corners >> axis & 1)) % points, points)
+            };
+            beta.iter().enumerate().map(along).collect()
+        };
+        (0..1_usize << beta.len()).any(|corners| self.form.at_rest(&corner(corners)).in_set())
+    }
+
     /// The share of the grid's points that are in the set, on the calling thread.
     pub fn share(&self) -> f64 {
         let mut values = GridRow::default();

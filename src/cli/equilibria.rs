@@ -148,6 +148,13 @@ pub fn equilibria(arguments: &EquilibriaArguments) -> Result<End, CliError> {
         let (points, seconds) = (study.point_count(), started.elapsed().as_secs_f64());
         let sets = if points == 1 { "set" } else { "sets" };
         say(&format!("{points} equilibrium {sets} in {seconds:.1} s"));
+        if report.too_coarse() > 0 {
+            say(&format!(
+                "warning: at {} of them parts of the set are smaller than the grid's spacing and not \
+                 all counted (column unseen_equilibria); --grid can be finer",
+                report.too_coarse()
+            ));
+        }
         say(&format!("tables in {}", directory.display()));
     }
     Ok(End::Well)

@@ -18,6 +18,7 @@ pub struct Report {
     keep_all: bool,
     own_speeds: bool,
     kinds: [Kind; FrictionlessKind::ALL.len()],
+    too_coarse: u64,
 }
 
 /// How often equilibria of one kind were found.
@@ -40,11 +41,13 @@ impl Report {
             keep_all,
             own_speeds,
             kinds: Default::default(),
+            too_coarse: 0,
         }
     }
 
     /// Adds a point of the sweep with its frictionless equilibria, if they are computed there.
     pub fn push_point(&mut self, row: &SetSummaryRow, frictionless: &[FrictionlessEquilibrium]) {
+        self.too_coarse += u64::from(row.set.unseen > Some(0));
         if !self.keep_all && self.points.len() >= MOST_LINES {
             self.more += 1;
             return;
@@ -64,6 +67,11 @@ impl Report {
                 kind.stable_rad_s = Some((low.min(speed_rad_s), high.max(speed_rad_s)));
             }
         }
+    }
+
+    /// Points of the sweep at which the grid does not see all parts of the set.
+    pub fn too_coarse(&self) -> u64 {
+        self.too_coarse
     }
 
     /// As text: the points, and the frictionless equilibria at speeds of their own.
@@ -150,6 +158,7 @@ impl Report {
                 "share_high": set.share_interval.map(|(_, high)| high),
                 "parts": set.parts,
                 "parts_modulo_exchange": set.parts_modulo_exchange,
+                "unseen_equilibria": set.unseen,
                 "amplitude_min_m": set.amplitude_m.map(|(smallest, _)| smallest),
                 "amplitude_max_m": set.amplitude_m.map(|(_, largest)| largest),
                 "calmest_beta_rad": set.calmest_rad,

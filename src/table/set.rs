@@ -141,6 +141,12 @@ pub fn set_summary_columns(study: &Study) -> Vec<Column<SetSummaryRow>> {
              samples",
             |row: &SetSummaryRow| row.set.parts_modulo_exchange,
         ),
+        Column::count(
+            "unseen_equilibria",
+            "frictionless equilibria, which are in the set, about which no grid point is: above 0 \
+             the grid is too coarse to see all parts; null for samples",
+            |row: &SetSummaryRow| row.set.unseen,
+        ),
         number(
             "amplitude_min_m",
             "m",

@@ -63,6 +63,7 @@ fn tables_agree_with_one_another() {
         "share_high",
         "parts",
         "parts_modulo_exchange",
+        "unseen_equilibria",
         "amplitude_min_m",
         "amplitude_max_m",
         "calmest_beta_1_rad",
@@ -142,6 +143,21 @@ fn frictionless_equilibria_at_points_and_at_speeds_of_their_own() {
     let stable = stable.filter(|(stability, _)| stability.as_deref() == Some("stable"));
     let kinds: BTreeSet<String> = stable.filter_map(|(_, kind)| kind).collect();
     assert_eq!(kinds, BTreeSet::from(["a1_plus", "b1"].map(String::from)));
+}
+
+/// A set of small parts on a coarse grid: the parts are said to be more than were counted.
+#[test]
+fn a_grid_that_is_too_coarse_is_said_to_be() {
+    let scratch = scratch();
+    let coarse = scratch.stickslip("equilibria a.yaml --grid 16 --out coarse");
+    assert_has(
+        &coarse.err,
+        &["warning: at 1 of them parts of the set are smaller than the grid's"],
+    );
+    let unseen = counts(&scratch.table("coarse", "sets"), "unseen_equilibria");
+    assert!(unseen[0] == 0 && unseen[1] == 0 && unseen[2] > 0, "{unseen:?}");
+    let fine = scratch.stickslip("equilibria a.yaml --grid 128 --out fine");
+    assert!(!fine.err.contains("warning"), "{}", fine.err);
 }
 
 #[test]
