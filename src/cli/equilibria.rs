@@ -32,10 +32,10 @@ Examples:
   stickslip equilibria study.yaml --speeds -150:-300:151     the thesis's figure 5.1 as a table
   stickslip equilibria three-balls.yaml --samples 262144
 
-The directory holds set.parquet (a row per ball position: amplitude, friction that it takes, margin),
-sets.parquet (a row per point of the sweep: share of all positions, separate parts, amplitudes,
-balance) and frictionless.parquet (equilibria without dry friction and their stability). Nothing is
-simulated. At a speed of 0 no force acts, and every position is an equilibrium.";
+The directory holds set.parquet (a row per ball position: amplitude, the friction that it takes,
+margin), sets.parquet (a row per point of the sweep: share of all positions, separate parts,
+amplitudes, balance) and frictionless.parquet (equilibria without dry friction and their stability).
+Nothing is simulated. At a speed of 0 no force acts, and every position is an equilibrium.";
 
 /// Compute equilibrium sets, and equilibria without friction, in closed form
 #[derive(Clone, Debug, Args)]
