@@ -5,15 +5,17 @@
 //! (two alike: `cos β = -m_I e / (2 m L)`, thesis appendix D.3); three and more have a family of
 //! positions with as many dimensions as there are balls beyond two.
 
-use super::rest_form::{RestForm, direction};
 use nalgebra::Complex;
+
+use super::alike::sorted_where_alike;
+use super::rest_form::{RestForm, direction};
 
 /// Where the balls balance the imbalance.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Balance {
     /// Nowhere: one of the masses is more than all others together can hold.
     Nowhere,
-    /// At these angles, one per ball in [0, 2π), and at their mirror image `2π - β`.
+    /// At these angles, one per ball in [0, 2π), ascending among balls that are alike, and at their mirror image `2π - β`.
     Position(Vec<f64>),
     /// In a family of positions, of which these angles are one.
     Family {
@@ -28,7 +30,8 @@ impl Balance {
     /// Where the balls of a machine balance it.
     pub fn of(form: &RestForm) -> Self {
         let count = form.mass.len();
-        match (balanced(form), count) {
+        let found = balanced(form).map(|beta| sorted_where_alike(&beta, &form.balls));
+        match (found, count) {
             (None, _) => Balance::Nowhere,
             (Some(position), 1 | 2) => Balance::Position(position),
             (Some(example), _) => Balance::Family { example, dimension: count - 2 },

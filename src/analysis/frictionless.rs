@@ -17,7 +17,7 @@ use std::f64::consts::PI;
 
 use nalgebra::Complex;
 
-use super::alike::groups_of_alike;
+use super::alike::{groups_of_alike, sorted_where_alike};
 use super::balance::{Balance, wrapped};
 use super::linearised::{SmallMotions, Stability};
 use super::rest_form::RestForm;
@@ -65,8 +65,8 @@ impl FrictionlessKind {
 pub struct FrictionlessEquilibrium {
     /// What it looks like.
     pub kind: FrictionlessKind,
-    /// Angle of each ball from the imbalance, in [0, 2π), rad; one position of a family, and none
-    /// where every position is one.
+    /// Angle of each ball from the imbalance, in [0, 2π), rad, ascending among balls that are
+    /// alike; one position of a family, and none where every position is one.
     pub beta_rad: Option<Vec<f64>>,
     /// Where the table rests, in the turning frame, m.
     pub position_m: [f64; 2],
@@ -186,6 +186,7 @@ fn on_a_line(form: &RestForm) -> Vec<Place> {
                 (false, 2) => FrictionlessKind::A2,
                 (false, _) => FrictionlessKind::Other,
             };
+            let beta = sorted_where_alike(&beta, &form.balls);
             found.push(Place { kind, beta, family_dimension: 0 });
         }
     }

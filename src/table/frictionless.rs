@@ -40,7 +40,8 @@ pub fn frictionless_columns(study: &Study, own_speeds: bool) -> Vec<Column<Frict
         columns.push(Column::number(
             &format!("beta_{}_rad", ball + 1),
             "rad",
-            "angle of the ball from the imbalance, in [0, 2π); of a family one position",
+            "angle of the ball from the imbalance, in [0, 2π), ascending among balls that are \
+             alike; of a family one position",
             move |row: &FrictionlessRow| row.equilibrium.beta_rad.as_ref()?.get(ball).copied(),
         ));
     }
