@@ -12,7 +12,7 @@
 //! - [`motion`]: integration, the switch model, stick and slip.
 //! - [`ending`]: how a run ends, on evidence.
 //! - [`farm`]: runs over the cores, in order, whatever happens in one of them.
-//! - [`analysis`]: intervals, times to rest, what is known of a point.
+//! - [`analysis`]: intervals, times to rest, what is known of a point; equilibrium sets.
 //! - [`table`]: Parquet files with units and provenance; the only room that knows Arrow.
 //! - [`cli`]: the commands.
 //!

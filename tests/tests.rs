@@ -1,5 +1,7 @@
 //! All integration tests in one binary; folders mirror `src`.
 
+/// Equilibrium sets and equilibria without friction.
+mod analysis;
 /// The command line: what goes in, what comes out, exit codes, interruption, memory.
 mod cli;
 /// The README.

@@ -1,106 +1,209 @@
-//! How much of all ball positions the equilibrium set covers (thesis section 5.2).
+//! The equilibrium set: all positions in which dry friction holds every ball (thesis section 5.2).
 
-use crate::model::{Balancer, Machine};
+use rayon::prelude::*;
 
-/// Points per axis for two balls.
-const GRID: usize = 128;
-/// Points for one ball, and for more than two.
-const POINTS: u32 = 16_384;
+use super::balance::Balance;
+use super::frictionless::places;
+use super::rest_form::{AtRest, RestForm};
+use super::set_grid::{GridRow, SetGrid};
+use super::set_samples::{self, REPLICATES};
+use crate::model::Machine;
 
-/// The share of all ball positions that are equilibria, from the closed form: on a grid of 16384
-/// points for one ball, of 128 × 128 for two, at 16384 Sobol' points for more. Good to about
-/// 0.01. `None` for a machine without a number of balls that the model knows.
-pub fn set_fraction(machine: &Machine) -> Option<f64> {
-    match machine.balls.len() {
-        1 => share::<1>(machine, (0..POINTS).map(|i| [angle(f64::from(i), f64::from(POINTS))])),
-        2 => {
-            let at = |i: usize| angle(i as f64, GRID as f64);
-            share::<2>(machine, (0..GRID * GRID).map(|i| [at(i / GRID), at(i % GRID)]))
+/// How finely a set is looked at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Resolution {
+    /// A regular grid of so many points per axis: one or two balls.
+    Grid(usize),
+    /// So many quasi-random samples in each of [`REPLICATES`] scrambles.
+    Samples(u32),
+}
+
+/// The equilibrium set at one point of a sweep.
+#[derive(Clone, Debug, PartialEq)]
+pub struct EquilibriumSet {
+    /// Share of all ball positions that are in the set.
+    pub share: f64,
+    /// Its 95 % interval where positions were sampled; a grid has no random error.
+    pub share_interval: Option<(f64, f64)>,
+    /// Separate parts on the torus of ball angles; none where positions were sampled.
+    pub parts: Option<u64>,
+    /// Separate parts where positions that differ by an exchange of two balls that are alike count
+    /// as one; the same as `parts` for balls that differ.
+    pub parts_modulo_exchange: Option<u64>,
+    /// Equilibria without friction, which are in the set, about which no grid point is: above 0 the
+    /// grid is too coarse to see all parts. None where positions were sampled.
+    pub unseen: Option<u64>,
+    /// The smallest and the largest amplitude in the set, m: of the positions looked at and of the
+    /// balanced one; none where none of them is in the set.
+    pub amplitude_m: Option<(f64, f64)>,
+    /// The position with the smallest amplitude, one angle per ball, rad.
+    pub calmest_rad: Option<Vec<f64>>,
+    /// Where the balls balance the imbalance; friction has nothing to hold there.
+    pub balance: Balance,
+}
+
+impl EquilibriumSet {
+    /// The set of a machine, over the threads of the pool that this is called in. None for a
+    /// grid with more than two balls, and for a number of balls that the model does not know.
+    pub fn of(machine: &Machine, resolution: Resolution) -> Option<Self> {
+        let form = RestForm::new(machine)?;
+        let mut set = match resolution {
+            Resolution::Grid(points) => on_grid(&form, &SetGrid::new(&form, points)?),
+            Resolution::Samples(samples) => sampled(&form, samples),
+        };
+        if let Some(beta) = set.balance.position()
+            && form.transfer.is_finite()
+        {
+            let largest = set.amplitude_m.map_or(0.0, |(_, largest)| largest);
+            set.amplitude_m = Some((0.0, largest));
+            set.calmest_rad = Some(beta.to_vec());
         }
-        3 => quasi_random::<3>(machine),
-        4 => quasi_random::<4>(machine),
-        5 => quasi_random::<5>(machine),
-        6 => quasi_random::<6>(machine),
-        7 => quasi_random::<7>(machine),
-        8 => quasi_random::<8>(machine),
-        _ => None,
+        Some(set)
     }
 }
 
-/// The middle of cell `index` of `count` on the circle.
-fn angle(index: f64, count: f64) -> f64 {
-    (index + 0.5) / count * std::f64::consts::TAU
+impl Resolution {
+    /// Number of positions for a number of balls; none where it is beyond counting.
+    pub fn positions(self, balls: usize) -> Option<u64> {
+        match self {
+            Resolution::Grid(points) => (points as u64).checked_pow(u32::try_from(balls).ok()?),
+            Resolution::Samples(samples) => Some(u64::from(REPLICATES) * u64::from(samples)),
+        }
+    }
+
+    /// Shows all positions, one angle per ball in rad, and what resting there takes, one by one
+    /// and always in the same order; none on a grid with more than two balls.
+    ///
+    /// # Errors
+    /// The first one that `show` gives ends it.
+    pub fn visit<E>(
+        self,
+        form: &RestForm,
+        mut show: impl FnMut(&[f64], AtRest) -> Result<(), E>,
+    ) -> Result<(), E> {
+        match self {
+            Resolution::Grid(points) => {
+                let Some(grid) = SetGrid::new(form, points) else { return Ok(()) };
+                let mut values = GridRow::default();
+                for row in 0..grid.rows() {
+                    grid.fill(row, &mut values);
+                    for column in 0..points {
+                        show(&grid.beta(row, column), grid.at(&values, column))?;
+                    }
+                }
+            }
+            Resolution::Samples(samples) => {
+                for replicate in 0..REPLICATES {
+                    for index in 0..samples {
+                        let beta = set_samples::sample(form.mass.len(), replicate, index);
+                        show(&beta, form.at_rest(&beta))?;
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
 }
 
-fn quasi_random<const N: usize>(machine: &Machine) -> Option<f64> {
-    let point = |i: u32| {
-        std::array::from_fn(|axis| {
-            f64::from(sobol_burley::sample(i, axis as u32, 0)) * std::f64::consts::TAU
+fn on_grid(form: &RestForm, grid: &SetGrid) -> EquilibriumSet {
+    let summary = grid.summary();
+    let (parts, exchanged) = summary.runs.parts();
+    let alike = form.balls.iter().all(|ball| *ball == form.balls[0]);
+    let radius = form.ring_radius_m;
+    let places = if form.speed == 0.0 { Vec::new() } else { places(form) };
+    EquilibriumSet {
+        share: summary.inside as f64 / grid.size() as f64,
+        share_interval: None,
+        parts: Some(parts),
+        parts_modulo_exchange: exchanged.filter(|_| alike).or(Some(parts)),
+        unseen: Some(places.iter().filter(|place| !grid.sees(&place.beta)).count() as u64),
+        amplitude_m: summary.amplitudes.map(|[low, high]| (low.0 * radius, high.0 * radius)),
+        calmest_rad: summary.amplitudes.map(|[(_, [row, column]), _]| grid.beta(row, column)),
+        balance: Balance::of(form),
+    }
+}
+
+fn sampled(form: &RestForm, samples: u32) -> EquilibriumSet {
+    let balls = form.mass.len();
+    let replicates: Vec<Sampled> = (0..REPLICATES)
+        .into_par_iter()
+        .map(|replicate| {
+            let mut sampled = Sampled::default();
+            for index in 0..samples {
+                sampled.add(form, set_samples::sample(balls, replicate, index));
+            }
+            sampled
         })
-    };
-    share::<N>(machine, (0..POINTS).map(point))
-}
-
-fn share<const N: usize>(
-    machine: &Machine,
-    positions: impl Iterator<Item = [f64; N]>,
-) -> Option<f64> {
-    let balancer = Balancer::<N>::new(machine)?;
-    let (mut inside, mut all) = (0_u32, 0_u32);
-    for beta in positions {
-        inside += u32::from(balancer.friction_use(&balancer.rest_point(&beta), 0.0) <= 1.0);
-        all += 1;
+        .collect();
+    let shares: Vec<f64> = replicates
+        .iter()
+        .map(|replicate| f64::from(replicate.inside) / f64::from(samples))
+        .collect();
+    let (share, interval) = set_samples::share_with_interval(&shares, samples);
+    // All balls at the imbalance: the largest amplitude of all, where it is in the set.
+    let mut extremes = Sampled::default();
+    extremes.add(form, vec![0.0; balls]);
+    let all = replicates.into_iter().fold(extremes, Sampled::joined);
+    EquilibriumSet {
+        share,
+        share_interval: Some(interval),
+        parts: None,
+        parts_modulo_exchange: None,
+        unseen: None,
+        amplitude_m: all.calmest.as_ref().map(|(smallest, _)| (*smallest, all.largest_m)),
+        calmest_rad: all.calmest.map(|(_, beta)| beta),
+        balance: Balance::of(form),
     }
-    Some(f64::from(inside) / f64::from(all))
 }
 
-#[cfg(test)]
-mod tests {
-    use super::set_fraction;
-    use crate::model::Machine;
+/// What samples have shown.
+#[derive(Default)]
+struct Sampled {
+    inside: u32,
+    calmest: Option<(f64, Vec<f64>)>,
+    largest_m: f64,
+}
 
-    fn with_friction(friction_coefficient: f64, balls: usize) -> Machine {
-        let mut machine = Machine::default();
-        machine.balls.resize(balls, machine.balls[0]);
-        for ball in &mut machine.balls {
-            ball.friction_coefficient = friction_coefficient;
+impl Sampled {
+    fn add(&mut self, form: &RestForm, beta: Vec<f64>) {
+        let rest = form.at_rest(&beta);
+        if !rest.in_set() {
+            return;
         }
-        machine
+        self.inside += 1;
+        self.largest_m = self.largest_m.max(rest.amplitude_m);
+        if self.calmest.as_ref().is_none_or(|(smallest, _)| rest.amplitude_m < *smallest) {
+            self.calmest = Some((rest.amplitude_m, beta));
+        }
     }
 
-    /// Thesis section 5.2.1: at -216 rad/s everything is an equilibrium with 3.5e-3.
-    #[test]
-    fn grows_with_friction_to_the_whole() {
-        let shares = [2.75e-4, 2.75e-3, 3.5e-3].map(|mu| set_fraction(&with_friction(mu, 2)));
-        assert_eq!(shares[2], Some(1.0));
-        assert!(shares[0] > Some(0.0) && shares[0] < Some(0.1), "{shares:?}");
-        assert!(shares[1] > Some(0.5) && shares[1] < Some(1.0), "{shares:?}");
+    fn joined(self, other: Self) -> Self {
+        let calmer = match (self.calmest, other.calmest) {
+            (Some(one), Some(other)) => Some(if other.0 < one.0 { other } else { one }),
+            (one, other) => one.or(other),
+        };
+        Sampled {
+            inside: self.inside + other.inside,
+            calmest: calmer,
+            largest_m: self.largest_m.max(other.largest_m),
+        }
     }
+}
 
-    /// One ball: the edge of the set in closed form, from the sign changes of the condition on a
-    /// fine scan of the circle.
-    #[test]
-    fn one_ball_against_a_fine_scan() {
-        let machine = with_friction(1e-3, 1);
-        let balancer = crate::model::Balancer::<1>::new(&machine).unwrap();
-        let inside = (0..1_000_000)
-            .filter(|&i| {
-                let beta = f64::from(i) * std::f64::consts::TAU / 1e6;
-                balancer.required_friction(&[beta]) <= 1e-3
-            })
-            .count();
-        let share = set_fraction(&machine).unwrap();
-        assert!((share - inside as f64 / 1e6).abs() < 4.0 / 16_384.0, "{share} {inside}");
-    }
+/// Points per axis for one ball, and for two.
+const SHARE_GRIDS: [usize; 2] = [16_384, 256];
+/// Samples per scramble for more balls.
+const SHARE_SAMPLES: u32 = 1024;
 
-    /// More balls: a third ball without mass and with more friction than ever needed changes
-    /// nothing in what the first two do, so that the share by Sobol' points is that of the grid.
-    #[test]
-    fn quasi_random_agrees_with_the_grid() {
-        let mut three = with_friction(2.0e-3, 3);
-        three.balls[2].mass_kg = 1e-15;
-        three.balls[2].friction_coefficient = 1.0;
-        let grid = set_fraction(&with_friction(2.0e-3, 2)).unwrap();
-        assert!((set_fraction(&three).unwrap() - grid).abs() < 0.01);
+/// The share of all ball positions that are equilibria, quickly and on the calling thread: on a
+/// grid of 16384 points for one ball, of 256 × 256 for two, at 16384 quasi-random points for more.
+/// Good to about 0.001 for one ball and two, and to 0.005 for more. `None` for a machine without
+/// a number of balls that the model knows.
+pub fn set_fraction(machine: &Machine) -> Option<f64> {
+    let form = RestForm::new(machine)?;
+    if let Some(points) = SHARE_GRIDS.get(form.mass.len() - 1) {
+        return Some(SetGrid::new(&form, *points)?.share());
     }
+    let share = |replicate| set_samples::share(&form, replicate, SHARE_SAMPLES);
+    Some((0..REPLICATES).map(share).sum::<f64>() / f64::from(REPLICATES))
 }

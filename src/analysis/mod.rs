@@ -2,14 +2,29 @@
 //!
 //! Between endings and tables: it reads outcomes and writes numbers, and knows no file format.
 
+mod alike;
+mod balance;
 mod equilibrium_set;
+mod frictionless;
 mod interval;
+mod linearised;
 mod point_summary;
+mod rest_form;
+mod set_grid;
+mod set_parts;
+mod set_samples;
 mod survival;
 mod tally;
 
-pub use equilibrium_set::set_fraction;
+pub use alike::{groups_of_alike, sorted_where_alike};
+pub use balance::Balance;
+pub use equilibrium_set::{EquilibriumSet, Resolution, set_fraction};
+pub use frictionless::{FrictionlessEquilibrium, FrictionlessKind, frictionless_equilibria};
 pub use interval::{Z_95, wilson, wilson_with_failures};
+pub use linearised::{SmallMotions, Stability, state_matrix};
 pub use point_summary::{LabelCounts, PointAccumulator, PointSummary};
+pub use rest_form::{AtRest, RestForm};
+pub use set_grid::{GridRow, SetGrid};
+pub use set_samples::{REPLICATES, sample};
 pub use survival::SurvivalCurve;
 pub use tally::Tally;

@@ -55,7 +55,11 @@ impl FarmArguments {
 /// More threads than any machine has cores would only take memory.
 const MOST_THREADS: usize = 1024;
 
-fn threads(text: &str) -> Result<NonZeroUsize, String> {
+/// A number of worker threads.
+///
+/// # Errors
+/// What was found and what is allowed.
+pub fn threads(text: &str) -> Result<NonZeroUsize, String> {
     let threads = text.parse().ok().filter(|threads: &NonZeroUsize| threads.get() <= MOST_THREADS);
     threads
         .ok_or_else(|| format!("found {text:?}, allowed: a whole number from 1 to {MOST_THREADS}"))

@@ -3,6 +3,8 @@
 mod arguments;
 mod check;
 mod completions;
+mod equilibria;
+mod equilibria_report;
 mod existence;
 mod exit;
 mod expand;
@@ -10,6 +12,7 @@ mod output;
 mod points_table;
 mod run;
 mod schema;
+mod speeds;
 mod verify;
 
 use std::process::ExitCode;
@@ -44,6 +47,7 @@ enum Command {
     Check(check::CheckArguments),
     Expand(expand::ExpandArguments),
     Verify(verify::VerifyArguments),
+    Equilibria(equilibria::EquilibriaArguments),
     Schema(schema::SchemaArguments),
     Completions(completions::CompletionsArguments),
 }
@@ -56,6 +60,7 @@ pub fn main() -> ExitCode {
         Command::Check(arguments) => check::check(&arguments),
         Command::Expand(arguments) => expand::expand(&arguments),
         Command::Verify(arguments) => verify::verify(&arguments),
+        Command::Equilibria(arguments) => equilibria::equilibria(&arguments),
         Command::Schema(arguments) => schema::schema(&arguments),
         Command::Completions(arguments) => completions::completions(&arguments),
     };

@@ -7,7 +7,7 @@ use crate::study::{ParameterValue, Study};
 use crate::table::PointRow;
 
 /// Most points that are printed; the rest is in `points.parquet`.
-const MOST_LINES: usize = 40;
+pub const MOST_LINES: usize = 40;
 
 /// One point as shown.
 #[derive(Clone, Debug)]
@@ -102,7 +102,7 @@ impl PointsTable {
 }
 
 /// Lines of cells as text, each column as wide as its widest cell.
-fn aligned(lines: &[Vec<String>]) -> String {
+pub fn aligned(lines: &[Vec<String>]) -> String {
     let columns = lines.first().map_or(0, Vec::len);
     let width = |column: usize| {
         let cells = lines.iter().filter_map(|line| line.get(column));

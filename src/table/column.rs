@@ -6,8 +6,8 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use arrow::array::{
-    ArrayRef, Float64Array, RecordBatch, StringArray, StringDictionaryBuilder, UInt8Array,
-    UInt64Array,
+    ArrayRef, BooleanArray, Float64Array, RecordBatch, StringArray, StringDictionaryBuilder,
+    UInt8Array, UInt64Array,
 };
 use arrow::datatypes::{DataType, Field, Int32Type, Schema};
 use arrow::error::ArrowError;
@@ -70,6 +70,18 @@ impl<R> Column<R> {
             Arc::new(rows.iter().map(&value).collect::<UInt8Array>())
         };
         Self::new(name, DataType::UInt8, "", meaning, Box::new(build))
+    }
+
+    /// A column of yes or no.
+    pub fn truth(
+        name: &str,
+        meaning: &str,
+        value: impl Fn(&R) -> Option<bool> + Send + Sync + 'static,
+    ) -> Self {
+        let build = move |rows: &[R]| -> ArrayRef {
+            Arc::new(rows.iter().map(&value).collect::<BooleanArray>())
+        };
+        Self::new(name, DataType::Boolean, "", meaning, Box::new(build))
     }
 
     /// A column of words out of a few, dictionary-encoded.

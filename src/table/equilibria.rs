@@ -3,8 +3,8 @@
 use super::column::Column;
 use super::record::RunRecord;
 use super::runs::{position_columns, swept_columns};
+use crate::analysis::sorted_where_alike;
 use crate::ending::Label;
-use crate::model::Ball;
 use crate::study::{ParameterValue, Study};
 
 /// A run that ended in equilibrium, balls that are alike in ascending order of their angles.
@@ -43,23 +43,6 @@ impl EquilibriumRow {
             evidence: outcome.evidence.name(),
         })
     }
-}
-
-/// Angles with those of balls that are alike in ascending order among the places of those balls.
-fn sorted_where_alike(beta: &[f64], balls: &[Ball]) -> Vec<f64> {
-    let mut sorted = beta.to_vec();
-    for (first, kind) in balls.iter().enumerate() {
-        if balls[..first].contains(kind) {
-            continue;
-        }
-        let places: Vec<usize> = (first..balls.len()).filter(|&i| balls[i] == *kind).collect();
-        let mut angles: Vec<f64> = places.iter().map(|&place| beta[place]).collect();
-        angles.sort_by(f64::total_cmp);
-        for (place, angle) in places.into_iter().zip(angles) {
-            sorted[place] = angle;
-        }
-    }
-    sorted
 }
 
 /// The columns of `equilibria.parquet`.
@@ -103,20 +86,4 @@ pub fn equilibrium_columns(study: &Study) -> Vec<Column<EquilibriumRow>> {
         Column::word("evidence", "why it is an equilibrium", |row: &EquilibriumRow| row.evidence),
     ]);
     columns
-}
-
-#[cfg(test)]
-mod tests {
-    use super::sorted_where_alike;
-    use crate::model::Ball;
-
-    #[test]
-    fn only_balls_that_are_alike_change_places() {
-        let light = Ball::default();
-        let heavy = Ball { mass_kg: 1.0, ..light };
-        assert_eq!(sorted_where_alike(&[3.0, 1.0], &[light, light]), [1.0, 3.0]);
-        assert_eq!(sorted_where_alike(&[3.0, 1.0], &[light, heavy]), [3.0, 1.0]);
-        let mixed = [light, heavy, light, heavy];
-        assert_eq!(sorted_where_alike(&[3.0, 9.0, 1.0, 2.0], &mixed), [1.0, 2.0, 3.0, 9.0]);
-    }
 }

@@ -4,19 +4,25 @@
 
 pub mod column;
 mod equilibria;
+mod equilibrium_files;
+mod frictionless;
 mod manifest;
 mod points;
 mod provenance;
 mod record;
 mod results;
 mod runs;
+mod set;
 mod writer;
 
 pub use equilibria::{EquilibriumRow, equilibrium_columns};
+pub use equilibrium_files::{EquilibriumFiles, EquilibriumTables};
+pub use frictionless::{FrictionlessRow, frictionless_columns};
 pub use manifest::{FileEntry, MANIFEST, Manifest};
 pub use points::{PointRow, point_columns};
-pub use provenance::{COMMIT, FORMAT, VERSION, provenance};
+pub use provenance::{COMMIT, FORMAT, VERSION, provenance, provenance_with};
 pub use record::RunRecord;
 pub use results::{Circumstances, Destination, Results, ResultsError, inspect};
 pub use runs::{planned_columns, run_columns};
+pub use set::{PointKey, SetRow, SetSummaryRow, set_columns, set_summary_columns};
 pub use writer::{TableWriter, WriteCause, WriteError};

@@ -124,8 +124,8 @@ pub fn point_columns(study: &Study) -> Vec<Column<PointRow>> {
         Column::number(
             "set_fraction",
             "1",
-            "share of all ball positions that are equilibria, to about 0.01; without uncertain \
-             draws",
+            "share of all ball positions that are equilibria, to about 0.001 (0.005 for three \
+             balls and more); without uncertain draws",
             |row: &PointRow| row.set_fraction,
         ),
         Column::word(

@@ -3,7 +3,7 @@
 //! It holds what decides the data and nothing else, no time and no host, so that data files of
 //! equal studies are equal to the byte.
 
-use serde_json::json;
+use serde_json::{Value, json};
 
 use crate::study::Study;
 
@@ -17,6 +17,17 @@ pub const FORMAT: u32 = 1;
 
 /// The provenance of a table of a study.
 pub fn provenance(study: &Study, table: &str) -> String {
+    facts(study, table).to_string()
+}
+
+/// The provenance of a table that options of the command line decide too.
+pub fn provenance_with(study: &Study, table: &str, options: &Value) -> String {
+    let mut facts = facts(study, table);
+    facts["options"] = options.clone();
+    facts.to_string()
+}
+
+fn facts(study: &Study, table: &str) -> Value {
     json!({
         "format": FORMAT,
         "table": table,
@@ -28,5 +39,4 @@ pub fn provenance(study: &Study, table: &str) -> String {
         "seed": study.seed(),
         "study_yaml": study.resolved_yaml(),
     })
-    .to_string()
 }

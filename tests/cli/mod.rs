@@ -4,6 +4,7 @@ pub mod support;
 
 mod commands;
 mod directories;
+mod equilibria;
 mod existence;
 mod expand;
 mod interrupt;

@@ -32,6 +32,21 @@ fn output_of_the_first_command() {
     assert_eq!(printed, block_after("<!-- tested: preferred-equilibria -->"));
 }
 
+/// The equilibrium sets of the thesis, as the README shows them.
+#[test]
+fn output_of_equilibria() {
+    let out = tempfile::tempdir().expect("a folder");
+    let folder = out.path().join("sets");
+    let folder = folder.to_str().expect("a plain name");
+    let study = "studies/preferred-equilibria.yaml";
+    let speeds = ["--speeds", "-150:-300:151"];
+    let arguments = ["equilibria", study, speeds[0], speeds[1], "--no-set", "--out", folder];
+    let output = stickslip(&arguments);
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    let printed = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert_eq!(printed, block_after("<!-- tested: equilibria -->"));
+}
+
 /// The annotated study of the README is a study.
 #[test]
 fn study_of_the_readme() {

@@ -1,0 +1,122 @@
+//! Positions of the balls that balance the imbalance: `m_I e + Σ m e^{iβ} = 0`, the table at rest.
+//!
+//! The imbalance and the balls' masses are then the sides of a closed polygon. One ball balances
+//! only an imbalance just like its own; two make a triangle, of which there is a mirror image
+//! (two alike: `cos β = -m_I e / (2 m L)`, thesis appendix D.3); three and more have a family of
+//! positions with as many dimensions as there are balls beyond two.
+
+use nalgebra::Complex;
+
+use super::alike::sorted_where_alike;
+use super::rest_form::{RestForm, direction};
+
+/// Where the balls balance the imbalance.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Balance {
+    /// Nowhere: one of the masses is more than all others together can hold.
+    Nowhere,
+    /// At these angles, one per ball in [0, 2π), ascending among balls that are alike, and at their mirror image `2π - β`.
+    Position(Vec<f64>),
+    /// In a family of positions, of which these angles are one.
+    Family {
+        /// One position, one angle per ball in [0, 2π).
+        example: Vec<f64>,
+        /// Number of dimensions of the family.
+        dimension: usize,
+    },
+}
+
+impl Balance {
+    /// Where the balls of a machine balance it.
+    pub fn of(form: &RestForm) -> Self {
+        let count = form.mass.len();
+        let found = balanced(form).map(|beta| sorted_where_alike(&beta, &form.balls));
+        match (found, count) {
+            (None, _) => Balance::Nowhere,
+            (Some(position), 1 | 2) => Balance::Position(position),
+            (Some(example), _) => Balance::Family { example, dimension: count - 2 },
+        }
+    }
+
+    /// One balanced position, if there is any.
+    pub fn position(&self) -> Option<&[f64]> {
+        match self {
+            Balance::Nowhere => None,
+            Balance::Position(beta) | Balance::Family { example: beta, .. } => Some(beta),
+        }
+    }
+
+    /// How the balls can balance, in a word.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Balance::Nowhere => "nowhere",
+            Balance::Position(_) => "position",
+            Balance::Family { .. } => "family",
+        }
+    }
+}
+
+/// Equality of masses that only rounding keeps apart.
+const ROUNDING: f64 = 1e-14;
+
+/// All balls but the two heaviest side by side or opposite each other, along a direction in which
+/// the two heaviest can close the polygon. Some choice of signs does where any position at all
+/// balances: flipping one ball moves the others' sum by no more than the two heaviest can follow.
+fn balanced(form: &RestForm) -> Option<Vec<f64>> {
+    let mut heaviest: Vec<usize> = (0..form.mass.len()).collect();
+    heaviest.sort_by(|&i, &j| form.mass[j].total_cmp(&form.mass[i]));
+    let (pair, rest) = heaviest.split_at(heaviest.len().min(2));
+    let [mass_1, mass_2] = [0, 1].map(|place| pair.get(place).map_or(0.0, |&ball| form.mass[ball]));
+    let imbalance = form.imbalance;
+    (0..1_u32 << rest.len()).find_map(|signs| {
+        let sign = |place: usize| if signs >> place & 1 == 0 { 1.0 } else { -1.0 };
+        let along: f64 =
+            rest.iter().enumerate().map(|(place, &ball)| sign(place) * form.mass[ball]).sum();
+        // The two heaviest balls can hold any force from their difference to their sum.
+        let low = (imbalance - along.abs()).abs().max(mass_1 - mass_2);
+        let high = (imbalance + along.abs()).min(mass_1 + mass_2);
+        if low > high * (1.0 + ROUNDING) {
+            return None;
+        }
+        let force = low.midpoint(high);
+        let turn = angle_between(imbalance, along, force);
+        let sum = Complex::from(imbalance) + direction(turn) * along;
+        let mut beta = vec![0.0; form.mass.len()];
+        for (place, &ball) in rest.iter().enumerate() {
+            beta[ball] = turn + if sign(place) < 0.0 { std::f64::consts::PI } else { 0.0 };
+        }
+        let opposite = sum.arg() + std::f64::consts::PI;
+        let force = sum.norm();
+        if let Some(&ball) = pair.first() {
+            beta[ball] = opposite + side_angle(mass_1, mass_2, force);
+        }
+        if let Some(&ball) = pair.get(1) {
+            beta[ball] = opposite - side_angle(mass_2, mass_1, force);
+        }
+        Some(beta.into_iter().map(wrapped).collect())
+    })
+}
+
+/// The angle from a first vector to a second one of given lengths whose sum has a given length.
+fn angle_between(first: f64, second: f64, sum: f64) -> f64 {
+    if second == 0.0 {
+        return 0.0;
+    }
+    let cosine = (sum * sum - first * first - second * second) / (2.0 * first * second);
+    cosine.clamp(-1.0, 1.0).acos()
+}
+
+/// The angle of one side of a triangle to the side `base`, the third one being `other`.
+fn side_angle(side: f64, other: f64, base: f64) -> f64 {
+    if base == 0.0 || other == 0.0 {
+        return 0.0;
+    }
+    let cosine = (base * base + side * side - other * other) / (2.0 * base * side);
+    cosine.clamp(-1.0, 1.0).acos()
+}
+
+/// An angle in [0, 2π).
+pub(super) fn wrapped(angle: f64) -> f64 {
+    let wrapped = angle.rem_euclid(std::f64::consts::TAU);
+    if wrapped < std::f64::consts::TAU { wrapped } else { 0.0 }
+}

@@ -1,0 +1,221 @@
+//! Equilibria without dry friction (thesis section 5.1, appendix D), all of them, for any number
+//! of balls.
+//!
+//! Without friction the tangential force on every ball vanishes: `Im(z_0 e^{-iβ}) = 0`. Either the
+//! table rests at `z_0 = 0`, balanced, or every ball lies on the line through `z_0`, on the one
+//! side or the other: `β = θ` or `θ + π`. With `S = Σ ±m` and `γ` the angle of `z_0` against the
+//! imbalance that causes it, the line is then given by
+//!
+//! ```text
+//! sin(θ - γ) = (S / m_I e) sin γ
+//! ```
+//!
+//! which has two solutions, or none where `|S sin γ| > m_I e`. For two balls that are alike these
+//! are the thesis's A1+ and A1- (together), A2 (opposite each other) and B1 (balanced).
+
+use std::f64::consts::PI;
+
+use nalgebra::Complex;
+
+use super::alike::{groups_of_alike, sorted_where_alike};
+use super::balance::{Balance, wrapped};
+use super::linearised::{SmallMotions, Stability};
+use super::rest_form::RestForm;
+use crate::model::Machine;
+
+/// What an equilibrium without friction looks like.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum FrictionlessKind {
+    /// All balls together, on the branch `θ - γ = arcsin(...)`: below the natural frequency the
+    /// one with the larger amplitude.
+    A1Plus,
+    /// All balls together, on the branch `θ - γ = π - arcsin(...)`.
+    A1Minus,
+    /// Two balls opposite each other.
+    A2,
+    /// Balanced: the table rests at the centre. With three balls or more a family of positions,
+    /// of which one is given.
+    B1,
+    /// Three balls or more on one line, some opposite the others.
+    Other,
+    /// The disc stands still: no force acts, and every position is an equilibrium.
+    Everywhere,
+}
+
+impl FrictionlessKind {
+    /// All of them.
+    pub const ALL: [Self; 6] =
+        [Self::A1Plus, Self::A1Minus, Self::A2, Self::B1, Self::Other, Self::Everywhere];
+
+    /// The word for it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::A1Plus => "a1_plus",
+            Self::A1Minus => "a1_minus",
+            Self::A2 => "a2",
+            Self::B1 => "b1",
+            Self::Other => "other",
+            Self::Everywhere => "everywhere",
+        }
+    }
+}
+
+/// An equilibrium without friction.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FrictionlessEquilibrium {
+    /// What it looks like.
+    pub kind: FrictionlessKind,
+    /// Angle of each ball from the imbalance, in [0, 2π), rad, ascending among balls that are
+    /// alike; one position of a family, and none where every position is one.
+    pub beta_rad: Option<Vec<f64>>,
+    /// Where the table rests, in the turning frame, m.
+    pub position_m: [f64; 2],
+    /// Dimensions of the family of equilibria that it belongs to, 0 if it is isolated.
+    pub family_dimension: usize,
+    /// What happens to small disturbances.
+    pub stability: Stability,
+    /// Eigenvalues of the linearised equations, 1/s, the fastest growing first; all growth rates
+    /// and frequencies, those along a family, which are 0, included.
+    pub eigenvalues_1_s: Vec<Complex<f64>>,
+}
+
+impl FrictionlessEquilibrium {
+    /// Amplitude of the table's vibration, m.
+    pub fn amplitude_m(&self) -> f64 {
+        self.position_m[0].hypot(self.position_m[1])
+    }
+
+    fn at(form: &RestForm, place: Place, drag: f64) -> Self {
+        let Place { kind, beta, family_dimension } = place;
+        let motions = SmallMotions::about(form, &beta, drag, family_dimension);
+        let balanced = kind == FrictionlessKind::B1;
+        let z = if balanced { Complex::from(0.0) } else { form.rest_point(&beta) };
+        let rate = form.natural_frequency_rad_s;
+        FrictionlessEquilibrium {
+            kind,
+            beta_rad: Some(beta),
+            position_m: [z.re * form.ring_radius_m, z.im * form.ring_radius_m],
+            family_dimension,
+            stability: motions.stability,
+            eigenvalues_1_s: motions.eigenvalues.into_iter().map(|value| value * rate).collect(),
+        }
+    }
+}
+
+/// All equilibria without friction, modulo 2π, modulo the exchange of balls that are alike, and of
+/// balanced positions of two balls that differ both mirror images; with the viscous drag `C β̇` on
+/// each ball, `C = drag` over `m ω_n`. None for a number of balls that the model does not know.
+pub fn frictionless_equilibria(
+    machine: &Machine,
+    drag: f64,
+) -> Option<Vec<FrictionlessEquilibrium>> {
+    let form = RestForm::new(machine)?;
+    if form.speed == 0.0 {
+        return Some(vec![FrictionlessEquilibrium {
+            kind: FrictionlessKind::Everywhere,
+            beta_rad: None,
+            position_m: [0.0; 2],
+            family_dimension: form.mass.len(),
+            stability: Stability::Marginal,
+            eigenvalues_1_s: Vec::new(),
+        }]);
+    }
+    let places = places(&form).into_iter();
+    Some(places.map(|place| FrictionlessEquilibrium::at(&form, place, drag)).collect())
+}
+
+/// Where there is an equilibrium without friction.
+pub(super) struct Place {
+    kind: FrictionlessKind,
+    /// Angle of each ball, in [0, 2π).
+    pub beta: Vec<f64>,
+    family_dimension: usize,
+}
+
+/// All places at a speed other than 0, in the order of their kinds.
+pub(super) fn places(form: &RestForm) -> Vec<Place> {
+    let mut all = on_a_line(form);
+    let balanced =
+        |beta, family_dimension| Place { kind: FrictionlessKind::B1, beta, family_dimension };
+    match Balance::of(form) {
+        Balance::Nowhere => {}
+        Balance::Family { example, dimension } => all.push(balanced(example, dimension)),
+        Balance::Position(beta) => {
+            let mirrored: Vec<f64> = beta.iter().map(|beta| wrapped(-beta)).collect();
+            let alike = groups_of_alike(&form.balls).len() == 1;
+            all.push(balanced(beta, 0));
+            if !alike {
+                all.push(balanced(mirrored, 0));
+            }
+        }
+    }
+    all.sort_by_key(|place| place.kind);
+    all
+}
+
+/// Relative size of a sum of imbalances that is zero but for rounding.
+const ROUNDING: f64 = 1e-12;
+
+fn on_a_line(form: &RestForm) -> Vec<Place> {
+    let mut found = Vec::new();
+    if !form.transfer.is_finite() {
+        return found;
+    }
+    let (gamma, balls) = (form.transfer.arg(), form.mass.len());
+    for (signs, self_opposite) in sides(form) {
+        let sum: f64 = signs.iter().zip(&form.mass).map(|(sign, mass)| sign * mass).sum();
+        let sine = sum / form.imbalance * gamma.sin();
+        if !sine.is_finite() || sine.abs() > 1.0 {
+            continue;
+        }
+        let together = signs.iter().all(|sign| *sign > 0.0);
+        let branches = [
+            (sine.asin(), FrictionlessKind::A1Plus),
+            (PI - sine.asin(), FrictionlessKind::A1Minus),
+        ];
+        // Balls that are alike, as many on one side as on the other: both branches are one.
+        for (turn, branch) in branches.into_iter().take(if self_opposite { 1 } else { 2 }) {
+            let side = |sign: &f64| gamma + turn + if *sign > 0.0 { 0.0 } else { PI };
+            let beta: Vec<f64> = signs.iter().map(|sign| wrapped(side(sign))).collect();
+            let scale = form.imbalance + form.mass.iter().sum::<f64>();
+            if form.imbalance_at(&beta).norm() <= ROUNDING * scale {
+                continue; // balanced, and counted there
+            }
+            let kind = match (together, balls) {
+                (true, _) => branch,
+                (false, 2) => FrictionlessKind::A2,
+                (false, _) => FrictionlessKind::Other,
+            };
+            let beta = sorted_where_alike(&beta, &form.balls);
+            found.push(Place { kind, beta, family_dimension: 0 });
+        }
+    }
+    found
+}
+
+/// The ways to lay the balls on the two sides of a line, 1 or -1 per ball, modulo exchange of balls
+/// that are alike and of the two sides; and whether the exchange of sides is one of balls.
+fn sides(form: &RestForm) -> Vec<(Vec<f64>, bool)> {
+    let groups = groups_of_alike(&form.balls);
+    let mut ways = vec![Vec::new()]; // how many of each group are on the other side
+    for group in &groups {
+        let more = |way: &Vec<usize>| -> Vec<Vec<usize>> {
+            (0..=group.len()).map(|other| [way.as_slice(), &[other]].concat()).collect()
+        };
+        ways = ways.iter().flat_map(more).collect();
+    }
+    let exchanged = |way: &[usize]| -> Vec<usize> {
+        groups.iter().zip(way).map(|(group, other)| group.len() - other).collect()
+    };
+    let signs = |way: &[usize]| {
+        let mut signs = vec![1.0; form.balls.len()];
+        for (group, &other) in groups.iter().zip(way) {
+            for &ball in &group[group.len() - other..] {
+                signs[ball] = -1.0;
+            }
+        }
+        signs
+    };
+    let kept = ways.iter().filter(|way| **way <= exchanged(way));
+    kept.map(|way| (signs(way), *way == exchanged(way))).collect()
+}

@@ -1,0 +1,140 @@
+//! Small motions about a position without dry friction, with viscous drag on the balls.
+//!
+//! The equations of motion with `f_w = C β̇` (over `m ω_n² L`; thesis equation 5.1), linearised
+//! about balls at rest at `β` (thesis equation 5.2), are `M q̈ + D q̇ + K q = 0` for small
+//! `q = (x, y, β_1, ..., β_N)`. With `s = sin β`, `c = cos β`, `p = x_0 c + y_0 s` and the balls'
+//! equations taken times their mass,
+//!
+//! ```text
+//! M = [ 1     0     -m s      ]   D = [ 2ζ      -2ω     -2ω m c ]   K = [ 1-ω²    -2ζω     ω² m s ]
+//!     [ 0     1      m c      ]       [ 2ω       2ζ     -2ω m s ]       [ 2ζω     1-ω²    -ω² m c ]
+//!     [ -m s  m c    m (1+4J) ]       [ 2ω m c  2ω m s   m C    ]       [ ω² m s  -ω² m c  ω² m p ]
+//! ```
+//!
+//! with one row and one column for each ball and the last block diagonal.
+
+use nalgebra::{Complex, DMatrix, Schur};
+
+use super::rest_form::{RestForm, direction};
+
+/// What happens to small disturbances.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stability {
+    /// All die out; those along a family of equilibria stay as they are.
+    Stable,
+    /// One grows.
+    Unstable,
+    /// None grows, and one neither grows nor dies out: what it does, the linearised equations do
+    /// not say.
+    Marginal,
+    /// The eigenvalues could not be computed.
+    Unknown,
+}
+
+impl Stability {
+    /// The word for it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Stability::Stable => "stable",
+            Stability::Unstable => "unstable",
+            Stability::Marginal => "marginal",
+            Stability::Unknown => "unknown",
+        }
+    }
+}
+
+/// Eigenvalues of the equations of small motions.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SmallMotions {
+    /// All `2 (2 + N)` eigenvalues, non-dimensional (times `ω_n`: 1/s), the fastest growing first.
+    /// Empty where they could not be computed.
+    pub eigenvalues: Vec<Complex<f64>>,
+    /// Stability by the eigenvalues without those that lie along a family.
+    pub stability: Stability,
+}
+
+/// Real parts below this part of the matrix's size are rounding.
+const ROUNDING: f64 = 1e-14;
+/// Most iterations per eigenvalue: some ten are usual.
+const ITERATIONS: usize = 200;
+
+/// The matrix `A` of `d/dt (q, q̇) = A (q, q̇)` for small `q = (x, y, β_1, ...)` about balls at rest
+/// at `beta` (one angle per ball), non-dimensional, with the viscous drag `C = drag` on each ball.
+/// None where the table has no rest point.
+pub fn state_matrix(form: &RestForm, beta: &[f64], drag: f64) -> Option<DMatrix<f64>> {
+    let n = 2 + beta.len();
+    let (omega, zeta) = (form.speed, form.damping_ratio);
+    let omega_squared = omega * omega;
+    let z = rest_point(form, beta)?;
+    let mut mass = DMatrix::<f64>::identity(n, n);
+    let mut damping = DMatrix::<f64>::zeros(n, n);
+    let mut stiffness = DMatrix::<f64>::zeros(n, n);
+    for axis in 0..2 {
+        damping[(axis, axis)] = 2.0 * zeta;
+        stiffness[(axis, axis)] = 1.0 - omega_squared;
+    }
+    damping[(0, 1)] = -2.0 * omega;
+    damping[(1, 0)] = 2.0 * omega;
+    stiffness[(0, 1)] = -2.0 * zeta * omega;
+    stiffness[(1, 0)] = 2.0 * zeta * omega;
+    for (ball, &beta) in beta.iter().enumerate() {
+        let (i, m, e) = (2 + ball, form.mass[ball], direction(beta));
+        for (axis, across, along) in [(0, e.im, e.re), (1, -e.re, e.im)] {
+            mass[(axis, i)] = -m * across;
+            mass[(i, axis)] = -m * across;
+            damping[(axis, i)] = -2.0 * omega * m * along;
+            damping[(i, axis)] = 2.0 * omega * m * along;
+            stiffness[(axis, i)] = omega_squared * m * across;
+            stiffness[(i, axis)] = omega_squared * m * across;
+        }
+        mass[(i, i)] = m * form.inertia[ball];
+        damping[(i, i)] = m * drag;
+        stiffness[(i, i)] = omega_squared * m * (z.re * e.re + z.im * e.im);
+    }
+    let factors = mass.lu();
+    let mut matrix = DMatrix::<f64>::zeros(2 * n, 2 * n);
+    matrix.view_mut((0, n), (n, n)).fill_with_identity();
+    matrix.view_mut((n, 0), (n, n)).copy_from(&-factors.solve(&stiffness)?);
+    matrix.view_mut((n, n), (n, n)).copy_from(&-factors.solve(&damping)?);
+    Some(matrix)
+}
+
+/// The rest point; 0 where the balls balance the imbalance, whatever the resonance.
+fn rest_point(form: &RestForm, beta: &[f64]) -> Option<Complex<f64>> {
+    let z = form.rest_point(beta);
+    if z.is_finite() {
+        return Some(z);
+    }
+    let scale = form.imbalance + form.mass.iter().sum::<f64>();
+    (form.imbalance_at(beta).norm() < 1e-12 * scale).then(|| Complex::from(0.0))
+}
+
+impl SmallMotions {
+    /// Small motions about balls at rest at `beta`, a position of a family of `family_dimension`
+    /// dimensions (0: isolated), with the viscous drag `drag` on each ball.
+    pub fn about(form: &RestForm, beta: &[f64], drag: f64, family_dimension: usize) -> Self {
+        let unknown = SmallMotions { eigenvalues: Vec::new(), stability: Stability::Unknown };
+        let Some(matrix) = state_matrix(form, beta, drag) else { return unknown };
+        if matrix.iter().any(|entry| !entry.is_finite()) {
+            return unknown;
+        }
+        let rounding = ROUNDING * (1.0 + matrix.norm());
+        let iterations = ITERATIONS * matrix.nrows();
+        let Some(schur) = Schur::try_new(matrix, f64::EPSILON, iterations) else { return unknown };
+        let mut eigenvalues: Vec<Complex<f64>> =
+            schur.complex_eigenvalues().iter().copied().collect();
+        // Those of the family are zero but for rounding: the smallest ones.
+        eigenvalues.sort_by(|a, b| a.norm().total_cmp(&b.norm()));
+        let across = eigenvalues.iter().skip(family_dimension).map(|value| value.re);
+        let largest = across.fold(f64::NEG_INFINITY, f64::max);
+        let stability = if largest > rounding {
+            Stability::Unstable
+        } else if largest < -rounding {
+            Stability::Stable
+        } else {
+            Stability::Marginal
+        };
+        eigenvalues.sort_by(|a, b| b.re.total_cmp(&a.re).then(b.im.total_cmp(&a.im)));
+        SmallMotions { eigenvalues, stability }
+    }
+}

@@ -1,0 +1,146 @@
+//! What the closed forms at rest need of a machine, for any number of balls: the one place in
+//! which equilibrium sets, balancing positions and linearised equations read its parameters.
+
+use nalgebra::Complex;
+
+use crate::model::{Balancer, Ball, Machine};
+
+/// The parameters of a machine that count where its balls rest, non-dimensional.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RestForm {
+    /// Speed of the disc over `ω_n`.
+    pub speed: f64,
+    /// Damping ratio `ζ` of the suspension.
+    pub damping_ratio: f64,
+    /// Rest point over the sum of imbalances, `g = ω² / (1 - ω² + 2iζω)`: not finite at the
+    /// resonance of a suspension without damping, where nothing rests.
+    pub transfer: Complex<f64>,
+    /// Imbalance `m_I e`.
+    pub imbalance: f64,
+    /// Mass of each ball.
+    pub mass: Vec<f64>,
+    /// The most friction that holds each ball, over its normal force.
+    pub friction_coefficient: Vec<f64>,
+    /// `1 + 4J` of each ball: its inertia along the ring, over its mass.
+    pub inertia: Vec<f64>,
+    /// The balls as they were given.
+    pub balls: Vec<Ball>,
+    /// Radius `L` of the ring, m.
+    pub ring_radius_m: f64,
+    /// Natural frequency `ω_n`, rad/s.
+    pub natural_frequency_rad_s: f64,
+}
+
+/// One position of the balls at rest.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AtRest {
+    /// Amplitude of the table's vibration, m.
+    pub amplitude_m: f64,
+    /// The least coefficient of friction, alike for all balls, that holds them here; infinite where
+    /// a normal force would have to pull.
+    pub required_friction: f64,
+    /// The part of the friction limit that is taken, of the ball that comes nearest to it: the
+    /// position is an equilibrium where it is at most 1.
+    pub friction_used: f64,
+}
+
+impl AtRest {
+    /// Whether the balls can rest here.
+    pub fn in_set(&self) -> bool {
+        self.friction_used <= 1.0
+    }
+
+    /// The part of the friction limit that is left: 0 on the edge of the set, negative outside.
+    pub fn friction_margin(&self) -> f64 {
+        1.0 - self.friction_used
+    }
+}
+
+impl RestForm {
+    /// The parameters of a machine; `None` for a number of balls that the model does not know.
+    pub fn new(machine: &Machine) -> Option<Self> {
+        match machine.balls.len() {
+            1 => Self::of::<1>(machine),
+            2 => Self::of::<2>(machine),
+            3 => Self::of::<3>(machine),
+            4 => Self::of::<4>(machine),
+            5 => Self::of::<5>(machine),
+            6 => Self::of::<6>(machine),
+            7 => Self::of::<7>(machine),
+            8 => Self::of::<8>(machine),
+            _ => None,
+        }
+    }
+
+    fn of<const N: usize>(machine: &Machine) -> Option<Self> {
+        let balancer = Balancer::<N>::new(machine)?;
+        let (speed, damping_ratio) = (balancer.speed, balancer.damping_ratio);
+        let denominator = Complex::new(1.0 - speed * speed, 2.0 * damping_ratio * speed);
+        let balls = balancer.balls.iter();
+        Some(RestForm {
+            speed,
+            damping_ratio,
+            transfer: Complex::from(speed * speed) / denominator,
+            imbalance: balancer.imbalance,
+            mass: balls.clone().map(|ball| ball.mass).collect(),
+            friction_coefficient: balls.clone().map(|ball| ball.friction.limit).collect(),
+            inertia: balls.map(|ball| 1.0 / ball.mobility).collect(),
+            balls: machine.balls.clone(),
+            ring_radius_m: machine.ring_radius_m,
+            natural_frequency_rad_s: machine.natural_frequency_rad_s(),
+        })
+    }
+
+    /// The imbalance that the table feels with the balls at `beta`, one angle per ball:
+    /// `F = m_I e + Σ m e^{iβ}` (thesis equations 5.3, 5.4).
+    pub fn imbalance_at(&self, beta: &[f64]) -> Complex<f64> {
+        let balls = self.mass.iter().zip(beta).map(|(&mass, &beta)| direction(beta) * mass);
+        Complex::from(self.imbalance) + balls.sum::<Complex<f64>>()
+    }
+
+    /// The table's rest point `z_0 = x_0 + i y_0` with the balls at `beta`, non-dimensional.
+    pub fn rest_point(&self, beta: &[f64]) -> Complex<f64> {
+        self.transfer * self.imbalance_at(beta)
+    }
+
+    /// What resting at `beta` takes (thesis equation 5.5).
+    pub fn at_rest(&self, beta: &[f64]) -> AtRest {
+        let z = self.rest_point(beta);
+        let (mut required_friction, mut friction_used) = (0.0, 0.0);
+        for (&beta, &coefficient) in beta.iter().zip(&self.friction_coefficient) {
+            let e = direction(beta);
+            let (required, used) = holding([z.re, z.im], [e.re, e.im], coefficient);
+            required_friction = larger(required_friction, required);
+            friction_used = larger(friction_used, used);
+        }
+        AtRest { amplitude_m: z.norm() * self.ring_radius_m, required_friction, friction_used }
+    }
+}
+
+/// `e^{iβ}`, with sine and cosine that do not differ between platforms.
+pub(super) fn direction(beta: f64) -> Complex<f64> {
+    let (sine, cosine) = libm::sincos(beta);
+    Complex::new(cosine, sine)
+}
+
+/// The friction coefficient that holds a ball in the direction `[c, s]` with the table at `[x, y]`,
+/// `|y c - x s| / (1 + x c + y s)`, and the part of its limit that this takes. The square of the
+/// speed, which both forces carry, has been divided out; so at standstill, where no force acts,
+/// both are 0. Free of branches, so that a loop over it turns into vector instructions.
+#[inline]
+pub(super) fn holding([x, y]: [f64; 2], [c, s]: [f64; 2], coefficient: f64) -> (f64, f64) {
+    let normal = 1.0 + (x * c + y * s);
+    let tangential = (y * c - x * s).abs();
+    let limit = coefficient * normal;
+    let nothing_needed = tangential == 0.0 && normal >= 0.0;
+    let without_limit = if nothing_needed { 0.0 } else { f64::INFINITY };
+    let required = if normal > 0.0 { tangential / normal } else { without_limit };
+    let used = if limit > 0.0 { tangential / limit } else { without_limit };
+    (required, used)
+}
+
+/// The larger of two numbers of which none is NaN.
+#[inline]
+pub(super) fn larger(a: f64, b: f64) -> f64 {
+    if b > a { b } else { a }
+}

@@ -1,0 +1,201 @@
+//! The equilibrium set of one or two balls on a regular grid of their angles.
+//!
+//! Grid points are at `2πk/G` on each axis, the imbalance's direction and diagonals included.
+//! Sines and cosines are taken once per axis, so that a row of the grid costs some twenty
+//! multiplications per point and turns into vector instructions.
+
+use std::f64::consts::TAU;
+
+use rayon::prelude::*;
+
+use super::rest_form::{AtRest, RestForm, direction, holding, larger};
+use super::set_parts::{Run, SetRuns};
+
+/// A grid over the angles of one ball or two.
+#[derive(Clone, Debug)]
+pub struct SetGrid<'a> {
+    form: &'a RestForm,
+    points: usize,
+    cosine: Vec<f64>,
+    sine: Vec<f64>,
+    /// For each ball: where it would move the table to from each point of its axis.
+    push: Vec<[Vec<f64>; 2]>,
+}
+
+/// One row of a grid: all angles of the last ball with the first one where it is.
+#[derive(Clone, Debug, Default)]
+pub struct GridRow {
+    amplitude_squared: Vec<f64>,
+    required: Vec<f64>,
+    used: Vec<f64>,
+}
+
+/// What is known of a set after all rows.
+#[derive(Clone, Debug)]
+pub struct GridSummary {
+    /// Points of the grid in the set.
+    pub inside: u64,
+    /// The smallest and the largest amplitude at points of the set, non-dimensional, each with the
+    /// point's row and column; none where no point is in the set.
+    pub amplitudes: Option<[(f64, [usize; 2]); 2]>,
+    /// The set's runs.
+    pub runs: SetRuns,
+}
+
+struct RowSummary {
+    inside: u64,
+    amplitudes: Option<[(f64, [usize; 2]); 2]>,
+    runs: Vec<Run>,
+}
+
+impl<'a> SetGrid<'a> {
+    /// A grid of `points` per axis; none for more than two balls.
+    pub fn new(form: &'a RestForm, points: usize) -> Option<Self> {
+        if form.mass.len() > 2 || points == 0 {
+            return None;
+        }
+        let directions = (0..points).map(|k| direction(Self::angle(k, points)));
+        let (cosine, sine): (Vec<f64>, Vec<f64>) = directions.map(|e| (e.re, e.im)).unzip();
+        let push = form.mass.iter().map(|&mass| {
+            let g = form.transfer * mass;
+            let each = || cosine.iter().zip(&sine);
+            let x = each().map(|(c, s)| g.re * c - g.im * s).collect();
+            let y = each().map(|(c, s)| g.re * s + g.im * c).collect();
+            [x, y]
+        });
+        let push = push.collect();
+        Some(SetGrid { form, points, cosine, sine, push })
+    }
+
+    fn angle(index: usize, points: usize) -> f64 {
+        index as f64 / points as f64 * TAU
+    }
+
+    /// Number of rows: 1 with one ball.
+    pub fn rows(&self) -> usize {
+        if self.push.len() == 1 { 1 } else { self.points }
+    }
+
+    /// Number of points in all.
+    pub fn size(&self) -> u64 {
+        self.rows() as u64 * self.points as u64
+    }
+
+    /// The balls' angles at a point, one per ball, rad.
+    pub fn beta(&self, row: usize, column: usize) -> Vec<f64> {
+        let last = Self::angle(column, self.points);
+        if self.push.len() == 1 { vec![last] } else { vec![Self::angle(row, self.points), last] }
+    }
+
+    /// Computes a row.
+    pub fn fill(&self, row: usize, values: &mut GridRow) {
+        let points = self.points;
+        let imbalance = self.form.transfer * self.form.imbalance;
+        let last = self.push.len() - 1; // at least one ball, see `RestForm::new`
+        let first = (last == 1).then(|| [self.push[0][0][row], self.push[0][1][row]]);
+        let [first_x, first_y] = first.unwrap_or_default();
+        let coefficient = self.form.friction_coefficient[last];
+        for list in [&mut values.amplitude_squared, &mut values.required, &mut values.used] {
+            list.resize(points, 0.0);
+        }
+        let [push_x, push_y] = &self.push[last];
+        let amplitude_squared = &mut values.amplitude_squared[..points];
+        let required = &mut values.required[..points];
+        let used = &mut values.used[..points];
+        let (push_x, push_y) = (&push_x[..points], &push_y[..points]);
+        let (cosine, sine) = (&self.cosine[..points], &self.sine[..points]);
+        // The balls' parts are added first: exchanging balls that are alike gives the same bits.
+        for j in 0..points {
+            let x = imbalance.re + (first_x + push_x[j]);
+            let y = imbalance.im + (first_y + push_y[j]);
+            amplitude_squared[j] = x * x + y * y;
+            (required[j], used[j]) = holding([x, y], [cosine[j], sine[j]], coefficient);
+        }
+        if last == 0 {
+            return;
+        }
+        let held = [cosine[row], sine[row]];
+        let coefficient = self.form.friction_coefficient[0];
+        for j in 0..points {
+            let x = imbalance.re + (first_x + push_x[j]);
+            let y = imbalance.im + (first_y + push_y[j]);
+            let (first_required, first_used) = holding([x, y], held, coefficient);
+            required[j] = larger(required[j], first_required);
+            used[j] = larger(used[j], first_used);
+        }
+    }
+
+    /// A point of a row that has been filled.
+    pub fn at(&self, values: &GridRow, column: usize) -> AtRest {
+        AtRest {
+            amplitude_m: values.amplitude_squared[column].sqrt() * self.form.ring_radius_m,
+            required_friction: values.required[column],
+            friction_used: values.used[column],
+        }
+    }
+
+    /// Whether one of the grid points about a position, its cell's corners, is in the set.
+    pub fn sees(&self, beta: &[f64]) -> bool {
+        let points = self.points;
+        let corner = |corners: usize| -> Vec<f64> {
+            let along = |(axis, beta): (usize, &f64)| {
+                let cell = (beta / TAU * points as f64).floor() as usize;
+                Self::angle((cell + (corners >> axis & 1)) % points, points)
+            };
+            beta.iter().enumerate().map(along).collect()
+        };
+        (0..1_usize << beta.len()).any(|corners| self.form.at_rest(&corner(corners)).in_set())
+    }
+
+    /// The share of the grid's points that are in the set, on the calling thread.
+    pub fn share(&self) -> f64 {
+        let mut values = GridRow::default();
+        let inside = (0..self.rows()).map(|row| {
+            self.fill(row, &mut values);
+            values.used.iter().filter(|used| **used <= 1.0).count() as u64
+        });
+        inside.sum::<u64>() as f64 / self.size() as f64
+    }
+
+    /// The whole set, over the threads of the pool that this is called in.
+    pub fn summary(&self) -> GridSummary {
+        let rows: Vec<RowSummary> = (0..self.rows())
+            .into_par_iter()
+            .map_init(GridRow::default, |values, row| self.row_summary(row, values))
+            .collect();
+        let inside = rows.iter().map(|row| row.inside).sum();
+        let amplitudes = rows.iter().filter_map(|row| row.amplitudes);
+        let amplitudes = amplitudes.reduce(|[low, high], [least, most]| {
+            [if least.0 < low.0 { least } else { low }, if most.0 > high.0 { most } else { high }]
+        });
+        let runs = SetRuns {
+            columns: self.points as u32,
+            rows: rows.into_iter().map(|row| row.runs).collect(),
+        };
+        GridSummary { inside, amplitudes, runs }
+    }
+
+    fn row_summary(&self, row: usize, values: &mut GridRow) -> RowSummary {
+        self.fill(row, values);
+        let runs = SetRuns::of_row(values.used.iter().map(|used| *used <= 1.0));
+        let mut extremes: Option<[(f64, usize); 2]> = None;
+        for &(start, end) in &runs {
+            for column in start as usize..end as usize {
+                let here = (values.amplitude_squared[column], column);
+                let [low, high] = extremes.get_or_insert([here; 2]);
+                if here.0 < low.0 {
+                    *low = here;
+                }
+                if here.0 > high.0 {
+                    *high = here;
+                }
+            }
+        }
+        RowSummary {
+            inside: runs.iter().map(|(start, end)| u64::from(end - start)).sum(),
+            amplitudes: extremes
+                .map(|both| both.map(|(squared, column)| (squared.sqrt(), [row, column]))),
+            runs,
+        }
+    }
+}

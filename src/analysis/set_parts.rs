@@ -1,0 +1,172 @@
+//! Separate parts of a set on the torus, from the runs of its points in the rows of a grid.
+//!
+//! Two points of the grid belong together where one is among the eight neighbours of the other,
+//! across the ends of either axis too. The sets have sharp tips that run across the grid, from
+//! which four neighbours break off single points on any grid; with eight the number of parts of
+//! the thesis's sets is the same from 128 to 2048 points per axis. The price is that a gap
+//! narrower than the grid's spacing is not seen; nor is a part smaller than that. Neighbours are
+//! joined run by run, so that time and memory go with the length of the set's edge and not with
+//! its area.
+
+/// Points `start..end` of a row that belong to the set.
+pub type Run = (u32, u32);
+
+/// The set on a grid with periodic rows and columns.
+#[derive(Clone, Debug, Default)]
+pub struct SetRuns {
+    /// Number of points in a row.
+    pub columns: u32,
+    /// The runs of each row, ascending, with a gap between one and the next.
+    pub rows: Vec<Vec<Run>>,
+}
+
+/// Disjoint sets of numbers, joined two at a time (R. E. Tarjan, J. ACM 22 (1975) 215).
+struct Disjoint {
+    parents: Vec<u32>,
+    sets: u64,
+}
+
+impl Disjoint {
+    fn new(count: usize) -> Self {
+        Disjoint { parents: (0..count as u32).collect(), sets: count as u64 }
+    }
+
+    fn root(&mut self, mut item: u32) -> u32 {
+        while self.parents[item as usize] != item {
+            let grandparent = self.parents[self.parents[item as usize] as usize];
+            self.parents[item as usize] = grandparent;
+            item = grandparent;
+        }
+        item
+    }
+
+    fn join(&mut self, one: u32, other: u32) {
+        let (one, other) = (self.root(one), self.root(other));
+        if one != other {
+            self.parents[one.max(other) as usize] = one.min(other);
+            self.sets -= 1;
+        }
+    }
+}
+
+impl SetRuns {
+    /// The runs of a row.
+    pub fn of_row(inside: impl Iterator<Item = bool>) -> Vec<Run> {
+        let mut runs: Vec<Run> = Vec::new();
+        for (place, inside) in (0..).zip(inside) {
+            match runs.last_mut() {
+                Some((_, end)) if inside && *end == place => *end = place + 1,
+                _ if inside => runs.push((place, place + 1)),
+                _ => {}
+            }
+        }
+        runs
+    }
+
+    /// Number of separate parts, and their number where a point and the one with rows and columns
+    /// exchanged count as the same. The second is none on a grid that is not square.
+    pub fn parts(&self) -> (u64, Option<u64>) {
+        let mut first = Vec::with_capacity(self.rows.len() + 1); // number of each row's first run
+        let mut count = 0;
+        for runs in &self.rows {
+            first.push(count as u32);
+            count += runs.len();
+        }
+        let mut parts = Disjoint::new(count);
+        for (row, runs) in self.rows.iter().enumerate() {
+            if let (Some(&(0, _)), Some(&(_, end))) = (runs.first(), runs.last())
+                && end == self.columns
+            {
+                parts.join(first[row], first[row] + runs.len() as u32 - 1);
+            }
+            let next = (row + 1) % self.rows.len();
+            self.join_touching(row, next, &first, &mut parts);
+        }
+        let on_the_torus = parts.sets;
+        if self.rows.len() != self.columns as usize {
+            return (on_the_torus, None);
+        }
+        for (row, runs) in self.rows.iter().enumerate() {
+            for (index, (start, end)) in (0..).zip(runs) {
+                // Of each run its middle point: rounding at the set's edge cannot have moved it.
+                let mirrored = start + (end - start) / 2;
+                let others = &self.rows[mirrored as usize];
+                let other = others.partition_point(|&(_, end)| end as usize <= row);
+                if others.get(other).is_some_and(|&(start, _)| start as usize <= row) {
+                    parts.join(first[row] + index, first[mirrored as usize] + other as u32);
+                }
+            }
+        }
+        (on_the_torus, Some(parts.sets))
+    }
+
+    /// Joins runs of two rows, one below the other, that touch, at corners too.
+    fn join_touching(&self, row: usize, next: usize, first: &[u32], parts: &mut Disjoint) {
+        let (upper, lower) = (&self.rows[row], &self.rows[next]);
+        let (mut i, mut j) = (0, 0);
+        while let (Some(one), Some(other)) = (upper.get(i), lower.get(j)) {
+            if one.0 <= other.1 && other.0 <= one.1 {
+                parts.join(first[row] + i as u32, first[next] + j as u32);
+            }
+            if one.1 < other.1 {
+                i += 1;
+            } else {
+                j += 1;
+            }
+        }
+        // Corners that touch across the rows' ends.
+        for (one, one_row, other, other_row) in
+            [(upper, row, lower, next), (lower, next, upper, row)]
+        {
+            if let (Some(&(_, end)), Some(&(0, _))) = (one.last(), other.first())
+                && end == self.columns
+            {
+                parts.join(first[one_row] + one.len() as u32 - 1, first[other_row]);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::SetRuns;
+
+    fn set(picture: &[&str]) -> SetRuns {
+        let row = |line: &&str| SetRuns::of_row(line.bytes().map(|sign| sign == b'#'));
+        SetRuns { columns: picture[0].len() as u32, rows: picture.iter().map(row).collect() }
+    }
+
+    #[test]
+    fn rows_fall_into_runs() {
+        assert_eq!(set(&["##..#.##"]).rows, [[(0, 2), (4, 5), (6, 8)]]);
+        assert!(set(&["...."]).rows[0].is_empty());
+    }
+
+    #[test]
+    fn neighbours_are_joined_across_corners_and_the_ends_of_both_axes() {
+        assert_eq!(set(&["#..#", "....", "....", "#..#"]).parts().0, 1);
+        assert_eq!(set(&["#....", "....#", ".....", ".....", "....."]).parts().0, 1);
+        assert_eq!(set(&["....#", "#....", ".....", ".....", "....."]).parts().0, 1);
+        assert_eq!(set(&["#....", ".#...", "..#..", ".....", "....."]).parts().0, 1);
+        assert_eq!(set(&["..#..", ".#...", "#....", ".....", "....."]).parts().0, 1);
+        assert_eq!(set(&["#....", "..#..", ".....", ".....", "....."]).parts().0, 2);
+        assert_eq!(set(&["....", "....", "....", "...."]).parts(), (0, Some(0)));
+        assert_eq!(set(&["####"; 4]).parts(), (1, Some(1)));
+        assert_eq!(set(&["#.#.", "#.#."]).parts(), (2, None));
+        // A ring of one row: one arc across its end, one in its middle.
+        assert_eq!(set(&["##..#..#"]).parts(), (2, None));
+        // A comb, joined by its last row only.
+        assert_eq!(set(&["#.#.#...", "#.#.#...", "#####..."]).parts().0, 1);
+    }
+
+    #[test]
+    fn exchange_joins_mirror_images() {
+        let three = [
+            "........", "...#....", "........", ".#......", "........", "......#.", "........",
+            "........",
+        ];
+        assert_eq!(set(&three).parts(), (3, Some(2)));
+        let two = [".....", "...#.", ".....", ".#...", "....."];
+        assert_eq!(set(&two).parts(), (2, Some(1)));
+    }
+}

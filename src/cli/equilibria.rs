@@ -1,0 +1,312 @@
+//! `stickslip equilibria`: where the balls can rest, from closed forms and without simulation.
+
+use std::num::NonZeroUsize;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::Instant;
+
+use clap::Args;
+use rayon::prelude::*;
+use serde_json::json;
+
+use super::arguments::{StudyArgument, threads};
+use super::equilibria_report::Report;
+use super::exit::{CliError, End};
+use super::output::print;
+use super::speeds::Speeds;
+use crate::analysis::{
+    EquilibriumSet, FrictionlessEquilibrium, REPLICATES, Resolution, RestForm,
+    frictionless_equilibria,
+};
+use crate::farm::say;
+use crate::model::Machine;
+use crate::study::Study;
+use crate::table::{
+    EquilibriumFiles, EquilibriumTables, FrictionlessRow, PointKey, SetRow, SetSummaryRow,
+};
+
+const EXAMPLES: &str = "\
+Examples:
+  stickslip equilibria studies/preferred-equilibria.yaml
+  stickslip equilibria study.yaml --grid 2048 --no-set
+  stickslip equilibria study.yaml --speeds -150:-300:151     the thesis's figure 5.1 as a table
+  stickslip equilibria three-balls.yaml --samples 262144
+
+The directory holds set.parquet (a row per ball position: amplitude, the friction that it takes,
+margin), sets.parquet (a row per point of the sweep: share of all positions, separate parts,
+amplitudes, balance) and frictionless.parquet (equilibria without dry friction and their stability).
+Nothing is simulated. At a speed of 0 no force acts, and every position is an equilibrium.";
+
+/// Compute equilibrium sets, and equilibria without friction, in closed form
+#[derive(Clone, Debug, Args)]
+#[command(after_help = EXAMPLES)]
+pub struct EquilibriaArguments {
+    #[command(flatten)]
+    study: StudyArgument,
+
+    /// Directory for the tables; never overwritten [default: results/<name of the study>-equilibria]
+    #[arg(long, short, value_name = "DIR")]
+    out: Option<PathBuf>,
+
+    /// One ball or two: points of the grid per axis, at 2π k/G [default: 512]
+    #[arg(long, value_name = "G", value_parser = grid, allow_negative_numbers = true)]
+    grid: Option<usize>,
+
+    /// Three balls or more: quasi-random samples, a power of two [default: 65536]
+    #[arg(long, value_name = "SAMPLES", value_parser = samples, allow_negative_numbers = true)]
+    samples: Option<u32>,
+
+    /// Frictionless equilibria of the study's machine, before its sweep, at COUNT speeds from FROM
+    /// to TO [rad/s] instead of at the sweep's points
+    #[arg(long, value_name = "FROM:TO:COUNT", allow_hyphen_values = true)]
+    speeds: Option<Speeds>,
+
+    /// Viscous drag on the balls for the stability of frictionless equilibria, over ball mass and
+    /// natural frequency; high, as in the thesis, so that stability does not depend on it
+    #[arg(long, value_name = "C", default_value = "1e4", value_parser = ball_damping)]
+    #[arg(allow_negative_numbers = true)]
+    ball_damping: f64,
+
+    /// Leave out set.parquet, the large table
+    #[arg(long)]
+    no_set: bool,
+
+    /// Worker threads [default: one per core]
+    #[arg(long, value_name = "N", value_parser = threads, allow_negative_numbers = true)]
+    threads: Option<NonZeroUsize>,
+
+    /// No table and no messages on the terminal
+    #[arg(long, short)]
+    quiet: bool,
+
+    /// Print the result as JSON
+    #[arg(long)]
+    json: bool,
+}
+
+/// Most positions at one point of the sweep.
+const MOST_POSITIONS: u64 = 1 << 26;
+/// Most rows of `set.parquet`.
+const MOST_ROWS: u64 = 1 << 30;
+/// Fewest points of a grid per axis.
+const FEWEST_POINTS: usize = 8;
+/// Fewest and most samples: Sobol' points are known up to 2^16 in each scramble.
+const SAMPLES: [u32; 2] = [64 * REPLICATES, REPLICATES << 16];
+/// More drag than this leaves nothing of the slow eigenvalues but rounding.
+const MOST_DAMPING: f64 = 1e5;
+
+fn grid(text: &str) -> Result<usize, String> {
+    let points = text.parse().ok().filter(|points| *points >= FEWEST_POINTS);
+    points.ok_or_else(|| format!("found {text:?}, allowed: a whole number from {FEWEST_POINTS}"))
+}
+
+fn samples(text: &str) -> Result<u32, String> {
+    let [fewest, most] = SAMPLES;
+    let allowed = |samples: &u32| (fewest..=most).contains(samples) && samples.is_power_of_two();
+    text.parse()
+        .ok()
+        .filter(allowed)
+        .ok_or_else(|| format!("found {text:?}, allowed: a power of two from {fewest} to {most}"))
+}
+
+fn ball_damping(text: &str) -> Result<f64, String> {
+    let damping = text.parse().ok().filter(|c: &f64| *c > 0.0 && *c <= MOST_DAMPING);
+    damping
+        .ok_or_else(|| format!("found {text:?}, allowed: a number above 0, up to {MOST_DAMPING}"))
+}
+
+/// Computes the sets and writes their tables.
+///
+/// # Errors
+/// Where the study, the options or the output directory cannot be used, or a table not be written.
+pub fn equilibria(arguments: &EquilibriaArguments) -> Result<End, CliError> {
+    let study = Study::load(&arguments.study.study)?;
+    check_model(&study)?;
+    let resolution = resolution(arguments, &study)?;
+    let directory = arguments
+        .out
+        .clone()
+        .unwrap_or_else(|| Path::new("results").join(format!("{}-equilibria", study.name())));
+    let files = EquilibriumFiles {
+        positions: !arguments.no_set,
+        own_speeds: arguments.speeds.is_some(),
+        options: options(arguments, resolution),
+    };
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(arguments.threads.map_or(0, NonZeroUsize::get))
+        .build()
+        .map_err(CliError::Threads)?;
+    let started = Instant::now();
+    let mut tables = files.create(&directory, &study)?;
+    let report = pool.install(|| compute(arguments, &study, resolution, &mut tables))?;
+    tables.finish()?;
+    if arguments.json {
+        print(&format!("{:#}\n", report.json(&files.options, &directory)))?;
+    } else if !arguments.quiet {
+        print(&report.text())?;
+    }
+    if !arguments.quiet {
+        let (points, seconds) = (study.point_count(), started.elapsed().as_secs_f64());
+        let sets = if points == 1 { "set" } else { "sets" };
+        say(&format!("{points} equilibrium {sets} in {seconds:.1} s"));
+        if report.too_coarse() > 0 {
+            say(&format!(
+                "warning: at {} of them parts of the set are smaller than the grid's spacing and not \
+                 all counted (column unseen_equilibria); --grid can be finer",
+                report.too_coarse()
+            ));
+        }
+        say(&format!("tables in {}", directory.display()));
+    }
+    Ok(End::Well)
+}
+
+/// Only the ball balancer has a set to look at: a block on a spring rests anywhere in
+/// `|x| ≤ μ F_n / k`, and on a belt nowhere.
+fn check_model(study: &Study) -> Result<(), CliError> {
+    if study.model().balls() > 0 {
+        return Ok(());
+    }
+    let kind = study.model().kind();
+    Err(CliError::Usage(format!(
+        "this command serves the ball balancer\n  found:   a study of kind {kind}\n  allowed: kind \
+         ball_balancer; a block on a spring rests anywhere in |x| <= friction_coefficient * \
+         normal_force_n / stiffness_n_m"
+    )))
+}
+
+/// How finely the sets are looked at, if that fits the study.
+fn resolution(arguments: &EquilibriaArguments, study: &Study) -> Result<Resolution, CliError> {
+    let balls = study.model().balls();
+    let refused = |option: &str, found: &str, allowed: &str| {
+        Err(CliError::Usage(format!("{option}\n  found:   {found}\n  allowed: {allowed}")))
+    };
+    let resolution = match (balls, arguments.grid, arguments.samples) {
+        (1 | 2, _, Some(_)) => {
+            let found = format!("a study with {balls} {}", plural(balls));
+            let allowed = "--grid G for one ball or two, whose sets are computed on a grid";
+            return refused("--samples serves three balls or more", &found, allowed);
+        }
+        (_, Some(_), _) if balls > 2 => {
+            let found = format!("a study with {balls} balls");
+            let allowed = "--samples SAMPLES for three balls or more, whose sets are sampled";
+            return refused("--grid serves one ball or two", &found, allowed);
+        }
+        (1 | 2, points, _) => Resolution::Grid(points.unwrap_or(512)),
+        (_, _, samples) => Resolution::Samples(samples.unwrap_or(1 << 16) / REPLICATES),
+    };
+    let positions = resolution.positions(balls);
+    if let Resolution::Grid(points) = resolution
+        && positions.is_none_or(|positions| positions > MOST_POSITIONS)
+    {
+        let total = (points as f64).powi(balls as i32);
+        let most = (MOST_POSITIONS as f64).powf(1.0 / balls as f64).round();
+        let found =
+            format!("{points} points per axis: {total} in all for {balls} {}", plural(balls));
+        let allowed = format!("at most {most} points per axis, {MOST_POSITIONS} in all");
+        return refused("--grid is too fine", &found, &allowed);
+    }
+    let rows = positions.and_then(|positions| positions.checked_mul(study.point_count()));
+    if !arguments.no_set && rows.is_none_or(|rows| rows > MOST_ROWS) {
+        let found = format!(
+            "{} positions at each of {} points of the sweep",
+            positions.unwrap_or(u64::MAX),
+            study.point_count()
+        );
+        let allowed = format!(
+            "{MOST_ROWS} rows; use --no-set to leave that table out, or a coarser grid, fewer \
+             samples or fewer points"
+        );
+        return refused("set.parquet would be too large", &found, &allowed);
+    }
+    Ok(resolution)
+}
+
+fn plural(balls: usize) -> &'static str {
+    if balls == 1 { "ball" } else { "balls" }
+}
+
+/// What decides the tables beside the study.
+fn options(arguments: &EquilibriaArguments, resolution: Resolution) -> serde_json::Value {
+    let (grid, samples) = match resolution {
+        Resolution::Grid(points) => (Some(points), None),
+        Resolution::Samples(samples) => (None, Some(u64::from(samples) * u64::from(REPLICATES))),
+    };
+    let speeds = arguments.speeds.map(|speeds| {
+        let ends = [speeds.values().next(), speeds.values().last()];
+        json!({"from_rad_s": ends[0], "to_rad_s": ends[1], "count": speeds.count()})
+    });
+    json!({
+        "grid": grid,
+        "samples": samples,
+        "scrambles": samples.map(|_| REPLICATES),
+        "ball_damping": arguments.ball_damping,
+        "speeds": speeds,
+    })
+}
+
+fn compute(
+    arguments: &EquilibriaArguments,
+    study: &Study,
+    resolution: Resolution,
+    tables: &mut EquilibriumTables,
+) -> Result<Report, CliError> {
+    let unknown = || CliError::Usage(format!("no model for {} balls", study.model().balls()));
+    let damping = arguments.ball_damping;
+    let mut report = Report::new(study, arguments.json, arguments.speeds.is_some());
+    for point_id in 0..study.point_count() {
+        let point = study.point(point_id);
+        let machine = point.model().ball_balancer().ok_or_else(unknown)?;
+        let key = Arc::new(PointKey::of(&point));
+        let set = EquilibriumSet::of(machine, resolution).ok_or_else(unknown)?;
+        let positions = resolution.positions(study.model().balls()).ok_or_else(unknown)?;
+        let row = SetSummaryRow { point: Arc::clone(&key), set, positions };
+        let frictionless = if arguments.speeds.is_some() {
+            Vec::new()
+        } else {
+            frictionless_equilibria(machine, damping).ok_or_else(unknown)?
+        };
+        report.push_point(&row, &frictionless);
+        tables.push_set(row)?;
+        push_frictionless(&key, machine, frictionless, &mut report, tables)?;
+        if tables.takes_positions() {
+            let form = RestForm::new(machine).ok_or_else(unknown)?;
+            resolution
+                .visit(&form, |beta, rest| tables.push_position(SetRow::new(&key, beta, rest)))?;
+        }
+    }
+    let Some(speeds) = arguments.speeds else { return Ok(report) };
+    let key = FrictionlessRow::no_point();
+    let base = study.model().ball_balancer().ok_or_else(unknown)?;
+    let speeds: Vec<f64> = speeds.values().collect();
+    for piece in speeds.chunks(1024) {
+        let at = |speed_rad_s: &f64| {
+            let machine = Machine { speed_rad_s: *speed_rad_s, ..base.clone() };
+            frictionless_equilibria(&machine, damping).map(|found| (machine, found))
+        };
+        let found: Vec<Option<(Machine, Vec<_>)>> = piece.par_iter().map(at).collect();
+        if found.iter().any(Option::is_none) {
+            return Err(unknown());
+        }
+        for (machine, found) in found.into_iter().flatten() {
+            push_frictionless(&key, &machine, found, &mut report, tables)?;
+        }
+    }
+    Ok(report)
+}
+
+fn push_frictionless(
+    point: &Arc<PointKey>,
+    machine: &Machine,
+    found: Vec<FrictionlessEquilibrium>,
+    report: &mut Report,
+    tables: &mut EquilibriumTables,
+) -> Result<(), CliError> {
+    let speed_rad_s = machine.speed_rad_s;
+    for equilibrium in found {
+        report.push_frictionless(speed_rad_s, &equilibrium);
+        let point = Arc::clone(point);
+        tables.push_frictionless(FrictionlessRow { point, speed_rad_s, equilibrium })?;
+    }
+    Ok(())
+}

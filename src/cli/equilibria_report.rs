@@ -1,0 +1,200 @@
+//! What `stickslip equilibria` says on the terminal, or as JSON.
+
+use std::path::Path;
+
+use serde_json::{Map, Value, json};
+
+use super::points_table::{MOST_LINES, aligned};
+use crate::analysis::{FrictionlessEquilibrium, FrictionlessKind, Stability};
+use crate::study::{ParameterValue, Study};
+use crate::table::SetSummaryRow;
+
+/// The result, as far as it is shown.
+pub struct Report {
+    study: String,
+    names: Vec<String>,
+    points: Vec<(SetSummaryRow, Vec<&'static str>)>,
+    more: u64,
+    keep_all: bool,
+    own_speeds: bool,
+    kinds: [Kind; FrictionlessKind::ALL.len()],
+    too_coarse: u64,
+}
+
+/// How often equilibria of one kind were found.
+#[derive(Clone, Copy, Default)]
+struct Kind {
+    found: u64,
+    stable: u64,
+    /// The least and the largest speed at which one is stable, rad/s.
+    stable_rad_s: Option<(f64, f64)>,
+}
+
+impl Report {
+    /// An empty report; `keep_all` keeps points that would not be printed.
+    pub fn new(study: &Study, keep_all: bool, own_speeds: bool) -> Self {
+        Report {
+            study: study.name().to_owned(),
+            names: study.swept().iter().map(|column| column.name.clone()).collect(),
+            points: Vec::new(),
+            more: 0,
+            keep_all,
+            own_speeds,
+            kinds: Default::default(),
+            too_coarse: 0,
+        }
+    }
+
+    /// Adds a point of the sweep with its frictionless equilibria, if they are computed there.
+    pub fn push_point(&mut self, row: &SetSummaryRow, frictionless: &[FrictionlessEquilibrium]) {
+        self.too_coarse += u64::from(row.set.unseen > Some(0));
+        if !self.keep_all && self.points.len() >= MOST_LINES {
+            self.more += 1;
+            return;
+        }
+        let stable = frictionless.iter().filter(|one| one.stability == Stability::Stable);
+        self.points.push((row.clone(), stable.map(|one| one.kind.name()).collect()));
+    }
+
+    /// Counts a frictionless equilibrium.
+    pub fn push_frictionless(&mut self, speed_rad_s: f64, found: &FrictionlessEquilibrium) {
+        let kinds = FrictionlessKind::ALL.iter().zip(&mut self.kinds);
+        for (_, kind) in kinds.filter(|(kind, _)| **kind == found.kind) {
+            kind.found += 1;
+            if found.stability == Stability::Stable {
+                kind.stable += 1;
+                let (low, high) = kind.stable_rad_s.unwrap_or((speed_rad_s, speed_rad_s));
+                kind.stable_rad_s = Some((low.min(speed_rad_s), high.max(speed_rad_s)));
+            }
+        }
+    }
+
+    /// Points of the sweep at which the grid does not see all parts of the set.
+    pub fn too_coarse(&self) -> u64 {
+        self.too_coarse
+    }
+
+    /// As text: the points, and the frictionless equilibria at speeds of their own.
+    pub fn text(&self) -> String {
+        let sampled = self.points.iter().any(|(row, _)| row.set.share_interval.is_some());
+        let mut header = vec!["point".to_owned()];
+        header.extend(self.names.iter().cloned());
+        header.push("share".to_owned());
+        let more: &[&str] =
+            if sampled { &["95 % interval"] } else { &["parts", "modulo exchange"] };
+        header.extend(more.iter().map(|name| (*name).to_owned()));
+        header.extend(["amplitude [m]", "balance"].map(String::from));
+        if !self.own_speeds {
+            header.push("stable without friction".to_owned());
+        }
+        let line = |(row, stable): &(SetSummaryRow, Vec<&str>)| {
+            let SetSummaryRow { point, set, .. } = row;
+            let mut cells = vec![point.point_id.to_string()];
+            cells.extend(point.swept.iter().map(ParameterValue::to_string));
+            cells.push(format!("{:.4}", set.share));
+            match set.share_interval {
+                Some((low, high)) => cells.push(format!("{low:.4} .. {high:.4}")),
+                None => cells.extend([set.parts, set.parts_modulo_exchange].map(count)),
+            }
+            cells.push(set.amplitude_m.map_or_else(
+                || "none".to_owned(),
+                |(smallest, largest)| format!("{} .. {}", metres(smallest), metres(largest)),
+            ));
+            cells.push(set.balance.name().to_owned());
+            if !self.own_speeds {
+                cells.push(if stable.is_empty() { "none".to_owned() } else { stable.join(" ") });
+            }
+            cells
+        };
+        let mut lines = vec![header];
+        lines.extend(self.points.iter().take(MOST_LINES).map(line));
+        let mut text = aligned(&lines);
+        if self.more > 0 {
+            text += &format!("... and {} more points in sets.parquet\n", self.more);
+        }
+        if self.own_speeds {
+            text += &format!("\n{}", self.kinds_text());
+        }
+        text
+    }
+
+    fn kinds_text(&self) -> String {
+        let mut lines = vec![
+            ["without friction", "found", "stable", "stable at [rad/s]"].map(String::from).to_vec(),
+        ];
+        for (kind, counts) in FrictionlessKind::ALL.iter().zip(&self.kinds) {
+            if counts.found > 0 {
+                lines.push(vec![
+                    kind.name().to_owned(),
+                    counts.found.to_string(),
+                    counts.stable.to_string(),
+                    counts.stable_rad_s.map_or_else(
+                        || "nowhere".to_owned(),
+                        |(low, high)| format!("{low:.3} .. {high:.3}"),
+                    ),
+                ]);
+            }
+        }
+        aligned(&lines)
+    }
+
+    /// As JSON.
+    pub fn json(&self, options: &Value, directory: &Path) -> Value {
+        let point = |(row, stable): &(SetSummaryRow, Vec<&str>)| {
+            let SetSummaryRow { point, set, positions } = row;
+            let mut object = Map::new();
+            object.insert("point_id".to_owned(), json!(point.point_id));
+            for (name, value) in self.names.iter().zip(&point.swept) {
+                let value = match value {
+                    ParameterValue::Number(number) => json!(number),
+                    ParameterValue::Text(text) => json!(text),
+                };
+                object.insert(name.clone(), value);
+            }
+            let facts = json!({
+                "positions": positions,
+                "share": set.share,
+                "share_low": set.share_interval.map(|(low, _)| low),
+                "share_high": set.share_interval.map(|(_, high)| high),
+                "parts": set.parts,
+                "parts_modulo_exchange": set.parts_modulo_exchange,
+                "unseen_equilibria": set.unseen,
+                "amplitude_min_m": set.amplitude_m.map(|(smallest, _)| smallest),
+                "amplitude_max_m": set.amplitude_m.map(|(_, largest)| largest),
+                "calmest_beta_rad": set.calmest_rad,
+                "balance": set.balance.name(),
+                "balance_beta_rad": set.balance.position(),
+                "stable_without_friction": (!self.own_speeds).then_some(stable),
+            });
+            if let Value::Object(facts) = facts {
+                object.extend(facts);
+            }
+            Value::Object(object)
+        };
+        let kinds = FrictionlessKind::ALL.iter().zip(&self.kinds);
+        let kinds = kinds.filter(|(_, counts)| counts.found > 0).map(|(kind, counts)| {
+            json!({
+                "kind": kind.name(),
+                "found": counts.found,
+                "stable": counts.stable,
+                "stable_from_rad_s": counts.stable_rad_s.map(|(low, _)| low),
+                "stable_to_rad_s": counts.stable_rad_s.map(|(_, high)| high),
+            })
+        });
+        json!({
+            "study": self.study,
+            "out": directory.display().to_string(),
+            "options": options,
+            "points": self.points.iter().map(point).collect::<Vec<_>>(),
+            "frictionless": kinds.collect::<Vec<_>>(),
+        })
+    }
+}
+
+fn count(count: Option<u64>) -> String {
+    count.map_or_else(String::new, |count| count.to_string())
+}
+
+fn metres(amplitude: f64) -> String {
+    if amplitude == 0.0 { "0".to_owned() } else { format!("{amplitude:.3e}") }
+}

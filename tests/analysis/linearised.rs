@@ -1,0 +1,182 @@
+//! The linearised equations against differences of two implementations of the full ones: the
+//! model's, and the Newton-Euler form with a mass matrix, written anew here, with viscous drag.
+
+use nalgebra::{Complex, DMatrix, DVector};
+use stickslip::analysis::{
+    RestForm, SmallMotions, Stability, frictionless_equilibria, state_matrix,
+};
+use stickslip::model::{Balancer, Ball, Contact, Machine, State};
+
+fn machine(balls: usize, speed_rad_s: f64) -> Machine {
+    let ball = |i: usize| Ball { mass_kg: 1.0e-2 * (1.0 + i as f64), ..Ball::default() };
+    // Heavy balls, so that what they do to the table is no small part of the matrix.
+    Machine { speed_rad_s, balls: (0..balls).map(ball).collect(), ..Machine::default() }
+}
+
+/// Positions (x, y, β...) and velocities in, accelerations out: `M q̈ = ...` from kinetic energy of
+/// points in a turning frame and rolling balls.
+fn full(form: &RestForm, drag: f64, state: &DVector<f64>) -> DVector<f64> {
+    let n = state.len() / 2;
+    let (w, zeta) = (form.speed, form.damping_ratio);
+    let (position, velocity) = (state.rows(0, n), state.rows(n, n));
+    let mut mass = DMatrix::identity(n, n);
+    let mut force = DVector::zeros(n);
+    // Coriolis and centrifugal terms of the whole mass at B, springs and dashpots fixed in space.
+    let coriolis = |axis: usize| {
+        let (other, sign) = if axis == 0 { (1, -1.0) } else { (0, 1.0) };
+        sign * 2.0 * w * velocity[other] - w * w * position[axis]
+    };
+    for axis in 0..2 {
+        let across = if axis == 0 { -position[1] } else { position[0] };
+        let dashpot = 2.0 * zeta * (velocity[axis] + w * across);
+        force[axis] = -coriolis(axis) - position[axis] - dashpot;
+    }
+    force[0] += form.imbalance * w * w;
+    for ball in 0..n - 2 {
+        let (m, i) = (form.mass[ball], 2 + ball);
+        let (s, c) = position[i].sin_cos();
+        let total = w + velocity[i];
+        for (axis, tangent, radius) in [(0, -s, c), (1, c, s)] {
+            mass[(axis, i)] = m * tangent;
+            mass[(i, axis)] = m * tangent;
+            force[axis] += m * radius * total * total;
+            force[i] -= m * tangent * coriolis(axis);
+        }
+        mass[(i, i)] = m * form.inertia[ball];
+        force[i] -= m * drag * velocity[i];
+    }
+    let acceleration = mass.lu().solve(&force).unwrap();
+    let mut derivative = state.clone();
+    derivative.rows_mut(0, n).copy_from(&velocity);
+    derivative.rows_mut(n, n).copy_from(&acceleration);
+    derivative
+}
+
+/// The model's own derivative in the same order, with nothing acting along the ring.
+fn of_the_model<const N: usize>(machine: &Machine, state: &DVector<f64>) -> DVector<f64> {
+    let balancer = Balancer::<N>::new(machine).unwrap();
+    let n = 2 + N;
+    let state = State::<N> {
+        position: [state[0], state[1]],
+        velocity: [state[n], state[n + 1]],
+        beta: std::array::from_fn(|ball| state[2 + ball]),
+        beta_dot: std::array::from_fn(|ball| state[n + 2 + ball]),
+    };
+    let contacts = [Contact { free: 1.0, signed_friction: 0.0, drag: 0.0 }; N];
+    let forces = balancer.forces(&state, &contacts);
+    let derivative = balancer.derivative(&state, &contacts, &forces);
+    let (beta, beta_dot) = (derivative.beta.iter(), derivative.beta_dot.iter());
+    let components = derivative.position.iter().chain(beta).chain(&derivative.velocity);
+    DVector::from_iterator(2 * n, components.chain(beta_dot).copied())
+}
+
+fn slopes(derivative: impl Fn(&DVector<f64>) -> DVector<f64>, at: &DVector<f64>) -> DMatrix<f64> {
+    let size = at.len();
+    let mut slopes = DMatrix::zeros(size, size);
+    for i in 0..size {
+        let moved = |by: f64| {
+            let mut moved = at.clone();
+            moved[i] += by;
+            derivative(&moved)
+        };
+        slopes.set_column(i, &((moved(1e-6) - moved(-1e-6)) / 2e-6));
+    }
+    slopes
+}
+
+fn check<const N: usize>(speed_rad_s: f64) {
+    let machine = machine(N, speed_rad_s);
+    let form = RestForm::new(&machine).unwrap();
+    for one in frictionless_equilibria(&machine, 1.0).unwrap() {
+        let beta = one.beta_rad.unwrap();
+        let z = form.rest_point(&beta);
+        let mut at = DVector::zeros(2 * (2 + N));
+        (at[0], at[1]) = (z.re, z.im);
+        at.rows_mut(2, N).copy_from_slice(&beta);
+        for drag in [0.0, 0.7, 30.0] {
+            assert!(full(&form, drag, &at).norm() < 1e-12, "no equilibrium");
+            let matrix = state_matrix(&form, &beta, drag).unwrap();
+            let off = (&matrix - slopes(|state| full(&form, drag, state), &at)).norm();
+            assert!(off < 1e-7 * matrix.norm(), "{off} with {N} balls at {speed_rad_s}");
+        }
+        assert!(of_the_model::<N>(&machine, &at).norm() < 1e-12);
+        let matrix = state_matrix(&form, &beta, 0.0).unwrap();
+        let off = (&matrix - slopes(|state| of_the_model::<N>(&machine, state), &at)).norm();
+        assert!(off < 1e-7 * matrix.norm(), "{off} with {N} balls at {speed_rad_s}");
+    }
+}
+
+#[test]
+fn matrices_are_the_slopes_of_the_full_equations() {
+    for speed in [-120.0, -216.3772, 300.0] {
+        check::<1>(speed);
+        check::<2>(speed);
+        check::<3>(speed);
+        check::<5>(speed);
+    }
+}
+
+/// With the balls held by an immense drag the table is the damped oscillator of the closed form:
+/// eigenvalues -iω - ζ ± i sqrt(1 - ζ²) and their conjugates.
+#[test]
+fn balls_that_do_not_move_leave_the_table_alone() {
+    let form = RestForm::new(&Machine::default()).unwrap();
+    let motions = SmallMotions::about(&form, &[2.0, 4.0], 1e9, 0);
+    let frequency = (1.0 - form.damping_ratio * form.damping_ratio).sqrt();
+    for (turn, swing) in [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)] {
+        let imaginary = turn * form.speed + swing * frequency;
+        let near = |value: &nalgebra::Complex<f64>| {
+            (value.re + form.damping_ratio).abs() < 1e-5 && (value.im - imaginary).abs() < 1e-5
+        };
+        assert!(motions.eigenvalues.iter().any(near), "{imaginary} {:?}", motions.eigenvalues);
+    }
+}
+
+/// The left eigenvector of an eigenvalue, by inverse iteration: what it sees of a disturbance grows
+/// with that eigenvalue alone.
+fn left_eigenvector(matrix: &DMatrix<f64>, eigenvalue: Complex<f64>) -> DVector<Complex<f64>> {
+    let size = matrix.nrows();
+    let shift = DMatrix::identity(size, size) * (eigenvalue * 1.000_000_1 + 1e-9);
+    let factors = (matrix.transpose().map(Complex::from) - shift).lu();
+    let start = DVector::from_fn(size, |i, _| Complex::from(1.0 + i as f64));
+    let vector = factors.solve(&factors.solve(&start.normalize()).unwrap().normalize()).unwrap();
+    vector.normalize()
+}
+
+/// A small disturbance grows or dies out as fast as the first eigenvalue says: the full equations,
+/// integrated by the classical Runge-Kutta method.
+#[test]
+fn disturbances_grow_as_fast_as_the_first_eigenvalue() {
+    for speed_rad_s in [-160.0, -190.0] {
+        let machine = Machine { speed_rad_s, ..Machine::default() };
+        let form = RestForm::new(&machine).unwrap();
+        for one in frictionless_equilibria(&machine, 1.0).unwrap() {
+            let beta = one.beta_rad.unwrap();
+            let eigenvalue = one.eigenvalues_1_s[0] / form.natural_frequency_rad_s;
+            let seen = left_eigenvector(&state_matrix(&form, &beta, 1.0).unwrap(), eigenvalue);
+            let z = form.rest_point(&beta);
+            let mut start = DVector::zeros(8);
+            (start[0], start[1]) = (z.re, z.im);
+            start.rows_mut(2, 2).copy_from_slice(&beta);
+            let size = |state: &DVector<f64>| {
+                seen.tr_mul(&(state - &start).map(Complex::from))[0].norm().ln()
+            };
+            let mut state = start.clone();
+            for (i, disturbance) in [1.0, -2.0, 3.0, -1.5].into_iter().enumerate() {
+                state[i] += 1e-8 * disturbance;
+            }
+            let (before, step) = (size(&state), 0.01);
+            for _ in 0..10_000 {
+                let a = full(&form, 1.0, &state);
+                let b = full(&form, 1.0, &(&state + &a * (step / 2.0)));
+                let c = full(&form, 1.0, &(&state + &b * (step / 2.0)));
+                let d = full(&form, 1.0, &(&state + &c * step));
+                state += (a + (b + c) * 2.0 + d) * (step / 6.0);
+            }
+            let rate = (size(&state) - before) / 100.0;
+            let expected = eigenvalue.re;
+            assert!((rate - expected).abs() < 1e-3 * expected.abs(), "{rate} {expected}");
+            assert_eq!(rate > 0.0, one.stability == Stability::Unstable, "{rate}");
+        }
+    }
+}

@@ -1,0 +1,212 @@
+//! Equilibrium sets: the thesis's figures 5.2 to 5.5 in numbers, and the fast grid against the
+//! model's own closed forms.
+
+use std::convert::Infallible;
+use std::f64::consts::{PI, TAU};
+
+use stickslip::analysis::{Balance, EquilibriumSet, Resolution, RestForm, set_fraction};
+use stickslip::model::{Balancer, Ball, Machine};
+
+fn machine(speed_rad_s: f64, friction_coefficient: f64) -> Machine {
+    let ball = Ball { friction_coefficient, ..Ball::default() };
+    Machine { speed_rad_s, balls: vec![ball; 2], ..Machine::default() }
+}
+
+fn with_masses(masses_kg: &[f64]) -> Machine {
+    let balls = masses_kg.iter().map(|&mass_kg| Ball { mass_kg, ..Ball::default() });
+    Machine { balls: balls.collect(), ..Machine::default() }
+}
+
+fn set(machine: &Machine, points: usize) -> EquilibriumSet {
+    EquilibriumSet::of(machine, Resolution::Grid(points)).unwrap()
+}
+
+/// Thesis section 5.2.1, figure 5.4 (four subsets "with the symmetry properties" at the lowest
+/// friction, everything at the highest), and figure 5.5 at -191.6372 rad/s. The numbers of parts
+/// do not depend on the grid.
+#[test]
+fn shares_and_parts_of_the_thesis() {
+    for (speed, friction, share, torus, exchanged) in [
+        (-216.3772, 2.75e-4, 0.0174, 6, 4),
+        (-216.3772, 2.75e-3, 0.770, 1, 1),
+        (-216.3772, 3.5e-3, 1.000, 1, 1),
+        (-191.6372, 2.75e-3, 0.214, 2, 2),
+    ] {
+        for points in [128, 500, 2048] {
+            let set = set(&machine(speed, friction), points);
+            assert!((set.share - share).abs() < 1e-3, "{} {share}", set.share);
+            assert_eq!(set.parts, Some(torus), "{speed} {friction} {points}");
+            assert_eq!(set.parts_modulo_exchange, Some(exchanged), "{speed} {friction} {points}");
+        }
+    }
+}
+
+/// Thesis section 5.2: the highest amplitude, with both balls at the imbalance, the balanced
+/// position, and cos β = -m_I e / (2 m L).
+#[test]
+fn amplitudes_and_balance_of_the_thesis() {
+    let machine = machine(-216.3772, 2.75e-3);
+    let set = set(&machine, 512);
+    let (smallest, largest) = set.amplitude_m.unwrap();
+    assert_eq!(smallest, 0.0);
+    assert!((largest - 5.514e-5).abs() < 5e-9, "{largest}");
+    let cosine = -machine.imbalance_mass_kg * machine.imbalance_radius_m
+        / (2.0 * machine.balls[0].mass_kg * machine.ring_radius_m);
+    let Balance::Position(beta) = set.balance else { panic!("{:?}", set.balance) };
+    assert_eq!(set.calmest_rad.as_ref(), Some(&beta));
+    assert!((beta[0] - cosine.acos()).abs() < 1e-12, "{beta:?}");
+    assert!((beta[1] - (TAU - cosine.acos())).abs() < 1e-12, "{beta:?}");
+    assert!((beta[0] - 2.270).abs() < 5e-4 && (beta[1] - 4.013).abs() < 5e-4);
+    // Without the balls: as if they cancelled each other (thesis: 2.15e-5 m).
+    let form = RestForm::new(&machine).unwrap();
+    assert!((form.at_rest(&[1.0, 1.0 + PI]).amplitude_m - 2.159e-5).abs() < 5e-9);
+}
+
+/// Every point of the grid against the model's closed forms, which the simulation uses: balls that
+/// differ in everything, both sides of the resonance.
+#[test]
+fn every_point_is_what_the_model_says() {
+    for speed_rad_s in [-160.0, 177.0, -216.3772, 500.0] {
+        let mut machine = machine(speed_rad_s, 1.5e-3);
+        machine.balls[1] =
+            Ball { mass_kg: 2.0e-4, friction_coefficient: 1.0e-3, ..machine.balls[1] };
+        let balancer = Balancer::<2>::new(&machine).unwrap();
+        let form = RestForm::new(&machine).unwrap();
+        let (mut inside, mut all) = (0_u32, 0_u32);
+        let shown = Resolution::Grid(90).visit(&form, |beta, rest| -> Result<(), Infallible> {
+            let beta: &[f64; 2] = beta.try_into().unwrap();
+            let row = (beta[0] / TAU * 90.0).round() * 90.0 + (beta[1] / TAU * 90.0).round();
+            assert_eq!(row, f64::from(all));
+            let amplitude = balancer.rest_amplitude(beta) * machine.ring_radius_m;
+            let near = |one: f64, other: f64| (one - other).abs() < 1e-11 * (1.0 + other.abs());
+            assert!((rest.amplitude_m - amplitude).abs() < 1e-15, "{beta:?}");
+            assert!(near(rest.required_friction, balancer.required_friction(beta)), "{beta:?}");
+            assert!(near(rest.friction_margin(), balancer.rest_margin(beta)), "{beta:?}");
+            let general = form.at_rest(beta);
+            assert!(near(rest.friction_used, general.friction_used), "{beta:?}");
+            inside += u32::from(rest.in_set());
+            all += 1;
+            Ok(())
+        });
+        assert_eq!((shown, all), (Ok(()), 8100));
+        let share = f64::from(inside) / f64::from(all);
+        assert_eq!(set(&machine, 90).share, share);
+        assert!(share > 0.0 && share < 1.0, "{share}");
+    }
+}
+
+/// One ball: the model's own condition on a fine scan of the circle.
+#[test]
+fn quick_share_of_one_ball_against_a_fine_scan() {
+    let mut machine = machine(-216.3772, 1.0e-3);
+    machine.balls.truncate(1);
+    let balancer = Balancer::<1>::new(&machine).unwrap();
+    let held = |i: &i32| balancer.required_friction(&[f64::from(*i) * TAU / 1e6]) <= 1e-3;
+    let share = (0..1_000_000).filter(held).count() as f64 / 1e6;
+    assert!((set_fraction(&machine).unwrap() - share).abs() < 4.0 / 16_384.0, "{share}");
+}
+
+/// One ball: the condition is |q| ≤ μ (1 + p) with q a sine of the angle, so that two arcs, about
+/// the two frictionless equilibria, make up the set, until they meet.
+#[test]
+fn one_ball_has_two_arcs() {
+    let mut machine = machine(-216.3772, 1.0e-4);
+    machine.balls.truncate(1);
+    let set = set(&machine, 10_000);
+    assert_eq!((set.parts, set.parts_modulo_exchange), (Some(2), Some(2)));
+    let form = RestForm::new(&machine).unwrap();
+    // |z| so small that the normal force is 1: |Im(g I e^{-iβ} + g m)| ≤ μ, where `arcs` sees the
+    // sine's range directly.
+    let (amplitude, offset) =
+        ((form.transfer * form.imbalance).norm(), form.transfer.im * form.mass[0]);
+    let edge = |value: f64| ((value - offset) / amplitude).clamp(-1.0, 1.0).asin();
+    let share = (edge(1.0e-4) - edge(-1.0e-4)) / PI;
+    assert!((set.share - share).abs() < 5e-3 * share, "{} {share}", set.share);
+    assert_eq!(set.balance, Balance::Nowhere);
+}
+
+#[test]
+fn balanced_positions_close_the_polygon() {
+    // The imbalance as a mass on the ring.
+    let imbalance_kg = 5.6e-5 * 3.7e-2 / 1.15e-2;
+    for (masses, expected) in [
+        (vec![imbalance_kg], "position"),
+        (vec![imbalance_kg * 1.01], "nowhere"),
+        (vec![1.4e-4, 2.0e-4], "position"),
+        (vec![1.4e-4, 1.4e-4 + imbalance_kg], "position"),
+        (vec![1.4e-4, 3.3e-4], "nowhere"),
+        (vec![0.8e-4, 0.9e-4], "nowhere"),
+        (vec![1.4e-4; 3], "family"),
+        (vec![0.7e-4, 5.0e-4, 2.5e-4], "family"),
+        (vec![0.7e-4, 5.0e-4, 2.4e-4], "nowhere"),
+        (vec![1.4e-4; 4], "family"),
+        (vec![1.0e-3, 1.0e-3, 1.0e-3, 1.0e-3, 1.0e-3], "family"),
+        (vec![1.0e-5, 2.0e-5, 3.0e-5, 4.0e-5, 5.0e-5, 6.0e-5, 7.0e-5, 8.0e-5], "family"),
+        (vec![2.0e-5; 8], "nowhere"),
+        (vec![3.0e-5; 8], "family"),
+    ] {
+        let machine = with_masses(&masses);
+        let form = RestForm::new(&machine).unwrap();
+        let balance = Balance::of(&form);
+        assert_eq!(balance.name(), expected, "{masses:?}");
+        let Some(beta) = balance.position() else { continue };
+        assert!(beta.iter().all(|beta| (0.0..TAU).contains(beta)), "{beta:?}");
+        let left = form.imbalance_at(beta).norm() / form.imbalance;
+        // At a polygon that is just closed, rounding of 1e-16 is an angle of 1e-8.
+        assert!(left < 1e-7, "{masses:?} {left}");
+        if let Balance::Family { dimension, .. } = balance {
+            assert_eq!(dimension, masses.len() - 2);
+        }
+    }
+}
+
+/// More balls: a third ball almost without mass and with more friction than ever needed changes
+/// nothing in what the first two do, so that the sampled share is the grid's.
+#[test]
+fn samples_agree_with_the_grid() {
+    let two = machine(-216.3772, 2.0e-3);
+    let mut three = two.clone();
+    three.balls.push(Ball { mass_kg: 1e-15, friction_coefficient: 1.0, ..Ball::default() });
+    let exact = set(&two, 2048).share;
+    let sampled = EquilibriumSet::of(&three, Resolution::Samples(4096)).unwrap();
+    assert!((set_fraction(&three).unwrap() - exact).abs() < 0.005);
+    let (low, high) = sampled.share_interval.unwrap();
+    assert!(low < exact && exact < high, "{exact} {low} {high}");
+    // As many independent samples would have 0.0076.
+    assert!(high - low < 0.003, "{low} {high}");
+    assert_eq!((sampled.parts, sampled.parts_modulo_exchange), (None, None));
+    assert_eq!(sampled.balance.name(), "family");
+    // All balls at the imbalance is always looked at.
+    let (_, largest) = sampled.amplitude_m.unwrap();
+    assert!((largest - set(&two, 512).amplitude_m.unwrap().1).abs() < 1e-12);
+}
+
+#[test]
+fn quick_share_is_good_to_a_thousandth() {
+    for (speed, friction) in
+        [(-216.3772, 2.75e-4), (-216.3772, 2.75e-3), (-191.6372, 2.75e-3), (-173.1803, 2.75e-3)]
+    {
+        let machine = machine(speed, friction);
+        let quick = set_fraction(&machine).unwrap();
+        let fine = set(&machine, 4096).share;
+        assert!((quick - fine).abs() < 1e-3, "{quick} {fine}");
+    }
+}
+
+/// At standstill no force acts; without friction only single positions are left, which no grid
+/// meets; at the resonance of a suspension without damping there is no rest at all.
+#[test]
+fn extremes() {
+    let still = set(&machine(0.0, 0.0), 64);
+    assert_eq!((still.share, still.parts, still.amplitude_m), (1.0, Some(1), Some((0.0, 0.0))));
+    let smooth = set(&machine(-216.3772, 0.0), 64);
+    assert_eq!((smooth.share, smooth.parts, smooth.amplitude_m), (0.0, Some(0), Some((0.0, 0.0))));
+    assert!(smooth.calmest_rad.is_some());
+    let mut resonant = Machine { damping_n_s_m: 0.0, ..machine(0.0, 1.0) };
+    resonant.speed_rad_s = resonant.natural_frequency_rad_s();
+    let resonant = set(&resonant, 64);
+    assert_eq!((resonant.share, resonant.parts), (0.0, Some(0)));
+    let none = Machine { balls: vec![], ..Machine::default() };
+    assert_eq!(EquilibriumSet::of(&none, Resolution::Grid(64)), None);
+    assert_eq!(EquilibriumSet::of(&with_masses(&[1.0e-4; 3]), Resolution::Grid(64)), None);
+}

@@ -1,0 +1,278 @@
+//! `equilibria`: its tables, what it says, and what it refuses.
+
+use std::collections::BTreeSet;
+
+use arrow::array::{AsArray, RecordBatch};
+use parquet::file::reader::{FileReader, SerializedFileReader};
+
+use super::support::{AT_ONCE, Scratch, assert_has, column, counts, numbers, study_text, words};
+
+const SWEEP: &str = "sweep:\n\
+                     \x20 - grid: {speed_rad_s: [-160.0, -216.3772], normal_force: [lagrange]}\n\
+                     \x20 - zip: {friction_coefficient: [2.75e-4]}\n";
+
+fn study(rest: &str) -> String {
+    study_text("a", "{monte_carlo: {samples: 4}}", AT_ONCE, rest)
+}
+
+fn scratch() -> Scratch {
+    let scratch = Scratch::new();
+    scratch.write("a.yaml", study(SWEEP));
+    for (name, balls) in [("one", 1), ("three", 3)] {
+        let model = format!("model: {{kind: ball_balancer, parameters: {{balls: {balls}}}}}\n");
+        scratch.write(&format!("{name}.yaml"), study(&model));
+    }
+    scratch
+}
+
+fn names(table: &RecordBatch) -> Vec<String> {
+    table.schema().fields().iter().map(|field| field.name().clone()).collect()
+}
+
+fn files(scratch: &Scratch, directory: &str) -> BTreeSet<String> {
+    let entries = std::fs::read_dir(scratch.path(directory)).unwrap();
+    entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect()
+}
+
+#[test]
+fn tables_agree_with_one_another() {
+    let scratch = scratch();
+    let text = scratch.well("equilibria a.yaml --grid 128 --out out");
+    let header = "point  speed_rad_s  normal_force  friction_coefficient   share  parts";
+    assert_has(&text, &[header, "a1_plus", "b1", "0 .. 5.514e-5", "6                4"]);
+    assert_eq!(text.lines().count(), 4);
+    let expected = ["frictionless.parquet", "set.parquet", "sets.parquet"].map(String::from);
+    assert_eq!(files(&scratch, "out"), expected.into_iter().collect());
+
+    let set = scratch.table("out", "set");
+    let key = ["point_id", "speed_rad_s", "normal_force", "friction_coefficient"];
+    let position = [
+        "beta_1_rad",
+        "beta_2_rad",
+        "amplitude_m",
+        "required_friction_coefficient",
+        "friction_margin",
+        "in_set",
+    ];
+    assert_eq!(names(&set), [key.as_slice(), &position].concat());
+    let sets = scratch.table("out", "sets");
+    let summary = [
+        "positions",
+        "share",
+        "share_low",
+        "share_high",
+        "parts",
+        "parts_modulo_exchange",
+        "unseen_equilibria",
+        "amplitude_min_m",
+        "amplitude_max_m",
+        "calmest_beta_1_rad",
+        "calmest_beta_2_rad",
+        "balance",
+        "balance_beta_1_rad",
+        "balance_beta_2_rad",
+    ];
+    assert_eq!(names(&sets), [key.as_slice(), &summary].concat());
+    assert_eq!(counts(&sets, "positions"), [128 * 128; 3]);
+    assert_eq!(counts(&sets, "parts"), [1, 1, 6]);
+    assert_eq!(counts(&sets, "parts_modulo_exchange"), [1, 1, 4]);
+    assert_eq!(numbers(&sets, "share_low"), [None; 3]);
+
+    // Row for row: in the set where the margin is not negative, which is where the friction is at
+    // least what the position takes; as many as the share says; the largest amplitude among them.
+    let points = counts(&set, "point_id");
+    let inside: Vec<bool> = column(&set, "in_set").as_boolean().iter().flatten().collect();
+    let number = |name| -> Vec<f64> { numbers(&set, name).into_iter().flatten().collect() };
+    let [amplitude, required, margin, friction] =
+        ["amplitude_m", "required_friction_coefficient", "friction_margin", "friction_coefficient"]
+            .map(number);
+    assert_eq!((inside.len(), margin.len(), required.len()), (3 << 14, 3 << 14, 3 << 14));
+    for row in 0..inside.len() {
+        assert_eq!(inside[row], margin[row] >= 0.0);
+        assert!((margin[row] - (1.0 - required[row] / friction[row])).abs() < 1e-9);
+    }
+    for point in 0..3 {
+        let rows = (0..inside.len()).filter(|&row| points[row] == point && inside[row]);
+        let share = rows.clone().count() as f64 / f64::from(1 << 14);
+        assert_eq!(numbers(&sets, "share")[point as usize], Some(share));
+        let largest = rows.map(|row| amplitude[row]).fold(0.0, f64::max);
+        assert_eq!(numbers(&sets, "amplitude_max_m")[point as usize], Some(largest));
+    }
+}
+
+#[test]
+fn frictionless_equilibria_at_points_and_at_speeds_of_their_own() {
+    let scratch = scratch();
+    scratch.well("equilibria a.yaml --grid 8 --out out");
+    let table = scratch.table("out", "frictionless");
+    let mut expected: Vec<String> = [
+        "point_id",
+        "speed_rad_s",
+        "normal_force",
+        "friction_coefficient",
+        "kind",
+        "beta_1_rad",
+        "beta_2_rad",
+        "x_m",
+        "y_m",
+        "amplitude_m",
+        "family_dimension",
+        "stability",
+    ]
+    .map(String::from)
+    .to_vec();
+    for index in 1..=8 {
+        expected.push(format!("eigenvalue_{index}_re_1_s"));
+        expected.push(format!("eigenvalue_{index}_im_rad_s"));
+    }
+    assert_eq!(names(&table), expected);
+    assert_eq!(counts(&table, "point_id"), [0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2]);
+
+    let arguments = "equilibria a.yaml --no-set --grid 8 --speeds -150:-300:151";
+    let text = scratch.well(&format!("{arguments} --out speeds"));
+    assert_has(&text, &["a1_plus    147      30  -179.000 .. -150.000"]);
+    assert_has(&text, &["b1    151     119  -300.000 .. -182.000"]);
+    assert!(!files(&scratch, "speeds").contains("set.parquet"));
+    let table = scratch.table("speeds", "frictionless");
+    expected.drain(..4);
+    expected.insert(0, "speed_rad_s".to_owned());
+    assert_eq!(names(&table), expected);
+    let speeds = numbers(&table, "speed_rad_s");
+    assert_eq!((speeds[0], speeds[speeds.len() - 1]), (Some(-150.0), Some(-300.0)));
+    let stable = words(&table, "stability").into_iter().zip(words(&table, "kind"));
+    let stable = stable.filter(|(stability, _)| stability.as_deref() == Some("stable"));
+    let kinds: BTreeSet<String> = stable.filter_map(|(_, kind)| kind).collect();
+    assert_eq!(kinds, BTreeSet::from(["a1_plus", "b1"].map(String::from)));
+}
+
+/// A set of small parts on a coarse grid: the parts are said to be more than were counted.
+#[test]
+fn a_grid_that_is_too_coarse_is_said_to_be() {
+    let scratch = scratch();
+    let coarse = scratch.stickslip("equilibria a.yaml --grid 16 --out coarse");
+    assert_has(
+        &coarse.err,
+        &["warning: at 1 of them parts of the set are smaller than the grid's"],
+    );
+    let unseen = counts(&scratch.table("coarse", "sets"), "unseen_equilibria");
+    assert!(unseen[0] == 0 && unseen[1] == 0 && unseen[2] > 0, "{unseen:?}");
+    let fine = scratch.stickslip("equilibria a.yaml --grid 128 --out fine");
+    assert!(!fine.err.contains("warning"), "{}", fine.err);
+}
+
+#[test]
+fn one_ball_and_three() {
+    let scratch = scratch();
+    scratch.well("equilibria one.yaml --out one");
+    assert_eq!(scratch.table("one", "set").num_rows(), 512);
+    let text = scratch.well("equilibria three.yaml --samples 1024 --out three");
+    assert_has(&text, &["95 % interval", "family", "b1"]);
+    let set = scratch.table("three", "set");
+    assert_eq!((set.num_rows(), names(&set)[3].as_str()), (1024, "beta_3_rad"));
+    let sets = scratch.table("three", "sets");
+    let [low, share, high] =
+        ["share_low", "share", "share_high"].map(|name| numbers(&sets, name)[0].unwrap());
+    assert!(0.0 < low && low < share && share < high && high < 1.0);
+    assert_eq!(words(&sets, "balance"), [Some("family".to_owned())]);
+    assert_eq!(numbers(&sets, "balance_beta_1_rad"), [None]);
+}
+
+#[test]
+fn json_and_provenance_say_what_was_asked_for() {
+    let scratch = scratch();
+    let text = scratch.well("equilibria a.yaml --grid 64 --json --quiet --out out");
+    let report: serde_json::Value = serde_json::from_str(&text).unwrap();
+    assert_eq!(report["points"][2]["parts_modulo_exchange"], 4);
+    assert_eq!(report["points"][2]["balance"], "position");
+    assert_eq!(report["points"][0]["stable_without_friction"][0], "a1_plus");
+    assert_eq!(report["frictionless"][0]["kind"], "a1_plus");
+    assert_eq!(report["frictionless"][0]["found"], 3);
+    for name in ["set", "sets", "frictionless"] {
+        let path = scratch.path("out").join(format!("{name}.parquet"));
+        let reader = SerializedFileReader::new(std::fs::File::open(path).unwrap()).unwrap();
+        let pairs = reader.metadata().file_metadata().key_value_metadata().unwrap().clone();
+        let ours = pairs.into_iter().find(|pair| pair.key == "stickslip").unwrap();
+        let facts: serde_json::Value = serde_json::from_str(&ours.value.unwrap()).unwrap();
+        assert_eq!((&facts["table"], &facts["study"]), (&name.into(), &"a".into()));
+        assert_eq!(facts["options"]["grid"], 64);
+        assert_eq!(facts["options"]["ball_damping"], 1e4);
+        assert_eq!(facts["options"], report["options"]);
+    }
+}
+
+#[test]
+fn threads_change_no_byte() {
+    let scratch = scratch();
+    for (study, options) in [("a", "--speeds 100:200:40"), ("three", "--samples 1024")] {
+        for threads in [1, 3] {
+            let out = format!("--threads {threads} --out {study}-{threads}");
+            scratch.well(&format!("equilibria {study}.yaml {options} {out} --quiet"));
+        }
+        for name in files(&scratch, &format!("{study}-1")) {
+            let read = |threads| scratch.path(&format!("{study}-{threads}")).join(&name);
+            let [one, three] = [1, 3].map(|threads| std::fs::read(read(threads)).unwrap());
+            assert!(one == three, "{study} {name}");
+        }
+    }
+}
+
+#[test]
+fn directories_are_filled_once() {
+    let scratch = scratch();
+    scratch.well("equilibria a.yaml --grid 8");
+    let refused = [
+        "results/a-equilibria: this directory is not empty",
+        "found:   ",
+        "allowed: another directory, with --out DIR",
+    ];
+    scratch.refused("equilibria a.yaml --grid 8", &refused);
+    scratch.refused("equilibria a.yaml --out a.yaml", &["a.yaml: cannot be used", "allowed: "]);
+}
+
+#[test]
+fn wrong_arguments_are_refused_before_anything_is_computed() {
+    let scratch = scratch();
+    let values =
+        |first: u32| (0..400).map(|i| (first + i).to_string()).collect::<Vec<_>>().join(", ");
+    let grid = format!("speed_rad_s: [{}], stiffness_n_m: [{}]", values(100), values(9000));
+    let sweep = format!("sweep: [{{grid: {{{grid}}}}}]\n");
+    scratch.write("many.yaml", study(&sweep));
+    let ends = "two speeds or more between different ends";
+    for (arguments, parts) in [
+        (
+            "a.yaml --grid 1000000",
+            ["1000000 points per axis: 1000000000000 in all", "at most 8192"],
+        ),
+        ("a.yaml --grid 99999999999", ["--grid is too fine", "67108864 in all"]),
+        ("one.yaml --grid 100000000", ["100000000 in all for 1 ball\n", "67108864"]),
+        ("a.yaml --grid 8193", ["--grid is too fine", "at most 8192"]),
+        ("a.yaml --grid 0", ["found \"0\"", "a whole number from 8"]),
+        ("a.yaml --grid -5", ["found \"-5\"", "a whole number from 8"]),
+        ("a.yaml --grid fine", ["found \"fine\"", "a whole number from 8"]),
+        ("a.yaml --samples 1024", ["--samples serves three balls or more", "--grid G"]),
+        ("three.yaml --grid 64", ["--grid serves one ball or two", "a study with 3 balls"]),
+        ("three.yaml --samples 1000", ["found \"1000\"", "a power of two from 1024 to 1048576"]),
+        ("three.yaml --samples 2097152", ["found \"2097152\"", "1048576"]),
+        ("many.yaml", ["262144 positions at each of 160000 points", "use --no-set"]),
+        ("a.yaml --speeds 1:2", ["found \"1:2\"", "FROM:TO:COUNT"]),
+        ("a.yaml --speeds 1:2:3:4", ["found \"1:2:3:4\"", "FROM:TO:COUNT"]),
+        (
+            "a.yaml --speeds 1:2:0",
+            ["the number of speeds \"0\"", "a whole number from 1 to 100000"],
+        ),
+        ("a.yaml --speeds 1:2:-3", ["the number of speeds \"-3\"", "a whole number from 1"]),
+        ("a.yaml --speeds 1:2:1000000", ["the number of speeds \"1000000\"", "to 100000"]),
+        ("a.yaml --speeds 2:2:5", ["5 speeds from 2 to 2", ends]),
+        ("a.yaml --speeds 1:2:1", ["1 speeds from 1 to 2", ends]),
+        ("a.yaml --speeds slow:2:5", ["the speeds \"slow\" and \"2\"", "numbers up to"]),
+        ("a.yaml --speeds nan:2:5", ["the speeds \"nan\" and \"2\"", "numbers up to"]),
+        ("a.yaml --speeds 1:inf:5", ["the speeds \"1\" and \"inf\"", "numbers up to"]),
+        ("a.yaml --ball-damping 0", ["found \"0\"", "a number above 0, up to 100000"]),
+        ("a.yaml --ball-damping -1", ["found \"-1\"", "a number above 0"]),
+        ("a.yaml --ball-damping nan", ["found \"nan\"", "a number above 0"]),
+        ("a.yaml --threads 0", ["found \"0\"", "a whole number from 1"]),
+        ("missing.yaml", ["missing.yaml", ""]),
+    ] {
+        scratch.refused(&format!("equilibria {arguments}"), &parts);
+    }
+}
