@@ -5,6 +5,7 @@ use super::creep::creeps;
 use super::orbit::OrbitWatch;
 use super::outcome::{Evidence, Outcome};
 use super::return_map::Orbit;
+use super::settled::SettledWatch;
 use super::simulate::{WINDOW, effort_limit};
 use crate::model::{Balancer, Machine, RestPoint, Simulation, Start};
 use crate::motion::{Failure, Motion, Settings};
@@ -56,6 +57,7 @@ struct Run<'a, const N: usize> {
     motion: Motion<'a, Balancer<N>, N>,
     end: f64,
     watch: OrbitWatch<N>,
+    settled: SettledWatch,
     window: Window<N>,
     rest: Option<RestPoint<N>>,
 }
@@ -63,6 +65,7 @@ struct Run<'a, const N: usize> {
 /// How the loop came to its end.
 enum Ending<const N: usize> {
     Rest(RestPoint<N>),
+    Settled,
     Cycle(Orbit<N>),
     EndTime,
     Failure(Failure),
@@ -81,6 +84,7 @@ impl<'a, const N: usize> Run<'a, N> {
             motion,
             end,
             watch: OrbitWatch::new(&settings),
+            settled: SettledWatch::default(),
             window: Window {
                 start: (1.0 - WINDOW) * end,
                 angles: None,
@@ -112,6 +116,9 @@ impl<'a, const N: usize> Run<'a, N> {
                 self.rest = None;
             }
             self.extend_window(before, square);
+            if self.settled.look(self.balancer, &self.motion) {
+                return Ending::Settled;
+            }
             let cycle = self.watch.look(self.balancer, &self.settings, &mut self.motion);
             if let Some(orbit) = cycle {
                 return Ending::Cycle(orbit);
@@ -186,6 +193,11 @@ impl<'a, const N: usize> Run<'a, N> {
             mean_speed: Some(vec![0.0; N]),
             ..base.clone()
         };
+        // Without the certainty of stick, rest begins when the balls are slow.
+        let slow = |evidence: Evidence| Outcome {
+            time_to_rest_s: Some(latest(self.motion.slow_since()) / natural),
+            ..at_rest(evidence, self.balancer.rest_point(&state.beta))
+        };
         match ending {
             Ending::Rest(rest) => at_rest(Evidence::RestCertified, rest),
             Ending::Cycle(orbit) => Outcome {
@@ -197,11 +209,8 @@ impl<'a, const N: usize> Run<'a, N> {
                 mean_speed: Some(orbit.speed.map(|speed| speed * natural).to_vec()),
                 ..base
             },
-            Ending::EndTime if creeps(self.balancer, &self.motion) => {
-                let creeping = at_rest(Evidence::Creep, self.balancer.rest_point(&state.beta));
-                let since = self.motion.slow_since();
-                Outcome { time_to_rest_s: Some(latest(since) / natural), ..creeping }
-            }
+            Ending::Settled => slow(Evidence::Settled),
+            Ending::EndTime if creeps(self.balancer, &self.motion) => slow(Evidence::Creep),
             Ending::EndTime => {
                 let span = self.motion.time() - self.window.opened;
                 let turned = self.window.angles.map(|earlier| {

@@ -4,9 +4,10 @@
 //! it is carried along until it breaks away, always at the same place, so that its state there is
 //! the same each time: two break-aways in a row close a cycle, and nothing of a disturbance is left
 //! after one. A block that slides on a belt for good has no dry friction to stop it; unless its law
-//! damps it, it swings for ever as it started.
+//! damps it, so that it settles, it swings for ever as it started.
 
 use super::outcome::{Evidence, Outcome};
+use super::settled::SettledWatch;
 use super::simulate::{WINDOW, effort_limit};
 use crate::model::{Block, Simulation, Slider, SliderState, Start};
 use crate::motion::{Failure, Motion, Phase, Settings};
@@ -29,8 +30,11 @@ pub(super) fn simulate_block(block: &Block, start: &Start, simulation: &Simulati
     let end = simulation.end_time_s * natural;
     let settings = Settings::new(simulation, effort_limit(end, 1.0));
     match Motion::new(&slider, settings, state) {
-        Ok(motion) => Run { slider: &slider, motion, extremes: None, last_break_away: None, end }
-            .finish(natural, length),
+        Ok(motion) => {
+            let settled = SettledWatch::default();
+            Run { slider: &slider, motion, extremes: None, last_break_away: None, settled, end }
+                .finish(natural, length)
+        }
         Err(failure) => Outcome::failed(Evidence::Failure(failure), failure.to_string()),
     }
 }
@@ -42,6 +46,7 @@ struct Run<'a> {
     /// time.
     extremes: Option<[f64; 2]>,
     last_break_away: Option<BreakAway>,
+    settled: SettledWatch,
     end: f64,
 }
 
@@ -55,6 +60,7 @@ struct BreakAway {
 /// How the loop came to its end.
 enum Ending {
     Rest,
+    Settled,
     Cycle { period: f64 },
     EndTime,
     Failure(Failure),
@@ -76,6 +82,9 @@ impl Run<'_> {
                 self.extremes = None;
             }
             self.extend();
+            if self.settled.look(self.slider, &self.motion) {
+                return Ending::Settled;
+            }
             if stuck
                 && !self.motion.all_stick()
                 && let Some(period) = self.break_away()
@@ -140,6 +149,12 @@ impl Run<'_> {
                 amplitude_m: Some(0.0),
                 friction_margin: Some(1.0 - position.abs() / self.slider.friction.limit)
                     .filter(|margin| margin.is_finite()),
+                ..base
+            },
+            Ending::Settled => Outcome {
+                evidence: Evidence::Settled,
+                time_to_rest_s: Some(motion.time() / natural),
+                amplitude_m: Some(0.0),
                 ..base
             },
             Ending::Cycle { period } => Outcome {

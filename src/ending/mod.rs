@@ -6,6 +6,7 @@
 //! |---|---|---|
 //! | `equilibrium` | `rest_certified` | all balls stick and, by the closed form, can never break loose |
 //! | `equilibrium` | `creep` | all balls are slow and drift, ever slower, at the edge of the equilibrium set |
+//! | `equilibrium` | `settled` | without dry friction: an equilibrium is near, and it is stable by its eigenvalues |
 //! | `limit_cycle` | `closed_orbit` | the orbit closes modulo 2π, its multipliers lie inside the unit circle, resting balls keep a margin |
 //! | `undecided` | `unstable_orbit` | the orbit closes, but a multiplier lies outside the unit circle |
 //! | `undecided` | `end_time` | none of the above until the end time |
@@ -21,6 +22,7 @@ mod creep;
 mod orbit;
 mod outcome;
 mod return_map;
+mod settled;
 mod simulate;
 
 pub use certificate::{certified, certified_by_closed_form};

@@ -41,6 +41,8 @@ pub enum Evidence {
     RestCertified,
     /// Balls drift ever slower towards the edge of the equilibrium set.
     Creep,
+    /// Without dry friction to hold anything, the motion has come near an equilibrium that is stable.
+    Settled,
     /// The orbit closes, is stable, and resting balls keep a margin.
     ClosedOrbit,
     /// The orbit closes but is unstable.
@@ -57,9 +59,10 @@ pub enum Evidence {
 
 impl Evidence {
     /// Every evidence a table may name, in a fixed order.
-    pub const NAMES: [&'static str; 12] = [
+    pub const NAMES: [&'static str; 13] = [
         "rest_certified",
         "creep",
+        "settled",
         "closed_orbit",
         "unstable_orbit",
         "lyapunov",
@@ -77,6 +80,7 @@ impl Evidence {
         match self {
             Evidence::RestCertified => "rest_certified",
             Evidence::Creep => "creep",
+            Evidence::Settled => "settled",
             Evidence::ClosedOrbit => "closed_orbit",
             Evidence::UnstableOrbit => "unstable_orbit",
             Evidence::EndTime => "end_time",
@@ -92,7 +96,7 @@ impl Evidence {
     /// The label that the evidence supports.
     pub fn label(self) -> Label {
         match self {
-            Evidence::RestCertified | Evidence::Creep => Label::Equilibrium,
+            Evidence::RestCertified | Evidence::Creep | Evidence::Settled => Label::Equilibrium,
             Evidence::ClosedOrbit => Label::LimitCycle,
             Evidence::UnstableOrbit | Evidence::EndTime => Label::Undecided,
             Evidence::Failure(_) | Evidence::InvalidParameters | Evidence::Panic => Label::Failed,

@@ -10,7 +10,7 @@ mod guard;
 mod root;
 mod switch_model;
 
-pub use contact::{Phase, contacts, stick_reserve};
+pub use contact::{Phase, contacts, derivative, forces, stick_reserve};
 pub use dop853::{Interpolant, Step, Tolerance};
 pub use driver::{Effort, Motion, SLOW, Settings};
 pub use root::fall_through_zero;
