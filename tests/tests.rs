@@ -20,3 +20,5 @@ mod study;
 mod table;
 /// The thesis's counts, from the study files.
 mod thesis;
+/// The page that sets the thesis beside the program.
+mod validation;

@@ -3,7 +3,7 @@
 //! Newton's method finds the closed orbit near a state, central differences of the map its
 //! multipliers. Both integrate through all switches on the way.
 
-use nalgebra::{DMatrix, DVector, Schur};
+use nalgebra::{DMatrix, DVector, Dyn, LU, Schur};
 
 use crate::model::{Balancer, State};
 use crate::motion::{Motion, Phase, Settings};
@@ -11,11 +11,13 @@ use crate::motion::{Motion, Phase, Settings};
 /// How far from the run the closed orbit may lie, non-dimensional.
 const REACH: f64 = 1e-2;
 /// Most steps of Newton's method.
-const MOST_REFINEMENTS: usize = 10;
+const MOST_REFINEMENTS: usize = 15;
 /// Most returns within which the run must come ten times nearer to the orbit.
 const MOST_RETURNS: usize = 200;
-/// Step of the central differences, non-dimensional.
+/// Step of the central differences, non-dimensional: for multipliers, and the most and the least for
+/// Newton's method.
 const DIFFERENCE: f64 = 1e-4;
+const LEAST_DIFFERENCE: f64 = 1e-6;
 /// Multipliers must stay this far inside the unit circle to count as stable, and go this far
 /// outside to count as unstable: the accuracy of the differences.
 const MULTIPLIER_DOUBT: f64 = 1e-3;
@@ -74,18 +76,26 @@ impl<const N: usize> ReturnMap<'_, N> {
     pub(super) fn verdict(&self, state: &State<N>, closure: f64) -> Option<Verdict<N>> {
         let first = self.coordinates(state);
         let mut centre = first.clone();
-        let slope = self.jacobian(state, &centre)?;
-        let dimension = first.len();
-        let newton = (DMatrix::identity(dimension, dimension) - slope).lu();
+        let mut newton: Option<LU<f64, Dyn, Dyn>> = None;
+        let mut last = f64::INFINITY;
         for _ in 0..MOST_REFINEMENTS {
             let start = self.state(state, &centre);
             let orbit = self.follow(&start)?;
             let residual = (self.coordinates(&orbit.state) - &centre).map(wrapped_small);
-            if residual.amax() <= closure {
+            let size = residual.amax();
+            if size <= closure {
                 return self.in_fewest_turns(&start, state, closure);
             }
+            // The map has kinks near an orbit on which a ball barely sticks: where progress is slow,
+            // its slope is taken anew, from nearer by.
+            if size > 0.25 * last || newton.is_none() {
+                let difference = (0.1 * size).clamp(LEAST_DIFFERENCE, DIFFERENCE);
+                let slope = self.jacobian(&start, &centre, difference)?;
+                newton = Some((DMatrix::identity(centre.len(), centre.len()) - slope).lu());
+            }
+            last = size;
             // (1 - J) δ = P(s) - s
-            centre += newton.solve(&residual)?;
+            centre += newton.as_ref()?.solve(&residual)?;
             if (&centre - &first).amax() > REACH {
                 return None;
             }
@@ -108,7 +118,7 @@ impl<const N: usize> ReturnMap<'_, N> {
             if let Some(orbit) = once.follow(state) {
                 let residual = (self.coordinates(&orbit.state) - &centre).map(wrapped_small);
                 if residual.amax() <= closure {
-                    let jacobian = once.jacobian(state, &centre)?;
+                    let jacobian = once.jacobian(state, &centre, DIFFERENCE)?;
                     let verdict = once.judge(state, orbit, jacobian);
                     let claimed = matches!(verdict, Verdict::Stable(_));
                     return (!claimed || once.attracts(run, &centre, closure)).then_some(verdict);
@@ -140,7 +150,12 @@ impl<const N: usize> ReturnMap<'_, N> {
     }
 
     /// The derivative of the return map, by central differences.
-    fn jacobian(&self, like: &State<N>, centre: &DVector<f64>) -> Option<DMatrix<f64>> {
+    fn jacobian(
+        &self,
+        like: &State<N>,
+        centre: &DVector<f64>,
+        difference: f64,
+    ) -> Option<DMatrix<f64>> {
         let dimension = centre.len();
         let mut jacobian = DMatrix::<f64>::zeros(dimension, dimension);
         for column in 0..dimension {
@@ -149,8 +164,8 @@ impl<const N: usize> ReturnMap<'_, N> {
                 point[column] += step;
                 self.follow(&self.state(like, &point)).map(|end| self.coordinates(&end.state))
             };
-            let change = shifted(DIFFERENCE)? - shifted(-DIFFERENCE)?;
-            jacobian.set_column(column, &(change.map(wrapped_small) / (2.0 * DIFFERENCE)));
+            let change = shifted(difference)? - shifted(-difference)?;
+            jacobian.set_column(column, &(change.map(wrapped_small) / (2.0 * difference)));
         }
         Some(jacobian)
     }

@@ -1,5 +1,7 @@
 //! The README says what the program does: its outputs, its study and its commands are run.
 
+pub mod generated;
+
 use std::path::Path;
 use std::process::{Command, Output};
 

@@ -2,4 +2,4 @@
 
 mod certificate;
 mod limit_cycle;
-mod reference;
+pub mod reference;

@@ -7,13 +7,15 @@ use rayon::prelude::*;
 use stickslip::ending::{Label, Outcome, simulate};
 use stickslip::model::{Case, Machine, Simulation, Start};
 
-struct Reference {
-    start: Start,
-    label: String,
-    end_beta: [f64; 2],
+/// A run of the independent program.
+pub struct Reference {
+    pub start: Start,
+    pub label: String,
+    pub end_beta: [f64; 2],
 }
 
-fn references(speed: &str) -> Vec<Reference> {
+/// The runs of the independent program at a speed (its absolute value, as in the file's name).
+pub fn references(speed: &str) -> Vec<Reference> {
     let path =
         Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("tests/data/reference_{speed}.csv"));
     let mut reader = csv::Reader::from_path(path).expect("the reference data are there");
@@ -41,7 +43,8 @@ fn references(speed: &str) -> Vec<Reference> {
         .collect()
 }
 
-fn run_all(speed: &str, references: &[Reference], band: f64) -> Vec<Outcome> {
+/// The same runs by this program.
+pub fn run_all(speed: &str, references: &[Reference], simulation: Simulation) -> Vec<Outcome> {
     let speed_rad_s = -speed.parse::<f64>().expect("a speed");
     references
         .par_iter()
@@ -49,17 +52,18 @@ fn run_all(speed: &str, references: &[Reference], band: f64) -> Vec<Outcome> {
             simulate(&Case {
                 model: Machine { speed_rad_s, ..Machine::default() }.into(),
                 start: reference.start.clone(),
-                simulation: Simulation { band, ..Simulation::default() },
+                simulation,
             })
         })
         .collect()
 }
 
-fn label_agrees(reference: &Reference, outcome: &Outcome) -> bool {
+pub fn label_agrees(reference: &Reference, outcome: &Outcome) -> bool {
     (reference.label == "equilibrium") == (outcome.label() == Label::Equilibrium)
 }
 
-fn distance(a: f64, b: f64) -> f64 {
+/// The distance of two angles, rad.
+pub fn distance(a: f64, b: f64) -> f64 {
     let turn = (a - b).rem_euclid(std::f64::consts::TAU);
     turn.min(std::f64::consts::TAU - turn)
 }
@@ -69,7 +73,7 @@ fn distance(a: f64, b: f64) -> f64 {
 fn subcritical_runs_end_at_the_same_place() {
     for speed in ["160.8103", "173.1803", "179.2671"] {
         let references = references(speed);
-        let outcomes = run_all(speed, &references, Simulation::default().band);
+        let outcomes = run_all(speed, &references, Simulation::default());
         let pairs = || references.iter().zip(&outcomes);
         let flipped = pairs().filter(|(reference, outcome)| !label_agrees(reference, outcome));
         assert_eq!(flipped.count(), 0, "-{speed} rad/s");
@@ -89,7 +93,7 @@ fn subcritical_runs_end_at_the_same_place() {
 fn supercritical_labels_agree() {
     for (speed, percent) in [("216.3772", 98), ("191.6372", 92)] {
         let references = references(speed);
-        let outcomes = run_all(speed, &references, Simulation::default().band);
+        let outcomes = run_all(speed, &references, Simulation::default());
         let agree = references.iter().zip(&outcomes).filter(|(r, o)| label_agrees(r, o)).count();
         println!("-{speed} rad/s: {agree} of {} labels agree", outcomes.len());
         assert!(agree * 100 >= percent * outcomes.len(), "-{speed} rad/s: {agree} agree");
@@ -103,7 +107,7 @@ fn final_angles_converge_with_the_band() {
     let speed = "160.8103";
     let references = references(speed);
     let median_error = |band: f64| {
-        let outcomes = run_all(speed, &references, band);
+        let outcomes = run_all(speed, &references, Simulation { band, ..Simulation::default() });
         let mut errors: Vec<f64> = references
             .iter()
             .zip(&outcomes)

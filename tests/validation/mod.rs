@@ -1,0 +1,26 @@
+//! `docs/validation.md`: the thesis against the program, number by number, from real runs.
+
+mod counts;
+mod numbers;
+
+use crate::docs::generated::compare_or_write;
+
+/// The page is what the runs of today give, and what must hold of it does.
+#[test]
+fn generated_validation_page() {
+    let runs = counts::ThesisRuns::compute();
+    let page = [
+        numbers::introduction(),
+        numbers::closed_forms(),
+        numbers::equilibrium_sets(),
+        numbers::frictionless(),
+        runs.counts(),
+        runs.times_to_rest(),
+        numbers::limit_cycles(),
+        runs.flips(),
+        counts::independent_program(),
+        numbers::remainder(),
+    ];
+    compare_or_write("validation.md", &page.join("\n"));
+    runs.must_agree();
+}
