@@ -14,18 +14,19 @@
 //!
 //! One ball at least must go round without stopping; the others may run, rest, or stick and slip.
 
-use super::return_map::{Orbit, ReturnMap, Verdict, wrapped};
+use super::return_map::{Orbit, REACH, ReturnMap, Verdict, wrapped};
 use crate::model::{Balancer, State};
 use crate::motion::{Motion, Phase, Settings, Tolerance};
 
 /// The most turns of the running ball after which an orbit may close.
 const MOST_TURNS: usize = 12;
-/// How near a return must come to an earlier passage for a closer look, non-dimensional.
+/// How near a return must come to an earlier passage for a closer look, non-dimensional, times the
+/// number of turns: a look at a longer orbit costs more.
 const NEAR: f64 = 1e-3;
 /// Returns in a row that must be near.
 const NEAR_RETURNS: usize = 3;
 /// How often per run the multipliers are computed at most.
-const MOST_ATTEMPTS: u32 = 6;
+const MOST_ATTEMPTS: u32 = 4;
 /// A passage of the running ball through the section.
 #[derive(Clone, Debug)]
 struct Passage<const N: usize> {
@@ -134,8 +135,13 @@ impl<const N: usize> OrbitWatch<N> {
             let earlier = &self.passages[self.passages.len() - turns];
             let distance = difference(earlier, &passage, reference);
             passage.differences[turns] = distance;
-            let approaches = distance < earlier.differences[turns] || distance <= self.closure;
-            let near = earlier.phases == passage.phases && distance <= NEAR && approaches;
+            let before = earlier.differences[turns];
+            // Returns that draw nearer so slowly that the orbit, by their geometric series, is out of
+            // reach show a drift.
+            let in_reach = distance * distance <= REACH * (before - distance);
+            let approaches = distance < before && in_reach || distance <= self.closure;
+            let close = distance <= NEAR / turns as f64;
+            let near = earlier.phases == passage.phases && close && approaches;
             self.near_in_a_row[turns] = if near { self.near_in_a_row[turns] + 1 } else { 0 };
             if self.near_in_a_row[turns] >= NEAR_RETURNS.max(turns) && closing.is_none() {
                 closing = Some(turns);

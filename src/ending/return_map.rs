@@ -9,13 +9,16 @@ use crate::model::{Balancer, State};
 use crate::motion::{Motion, Phase, Settings};
 
 /// How far from the run the closed orbit may lie, non-dimensional.
-const REACH: f64 = 1e-2;
-/// Most steps of Newton's method.
-const MOST_REFINEMENTS: usize = 15;
+pub(super) const REACH: f64 = 1e-2;
+/// Most turns that Newton's method follows: 15 steps on an orbit of a few turns, and the slope taken
+/// anew on the way; one slope and five steps on one of twelve.
+const MOST_TURNS_FOLLOWED: usize = 150;
 /// Most returns within which the run must come ten times nearer to the orbit.
 const MOST_RETURNS: usize = 200;
-/// Step of the central differences, non-dimensional: for multipliers, and the most and the least for
-/// Newton's method.
+/// Multipliers by one-sided differences beyond this leave no doubt.
+const CLEARLY_UNSTABLE: f64 = 1.2;
+/// Step of the differences, non-dimensional: for multipliers, and the most and the least for Newton's
+/// method.
 const DIFFERENCE: f64 = 1e-4;
 const LEAST_DIFFERENCE: f64 = 1e-6;
 /// Multipliers must stay this far inside the unit circle to count as stable, and go this far
@@ -77,20 +80,30 @@ impl<const N: usize> ReturnMap<'_, N> {
         let first = self.coordinates(state);
         let mut centre = first.clone();
         let mut newton: Option<LU<f64, Dyn, Dyn>> = None;
-        let mut last = f64::INFINITY;
-        for _ in 0..MOST_REFINEMENTS {
+        let (mut spread, mut last) = (None, f64::INFINITY);
+        let mut followed = 0;
+        while followed < MOST_TURNS_FOLLOWED {
+            followed += self.turns;
             let start = self.state(state, &centre);
             let orbit = self.follow(&start)?;
             let residual = (self.coordinates(&orbit.state) - &centre).map(wrapped_small);
             let size = residual.amax();
             if size <= closure {
-                return self.in_fewest_turns(&start, state, closure);
+                // One-sided differences are rough, but far outside the unit circle is outside.
+                let grows = spread.is_some_and(|largest| largest > CLEARLY_UNSTABLE);
+                return if grows {
+                    Some(Verdict::Unstable)
+                } else {
+                    self.in_fewest_turns(&start, state, closure)
+                };
             }
             // The map has kinks near an orbit on which a ball barely sticks: where progress is slow,
             // its slope is taken anew, from nearer by.
             if size > 0.25 * last || newton.is_none() {
                 let difference = (0.1 * size).clamp(LEAST_DIFFERENCE, DIFFERENCE);
-                let slope = self.jacobian(&start, &centre, difference)?;
+                followed += centre.len() * self.turns;
+                let slope = self.slope(&start, &centre, &orbit.state, difference)?;
+                spread = largest_multiplier(slope.clone());
                 newton = Some((DMatrix::identity(centre.len(), centre.len()) - slope).lu());
             }
             last = size;
@@ -118,7 +131,7 @@ impl<const N: usize> ReturnMap<'_, N> {
             if let Some(orbit) = once.follow(state) {
                 let residual = (self.coordinates(&orbit.state) - &centre).map(wrapped_small);
                 if residual.amax() <= closure {
-                    let jacobian = once.jacobian(state, &centre, DIFFERENCE)?;
+                    let jacobian = once.jacobian(state, &centre)?;
                     let verdict = once.judge(state, orbit, jacobian);
                     let claimed = matches!(verdict, Verdict::Stable(_));
                     return (!claimed || once.attracts(run, &centre, closure)).then_some(verdict);
@@ -149,13 +162,30 @@ impl<const N: usize> ReturnMap<'_, N> {
         false
     }
 
-    /// The derivative of the return map, by central differences.
-    fn jacobian(
+    /// The derivative of the return map, by differences to one side: good enough for Newton's
+    /// method. `end` is where the map leads from `like`, whose coordinates are `centre`.
+    fn slope(
         &self,
         like: &State<N>,
         centre: &DVector<f64>,
+        end: &State<N>,
         difference: f64,
     ) -> Option<DMatrix<f64>> {
+        let end = self.coordinates(end);
+        let columns: Option<Vec<DVector<f64>>> = (0..centre.len())
+            .map(|column| {
+                let mut point = centre.clone();
+                point[column] += difference;
+                let shifted = self.follow(&self.state(like, &point))?;
+                let change = self.coordinates(&shifted.state) - &end;
+                Some(change.map(wrapped_small) / difference)
+            })
+            .collect();
+        Some(DMatrix::from_columns(&columns?))
+    }
+
+    /// The derivative of the return map, by central differences.
+    fn jacobian(&self, like: &State<N>, centre: &DVector<f64>) -> Option<DMatrix<f64>> {
         let dimension = centre.len();
         let mut jacobian = DMatrix::<f64>::zeros(dimension, dimension);
         for column in 0..dimension {
@@ -164,23 +194,15 @@ impl<const N: usize> ReturnMap<'_, N> {
                 point[column] += step;
                 self.follow(&self.state(like, &point)).map(|end| self.coordinates(&end.state))
             };
-            let change = shifted(difference)? - shifted(-difference)?;
-            jacobian.set_column(column, &(change.map(wrapped_small) / (2.0 * difference)));
+            let change = shifted(DIFFERENCE)? - shifted(-DIFFERENCE)?;
+            jacobian.set_column(column, &(change.map(wrapped_small) / (2.0 * DIFFERENCE)));
         }
         Some(jacobian)
     }
 
     /// Stability and margins of a closed orbit from `state`.
     fn judge(&self, state: &State<N>, orbit: Return<N>, jacobian: DMatrix<f64>) -> Verdict<N> {
-        // The decomposition is bounded: of a matrix that is not finite it would never come back.
-        let Some(multipliers) = Some(jacobian)
-            .filter(|jacobian| jacobian.iter().all(|slope| slope.is_finite()))
-            .and_then(|jacobian| Schur::try_new(jacobian, f64::EPSILON, 10_000))
-            .map(|schur| schur.complex_eigenvalues())
-        else {
-            return Verdict::Open;
-        };
-        let largest = multipliers.iter().map(|m| m.norm()).fold(0.0, f64::max);
+        let Some(largest) = largest_multiplier(jacobian) else { return Verdict::Open };
         if largest > 1.0 + MULTIPLIER_DOUBT {
             return Verdict::Unstable;
         }
@@ -300,6 +322,16 @@ impl<const N: usize> ReturnMap<'_, N> {
             })
             .fold(f64::INFINITY, f64::min)
     }
+}
+
+/// The largest modulus of a matrix's eigenvalues; none where they cannot be found.
+fn largest_multiplier(jacobian: DMatrix<f64>) -> Option<f64> {
+    // The decomposition is bounded: of a matrix that is not finite it would never come back.
+    let multipliers = Some(jacobian)
+        .filter(|jacobian| jacobian.iter().all(|slope| slope.is_finite()))
+        .and_then(|jacobian| Schur::try_new(jacobian, f64::EPSILON, 10_000))?
+        .complex_eigenvalues();
+    Some(multipliers.iter().map(|multiplier| multiplier.norm()).fold(0.0, f64::max))
 }
 
 /// Whole turns taken off a difference that is small otherwise; anything smaller is left alone.

@@ -171,6 +171,12 @@ impl Friction {
         self.limit.max(self.coefficient)
     }
 
+    /// Whether friction in slip does not depend on speed.
+    #[inline]
+    pub fn is_constant(&self) -> bool {
+        matches!(self.sliding, Sliding::Coulomb)
+    }
+
     /// Whether the contact can stick.
     pub fn can_stick(&self) -> bool {
         matches!(self.sliding, Sliding::Coulomb | Sliding::Stribeck { .. })

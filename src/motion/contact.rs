@@ -48,7 +48,6 @@ pub fn contacts<S: System<N, FREE>, const N: usize, const FREE: usize>(
 }
 
 /// The forces in a state for given phases.
-#[inline]
 pub fn forces<S: System<N, FREE>, const N: usize, const FREE: usize>(
     system: &S,
     phases: &[Phase; N],
@@ -58,14 +57,61 @@ pub fn forces<S: System<N, FREE>, const N: usize, const FREE: usize>(
 }
 
 /// The time derivative of a state for given phases.
-#[inline]
 pub fn derivative<S: System<N, FREE>, const N: usize, const FREE: usize>(
     system: &S,
     phases: &[Phase; N],
     state: &State<N, f64, FREE>,
 ) -> State<N, f64, FREE> {
-    let contacts = contacts(system, phases, state);
-    system.derivative(state, &contacts, &system.forces(state, &contacts))
+    SmoothPhase::new(system, phases).derivative(state)
+}
+
+/// The equations of motion while no contact changes what it does. Friction that does not depend on
+/// speed is looked up once.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SmoothPhase<'a, S, const N: usize, const FREE: usize> {
+    system: &'a S,
+    phases: [Phase; N],
+    constant: Option<[Contact; N]>,
+}
+
+impl<'a, S: System<N, FREE>, const N: usize, const FREE: usize> SmoothPhase<'a, S, N, FREE> {
+    pub(super) fn new(system: &'a S, phases: &[Phase; N]) -> Self {
+        let contact = |ball: usize| phases[ball].contact(system.friction(ball), 0.0);
+        let constant = (0..N).all(|ball| system.friction(ball).is_constant());
+        SmoothPhase {
+            system,
+            phases: *phases,
+            constant: constant.then(|| std::array::from_fn(contact)),
+        }
+    }
+
+    #[inline]
+    fn contacts(&self, state: &State<N, f64, FREE>) -> [Contact; N] {
+        self.constant.unwrap_or_else(|| contacts(self.system, &self.phases, state))
+    }
+
+    /// The forces in a state.
+    #[inline]
+    pub(super) fn forces(&self, state: &State<N, f64, FREE>) -> Forces<N, f64, FREE> {
+        self.system.forces(state, &self.contacts(state))
+    }
+
+    /// The time derivative of a state.
+    #[inline]
+    pub(super) fn derivative(&self, state: &State<N, f64, FREE>) -> State<N, f64, FREE> {
+        let contacts = self.contacts(state);
+        self.system.derivative(state, &contacts, &self.system.forces(state, &contacts))
+    }
+
+    /// The time derivative of a state in which the forces are known.
+    #[inline]
+    pub(super) fn derivative_with(
+        &self,
+        state: &State<N, f64, FREE>,
+        forces: &Forces<N, f64, FREE>,
+    ) -> State<N, f64, FREE> {
+        self.system.derivative(state, &self.contacts(state), forces)
+    }
 }
 
 /// What is left of the friction limit on a contact that sticks, `μ_s f_n - |f_w|`.

@@ -4,7 +4,7 @@
 //! a condition of that fails ends the step, and the method (the switch model or its limit) says
 //! what comes next; no step crosses a switch, so that the integrator keeps its order.
 
-use super::contact::{Phase, derivative, forces};
+use super::contact::{Phase, SmoothPhase, derivative};
 use super::dop853::{Interpolant, Step, Tolerance};
 use super::guard::{Guard, Margins};
 use super::{Failure, event_driven, fall_through_zero, switch_model};
@@ -91,7 +91,8 @@ impl<const N: usize, const FREE: usize> LastStep<N, FREE> {
         let (step, phases) = (&self.step, &self.phases);
         let end_derivative = &self.end_derivative;
         self.interpolant.get_or_insert_with(|| {
-            step.interpolant(|state| derivative(system, phases, state), end_derivative)
+            let phase = SmoothPhase::new(system, phases);
+            step.interpolant(|state| phase.derivative(state), end_derivative)
         })
     }
 }
@@ -225,8 +226,9 @@ impl<'a, S: System<N, FREE>, const N: usize, const FREE: usize> Motion<'a, S, N,
         let system = self.system;
         let phases = self.phases;
         let (step, suggestion) = self.sound_step(until)?;
-        let end_forces = forces(system, &phases, &step.end);
-        let end_derivative = derivative(system, &phases, &step.end);
+        let phase = SmoothPhase::new(system, &phases);
+        let end_forces = phase.forces(&step.end);
+        let end_derivative = phase.derivative_with(&step.end, &end_forces);
         let shortened = step.length < suggestion && step.length < self.next_length;
         self.next_length = if shortened { self.next_length } else { suggestion };
         self.effort.steps += 1;
@@ -260,7 +262,7 @@ impl<'a, S: System<N, FREE>, const N: usize, const FREE: usize> Motion<'a, S, N,
     /// A step within the tolerances, with what contacts do kept as it is, and the length that error
     /// control suggests for the next.
     fn sound_step(&mut self, until: f64) -> Result<(Step<N, f64, FREE>, f64), Failure> {
-        let (system, phases) = (self.system, self.phases);
+        let phase = SmoothPhase::new(self.system, &self.phases);
         loop {
             let effort = self.effort;
             if effort.steps + effort.rejected_steps + effort.switches >= self.settings.effort_limit
@@ -268,7 +270,7 @@ impl<'a, S: System<N, FREE>, const N: usize, const FREE: usize> Motion<'a, S, N,
                 return Err(Failure::StepLimit);
             }
             let length = self.next_length.min(self.longest).min(until - self.time);
-            let right_hand_side = |state: &State<N, f64, FREE>| derivative(system, &phases, state);
+            let right_hand_side = |state: &State<N, f64, FREE>| phase.derivative(state);
             let step = Step::attempt(right_hand_side, &self.state, &self.derivative, length);
             let error = step.error(self.settings.tolerance, S::ANGULAR);
             // Error control of DOP853: order 8, safety 0.9, change between 1/3 and 6.
@@ -327,7 +329,8 @@ impl<'a, S: System<N, FREE>, const N: usize, const FREE: usize> Motion<'a, S, N,
         }
         let changed = phases != self.phases;
         self.phases = phases;
-        self.derivative = derivative(system, &phases, &self.state);
+        self.derivative =
+            SmoothPhase::new(system, &phases).derivative_with(&self.state, &self.forces);
         Ok(Some(changed))
     }
 
@@ -375,9 +378,9 @@ impl<'a, S: System<N, FREE>, const N: usize, const FREE: usize> Motion<'a, S, N,
         end_forces: &Forces<N, f64, FREE>,
     ) -> Option<FirstSwitch> {
         let system = self.system;
-        let phases = last.phases;
+        let phase = SmoothPhase::new(system, &last.phases);
         let mut first: Option<FirstSwitch> = None;
-        for guard in Guard::all(&phases) {
+        for guard in Guard::all(&self.phases) {
             let start = guard.value(system, self.margins, (&self.state, &self.forces));
             let end = guard.value(system, self.margins, (&last.step.end, end_forces));
             let dips = || {
@@ -389,7 +392,7 @@ impl<'a, S: System<N, FREE>, const N: usize, const FREE: usize> Motion<'a, S, N,
             let interpolant = last.interpolant(system);
             let failure = guard.first_failure((start, end), |theta| {
                 let state = interpolant.at(theta);
-                guard.value(system, self.margins, (&state, &forces(system, &phases, &state)))
+                guard.value(system, self.margins, (&state, &phase.forces(&state)))
             });
             if let Some(theta) = failure
                 && first.is_none_or(|first| theta < first.theta)
