@@ -215,19 +215,24 @@ impl<'a, S: System<N, FREE>, const N: usize, const FREE: usize> Motion<'a, S, N,
         self.phases.iter().all(|phase| *phase == Phase::Stick)
     }
 
-    /// Goes on by one step, which ends at the next switch or at time `until` at the latest.
+    /// Goes on by one step, which ends at the next switch or at time `until` at the latest; where
+    /// that has come already, nothing happens.
     /// Returns whether a ball changed its phase.
     ///
     /// # Errors
     /// [`Failure`]; the motion then stands where it last was sound.
     pub fn advance(&mut self, until: f64) -> Result<bool, Failure> {
+        if until <= self.time {
+            self.last = None;
+            return Ok(false);
+        }
         self.wrap_angles();
         let system = self.system;
         let phases = self.phases;
         let (step, suggestion) = self.sound_step(until)?;
         let end_forces = forces(system, &phases, &step.end);
         let end_derivative = derivative(system, &phases, &step.end);
-        let shortened = step.length < suggestion && step.length < self.next_length;
+        let shortened = step.length <= suggestion && step.length < self.next_length;
         self.next_length = if shortened { self.next_length } else { suggestion };
         self.effort.steps += 1;
         let start_time = self.time;
@@ -377,13 +382,23 @@ impl<'a, S: System<N, FREE>, const N: usize, const FREE: usize> Motion<'a, S, N,
         let system = self.system;
         let phases = last.phases;
         let mut first: Option<FirstSwitch> = None;
+        let step_end = last.step.end;
+        let mut ahead = None;
         for guard in Guard::all(&phases) {
             let start = guard.value(system, self.margins, (&self.state, &self.forces));
-            let end = guard.value(system, self.margins, (&last.step.end, end_forces));
-            let dips = || {
-                guard.may_dip(system, last.step.length, (start, end), (&self.forces, end_forces))
+            let end = guard.value(system, self.margins, (&step_end, end_forces));
+            let slopes = || {
+                let [soon, later] = ahead.get_or_insert_with(|| {
+                    [
+                        look_ahead(system, &phases, &self.state, &self.derivative),
+                        look_ahead(system, &phases, &step_end, &last.end_derivative),
+                    ]
+                });
+                let soon = guard.value(system, self.margins, (&soon.0, &soon.1));
+                let later = guard.value(system, self.margins, (&later.0, &later.1));
+                [(soon - start) / AHEAD, (later - end) / AHEAD]
             };
-            if end >= 0.0 && !dips() {
+            if end >= 0.0 && !guard.may_dip(system, last.step.length, [start, end], slopes) {
                 continue;
             }
             let interpolant = last.interpolant(system);
@@ -414,6 +429,22 @@ impl<'a, S: System<N, FREE>, const N: usize, const FREE: usize> Motion<'a, S, N,
             }
         }
     }
+}
+
+/// How far ahead, in time, the rate of change of a condition is looked for.
+const AHEAD: f64 = 1e-6;
+
+/// The state and the forces a moment later, to first order.
+fn look_ahead<S: System<N, FREE>, const N: usize, const FREE: usize>(
+    system: &S,
+    phases: &[Phase; N],
+    state: &State<N, f64, FREE>,
+    derivative: &State<N, f64, FREE>,
+) -> (State<N, f64, FREE>, Forces<N, f64, FREE>) {
+    let mut ahead = *state;
+    ahead.add_scaled(AHEAD, derivative);
+    let forces = forces(system, phases, &ahead);
+    (ahead, forces)
 }
 
 /// Refuses forces that are not finite and normal forces that pull.
