@@ -238,10 +238,14 @@ impl<'a, S: System<N, FREE>, const N: usize, const FREE: usize> Motion<'a, S, N,
         let start_time = self.time;
         let mut last =
             LastStep { step, phases, end_derivative, start_time, used: 1.0, interpolant: None };
-        let switched = match self.first_switch(&mut last, &end_forces) {
-            Some(first) => self.switch(&mut last, first)?,
-            None => None,
-        };
+        // A condition that has failed by rounding only changes nothing; the next one may.
+        let (mut switched, mut after) = (None, -1.0);
+        while switched.is_none()
+            && let Some(first) = self.first_switch(&mut last, &end_forces, after)
+        {
+            switched = self.switch(&mut last, first)?;
+            after = first.theta;
+        }
         if switched.is_none() {
             check_forces(&end_forces)?;
             self.time = if until - self.time <= last.step.length {
@@ -373,11 +377,13 @@ impl<'a, S: System<N, FREE>, const N: usize, const FREE: usize> Motion<'a, S, N,
         Some((start_time + theta * length, interpolant.at(theta)))
     }
 
-    /// What ends the step early, if anything: the condition that fails first.
+    /// What ends the step early, if anything: the condition that fails first, after a fraction of
+    /// the step.
     fn first_switch(
         &self,
         last: &mut LastStep<N, FREE>,
         end_forces: &Forces<N, f64, FREE>,
+        after: f64,
     ) -> Option<FirstSwitch> {
         let system = self.system;
         let phases = last.phases;
@@ -407,6 +413,7 @@ impl<'a, S: System<N, FREE>, const N: usize, const FREE: usize> Motion<'a, S, N,
                 guard.value(system, self.margins, (&state, &forces(system, &phases, &state)))
             });
             if let Some(theta) = failure
+                && theta > after
                 && first.is_none_or(|first| theta < first.theta)
             {
                 first = Some(FirstSwitch { theta, ball: guard.ball });

@@ -81,8 +81,8 @@ fn angle_errors(references: &[Reference], outcomes: &[Outcome]) -> Vec<f64> {
     errors
 }
 
-/// All labels at subcritical speeds; final ball angles to 1e-5 rad in 99 % of the runs, and the
-/// median far nearer.
+/// All labels at subcritical speeds; final ball angles to 1e-5 rad in 99 % of the runs, half of
+/// them to 1e-6 rad with the switch model's band of 1e-8 and to 1e-7 rad without a band.
 #[test]
 fn subcritical_runs_end_at_the_same_place() {
     for speed in ["160.8103", "173.1803", "179.2671"] {
@@ -101,7 +101,11 @@ fn subcritical_runs_end_at_the_same_place() {
                 at(99),
                 at(100)
             );
-            assert!(at(99) < 1e-3 && at(50) < 1e-6, "-{speed} rad/s, {method:?}");
+            let median = if method == Method::Event { 1e-7 } else { 1e-6 };
+            assert!(
+                at(100) < 1e-4 && at(99) < 1e-5 && at(50) < median,
+                "-{speed} rad/s, {method:?}"
+            );
         }
     }
 }
