@@ -1,5 +1,6 @@
 //! The exact motion: the traps of event-located integration, each by construction.
 
+use std::f64::consts::TAU;
 use std::path::Path;
 
 use stickslip::ending::{Evidence, simulate};
@@ -26,9 +27,9 @@ fn break_away_within_rounding() {
     let mut seen = [0; 4];
     for seed in 0..400 {
         let mut sampler = Sampler::new(seed);
-        let beta = [sampler.between(0.0, 6.28), sampler.between(0.0, 6.28)];
+        let beta = [sampler.between(0.0, TAU), sampler.between(0.0, TAU)];
         let rest = balancer.rest_point(&beta).position;
-        let angle = sampler.between(0.0, 6.28);
+        let angle = sampler.between(0.0, TAU);
         let velocity = [sampler.between(-0.01, 0.01), sampler.between(-0.01, 0.01)];
         let at = |far: f64| {
             let position = [rest[0] + far * angle.cos(), rest[1] + far * angle.sin()];
@@ -132,7 +133,7 @@ fn barely_pulled_loose() {
         let balancer = Balancer::<2>::new(&machine).expect("two balls");
         let beta = [2.27 + sampler.between(-0.2, 0.2), 4.01 + sampler.between(-0.2, 0.2)];
         let rest = balancer.rest_point(&beta).position;
-        let angle = sampler.between(0.0, 6.28);
+        let angle = sampler.between(0.0, TAU);
         let start = |far: f64| {
             let position = [rest[0] + far * angle.cos(), rest[1] + far * angle.sin()];
             State { position, velocity: [0.0; 2], beta, beta_dot: [0.0; 2] }

@@ -157,3 +157,43 @@ fn two_events_in_one_step() {
     }
     assert!(switches > 100, "{switches}");
 }
+
+/// Trap: a ball whose speed touches zero tangentially. Whether it stops for an instant or just does
+/// not, it goes on alike, in a few events.
+#[test]
+fn speed_that_touches_zero() {
+    let mut touched = 0;
+    for seed in 0..300 {
+        let mut sampler = Sampler::new(seed);
+        let machine = Machine { speed_rad_s: -216.3772, ..Machine::default() };
+        let balancer = Balancer::<2>::new(&machine).expect("two balls");
+        let state = sampler.state(&balancer);
+        let end = |speed: f64| {
+            let start = State { beta_dot: [speed, -1.0], ..state };
+            moved(&balancer, tight(), start, 2.0)
+        };
+        let (mut stops, mut passes) = (1e-3, 0.3);
+        if end(stops).effort().switches == 0 || end(passes).effort().switches > 0 {
+            continue;
+        }
+        for _ in 0..60 {
+            let middle = 0.5 * (stops + passes);
+            if end(middle).effort().switches > 0 { stops = middle } else { passes = middle }
+        }
+        let reference = end(passes);
+        // Not a ball that stops just at the end.
+        if end(stops).last_switches()[0] > 1.9 {
+            continue;
+        }
+        touched += 1;
+        for off in [0.0, 1e-15, 1e-12, 1e-9, 1e-6] {
+            for speed in [stops - off, passes + off] {
+                let motion = end(speed);
+                let apart = difference(&motion, &reference);
+                assert!(apart < 1e-9 + 20.0 * off, "{seed}: {apart:e} from {off:e}");
+                assert!(motion.effort().switches < 8, "{seed}: {:?}", motion.effort());
+            }
+        }
+    }
+    assert!(touched > 10, "{touched}");
+}

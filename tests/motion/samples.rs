@@ -1,5 +1,7 @@
 //! Machines and states at random, and motions to follow: where several tests here start from.
 
+use std::f64::consts::TAU;
+
 use stickslip::model::{Balancer, Machine, Method, NormalForce, RestPoint, State};
 use stickslip::motion::{Effort, Motion, Settings, Tolerance};
 
@@ -50,7 +52,7 @@ impl Sampler {
     /// moving, apart or side by side.
     pub fn state<const N: usize>(&mut self, balancer: &Balancer<N>) -> State<N> {
         let far = self.one_of(&[0.05, 0.05, 1e-3, 1e-6]);
-        let mut beta: [f64; N] = std::array::from_fn(|_| self.between(0.0, 6.28));
+        let mut beta: [f64; N] = std::array::from_fn(|_| self.between(0.0, TAU));
         if self.between(0.0, 1.0) < 0.2 {
             beta = [beta[0]; N];
         }
