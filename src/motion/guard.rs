@@ -88,10 +88,11 @@ impl Guard {
         let least = values[0].min(values[1]);
         match self.kind {
             Kind::OutOfBand(_) | Kind::Accelerating(_) | Kind::Held(_) => {
-                let [falls, rises] = slopes().map(|slope| slope * length);
+                let changes = slopes().map(|slope| slope * length);
                 // The deepest that a parabola with one of the two slopes can go, with room to
-                // spare for higher terms.
-                falls < 0.0 && rises > 0.0 && least < 0.5 * falls.abs().max(rises)
+                // spare for higher terms; only a plain hump has no dip.
+                let hump = changes[0] >= 0.0 && changes[1] <= 0.0;
+                !hump && least < 0.5 * changes[0].abs().max(changes[1].abs())
             }
             Kind::InBand(_) => false,
             Kind::Pressed => least < 0.25 * (system.force_scale() - 1.0),
@@ -124,23 +125,28 @@ impl Guard {
         if end < 0.0 {
             return Some(fall_through_zero(value, (0.0, start), (1.0, end), WIDTH));
         }
-        // Does it dip below zero on the way? The lowest point is narrowed in on by parabolas, until
-        // what is left of it is clearly more than the last of them has brought.
-        let middle = (0.5, value(0.5));
-        let (mut points, mut newest) = ([(0.0, start), middle, (1.0, end)], middle);
-        let mut lowest = start.min(end);
+        // Does it dip below zero on the way? The lowest of some points is narrowed in on by
+        // parabolas, until what is left of it is clearly more than the last of them has brought.
+        let mut at = |theta: f64| (theta, value(theta));
+        let looks = [(0.0, start), at(0.25), at(0.5), at(0.75), (1.0, end)];
+        let mut newest = looks.into_iter().find(|(_, value)| *value < 0.0);
+        let lowest = (0..5).min_by(|&i, &j| looks[i].1.total_cmp(&looks[j].1)).unwrap_or(0);
+        let first = lowest.clamp(1, 3) - 1;
+        let mut points = [looks[first], looks[first + 1], looks[first + 2]];
+        let mut least = looks[lowest].1;
         for _ in 0..MOST_PARABOLAS {
-            if newest.1 < 0.0 {
-                return Some(fall_through_zero(value, (0.0, start), newest, WIDTH));
-            }
-            let gained = lowest - newest.1;
-            lowest = lowest.min(newest.1);
-            if points[1] != middle && gained < 0.5 * lowest {
-                break;
+            if let Some(below) = newest.filter(|(_, value)| *value < 0.0) {
+                return Some(fall_through_zero(value, (0.0, start), below, WIDTH));
             }
             let bottom = vertex(points).filter(|bottom| *bottom > 0.0 && *bottom < 1.0)?;
-            newest = (bottom, value(bottom));
-            points = around_lowest(points, newest);
+            let found = (bottom, value(bottom));
+            let gained = least - found.1;
+            if found.1 >= 0.0 && gained < 0.5 * found.1 {
+                break;
+            }
+            least = least.min(found.1);
+            points = around_lowest(points, found);
+            newest = Some(found);
         }
         None
     }
