@@ -216,12 +216,17 @@ impl<'a, S: System<N, FREE>, const N: usize, const FREE: usize> Motion<'a, S, N,
         self.phases.iter().all(|phase| *phase == Phase::Stick)
     }
 
-    /// Goes on by one step, which ends at the next switch or at time `until` at the latest.
+    /// Goes on by one step, which ends at the next switch or at time `until` at the latest; where
+    /// that has come already, nothing happens.
     /// Returns whether a ball changed its phase.
     ///
     /// # Errors
     /// [`Failure`]; the motion then stands where it last was sound.
     pub fn advance(&mut self, until: f64) -> Result<bool, Failure> {
+        if until <= self.time {
+            self.last = None;
+            return Ok(false);
+        }
         self.wrap_angles();
         let system = self.system;
         let phases = self.phases;
@@ -229,16 +234,20 @@ impl<'a, S: System<N, FREE>, const N: usize, const FREE: usize> Motion<'a, S, N,
         let phase = SmoothPhase::new(system, &phases);
         let end_forces = phase.forces(&step.end);
         let end_derivative = phase.derivative_with(&step.end, &end_forces);
-        let shortened = step.length < suggestion && step.length < self.next_length;
+        let shortened = step.length <= suggestion && step.length < self.next_length;
         self.next_length = if shortened { self.next_length } else { suggestion };
         self.effort.steps += 1;
         let start_time = self.time;
         let mut last =
             LastStep { step, phases, end_derivative, start_time, used: 1.0, interpolant: None };
-        let switched = match self.first_switch(&mut last, &end_forces) {
-            Some(first) => self.switch(&mut last, first)?,
-            None => None,
-        };
+        // A condition that has failed by rounding only changes nothing; the next one may.
+        let (mut switched, mut after) = (None, -1.0);
+        while switched.is_none()
+            && let Some(first) = self.first_switch(&mut last, &end_forces, after)
+        {
+            switched = self.switch(&mut last, first)?;
+            after = first.theta;
+        }
         if switched.is_none() {
             check_forces(&end_forces)?;
             self.time = if until - self.time <= last.step.length {
@@ -371,22 +380,42 @@ impl<'a, S: System<N, FREE>, const N: usize, const FREE: usize> Motion<'a, S, N,
         Some((start_time + theta * length, interpolant.at(theta)))
     }
 
-    /// What ends the step early, if anything: the condition that fails first.
+    /// What ends the step early, if anything: the condition that fails first, after a fraction of
+    /// the step.
     fn first_switch(
         &self,
         last: &mut LastStep<N, FREE>,
         end_forces: &Forces<N, f64, FREE>,
+        after: f64,
     ) -> Option<FirstSwitch> {
         let system = self.system;
         let phase = SmoothPhase::new(system, &last.phases);
         let mut first: Option<FirstSwitch> = None;
+        let step_end = last.step.end;
+        let mut ahead = None;
         for guard in Guard::all(&self.phases) {
             let start = guard.value(system, self.margins, (&self.state, &self.forces));
-            let end = guard.value(system, self.margins, (&last.step.end, end_forces));
-            let dips = || {
-                guard.may_dip(system, last.step.length, (start, end), (&self.forces, end_forces))
+            let end = guard.value(system, self.margins, (&step_end, end_forces));
+            let slopes = || {
+                let [soon, later] = ahead.get_or_insert_with(|| {
+                    [
+                        look_ahead(&phase, &self.state, &self.derivative),
+                        look_ahead(&phase, &step_end, &last.end_derivative),
+                    ]
+                });
+                let soon = guard.value(system, self.margins, (&soon.0, &soon.1));
+                let later = guard.value(system, self.margins, (&later.0, &later.1));
+                [(soon - start) / AHEAD, (later - end) / AHEAD]
             };
-            if end >= 0.0 && !dips() {
+            if end >= 0.0
+                && !guard.may_dip(
+                    system,
+                    last.step.length,
+                    [start, end],
+                    [&self.forces, end_forces],
+                    slopes,
+                )
+            {
                 continue;
             }
             let interpolant = last.interpolant(system);
@@ -395,6 +424,7 @@ impl<'a, S: System<N, FREE>, const N: usize, const FREE: usize> Motion<'a, S, N,
                 guard.value(system, self.margins, (&state, &phase.forces(&state)))
             });
             if let Some(theta) = failure
+                && theta > after
                 && first.is_none_or(|first| theta < first.theta)
             {
                 first = Some(FirstSwitch { theta, ball: guard.ball });
@@ -417,6 +447,21 @@ impl<'a, S: System<N, FREE>, const N: usize, const FREE: usize> Motion<'a, S, N,
             }
         }
     }
+}
+
+/// How far ahead, in time, the rate of change of a condition is looked for.
+const AHEAD: f64 = 1e-6;
+
+/// The state and the forces a moment later, to first order.
+fn look_ahead<S: System<N, FREE>, const N: usize, const FREE: usize>(
+    phase: &SmoothPhase<S, N, FREE>,
+    state: &State<N, f64, FREE>,
+    derivative: &State<N, f64, FREE>,
+) -> (State<N, f64, FREE>, Forces<N, f64, FREE>) {
+    let mut ahead = *state;
+    ahead.add_scaled(AHEAD, derivative);
+    let forces = phase.forces(&ahead);
+    (ahead, forces)
 }
 
 /// Refuses forces that are not finite and normal forces that pull.

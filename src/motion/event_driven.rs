@@ -123,3 +123,22 @@ pub(super) fn switch<S: System<N, FREE>, const N: usize, const FREE: usize>(
     }
     decide(system, state, phases, at_rest)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::switch;
+    use crate::model::{Friction, Slider, State};
+    use crate::motion::Phase;
+
+    /// A block that its spring pulls loose sets off, unless it has just stopped where it set off.
+    #[test]
+    fn what_stops_at_once_stays() {
+        let slider = Slider { friction: Friction::coulomb(1.0), belt_speed: 0.0 };
+        let state = State { position: [], velocity: [], beta: [1.0 + 1e-9], beta_dot: [0.0] };
+        for (stopped_at_once, expected) in [(None, Phase::Slip(-1.0)), (Some(0), Phase::Stick)] {
+            let (mut state, mut phases) = (state, [Phase::Slip(-1.0)]);
+            switch(&slider, &mut state, &mut phases, stopped_at_once).unwrap();
+            assert_eq!(phases, [expected]);
+        }
+    }
+}

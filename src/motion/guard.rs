@@ -1,7 +1,7 @@
 //! What ends a smooth phase: conditions that hold all along it, and the instant at which the
 //! first of them fails.
 
-use super::contact::{Phase, stick_reserve};
+use super::contact::Phase;
 use super::root::fall_through_zero;
 use crate::model::{Forces, State, System};
 
@@ -20,8 +20,8 @@ enum Kind {
     InBand(f64),
     /// ... and the ball accelerates in its direction.
     Accelerating(f64),
-    /// Stick lasts while friction suffices.
-    Held,
+    /// Stick lasts while friction suffices, against a force in this direction.
+    Held(f64),
     /// Any phase lasts while the ring presses on the ball.
     Pressed,
 }
@@ -45,7 +45,7 @@ impl Guard {
         phases.iter().enumerate().flat_map(|(ball, phase)| {
             let (first, second) = match *phase {
                 Phase::Slip(direction) => (Kind::OutOfBand(direction), None),
-                Phase::Stick => (Kind::Held, None),
+                Phase::Stick => (Kind::Held(1.0), Some(Kind::Held(-1.0))),
                 Phase::Transition(direction) => {
                     (Kind::InBand(direction), Some(Kind::Accelerating(direction)))
                 }
@@ -68,35 +68,34 @@ impl Guard {
             Kind::OutOfBand(direction) => direction * state.beta_dot[self.ball] - band,
             Kind::InBand(direction) => band - direction * state.beta_dot[self.ball],
             Kind::Accelerating(direction) => direction * forces.beta_ddot[self.ball] + slack,
-            Kind::Held => stick_reserve(system, forces, self.ball) + slack,
+            Kind::Held(direction) => {
+                let limit = system.friction(self.ball).limit * forces.normal[self.ball];
+                limit - direction * forces.friction[self.ball] + slack
+            }
             Kind::Pressed => forces.normal[self.ball],
         }
     }
 
     /// Whether the condition may have failed and recovered inside a step of `length`, so that a
-    /// look inside is due.
+    /// look inside is due. `values`, `forces` and `slopes` (which take some computing) are those at
+    /// the step's two ends.
     pub(super) fn may_dip<S: System<N, FREE>, const N: usize, const FREE: usize>(
         self,
         system: &S,
         length: f64,
-        (start, end): (f64, f64),
-        (start_forces, end_forces): (&Forces<N, f64, FREE>, &Forces<N, f64, FREE>),
+        values: [f64; 2],
+        forces: [&Forces<N, f64, FREE>; 2],
+        slopes: impl FnOnce() -> [f64; 2],
     ) -> bool {
+        let least = values[0].min(values[1]);
         match self.kind {
             Kind::OutOfBand(direction) => {
-                let falls = direction * start_forces.beta_ddot[self.ball] * length;
-                let rises = direction * end_forces.beta_ddot[self.ball] * length;
-                // The deepest that a parabola with one of the two slopes can go, with room to
-                // spare for higher terms.
-                falls < 0.0 && rises > 0.0 && start.min(end) < 0.5 * falls.abs().max(rises)
+                let slopes = forces.map(|forces| direction * forces.beta_ddot[self.ball]);
+                reaches_below(least, slopes, length)
             }
+            Kind::Accelerating(_) | Kind::Held(_) => reaches_below(least, slopes(), length),
             Kind::InBand(_) => false,
-            Kind::Pressed => start.min(end) < 0.25 * (system.force_scale() - 1.0),
-            Kind::Accelerating(_) | Kind::Held => {
-                let limit = system.friction(self.ball).limit
-                    * start_forces.normal[self.ball].max(end_forces.normal[self.ball]);
-                start.min(end) < 0.25 * limit
-            }
+            Kind::Pressed => least < 0.25 * (system.force_scale() - 1.0),
         }
     }
 
@@ -108,6 +107,7 @@ impl Guard {
         mut value: impl FnMut(f64) -> f64,
     ) -> Option<f64> {
         const WIDTH: f64 = 1e-13;
+        const MOST_PARABOLAS: usize = 10;
         if start <= 0.0 {
             if end >= 0.0 {
                 return None;
@@ -125,20 +125,55 @@ impl Guard {
         if end < 0.0 {
             return Some(fall_through_zero(value, (0.0, start), (1.0, end), WIDTH));
         }
-        // Does a parabola through start, middle and end dip below zero?
-        let middle = value(0.5);
-        if middle < 0.0 {
-            return Some(fall_through_zero(value, (0.0, start), (0.5, middle), WIDTH));
-        }
-        let curvature = 2.0 * (start + end - 2.0 * middle);
-        let slope = end - start - curvature;
-        let lowest = -slope / (2.0 * curvature);
-        if curvature > 0.0 && lowest > 0.0 && lowest < 1.0 {
-            let bottom = value(lowest);
-            if bottom < 0.0 {
-                return Some(fall_through_zero(value, (0.0, start), (lowest, bottom), WIDTH));
+        // Does it dip below zero on the way? The lowest of some points is narrowed in on by
+        // parabolas, until what is left of it is clearly more than the last of them has brought.
+        let mut at = |theta: f64| (theta, value(theta));
+        let looks = [(0.0, start), at(0.25), at(0.5), at(0.75), (1.0, end)];
+        let mut newest = looks.into_iter().find(|(_, value)| *value < 0.0);
+        let lowest = (0..5).min_by(|&i, &j| looks[i].1.total_cmp(&looks[j].1)).unwrap_or(0);
+        let first = lowest.clamp(1, 3) - 1;
+        let mut points = [looks[first], looks[first + 1], looks[first + 2]];
+        let mut least = looks[lowest].1;
+        for _ in 0..MOST_PARABOLAS {
+            if let Some(below) = newest.filter(|(_, value)| *value < 0.0) {
+                return Some(fall_through_zero(value, (0.0, start), below, WIDTH));
             }
+            let bottom = vertex(points).filter(|bottom| *bottom > 0.0 && *bottom < 1.0)?;
+            let found = (bottom, value(bottom));
+            let gained = least - found.1;
+            if found.1 >= 0.0 && gained < 0.5 * found.1 {
+                break;
+            }
+            least = least.min(found.1);
+            points = around_lowest(points, found);
+            newest = Some(found);
         }
         None
     }
+}
+
+/// Whether a curve may go below zero in a step, from its lower end and its slopes at both ends: the
+/// deepest that a parabola with one of the two slopes can go, with room to spare for higher terms.
+/// Only a plain hump has no dip.
+fn reaches_below(least: f64, slopes: [f64; 2], length: f64) -> bool {
+    let changes = slopes.map(|slope| slope * length);
+    let hump = changes[0] >= 0.0 && changes[1] <= 0.0;
+    !hump && least < 0.5 * changes[0].abs().max(changes[1].abs())
+}
+
+/// Where the parabola through three points is lowest, if it opens upwards.
+fn vertex([(a, f_a), (b, f_b), (c, f_c)]: [(f64, f64); 3]) -> Option<f64> {
+    let (left, right) = ((f_b - f_a) / (b - a), (f_c - f_b) / (c - b));
+    let curvature = (right - left) / (c - a);
+    (curvature > 0.0).then(|| 0.5 * (a + b - left / curvature))
+}
+
+/// Three of four points: the lowest and its neighbours, or the two next to it at an end.
+fn around_lowest(points: [(f64, f64); 3], new: (f64, f64)) -> [(f64, f64); 3] {
+    let [a, b, c] = points;
+    let mut all = [a, b, c, new];
+    all.sort_by(|one, other| one.0.total_cmp(&other.0));
+    let lowest = (0..4).min_by(|&i, &j| all[i].1.total_cmp(&all[j].1)).unwrap_or(0);
+    let first = lowest.clamp(1, 2) - 1;
+    [all[first], all[first + 1], all[first + 2]]
 }

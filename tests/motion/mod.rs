@@ -1,5 +1,11 @@
 //! Integration of smooth phases, switches, and the symmetries that every motion has.
 
+mod conservation;
 mod decision;
+mod event;
+mod event_limit;
+mod event_times;
+mod inertial;
+mod samples;
 mod smooth;
 mod symmetry;

@@ -1,11 +1,13 @@
 //! What every motion has: exchange of balls, mirror image, whole turns of a ball.
 
 use stickslip::ending::{Outcome, simulate};
-use stickslip::model::{Ball, Case, Machine, Simulation, Start};
+use stickslip::model::{Ball, Case, Machine, Method, Simulation, Start};
 
-fn case(speed_rad_s: f64, start: Start) -> Case {
+const METHODS: [Method; 2] = [Method::Switch, Method::Event];
+
+fn case(speed_rad_s: f64, start: Start, method: Method) -> Case {
     let machine = Machine { speed_rad_s, ..Machine::default() };
-    let simulation = Simulation { end_time_s: 4.0, ..Simulation::default() };
+    let simulation = Simulation { method, end_time_s: 4.0, ..Simulation::default() };
     Case { model: machine.into(), start, simulation }
 }
 
@@ -32,9 +34,10 @@ fn swapped(mut values: Vec<f64>) -> Vec<f64> {
 /// same effort.
 #[test]
 fn exchanged_balls_give_the_exchanged_result() {
-    for alike in [true, false] {
+    let kinds = METHODS.into_iter().flat_map(|method| [(method, true), (method, false)]);
+    for (method, alike) in kinds {
         for start in starts() {
-            let mut original = case(-216.3772, start.clone());
+            let mut original = case(-216.3772, start.clone(), method);
             let mut exchanged = original.clone();
             let balls = |case: &mut Case, edit: &dyn Fn(&mut Vec<Ball>)| {
                 edit(&mut case.model.ball_balancer_mut().expect("a balancer").balls);
@@ -65,11 +68,13 @@ fn exchanged_balls_give_the_exchanged_result() {
 /// mirrored run differs only where an angle is wrapped into [0, 2π).
 #[test]
 fn mirror_image_gives_the_mirrored_result() {
-    for start in starts() {
-        let original = simulate(&case(-179.2671, start.clone()));
+    for (method, start) in
+        METHODS.into_iter().flat_map(|m| starts().into_iter().map(move |s| (m, s)))
+    {
+        let original = simulate(&case(-179.2671, start.clone(), method));
         let signs = [1.0, -1.0, -1.0, -1.0, 1.0, -1.0, -1.0, -1.0];
         let mirrored = start.0.iter().zip(signs).map(|(value, sign)| sign * value).collect();
-        let mirrored = simulate(&case(179.2671, Start(mirrored)));
+        let mirrored = simulate(&case(179.2671, Start(mirrored), method));
         assert_eq!(original.label(), mirrored.label());
         let angles = original.position.iter().flatten().zip(mirrored.position.iter().flatten());
         for (a, b) in angles {
@@ -82,12 +87,14 @@ fn mirror_image_gives_the_mirrored_result() {
 /// A whole turn of a ball more or less changes nothing but rounding.
 #[test]
 fn whole_turns_change_nothing() {
-    for start in starts() {
-        let original = simulate(&case(-173.1803, start.clone()));
+    for (method, start) in
+        METHODS.into_iter().flat_map(|m| starts().into_iter().map(move |s| (m, s)))
+    {
+        let original = simulate(&case(-173.1803, start.clone(), method));
         let mut turned = start;
         turned.0[2] += std::f64::consts::TAU;
         turned.0[3] -= 2.0 * std::f64::consts::TAU;
-        let turned = simulate(&case(-173.1803, turned));
+        let turned = simulate(&case(-173.1803, turned, method));
         assert_eq!(original.label(), turned.label());
         for (a, b) in original.position.iter().flatten().zip(turned.position.iter().flatten()) {
             assert!((a - b).abs() < 1e-6, "{a} {b}");

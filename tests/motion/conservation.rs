@@ -1,0 +1,142 @@
+//! Energy in inertial space: what dampers and friction take and what the motor gives add up.
+//!
+//! `E` is the kinetic energy of table, imbalance and balls (with their spin) and that of the
+//! springs. The motor keeps the disc's speed by a moment `τ`, the rate of angular momentum about the
+//! ring's centre of all that turns: imbalance and balls. Rolling resistance is a moment `m f_w d/2`
+//! between ball and ring, whose relative speed of turning is `2 β̇ / d`. So, without dimensions,
+//!
+//! ```text
+//! dE/dt = -2ζ |v|² - Σ m f_w β̇ + ω τ
+//! τ = m_I e a_y + Σ m [ c a_y - s a_x + β̈ - 2 J d β̈ ]
+//! ```
+
+use stickslip::model::{Balancer, Contact, Machine, Method, State};
+use stickslip::motion::{Failure, Motion, Phase, Step, contacts};
+
+use super::samples::{Sampler, settings};
+
+fn energy<const N: usize>(machine: &Machine, balancer: &Balancer<N>, state: &State<N>) -> f64 {
+    let omega = balancer.speed;
+    let ([x, y], [x_dot, y_dot]) = (state.position, state.velocity);
+    let total = machine.total_mass_kg();
+    let radius = machine.imbalance_radius_m / machine.ring_radius_m;
+    let kinetic = |mass: f64, [p_x, p_y]: [f64; 2]| 0.5 * mass * (p_x * p_x + p_y * p_y);
+    let centre = [x_dot - omega * y, y_dot + omega * x];
+    let mut sum = 0.5 * (x * x + y * y) + kinetic(machine.table_mass_kg / total, centre);
+    let imbalance = [centre[0], centre[1] + omega * radius];
+    sum += kinetic(machine.imbalance_mass_kg / total, imbalance);
+    for (ball, (beta, beta_dot)) in
+        balancer.balls.iter().zip(state.beta.into_iter().zip(state.beta_dot))
+    {
+        let (s, c) = beta.sin_cos();
+        let round = omega + beta_dot;
+        sum += kinetic(ball.mass, [centre[0] - round * s, centre[1] + round * c]);
+        let spin = ball.diameter * omega - 2.0 * beta_dot;
+        sum += 0.5 * ball.inertia * ball.mass * spin * spin;
+    }
+    sum
+}
+
+/// Power of dampers, friction and motor.
+fn powers<const N: usize>(
+    machine: &Machine,
+    balancer: &Balancer<N>,
+    state: &State<N>,
+    contacts: &[Contact; N],
+) -> [f64; 3] {
+    let omega = balancer.speed;
+    let ([x, y], [x_dot, y_dot]) = (state.position, state.velocity);
+    let forces = balancer.forces(state, contacts);
+    let [a_x, a_y] = forces.table_acceleration;
+    let (v_x, v_y) = (x_dot - omega * y, y_dot + omega * x);
+    let (mut friction, mut moment) = (0.0, 0.0);
+    for (i, ball) in balancer.balls.iter().enumerate() {
+        let (s, c) = state.beta[i].sin_cos();
+        let angular = forces.beta_ddot[i];
+        friction -= ball.mass * forces.friction[i] * state.beta_dot[i];
+        moment += ball.mass
+            * (c * a_y - s * a_x + angular - 2.0 * ball.inertia * ball.diameter * angular);
+    }
+    let arm = machine.imbalance_radius_m / machine.ring_radius_m;
+    moment += machine.imbalance_mass_kg / machine.total_mass_kg() * arm * a_y;
+    [-2.0 * balancer.damping_ratio * (v_x * v_x + v_y * v_y), friction, omega * moment]
+}
+
+/// Nodes and weights of Gauss's rule with four points on [0, 1].
+fn gauss() -> [(f64, f64); 4] {
+    let root = 1.2_f64.sqrt();
+    let (inner, outer) = (((3.0 - 2.0 * root) / 7.0).sqrt(), ((3.0 + 2.0 * root) / 7.0).sqrt());
+    let (more, less) = ((18.0 + 30_f64.sqrt()) / 72.0, (18.0 - 30_f64.sqrt()) / 72.0);
+    [(-outer, less), (-inner, more), (inner, more), (outer, less)]
+        .map(|(node, weight)| (0.5 + 0.5 * node, weight))
+}
+
+/// What energy has changed by, and the work of dampers, friction and motor along a motion.
+fn balance<const N: usize>(
+    machine: &Machine,
+    balancer: &Balancer<N>,
+    method: Method,
+    start: State<N>,
+) -> Result<(f64, [f64; 3]), Failure> {
+    let settings = settings(method, 1e-11);
+    let slowest = if method == Method::Switch { settings.band } else { 0.0 };
+    let mut motion = Motion::new(balancer, settings, start)?;
+    let mut work = [0.0; 3];
+    while motion.time() < 20.0 {
+        let (time, state, phases) = (motion.time(), *motion.state(), *motion.phases());
+        motion.advance(20_f64.min(time + 0.2))?;
+        let length = motion.time() - time;
+        let contacts = contacts(balancer, &phases, &state);
+        let f = |s: &State<N>| balancer.derivative(s, &contacts, &balancer.forces(s, &contacts));
+        for (node, weight) in gauss() {
+            let inside = Step::attempt(f, &state, &f(&state), node * length).end;
+            let powers = powers(machine, balancer, &inside, &contacts);
+            for (work, power) in work.iter_mut().zip(powers) {
+                *work += weight * length * power;
+            }
+            // Friction never does positive work, and none in stick, ball by ball.
+            let forces = balancer.forces(&inside, &contacts);
+            for (ball, phase) in phases.into_iter().enumerate() {
+                let power = -forces.friction[ball] * inside.beta_dot[ball];
+                let limit = balancer.balls[ball].friction.limit * forces.normal[ball];
+                match phase {
+                    // At the instant of setting off the speed is zero to rounding.
+                    Phase::Slip(_) => assert!(power <= 1e-18, "{power:e} {phase:?}"),
+                    Phase::Stick => assert!(power.abs() <= 1.001 * slowest * limit, "{power:e}"),
+                    // Friction against the acceleration, while the speed turns inside the band.
+                    _ => assert!(power <= 1.001 * slowest * limit, "{power:e} {phase:?}"),
+                }
+            }
+        }
+    }
+    let before = energy(machine, balancer, &start);
+    Ok((energy(machine, balancer, motion.state()) - before, work))
+}
+
+#[test]
+fn energy_goes_where_work_says() {
+    let (mut balanced, mut rubbed) = (0, 0);
+    for seed in 0..300 {
+        let mut sampler = Sampler::new(seed);
+        let machine = sampler.machine(3);
+        let balancer = Balancer::<3>::new(&machine).expect("three balls");
+        let start = sampler.state(&balancer);
+        let scale = energy(&machine, &balancer, &start).max(1e-6);
+        for (method, allowed) in [(Method::Event, 1e-9), (Method::Switch, 1e-7)] {
+            match balance(&machine, &balancer, method, start) {
+                Ok((change, [damping, friction, motor])) => {
+                    let open = change - (damping + friction + motor);
+                    assert!(open.abs() < allowed * scale, "{seed}: {method:?} {open:e} {scale:e}");
+                    assert!(damping <= 0.0 && friction <= 1e-8 * scale);
+                    balanced += 1;
+                    // The balance would not close without any one of the three.
+                    let each = [damping, friction, motor].map(|work| work.abs() > 1e3 * open.abs());
+                    rubbed += i32::from(each == [true; 3]);
+                }
+                Err(Failure::ContactLost { .. }) => {}
+                Err(failure) => panic!("{seed}: {failure}"),
+            }
+        }
+    }
+    assert!(balanced > 300 && rubbed > 100, "{balanced} {rubbed}");
+}

@@ -1,0 +1,227 @@
+//! The exact motion: the traps of event-located integration, each by construction.
+
+use std::f64::consts::TAU;
+use std::path::Path;
+
+use stickslip::ending::{Evidence, simulate};
+use stickslip::model::{Balancer, Case, Contact, Machine, Method, Simulation, State};
+use stickslip::motion::{Motion, Phase, Settings, stick_reserve};
+use stickslip::study::Study;
+
+use super::samples::{Sampler, difference, go_on, moved, settings};
+
+fn two_balls(speed_rad_s: f64) -> Balancer<2> {
+    let machine = Machine { speed_rad_s, ..Machine::default() };
+    Balancer::new(&machine).expect("two balls")
+}
+
+fn tight() -> Settings {
+    settings(Method::Event, 1e-12)
+}
+
+/// Trap: at break-away `|f_w| = μ f_n` to rounding. Whether the force is an ulp below or above, it
+/// counts whether it is about to rise or to fall; and all those motions go on alike.
+#[test]
+fn break_away_within_rounding() {
+    let balancer = two_balls(-216.3772);
+    let mut seen = [0; 4];
+    for seed in 0..400 {
+        let mut sampler = Sampler::new(seed);
+        let beta = [sampler.between(0.0, TAU), sampler.between(0.0, TAU)];
+        let rest = balancer.rest_point(&beta).position;
+        let angle = sampler.between(0.0, TAU);
+        let velocity = [sampler.between(-0.01, 0.01), sampler.between(-0.01, 0.01)];
+        let at = |far: f64| {
+            let position = [rest[0] + far * angle.cos(), rest[1] + far * angle.sin()];
+            State { position, velocity, beta, beta_dot: [0.0; 2] }
+        };
+        let forces = |state: &State<2>| balancer.forces(state, &[Contact::STICK; 2]);
+        let reserve = |state: &State<2>, ball| stick_reserve(&balancer, &forces(state), ball);
+        let (mut held, mut loose) = (0.0, 0.05);
+        if reserve(&at(held), 0) <= 0.0 || reserve(&at(loose), 0) >= 0.0 {
+            continue;
+        }
+        while 0.5 * (held + loose) != held && 0.5 * (held + loose) != loose {
+            let middle = 0.5 * (held + loose);
+            if reserve(&at(middle), 0) > 0.0 { held = middle } else { loose = middle }
+        }
+        let edge = at(held);
+        let stick = [Contact::STICK; 2];
+        let mut ahead = edge;
+        ahead.add_scaled(1e-5, &balancer.derivative(&edge, &stick, &forces(&edge)));
+        let rate = (reserve(&ahead, 0) - reserve(&edge, 0)) / 1e-5;
+        if rate.abs() < 1e-3 || reserve(&edge, 1) < 1e-3 {
+            continue;
+        }
+        let direction = forces(&edge).friction[0].signum();
+        seen[usize::from(rate > 0.0) + 2 * usize::from(direction > 0.0)] += 1;
+        let expected = if rate > 0.0 { Phase::Stick } else { Phase::Slip(direction) };
+        let reference = moved(&balancer, tight(), edge, 1e-3);
+        for far in [held.next_down(), held, loose, loose.next_up(), held - 1e-15, loose + 1e-15] {
+            let mut motion = Motion::new(&balancer, tight(), at(far)).expect("starts");
+            assert_eq!(motion.phases(), &[expected, Phase::Stick], "{seed}: {far:e}");
+            go_on(&mut motion, 1e-3);
+            assert!(difference(&motion, &reference) < 1e-12, "{seed}");
+            let speed = direction * motion.state().beta_dot[0];
+            assert!(if rate > 0.0 { speed == 0.0 } else { speed > 0.0 }, "{seed}: {speed:e}");
+        }
+        // Beyond rounding the value decides, not the rate.
+        let phases = [-1e-11, 1e-11].map(|off| {
+            let start = at(held + off);
+            *Motion::new(&balancer, tight(), start).expect("starts").phases()
+        });
+        assert_eq!(phases, [[Phase::Stick; 2], [Phase::Slip(direction), Phase::Stick]], "{seed}");
+    }
+    assert!(seen.iter().all(|&count| count > 10), "{seen:?}");
+}
+
+/// Trap: creep that would chatter for ever, balls side by side near the edge of the equilibrium set.
+#[test]
+fn creep_does_not_chatter() {
+    let balancer = two_balls(-179.2671);
+    let margin = |beta: f64| balancer.rest_margin(&[beta, beta]);
+    let (mut edges, mut creeping) = (0, 0);
+    for k in 0..628 {
+        let (mut one, mut other) = (0.01 * f64::from(k), 0.01 * f64::from(k + 1));
+        if (margin(one) > 0.0) == (margin(other) > 0.0) {
+            continue;
+        }
+        let inside_first = margin(one) > 0.0;
+        while 0.5 * (one + other) != one && 0.5 * (one + other) != other {
+            let middle = 0.5 * (one + other);
+            if (margin(middle) > 0.0) == inside_first { one = middle } else { other = middle }
+        }
+        edges += 1;
+        for offset in [0.0, 1e-12, -1e-12, 1e-9, -1e-9, 1e-6, -1e-6] {
+            let beta = [one + offset; 2];
+            let position = balancer.rest_point(&beta).position;
+            let state = State { position, velocity: [0.0; 2], beta, beta_dot: [0.0; 2] };
+            let motion = moved(&balancer, settings(Method::Event, 1e-8), state, 3000.0);
+            let effort = motion.effort();
+            assert!(effort.switches < 1000 && effort.steps < 30_000, "{offset:e}: {effort:?}");
+            assert_eq!(motion.state().beta[0].to_bits(), motion.state().beta[1].to_bits());
+            // From the other edges they leave for good once they are outside.
+            creeping += i32::from((motion.unwrapped_angle(0) - beta[0]).abs() < 1e-2);
+        }
+    }
+    println!("{edges} edges, {creeping} motions that stay");
+    assert!(edges >= 2 && creeping >= 7, "{edges} {creeping}");
+}
+
+/// The shipped study's creeping runs are labelled as such, after a bounded number of events.
+#[test]
+fn creeping_runs_of_the_shipped_study() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/preferred-equilibria.yaml");
+    let study = Study::load(&path).expect("a sound study");
+    for run in [2121, 2244, 2250] {
+        let case = study.planned_run(run).case.expect("a sound case");
+        let simulation = Simulation { method: Method::Event, ..case.simulation };
+        let outcome = simulate(&Case { simulation, ..case });
+        assert_eq!(outcome.evidence, Evidence::Creep, "run {run}");
+        assert!(outcome.effort.switches < 3000, "run {run}: {:?}", outcome.effort);
+    }
+}
+
+/// Trap: a ball that is let go and stops at once. The table's swing is just large enough to pull a
+/// ball loose at its peaks; the less it exceeds that, the less the ball moves.
+#[test]
+fn barely_pulled_loose() {
+    let mut tried = 0;
+    for seed in 0..30 {
+        let mut sampler = Sampler::new(seed);
+        let machine = Machine { damping_n_s_m: 0.05, ..Machine::default() };
+        let balancer = Balancer::<2>::new(&machine).expect("two balls");
+        let beta = [2.27 + sampler.between(-0.2, 0.2), 4.01 + sampler.between(-0.2, 0.2)];
+        let rest = balancer.rest_point(&beta).position;
+        let angle = sampler.between(0.0, TAU);
+        let start = |far: f64| {
+            let position = [rest[0] + far * angle.cos(), rest[1] + far * angle.sin()];
+            State { position, velocity: [0.0; 2], beta, beta_dot: [0.0; 2] }
+        };
+        let end = |far: f64| moved(&balancer, tight(), start(far), 20.0);
+        let (mut held, mut loose) = (0.0, 0.03);
+        for _ in 0..60 {
+            let middle = 0.5 * (held + loose);
+            if end(middle).effort().switches == 0 { held = middle } else { loose = middle }
+        }
+        // The first pull must come on the way, not at the start.
+        if end(loose).last_switches().iter().all(|&time| time < 0.1) {
+            continue;
+        }
+        tried += 1;
+        for over in [0.0, 1e-15, 1e-13, 1e-11, 1e-9, 1e-7, 1e-5] {
+            let motion = end(loose * (1.0 + over));
+            let way = (0..2).map(|ball| (motion.unwrapped_angle(ball) - beta[ball]).abs());
+            let way = way.fold(0.0, f64::max);
+            // Force over the limit for a time that goes as its square root.
+            assert!(way < 1e-15 + over, "{seed}: {way:e} for {over:e}");
+            assert!(motion.effort().switches < 40, "{seed}: {:?}", motion.effort());
+        }
+    }
+    assert!(tried > 10, "{tried}");
+}
+
+/// Trap: a start exactly on zero speed or a hair beside it. A ball that friction holds stays or stops
+/// at once; one that it does not hold goes the way of the force, whatever way the hair points.
+#[test]
+fn starts_beside_zero_speed() {
+    let balancer = two_balls(-216.3772);
+    let (mut stays, mut goes) = (0, 0);
+    for seed in 0..200 {
+        let mut sampler = Sampler::new(seed);
+        let state = State { beta_dot: [0.0; 2], ..sampler.state(&balancer) };
+        let start = Motion::new(&balancer, tight(), state).expect("starts");
+        let stuck = balancer.forces(&state, &[Contact::STICK; 2]);
+        let clear = |ball| stick_reserve(&balancer, &stuck, ball).abs() > 1e-5;
+        if !(clear(0) && clear(1)) {
+            continue;
+        }
+        for ball in 0..2 {
+            let held = stick_reserve(&balancer, &stuck, ball) > 0.0;
+            let direction = stuck.friction[ball].signum();
+            let expected = if held { Phase::Stick } else { Phase::Slip(direction) };
+            assert_eq!(start.phases()[ball], expected);
+            if held { stays += 1 } else { goes += 1 }
+        }
+        let reference = moved(&balancer, tight(), state, 1.0);
+        for hair in [1e-300, 1e-18, 1e-12] {
+            for signs in [[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]] {
+                let beside = State { beta_dot: signs.map(|sign| sign * hair), ..state };
+                let mut motion = Motion::new(&balancer, tight(), beside).expect("starts");
+                go_on(&mut motion, 1e-6);
+                assert_eq!(motion.phases(), start.phases(), "{seed}: {beside:?}");
+                go_on(&mut motion, 1.0);
+                let apart = difference(&motion, &reference);
+                assert!(apart < 1e-11 + 10.0 * hair, "{seed}: {apart:e} from {hair:e}");
+            }
+        }
+    }
+    assert!(stays > 50 && goes > 50, "{stays} {goes}");
+}
+
+/// A ball that reverses turns at one instant, without resting; one that sets off sets nothing off
+/// when its speed rises through zero.
+#[test]
+fn reversal_is_one_switch() {
+    let mut reversed = 0;
+    for seed in 0..200 {
+        let mut sampler = Sampler::new(seed);
+        let balancer = two_balls(-216.3772);
+        let mut state = sampler.state(&balancer);
+        state.beta_dot = [0.02, -1.0];
+        let mut motion = Motion::new(&balancer, tight(), state).expect("starts");
+        while !motion.advance(3.0).expect("goes on") && motion.time() < 3.0 {}
+        if motion.phases()[0] != Phase::Slip(-1.0) {
+            continue;
+        }
+        reversed += 1;
+        assert_eq!((motion.effort().switches, motion.state().beta_dot[0]), (1, 0.0));
+        assert!(motion.forces().beta_ddot[0] < 0.0);
+        let time = motion.time();
+        // The next step sets off from speed zero: a condition that rises through zero is none.
+        assert_eq!(motion.advance(time + 1e-3), Ok(false));
+        assert_eq!((motion.time(), motion.effort().switches), (time + 1e-3, 1));
+        assert!(motion.state().beta_dot[0] < 0.0);
+    }
+    assert!(reversed > 30, "{reversed}");
+}

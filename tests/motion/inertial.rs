@@ -1,0 +1,277 @@
+//! The physics written anew in inertial space: Newton's equations for every body, with contact
+//! forces and rolling as unknowns, no turning frame and no angle from the imbalance.
+
+use nalgebra::{DMatrix, DVector};
+use stickslip::model::{Balancer, Machine, Method, NormalForce, State};
+use stickslip::motion::{Motion, Phase, contacts};
+
+use super::samples::{Sampler, difference, go_on, settings, stuck_table};
+
+/// Position and velocity of the ring's centre, angle and rate of each ball, in inertial space, and
+/// the direction of the imbalance.
+#[derive(Clone)]
+struct Inertial {
+    centre: [f64; 2],
+    velocity: [f64; 2],
+    angle: Vec<f64>,
+    rate: Vec<f64>,
+    imbalance: f64,
+}
+
+/// What the turning frame's state is in space, when the imbalance points in a direction.
+fn in_space<const N: usize>(balancer: &Balancer<N>, state: &State<N>, imbalance: f64) -> Inertial {
+    let (s, c) = imbalance.sin_cos();
+    let turned = |[x, y]: [f64; 2]| [c * x - s * y, s * x + c * y];
+    let ([x, y], [x_dot, y_dot], omega) = (state.position, state.velocity, balancer.speed);
+    Inertial {
+        centre: turned([x, y]),
+        velocity: turned([x_dot - omega * y, y_dot + omega * x]),
+        angle: state.beta.map(|beta| imbalance + beta).to_vec(),
+        rate: state.beta_dot.map(|beta_dot| omega + beta_dot).to_vec(),
+        imbalance,
+    }
+}
+
+struct Solved {
+    /// Of the ring's centre, in space.
+    acceleration: [f64; 2],
+    /// Of each ball's angle.
+    angular: Vec<f64>,
+    normal: Vec<f64>,
+    friction: Vec<f64>,
+}
+
+/// Unknowns: acceleration of the centre (2); for each ball its acceleration (2), normal and
+/// tangential contact force, moment of the rolling resistance, angular acceleration of its spin and
+/// of its position on the ring. `direction`: 1 or -1 in slip, none in stick.
+fn newton<const N: usize>(
+    machine: &Machine,
+    balancer: &Balancer<N>,
+    state: &Inertial,
+    direction: &[Option<f64>; N],
+) -> Solved {
+    let (omega, zeta) = (balancer.speed, balancer.damping_ratio);
+    let imbalance_mass = machine.imbalance_mass_kg / machine.total_mass_kg();
+    let radius = machine.imbalance_radius_m / machine.ring_radius_m;
+    let table = machine.table_mass_kg / machine.total_mass_kg();
+    let size = 2 + 7 * N;
+    let (mut a, mut b) = (DMatrix::<f64>::zeros(size, size), DVector::<f64>::zeros(size));
+    // Table and disc: the imbalance goes round the centre at the disc's speed.
+    let towards = [state.imbalance.cos(), state.imbalance.sin()];
+    for axis in 0..2 {
+        a[(axis, axis)] = table + imbalance_mass;
+        b[axis] = imbalance_mass * radius * omega * omega * towards[axis]
+            - state.centre[axis]
+            - 2.0 * zeta * state.velocity[axis];
+    }
+    for ball in 0..N {
+        let first = 2 + 7 * ball;
+        let (normal, tangential, moment) = (first + 2, first + 3, first + 4);
+        let (spin, angular) = (first + 5, first + 6);
+        let body = &balancer.balls[ball];
+        let (s, c) = state.angle[ball].sin_cos();
+        let (outward, along) = ([c, s], [-s, c]);
+        let rate = state.rate[ball];
+        for axis in 0..2 {
+            // The ring presses inwards and pulls along; the table feels the opposite.
+            a[(axis, normal)] = -outward[axis];
+            a[(axis, tangential)] = along[axis];
+            let row = first + axis;
+            a[(row, first + axis)] = body.mass;
+            a[(row, normal)] = outward[axis];
+            a[(row, tangential)] = -along[axis];
+            // The ball stays on the ring.
+            let row = first + 2 + axis;
+            a[(row, first + axis)] = 1.0;
+            a[(row, axis)] = -1.0;
+            a[(row, angular)] = -along[axis];
+            b[row] = -rate * rate * outward[axis];
+        }
+        // Spin: the tangential force at the outer side, and the resistance.
+        let row = first + 4;
+        a[(row, spin)] = body.inertia * body.mass * body.diameter * body.diameter;
+        a[(row, tangential)] = -0.5 * body.diameter;
+        a[(row, moment)] = -1.0;
+        // Rolling: the spin beyond the disc's is -2 / d of the speed along the ring.
+        let row = first + 5;
+        a[(row, spin)] = 1.0;
+        a[(row, angular)] = 2.0 / body.diameter;
+        let row = first + 6;
+        match direction[ball] {
+            None => a[(row, angular)] = 1.0,
+            Some(direction) => {
+                let friction = direction * body.friction.coefficient;
+                let slip = rate - omega;
+                let thesis = match machine.normal_force {
+                    NormalForce::Newton => 0.0,
+                    NormalForce::Lagrange => {
+                        2.0 * body.inertia * slip * (body.diameter * omega - 2.0 * slip)
+                    }
+                };
+                a[(row, moment)] = 2.0 / body.diameter;
+                a[(row, normal)] = -friction;
+                b[row] = -friction * body.mass * thesis;
+            }
+        }
+    }
+    let x = a.lu().solve(&b).expect("a regular system");
+    let of = |offset: usize| (0..N).map(|ball| x[2 + 7 * ball + offset]).collect::<Vec<_>>();
+    let scaled = |values: Vec<f64>, factor: &dyn Fn(usize) -> f64| {
+        values.into_iter().enumerate().map(|(ball, value)| value * factor(ball)).collect()
+    };
+    Solved {
+        acceleration: [x[0], x[1]],
+        angular: of(6),
+        normal: scaled(of(2), &|ball| 1.0 / balancer.balls[ball].mass),
+        friction: scaled(of(4), &|ball| {
+            2.0 / (balancer.balls[ball].mass * balancer.balls[ball].diameter)
+        }),
+    }
+}
+
+/// Accelerations and forces agree, wherever the imbalance points: the turning frame has no say.
+#[test]
+fn forces_agree_in_every_frame() {
+    for seed in 0..1000 {
+        let mut sampler = Sampler::new(seed);
+        let machine = sampler.machine(3);
+        let balancer = Balancer::<3>::new(&machine).expect("three balls");
+        let state = sampler.state(&balancer);
+        let phases =
+            [(); 3].map(|()| sampler.one_of(&[Phase::Stick, Phase::Slip(1.0), Phase::Slip(-1.0)]));
+        let direction = phases.map(|phase| match phase {
+            Phase::Slip(direction) => Some(direction),
+            _ => None,
+        });
+        let forces = balancer.forces(&state, &contacts(&balancer, &phases, &state));
+        let imbalance = sampler.between(-10.0, 10.0);
+        let solved =
+            newton(&machine, &balancer, &in_space(&balancer, &state, imbalance), &direction);
+        let (s, c) = imbalance.sin_cos();
+        let [a_x, a_y] = forces.table_acceleration;
+        let scale = 1e-11 * (1.0 + balancer.speed * balancer.speed);
+        let close = |one: f64, other: f64| {
+            assert!((one - other).abs() < scale, "{seed}: {one} {other} {phases:?}");
+        };
+        close(solved.acceleration[0], c * a_x - s * a_y);
+        close(solved.acceleration[1], s * a_x + c * a_y);
+        for ball in 0..3 {
+            // Light balls are ill-scaled beside a table 2000 times as heavy.
+            close(solved.angular[ball], forces.beta_ddot[ball]);
+            let slip = state.beta_dot[ball];
+            let rolling = match machine.normal_force {
+                NormalForce::Newton => 0.0,
+                NormalForce::Lagrange => {
+                    let BallTerms { linear, quadratic } = terms(&balancer, ball);
+                    (linear + quadratic * slip) * slip
+                }
+            };
+            close(solved.normal[ball] - rolling, forces.normal[ball]);
+            close(solved.friction[ball], forces.friction[ball]);
+        }
+    }
+}
+
+struct BallTerms {
+    linear: f64,
+    quadratic: f64,
+}
+
+/// `r = 2 J d ω β̇ - 4 J β̇²` (thesis equation 3.5).
+fn terms<const N: usize>(balancer: &Balancer<N>, ball: usize) -> BallTerms {
+    let body = &balancer.balls[ball];
+    BallTerms {
+        linear: 2.0 * body.inertia * body.diameter * balancer.speed,
+        quadratic: -4.0 * body.inertia,
+    }
+}
+
+/// A stretch of motion in slip, integrated in space by the classical Runge-Kutta method, ends where
+/// the motion in the turning frame does.
+#[test]
+fn motion_agrees_with_one_integrated_in_space() {
+    let machine = Machine { normal_force: NormalForce::Newton, ..Machine::default() };
+    let balancer = Balancer::<2>::new(&machine).expect("two balls");
+    let start = State {
+        position: [0.03, -0.02],
+        velocity: [0.01, 0.04],
+        beta: [1.0, 4.0],
+        beta_dot: [0.9, -0.6],
+    };
+    let rate = |s: &Inertial| {
+        let solved = newton(&machine, &balancer, s, &[Some(1.0), Some(-1.0)]);
+        let angular = solved.angular;
+        Inertial {
+            centre: s.velocity,
+            velocity: solved.acceleration,
+            angle: s.rate.clone(),
+            rate: angular,
+            imbalance: balancer.speed,
+        }
+    };
+    let add = |s: &Inertial, factor: f64, d: &Inertial| {
+        let sum = |a: &[f64], b: &[f64]| -> Vec<f64> {
+            a.iter().zip(b).map(|(a, b)| a + factor * b).collect()
+        };
+        let pair = |a: [f64; 2], b: [f64; 2]| [a[0] + factor * b[0], a[1] + factor * b[1]];
+        Inertial {
+            centre: pair(s.centre, d.centre),
+            velocity: pair(s.velocity, d.velocity),
+            angle: sum(&s.angle, &d.angle),
+            rate: sum(&s.rate, &d.rate),
+            imbalance: s.imbalance + factor * d.imbalance,
+        }
+    };
+    let (steps, length) = (1000, 2e-3);
+    let mut space = in_space(&balancer, &start, 0.7);
+    for _ in 0..steps {
+        let k_1 = rate(&space);
+        let k_2 = rate(&add(&space, 0.5 * length, &k_1));
+        let k_3 = rate(&add(&space, 0.5 * length, &k_2));
+        let k_4 = rate(&add(&space, length, &k_3));
+        for (weight, k) in [(1.0, k_1), (2.0, k_2), (2.0, k_3), (1.0, k_4)] {
+            space = add(&space, weight * length / 6.0, &k);
+        }
+    }
+    let end = f64::from(steps) * length;
+    for method in [Method::Switch, Method::Event] {
+        let mut motion = Motion::new(&balancer, settings(method, 1e-12), start).expect("starts");
+        go_on(&mut motion, end);
+        assert_eq!(motion.effort().switches, 0, "one smooth stretch");
+        let turned = in_space(&balancer, motion.state(), 0.7 + balancer.speed * end);
+        let pairs = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - b).abs()).sum::<f64>();
+        assert!(pairs(&turned.centre, &space.centre) < 1e-10);
+        assert!(pairs(&turned.velocity, &space.velocity) < 1e-10);
+        assert!(pairs(&turned.rate, &space.rate) < 1e-10);
+    }
+}
+
+/// With all balls stuck: the damped oscillator about the rest point, over long times.
+#[test]
+fn stuck_balls_follow_the_closed_form() {
+    for seed in 0..40 {
+        let mut sampler = Sampler::new(seed);
+        let mut machine = sampler.machine(2);
+        machine.damping_n_s_m = sampler.one_of(&[0.0, 0.1, 1.28]);
+        machine.speed_rad_s = sampler.one_of(&[-160.8103, -216.3772, 309.15]);
+        machine.balls.iter_mut().for_each(|ball| ball.friction_coefficient = 5.0);
+        let balancer = Balancer::<2>::new(&machine).expect("two balls");
+        let mut state = State { beta_dot: [0.0; 2], ..sampler.state(&balancer) };
+        let rest = balancer.rest_point(&state.beta);
+        // Near the rest point no ball is pulled loose or off the ring.
+        for axis in 0..2 {
+            state.position[axis] = rest.position[axis] + 0.2 * state.velocity[axis];
+        }
+        for method in [Method::Switch, Method::Event] {
+            let Ok(mut motion) = Motion::new(&balancer, settings(method, 1e-13), state) else {
+                continue;
+            };
+            go_on(&mut motion, 1000.0);
+            assert_eq!(motion.effort().switches, 0);
+            let expected = stuck_table(&balancer, &rest, &state, 1000.0);
+            let closed = Motion::new(&balancer, settings(method, 1e-13), expected).expect("ok");
+            let apart = difference(&motion, &closed);
+            assert!(apart < 1e-9, "{seed}: {apart:e}");
+        }
+    }
+}

@@ -1,0 +1,140 @@
+//! Machines and states at random, and motions to follow: where several tests here start from.
+
+use std::f64::consts::TAU;
+
+use stickslip::model::{Balancer, Machine, Method, NormalForce, RestPoint, State};
+use stickslip::motion::{Effort, Motion, Settings, Tolerance};
+
+/// Pseudo-random numbers (xorshift), the same in every run.
+pub struct Sampler(u64);
+
+impl Sampler {
+    pub fn new(seed: u64) -> Self {
+        let mut sampler = Sampler((2 * seed + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15));
+        (0..10).for_each(|_| _ = sampler.between(0.0, 1.0));
+        sampler
+    }
+
+    pub fn between(&mut self, from: f64, to: f64) -> f64 {
+        for shift in [13_i32, -7, 17] {
+            self.0 ^= if shift > 0 { self.0 << shift } else { self.0 >> -shift };
+        }
+        from + (to - from) * ((self.0 >> 11) as f64 / (1_u64 << 53) as f64)
+    }
+
+    pub fn one_of<T: Copy>(&mut self, values: &[T]) -> T {
+        values[self.between(0.0, values.len() as f64) as usize]
+    }
+
+    /// Machines as they may come: speeds below and above resonance, without speed, damping or
+    /// friction, heavy balls, different balls.
+    pub fn machine(&mut self, balls: usize) -> Machine {
+        let speeds = [-160.8, -179.2671, -185.55, -191.64, -216.3772, -309.15, 0.0, 100.0, 216.0];
+        let mut machine = Machine {
+            speed_rad_s: self.one_of(&speeds),
+            damping_n_s_m: self.one_of(&[0.0, 0.1, 1.28, 1.28, 12.8]),
+            normal_force: self.one_of(&[NormalForce::Lagrange, NormalForce::Newton]),
+            ..Machine::default()
+        };
+        machine.balls.resize(balls, machine.balls[0]);
+        let heavier = self.one_of(&[1.0, 1.0, 20.0, 100.0]);
+        let friction = self.one_of(&[0.0, 2.75e-4, 2.75e-3, 2.75e-3, 0.05, 0.5]);
+        let spread = self.one_of(&[1.0, 2.0]);
+        for ball in &mut machine.balls {
+            ball.mass_kg *= heavier * self.between(1.0 / spread, spread);
+            ball.friction_coefficient = friction * self.between(1.0 / spread, spread);
+            ball.diameter_m *= self.between(1.0 / spread, spread);
+        }
+        machine
+    }
+
+    /// States as they may come: near the rest point or far from it, balls at rest, hardly moving or
+    /// moving, apart or side by side.
+    pub fn state<const N: usize>(&mut self, balancer: &Balancer<N>) -> State<N> {
+        let far = self.one_of(&[0.05, 0.05, 1e-3, 1e-6]);
+        let mut beta: [f64; N] = std::array::from_fn(|_| self.between(0.0, TAU));
+        if self.between(0.0, 1.0) < 0.2 {
+            beta = [beta[0]; N];
+        }
+        let rest = balancer.rest_point(&beta).position;
+        let centre = self.one_of(&[[0.0; 2], rest]);
+        let fastest = self.one_of(&[0.0, 1.0, 1.0, 0.01, 1e-6, 1e-12, 1e-18, 1e-300]);
+        let mut around = |centre: f64| centre + self.between(-far, far);
+        let (position, velocity) = (centre.map(&mut around), [0.0; 2].map(&mut around));
+        let beta_dot = std::array::from_fn(|_| {
+            let speed = self.between(-fastest, fastest);
+            self.one_of(&[0.0, speed, speed])
+        });
+        State { position, velocity, beta, beta_dot }
+    }
+}
+
+/// Tight settings; the band is for the switch model.
+pub fn settings(method: Method, relative: f64) -> Settings {
+    let tolerance = Tolerance { relative, absolute: 1e-2 * relative };
+    Settings { method, band: 1e-8, tolerance, effort_limit: 200_000 }
+}
+
+/// The motion from a state until a time.
+pub fn moved<const N: usize>(
+    balancer: &Balancer<N>,
+    settings: Settings,
+    state: State<N>,
+    until: f64,
+) -> Motion<'_, Balancer<N>, N> {
+    let mut motion = Motion::new(balancer, settings, state).expect("starts");
+    go_on(&mut motion, until);
+    motion
+}
+
+/// Goes on until a time; returns what it took.
+pub fn go_on<const N: usize>(motion: &mut Motion<Balancer<N>, N>, until: f64) -> Effort {
+    while motion.time() < until {
+        motion.advance(until).expect("goes on");
+    }
+    motion.effort()
+}
+
+/// The largest difference between two motions' states.
+pub fn difference<const N: usize>(
+    one: &Motion<Balancer<N>, N>,
+    other: &Motion<Balancer<N>, N>,
+) -> f64 {
+    let all = |motion: &Motion<Balancer<N>, N>| {
+        let State { position, velocity, beta_dot, .. } = *motion.state();
+        let angles: [f64; N] = std::array::from_fn(|ball| motion.unwrapped_angle(ball));
+        [position.as_slice(), &velocity, &angles, &beta_dot].concat()
+    };
+    all(one).iter().zip(all(other)).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+}
+
+/// Where the table is after a time with all balls stuck: the damped oscillator in inertial space
+/// about the rest point (thesis section 5.2), by complex numbers `[re, im]`.
+pub fn stuck_table<const N: usize>(
+    balancer: &Balancer<N>,
+    rest: &RestPoint<N>,
+    start: &State<N>,
+    time: f64,
+) -> State<N> {
+    let (zeta, omega) = (balancer.damping_ratio, balancer.speed);
+    let u: [f64; 2] = std::array::from_fn(|axis| start.position[axis] - rest.position[axis]);
+    let v = [start.velocity[0] - omega * u[1], start.velocity[1] + omega * u[0]];
+    let damped = (1.0 - zeta * zeta).sqrt();
+    let (sine, cosine) = (damped * time).sin_cos();
+    let decay = (-zeta * time).exp();
+    let (turn_sine, turn_cosine) = (omega * time).sin_cos();
+    let back = |w: [f64; 2]| {
+        [turn_cosine * w[0] + turn_sine * w[1], turn_cosine * w[1] - turn_sine * w[0]]
+    };
+    let u_then = back(std::array::from_fn(|axis| {
+        decay * (u[axis] * cosine + (v[axis] + zeta * u[axis]) / damped * sine)
+    }));
+    let v_then = back(std::array::from_fn(|axis| {
+        decay * (v[axis] * cosine - (u[axis] + zeta * v[axis]) / damped * sine)
+    }));
+    State {
+        position: std::array::from_fn(|axis| rest.position[axis] + u_then[axis]),
+        velocity: [v_then[0] + omega * u_then[1], v_then[1] - omega * u_then[0]],
+        ..*start
+    }
+}
