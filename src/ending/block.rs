@@ -3,8 +3,11 @@
 //! On rigid ground a block that sticks stays: the spring's force on it no longer changes. On a belt
 //! it is carried along until it breaks away, always at the same place, so that its state there is
 //! the same each time: two break-aways in a row close a cycle, and nothing of a disturbance is left
-//! after one. A block that slides on a belt for good has no dry friction to stop it; unless its law
-//! damps it, it swings for ever as it started.
+//! after one. That takes a static coefficient above the kinetic one. With equal ones the block only
+//! touches the belt's speed on the orbit that begins at its break-away, the outermost of those on
+//! which it slides for good; such an orbit keeps every disturbance towards the inside, so that no
+//! cycle is claimed. A block that slides on a belt for good has no dry friction to stop it; unless
+//! its law damps it, it swings for ever as it started.
 
 use super::outcome::{Evidence, Outcome};
 use super::simulate::{WINDOW, effort_limit};
@@ -88,6 +91,9 @@ impl Run<'_> {
 
     /// Takes a break-away in; the period where it closes a cycle.
     fn break_away(&mut self) -> Option<f64> {
+        if self.slider.friction.limit <= self.slider.friction.coefficient {
+            return None;
+        }
         let now = BreakAway { time: self.motion.time(), position: self.motion.state().beta[0] };
         if let Some(last) = self.last_break_away
             && (now.position - last.position).abs() <= 1e-6 * now.position.abs().max(1.0)
