@@ -12,7 +12,7 @@
 use super::outcome::{Evidence, Outcome};
 use super::simulate::{WINDOW, effort_limit};
 use crate::model::{Block, Simulation, Slider, SliderState, Start};
-use crate::motion::{Failure, Motion, Phase, Settings};
+use crate::motion::{Failure, Motion, Settings};
 
 /// Simulates a block until its ending is known.
 pub(super) fn simulate_block(block: &Block, start: &Start, simulation: &Simulation) -> Outcome {
@@ -78,7 +78,7 @@ impl Run<'_> {
             if before < window && self.motion.time() >= window && self.last_break_away.is_none() {
                 self.extremes = None;
             }
-            self.extend();
+            self.extend(stuck);
             if stuck
                 && !self.motion.all_stick()
                 && let Some(period) = self.break_away()
@@ -105,13 +105,13 @@ impl Run<'_> {
         None
     }
 
-    /// Extends the extremes by the latest step: its end, and where the block turns back in it.
-    fn extend(&mut self) {
+    /// Extends the extremes by the latest step: its end, and where the block turns back in it, which
+    /// it cannot while it sticks.
+    fn extend(&mut self, stuck: bool) {
         let belt = self.slider.belt_speed;
-        let moves = !matches!(self.motion.phases()[0], Phase::Stick);
         let turns = [1.0, -1.0].map(|direction| {
             let velocity = |state: &SliderState| direction * (belt + state.beta_dot[0]);
-            let turn = if moves { self.motion.falls_through_zero(velocity) } else { None };
+            let turn = if stuck { None } else { self.motion.falls_through_zero(velocity) };
             turn.map(|(_, state)| state.beta[0])
         });
         let end = self.motion.state().beta[0];

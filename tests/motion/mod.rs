@@ -3,3 +3,4 @@
 mod decision;
 mod smooth;
 mod symmetry;
+mod work_of_friction;
