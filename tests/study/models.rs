@@ -174,6 +174,21 @@ fn start_box_of_a_block() {
     refused(&balls, 7, "initial_conditions.box.position_m", "position_m", "beta, beta_dot, x");
 }
 
+/// Position and velocity are two dimensions of the Sobol' sequence: of 256 points exactly one lies in
+/// each of 16 x 16 cells.
+#[test]
+fn sobol_starts_of_a_block_fill_the_plane() {
+    let rest = "initial_conditions:\n  box: {position_m: [0, 16], velocity_m_s: [0, 16]}\n  \
+                design: {sobol: {samples: 256}}\n";
+    let study = study(&text("  kind: block_on_belt\n", rest));
+    let mut cells = std::collections::BTreeSet::new();
+    for run in 0..256 {
+        let start = study.planned_run(run).start.0;
+        cells.insert([start[0].floor() as u8, start[1].floor() as u8]);
+    }
+    assert_eq!(cells.len(), 256);
+}
+
 #[test]
 fn parameters_of_other_models_are_refused() {
     let spring = "  kind: block_on_spring\n";
