@@ -51,7 +51,7 @@ fn draw(area: &DrawingArea<SVGBackend, Shift>, panel: &Panel) {
     let measured: Vec<(f64, Errors)> = abscissae.iter().map(|&x| (x, (panel.errors)(x))).collect();
     let (most, least) = (abscissae[0], abscissae[abscissae.len() - 1]);
     let mut chart = ChartBuilder::on(area)
-        .caption(panel.title, ("sans-serif", 17))
+        .caption(panel.title, ("sans-serif", 20))
         .margin(8)
         .x_label_area_size(42)
         .y_label_area_size(62)
@@ -61,6 +61,7 @@ fn draw(area: &DrawingArea<SVGBackend, Shift>, panel: &Panel) {
         .configure_mesh()
         .x_desc(panel.abscissa)
         .y_desc("relative error")
+        .label_style(("sans-serif", 16))
         .x_labels(6)
         .y_labels(8)
         .x_label_formatter(&|x| format!("1e{:.0}", x.log10()))
@@ -86,6 +87,7 @@ fn draw(area: &DrawingArea<SVGBackend, Shift>, panel: &Panel) {
     }
     chart
         .configure_series_labels()
+        .label_font(("sans-serif", 15))
         .position(SeriesLabelPosition::UpperLeft)
         .background_style(WHITE)
         .border_style(RGBColor(200, 200, 200))

@@ -1,6 +1,6 @@
 //! Blocks on springs: where and when they stop, their cycles, and when nothing is claimed.
 
-use stickslip::ending::{Evidence, Outcome, simulate};
+use stickslip::ending::{Evidence, Label, Outcome, simulate};
 use stickslip::model::{Block, Case, FrictionLaw, Ground, Method, Simulation, Start};
 
 const METHODS: [Method; 2] = [Method::Event, Method::Switch];
@@ -241,5 +241,41 @@ fn smooth_friction_does_not_hold() {
             near(position(&outcome), exact, 1e-5);
         }
         assert!(exact < 0.008 - 5e-5 * end_time_s.min(20.0), "{exact}");
+    }
+}
+
+/// Values of any size, as a sweep or a draw may have them, end in an outcome.
+#[test]
+fn extreme_values_end_in_an_outcome() {
+    let laws = [
+        FrictionLaw::Coulomb,
+        FrictionLaw::Stribeck { static_friction_coefficient: 1e300, stribeck_speed: 1e-300 },
+        FrictionLaw::Smooth { smoothing_speed: 1e-300 },
+        FrictionLaw::Viscous { viscous_coefficient_n_s_m: 1e300 },
+    ];
+    for friction in laws {
+        for (mass_kg, stiffness_n_m, normal_force_n, speed_m_s) in [
+            (1e300, 1e-300, 10.0, 0.1),
+            (1.0, 100.0, 1e-300, 0.1),
+            (1.0, 100.0, 1e300, 0.1),
+            (1.0, 100.0, 10.0, 1e300),
+            (1.0, 100.0, 10.0, 1e-300),
+        ] {
+            for ground in [Ground::Fixed, Ground::Belt { speed_m_s }] {
+                let friction_coefficient = 0.1;
+                let block = Block {
+                    mass_kg,
+                    stiffness_n_m,
+                    normal_force_n,
+                    friction_coefficient,
+                    friction,
+                    ground,
+                };
+                for method in METHODS {
+                    let outcome = run(&block, [0.03, 0.1], method, 1.0);
+                    assert_eq!(outcome.error.is_some(), outcome.label() == Label::Failed);
+                }
+            }
+        }
     }
 }
