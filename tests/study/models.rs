@@ -174,6 +174,22 @@ fn start_box_of_a_block() {
     refused(&balls, 7, "initial_conditions.box.position_m", "position_m", "beta, beta_dot, x");
 }
 
+/// Start states of a block may be given in a table, in any order of the columns.
+#[test]
+fn starts_of_a_block_from_a_table() {
+    let table = |columns: &str| {
+        let rest = format!(
+            "initial_conditions:\n  design:\n    table: {{columns: [{columns}], rows: [[1, 2], [3, 4]]}}\n"
+        );
+        text("  kind: block_on_spring\n", &rest)
+    };
+    let given = study(&table("velocity_m_s, position_m"));
+    assert_eq!(given.run_count(), 2);
+    assert_eq!(given.planned_run(1).start.0, [4.0, 3.0]);
+    let key = "initial_conditions.design.table.columns[1]";
+    refused(&table("position_m, x_dot"), 8, key, "x_dot", "velocity_m_s");
+}
+
 /// Position and velocity are two dimensions of the Sobol' sequence: of 256 points exactly one lies in
 /// each of 16 x 16 cells.
 #[test]
