@@ -10,7 +10,7 @@
 //! its law damps it, it swings for ever as it started.
 
 use super::outcome::{Evidence, Outcome};
-use super::simulate::{WINDOW, effort_limit};
+use super::simulate::{WINDOW, effort_limit, stiff_pace};
 use crate::model::{Block, Simulation, Slider, SliderState, Start};
 use crate::motion::{Failure, Motion, Settings};
 
@@ -30,7 +30,8 @@ pub(super) fn simulate_block(block: &Block, start: &Start, simulation: &Simulati
         beta_dot: [velocity_m_s / (length * natural) - slider.belt_speed],
     };
     let end = simulation.end_time_s * natural;
-    let settings = Settings::new(simulation, effort_limit(end, 1.0));
+    let pace = 1.0 + stiff_pace(slider.friction.damping_rate(1.0));
+    let settings = Settings::new(simulation, effort_limit(end, pace));
     match Motion::new(&slider, settings, state) {
         Ok(motion) => Run { slider: &slider, motion, extremes: None, last_break_away: None, end }
             .finish(natural, length),
