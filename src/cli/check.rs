@@ -7,7 +7,7 @@ use super::arguments::StudyArgument;
 use super::existence::Existence;
 use super::exit::{CliError, End};
 use super::output::print;
-use crate::model::Method;
+use crate::model::{FrictionLaw, Method, Model};
 use crate::study::{Study, VariedParameter};
 
 const EXAMPLES: &str = "\
@@ -113,7 +113,38 @@ fn most_core_seconds(study: &Study) -> f64 {
     let units = simulation.end_time_s * study.model().natural_frequency_rad_s();
     let components = (4 + 2 * study.model().balls()) as f64 / 8.0;
     let tolerance = (1e-8 / simulation.relative_tolerance).powf(0.125);
-    1e-6 * units * components * tolerance * study.run_count() as f64
+    let stiffness = (damping_rate(study.model()) / STABLE).max(1.0);
+    1e-6 * units * components * tolerance * stiffness * study.run_count() as f64
+}
+
+/// A step of the integrator times the rate of damping that it can still follow: the length of the
+/// stability region of a Runge-Kutta method of order 8 on the negative real axis, about.
+const STABLE: f64 = 6.0;
+
+/// The rate at which friction that grows with speed damps it, over the natural frequency: of the
+/// lightest ball, or of a block.
+fn damping_rate(model: &Model) -> f64 {
+    let natural = model.natural_frequency_rad_s();
+    let (mass_kg, ratio, acceleration) = match model {
+        Model::BallBalancer(machine) => {
+            let balls = &machine.balls;
+            let mass = balls.iter().map(|ball| ball.mass_kg).fold(f64::INFINITY, f64::min);
+            let ratio = balls.iter().map(|ball| ball.friction_coefficient).fold(0.0, f64::max);
+            (mass, ratio, machine.speed_rad_s * machine.speed_rad_s)
+        }
+        Model::Block(block) => {
+            (block.mass_kg, block.friction_coefficient, block.normal_force_n / block.mass_kg)
+        }
+    };
+    match *model.friction() {
+        FrictionLaw::Coulomb | FrictionLaw::Stribeck { .. } => 0.0,
+        FrictionLaw::Smooth { smoothing_speed } => {
+            ratio * acceleration * std::f64::consts::FRAC_2_PI / (smoothing_speed * natural)
+        }
+        FrictionLaw::Viscous { viscous_coefficient_n_s_m } => {
+            viscous_coefficient_n_s_m / (mass_kg * natural)
+        }
+    }
 }
 
 fn duration(seconds: f64) -> String {

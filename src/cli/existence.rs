@@ -56,7 +56,11 @@ impl Existence {
     }
 
     fn add(&mut self, study: &Study, point: &Point) {
-        let Some(machine) = point.model().ball_balancer() else { return };
+        let Some(machine) = point.model().ball_balancer() else {
+            // A single contact whose normal force is given: nothing is coupled.
+            self.least = if self.least.0 > 1.0 { (1.0, point.point_id) } else { self.least };
+            return;
+        };
         let verdict = machine.existence();
         let least_minor = verdict.least_minor();
         if least_minor < self.least.0 {

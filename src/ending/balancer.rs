@@ -6,7 +6,7 @@ use super::orbit::OrbitWatch;
 use super::outcome::{Evidence, Outcome};
 use super::return_map::Orbit;
 use super::settled::SettledWatch;
-use super::simulate::{WINDOW, effort_limit};
+use super::simulate::{WINDOW, effort_limit, stiff_pace};
 use crate::model::{Balancer, Machine, RestPoint, Simulation, Start};
 use crate::motion::{Failure, Motion, Settings};
 
@@ -22,8 +22,11 @@ pub(super) fn simulate_balancer<const N: usize>(
     };
     let natural = machine.natural_frequency_rad_s();
     let end = simulation.end_time_s * natural;
-    let effort_limit = effort_limit(end, 1.0 + balancer.speed.abs() + balancer.damping_ratio);
-    let settings = Settings::new(simulation, effort_limit);
+    let weight = balancer.speed * balancer.speed;
+    let rates = balancer.balls.iter().map(|ball| ball.friction.damping_rate(weight));
+    let stiff = stiff_pace(rates.fold(0.0, f64::max));
+    let pace = 1.0 + balancer.speed.abs() + balancer.damping_ratio + stiff;
+    let settings = Settings::new(simulation, effort_limit(end, pace));
     let units = Units { natural, radius: machine.ring_radius_m };
     match Motion::new(&balancer, settings, state) {
         Ok(motion) => Run::new(&balancer, settings, motion, end).finish(units),

@@ -3,14 +3,17 @@
 //! On rigid ground a block that sticks stays: the spring's force on it no longer changes. On a belt
 //! it is carried along until it breaks away, always at the same place, so that its state there is
 //! the same each time: two break-aways in a row close a cycle, and nothing of a disturbance is left
-//! after one. A block that slides on a belt for good has no dry friction to stop it; unless its law
-//! damps it, so that it settles, it swings for ever as it started.
+//! after one. That takes a static coefficient above the kinetic one. With equal ones the block only
+//! touches the belt's speed on the orbit that begins at its break-away, the outermost of those on
+//! which it slides for good; such an orbit keeps every disturbance towards the inside, so that no
+//! cycle is claimed. A block that slides on a belt for good has no dry friction to stop it; unless
+//! its law damps it, so that it settles, it swings for ever as it started.
 
 use super::outcome::{Evidence, Outcome};
 use super::settled::SettledWatch;
-use super::simulate::{WINDOW, effort_limit};
+use super::simulate::{WINDOW, effort_limit, stiff_pace};
 use crate::model::{Block, Simulation, Slider, SliderState, Start};
-use crate::motion::{Failure, Motion, Phase, Settings};
+use crate::motion::{Failure, Motion, Settings};
 
 /// Simulates a block until its ending is known.
 pub(super) fn simulate_block(block: &Block, start: &Start, simulation: &Simulation) -> Outcome {
@@ -28,7 +31,8 @@ pub(super) fn simulate_block(block: &Block, start: &Start, simulation: &Simulati
         beta_dot: [velocity_m_s / (length * natural) - slider.belt_speed],
     };
     let end = simulation.end_time_s * natural;
-    let settings = Settings::new(simulation, effort_limit(end, 1.0));
+    let pace = 1.0 + stiff_pace(slider.friction.damping_rate(1.0));
+    let settings = Settings::new(simulation, effort_limit(end, pace));
     match Motion::new(&slider, settings, state) {
         Ok(motion) => {
             let settled = SettledWatch::default();
@@ -81,7 +85,7 @@ impl Run<'_> {
             if before < window && self.motion.time() >= window && self.last_break_away.is_none() {
                 self.extremes = None;
             }
-            self.extend();
+            self.extend(stuck);
             if self.settled.look(self.slider, &self.motion) {
                 return Ending::Settled;
             }
@@ -97,6 +101,9 @@ impl Run<'_> {
 
     /// Takes a break-away in; the period where it closes a cycle.
     fn break_away(&mut self) -> Option<f64> {
+        if self.slider.friction.limit <= self.slider.friction.coefficient {
+            return None;
+        }
         let now = BreakAway { time: self.motion.time(), position: self.motion.state().beta[0] };
         if let Some(last) = self.last_break_away
             && (now.position - last.position).abs() <= 1e-6 * now.position.abs().max(1.0)
@@ -108,13 +115,13 @@ impl Run<'_> {
         None
     }
 
-    /// Extends the extremes by the latest step: its end, and where the block turns back in it.
-    fn extend(&mut self) {
+    /// Extends the extremes by the latest step: its end, and where the block turns back in it, which
+    /// it cannot while it sticks.
+    fn extend(&mut self, stuck: bool) {
         let belt = self.slider.belt_speed;
-        let moves = !matches!(self.motion.phases()[0], Phase::Stick);
         let turns = [1.0, -1.0].map(|direction| {
             let velocity = |state: &SliderState| direction * (belt + state.beta_dot[0]);
-            let turn = if moves { self.motion.falls_through_zero(velocity) } else { None };
+            let turn = if stuck { None } else { self.motion.falls_through_zero(velocity) };
             turn.map(|(_, state)| state.beta[0])
         });
         let end = self.motion.state().beta[0];

@@ -42,3 +42,10 @@ fn simulate_balls(machine: &Machine, start: &Start, simulation: &Simulation) -> 
 pub(super) fn effort_limit(end: f64, pace: f64) -> u64 {
     100_000 + (1000.0 * end * pace).min(1e8) as u64
 }
+
+/// What friction that damps speed at this rate adds to the pace: an explicit method takes some sixth
+/// of the rate in steps per unit of time, far fewer than allowed. Beyond a rate of 1e5 a run is too
+/// stiff to be waited for.
+pub(super) fn stiff_pace(damping_rate: f64) -> f64 {
+    1e-3 * damping_rate.min(1e5)
+}

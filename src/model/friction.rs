@@ -182,6 +182,18 @@ impl Friction {
         matches!(self.sliding, Sliding::Coulomb | Sliding::Stribeck { .. })
     }
 
+    /// The largest rate at which friction that grows with speed damps it, non-dimensional, of a
+    /// contact of mass 1 under this normal force: how stiff the equations of motion are.
+    pub fn damping_rate(&self, normal: f64) -> f64 {
+        match self.sliding {
+            Sliding::Coulomb | Sliding::Stribeck { .. } => 0.0,
+            Sliding::Smooth { speed } => {
+                self.coefficient * normal * std::f64::consts::FRAC_2_PI / speed
+            }
+            Sliding::Viscous { drag } => drag,
+        }
+    }
+
     /// Friction of a contact that moves, or is about to move, in a direction (1 or -1) at a speed.
     /// A law that cannot stick does not need the direction.
     #[inline]

@@ -6,6 +6,7 @@
 
 mod balancer;
 mod block;
+mod block_closed_form;
 mod case;
 mod equations;
 mod existence;
@@ -19,6 +20,7 @@ mod system;
 
 pub use balancer::{Balancer, BalancerBall, State};
 pub use block::{Block, Ground, Slider, SliderState};
+pub use block_closed_form::{StickSlipCycle, Stopping};
 pub use case::{Case, Method, Simulation, Start};
 pub use equations::{Contact, Forces};
 pub use existence::{ExistenceVerdict, SAFE_FRICTION};

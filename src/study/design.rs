@@ -184,15 +184,16 @@ fn within(part: u64, parts: u64, share: f64) -> f64 {
     ((part as f64 + share) / parts as f64).min(upper.next_down())
 }
 
-/// The dimension of the Sobol' sequence that an axis has whatever the number of balls.
+/// The dimension of the Sobol' sequence that an axis has whatever the number of balls; no two axes of
+/// a model have the same.
 fn sobol_dimension(axis: &str) -> u32 {
     let of_ball = |ball: &str, offset: u32| {
         let ball: u32 = ball.parse().unwrap_or(1);
         2 + 2 * ball + offset
     };
     match axis {
-        "x" => 0,
-        "y" => 1,
+        "x" | "position_m" => 0,
+        "y" | "velocity_m_s" => 1,
         "x_dot" => 2,
         "y_dot" => 3,
         _ => match axis.strip_prefix("beta_dot_") {

@@ -337,7 +337,8 @@ pub enum DesignFile {
         /// Points per axis.
         points_per_axis: Count,
     },
-    /// Given start states: columns `x`, `y`, `beta_1` ..., `x_dot`, `y_dot`, `beta_dot_1` ...
+    /// Given start states: columns `x`, `y`, `beta_1` ..., `x_dot`, `y_dot`, `beta_dot_1` ...; of a
+    /// block `position_m` and `velocity_m_s`.
     Table(Table),
 }
 

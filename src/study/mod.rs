@@ -40,6 +40,7 @@ mod resolve;
 mod resolve_design;
 mod resolve_friction;
 mod resolve_model;
+mod resolve_points;
 mod resolve_simulation;
 mod resolve_sweep;
 mod resolve_uncertain;

@@ -15,6 +15,7 @@ use super::parameter::{Parameter, VariedParameter};
 use super::plan::Study;
 use super::resolve_design::{ResolvedDesign, resolve_design};
 use super::resolve_model::Base;
+use super::resolve_points::check_points;
 use super::resolve_simulation::{resolve_simulation, simulation_to_file};
 use super::resolve_sweep::{ResolvedBlock, resolve_block};
 use super::resolve_uncertain::resolve_uncertain;
@@ -132,6 +133,7 @@ fn resolve(source: &Source, written: &StudyFile) -> Result<Study, StudyError> {
         expectations: Vec::new(),
         resolved,
     };
+    check_points(source, written, &study)?;
     let expected = written.expect.as_deref().unwrap_or_default();
     study.expectations = resolve_expectations(source, &study, &study.swept_parameters, expected)?;
     Ok(study)

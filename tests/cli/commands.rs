@@ -142,3 +142,14 @@ fn the_smoke_study_holds() {
     let text = scratch.well(&format!("verify {} --threads 2", smoke.display()));
     assert_eq!(text.matches("\nmet    ").count(), 6, "{text}");
 }
+
+/// The other small studies hold, too.
+#[test]
+fn small_shipped_studies_hold() {
+    let scratch = Scratch::new();
+    for name in ["block-on-spring", "block-on-belt", "stribeck", "smooth-friction", "viscous"] {
+        let study = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("studies/{name}.yaml"));
+        let text = scratch.well(&format!("verify {} --threads 2", study.display()));
+        assert!(text.contains("\nmet    ") && !text.contains("NOT MET"), "{text}");
+    }
+}

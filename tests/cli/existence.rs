@@ -70,3 +70,20 @@ fn huge_sweeps_stay_quick() {
     assert!(text.lines().count() < 60, "{text}");
     println!("{:?}", started.elapsed());
 }
+
+/// A block has one contact, pressed by a given force: nothing is coupled.
+#[test]
+fn a_block_is_decided_in_one_way() {
+    let scratch = Scratch::new();
+    scratch.write(
+        "a.yaml",
+        "schema: 1\nname: a\nseed: 1\nmodel: {kind: block_on_belt}\n\
+         sweep: [{grid: {belt_speed_m_s: [1, 2]}}]\n\
+         initial_conditions: {design: {sobol: {samples: 1}}}\n",
+    );
+    let text = scratch.well("check a.yaml --existence");
+    assert_has(
+        &text,
+        &["at all 2 points", "proven", "least principal minor 1.00000000 at point 0"],
+    );
+}

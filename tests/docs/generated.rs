@@ -1,23 +1,22 @@
-//! Pages and pictures of `docs/` that are made from real runs: compared by the tests, and written by
-//! `scripts/docs`.
+//! Files of the documentation that are computed: compared with what is checked in, or written.
 
 use std::path::Path;
 
-/// The environment variable with which the tests write the files instead of comparing them.
-const WRITE: &str = "STICKSLIP_WRITE_DOCS";
-
-/// Compares what has been made with the file in `docs/`, or writes it there.
-pub fn compare_or_write(name: &str, contents: &str) {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs").join(name);
-    if std::env::var_os(WRITE).is_some() {
-        std::fs::write(&path, contents).expect("the file can be written");
+/// Compares a file, named relative to the repository's root, with what it should contain, byte for
+/// byte. With `STICKSLIP_WRITE_DOCS` set to 1 writes it instead (`scripts/docs`).
+#[track_caller]
+pub fn compare_or_write(path: &str, contents: &str) {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join(path);
+    if std::env::var_os("STICKSLIP_WRITE_DOCS").is_some_and(|value| value == "1") {
+        if let Some(folder) = file.parent() {
+            std::fs::create_dir_all(folder).expect("a folder");
+        }
+        std::fs::write(&file, contents).expect("written");
         return;
     }
-    let found = std::fs::read_to_string(&path).unwrap_or_default();
-    let differing = found.lines().zip(contents.lines()).position(|(old, new)| old != new);
-    if let Some(line) = differing {
-        let [old, new] = [found.as_str(), contents].map(|text| text.lines().nth(line));
-        panic!("docs/{name}, line {}: `scripts/docs` makes it anew\n{old:?}\n{new:?}", line + 1);
-    }
-    assert!(found == contents, "docs/{name} has another length; `scripts/docs` makes it anew");
+    let found = std::fs::read_to_string(&file)
+        .unwrap_or_else(|error| panic!("{path}: {error}; `scripts/docs` writes it"));
+    let differs = found.lines().zip(contents.lines()).position(|(found, due)| found != due);
+    let line = differs.map_or_else(|| "its length".to_owned(), |line| format!("line {}", line + 1));
+    assert!(found == contents, "{path} is out of date at {line}; `scripts/docs` writes it anew");
 }

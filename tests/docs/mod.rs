@@ -1,5 +1,6 @@
 //! The README says what the program does: its outputs, its study and its commands are run.
 
+mod convergence;
 pub mod generated;
 
 use std::path::Path;

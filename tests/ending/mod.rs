@@ -1,5 +1,8 @@
 //! How runs end: against an independent integration, the thesis's numbers, and themselves.
 
+mod blocks;
 mod certificate;
+pub mod convergence;
+mod friction_laws;
 mod limit_cycle;
 pub mod reference;

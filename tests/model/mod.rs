@@ -1,2 +1,3 @@
+mod block_closed_form;
 mod existence;
 mod extended_lagrange;

@@ -9,3 +9,4 @@ mod inertial;
 mod samples;
 mod smooth;
 mod symmetry;
+mod work_of_friction;

@@ -11,6 +11,7 @@ mod bad_values;
 mod designs;
 mod distributions;
 mod fuzz;
+mod models;
 mod plan;
 mod resolved;
 mod shipped;

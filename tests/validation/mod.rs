@@ -21,6 +21,6 @@ fn generated_validation_page() {
         counts::independent_program(),
         numbers::remainder(),
     ];
-    compare_or_write("validation.md", &page.join("\n"));
+    compare_or_write("docs/validation.md", &page.join("\n"));
     runs.must_agree();
 }

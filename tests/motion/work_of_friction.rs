@@ -1,0 +1,109 @@
+//! Friction takes energy, under every law, and dry friction exactly its force times the way.
+
+use stickslip::model::{Balancer, Block, FrictionLaw, Machine, Method, SliderState, State, System};
+use stickslip::motion::{Motion, Settings, Tolerance};
+
+const METHODS: [Method; 2] = [Method::Event, Method::Switch];
+const BAND: f64 = 1e-8;
+
+fn settings(method: Method) -> Settings {
+    let tolerance = Tolerance { relative: 1e-11, absolute: 1e-13 };
+    Settings { method, band: BAND, tolerance, effort_limit: 10_000_000 }
+}
+
+/// Follows a motion; friction force times sliding speed is never below zero, but inside the switch
+/// model's band, where a contact in transition has the friction of its acceleration.
+#[track_caller]
+fn follow<S: System<N, FREE>, const N: usize, const FREE: usize>(
+    system: &S,
+    method: Method,
+    start: State<N, f64, FREE>,
+    end: f64,
+) -> f64 {
+    let mut motion = Motion::new(system, settings(method), start).expect("starts");
+    let mut most = 0.0_f64;
+    while motion.time() < end {
+        motion.advance(end).expect("goes on");
+        for contact in 0..N {
+            let speed = motion.state().beta_dot[contact];
+            let power = motion.forces().friction[contact] * speed;
+            let least = if speed.abs() <= BAND { -system.force_scale() * BAND } else { 0.0 };
+            assert!(power >= least, "{power:e} at speed {speed:e}");
+            most = most.max(power);
+        }
+    }
+    most
+}
+
+#[test]
+fn friction_never_does_positive_work_on_balls() {
+    for friction in [
+        FrictionLaw::Coulomb,
+        FrictionLaw::Stribeck { static_friction_coefficient: 6e-3, stribeck_speed: 5.0 },
+        FrictionLaw::Stribeck { static_friction_coefficient: 4e-3, stribeck_speed: 0.0 },
+        FrictionLaw::Smooth { smoothing_speed: 1.0 },
+        FrictionLaw::Viscous { viscous_coefficient_n_s_m: 2e-4 },
+    ] {
+        let machine = Machine { friction, ..Machine::default() };
+        let balancer = Balancer::<2>::new(&machine).expect("two balls");
+        for k in 0..6 {
+            let spread = |factor: f64| (f64::from(k) * factor + 0.3).sin();
+            let start = State {
+                position: [0.05 * spread(1.1), 0.05 * spread(2.3)],
+                velocity: [0.05 * spread(5.9), 0.05 * spread(7.3)],
+                beta: [3.0 + 3.0 * spread(3.1), 3.0 + 3.0 * spread(4.7)],
+                beta_dot: [spread(8.9), spread(10.7)],
+            };
+            for method in METHODS {
+                let most = follow(&balancer, method, start, 200.0);
+                assert!(most > 1e-6, "{friction:?}: friction that does anything: {most:e}");
+            }
+        }
+    }
+}
+
+/// Where friction is constant, the energy lost is friction times the way: from `(0, 1.7)` without
+/// dimensions to rest at `x`, `½ 1.7² - ½ x² = μ s`.
+#[test]
+fn dry_friction_takes_its_force_times_the_way() {
+    for method in METHODS {
+        let slider = Block::on_spring().slider();
+        let start = SliderState { position: [], velocity: [], beta: [0.0], beta_dot: [1.7] };
+        let mut motion = Motion::new(&slider, settings(method), start).expect("starts");
+        let (mut way, mut energy) = (0.0, 0.5 * 1.7 * 1.7);
+        while !motion.all_stick() {
+            let before = motion.state().beta[0];
+            let turn = motion.advance(1000.0).map(|_| {
+                let velocity = |direction: f64| move |s: &SliderState| direction * s.beta_dot[0];
+                let forth = motion.falls_through_zero(velocity(1.0));
+                forth.or_else(|| motion.falls_through_zero(velocity(-1.0)))
+            });
+            let turn = turn.expect("goes on").map_or(before, |(_, state)| state.beta[0]);
+            let SliderState { beta: [x], beta_dot: [v], .. } = *motion.state();
+            way += (turn - before).abs() + (x - turn).abs();
+            let now = 0.5 * (x * x + v * v);
+            assert!(now <= energy + 1e-11, "{now} {energy}");
+            energy = now;
+        }
+        let lost = 0.5 * 1.7 * 1.7 - energy;
+        assert!((lost - 0.1 * way).abs() < 1e-8, "{method:?}: {lost} {way}");
+    }
+}
+
+/// Under the viscous law on rigid ground energy falls at every step, to nothing.
+#[test]
+fn viscous_friction_takes_all_energy() {
+    let friction = FrictionLaw::Viscous { viscous_coefficient_n_s_m: 1.0 };
+    let slider = Block { friction, ..Block::on_spring() }.slider();
+    let start = SliderState { position: [], velocity: [], beta: [0.5], beta_dot: [-1.7] };
+    follow(&slider, Method::Event, start, 400.0);
+    let mut motion = Motion::new(&slider, settings(Method::Event), start).expect("starts");
+    let mut energy = f64::MAX;
+    while motion.time() < 400.0 {
+        motion.advance(400.0).expect("goes on");
+        let now = motion.state().beta[0].powi(2) + motion.state().beta_dot[0].powi(2);
+        assert!(now <= energy);
+        energy = now;
+    }
+    assert!(energy < 1e-12, "{energy}");
+}
