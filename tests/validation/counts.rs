@@ -158,26 +158,27 @@ Times by which shares of the runs are at rest (Kaplan-Meier; method `event`).
         let mut text = "\
 ## Labels that flip between methods and tolerances
 
-Runs of the thesis's study whose label differs from that of `event` with tolerance 1e-8. Where motions
-are irregular (-191.6372 rad/s) a run's label depends on the last digits of the computation; the
-fraction of equilibria does not.
+Runs of the thesis's study whose label differs from that of `event` with tolerance 1e-8, and the rate
+of that with Wilson's 95 % interval. Where motions are irregular (-191.6372 rad/s) a run's label depends
+on the last digits of the computation; the fraction of equilibria does not.
 
-| speed [rad/s] | μ | runs |"
-            .to_owned();
-        let ways = ways();
-        for way in &ways[1..] {
-            let _ = write!(text, " {} |", way.name);
-        }
-        let _ = writeln!(text, "\n|---|---|---|{}", "---|".repeat(ways.len() - 1));
+| speed [rad/s] | μ | against event, tolerance 1e-8 | equilibria | flips | rate | interval |
+|---|---|---|---|---|---|---|
+"
+        .to_owned();
         for (point, (speed, friction)) in self.points.iter().enumerate() {
-            let runs = self.outcomes[0][point].len();
-            let _ = write!(text, "| {speed} | {friction:e} | {runs} |");
-            for way in 1..ways.len() {
-                let equilibria = self.equilibria(way, point);
-                let flips = self.flipped(way, point);
-                let _ = write!(text, " {flips} ({equilibria} equilibria) |");
+            let runs = self.outcomes[0][point].len() as u64;
+            for (way, Way { name, .. }) in ways().iter().enumerate().skip(1) {
+                let flips = self.flipped(way, point) as u64;
+                let (low, high) = wilson(flips, runs, Z_95);
+                let _ = writeln!(
+                    text,
+                    "| {speed} | {friction:e} | {name} | {} of {runs} | {flips} | {:.4} | {low:.4} .. \
+                     {high:.4} |",
+                    self.equilibria(way, point),
+                    flips as f64 / runs as f64,
+                );
             }
-            text.push('\n');
         }
         text
     }
