@@ -131,33 +131,15 @@ const COARSE: f64 = 2.5e-4;
 
 #[cfg(test)]
 mod tests {
-    use rand_chacha::ChaCha8Rng;
-    use rand_chacha::rand_core::{Rng, SeedableRng};
-
     use super::{Group, LEVEL, Tail, escape_rate, rate_interval};
     use crate::analysis::Tally;
+    use crate::analysis::draws::Draws;
 
     /// Runs with these times to rest, stopped at an end time.
     fn groups(times: impl Iterator<Item = f64>, end: f64) -> Vec<Group> {
         let mut tally = Tally::default();
         times.for_each(|time| tally.add(time.min(end), usize::from(time >= end)));
         tally.groups().collect()
-    }
-
-    struct Draws(ChaCha8Rng);
-
-    impl Draws {
-        fn new(seed: u64) -> Self {
-            Draws(ChaCha8Rng::seed_from_u64(seed))
-        }
-
-        fn uniform(&mut self) -> f64 {
-            ((self.0.next_u64() >> 11) as f64 + 0.5) / (1_u64 << 53) as f64
-        }
-
-        fn exponential(&mut self, rate: f64) -> f64 {
-            -self.uniform().ln() / rate
-        }
     }
 
     /// Closed forms: one event, `-ln 0.975` at the lower end; none, `-ln 0.025` at the upper. And

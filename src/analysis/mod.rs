@@ -4,6 +4,8 @@
 
 mod alike;
 mod balance;
+#[cfg(test)]
+mod draws;
 mod equilibrium_set;
 mod escape;
 mod frictionless;
