@@ -132,7 +132,7 @@ with Wilson's 95 % intervals. The thesis's counts are a sample, too; its interva
 
 Times by which shares of the runs are at rest (Kaplan-Meier; method `event`).
 
-| speed [rad/s] | μ | 5 % [s] | median [s] | 95 % [s] | still moving at 16.5 s |
+| speed [rad/s] | μ | 25 % [s] | median [s] | 75 % [s] | still moving at 16.5 s |
 |---|---|---|---|---|---|
 "
         .to_owned();
