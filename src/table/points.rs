@@ -172,7 +172,7 @@ fn median_and_escape_columns() -> [Column<PointRow>; 6] {
             "escape_rate_1_s",
             "1/s",
             "constant rate at which runs still moving after escape_from_s come to rest; null where \
-             no tail of the times to rest is exponential or fewer than 10 runs are in it",
+             no tail of 10 rests and a tenth of all rests or more is exponential",
             |escape| escape.rate_1_s,
         ),
         escape(
