@@ -4,11 +4,15 @@
 
 mod alike;
 mod balance;
+#[cfg(test)]
+mod draws;
 mod equilibrium_set;
+mod escape;
 mod frictionless;
 mod interval;
 mod linearised;
 mod point_summary;
+mod rest_curve;
 mod rest_form;
 mod set_grid;
 mod set_parts;
@@ -19,12 +23,14 @@ mod tally;
 pub use alike::{groups_of_alike, sorted_where_alike};
 pub use balance::Balance;
 pub use equilibrium_set::{EquilibriumSet, Resolution, set_fraction};
+pub use escape::{EscapeRate, escape_rate, rate_interval};
 pub use frictionless::{FrictionlessEquilibrium, FrictionlessKind, frictionless_equilibria};
 pub use interval::{Z_95, wilson, wilson_with_failures};
 pub use linearised::{SmallMotions, Stability, state_matrix};
 pub use point_summary::{LabelCounts, PointAccumulator, PointSummary};
+pub use rest_curve::{RestStep, rest_curve};
 pub use rest_form::{AtRest, RestForm};
 pub use set_grid::{GridRow, SetGrid};
 pub use set_samples::{REPLICATES, sample};
-pub use survival::SurvivalCurve;
+pub use survival::{SurvivalCurve, SurvivalStep};
 pub use tally::Tally;

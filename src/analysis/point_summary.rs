@@ -1,6 +1,8 @@
 //! One point of the sweep in numbers: how its runs ended, how soon, with what amplitude.
 
+use super::escape::{EscapeRate, Group, escape_rate};
 use super::interval::{Z_95, wilson_with_failures};
+use super::rest_curve::{RestStep, rest_curve};
 use super::survival::SurvivalCurve;
 use super::tally::Tally;
 use crate::ending::{Label, Outcome};
@@ -50,8 +52,11 @@ const STOPPED: usize = 1;
 #[derive(Clone, Debug, Default)]
 pub struct PointAccumulator {
     counts: LabelCounts,
-    /// Times at which runs came to rest (kind 0) or were stopped while moving (kind 1).
+    /// Times at which runs came to rest (kind 0) or were stopped while moving (kind 1); those that
+    /// have been shown to be on a limit cycle never.
     times: Tally,
+    /// Times at which runs were stopped because they are on a limit cycle (kind 1).
+    cycles: Tally,
     amplitudes: Tally,
 }
 
@@ -67,6 +72,11 @@ pub struct PointSummary {
     /// Times by which 25, 50, 75 and 95 % of the runs have come to rest, s (Kaplan-Meier);
     /// `None` where not reached.
     pub time_to_rest_s: [Option<f64>; 4],
+    /// The 95 % interval of the second of these, the median; `None` where not reached.
+    pub median_interval_s: [Option<f64>; 2],
+    /// The constant rate at which late runs come to rest, where it is constant. A run on a limit
+    /// cycle counts as moving until it was stopped.
+    pub escape: Option<EscapeRate>,
     /// Quantiles 5, 50 and 95 % of the amplitude over all runs that have one, m.
     pub amplitude_m: [Option<f64>; 3],
 }
@@ -88,10 +98,25 @@ impl PointAccumulator {
         }
         match (outcome.time_to_rest_s, outcome.end_time_s) {
             (Some(time), _) => self.times.add(time, REST),
-            (None, _) if label == Label::LimitCycle => self.times.add(f64::INFINITY, STOPPED),
+            (None, end) if label == Label::LimitCycle => {
+                self.times.add(f64::INFINITY, STOPPED);
+                end.into_iter().for_each(|end| self.cycles.add(end, STOPPED));
+            }
             (None, end) => end.into_iter().for_each(|end| self.times.add(end, STOPPED)),
         }
         outcome.amplitude_m.into_iter().for_each(|amplitude| self.amplitudes.add(amplitude, REST));
+    }
+
+    /// The probability of being at rest over time, up to the study's end time.
+    pub fn rest_curve(&self, end_time_s: f64) -> Vec<RestStep> {
+        rest_curve(&SurvivalCurve::new(self.times.groups()), end_time_s)
+    }
+
+    fn escape(&self) -> Option<EscapeRate> {
+        let finite = self.times.groups().filter(|(time, _)| time.is_finite());
+        let mut groups: Vec<Group> = finite.chain(self.cycles.groups()).collect();
+        groups.sort_by(|(a, _), (b, _)| a.total_cmp(b));
+        escape_rate(&groups)
     }
 
     /// The numbers.
@@ -109,6 +134,8 @@ impl PointAccumulator {
             ),
             time_to_rest_s: PointSummary::TIME_SHARES
                 .map(|share| curve.time_to_rest_quantile(share)),
+            median_interval_s: curve.time_to_rest_interval(0.5),
+            escape: self.escape(),
             amplitude_m: PointSummary::AMPLITUDE_SHARES
                 .map(|share| self.amplitudes.quantile(share)),
         }
@@ -133,8 +160,44 @@ mod tests {
         }
         point.add(&run(Evidence::ClosedOrbit, None));
         point.add(&run(Evidence::Panic, None));
+        // The cycle was shown at 16.5 s and is watched to the end, 20 s.
+        let rows = point.rest_curve(20.0);
+        let counts: Vec<(f64, u64, u64, u64)> = rows
+            .iter()
+            .map(|row| (row.time_s, row.at_risk, row.came_to_rest, row.censored))
+            .collect();
+        let expected = [(0.0, 4, 0, 0), (1.0, 4, 1, 0), (2.0, 3, 1, 0), (3.0, 2, 1, 0)];
+        assert_eq!(counts[..4], expected);
+        assert_eq!(counts[4..], [(20.0, 1, 0, 1)]);
+        assert_eq!(rows[4].probability, 0.75);
         let summary = point.summary();
         assert_eq!(summary.equilibrium_fraction, 0.6);
         assert_eq!(summary.time_to_rest_s, [Some(1.0), Some(2.0), Some(3.0), None]);
+        assert_eq!(summary.median_interval_s, [Some(1.0), None]);
+        assert_eq!(summary.escape, None);
+    }
+
+    /// Runs that rest at a rate of 0.5 while others find limit cycles at the same rate: what still moves
+    /// rests at the former rate, whatever the share that never will.
+    #[test]
+    fn runs_that_find_cycles_leave_the_exposure() {
+        let mut point = PointAccumulator::default();
+        let runs = 2000;
+        for i in 0..runs {
+            // Times to leave at a rate of 1, in their order, and every other to a cycle.
+            let time = -(1.0 - (f64::from(i) + 0.5) / f64::from(runs)).ln();
+            let rests = i % 2 == 0;
+            point.add(&Outcome {
+                time_to_rest_s: rests.then_some(time),
+                end_time_s: Some(time),
+                ..Outcome::failed(
+                    if rests { Evidence::RestCertified } else { Evidence::ClosedOrbit },
+                    String::new(),
+                )
+            });
+        }
+        let escape = point.summary().escape.expect("an exponential tail");
+        assert_eq!(escape.from_s, 0.0);
+        assert!((escape.rate_1_s - 0.5).abs() < 1e-3, "{escape:?}");
     }
 }

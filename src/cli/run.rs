@@ -12,6 +12,7 @@ use super::arguments::{FarmArguments, StudyArgument};
 use super::exit::{CliError, End};
 use super::output::print;
 use super::points_table::PointsTable;
+use crate::analysis::RestStep;
 use crate::ending::{Label, simulate};
 use crate::farm::{Progress, Sink, Tally, farm, say, stop_on_signals};
 use crate::study::Study;
@@ -26,9 +27,9 @@ Examples:
   stickslip run study.yaml --shard 2/4 --out results/part-2
 
 The directory holds runs.parquet (a row per run), points.parquet (a row per point of the sweep),
-equilibria.parquet (where runs came to rest), study.yaml (with all defaults filled in) and
-manifest.json. Ctrl-C finishes the runs in progress, keeps everything and exits with 130; a second
-Ctrl-C stops at once.";
+rest.parquet (the probability of being at rest over time, per point), equilibria.parquet (where runs
+came to rest), study.yaml (with all defaults filled in) and manifest.json. Ctrl-C finishes the runs
+in progress, keeps everything and exits with 130; a second Ctrl-C stops at once.";
 
 /// Run a study: thousands of simulations, their endings as Parquet tables
 #[derive(Clone, Debug, Args)]
@@ -78,7 +79,7 @@ pub fn run(arguments: &RunArguments) -> Result<End, CliError> {
     let mut results = Results::create(&directory, &study)?;
     let ran = farm_study(&study, &arguments.farm, |record, point| match (record, point) {
         (Some(record), _) => results.push_run(record),
-        (_, Some(point)) => results.push_point(point.clone()),
+        (_, Some((point, rest))) => results.push_point(point.clone(), rest),
         (None, None) => Ok(()),
     })?;
     let manifest = results.finish(&study, ran.circumstances.clone())?;
@@ -162,6 +163,9 @@ impl Ran {
     }
 }
 
+/// A point and how its runs came to rest over time.
+pub type PointWithCurve<'a> = (&'a PointRow, &'a [RestStep]);
+
 /// Hands runs and points to a function and collects the points for the terminal.
 struct Collector<F> {
     take: F,
@@ -170,7 +174,7 @@ struct Collector<F> {
 
 impl<F> Sink for Collector<F>
 where
-    F: FnMut(Option<RunRecord>, Option<&PointRow>) -> Result<(), ResultsError> + Send,
+    F: FnMut(Option<RunRecord>, Option<PointWithCurve<'_>>) -> Result<(), ResultsError> + Send,
 {
     type Error = ResultsError;
 
@@ -178,9 +182,9 @@ where
         (self.take)(Some(record), None)
     }
 
-    fn point(&mut self, point: PointRow) -> Result<(), ResultsError> {
+    fn point(&mut self, point: PointRow, rest: &[RestStep]) -> Result<(), ResultsError> {
         self.table.push(&point);
-        (self.take)(None, Some(&point))
+        (self.take)(None, Some((&point, rest)))
     }
 }
 
@@ -191,7 +195,7 @@ where
 pub fn farm_study(
     study: &Study,
     arguments: &FarmArguments,
-    take: impl FnMut(Option<RunRecord>, Option<&PointRow>) -> Result<(), ResultsError> + Send,
+    take: impl FnMut(Option<RunRecord>, Option<PointWithCurve<'_>>) -> Result<(), ResultsError> + Send,
 ) -> Result<Ran, CliError> {
     let options = arguments.options();
     let runs_planned = options.shard.runs(study.run_count());

@@ -19,7 +19,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use rayon::prelude::*;
 use thiserror::Error;
 
-use crate::analysis::{LabelCounts, PointAccumulator};
+use crate::analysis::{LabelCounts, PointAccumulator, RestStep};
 use crate::ending::Outcome;
 use crate::model::Case;
 use crate::study::Study;
@@ -47,11 +47,12 @@ pub trait Sink: Send {
     /// Stops the farm.
     fn run(&mut self, record: RunRecord) -> Result<(), Self::Error>;
 
-    /// All runs of a point have finished, or those that will.
+    /// All runs of a point have finished, or those that will; `rest` is how they came to rest over
+    /// time.
     ///
     /// # Errors
     /// Stops the farm.
-    fn point(&mut self, point: PointRow) -> Result<(), Self::Error>;
+    fn point(&mut self, point: PointRow, rest: &[RestStep]) -> Result<(), Self::Error>;
 }
 
 /// Why a study could not be farmed.
@@ -150,7 +151,9 @@ impl<S: Sink> Intake<'_, S> {
     fn close_point(&mut self) -> Result<(), S::Error> {
         match self.point.take() {
             Some((point_id, runs)) => {
-                self.sink.point(PointRow::new(&self.study.point(point_id), runs.summary()))
+                let rest = runs.rest_curve(self.study.simulation().end_time_s);
+                let row = PointRow::new(&self.study.point(point_id), runs.summary());
+                self.sink.point(row, &rest)
             }
             None => Ok(()),
         }

@@ -2,7 +2,7 @@
 
 use super::column::Column;
 use super::runs::swept_columns;
-use crate::analysis::{PointSummary, set_fraction};
+use crate::analysis::{EscapeRate, PointSummary, set_fraction};
 use crate::ending::Label;
 use crate::model::{Balancer, ExistenceVerdict, Machine};
 use crate::study::{ParameterValue, Point, Study};
@@ -102,6 +102,7 @@ pub fn point_columns(study: &Study) -> Vec<Column<PointRow>> {
             move |row: &PointRow| row.summary.time_to_rest_s[index],
         ));
     }
+    columns.extend(median_and_escape_columns());
     for (index, share) in PointSummary::AMPLITUDE_SHARES.into_iter().enumerate() {
         let percent = (100.0 * share).round();
         columns.push(Column::number(
@@ -144,4 +145,53 @@ pub fn point_columns(study: &Study) -> Vec<Column<PointRow>> {
         ),
     ]);
     columns
+}
+
+/// How well the median time to rest is known, and the rate at which late runs come to rest.
+fn median_and_escape_columns() -> [Column<PointRow>; 6] {
+    let median = |end: usize, name: &str, meaning: &str| {
+        Column::number(name, "s", meaning, move |row: &PointRow| row.summary.median_interval_s[end])
+    };
+    let escape = |name: &str, unit: &str, meaning: &str, value: fn(&EscapeRate) -> f64| {
+        Column::number(name, unit, meaning, move |row: &PointRow| {
+            row.summary.escape.as_ref().map(value)
+        })
+    };
+    [
+        median(
+            0,
+            "time_to_rest_p50_low_s",
+            "lower end of the median's 95 % interval (Brookmeyer and Crowley, log(-log) curve)",
+        ),
+        median(
+            1,
+            "time_to_rest_p50_high_s",
+            "upper end of the median's 95 % interval; null where not reached",
+        ),
+        escape(
+            "escape_rate_1_s",
+            "1/s",
+            "constant rate at which runs still moving after escape_from_s come to rest; null where \
+             no tail of 10 rests and a tenth of all rests or more is exponential",
+            |escape| escape.rate_1_s,
+        ),
+        escape(
+            "escape_rate_low_1_s",
+            "1/s",
+            "lower end of its 95 % interval (Garwood)",
+            |escape| escape.interval_1_s.0,
+        ),
+        escape(
+            "escape_rate_high_1_s",
+            "1/s",
+            "upper end of its 95 % interval (Garwood)",
+            |escape| escape.interval_1_s.1,
+        ),
+        escape(
+            "escape_from_s",
+            "s",
+            "earliest time after which a constant rate is not rejected (Kolmogorov, level 0.1)",
+            |escape| escape.from_s,
+        ),
+    ]
 }

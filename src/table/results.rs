@@ -12,9 +12,10 @@ use super::manifest::{FileEntry, Manifest, write_atomically};
 use super::points::{PointRow, point_columns};
 use super::provenance::{COMMIT, FORMAT, VERSION, provenance};
 use super::record::RunRecord;
+use super::rest::{RestRow, rest_columns};
 use super::runs::run_columns;
 use super::writer::{TableWriter, WriteError};
-use crate::analysis::LabelCounts;
+use crate::analysis::{LabelCounts, RestStep};
 use crate::ending::Label;
 use crate::study::Study;
 
@@ -138,12 +139,14 @@ pub struct Results {
     directory: PathBuf,
     runs: TableWriter<RunRecord>,
     points: TableWriter<PointRow>,
+    rest: TableWriter<RestRow>,
     equilibria: TableWriter<EquilibriumRow>,
     counts: LabelCounts,
 }
 
 const RUNS: &str = "runs.parquet";
 const POINTS: &str = "points.parquet";
+const REST: &str = "rest.parquet";
 const EQUILIBRIA: &str = "equilibria.parquet";
 const STUDY: &str = "study.yaml";
 
@@ -168,6 +171,11 @@ impl Results {
                 point_columns(study),
                 &provenance(study, "points"),
             )?,
+            rest: TableWriter::create(
+                &directory.join(REST),
+                rest_columns(study),
+                &provenance(study, "rest"),
+            )?,
             equilibria: TableWriter::create(
                 &directory.join(EQUILIBRIA),
                 equilibrium_columns(study),
@@ -190,11 +198,14 @@ impl Results {
         Ok(self.runs.push(record)?)
     }
 
-    /// Adds a point.
+    /// Adds a point and the course of its runs' coming to rest.
     ///
     /// # Errors
     /// Where a table cannot be written.
-    pub fn push_point(&mut self, point: PointRow) -> Result<(), ResultsError> {
+    pub fn push_point(&mut self, point: PointRow, rest: &[RestStep]) -> Result<(), ResultsError> {
+        for step in rest {
+            self.rest.push(RestRow::new(&point, *step))?;
+        }
         Ok(self.points.push(point)?)
     }
 
@@ -210,6 +221,7 @@ impl Results {
         let rows = [
             (RUNS, Some(self.runs.finish()?)),
             (POINTS, Some(self.points.finish()?)),
+            (REST, Some(self.rest.finish()?)),
             (EQUILIBRIA, Some(self.equilibria.finish()?)),
             (STUDY, None),
         ];

@@ -8,16 +8,10 @@ use std::time::Duration;
 
 use super::support::{AT_ONCE, Scratch, study_text};
 
-/// The most memory that the program has held at a time, in KiB, over a study of this many points with
-/// this many runs each.
-fn peak_kib(points: u32, runs: u32) -> u64 {
+/// The most memory that the program has held at a time, in KiB, over a study of this many runs.
+fn peak_kib(text: &str, runs: u64) -> u64 {
     let scratch = Scratch::new();
-    let speeds: Vec<String> = (0..points).map(|point| format!("-{}", 150 + point)).collect();
-    let rest = format!("sweep: [{{grid: {{speed_rad_s: [{}]}}}}]\n", speeds.join(", "));
-    scratch.write(
-        "a.yaml",
-        study_text("a", &format!("{{monte_carlo: {{samples: {runs}}}}}"), AT_ONCE, &rest),
-    );
+    scratch.write("a.yaml", text);
     let mut child = scratch.command("run a.yaml --quiet --out out --threads 2").spawn().unwrap();
     let mut peak = 0;
     // The mark only rises; looking for it now and then is enough.
@@ -29,8 +23,29 @@ fn peak_kib(points: u32, runs: u32) -> u64 {
         thread::sleep(Duration::from_millis(1));
     }
     assert!(child.wait().unwrap().success());
-    assert_eq!(scratch.manifest("out")["runs_finished"], u64::from(points) * u64::from(runs));
+    let manifest = scratch.manifest("out");
+    assert_eq!(manifest["runs_finished"], runs);
+    assert!(manifest["files"]["rest.parquet"]["rows"].as_u64().unwrap() <= 1000);
     peak
+}
+
+/// Runs that are stopped at once, at this many points with this many runs each.
+fn stopped_peak_kib(points: u32, runs: u32) -> u64 {
+    let speeds: Vec<String> = (0..points).map(|point| format!("-{}", 150 + point)).collect();
+    let rest = format!("sweep: [{{grid: {{speed_rad_s: [{}]}}}}]\n", speeds.join(", "));
+    let design = format!("{{monte_carlo: {{samples: {runs}}}}}");
+    peak_kib(&study_text("a", &design, AT_ONCE, &rest), u64::from(points) * u64::from(runs))
+}
+
+/// Runs at one point that come to rest, each at another time.
+fn rested_peak_kib(runs: u64) -> u64 {
+    let text = format!(
+        "schema: 1\nname: a\nseed: 5\nmodel: {{kind: block_on_spring, parameters: {{mass_kg: 1, \
+         stiffness_n_m: 100, normal_force_n: 10, friction_coefficient: 0.2}}}}\n\
+         initial_conditions: {{box: {{position_m: [-0.1, 0.1], velocity_m_s: [-1, 1]}}, \
+         design: {{monte_carlo: {{samples: {runs}}}}}}}\nsimulation: {{end_time_s: 30}}\n"
+    );
+    peak_kib(&text, runs)
 }
 
 /// What a study may take above one of 10,000 runs: 35 KiB of footer for each row group of 8192 rows,
@@ -40,8 +55,15 @@ const ALLOWED_KIB: u64 = 12 * 1024;
 
 #[test]
 fn a_study_of_200_000_runs_takes_the_memory_of_one_of_10_000() {
-    let small = peak_kib(2, 5000);
-    let (many_points, one_point) = (peak_kib(40, 5000), peak_kib(1, 200_000));
+    let small = stopped_peak_kib(2, 5000);
+    let (many_points, one_point) = (stopped_peak_kib(40, 5000), stopped_peak_kib(1, 200_000));
     println!("10,000 runs: {small} KiB; 200,000: {many_points} KiB, at one point {one_point} KiB");
     assert!(small > 1024 && many_points.max(one_point) < small + ALLOWED_KIB);
+}
+
+#[test]
+fn more_times_to_rest_than_are_kept_apart_take_no_more() {
+    let (small, large) = (rested_peak_kib(5000), rested_peak_kib(120_000));
+    println!("times to rest: 5,000 runs: {small} KiB; 120,000: {large} KiB");
+    assert!(small > 1024 && large < small + ALLOWED_KIB);
 }

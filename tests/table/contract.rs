@@ -111,6 +111,12 @@ fn points() {
         "time_to_rest_p50_s n s",
         "time_to_rest_p75_s n s",
         "time_to_rest_p95_s n s",
+        "time_to_rest_p50_low_s n s",
+        "time_to_rest_p50_high_s n s",
+        "escape_rate_1_s n 1/s",
+        "escape_rate_low_1_s n 1/s",
+        "escape_rate_high_1_s n 1/s",
+        "escape_from_s n s",
         "amplitude_p05_m n m",
         "amplitude_p50_m n m",
         "amplitude_p95_m n m",
@@ -125,6 +131,58 @@ fn points() {
     assert_eq!(counts(&points, "runs"), [5, 5]);
     let words: Vec<String> = words(&points, "normal_force").into_iter().flatten().collect();
     assert_eq!(words, ["lagrange", "newton"]);
+}
+
+/// The curve of each point counts all of its runs, and its numbers are those of `points.parquet`.
+#[test]
+fn rest() {
+    let rest = "sweep: [{grid: {speed_rad_s: [-160.0, -216.0]}}]\n";
+    let scratch = results(&study_text("a", "{monte_carlo: {samples: 40}}", 5.0, rest));
+    let rest = scratch.table("out", "rest");
+    let expected = [
+        "point_id c -",
+        "speed_rad_s n rad/s",
+        "time_s n s",
+        "at_risk c -",
+        "came_to_rest c -",
+        "censored c -",
+        "probability_at_rest n 1",
+        "ci_low n 1",
+        "ci_high n 1",
+    ];
+    assert_eq!(columns(&rest), expected);
+    let [point, at_risk, rests, censored] =
+        ["point_id", "at_risk", "came_to_rest", "censored"].map(|name| counts(&rest, name));
+    let [time, probability, low, high] = ["time_s", "probability_at_rest", "ci_low", "ci_high"]
+        .map(|name| numbers(&rest, name).into_iter().map(Option::unwrap).collect::<Vec<f64>>());
+    let points = scratch.table("out", "points");
+    for id in [0, 1] {
+        let rows: Vec<usize> = (0..point.len()).filter(|&row| point[row] == id).collect();
+        let mut left = 40;
+        let mut moving = 1.0;
+        for &row in &rows {
+            assert_eq!(at_risk[row], left);
+            moving *= 1.0 - rests[row] as f64 / at_risk[row] as f64;
+            assert!((1.0 - moving - probability[row]).abs() < 1e-12);
+            assert!(low[row] <= probability[row] && probability[row] <= high[row]);
+            left -= rests[row] + censored[row];
+        }
+        assert_eq!((time[rows[0]], left), (0.0, 0));
+        assert!(rows.windows(2).all(|pair| time[pair[0]] < time[pair[1]]));
+        let at_rest: u64 = rows.iter().map(|&row| rests[row]).sum();
+        assert_eq!(at_rest, counts(&points, "equilibrium_runs")[id as usize]);
+        let first = |curve: &[f64]| {
+            rows.iter().find(|&&row| curve[row] >= 0.5 - 1e-12).map(|&row| time[row])
+        };
+        for (name, curve) in [
+            ("time_to_rest_p50_s", &probability),
+            ("time_to_rest_p50_low_s", &high),
+            ("time_to_rest_p50_high_s", &low),
+        ] {
+            assert_eq!(numbers(&points, name)[id as usize], first(curve), "{name}");
+        }
+    }
+    assert!(counts(&points, "equilibrium_runs")[0] > 5, "the study shows too little");
 }
 
 /// Balls that are alike have no names: an equilibrium is the set of their angles.

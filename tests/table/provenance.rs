@@ -34,6 +34,7 @@ fn every_table_says_where_it_comes_from() {
     for (file, table) in [
         ("out/runs.parquet", "runs"),
         ("out/points.parquet", "points"),
+        ("out/rest.parquet", "rest"),
         ("out/equilibria.parquet", "equilibria"),
         ("cases.parquet", "cases"),
     ] {
@@ -89,8 +90,8 @@ fn time_and_host_are_in_the_manifest_only() {
             assert!(!holds, "{name} holds the host's name");
         }
     }
-    let rows = ["runs", "points", "equilibria"]
+    let rows = ["runs", "points", "rest", "equilibria"]
         .map(|name| manifest["files"][format!("{name}.parquet")]["rows"].clone());
-    assert_eq!(rows, [5, 1, 0]);
+    assert_eq!(rows, [5, 1, 2, 0]);
     assert_eq!(manifest["files"]["study.yaml"]["rows"], Value::Null);
 }

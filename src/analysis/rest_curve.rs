@@ -1,0 +1,161 @@
+//! The probability of being at rest by a time, as rows for a table: no more than a thousand.
+
+use super::survival::SurvivalCurve;
+
+/// One row: what has happened by a time.
+///
+/// `at_risk - came_to_rest - censored` is `at_risk` of the next row, and 0 in the last.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RestStep {
+    /// The time, s.
+    pub time_s: f64,
+    /// Runs still moving and watched just before; in a thinned curve, before the first run that came
+    /// to rest after the row before.
+    pub at_risk: u64,
+    /// Runs that came to rest since the row before, up to and with this time.
+    pub came_to_rest: u64,
+    /// Runs stopped while moving, from this time on (in a thinned curve, from the first rest after
+    /// the row before on) until the next row.
+    pub censored: u64,
+    /// Probability of being at rest by this time.
+    pub probability: f64,
+    /// Its 95 % interval.
+    pub interval: (f64, f64),
+}
+
+/// Most rows at which runs come to rest.
+const MOST_STEPS: usize = 998;
+
+/// The rows of a curve, none where there are no runs.
+///
+/// The first is at time 0, one follows for each time at which runs came to rest, and runs still
+/// moving after the last of these, whether nothing is known of them or they are on a limit cycle, are
+/// stopped in a last row at `end_time_s`. Of more than 998 times, those are kept at which the
+/// probability passes equal steps, a 998th of the greatest apart; what the rows say is not changed.
+pub fn rest_curve(curve: &SurvivalCurve, end_time_s: f64) -> Vec<RestStep> {
+    let mut rows = Vec::new();
+    if curve.runs == 0 {
+        return rows;
+    }
+    let at_rest = |(low, high): (f64, f64)| (1.0 - high, 1.0 - low);
+    let mut last = RestStep {
+        time_s: 0.0,
+        at_risk: curve.runs,
+        came_to_rest: 0,
+        censored: curve.stopped_before,
+        probability: 0.0,
+        interval: at_rest(curve.interval_before()),
+    };
+    if curve.steps.first().is_none_or(|step| step.time_s > 0.0) {
+        rows.push(last);
+    }
+    let greatest = curve.steps.last().map_or(1.0, |step| 1.0 - step.moving);
+    let (mut came_to_rest, mut censored, mut at_risk) = (0, 0, None);
+    for (index, step) in curve.steps.iter().enumerate() {
+        at_risk.get_or_insert(step.at_risk);
+        came_to_rest += step.rests;
+        censored += step.stopped;
+        let place = |moving: f64| ((1.0 - moving) / greatest * MOST_STEPS as f64).ceil();
+        let next = curve.steps.get(index + 1);
+        let kept = curve.steps.len() <= MOST_STEPS
+            || next.is_none_or(|next| place(next.moving) > place(step.moving));
+        if kept {
+            last = RestStep {
+                time_s: step.time_s,
+                at_risk: at_risk.take().unwrap_or(step.at_risk),
+                came_to_rest: std::mem::take(&mut came_to_rest),
+                censored: std::mem::take(&mut censored),
+                probability: 1.0 - step.moving,
+                interval: at_rest(step.interval),
+            };
+            rows.push(last);
+        }
+    }
+    // All that is left is stopped at the end.
+    let left = curve.steps.last().map_or(curve.stopped_before, |step| step.stopped);
+    if left > 0 {
+        let (time_s, at_risk) = (end_time_s.max(last.time_s), left);
+        if let Some(row) = rows.last_mut() {
+            row.censored -= left;
+        }
+        rows.push(RestStep { time_s, at_risk, came_to_rest: 0, censored: left, ..last });
+    }
+    rows
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{RestStep, rest_curve};
+    use crate::analysis::{SurvivalCurve, Tally};
+
+    fn rows(rests: &[f64], stopped: &[f64]) -> (SurvivalCurve, Vec<RestStep>) {
+        let mut times = Tally::default();
+        rests.iter().for_each(|time| times.add(*time, 0));
+        stopped.iter().for_each(|time| times.add(*time, 1));
+        let curve = SurvivalCurve::new(times.groups());
+        let rows = rest_curve(&curve, 16.5);
+        adds_up(&rows, rests.len() + stopped.len());
+        (curve, rows)
+    }
+
+    fn adds_up(rows: &[RestStep], runs: usize) {
+        let mut left = runs as u64;
+        for row in rows {
+            assert_eq!(row.at_risk, left, "{row:?}");
+            left -= row.came_to_rest + row.censored;
+            assert!(row.interval.0 <= row.probability && row.probability <= row.interval.1);
+        }
+        assert_eq!(left, 0);
+    }
+
+    #[test]
+    fn a_row_for_each_time_and_the_rest_at_the_end() {
+        let (_, rows) = rows(&[2.0, 1.0, 2.0], &[0.5, 1.5, 16.5, f64::INFINITY]);
+        let found: Vec<(f64, u64, u64, u64)> = rows
+            .iter()
+            .map(|row| (row.time_s, row.at_risk, row.came_to_rest, row.censored))
+            .collect();
+        assert_eq!(found, [(0.0, 7, 0, 1), (1.0, 6, 1, 1), (2.0, 4, 2, 0), (16.5, 2, 0, 2)]);
+        assert!((rows[1].probability - 1.0 / 6.0).abs() < 1e-15);
+        assert!((rows[2].probability - 7.0 / 12.0).abs() < 1e-15);
+        assert_eq!(rows[3].probability, rows[2].probability);
+        assert_eq!(rows[3].interval, rows[2].interval);
+    }
+
+    #[test]
+    fn rests_alone_stops_alone_and_nothing() {
+        let (_, all) = rows(&[0.0, 3.0], &[]);
+        assert_eq!(all.len(), 2);
+        assert_eq!((all[0].time_s, all[0].probability, all[0].came_to_rest), (0.0, 0.5, 1));
+        assert_eq!((all[1].probability, all[1].interval.1), (1.0, 1.0));
+        let (_, none) = rows(&[], &[16.5; 10]);
+        assert_eq!(none.len(), 2);
+        for row in &none {
+            assert_eq!((row.probability, row.interval.0), (0.0, 0.0));
+            assert!((row.interval.1 - (1.0 - 0.025_f64.powf(0.1))).abs() < 1e-12);
+        }
+        assert!(rows(&[], &[]).1.is_empty());
+    }
+
+    /// A thinned curve has rows of the whole one, and no step of it is missed by more than a step of
+    /// probability.
+    #[test]
+    fn long_curves_are_thinned() {
+        for count in [998, 999, 1500, 20_000] {
+            let rests: Vec<f64> = (1..=count).map(|i| f64::from(i).sqrt() / 10.0).collect();
+            let stopped: Vec<f64> = (1..=count / 3).map(|i| f64::from(i).cbrt()).collect();
+            let (curve, thinned) = rows(&rests, &stopped);
+            assert!(thinned.len() <= 1000, "{count}: {}", thinned.len());
+            assert!(thinned.len() > 490);
+            let greatest = 1.0 - curve.steps.last().unwrap().moving;
+            for pair in thinned.windows(2) {
+                assert!(pair[1].probability - pair[0].probability < 2.01 * greatest / 998.0);
+            }
+            for row in thinned.iter().filter(|row| row.came_to_rest > 0) {
+                let whole = curve.steps.iter().find(|step| step.time_s == row.time_s).unwrap();
+                assert_eq!(row.probability, 1.0 - whole.moving);
+                assert_eq!(row.interval, (1.0 - whole.interval.1, 1.0 - whole.interval.0));
+            }
+        }
+    }
+}

@@ -1,0 +1,69 @@
+//! `rest.parquet`: per point of the sweep, the probability of being at rest over time.
+
+use super::column::Column;
+use super::points::PointRow;
+use super::runs::swept_columns;
+use crate::analysis::RestStep;
+use crate::study::{ParameterValue, Study};
+
+/// One row of a point's curve.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RestRow {
+    /// Number of the point, from 0.
+    pub point_id: u64,
+    /// Values of the swept parameters, in the order of [`Study::swept`].
+    pub swept: Vec<ParameterValue>,
+    /// What has happened by a time.
+    pub step: RestStep,
+}
+
+impl RestRow {
+    /// A row of a point's curve.
+    pub fn new(point: &PointRow, step: RestStep) -> Self {
+        RestRow { point_id: point.point_id, swept: point.swept.clone(), step }
+    }
+}
+
+/// The columns of `rest.parquet`.
+pub fn rest_columns(study: &Study) -> Vec<Column<RestRow>> {
+    let mut columns =
+        vec![Column::count("point_id", "number of the sweep's point, from 0", |row: &RestRow| {
+            Some(row.point_id)
+        })];
+    columns.extend(swept_columns(study, |row: &RestRow| &row.swept));
+    columns.extend([
+        Column::number("time_s", "s", "simulated time", |row: &RestRow| Some(row.step.time_s)),
+        Column::count(
+            "at_risk",
+            "runs still moving just before; of a curve thinned to 1000 rows, before the first rest \
+             after the row before; failed runs are left out",
+            |row: &RestRow| Some(row.step.at_risk),
+        ),
+        Column::count(
+            "came_to_rest",
+            "runs that came to rest since the row before, up to and with this time",
+            |row: &RestRow| Some(row.step.came_to_rest),
+        ),
+        Column::count(
+            "censored",
+            "runs stopped while moving before the next row; limit cycles at the end time",
+            |row: &RestRow| Some(row.step.censored),
+        ),
+        Column::number(
+            "probability_at_rest",
+            "1",
+            "probability of being at rest by this time (Kaplan-Meier)",
+            |row: &RestRow| Some(row.step.probability),
+        ),
+        Column::number(
+            "ci_low",
+            "1",
+            "lower end of its 95 % interval (Greenwood, log(-log); exact binomial at 0 and 1)",
+            |row: &RestRow| Some(row.step.interval.0),
+        ),
+        Column::number("ci_high", "1", "upper end of its 95 % interval", |row: &RestRow| {
+            Some(row.step.interval.1)
+        }),
+    ]);
+    columns
+}
