@@ -6,3 +6,4 @@ pub mod convergence;
 mod friction_laws;
 mod limit_cycle;
 pub mod reference;
+mod settled;
