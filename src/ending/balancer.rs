@@ -26,7 +26,9 @@ pub(super) fn simulate_balancer<const N: usize>(
     let rates = balancer.balls.iter().map(|ball| ball.friction.damping_rate(weight));
     let stiff = stiff_pace(rates.fold(0.0, f64::max));
     let pace = 1.0 + balancer.speed.abs() + balancer.damping_ratio + stiff;
-    let settings = Settings::new(simulation, effort_limit(end, pace, balancer.longest_step()));
+    // An explicit method takes some tenth of the rate at which the table is damped.
+    let least = 1.0 / balancer.longest_step() + 0.2 * balancer.damping_ratio;
+    let settings = Settings::new(simulation, effort_limit(end, pace, least));
     let units = Units { natural, radius: machine.ring_radius_m };
     match Motion::new(&balancer, settings, state) {
         Ok(motion) => Run::new(&balancer, settings, motion, end).finish(units),

@@ -32,7 +32,7 @@ pub(super) fn simulate_block(block: &Block, start: &Start, simulation: &Simulati
     };
     let end = simulation.end_time_s * natural;
     let pace = 1.0 + stiff_pace(slider.friction.damping_rate(1.0));
-    let settings = Settings::new(simulation, effort_limit(end, pace, slider.longest_step()));
+    let settings = Settings::new(simulation, effort_limit(end, pace, 1.0 / slider.longest_step()));
     match Motion::new(&slider, settings, state) {
         Ok(motion) => {
             let settled = SettledWatch::default();

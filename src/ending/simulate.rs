@@ -38,11 +38,12 @@ fn simulate_balls(machine: &Machine, start: &Start, simulation: &Simulation) -> 
 
 /// Far more steps than any sound run takes over the non-dimensional time `end`: it takes ten steps
 /// and a few switches per unit of time, more the faster the system can change (`pace`). However
-/// long a run is, it is given up after a few minutes of computing; after a second, where steps of
-/// at most `longest_step` could not bring it to its end in that time: it comes to rest soon or never.
-pub(super) fn effort_limit(end: f64, pace: f64, longest_step: f64) -> u64 {
+/// long a run is, it is given up after a few minutes of computing; after a second, where it would have
+/// to go on for longer (it takes at least `least` steps per unit of time): it comes to rest soon or
+/// never.
+pub(super) fn effort_limit(end: f64, pace: f64, least: f64) -> u64 {
     const MOST: f64 = 1e8;
-    let hopeless = end > MOST * longest_step;
+    let hopeless = end * least > MOST;
     100_000 + (1000.0 * end * pace).min(if hopeless { 0.01 * MOST } else { MOST }) as u64
 }
 
