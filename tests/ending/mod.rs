@@ -1,5 +1,6 @@
 //! How runs end: against an independent integration, the thesis's numbers, and themselves.
 
+mod attraction;
 mod blocks;
 mod certificate;
 pub mod convergence;
