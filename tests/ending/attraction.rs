@@ -22,7 +22,7 @@ fn cases() -> Vec<Case> {
 }
 
 fn with(case: &Case, method: Method) -> Case {
-    Case { simulation: Simulation { method, ..case.simulation.clone() }, ..case.clone() }
+    Case { simulation: Simulation { method, ..case.simulation }, ..case.clone() }
 }
 
 /// How far passages are from those one period earlier: in the table's state, in the running ball's

@@ -4,6 +4,7 @@ mod attraction;
 mod blocks;
 mod certificate;
 pub mod convergence;
+mod effort;
 mod friction_laws;
 mod limit_cycle;
 pub mod reference;
