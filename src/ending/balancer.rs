@@ -7,7 +7,7 @@ use super::outcome::{Evidence, Outcome};
 use super::return_map::Orbit;
 use super::settled::SettledWatch;
 use super::simulate::{WINDOW, effort_limit, stiff_pace};
-use crate::model::{Balancer, Machine, RestPoint, Simulation, Start};
+use crate::model::{Balancer, Machine, RestPoint, Simulation, Start, System};
 use crate::motion::{Failure, Motion, Settings};
 
 /// Simulates a balancer with `N` balls until its ending is known.
@@ -26,7 +26,9 @@ pub(super) fn simulate_balancer<const N: usize>(
     let rates = balancer.balls.iter().map(|ball| ball.friction.damping_rate(weight));
     let stiff = stiff_pace(rates.fold(0.0, f64::max));
     let pace = 1.0 + balancer.speed.abs() + balancer.damping_ratio + stiff;
-    let settings = Settings::new(simulation, effort_limit(end, pace));
+    // An explicit method takes some tenth of the rate at which the table is damped.
+    let least = 1.0 / balancer.longest_step() + 0.2 * balancer.damping_ratio;
+    let settings = Settings::new(simulation, effort_limit(end, pace, least));
     let units = Units { natural, radius: machine.ring_radius_m };
     match Motion::new(&balancer, settings, state) {
         Ok(motion) => Run::new(&balancer, settings, motion, end).finish(units),
@@ -119,7 +121,7 @@ impl<'a, const N: usize> Run<'a, N> {
                 self.rest = None;
             }
             self.extend_window(before, square);
-            if self.settled.look(self.balancer, &self.motion) {
+            if self.settled.look(self.balancer, &self.motion, self.end) {
                 return Ending::Settled;
             }
             let cycle = self.watch.look(self.balancer, &self.settings, &mut self.motion);
@@ -212,7 +214,7 @@ impl<'a, const N: usize> Run<'a, N> {
                 mean_speed: Some(orbit.speed.map(|speed| speed * natural).to_vec()),
                 ..base
             },
-            Ending::Settled => slow(Evidence::Settled),
+            Ending::Settled => Outcome { friction_margin: None, ..slow(Evidence::Settled) },
             Ending::EndTime if creeps(self.balancer, &self.motion) => slow(Evidence::Creep),
             Ending::EndTime => {
                 let span = self.motion.time() - self.window.opened;

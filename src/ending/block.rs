@@ -12,7 +12,7 @@
 use super::outcome::{Evidence, Outcome};
 use super::settled::SettledWatch;
 use super::simulate::{WINDOW, effort_limit, stiff_pace};
-use crate::model::{Block, Simulation, Slider, SliderState, Start};
+use crate::model::{Block, Simulation, Slider, SliderState, Start, System};
 use crate::motion::{Failure, Motion, Settings};
 
 /// Simulates a block until its ending is known.
@@ -32,7 +32,7 @@ pub(super) fn simulate_block(block: &Block, start: &Start, simulation: &Simulati
     };
     let end = simulation.end_time_s * natural;
     let pace = 1.0 + stiff_pace(slider.friction.damping_rate(1.0));
-    let settings = Settings::new(simulation, effort_limit(end, pace));
+    let settings = Settings::new(simulation, effort_limit(end, pace, 1.0 / slider.longest_step()));
     match Motion::new(&slider, settings, state) {
         Ok(motion) => {
             let settled = SettledWatch::default();
@@ -86,7 +86,7 @@ impl Run<'_> {
                 self.extremes = None;
             }
             self.extend(stuck);
-            if self.settled.look(self.slider, &self.motion) {
+            if self.settled.look(self.slider, &self.motion, self.end) {
                 return Ending::Settled;
             }
             if stuck
@@ -160,7 +160,7 @@ impl Run<'_> {
             },
             Ending::Settled => Outcome {
                 evidence: Evidence::Settled,
-                time_to_rest_s: Some(motion.time() / natural),
+                time_to_rest_s: self.settled.slow_since().map(|since| since / natural),
                 amplitude_m: Some(0.0),
                 ..base
             },

@@ -27,6 +27,7 @@ const NEAR: f64 = 1e-3;
 const NEAR_RETURNS: usize = 3;
 /// How often per run the multipliers are computed at most.
 const MOST_ATTEMPTS: u32 = 4;
+
 /// A passage of the running ball through the section.
 #[derive(Clone, Debug)]
 struct Passage<const N: usize> {
@@ -124,6 +125,7 @@ impl<const N: usize> OrbitWatch<N> {
         self.ball = None;
         self.passages.clear();
         self.near_in_a_row = [0; MOST_TURNS + 1];
+        self.unstable = None;
     }
 
     /// Takes a passage in and returns the least number of turns after which the orbit seems to

@@ -6,47 +6,66 @@
 //! - everything is slow, and Newton's method finds an equilibrium, a state whose time derivative is
 //!   zero, within [`NEAR`] of it;
 //! - all eigenvalues of the equations linearised there (central differences) lie left of the
-//!   imaginary axis; of those on it only the neutral ones of a family of equilibria are let through,
-//!   such as three balls and more that balance in many ways.
+//!   imaginary axis, but for the zeros of a family of equilibria, such as three balls and more that
+//!   balance in many ways: as many as there are ways to displace bodies without any force.
 
-use nalgebra::{DMatrix, DVector, Schur};
+use nalgebra::{Complex, DMatrix, DVector, SVD, Schur};
 
-use crate::model::{State, System};
+use crate::model::{Friction, Sliding, State, System};
 use crate::motion::{Motion, Phase, derivative};
 
 /// The largest component of the time derivative, non-dimensional, at which a look is worth while.
 const SLOW: f64 = 1e-6;
 /// How near the equilibrium must be, non-dimensional.
 const NEAR: f64 = 1e-3;
+/// How far Newton's last step may go, non-dimensional.
+const THERE: f64 = 1e-6;
 /// Step of the central differences, non-dimensional.
 const DIFFERENCE: f64 = 1e-5;
+/// The same for a speed, over the speed at which its law of friction bends.
+const SPEED_DIFFERENCE: f64 = 0.01;
 /// Real parts of eigenvalues up to this, either way, count as zero: the accuracy of the differences.
 const NEUTRAL: f64 = 1e-9;
+/// The same for the change of the forces with a displacement over that with the displacement of one
+/// body alone, and the least of the latter, non-dimensional, that differences resolve so far.
+const NO_FORCE: f64 = 1e-6;
+const LEAST_FORCE: f64 = 1e-5;
 /// A contact that slides at an equilibrium is at least this fast, so that it will not stick.
 const SLIDES: f64 = 1e-3;
 
-/// Decides when to look, so that looks do not add up: each waits as long again as the run has taken.
+/// Decides when to look, so that looks do not add up: each waits half as long as the run has taken,
+/// or for the end of the run.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct SettledWatch {
     next: f64,
+    slow_since: Option<f64>,
 }
 
 impl SettledWatch {
-    /// Whether the motion has settled; most steps show nothing.
+    /// Whether a motion that goes on until `end` has settled; most steps show nothing.
     pub(super) fn look<S: System<N, FREE>, const N: usize, const FREE: usize>(
         &mut self,
         system: &S,
         motion: &Motion<S, N, FREE>,
+        end: f64,
     ) -> bool {
-        if motion.time() < self.next || !may_settle(motion) {
+        if !(may_settle(motion) && coordinates(motion.derivative()).all(|rate| rate.abs() <= SLOW))
+        {
+            self.slow_since = None;
             return false;
         }
-        let slow = derivative(system, motion.phases(), motion.state());
-        if flat(&slow).amax() > SLOW {
+        let time = motion.time();
+        self.slow_since.get_or_insert(time);
+        if time < self.next.min(end) {
             return false;
         }
-        self.next = 1.5 * motion.time();
+        self.next = 1.5 * time;
         has_settled(system, motion).unwrap_or(false)
+    }
+
+    /// The time since which everything is slow, where it is.
+    pub(super) fn slow_since(&self) -> Option<f64> {
+        self.slow_since
     }
 }
 
@@ -61,57 +80,115 @@ fn may_settle<S: System<N, FREE>, const N: usize, const FREE: usize>(
     })
 }
 
+/// Whether a motion is near a stable equilibrium; none where that cannot be computed.
 fn has_settled<S: System<N, FREE>, const N: usize, const FREE: usize>(
     system: &S,
     motion: &Motion<S, N, FREE>,
 ) -> Option<bool> {
-    let rate = |coordinates: &DVector<f64>| {
-        flat(&derivative(system, motion.phases(), &state_of::<N, FREE>(coordinates)))
+    let rate = |point: &DVector<f64>| {
+        flat(&derivative(system, motion.phases(), &state_of::<N, FREE>(point)))
     };
+    let steps = steps::<S, N, FREE>(system);
     let start = flat(motion.state());
-    let mut equilibrium = start.clone();
-    // A family of equilibria leaves the matrix singular: least squares take the shortest way there.
+    let (mut equilibrium, mut last) = (start.clone(), f64::INFINITY);
     for _ in 0..5 {
-        let slope = jacobian(rate, &equilibrium);
-        let step = slope.svd(true, true).solve(&-rate(&equilibrium), NEUTRAL).ok()?;
+        let slope = jacobian(rate, &equilibrium, &steps)?;
+        let family = family_dimension::<N, FREE>(&slope)?;
+        let step = newton_step(slope, -rate(&equilibrium), family)?;
+        last = step.amax();
         equilibrium += step;
-        if (&equilibrium - &start).amax() > NEAR {
+        let is_near = (&equilibrium - &start).amax() <= NEAR;
+        if !is_near {
             return Some(false);
         }
     }
-    if rate(&equilibrium).amax() > 1e-3 * SLOW {
+    let is_there = rate(&equilibrium).amax() <= 1e-3 * SLOW && last <= THERE;
+    if !is_there {
         return Some(false);
     }
-    let slope = jacobian(rate, &equilibrium);
-    if !slope.iter().all(|entry| entry.is_finite()) {
-        return Some(false);
-    }
+    let slope = jacobian(rate, &equilibrium, &steps)?;
+    let family = family_dimension::<N, FREE>(&slope)?;
     let eigenvalues = Schur::try_new(slope, f64::EPSILON, 10_000)?.complex_eigenvalues();
-    let stable = eigenvalues
-        .iter()
-        .all(|value| value.re < -NEUTRAL || value.norm() <= NEUTRAL.sqrt() && value.re <= NEUTRAL);
-    Some(stable)
+    let stay: Vec<_> = eigenvalues.iter().filter(|value| value.re >= -NEUTRAL).collect();
+    let is_zero = |value: &Complex<f64>| value.norm() <= NEUTRAL.sqrt() && value.re <= NEUTRAL;
+    Some(stay.len() <= family && stay.into_iter().all(is_zero))
 }
 
-/// The derivative of the rate by central differences.
-fn jacobian(rate: impl Fn(&DVector<f64>) -> DVector<f64>, at: &DVector<f64>) -> DMatrix<f64> {
-    let columns: Vec<DVector<f64>> = (0..at.len())
-        .map(|column| {
+/// Newton's step: where a family of equilibria leaves the matrix singular, the shortest way there.
+fn newton_step(
+    mut slope: DMatrix<f64>,
+    residual: DVector<f64>,
+    family: usize,
+) -> Option<DVector<f64>> {
+    // A stiff law makes some columns much longer than others.
+    let scale: Vec<f64> = slope.column_iter().map(|column| 1.0 / column.amax().max(1.0)).collect();
+    for (mut column, scale) in slope.column_iter_mut().zip(&scale) {
+        column *= *scale;
+    }
+    let decomposed = SVD::try_new(slope, true, true, f64::EPSILON, 10_000)?;
+    let values = &decomposed.singular_values;
+    let left_out = if family == 0 { 0.0 } else { *values.get(values.len() - family)? };
+    let mut step = decomposed.solve(&residual, left_out).ok()?;
+    step.iter_mut().zip(&scale).for_each(|(step, scale)| *step *= scale);
+    Some(step)
+}
+
+/// In how many ways bodies can be displaced without any force; none where some body's displacement
+/// hardly changes the forces, so that differences cannot tell.
+fn family_dimension<const N: usize, const FREE: usize>(slope: &DMatrix<f64>) -> Option<usize> {
+    let places = (0..FREE).chain(2 * FREE..2 * FREE + N);
+    let columns: Option<Vec<DVector<f64>>> =
+        places.map(|place| slope.column(place).into_owned().try_normalize(LEAST_FORCE)).collect();
+    let decomposed =
+        SVD::try_new(DMatrix::from_columns(&columns?), false, false, f64::EPSILON, 10_000)?;
+    Some(decomposed.singular_values.iter().filter(|value| **value <= NO_FORCE).count())
+}
+
+/// The derivative of the rate by central differences; none where it is not finite.
+fn jacobian(
+    rate: impl Fn(&DVector<f64>) -> DVector<f64>,
+    at: &DVector<f64>,
+    steps: &[f64],
+) -> Option<DMatrix<f64>> {
+    let columns: Vec<DVector<f64>> = steps
+        .iter()
+        .enumerate()
+        .map(|(column, step)| {
             let shifted = |step: f64| {
                 let mut point = at.clone();
                 point[column] += step;
                 rate(&point)
             };
-            (shifted(DIFFERENCE) - shifted(-DIFFERENCE)) / (2.0 * DIFFERENCE)
+            (shifted(*step) - shifted(-step)) / (2.0 * step)
         })
         .collect();
-    DMatrix::from_columns(&columns)
+    let slope = DMatrix::from_columns(&columns);
+    slope.iter().all(|entry| entry.is_finite()).then_some(slope)
+}
+
+/// Steps of the differences, one for each coordinate.
+fn steps<S: System<N, FREE>, const N: usize, const FREE: usize>(system: &S) -> Vec<f64> {
+    let speed = |Friction { sliding, .. }: &Friction| match *sliding {
+        Sliding::Smooth { speed } | Sliding::Stribeck { speed } if speed > 0.0 => {
+            DIFFERENCE.min(SPEED_DIFFERENCE * speed)
+        }
+        _ => DIFFERENCE,
+    };
+    let mut steps = vec![DIFFERENCE; 2 * FREE + N];
+    steps.extend((0..N).map(|contact| speed(system.friction(contact))));
+    steps
+}
+
+/// Positions and velocities of the free coordinates, then positions and speeds of the contacts.
+fn coordinates<const N: usize, const FREE: usize>(
+    state: &State<N, f64, FREE>,
+) -> impl Iterator<Item = f64> {
+    let State { position, velocity, beta, beta_dot } = *state;
+    position.into_iter().chain(velocity).chain(beta).chain(beta_dot)
 }
 
 fn flat<const N: usize, const FREE: usize>(state: &State<N, f64, FREE>) -> DVector<f64> {
-    let State { position, velocity, beta, beta_dot } = state;
-    let values = position.iter().chain(velocity).chain(beta).chain(beta_dot);
-    DVector::from_iterator(2 * (FREE + N), values.copied())
+    DVector::from_iterator(2 * (FREE + N), coordinates(state))
 }
 
 fn state_of<const N: usize, const FREE: usize>(values: &DVector<f64>) -> State<N, f64, FREE> {

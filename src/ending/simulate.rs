@@ -38,9 +38,13 @@ fn simulate_balls(machine: &Machine, start: &Start, simulation: &Simulation) -> 
 
 /// Far more steps than any sound run takes over the non-dimensional time `end`: it takes ten steps
 /// and a few switches per unit of time, more the faster the system can change (`pace`). However
-/// long a run is, it is given up after a few minutes of computing.
-pub(super) fn effort_limit(end: f64, pace: f64) -> u64 {
-    100_000 + (1000.0 * end * pace).min(1e8) as u64
+/// long a run is, it is given up after a few minutes of computing; after a second, where it would have
+/// to go on for longer (it takes at least `least` steps per unit of time): it comes to rest soon or
+/// never.
+pub(super) fn effort_limit(end: f64, pace: f64, least: f64) -> u64 {
+    const MOST: f64 = 1e8;
+    let hopeless = end * least > MOST;
+    100_000 + (1000.0 * end * pace).min(if hopeless { 0.01 * MOST } else { MOST }) as u64
 }
 
 /// What friction that damps speed at this rate adds to the pace: an explicit method takes some sixth

@@ -4,6 +4,7 @@
 //! static to a kinetic value with speed (thesis figure 3.3); a smooth law that cannot stick (thesis
 //! section 3.3.1, the earlier work); viscous drag without dry friction (thesis section 5.1).
 
+use super::machine::{invalid, not_negative, positive};
 use super::{Contact, InvalidParameter};
 
 /// A friction law in SI units. Speeds are sliding speeds: rad/s for a ball relative to the ring,
@@ -69,38 +70,25 @@ impl FrictionLaw {
         friction_coefficient: f64,
         speed_unit: &str,
     ) -> Result<(), InvalidParameter> {
-        let refuse = |name: String, value: f64, allowed| {
-            Err(InvalidParameter { name, found: value.to_string(), allowed })
-        };
         match *self {
             FrictionLaw::Coulomb => Ok(()),
-            FrictionLaw::Stribeck { static_friction_coefficient: value, .. }
-                if !(value.is_finite() && value >= friction_coefficient) =>
-            {
-                let allowed = "a finite number, not below the friction coefficient";
-                refuse("static_friction_coefficient".to_owned(), value, allowed)
+            FrictionLaw::Stribeck { static_friction_coefficient: fixed, stribeck_speed } => {
+                if !fixed.is_finite() || fixed < friction_coefficient {
+                    let allowed = "a finite number, not below the friction coefficient";
+                    return Err(invalid(
+                        "static_friction_coefficient",
+                        &fixed.to_string(),
+                        allowed,
+                    ));
+                }
+                not_negative(&format!("stribeck_speed_{speed_unit}"), stribeck_speed)
             }
-            FrictionLaw::Stribeck { stribeck_speed: value, .. }
-                if !(value.is_finite() && value >= 0.0) =>
-            {
-                refuse(
-                    format!("stribeck_speed_{speed_unit}"),
-                    value,
-                    "a finite number, zero or more",
-                )
+            FrictionLaw::Smooth { smoothing_speed } => {
+                positive(&format!("smoothing_speed_{speed_unit}"), smoothing_speed)
             }
-            FrictionLaw::Smooth { smoothing_speed: value }
-                if !(value.is_finite() && value > 0.0) =>
-            {
-                refuse(format!("smoothing_speed_{speed_unit}"), value, "a positive, finite number")
+            FrictionLaw::Viscous { viscous_coefficient_n_s_m } => {
+                not_negative("viscous_coefficient_n_s_m", viscous_coefficient_n_s_m)
             }
-            FrictionLaw::Viscous { viscous_coefficient_n_s_m: value }
-                if !(value.is_finite() && value >= 0.0) =>
-            {
-                let allowed = "a finite number, zero or more";
-                refuse("viscous_coefficient_n_s_m".to_owned(), value, allowed)
-            }
-            _ => Ok(()),
         }
     }
 

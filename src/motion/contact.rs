@@ -123,6 +123,20 @@ pub fn stick_reserve<S: System<N, FREE>, const N: usize, const FREE: usize>(
     system.friction(contact).limit * forces.normal[contact] - forces.friction[contact].abs()
 }
 
+/// Refuses forces that are not finite and normal forces that pull.
+pub(super) fn check_forces<const N: usize, const FREE: usize>(
+    forces: &Forces<N, f64, FREE>,
+) -> Result<(), Failure> {
+    let Forces { table_acceleration, beta_ddot, normal, .. } = forces;
+    if !table_acceleration.iter().chain(beta_ddot).chain(normal).all(|force| force.is_finite()) {
+        return Err(Failure::NotFinite);
+    }
+    match normal.iter().position(|&force| force <= 0.0) {
+        Some(ball) => Err(Failure::ContactLost { ball: ball + 1 }),
+        None => Ok(()),
+    }
+}
+
 /// Settles the phases of the contacts that are `open` together (thesis section 4.3, appendix C)
 /// and returns the forces that go with them; the others are left alone. `better` names the phase
 /// that a contact should have instead where the one assumed fails its condition.

@@ -4,50 +4,13 @@
 //! a condition of that fails ends the step, and the method (the switch model or its limit) says
 //! what comes next; no step crosses a switch, so that the integrator keeps its order.
 
-use super::contact::{Phase, SmoothPhase, derivative};
-use super::dop853::{Interpolant, Step, Tolerance};
-use super::guard::{Guard, Margins};
-use super::{Failure, event_driven, fall_through_zero, switch_model};
-use crate::model::{Forces, Method, Simulation, State, System};
-
-/// How a motion is computed.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Settings {
-    /// Switch model or its limit.
-    pub method: Method,
-    /// Half width `η` of the switch model's band, over `ω_n`.
-    pub band: f64,
-    /// Errors allowed per step.
-    pub tolerance: Tolerance,
-    /// Most steps, accepted and rejected, and switches together.
-    pub effort_limit: u64,
-}
-
-impl Settings {
-    /// The settings of a simulation.
-    pub fn new(simulation: &Simulation, effort_limit: u64) -> Self {
-        Settings {
-            method: simulation.method,
-            band: simulation.band,
-            tolerance: Tolerance {
-                relative: simulation.relative_tolerance,
-                absolute: simulation.absolute_tolerance,
-            },
-            effort_limit,
-        }
-    }
-}
-
-/// What a motion has cost so far.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Effort {
-    /// Accepted steps.
-    pub steps: u64,
-    /// Steps rejected by error control.
-    pub rejected_steps: u64,
-    /// Changes of a ball's phase.
-    pub switches: u64,
-}
+use super::contact::{Phase, SmoothPhase, check_forces, derivative};
+use super::dop853::Step;
+use super::first_switch::{FirstSwitch, LastStep};
+use super::guard::Margins;
+use super::settings::{Effort, Settings};
+use super::{Failure, event_driven, switch_model};
+use crate::model::{Forces, Method, State, System};
 
 /// Slower than this, over `ω_n`, a contact counts as slow; see [`Motion::slow_since`].
 pub const SLOW: f64 = 1e-6;
@@ -71,39 +34,6 @@ pub struct Motion<'a, S, const N: usize, const FREE: usize = 2> {
     slow_since: [f64; N],
     effort: Effort,
     last: Option<LastStep<N, FREE>>,
-}
-
-/// The latest step as it was computed, for looking inside.
-#[derive(Clone, Debug)]
-struct LastStep<const N: usize, const FREE: usize> {
-    step: Step<N, f64, FREE>,
-    phases: [Phase; N],
-    end_derivative: State<N, f64, FREE>,
-    start_time: f64,
-    /// The part of the step that was used: less than 1 where a switch cut it short.
-    used: f64,
-    interpolant: Option<Interpolant<N, FREE>>,
-}
-
-impl<const N: usize, const FREE: usize> LastStep<N, FREE> {
-    /// Dense output over the step, made when first asked for.
-    fn interpolant<S: System<N, FREE>>(&mut self, system: &S) -> &Interpolant<N, FREE> {
-        let (step, phases) = (&self.step, &self.phases);
-        let end_derivative = &self.end_derivative;
-        self.interpolant.get_or_insert_with(|| {
-            let phase = SmoothPhase::new(system, phases);
-            step.interpolant(|state| phase.derivative(state), end_derivative)
-        })
-    }
-}
-
-/// What ends a step early.
-#[derive(Clone, Copy, Debug)]
-struct FirstSwitch {
-    /// When, as a fraction of the step.
-    theta: f64,
-    /// The contact whose condition fails.
-    ball: usize,
 }
 
 /// The shortest step, over the time that has passed, that still moves the clock.
@@ -185,6 +115,11 @@ impl<'a, S: System<N, FREE>, const N: usize, const FREE: usize> Motion<'a, S, N,
         &self.phases
     }
 
+    /// The time derivative of the present state.
+    pub fn derivative(&self) -> &State<N, f64, FREE> {
+        &self.derivative
+    }
+
     /// Accelerations and forces in the present state.
     pub fn forces(&self) -> &Forces<N, f64, FREE> {
         &self.forces
@@ -243,7 +178,13 @@ impl<'a, S: System<N, FREE>, const N: usize, const FREE: usize> Motion<'a, S, N,
         // A condition that has failed by rounding only changes nothing; the next one may.
         let (mut switched, mut after) = (None, -1.0);
         while switched.is_none()
-            && let Some(first) = self.first_switch(&mut last, &end_forces, after)
+            && let Some(first) = last.first_switch(
+                system,
+                self.margins,
+                ((&self.state, &self.forces), &self.derivative),
+                &end_forces,
+                after,
+            )
         {
             switched = self.switch(&mut last, first)?;
             after = first.theta;
@@ -278,7 +219,11 @@ impl<'a, S: System<N, FREE>, const N: usize, const FREE: usize> Motion<'a, S, N,
             {
                 return Err(Failure::StepLimit);
             }
-            let length = self.next_length.min(self.longest).min(until - self.time);
+            let length = self.next_length.min(self.longest);
+            if length < SHORTEST * self.time.max(1.0) {
+                return Err(Failure::StepLimit);
+            }
+            let length = length.min(until - self.time);
             let right_hand_side = |state: &State<N, f64, FREE>| phase.derivative(state);
             let step = Step::attempt(right_hand_side, &self.state, &self.derivative, length);
             let error = step.error(self.settings.tolerance, S::ANGULAR);
@@ -363,74 +308,7 @@ impl<'a, S: System<N, FREE>, const N: usize, const FREE: usize> Motion<'a, S, N,
         &mut self,
         value: impl Fn(&State<N, f64, FREE>) -> f64,
     ) -> Option<(f64, State<N, f64, FREE>)> {
-        let system = self.system;
-        let last = self.last.as_mut()?;
-        let (start, end) = (value(&last.step.start), value(&self.state));
-        if !(start > 0.0 && end <= 0.0) {
-            return None;
-        }
-        let (used, start_time, length) = (last.used, last.start_time, last.step.length);
-        let interpolant = last.interpolant(system);
-        let theta = fall_through_zero(
-            |theta| value(&interpolant.at(theta)),
-            (0.0, start),
-            (used, end),
-            1e-13,
-        );
-        Some((start_time + theta * length, interpolant.at(theta)))
-    }
-
-    /// What ends the step early, if anything: the condition that fails first, after a fraction of
-    /// the step.
-    fn first_switch(
-        &self,
-        last: &mut LastStep<N, FREE>,
-        end_forces: &Forces<N, f64, FREE>,
-        after: f64,
-    ) -> Option<FirstSwitch> {
-        let system = self.system;
-        let phase = SmoothPhase::new(system, &last.phases);
-        let mut first: Option<FirstSwitch> = None;
-        let step_end = last.step.end;
-        let mut ahead = None;
-        for guard in Guard::all(&self.phases) {
-            let start = guard.value(system, self.margins, (&self.state, &self.forces));
-            let end = guard.value(system, self.margins, (&step_end, end_forces));
-            let slopes = || {
-                let [soon, later] = ahead.get_or_insert_with(|| {
-                    [
-                        look_ahead(&phase, &self.state, &self.derivative),
-                        look_ahead(&phase, &step_end, &last.end_derivative),
-                    ]
-                });
-                let soon = guard.value(system, self.margins, (&soon.0, &soon.1));
-                let later = guard.value(system, self.margins, (&later.0, &later.1));
-                [(soon - start) / AHEAD, (later - end) / AHEAD]
-            };
-            if end >= 0.0
-                && !guard.may_dip(
-                    system,
-                    last.step.length,
-                    [start, end],
-                    [&self.forces, end_forces],
-                    slopes,
-                )
-            {
-                continue;
-            }
-            let interpolant = last.interpolant(system);
-            let failure = guard.first_failure((start, end), |theta| {
-                let state = interpolant.at(theta);
-                guard.value(system, self.margins, (&state, &phase.forces(&state)))
-            });
-            if let Some(theta) = failure
-                && theta > after
-                && first.is_none_or(|first| theta < first.theta)
-            {
-                first = Some(FirstSwitch { theta, ball: guard.ball });
-            }
-        }
-        first
+        self.last.as_mut()?.falls_through_zero(self.system, &self.state, value)
     }
 
     /// Brings angles into [0, 2π), counting whole turns apart.
@@ -446,34 +324,5 @@ impl<'a, S: System<N, FREE>, const N: usize, const FREE: usize> Motion<'a, S, N,
                 self.turns[ball] += turns as i64;
             }
         }
-    }
-}
-
-/// How far ahead, in time, the rate of change of a condition is looked for.
-const AHEAD: f64 = 1e-6;
-
-/// The state and the forces a moment later, to first order.
-fn look_ahead<S: System<N, FREE>, const N: usize, const FREE: usize>(
-    phase: &SmoothPhase<S, N, FREE>,
-    state: &State<N, f64, FREE>,
-    derivative: &State<N, f64, FREE>,
-) -> (State<N, f64, FREE>, Forces<N, f64, FREE>) {
-    let mut ahead = *state;
-    ahead.add_scaled(AHEAD, derivative);
-    let forces = phase.forces(&ahead);
-    (ahead, forces)
-}
-
-/// Refuses forces that are not finite and normal forces that pull.
-fn check_forces<const N: usize, const FREE: usize>(
-    forces: &Forces<N, f64, FREE>,
-) -> Result<(), Failure> {
-    let Forces { table_acceleration, beta_ddot, normal, .. } = forces;
-    if !table_acceleration.iter().chain(beta_ddot).chain(normal).all(|force| force.is_finite()) {
-        return Err(Failure::NotFinite);
-    }
-    match normal.iter().position(|&force| force <= 0.0) {
-        Some(ball) => Err(Failure::ContactLost { ball: ball + 1 }),
-        None => Ok(()),
     }
 }

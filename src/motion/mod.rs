@@ -6,14 +6,17 @@ mod dop853;
 mod dop853_tableau;
 mod driver;
 mod event_driven;
+mod first_switch;
 mod guard;
 mod root;
+mod settings;
 mod switch_model;
 
 pub use contact::{Phase, contacts, derivative, forces, stick_reserve};
 pub use dop853::{Interpolant, Step, Tolerance};
-pub use driver::{Effort, Motion, SLOW, Settings};
+pub use driver::{Motion, SLOW};
 pub use root::fall_through_zero;
+pub use settings::{Effort, Settings};
 pub use switch_model::{SLACK, decide};
 
 use thiserror::Error;

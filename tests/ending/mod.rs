@@ -1,8 +1,11 @@
 //! How runs end: against an independent integration, the thesis's numbers, and themselves.
 
+mod attraction;
 mod blocks;
 mod certificate;
 pub mod convergence;
+mod effort;
 mod friction_laws;
 mod limit_cycle;
 pub mod reference;
+mod settled;

@@ -1,0 +1,125 @@
+//! The step that was computed last, and what ends it early: the condition that fails first.
+
+use super::contact::{Phase, SmoothPhase};
+use super::dop853::{Interpolant, Step};
+use super::guard::{Guard, Margins, Point};
+use super::root::fall_through_zero;
+use crate::model::{Forces, State, System};
+
+/// A step as it was computed, for looking inside.
+#[derive(Clone, Debug)]
+pub(super) struct LastStep<const N: usize, const FREE: usize> {
+    pub(super) step: Step<N, f64, FREE>,
+    pub(super) phases: [Phase; N],
+    pub(super) end_derivative: State<N, f64, FREE>,
+    pub(super) start_time: f64,
+    /// The part of the step that was used: less than 1 where a switch cut it short.
+    pub(super) used: f64,
+    pub(super) interpolant: Option<Interpolant<N, FREE>>,
+}
+
+/// What ends a step early.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct FirstSwitch {
+    /// When, as a fraction of the step.
+    pub(super) theta: f64,
+    /// The contact whose condition fails.
+    pub(super) ball: usize,
+}
+
+/// How far ahead, in time, the rate of change of a condition is looked for.
+const AHEAD: f64 = 1e-6;
+
+impl<const N: usize, const FREE: usize> LastStep<N, FREE> {
+    /// Dense output over the step, made when first asked for.
+    pub(super) fn interpolant<S: System<N, FREE>>(&mut self, system: &S) -> &Interpolant<N, FREE> {
+        let (step, phases) = (&self.step, &self.phases);
+        let end_derivative = &self.end_derivative;
+        self.interpolant.get_or_insert_with(|| {
+            let phase = SmoothPhase::new(system, phases);
+            step.interpolant(|state| phase.derivative(state), end_derivative)
+        })
+    }
+
+    /// Where a function of the state falls from above zero to zero or below: time and state there,
+    /// if it does from the step's start to `end`, the state where its use ended.
+    pub(super) fn falls_through_zero<S: System<N, FREE>>(
+        &mut self,
+        system: &S,
+        end: &State<N, f64, FREE>,
+        value: impl Fn(&State<N, f64, FREE>) -> f64,
+    ) -> Option<(f64, State<N, f64, FREE>)> {
+        let (start, end) = (value(&self.step.start), value(end));
+        if !(start > 0.0 && end <= 0.0) {
+            return None;
+        }
+        let (used, start_time, length) = (self.used, self.start_time, self.step.length);
+        let interpolant = self.interpolant(system);
+        let theta = fall_through_zero(
+            |theta| value(&interpolant.at(theta)),
+            (0.0, start),
+            (used, end),
+            1e-13,
+        );
+        Some((start_time + theta * length, interpolant.at(theta)))
+    }
+
+    /// The condition that fails first, `after` a fraction of the step; none where all hold to its
+    /// end. `start` is where the step starts, with the derivative there.
+    pub(super) fn first_switch<S: System<N, FREE>>(
+        &mut self,
+        system: &S,
+        margins: Margins,
+        (start, start_derivative): (Point<N, FREE>, &State<N, f64, FREE>),
+        end_forces: &Forces<N, f64, FREE>,
+        after: f64,
+    ) -> Option<FirstSwitch> {
+        let phases = self.phases;
+        let phase = SmoothPhase::new(system, &phases);
+        let mut first: Option<FirstSwitch> = None;
+        let (step_end, length) = (self.step.end, self.step.length);
+        let forces = [start.1, end_forces];
+        let mut ahead = None;
+        for guard in Guard::all(&phases) {
+            let value = |point: Point<N, FREE>| guard.value(system, margins, point);
+            let (at_start, at_end) = (value(start), value((&step_end, end_forces)));
+            let slopes = || {
+                let [soon, later] = ahead.get_or_insert_with(|| {
+                    [
+                        look_ahead(&phase, start.0, start_derivative),
+                        look_ahead(&phase, &step_end, &self.end_derivative),
+                    ]
+                });
+                let [soon, later] = [soon, later].map(|(state, forces)| value((state, forces)));
+                [(soon - at_start) / AHEAD, (later - at_end) / AHEAD]
+            };
+            if at_end >= 0.0 && !guard.may_dip(system, length, [at_start, at_end], forces, slopes) {
+                continue;
+            }
+            let interpolant = self.interpolant(system);
+            let failure = guard.first_failure((at_start, at_end), |theta| {
+                let state = interpolant.at(theta);
+                value((&state, &phase.forces(&state)))
+            });
+            if let Some(theta) = failure
+                && theta > after
+                && first.is_none_or(|first| theta < first.theta)
+            {
+                first = Some(FirstSwitch { theta, ball: guard.ball });
+            }
+        }
+        first
+    }
+}
+
+/// The state and the forces a moment later, to first order.
+fn look_ahead<S: System<N, FREE>, const N: usize, const FREE: usize>(
+    phase: &SmoothPhase<S, N, FREE>,
+    state: &State<N, f64, FREE>,
+    derivative: &State<N, f64, FREE>,
+) -> (State<N, f64, FREE>, Forces<N, f64, FREE>) {
+    let mut ahead = *state;
+    ahead.add_scaled(AHEAD, derivative);
+    let forces = phase.forces(&ahead);
+    (ahead, forces)
+}
