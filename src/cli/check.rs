@@ -77,6 +77,12 @@ pub fn check(arguments: &CheckArguments) -> Result<End, CliError> {
         1 => "ball_balancer with 1 ball".to_owned(),
         balls => format!("ball_balancer with {balls} balls"),
     };
+    let smooth = matches!(study.model().friction(), FrictionLaw::Smooth { .. });
+    let (bound, cost_remark) = if smooth {
+        ("about", ", more where the law is steep")
+    } else {
+        ("at most about", "; less where runs come to rest early")
+    };
     let natural = study.model().natural_frequency_rad_s();
     print(&format!(
         "study         {} (hash {}, seed {})\n\
@@ -86,7 +92,7 @@ pub fn check(arguments: &CheckArguments) -> Result<End, CliError> {
          points        {}\n\
          runs          {}, each to {} s or until its ending is known, method {method}\n\
          expectations  {}\n\
-         cost          at most about {} on one core; less where runs come to rest early\n",
+         cost          {bound} {} on one core{cost_remark}\n",
         study.name(),
         &study.hash()[..12],
         study.seed(),

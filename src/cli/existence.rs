@@ -90,10 +90,11 @@ impl Existence {
             }
         };
         let (least_minor, at) = self.least;
+        let nominal = if self.uncertain { " with nominal parameters" } else { "" };
         let mut text = if self.not_unique == 0 {
             format!(
-                "existence     {place} stick and slip are decided in exactly one way, proven for \
-                 all positions and forces;\n              least principal minor \
+                "existence     {place}{nominal} stick and slip are decided in exactly one way, proven \
+                 for all positions and forces;\n              least principal minor \
                  {least_minor:.8} at point {at} (1: uncoupled, 0: fails)\n",
             )
         } else {
@@ -117,7 +118,7 @@ impl Existence {
             );
         }
         if self.uncertain {
-            text += "  uncertain parameters at their nominal values; their draws can differ\n";
+            text += "  the draws of uncertain parameters are not looked at, and can differ\n";
         }
         text
     }

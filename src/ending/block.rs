@@ -79,13 +79,16 @@ impl Run<'_> {
                 return Ending::Rest;
             }
             let before = self.motion.time();
-            if let Err(failure) = self.motion.advance(self.end) {
+            // The last part of the time begins with a step, or it would miss what the step passes.
+            let until = if before < window { window } else { self.end };
+            if let Err(failure) = self.motion.advance(until) {
                 return Ending::Failure(failure);
             }
             if before < window && self.motion.time() >= window && self.last_break_away.is_none() {
-                self.extremes = None;
+                self.extremes = Some([self.motion.state().beta[0]; 2]);
+            } else {
+                self.extend(stuck);
             }
-            self.extend(stuck);
             if self.settled.look(self.slider, &self.motion, self.end) {
                 return Ending::Settled;
             }
@@ -154,8 +157,10 @@ impl Run<'_> {
                 evidence: Evidence::RestCertified,
                 time_to_rest_s: Some(motion.last_switches()[0] / natural),
                 amplitude_m: Some(0.0),
+                // On the very edge of the interval the slack of the conditions is all that is missing.
                 friction_margin: Some(1.0 - position.abs() / self.slider.friction.limit)
-                    .filter(|margin| margin.is_finite()),
+                    .filter(|margin| margin.is_finite())
+                    .map(|margin| margin.max(0.0)),
                 ..base
             },
             Ending::Settled => Outcome {

@@ -27,7 +27,7 @@ pub struct StudyFile {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sweep: Option<Vec<BlockFile>>,
     /// Parameters that are drawn anew for every run, each with its distribution.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(schema_with = "schema::uncertain")]
     pub uncertain: Option<Named<DistributionFile>>,
     /// Where the runs start.
@@ -219,11 +219,11 @@ pub struct BallFile {
 #[serde(deny_unknown_fields)]
 pub struct BlockFile {
     /// Every combination of the listed values; the last key changes fastest.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(schema_with = "schema::swept")]
     pub grid: Option<Named<Listed>>,
     /// The first values together, then the second ones, and so on; lists of equal length.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(schema_with = "schema::swept")]
     pub zip: Option<Named<Listed>>,
     /// One point per row of a table whose columns are named as parameters.
@@ -298,7 +298,7 @@ pub struct InitialConditionsFile {
     /// Ranges `[low, high]` per coordinate. Ball balancer: lengths over the ring radius, time times
     /// the natural frequency; `beta` and `beta_dot` for every ball, `beta_1` and so on for one.
     /// Block: `position_m` and `velocity_m_s`.
-    #[serde(rename = "box", skip_serializing_if = "Option::is_none")]
+    #[serde(rename = "box", default, skip_serializing_if = "Option::is_none")]
     #[schemars(schema_with = "schema::start_box")]
     pub start_box: Option<Named<Range>>,
     /// How the box is sampled; may be left out only where every block of the sweep has its own.
@@ -392,7 +392,7 @@ pub struct ToleranceFile {
 #[serde(deny_unknown_fields)]
 pub struct ExpectationFile {
     /// Values of swept parameters; every point that has them is meant, all points without it.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(schema_with = "schema::selector")]
     pub point: Option<Named<Entry>>,
     /// Share of runs that come to rest, `[low, high]` between 0 and 1.

@@ -268,6 +268,12 @@ impl Parameter {
         Parameter { ball: Some(ball), ..self }
     }
 
+    /// Whether the model's law of friction does not use it.
+    pub fn is_unused(self, model: &Model) -> bool {
+        self.quantity == Q::FrictionCoefficient
+            && matches!(model.friction(), FrictionLaw::Viscous { .. })
+    }
+
     /// The column that it makes in a table.
     pub fn column(self) -> VariedParameter {
         let kind = if self.is_number() { ParameterKind::Number } else { ParameterKind::Text };

@@ -75,11 +75,16 @@ impl Base {
         Ok(Base { model, general, own })
     }
 
-    /// Refuses to vary a value of all balls where one ball has its own: which would count?
+    /// Refuses to vary a value of all balls where one ball has its own (which would count?), and one
+    /// that the law of friction does not use.
     ///
     /// # Errors
     /// What is found and what to vary instead.
     pub fn check_varied(&self, parameter: Parameter) -> Result<(), Fault> {
+        if parameter.is_unused(&self.model) {
+            let allowed = "viscous_coefficient_n_s_m, or another law of friction";
+            return Err(Fault::new("viscous friction does not use it", parameter.name(), allowed));
+        }
         if !parameter.is_general() {
             return Ok(());
         }

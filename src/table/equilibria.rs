@@ -80,7 +80,7 @@ pub fn equilibrium_columns(study: &Study) -> Vec<Column<EquilibriumRow>> {
         Column::number(
             "time_to_rest_s",
             "s",
-            "when the last ball came to rest for good",
+            "when the last ball, or the block, came to rest for good",
             |row: &EquilibriumRow| row.time_to_rest_s,
         ),
         Column::word("evidence", "why it is an equilibrium", |row: &EquilibriumRow| row.evidence),

@@ -110,7 +110,7 @@ pub fn run_columns(study: &Study) -> Vec<Column<RunRecord>> {
         Column::number(
             "time_to_rest_s",
             "s",
-            "when the last ball came to rest for good; null while moving",
+            "when the last ball, or the block, came to rest for good; null while moving",
             |row: &RunRecord| row.outcome.time_to_rest_s,
         ),
         Column::number(

@@ -40,7 +40,7 @@ const PANELS: [Panel; 3] = [
     },
     Panel {
         title: "switch model, tolerance 1e-12",
-        abscissa: "half width of the band",
+        abscissa: "half width of the band, non-dimensional",
         powers: 2..=10,
         errors: |band| errors(Method::Switch, 1e-12, band),
     },
@@ -75,7 +75,9 @@ fn draw(area: &DrawingArea<SVGBackend, Shift>, panel: &Panel) {
         .draw_series(DashedLineSeries::new(proportional, 4, 4, BLACK.into()))
         .expect("a line")
         .label("in proportion")
-        .legend(|(x, y)| PathElement::new([(x, y), (x + 16, y)], BLACK));
+        .legend(|(x, y)| {
+            plotters::element::DashedPathElement::new([(x, y), (x + 16, y)], 4, 4, BLACK)
+        });
     for (name, colour, pick) in QUANTITIES {
         let points = || measured.iter().map(|(x, all)| (*x, pick(all).max(1e-14)));
         chart.draw_series(LineSeries::new(points(), &colour)).expect("a line");

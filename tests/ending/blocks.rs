@@ -280,3 +280,29 @@ fn extreme_values_end_in_an_outcome() {
         }
     }
 }
+
+/// The extremes of the last tenth of the time, also of a block that hardly swings in it: half of the
+/// range of `0.1 cos(ω t)` from 14.85 s to 16.5 s.
+#[test]
+fn extremes_of_slow_swings() {
+    for mass_kg in [0.5, 100.0, 1e4, 1e6] {
+        let block = Block { mass_kg, friction_coefficient: 0.0, ..Block::on_spring() };
+        let natural = block.natural_frequency_rad_s();
+        let at = |step: u32| 0.1 * (natural * (14.85 + 1.65e-5 * f64::from(step))).cos();
+        let range = (0..=100_000).map(at).fold((f64::MAX, f64::MIN), |(low, high), position| {
+            (low.min(position), high.max(position))
+        });
+        let outcome = run(&block, [0.1, 0.0], Method::Event, 16.5);
+        near(outcome.amplitude_m, 0.5 * (range.1 - range.0), 1e-8);
+    }
+}
+
+/// Stopped on the very edge of the interval of rest: certified rest has no negative margin.
+#[test]
+fn no_margin_is_negative_at_rest() {
+    for method in METHODS {
+        let outcome = run(&Block::on_spring(), [0.25, 0.0], method, 100.0);
+        assert_eq!(outcome.evidence, Evidence::RestCertified);
+        assert!(outcome.friction_margin >= Some(0.0), "{:?}", outcome.friction_margin);
+    }
+}

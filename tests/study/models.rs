@@ -326,3 +326,15 @@ fn points_without_meaning_are_refused() {
     let drawn = study(&drawn);
     assert!((3..6).all(|run| drawn.planned_run(run).case.is_ok()));
 }
+
+/// What the law of friction does not use cannot be varied: all points would be the same.
+#[test]
+fn a_viscous_law_has_no_coefficient_to_vary() {
+    let model = format!("  kind: block_on_spring\n{VISCOUS}");
+    let sweep = "sweep: [{grid: {friction_coefficient: [0.1, 0.2]}}]\n";
+    let key = "sweep[0].grid.friction_coefficient";
+    refused(&text(&model, sweep), 7, key, "friction_coefficient", "viscous_coefficient_n_s_m");
+    let drawn = "uncertain: {friction_coefficient: {uniform: {min: 0.1, max: 0.2}}}\n";
+    let key = "uncertain.friction_coefficient";
+    refused(&text(&model, drawn), 7, key, "friction_coefficient", "viscous_coefficient_n_s_m");
+}

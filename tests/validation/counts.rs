@@ -92,8 +92,9 @@ impl ThesisRuns {
         let mut text = "\
 ## Preferred equilibria (thesis figures 5.7 to 5.9)
 
-Equilibria after 16.5 s, from start states in the *reconstructed* box (the thesis's own is lost),
-with Wilson's 95 % intervals. The thesis's counts are a sample, too; its interval is given beside it.
+Equilibria after 16.5 s, with Wilson's 95 % intervals. The thesis's box of start states is lost; the
+one used is *reconstructed*: chosen so that these six counts come out. That they agree with one box
+is evidence; each of them alone is not. The thesis's counts are a sample, too; its interval is given beside it.
 
 | speed [rad/s] | μ | thesis | its interval | switch | interval | event | interval |
 |---|---|---|---|---|---|---|---|
