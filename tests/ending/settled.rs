@@ -268,21 +268,23 @@ fn families_of_equilibria() {
 /// settles where friction grows with speed and not where it falls.
 #[test]
 fn blocks_settle() {
-    // x'' + 2 ζ x' + x = 0 with ζ = 0.05, from 0.1: by e^{-ζ t} slow after 230 units of time, a step
-    // or two before or after.
+    // x'' + 2 ζ x' + x = 0 with ζ = 0.05, from 0.1: by e^{-ζ t} slow after 230 units of time. Speed is
+    // looked at once a step, a quarter of a period: one of two looks in a row sees 1/√2 of its peak
+    // or more, so that slow may be seen ln √2 / ζ = 7 units and two steps too early, 1 s in all.
     let damped = FrictionLaw::Viscous { viscous_coefficient_n_s_m: 1.0 };
     let block = Block { friction: damped, ..Block::on_spring() };
     let outcome = run(block.clone(), &Start(vec![0.01, 0.0]), 200.0);
     assert_eq!(outcome.evidence, Evidence::Settled);
     let slow = (1e5_f64).ln() / 0.05 / 10.0;
     let found = outcome.time_to_rest_s.expect("settled");
-    assert!((slow - 0.6..slow + 0.2).contains(&found), "{found} for {slow}");
+    assert!((slow - 1.0..slow + 0.2).contains(&found), "{found} for {slow}");
     assert!(outcome.end_time_s.unwrap() < 1.6 * slow);
-    // A run that ends soon after that is looked at in the end.
+    // A run that ends soon after that is looked at in the end. Its steps fall elsewhere.
     for end in [23.5, 27.0, 31.0, 40.0] {
         let outcome = run(block.clone(), &Start(vec![0.01, 0.0]), end);
         assert_eq!(outcome.evidence, Evidence::Settled, "{end}");
-        assert!((outcome.time_to_rest_s.unwrap() - found).abs() < 1e-9);
+        let found = outcome.time_to_rest_s.expect("settled");
+        assert!((slow - 1.0..slow + 0.2).contains(&found), "{found} for {slow}");
     }
     let belt = |friction| Block { friction, ..Block::on_belt() };
     let rising = FrictionLaw::Smooth { smoothing_speed: 0.1 };
