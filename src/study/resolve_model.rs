@@ -7,7 +7,6 @@ use super::key_path::KeyPath;
 use super::node::describe_number;
 use super::parameter::{Parameter, ParameterValue};
 use super::resolve_friction::{check_friction, friction_to_file, resolve_friction};
-use super::resolve_sweep::find_parameter as find;
 use crate::model::{Ball, Block, Ground, MAX_BALLS, Machine, Model, NormalForce};
 
 /// The model before anything is swept or drawn.
@@ -42,8 +41,13 @@ impl Base {
         };
         for (name, value) in numbers(&given) {
             let Some(value) = value else { continue };
-            let parameter =
-                find(name, &model).map_err(|fault| locate.refuse_key(&path.key(name), fault))?;
+            let Some(parameter) = Parameter::find(name, &model) else {
+                let own = numbers(&given).map(|(name, _)| name);
+                let own = own.into_iter().filter(|name| Parameter::find(name, &model).is_some());
+                let allowed = own.collect::<Vec<_>>().join(", ");
+                let problem = format!("not a parameter of {}", model.kind());
+                return Err(locate.refuse_key(&path.key(name), Fault::new(problem, name, allowed)));
+            };
             check(locate, &path.key(name), parameter, &model, value)?;
             parameter.set(&mut model, ParameterValue::Number(value));
         }
