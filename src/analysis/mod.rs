@@ -27,7 +27,7 @@ pub use escape::{EscapeRate, escape_rate, rate_interval};
 pub use frictionless::{FrictionlessEquilibrium, FrictionlessKind, frictionless_equilibria};
 pub use interval::{Z_95, wilson, wilson_with_failures};
 pub use linearised::{SmallMotions, Stability, state_matrix};
-pub use point_summary::{LabelCounts, PointAccumulator, PointSummary};
+pub use point_summary::{LabelCounts, Observed, PointAccumulator, PointDetail, PointSummary};
 pub use rest_curve::{RestStep, rest_curve};
 pub use rest_form::{AtRest, RestForm};
 pub use set_grid::{GridRow, SetGrid};

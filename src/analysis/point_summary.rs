@@ -6,6 +6,7 @@ use super::rest_curve::{RestStep, rest_curve};
 use super::survival::SurvivalCurve;
 use super::tally::Tally;
 use crate::ending::{Label, Outcome};
+use crate::model::Case;
 
 /// Runs per label, in the order of [`Label::ALL`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -47,6 +48,24 @@ impl std::ops::AddAssign for LabelCounts {
 /// Kinds of times.
 const REST: usize = 0;
 const STOPPED: usize = 1;
+
+/// A finished run, as far as statistics look at it.
+#[derive(Clone, Copy, Debug)]
+pub struct Observed<'a> {
+    /// Its cell in the sampling design.
+    pub cell: u64,
+    /// What was computed; none where the parameters drawn made no physical sense.
+    pub case: Option<&'a Case>,
+    /// How it ended.
+    pub outcome: &'a Outcome,
+}
+
+/// What a point's own tables hold beside its summary.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PointDetail {
+    /// The probability of being at rest over time.
+    pub rest: Vec<RestStep>,
+}
 
 /// Collects the runs of one point.
 #[derive(Clone, Debug, Default)]
@@ -90,7 +109,8 @@ impl PointSummary {
 
 impl PointAccumulator {
     /// Takes in one run. Failed runs say nothing about time and amplitude.
-    pub fn add(&mut self, outcome: &Outcome) {
+    pub fn add(&mut self, run: Observed<'_>) {
+        let outcome = run.outcome;
         let label = outcome.label();
         self.counts.add(label);
         if label == Label::Failed {
@@ -107,9 +127,9 @@ impl PointAccumulator {
         outcome.amplitude_m.into_iter().for_each(|amplitude| self.amplitudes.add(amplitude, REST));
     }
 
-    /// The probability of being at rest over time, up to the study's end time.
-    pub fn rest_curve(&self, end_time_s: f64) -> Vec<RestStep> {
-        rest_curve(&SurvivalCurve::new(self.times.groups()), end_time_s)
+    /// What goes into the point's own tables; `end_time_s` is the study's end time.
+    pub fn detail(&self, end_time_s: f64) -> PointDetail {
+        PointDetail { rest: rest_curve(&SurvivalCurve::new(self.times.groups()), end_time_s) }
     }
 
     fn escape(&self) -> Option<EscapeRate> {
@@ -144,8 +164,12 @@ impl PointAccumulator {
 
 #[cfg(test)]
 mod tests {
-    use super::PointAccumulator;
+    use super::{Observed, PointAccumulator};
     use crate::ending::{Evidence, Outcome};
+
+    fn add(point: &mut PointAccumulator, outcome: &Outcome) {
+        point.add(Observed { cell: 0, case: None, outcome });
+    }
 
     #[test]
     fn cycles_never_rest_and_failures_say_nothing() {
@@ -156,12 +180,12 @@ mod tests {
         };
         let mut point = PointAccumulator::default();
         for time in [1.0, 2.0, 3.0] {
-            point.add(&run(Evidence::RestCertified, Some(time)));
+            add(&mut point, &run(Evidence::RestCertified, Some(time)));
         }
-        point.add(&run(Evidence::ClosedOrbit, None));
-        point.add(&run(Evidence::Panic, None));
+        add(&mut point, &run(Evidence::ClosedOrbit, None));
+        add(&mut point, &run(Evidence::Panic, None));
         // The cycle was shown at 16.5 s and is watched to the end, 20 s.
-        let rows = point.rest_curve(20.0);
+        let rows = point.detail(20.0).rest;
         let counts: Vec<(f64, u64, u64, u64)> = rows
             .iter()
             .map(|row| (row.time_s, row.at_risk, row.came_to_rest, row.censored))
@@ -187,14 +211,17 @@ mod tests {
             // Times to leave at a rate of 1, in their order, and every other to a cycle.
             let time = -(1.0 - (f64::from(i) + 0.5) / f64::from(runs)).ln();
             let rests = i % 2 == 0;
-            point.add(&Outcome {
-                time_to_rest_s: rests.then_some(time),
-                end_time_s: Some(time),
-                ..Outcome::failed(
-                    if rests { Evidence::RestCertified } else { Evidence::ClosedOrbit },
-                    String::new(),
-                )
-            });
+            add(
+                &mut point,
+                &Outcome {
+                    time_to_rest_s: rests.then_some(time),
+                    end_time_s: Some(time),
+                    ..Outcome::failed(
+                        if rests { Evidence::RestCertified } else { Evidence::ClosedOrbit },
+                        String::new(),
+                    )
+                },
+            );
         }
         let escape = point.summary().escape.expect("an exponential tail");
         assert_eq!(escape.from_s, 0.0);

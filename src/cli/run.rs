@@ -12,7 +12,7 @@ use super::arguments::{FarmArguments, StudyArgument};
 use super::exit::{CliError, End};
 use super::output::print;
 use super::points_table::PointsTable;
-use crate::analysis::RestStep;
+use crate::analysis::PointDetail;
 use crate::ending::{Label, simulate};
 use crate::farm::{Progress, Sink, Tally, farm, say, stop_on_signals};
 use crate::study::Study;
@@ -79,7 +79,7 @@ pub fn run(arguments: &RunArguments) -> Result<End, CliError> {
     let mut results = Results::create(&directory, &study)?;
     let ran = farm_study(&study, &arguments.farm, |record, point| match (record, point) {
         (Some(record), _) => results.push_run(record),
-        (_, Some((point, rest))) => results.push_point(point.clone(), rest),
+        (_, Some((point, detail))) => results.push_point(point.clone(), detail),
         (None, None) => Ok(()),
     })?;
     let manifest = results.finish(&study, ran.circumstances.clone())?;
@@ -163,8 +163,8 @@ impl Ran {
     }
 }
 
-/// A point and how its runs came to rest over time.
-pub type PointWithCurve<'a> = (&'a PointRow, &'a [RestStep]);
+/// A point and what goes into its own tables.
+pub type PointWithDetail<'a> = (&'a PointRow, PointDetail);
 
 /// Hands runs and points to a function and collects the points for the terminal.
 struct Collector<F> {
@@ -174,7 +174,7 @@ struct Collector<F> {
 
 impl<F> Sink for Collector<F>
 where
-    F: FnMut(Option<RunRecord>, Option<PointWithCurve<'_>>) -> Result<(), ResultsError> + Send,
+    F: FnMut(Option<RunRecord>, Option<PointWithDetail<'_>>) -> Result<(), ResultsError> + Send,
 {
     type Error = ResultsError;
 
@@ -182,9 +182,9 @@ where
         (self.take)(Some(record), None)
     }
 
-    fn point(&mut self, point: PointRow, rest: &[RestStep]) -> Result<(), ResultsError> {
+    fn point(&mut self, point: PointRow, detail: PointDetail) -> Result<(), ResultsError> {
         self.table.push(&point);
-        (self.take)(None, Some((&point, rest)))
+        (self.take)(None, Some((&point, detail)))
     }
 }
 
@@ -195,7 +195,7 @@ where
 pub fn farm_study(
     study: &Study,
     arguments: &FarmArguments,
-    take: impl FnMut(Option<RunRecord>, Option<PointWithCurve<'_>>) -> Result<(), ResultsError> + Send,
+    take: impl FnMut(Option<RunRecord>, Option<PointWithDetail<'_>>) -> Result<(), ResultsError> + Send,
 ) -> Result<Ran, CliError> {
     let options = arguments.options();
     let runs_planned = options.shard.runs(study.run_count());

@@ -70,12 +70,12 @@ pub fn verify(arguments: &VerifyArguments) -> Result<End, CliError> {
     };
     let mut findings = Findings::default();
     let ran = farm_study(&study, &arguments.farm, |record, point| {
-        if let Some((point, _)) = point {
+        if let Some((point, _)) = &point {
             findings.check(&study, point);
         }
         match (&mut results, record, point) {
             (Some(results), Some(record), _) => results.push_run(record),
-            (Some(results), _, Some((point, rest))) => results.push_point(point.clone(), rest),
+            (Some(results), _, Some((point, detail))) => results.push_point(point.clone(), detail),
             _ => Ok(()),
         }
     })?;

@@ -185,6 +185,8 @@ impl<'a, const N: usize> Run<'a, N> {
             friction_margin: None,
             period_s: None,
             mean_speed: None,
+            cycle: None,
+            lyapunov: None,
             effort: self.motion.effort(),
             error: None,
         };

@@ -149,6 +149,8 @@ impl Run<'_> {
             friction_margin: None,
             period_s: None,
             mean_speed: None,
+            cycle: None,
+            lyapunov: None,
             effort: motion.effort(),
             error: None,
         };

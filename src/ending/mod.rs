@@ -19,6 +19,7 @@ mod balancer;
 mod block;
 mod certificate;
 mod creep;
+mod cycle;
 mod orbit;
 mod outcome;
 mod return_map;
@@ -26,7 +27,8 @@ mod settled;
 mod simulate;
 
 pub use certificate::{certified, certified_by_closed_form};
+pub use cycle::{Cycle, Doing};
 pub use orbit::OrbitWatch;
-pub use outcome::{Evidence, Label, Outcome};
+pub use outcome::{Evidence, Label, LyapunovExponent, Outcome};
 pub use return_map::Orbit;
 pub use simulate::simulate;

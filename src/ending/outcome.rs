@@ -1,5 +1,6 @@
 //! What is known about a run when it has ended.
 
+use super::cycle::Cycle;
 use crate::motion::{Effort, Failure};
 
 /// How a run ended.
@@ -47,6 +48,8 @@ pub enum Evidence {
     ClosedOrbit,
     /// The orbit closes but is unstable.
     UnstableOrbit,
+    /// Neighbouring motions separate, beyond the doubt of the estimate.
+    Lyapunov,
     /// The end time was reached with nothing shown.
     EndTime,
     /// The motion could not be continued.
@@ -83,6 +86,7 @@ impl Evidence {
             Evidence::Settled => "settled",
             Evidence::ClosedOrbit => "closed_orbit",
             Evidence::UnstableOrbit => "unstable_orbit",
+            Evidence::Lyapunov => "lyapunov",
             Evidence::EndTime => "end_time",
             Evidence::Failure(Failure::NotFinite) => "not_finite",
             Evidence::Failure(Failure::ContactLost { .. }) => "contact_lost",
@@ -98,10 +102,22 @@ impl Evidence {
         match self {
             Evidence::RestCertified | Evidence::Creep | Evidence::Settled => Label::Equilibrium,
             Evidence::ClosedOrbit => Label::LimitCycle,
+            Evidence::Lyapunov => Label::Irregular,
             Evidence::UnstableOrbit | Evidence::EndTime => Label::Undecided,
             Evidence::Failure(_) | Evidence::InvalidParameters | Evidence::Panic => Label::Failed,
         }
     }
+}
+
+/// A finite-time Lyapunov exponent: the mean rate at which a neighbouring motion separates.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LyapunovExponent {
+    /// The exponent, 1/s.
+    pub exponent_1_s: f64,
+    /// Its 95 % interval over the window, 1/s.
+    pub interval_1_s: [f64; 2],
+    /// The length of the window at the end of the run over which it was taken, s.
+    pub window_s: f64,
 }
 
 /// One run's result. Per-ball values are in the order of the balls.
@@ -129,6 +145,10 @@ pub struct Outcome {
     /// Mean speed of each ball relative to the ring in the last tenth of the time or over the
     /// cycle, rad/s; 0 at rest.
     pub mean_speed: Option<Vec<f64>>,
+    /// The cycle that a run with evidence [`Evidence::ClosedOrbit`] is on.
+    pub cycle: Option<Box<Cycle>>,
+    /// How fast neighbouring motions separated, where the run was still moving at its end time.
+    pub lyapunov: Option<LyapunovExponent>,
     /// What the run has cost.
     pub effort: Effort,
     /// What went wrong, in words.
@@ -153,6 +173,8 @@ impl Outcome {
             friction_margin: None,
             period_s: None,
             mean_speed: None,
+            cycle: None,
+            lyapunov: None,
             effort: Effort::default(),
             error: Some(error),
         }

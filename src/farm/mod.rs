@@ -19,7 +19,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use rayon::prelude::*;
 use thiserror::Error;
 
-use crate::analysis::{LabelCounts, PointAccumulator, RestStep};
+use crate::analysis::{LabelCounts, PointAccumulator, PointDetail};
 use crate::ending::Outcome;
 use crate::model::Case;
 use crate::study::Study;
@@ -47,12 +47,11 @@ pub trait Sink: Send {
     /// Stops the farm.
     fn run(&mut self, record: RunRecord) -> Result<(), Self::Error>;
 
-    /// All runs of a point have finished, or those that will; `rest` is how they came to rest over
-    /// time.
+    /// All runs of a point have finished, or those that will; `detail` goes into tables of its own.
     ///
     /// # Errors
     /// Stops the farm.
-    fn point(&mut self, point: PointRow, rest: &[RestStep]) -> Result<(), Self::Error>;
+    fn point(&mut self, point: PointRow, detail: PointDetail) -> Result<(), Self::Error>;
 }
 
 /// Why a study could not be farmed.
@@ -141,7 +140,7 @@ impl<S: Sink> Intake<'_, S> {
             }
             let (_, point) =
                 self.point.get_or_insert_with(|| (point_id, PointAccumulator::default()));
-            point.add(&record.outcome);
+            point.add(record.observed());
             self.counts.add(record.outcome.label());
             self.sink.run(record)?;
         }
@@ -151,9 +150,9 @@ impl<S: Sink> Intake<'_, S> {
     fn close_point(&mut self) -> Result<(), S::Error> {
         match self.point.take() {
             Some((point_id, runs)) => {
-                let rest = runs.rest_curve(self.study.simulation().end_time_s);
+                let detail = runs.detail(self.study.simulation().end_time_s);
                 let row = PointRow::new(&self.study.point(point_id), runs.summary());
-                self.sink.point(row, &rest)
+                self.sink.point(row, detail)
             }
             None => Ok(()),
         }

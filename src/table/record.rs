@@ -1,5 +1,6 @@
 //! One row of the run table: what was planned and what came out.
 
+use crate::analysis::Observed;
 use crate::ending::Outcome;
 use crate::study::PlannedRun;
 
@@ -10,4 +11,15 @@ pub struct RunRecord {
     pub planned: PlannedRun,
     /// How it ended.
     pub outcome: Outcome,
+}
+
+impl RunRecord {
+    /// The run as statistics see it.
+    pub fn observed(&self) -> Observed<'_> {
+        Observed {
+            cell: self.planned.cell,
+            case: self.planned.case.as_ref().ok(),
+            outcome: &self.outcome,
+        }
+    }
 }

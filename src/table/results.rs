@@ -15,7 +15,7 @@ use super::record::RunRecord;
 use super::rest::{RestRow, rest_columns};
 use super::runs::run_columns;
 use super::writer::{TableWriter, WriteError};
-use crate::analysis::{LabelCounts, RestStep};
+use crate::analysis::{LabelCounts, PointDetail};
 use crate::ending::Label;
 use crate::study::Study;
 
@@ -198,13 +198,13 @@ impl Results {
         Ok(self.runs.push(record)?)
     }
 
-    /// Adds a point and the course of its runs' coming to rest.
+    /// Adds a point and what goes into tables of its own.
     ///
     /// # Errors
     /// Where a table cannot be written.
-    pub fn push_point(&mut self, point: PointRow, rest: &[RestStep]) -> Result<(), ResultsError> {
-        for step in rest {
-            self.rest.push(RestRow::new(&point, *step))?;
+    pub fn push_point(&mut self, point: PointRow, detail: PointDetail) -> Result<(), ResultsError> {
+        for step in detail.rest {
+            self.rest.push(RestRow::new(&point, step))?;
         }
         Ok(self.points.push(point)?)
     }

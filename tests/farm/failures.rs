@@ -2,7 +2,7 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use stickslip::analysis::{RestStep, Z_95, wilson};
+use stickslip::analysis::{PointDetail, Z_95, wilson};
 use stickslip::ending::{Evidence, Label, Outcome, simulate};
 use stickslip::farm::{FarmError, FarmOptions, Progress, Shard, Sink, Tally, farm};
 use stickslip::model::Case;
@@ -29,7 +29,7 @@ impl Sink for Kept {
         Ok(())
     }
 
-    fn point(&mut self, point: PointRow, _: &[RestStep]) -> Result<(), Self::Error> {
+    fn point(&mut self, point: PointRow, _: PointDetail) -> Result<(), Self::Error> {
         self.points.push(point);
         Ok(())
     }

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
-use stickslip::analysis::RestStep;
+use stickslip::analysis::PointDetail;
 use stickslip::ending::{Label, simulate};
 use stickslip::farm::{FarmOptions, Progress, Shard, Sink, farm};
 use stickslip::study::Study;
@@ -20,7 +20,7 @@ impl Sink for Points {
         Ok(())
     }
 
-    fn point(&mut self, point: PointRow, _: &[RestStep]) -> Result<(), Self::Error> {
+    fn point(&mut self, point: PointRow, _: PointDetail) -> Result<(), Self::Error> {
         self.0.push(point);
         Ok(())
     }

@@ -4,7 +4,7 @@ use std::fmt::Write;
 use std::path::Path;
 
 use rayon::prelude::*;
-use stickslip::analysis::{PointAccumulator, PointSummary, Z_95, wilson};
+use stickslip::analysis::{Observed, PointAccumulator, PointSummary, Z_95, wilson};
 use stickslip::ending::{Label, Outcome, simulate};
 use stickslip::model::{Case, Method, NormalForce, Simulation};
 use stickslip::study::Study;
@@ -80,7 +80,9 @@ impl ThesisRuns {
 
     fn summary(&self, way: usize, point: usize) -> PointSummary {
         let mut runs = PointAccumulator::default();
-        self.outcomes[way][point].iter().for_each(|outcome| runs.add(outcome));
+        self.outcomes[way][point].iter().for_each(|outcome| {
+            runs.add(Observed { cell: 0, case: None, outcome });
+        });
         runs.summary()
     }
 
