@@ -1,0 +1,56 @@
+//! What is known of a limit cycle beside the numbers that every outcome has.
+
+use crate::motion::Phase;
+
+/// What a contact does at one time in a cycle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Doing {
+    /// It rests on what it lies on.
+    Stick,
+    /// It moves in its coordinate's positive direction.
+    Forward,
+    /// It moves in its coordinate's negative direction.
+    Backward,
+}
+
+impl Doing {
+    /// What a contact in this phase does; `speed` decides where the phase has no direction.
+    pub fn of(phase: Phase, speed: f64) -> Self {
+        match phase {
+            Phase::Stick => Doing::Stick,
+            Phase::Slip(direction) | Phase::Transition(direction) if direction > 0.0 => {
+                Doing::Forward
+            }
+            Phase::Slip(_) | Phase::Transition(_) => Doing::Backward,
+            Phase::Free if speed >= 0.0 => Doing::Forward,
+            Phase::Free => Doing::Backward,
+        }
+    }
+}
+
+/// A limit cycle that a run has been shown to be on. Contacts are in their own order.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Cycle {
+    /// Whole turns of each ball relative to the ring in one period, with sign; 0 of a block.
+    pub turns: Vec<i32>,
+    /// What the contacts do over one period, one after another; it begins where the period was
+    /// begun, which says nothing, and neighbours differ.
+    pub configurations: Vec<Vec<Doing>>,
+    /// Least and greatest speed of each contact relative to what it lies on: rad/s of a ball, m/s
+    /// of a block.
+    pub speed_extremes: Vec<[f64; 2]>,
+    /// Greatest displacement of the table, or of a block from the middle of its cycle, m.
+    pub peak_amplitude_m: f64,
+    /// Moduli of the Floquet multipliers off the neutral directions, descending.
+    pub multipliers: Vec<f64>,
+    /// In how many directions the cycle belongs to a continuous family: balls that rest may rest
+    /// elsewhere.
+    pub neutral_directions: u8,
+}
+
+impl Cycle {
+    /// Whether a contact rests all along the cycle.
+    pub fn rests(&self, contact: usize) -> bool {
+        self.configurations.iter().all(|configuration| configuration[contact] == Doing::Stick)
+    }
+}
