@@ -74,6 +74,27 @@ impl<const N: usize> Balancer<N> {
     }
 }
 
+impl<const N: usize> Balancer<N> {
+    /// The same balancer in another arithmetic.
+    #[inline]
+    pub fn lifted<T: Number>(&self) -> Balancer<N, T> {
+        Balancer {
+            speed: T::constant(self.speed),
+            damping_ratio: T::constant(self.damping_ratio),
+            imbalance: T::constant(self.imbalance),
+            balls: self.balls.map(|ball| BalancerBall {
+                mass: T::constant(ball.mass),
+                inertia: T::constant(ball.inertia),
+                diameter: T::constant(ball.diameter),
+                friction: ball.friction,
+                mobility: T::constant(ball.mobility),
+                rolling_linear: T::constant(ball.rolling_linear),
+                rolling_quadratic: T::constant(ball.rolling_quadratic),
+            }),
+        }
+    }
+}
+
 /// Positions and velocities, non-dimensional: of the `FREE` coordinates that no friction acts on,
 /// and of `N` contacts.
 ///

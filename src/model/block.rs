@@ -13,7 +13,9 @@
 //! `ẍ = -x - f_w` with normal force 1.
 
 use super::machine::{not_negative, positive};
-use super::{Contact, Forces, Friction, FrictionLaw, InvalidParameter, State, System};
+use super::{
+    Contact, Dual, Forces, Friction, FrictionLaw, InvalidParameter, Number, State, System,
+};
 
 /// What a block lies on.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -116,19 +118,45 @@ pub struct Slider {
 /// relative to what it lies on.
 pub type SliderState = State<1, f64, 0>;
 
-impl System<1, 0> for Slider {
-    const ANGULAR: bool = false;
-
-    fn forces(&self, state: &SliderState, contacts: &[Contact; 1]) -> Forces<1, f64, 0> {
+impl Slider {
+    fn forces_of<T: Number>(
+        &self,
+        state: &State<1, T, 0>,
+        contacts: &[Contact<T>; 1],
+    ) -> Forces<1, T, 0> {
         let [Contact { free, signed_friction, drag }] = *contacts;
         let spring = -state.beta[0];
         let slipping = signed_friction + drag;
         Forces {
             table_acceleration: [],
             beta_ddot: [free * (spring - slipping)],
-            normal: [1.0],
-            friction: [free * slipping + (1.0 - free) * spring],
+            normal: [T::constant(1.0)],
+            friction: [free * slipping + (T::constant(1.0) - free) * spring],
         }
+    }
+
+    fn derivative_of<T: Number>(
+        &self,
+        state: &State<1, T, 0>,
+        contacts: &[Contact<T>; 1],
+        forces: &Forces<1, T, 0>,
+    ) -> State<1, T, 0> {
+        let free = contacts[0].free;
+        let stuck = T::constant(1.0) - free;
+        State {
+            position: [],
+            velocity: [],
+            beta: [T::constant(self.belt_speed) + free * state.beta_dot[0]],
+            beta_dot: [forces.beta_ddot[0] - stuck * state.beta_dot[0]],
+        }
+    }
+}
+
+impl System<1, 0> for Slider {
+    const ANGULAR: bool = false;
+
+    fn forces(&self, state: &SliderState, contacts: &[Contact; 1]) -> Forces<1, f64, 0> {
+        self.forces_of(state, contacts)
     }
 
     fn derivative(
@@ -137,13 +165,16 @@ impl System<1, 0> for Slider {
         contacts: &[Contact; 1],
         forces: &Forces<1, f64, 0>,
     ) -> SliderState {
-        let stuck = 1.0 - contacts[0].free;
-        State {
-            position: [],
-            velocity: [],
-            beta: [self.belt_speed + contacts[0].free * state.beta_dot[0]],
-            beta_dot: [forces.beta_ddot[0] - stuck * state.beta_dot[0]],
-        }
+        self.derivative_of(state, contacts, forces)
+    }
+
+    fn along(
+        &self,
+        state: &State<1, Dual, 0>,
+        contacts: &[Contact<Dual>; 1],
+    ) -> (Forces<1, Dual, 0>, State<1, Dual, 0>) {
+        let forces = self.forces_of(state, contacts);
+        (forces, self.derivative_of(state, contacts, &forces))
     }
 
     fn friction(&self, _contact: usize) -> &Friction {

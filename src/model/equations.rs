@@ -32,6 +32,16 @@ pub struct Contact<T = f64> {
 impl Contact {
     /// A contact that sticks.
     pub const STICK: Contact = Contact { free: 0.0, signed_friction: 0.0, drag: 0.0 };
+
+    /// The same in another arithmetic.
+    #[inline]
+    pub fn lifted<T: Number>(self) -> Contact<T> {
+        Contact {
+            free: T::constant(self.free),
+            signed_friction: T::constant(self.signed_friction),
+            drag: T::constant(self.drag),
+        }
+    }
 }
 
 /// Accelerations and contact forces in one state.

@@ -1,6 +1,6 @@
 //! What the computation of motion needs to know of a mechanical system with dry friction.
 
-use super::{Balancer, Contact, Forces, Friction, State};
+use super::{Balancer, Contact, Dual, Forces, Friction, State};
 
 /// A system with `N` contacts that stick or slip and `FREE` other coordinates, without dimensions.
 pub trait System<const N: usize, const FREE: usize> {
@@ -19,6 +19,13 @@ pub trait System<const N: usize, const FREE: usize> {
         contacts: &[Contact; N],
         forces: &Forces<N, f64, FREE>,
     ) -> State<N, f64, FREE>;
+
+    /// The forces and the time derivative to first order along a direction.
+    fn along(
+        &self,
+        state: &State<N, Dual, FREE>,
+        contacts: &[Contact<Dual>; N],
+    ) -> (Forces<N, Dual, FREE>, State<N, Dual, FREE>);
 
     /// The friction of a contact, counted from 0.
     fn friction(&self, contact: usize) -> &Friction;
@@ -53,6 +60,17 @@ impl<const N: usize> System<N, 2> for Balancer<N> {
         forces: &Forces<N>,
     ) -> State<N> {
         Balancer::derivative(self, state, contacts, forces)
+    }
+
+    #[inline]
+    fn along(
+        &self,
+        state: &State<N, Dual>,
+        contacts: &[Contact<Dual>; N],
+    ) -> (Forces<N, Dual>, State<N, Dual>) {
+        let balancer = self.lifted();
+        let forces = balancer.forces(state, contacts);
+        (forces, balancer.derivative(state, contacts, &forces))
     }
 
     #[inline]

@@ -2,7 +2,7 @@
 
 use super::Failure;
 use super::ambiguity::unique_or_refused;
-use crate::model::{Contact, Forces, Friction, State, System};
+use crate::model::{Contact, Dual, Forces, Friction, State, System};
 
 /// What a ball does (thesis table 4.2), or a block.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,6 +28,18 @@ impl Phase {
                 friction.slip(direction, speed)
             }
             Phase::Free => friction.slip(0.0, speed),
+        }
+    }
+
+    /// [`Phase::contact`] to first order in the speed.
+    #[inline]
+    pub(super) fn contact_along(self, friction: &Friction, speed: Dual) -> Contact<Dual> {
+        match self {
+            Phase::Stick => Contact::STICK.lifted(),
+            Phase::Slip(direction) | Phase::Transition(direction) => {
+                friction.slip_along(direction, speed)
+            }
+            Phase::Free => friction.slip_along(0.0, speed),
         }
     }
 
@@ -101,6 +113,22 @@ impl<'a, S: System<N, FREE>, const N: usize, const FREE: usize> SmoothPhase<'a, 
     pub(super) fn derivative(&self, state: &State<N, f64, FREE>) -> State<N, f64, FREE> {
         let contacts = self.contacts(state);
         self.system.derivative(state, &contacts, &self.system.forces(state, &contacts))
+    }
+
+    /// Forces and time derivative to first order along a direction.
+    #[inline]
+    pub(super) fn along(
+        &self,
+        state: &State<N, Dual, FREE>,
+    ) -> (Forces<N, Dual, FREE>, State<N, Dual, FREE>) {
+        let contacts = match &self.constant {
+            Some(contacts) => contacts.map(Contact::lifted),
+            None => std::array::from_fn(|ball| {
+                let friction = self.system.friction(ball);
+                self.phases[ball].contact_along(friction, state.beta_dot[ball])
+            }),
+        };
+        self.system.along(state, &contacts)
     }
 
     /// The time derivative of a state in which the forces are known.

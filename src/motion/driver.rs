@@ -141,6 +141,19 @@ impl<'a, S: System<N, FREE>, const N: usize, const FREE: usize> Motion<'a, S, N,
         self.state.beta_dot.iter().all(|speed| speed.abs() <= self.slow)
     }
 
+    pub(super) fn system(&self) -> &'a S {
+        self.system
+    }
+
+    pub(super) fn margins(&self) -> Margins {
+        self.margins
+    }
+
+    /// The latest step; none before the first.
+    pub(super) fn last_step(&self) -> Option<&LastStep<N, FREE>> {
+        self.last.as_ref()
+    }
+
     /// What the motion has cost so far.
     pub fn effort(&self) -> Effort {
         self.effort
@@ -173,8 +186,15 @@ impl<'a, S: System<N, FREE>, const N: usize, const FREE: usize> Motion<'a, S, N,
         self.next_length = if shortened { self.next_length } else { suggestion };
         self.effort.steps += 1;
         let start_time = self.time;
-        let mut last =
-            LastStep { step, phases, end_derivative, start_time, used: 1.0, interpolant: None };
+        let mut last = LastStep {
+            step,
+            phases,
+            end_derivative,
+            start_time,
+            used: 1.0,
+            interpolant: None,
+            ended_by: None,
+        };
         // A condition that has failed by rounding only changes nothing; the next one may.
         let (mut switched, mut after) = (None, -1.0);
         while switched.is_none()
@@ -250,7 +270,7 @@ impl<'a, S: System<N, FREE>, const N: usize, const FREE: usize> Motion<'a, S, N,
     fn switch(
         &mut self,
         last: &mut LastStep<N, FREE>,
-        FirstSwitch { theta, ball }: FirstSwitch,
+        FirstSwitch { theta, guard }: FirstSwitch,
     ) -> Result<Option<bool>, Failure> {
         let system = self.system;
         let mut state = if theta > 0.0 { last.interpolant(system).at(theta) } else { self.state };
@@ -265,13 +285,14 @@ impl<'a, S: System<N, FREE>, const N: usize, const FREE: usize> Motion<'a, S, N,
                 forces
             }
             Method::Event => {
-                let slips = matches!(self.phases[ball], Phase::Slip(_));
-                let stopped_at_once = (theta == 0.0 && slips).then_some(ball);
+                let slips = matches!(self.phases[guard.ball], Phase::Slip(_));
+                let stopped_at_once = (theta == 0.0 && slips).then_some(guard.ball);
                 event_driven::switch(system, &mut state, &mut phases, stopped_at_once)?
             }
         };
         check_forces(&forces)?;
         last.used = theta;
+        last.ended_by = Some(guard);
         self.time = last.start_time + theta * last.step.length;
         self.state = state;
         self.forces = forces;

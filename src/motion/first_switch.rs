@@ -16,6 +16,8 @@ pub(super) struct LastStep<const N: usize, const FREE: usize> {
     /// The part of the step that was used: less than 1 where a switch cut it short.
     pub(super) used: f64,
     pub(super) interpolant: Option<Interpolant<N, FREE>>,
+    /// The condition whose failure cut it short.
+    pub(super) ended_by: Option<Guard>,
 }
 
 /// What ends a step early.
@@ -23,8 +25,8 @@ pub(super) struct LastStep<const N: usize, const FREE: usize> {
 pub(super) struct FirstSwitch {
     /// When, as a fraction of the step.
     pub(super) theta: f64,
-    /// The contact whose condition fails.
-    pub(super) ball: usize,
+    /// The condition that fails.
+    pub(super) guard: Guard,
 }
 
 /// How far ahead, in time, the rate of change of a condition is looked for.
@@ -105,7 +107,7 @@ impl<const N: usize, const FREE: usize> LastStep<N, FREE> {
                 && theta > after
                 && first.is_none_or(|first| theta < first.theta)
             {
-                first = Some(FirstSwitch { theta, ball: guard.ball });
+                first = Some(FirstSwitch { theta, guard });
             }
         }
         first

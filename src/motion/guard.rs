@@ -3,7 +3,7 @@
 
 use super::contact::Phase;
 use super::root::fall_through_zero;
-use crate::model::{Forces, State, System};
+use crate::model::{Forces, Number, State, System};
 
 /// One condition of one ball; its value is positive while the phase lasts.
 #[derive(Clone, Copy, Debug)]
@@ -27,8 +27,8 @@ enum Kind {
 }
 
 /// A point of a step: its state and the forces there.
-pub(super) type Point<'a, const N: usize, const FREE: usize> =
-    (&'a State<N, f64, FREE>, &'a Forces<N, f64, FREE>);
+pub(super) type Point<'a, const N: usize, const FREE: usize, T = f64> =
+    (&'a State<N, T, FREE>, &'a Forces<N, T, FREE>);
 
 /// By how much conditions may fail before they count as failed.
 #[derive(Clone, Copy, Debug)]
@@ -58,19 +58,22 @@ impl Guard {
     }
 
     /// The condition's value.
-    pub(super) fn value<S: System<N, FREE>, const N: usize, const FREE: usize>(
+    #[inline]
+    pub(super) fn value<S: System<N, FREE>, T: Number, const N: usize, const FREE: usize>(
         self,
         system: &S,
         Margins { band, slack }: Margins,
-        (state, forces): Point<N, FREE>,
-    ) -> f64 {
+        (state, forces): Point<N, FREE, T>,
+    ) -> T {
+        let constant = T::constant;
+        let (speed, acceleration) = (state.beta_dot[self.ball], forces.beta_ddot[self.ball]);
         match self.kind {
-            Kind::OutOfBand(direction) => direction * state.beta_dot[self.ball] - band,
-            Kind::InBand(direction) => band - direction * state.beta_dot[self.ball],
-            Kind::Accelerating(direction) => direction * forces.beta_ddot[self.ball] + slack,
+            Kind::OutOfBand(direction) => constant(direction) * speed - constant(band),
+            Kind::InBand(direction) => constant(band) - constant(direction) * speed,
+            Kind::Accelerating(direction) => constant(direction) * acceleration + constant(slack),
             Kind::Held(direction) => {
-                let limit = system.friction(self.ball).limit * forces.normal[self.ball];
-                limit - direction * forces.friction[self.ball] + slack
+                let limit = constant(system.friction(self.ball).limit) * forces.normal[self.ball];
+                limit - constant(direction) * forces.friction[self.ball] + constant(slack)
             }
             Kind::Pressed => forces.normal[self.ball],
         }

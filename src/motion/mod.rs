@@ -11,6 +11,7 @@ mod guard;
 mod root;
 mod settings;
 mod switch_model;
+mod variation;
 
 pub use contact::{Phase, contacts, derivative, forces, stick_reserve};
 pub use dop853::{Interpolant, Step, Tolerance};
@@ -18,6 +19,7 @@ pub use driver::{Motion, SLOW};
 pub use root::fall_through_zero;
 pub use settings::{Effort, Settings};
 pub use switch_model::{SLACK, decide};
+pub use variation::Variation;
 
 use thiserror::Error;
 

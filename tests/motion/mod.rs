@@ -9,4 +9,5 @@ mod inertial;
 mod samples;
 mod smooth;
 mod symmetry;
+mod variation;
 mod work_of_friction;

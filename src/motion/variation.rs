@@ -1,0 +1,100 @@
+//! Neighbouring motions to first order: the linearised flow, through stick and slip.
+//!
+//! In a smooth phase a small displacement follows the linearised equations. Each step that the
+//! motion took is taken once more in dual numbers, so that the displacement is carried by the exact
+//! derivative of the step, of the same order as the step itself. At a switch, which a neighbour meets
+//! a little earlier or later, it jumps by the saltation matrix
+//!
+//! ```text
+//! S = 1 + (f⁺ - f⁻) ∇hᵀ / (∇hᵀ f⁻)
+//! ```
+//!
+//! with the time derivatives `f⁻`, `f⁺` before and after and the condition `h` that fails (M. A.
+//! Aizerman, F. R. Gantmakher, Quart. J. Mech. Appl. Math. 11 (1958) 433,
+//! doi:10.1093/qjmam/11.4.433; R. I. Leine, H. Nijmeijer, *Dynamics and Bifurcations of Non-Smooth
+//! Mechanical Systems*, Springer 2004, chapter 7, doi:10.1007/978-3-540-44398-8). A ball that comes
+//! to rest thereby loses its speed in every direction; where it breaks loose against friction that
+//! does not jump, nothing happens.
+//!
+//! Where several contacts switch at the very same instant (balls side by side by symmetry), what a
+//! neighbour does depends on which of its contacts comes first; the condition that the motion itself
+//! has met first is then taken for all of them.
+
+use super::contact::SmoothPhase;
+use super::dop853::Step;
+use super::driver::Motion;
+use crate::model::{Dual, Number, State, System};
+
+/// Conditions that fail slower than this, as a part of the largest rate at which they could, are
+/// grazed: there the neighbours' motions differ by more than first order.
+const GRAZING: f64 = 1e-12;
+
+/// Small displacements from a motion, each in its own direction.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Variation<const N: usize, const FREE: usize = 2> {
+    /// The displacements, up to a common small factor.
+    pub directions: Vec<State<N, f64, FREE>>,
+    /// Whether a switch was met by grazing only, so that the displacements are not defined.
+    pub grazed: bool,
+}
+
+impl<const N: usize, const FREE: usize> Variation<N, FREE> {
+    /// Displacements in these directions.
+    pub fn new(directions: Vec<State<N, f64, FREE>>) -> Self {
+        Variation { directions, grazed: false }
+    }
+
+    /// Carries the displacements over the latest step of the motion, and over the switch at its end
+    /// if there was one. To be called once after each step.
+    pub fn follow<S: System<N, FREE>>(&mut self, motion: &Motion<S, N, FREE>) {
+        let Some(last) = motion.last_step() else { return };
+        let system = motion.system();
+        let before = SmoothPhase::new(system, &last.phases);
+        let length = last.used * last.step.length;
+        if length > 0.0 {
+            self.carry(&before, &last.step.start, length);
+        }
+        let Some(guard) = last.ended_by.filter(|_| last.phases != *motion.phases()) else {
+            return;
+        };
+        let state = motion.state();
+        let rate_before = before.derivative(state);
+        let margins = motion.margins();
+        let change_of_condition = |direction: &State<N, f64, FREE>| {
+            let state = state.along(direction);
+            let (forces, _) = before.along(&state);
+            guard.value(system, margins, (&state, &forces)).slope
+        };
+        let rate = change_of_condition(&rate_before);
+        let mut jump = *motion.derivative();
+        jump.add_scaled(-1.0, &rate_before);
+        if !has_any(&jump) {
+            return;
+        }
+        self.grazed |= rate.is_nan() || rate.abs() <= GRAZING * motion.system().force_scale();
+        for direction in &mut self.directions {
+            let factor = change_of_condition(direction) / rate;
+            direction.add_scaled(factor, &jump);
+        }
+    }
+
+    /// Carries the displacements over a smooth part of the motion from `start`.
+    fn carry<S: System<N, FREE>>(
+        &mut self,
+        phase: &SmoothPhase<S, N, FREE>,
+        start: &State<N, f64, FREE>,
+        length: f64,
+    ) {
+        for direction in &mut self.directions {
+            let start = start.along(direction);
+            let rate = |state: &State<N, Dual, FREE>| phase.along(state).1;
+            let step = Step::attempt(rate, &start, &rate(&start), Dual::constant(length));
+            *direction = step.end.slope();
+        }
+    }
+}
+
+fn has_any<const N: usize, const FREE: usize>(state: &State<N, f64, FREE>) -> bool {
+    let State { position, velocity, beta, beta_dot } = state;
+    position.iter().chain(velocity).chain(beta).chain(beta_dot).any(|value| *value != 0.0)
+}
