@@ -1,10 +1,11 @@
 //! One run of the balancer: simulated until its ending is known.
 
 use super::certificate::{certified, certified_by_closed_form};
+use super::closed_orbit::Orbit;
 use super::creep::creeps;
+use super::cycle::{Cycle, Doing};
 use super::orbit::OrbitWatch;
 use super::outcome::{Evidence, Outcome};
-use super::return_map::Orbit;
 use super::settled::SettledWatch;
 use super::simulate::{WINDOW, effort_limit, stiff_pace};
 use crate::model::{Balancer, Machine, RestPoint, Simulation, Start, System};
@@ -209,11 +210,12 @@ impl<'a, const N: usize> Run<'a, N> {
             Ending::Rest(rest) => at_rest(Evidence::RestCertified, rest),
             Ending::Cycle(orbit) => Outcome {
                 evidence: Evidence::ClosedOrbit,
-                balls_running: Some(orbit.running.iter().filter(|&&runs| runs).count() as u8),
+                balls_running: Some(orbit.turns.iter().filter(|&&turns| turns != 0).count() as u8),
                 amplitude_m: Some(orbit.amplitude * radius),
                 friction_margin: orbit.margin,
                 period_s: Some(orbit.period / natural),
                 mean_speed: Some(orbit.speed.map(|speed| speed * natural).to_vec()),
+                cycle: Some(Box::new(cycle(orbit, units))),
                 ..base
             },
             Ending::Settled => Outcome { friction_margin: None, ..slow(Evidence::Settled) },
@@ -247,5 +249,17 @@ impl<'a, const N: usize> Run<'a, N> {
                 ..base
             },
         }
+    }
+}
+
+fn cycle<const N: usize>(orbit: Orbit<N>, Units { natural, radius }: Units) -> Cycle {
+    let of_all = |doing: &[Doing; N]| doing.to_vec();
+    Cycle {
+        turns: orbit.turns.to_vec(),
+        configurations: orbit.configurations.iter().map(of_all).collect(),
+        speed_extremes: orbit.speed_extremes.map(|two| two.map(|speed| speed * natural)).to_vec(),
+        peak_amplitude_m: orbit.peak * radius,
+        multipliers: orbit.multipliers,
+        neutral_directions: orbit.neutral_directions as u8,
     }
 }

@@ -18,17 +18,21 @@
 mod balancer;
 mod block;
 mod certificate;
+mod closed_orbit;
 mod creep;
 mod cycle;
+pub mod lyapunov;
 mod orbit;
 mod outcome;
+mod period;
 mod return_map;
+mod section;
 mod settled;
 mod simulate;
 
 pub use certificate::{certified, certified_by_closed_form};
+pub use closed_orbit::Orbit;
 pub use cycle::{Cycle, Doing};
 pub use orbit::OrbitWatch;
 pub use outcome::{Evidence, Label, LyapunovExponent, Outcome};
-pub use return_map::Orbit;
 pub use simulate::simulate;

@@ -5,16 +5,19 @@
 //! later. An orbit is a limit cycle on three counts:
 //!
 //! 1. it closes: from where the run nearly comes back to itself, Newton's method on the return map
-//!    finds an orbit that does within a small multiple of the tolerances, and the run is near it;
-//! 2. it is stable: all multipliers of the return map, by central differences through all switches
-//!    on the way, lie inside the unit circle;
+//!    finds an orbit that does within a small multiple of the tolerances, and the run is drawn to
+//!    it;
+//! 2. it is stable: all multipliers of the return map, the eigenvalues of its derivative through all
+//!    switches on the way, lie inside the unit circle;
 //! 3. balls that rest keep a margin all along it. Where such a ball rests does not change from one
 //!    return to the next: those neutral directions (the cycles form a continuous family) are left
-//!    out of the map instead of being mistaken for instability.
+//!    out of the map and counted instead of being mistaken for instability.
 //!
 //! One ball at least must go round without stopping; the others may run, rest, or stick and slip.
 
-use super::return_map::{Orbit, REACH, ReturnMap, Verdict, wrapped};
+use super::closed_orbit::{Orbit, REACH, Verdict, examine};
+use super::return_map::ReturnMap;
+use super::section::{Section, wrapped};
 use crate::model::{Balancer, State};
 use crate::motion::{Motion, Phase, Settings, Tolerance};
 
@@ -25,8 +28,15 @@ const MOST_TURNS: usize = 12;
 const NEAR: f64 = 1e-3;
 /// Returns in a row that must be near.
 const NEAR_RETURNS: usize = 3;
+/// Returns in a row that must be near where they do not draw nearer one by one: an orbit may be
+/// approached in a spiral.
+const CLOSE_RETURNS: usize = 16;
 /// How often per run the multipliers are computed at most.
 const MOST_ATTEMPTS: u32 = 4;
+
+fn near(turns: usize) -> f64 {
+    NEAR / turns as f64
+}
 
 /// A passage of the running ball through the section.
 #[derive(Clone, Debug)]
@@ -46,6 +56,7 @@ pub struct OrbitWatch<const N: usize> {
     ball: Option<(usize, f64)>,
     passages: Vec<Passage<N>>,
     near_in_a_row: [usize; MOST_TURNS + 1],
+    close_in_a_row: [usize; MOST_TURNS + 1],
     attempts: u32,
     wait_until: f64,
     /// Turns of an unstable closed orbit that the run has come near.
@@ -61,6 +72,7 @@ impl<const N: usize> OrbitWatch<N> {
             ball: None,
             passages: Vec::with_capacity(MOST_TURNS + 2),
             near_in_a_row: [0; MOST_TURNS + 1],
+            close_in_a_row: [0; MOST_TURNS + 1],
             attempts: 0,
             wait_until: 0.0,
             unstable: None,
@@ -106,17 +118,17 @@ impl<const N: usize> OrbitWatch<N> {
         self.wait_until = time + f64::from(1 << self.attempts) * looked_at;
         match self.examine(balancer, settings, reference, turns, motion.last_switches()) {
             Verdict::Stable(orbit) => return Some(orbit),
-            Verdict::Unstable => self.unstable = Some(turns),
+            Verdict::Unstable(..) => self.unstable = Some(turns),
             Verdict::Open => {}
         }
         None
     }
 
-    /// Whether the run itself, at its latest passage, closes on an orbit that has been shown to be
+    /// Whether the run, at its latest passage, nearly closes on an orbit that has been shown to be
     /// unstable: only a symmetry, or too little time, has kept it there.
     pub fn on_unstable_orbit(&self) -> bool {
         match (self.unstable, self.passages.last()) {
-            (Some(turns), Some(passage)) => passage.differences[turns] <= self.closure,
+            (Some(turns), Some(passage)) => passage.differences[turns] <= near(turns),
             _ => false,
         }
     }
@@ -125,12 +137,13 @@ impl<const N: usize> OrbitWatch<N> {
         self.ball = None;
         self.passages.clear();
         self.near_in_a_row = [0; MOST_TURNS + 1];
+        self.close_in_a_row = [0; MOST_TURNS + 1];
         self.unstable = None;
     }
 
     /// Takes a passage in and returns the least number of turns after which the orbit seems to
     /// close: some returns in a row are near, and nearer than one such return earlier, or as near
-    /// as the tolerances let them be.
+    /// as the tolerances let them be; or many are near.
     fn record(&mut self, reference: usize, mut passage: Passage<N>) -> Option<usize> {
         let mut closing = None;
         for turns in 1..=MOST_TURNS.min(self.passages.len()) {
@@ -142,10 +155,15 @@ impl<const N: usize> OrbitWatch<N> {
             // reach show a drift.
             let in_reach = distance * distance <= REACH * (before - distance);
             let approaches = distance < before && in_reach || distance <= self.closure;
-            let close = distance <= NEAR / turns as f64;
-            let near = earlier.phases == passage.phases && close && approaches;
-            self.near_in_a_row[turns] = if near { self.near_in_a_row[turns] + 1 } else { 0 };
-            if self.near_in_a_row[turns] >= NEAR_RETURNS.max(turns) && closing.is_none() {
+            let close = earlier.phases == passage.phases && distance <= near(turns);
+            let one_more = |before: usize, is: bool| if is { before + 1 } else { 0 };
+            let (near_in_a_row, close_in_a_row) =
+                (&mut self.near_in_a_row[turns], &mut self.close_in_a_row[turns]);
+            *near_in_a_row = one_more(*near_in_a_row, close && approaches);
+            *close_in_a_row = one_more(*close_in_a_row, close);
+            let closes = *near_in_a_row >= NEAR_RETURNS.max(turns)
+                || *close_in_a_row >= CLOSE_RETURNS.max(4 * turns);
+            if closes && closing.is_none() {
                 closing = Some(turns);
             }
         }
@@ -156,7 +174,7 @@ impl<const N: usize> OrbitWatch<N> {
         closing
     }
 
-    /// Multipliers, distance to the fixed point and margins of an orbit that closes.
+    /// What the orbit is that seems to close after so many turns.
     fn examine(
         &self,
         balancer: &Balancer<N>,
@@ -177,15 +195,17 @@ impl<const N: usize> OrbitWatch<N> {
                 effort_limit: 1_000_000,
                 ..*settings
             },
-            reference,
+            section: Section {
+                reference,
+                phases: passage.phases,
+                rests: std::array::from_fn(|ball| {
+                    passage.phases[ball] == Phase::Stick && last_switches[ball] < earlier
+                }),
+            },
             turns,
-            phases: passage.phases,
-            rests: std::array::from_fn(|ball| {
-                passage.phases[ball] == Phase::Stick && last_switches[ball] < earlier
-            }),
             longest: 2.0 * (passage.time - earlier),
         };
-        map.verdict(&passage.state, self.closure).unwrap_or(Verdict::Open)
+        examine(map, &passage.state, self.closure).unwrap_or(Verdict::Open)
     }
 }
 

@@ -332,6 +332,14 @@ impl<'a, S: System<N, FREE>, const N: usize, const FREE: usize> Motion<'a, S, N,
         self.last.as_mut()?.falls_through_zero(self.system, &self.state, value)
     }
 
+    /// The state inside the latest step, at a part of it from 0, its start, to 1, its end or the
+    /// switch that ended it; none before the first step.
+    pub fn inside_last_step(&mut self, part: f64) -> Option<State<N, f64, FREE>> {
+        let last = self.last.as_mut()?;
+        let theta = part * last.used;
+        Some(last.interpolant(self.system).at(theta))
+    }
+
     /// Brings angles into [0, 2π), counting whole turns apart.
     fn wrap_angles(&mut self) {
         if !S::ANGULAR {

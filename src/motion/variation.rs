@@ -78,6 +78,21 @@ impl<const N: usize, const FREE: usize> Variation<N, FREE> {
         }
     }
 
+    /// The displacements at a time within the latest step, which the motion has taken and this has
+    /// not yet followed.
+    pub fn followed_to<S: System<N, FREE>>(
+        &self,
+        motion: &Motion<S, N, FREE>,
+        time: f64,
+    ) -> Vec<State<N, f64, FREE>> {
+        let mut there = self.clone();
+        if let Some(last) = motion.last_step() {
+            let phase = SmoothPhase::new(motion.system(), &last.phases);
+            there.carry(&phase, &last.step.start, time - last.start_time);
+        }
+        there.directions
+    }
+
     /// Carries the displacements over a smooth part of the motion from `start`.
     fn carry<S: System<N, FREE>>(
         &mut self,

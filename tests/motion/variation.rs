@@ -94,10 +94,7 @@ fn carried_displacements_are_those_of_neighbours() {
             machine.friction = sampler.one_of(&[
                 FrictionLaw::Coulomb,
                 FrictionLaw::Coulomb,
-                FrictionLaw::Stribeck {
-                    static_friction_coefficient: 4e-3,
-                    stribeck_speed: 20.0,
-                },
+                FrictionLaw::Stribeck { static_friction_coefficient: 4e-3, stribeck_speed: 20.0 },
                 FrictionLaw::Smooth { smoothing_speed: 30.0 },
                 FrictionLaw::Viscous { viscous_coefficient_n_s_m: 1e-4 },
             ]);
@@ -105,9 +102,8 @@ fn carried_displacements_are_those_of_neighbours() {
             Model::from(machine.clone()).validate().expect("a sound machine");
             let balancer = Balancer::<2>::new(&machine).expect("two balls");
             let between = |sampler: &mut Sampler, half: f64| sampler.between(-half, half);
-            let mut numbers = |half: f64| -> Vec<f64> {
-                (0..8).map(|_| between(&mut sampler, half)).collect()
-            };
+            let mut numbers =
+                |half: f64| -> Vec<f64> { (0..8).map(|_| between(&mut sampler, half)).collect() };
             let (mut start, direction) = (numbers(0.05), numbers(1.0));
             start[4..6].iter_mut().for_each(|beta| *beta = 60.0 * *beta + 3.0);
             start[6..].iter_mut().for_each(|speed| *speed *= 8.0);

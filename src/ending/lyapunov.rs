@@ -1,0 +1,125 @@
+//! Irregular motion: neighbouring motions separate exponentially.
+//!
+//! A small displacement is carried along the motion by the linearised flow, through stick and slip
+//! ([`crate::motion::Variation`]), and made small again whenever it has grown (G. Benettin, L.
+//! Galgani, A. Giorgilli, J.-M. Strelcyn, Meccanica 15 (1980) 9, doi:10.1007/BF02128236; with
+//! saltation: P. C. Müller, Chaos Solitons Fractals 5 (1995) 1671,
+//! doi:10.1016/0960-0779(94)00170-U). The mean rate of growth over a window at the end of the run is
+//! the largest finite-time Lyapunov exponent. Its doubt comes from the scatter of the rates in
+//! [`BATCHES`] equal parts of the window.
+//!
+//! A motion counts as irregular where the interval is positive and neighbours have separated by
+//! [`SEPARATED`] at least in the second half of the window alone. The latter keeps out growth that
+//! is no more than a power of time: a displacement along a family of motions (a ball that rests a
+//! little further on, whereby the other runs a little faster) grows in proportion to time, for
+//! ever; in the second half of a window that is a factor of 2, of the third power of time 8.
+
+use super::outcome::LyapunovExponent;
+use crate::model::{State, System};
+use crate::motion::{Motion, Variation};
+
+/// Parts of the window.
+const BATCHES: usize = 10;
+/// The two-sided 95 % point of Student's distribution with 15 degrees of freedom.
+const STUDENT: f64 = 2.262_157_162_798_205;
+/// By how much neighbours must separate in the second half of the window.
+const SEPARATED: f64 = 10.0;
+
+/// Measures how fast neighbours of a motion separate from some time on until another.
+#[derive(Clone, Debug)]
+pub struct Separation<const N: usize, const FREE: usize> {
+    variation: Variation<N, FREE>,
+    start: f64,
+    end: f64,
+    /// Logarithm of the growth so far, and what it was at the end of each batch, with the time.
+    growth: f64,
+    marks: Vec<(f64, f64)>,
+}
+
+impl<const N: usize, const FREE: usize> Separation<N, FREE> {
+    /// To be measured from `start` to `end`.
+    pub fn new(start: f64, end: f64) -> Self {
+        // The same for all contacts: exchanging two of them exchanges the displacements only.
+        let everywhere = State {
+            position: [1.0; FREE],
+            velocity: [1.0; FREE],
+            beta: [1.0; N],
+            beta_dot: [1.0; N],
+        };
+        Separation {
+            variation: Variation::new(vec![everywhere]),
+            start,
+            end,
+            growth: 0.0,
+            marks: Vec::new(),
+        }
+    }
+
+    /// Takes in the motion's latest step, if it lies in the window.
+    pub fn follow<S: System<N, FREE>>(&mut self, motion: &Motion<S, N, FREE>) {
+        let time = motion.time();
+        if time <= self.start {
+            return;
+        }
+        if self.marks.is_empty() {
+            // The first step reaches into the window and is left out.
+            self.marks.push((time, 0.0));
+            self.normalise();
+            self.growth = 0.0;
+            return;
+        }
+        self.variation.follow(motion);
+        self.normalise();
+        let batch = (self.end - self.start) / BATCHES as f64;
+        if time >= self.start + batch * self.marks.len() as f64 || time >= self.end {
+            self.marks.push((time, self.growth));
+        }
+    }
+
+    fn normalise(&mut self) {
+        for direction in &mut self.variation.directions {
+            let State { position, velocity, beta, beta_dot } = &*direction;
+            let square = |values: &[f64]| values.iter().map(|value| value * value).sum::<f64>();
+            let size =
+                (square(position) + square(velocity) + square(beta) + square(beta_dot)).sqrt();
+            self.growth += size.ln();
+            let mut unit = State::zero();
+            unit.add_scaled(1.0 / size, direction);
+            *direction = unit;
+        }
+    }
+
+    /// The exponent per unit of non-dimensional time, with its interval, and the length of the
+    /// window; none where it could not be measured: a switch was met by grazing, or the window was
+    /// too short.
+    pub fn exponent(&self) -> Option<LyapunovExponent> {
+        let ((first, _), (last, growth)) = (*self.marks.first()?, *self.marks.last()?);
+        if self.variation.grazed || !growth.is_finite() || self.marks.len() <= BATCHES / 2 {
+            return None;
+        }
+        let rates: Vec<f64> = self
+            .marks
+            .windows(2)
+            .map(|pair| (pair[1].1 - pair[0].1) / (pair[1].0 - pair[0].0))
+            .collect();
+        let window = last - first;
+        let exponent = growth / window;
+        let count = rates.len() as f64;
+        let variance = rates.iter().map(|rate| (rate - exponent) * (rate - exponent)).sum::<f64>()
+            / (count - 1.0);
+        let doubt = STUDENT * (variance / count).sqrt();
+        Some(LyapunovExponent {
+            exponent_1_s: exponent,
+            interval_1_s: [exponent - doubt, exponent + doubt],
+            window_s: window,
+        })
+    }
+
+    /// Whether neighbours separate exponentially, beyond doubt.
+    pub fn is_irregular(&self) -> bool {
+        let Some(exponent) = self.exponent() else { return false };
+        let half = &self.marks[self.marks.len() / 2];
+        let separated = self.growth - half.1;
+        exponent.interval_1_s[0] > 0.0 && separated >= SEPARATED.ln()
+    }
+}

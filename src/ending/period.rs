@@ -1,0 +1,118 @@
+//! What happens in one period of a cycle: order of stick and slip, extremes, means, margins.
+
+use super::cycle::Doing;
+use super::section::Section;
+use crate::model::{Balancer, State};
+use crate::motion::{Motion, Phase, derivative, forces};
+
+/// Places inside a step at which a resting ball's margin is looked at.
+const LOOKS: usize = 8;
+
+/// One period as it goes by.
+pub(super) struct Period<const N: usize> {
+    rests: [bool; N],
+    time: f64,
+    state: State<N>,
+    /// What the balls do, one after another.
+    pub(super) configurations: Vec<[Doing; N]>,
+    /// Least and greatest speed of each ball.
+    pub(super) speeds: [[f64; 2]; N],
+    /// Greatest displacement of the table.
+    pub(super) peak: f64,
+    /// Integral over time of its square.
+    pub(super) square_time: f64,
+    /// The least part of the friction limit that is left to a resting ball.
+    pub(super) margin: f64,
+}
+
+fn square<const N: usize>(state: &State<N>) -> f64 {
+    state.position.iter().map(|p| p * p).sum()
+}
+
+/// Half of the rate of change of the square.
+fn outward<const N: usize>(state: &State<N>) -> f64 {
+    state.position.iter().zip(&state.velocity).map(|(p, v)| p * v).sum()
+}
+
+impl<const N: usize> Period<N> {
+    pub(super) fn new(balancer: &Balancer<N>, section: &Section<N>, start: &State<N>) -> Self {
+        let mut period = Period {
+            rests: section.rests,
+            time: 0.0,
+            state: *start,
+            configurations: vec![doings(&section.phases, start)],
+            speeds: start.beta_dot.map(|speed| [speed; 2]),
+            peak: square(start).sqrt(),
+            square_time: 0.0,
+            margin: f64::INFINITY,
+        };
+        period.look_at_margin(balancer, &section.phases, start);
+        period
+    }
+
+    /// Takes a step in, of the phases `during` it; where the period ends inside, with time and state
+    /// there.
+    pub(super) fn take_in(
+        &mut self,
+        balancer: &Balancer<N>,
+        motion: &mut Motion<'_, Balancer<N>, N>,
+        during: &[Phase; N],
+        end: Option<(f64, State<N>)>,
+    ) {
+        let ends = end.is_some();
+        let (time, state) = end.unwrap_or((motion.time(), *motion.state()));
+        let length = time - self.time;
+        // The trapezoidal rule with end corrections (Euler and Maclaurin), of order 4.
+        self.square_time += 0.5 * length * (square(&self.state) + square(&state))
+            + length * length / 6.0 * (outward(&self.state) - outward(&state));
+        self.peak = self.peak.max(square(&state).sqrt());
+        if let Some((_, outermost)) = motion.falls_through_zero(outward) {
+            self.peak = self.peak.max(square(&outermost).sqrt());
+        }
+        for ball in 0..N {
+            let turns = [1.0, -1.0].map(|sign| {
+                let acceleration =
+                    |state: &State<N>| sign * derivative(balancer, during, state).beta_dot[ball];
+                motion.falls_through_zero(acceleration).map(|(_, state)| state.beta_dot[ball])
+            });
+            for speed in turns.into_iter().flatten().chain([state.beta_dot[ball]]) {
+                let [low, high] = &mut self.speeds[ball];
+                (*low, *high) = (low.min(speed), high.max(speed));
+            }
+        }
+        if self.rests.contains(&true) {
+            for look in 1..=LOOKS {
+                if let Some(state) = motion.inside_last_step(look as f64 / LOOKS as f64) {
+                    self.look_at_margin(balancer, during, &state);
+                }
+            }
+        }
+        // At its end the period is where it began.
+        let now = doings(motion.phases(), &state);
+        if !ends && self.configurations.last() != Some(&now) {
+            self.configurations.push(now);
+        }
+        if ends
+            && self.configurations.len() > 1
+            && self.configurations.last() == self.configurations.first()
+        {
+            self.configurations.pop();
+        }
+        (self.time, self.state) = (time, state);
+    }
+
+    fn look_at_margin(&mut self, balancer: &Balancer<N>, phases: &[Phase; N], state: &State<N>) {
+        if !self.rests.contains(&true) {
+            return;
+        }
+        let forces = forces(balancer, phases, state);
+        for ball in (0..N).filter(|&ball| self.rests[ball]) {
+            let limit = balancer.balls[ball].friction.limit * forces.normal[ball];
+            self.margin = self.margin.min(1.0 - forces.friction[ball].abs() / limit);
+        }
+    }
+}
+
+fn doings<const N: usize>(phases: &[Phase; N], state: &State<N>) -> [Doing; N] {
+    std::array::from_fn(|ball| Doing::of(phases[ball], state.beta_dot[ball]))
+}
