@@ -215,7 +215,7 @@ impl<'a, const N: usize> Run<'a, N> {
                 friction_margin: orbit.margin,
                 period_s: Some(orbit.period / natural),
                 mean_speed: Some(orbit.speed.map(|speed| speed * natural).to_vec()),
-                cycle: Some(Box::new(cycle(orbit, units))),
+                cycle: Some(Box::new(cycle(&orbit, units))),
                 ..base
             },
             Ending::Settled => Outcome { friction_margin: None, ..slow(Evidence::Settled) },
@@ -227,12 +227,14 @@ impl<'a, const N: usize> Run<'a, N> {
                     std::array::from_fn::<f64, N, _>(|ball| now[ball] - earlier[ball])
                 });
                 let turned = turned.filter(|_| span > 0.0);
+                let unstable = self.watch.unstable_orbit();
                 Outcome {
-                    evidence: if self.watch.on_unstable_orbit() {
+                    evidence: if unstable.is_some() {
                         Evidence::UnstableOrbit
                     } else {
                         Evidence::EndTime
                     },
+                    cycle: unstable.map(|orbit| Box::new(cycle(orbit, units))),
                     balls_running: turned.map(|turned| {
                         let runs = |angle: &&f64| angle.abs() >= std::f64::consts::TAU;
                         turned.iter().filter(runs).count() as u8
@@ -252,14 +254,14 @@ impl<'a, const N: usize> Run<'a, N> {
     }
 }
 
-fn cycle<const N: usize>(orbit: Orbit<N>, Units { natural, radius }: Units) -> Cycle {
+fn cycle<const N: usize>(orbit: &Orbit<N>, Units { natural, radius }: Units) -> Cycle {
     let of_all = |doing: &[Doing; N]| doing.to_vec();
     Cycle {
         turns: orbit.turns.to_vec(),
         configurations: orbit.configurations.iter().map(of_all).collect(),
         speed_extremes: orbit.speed_extremes.map(|two| two.map(|speed| speed * natural)).to_vec(),
         peak_amplitude_m: orbit.peak * radius,
-        multipliers: orbit.multipliers,
+        multipliers: orbit.multipliers.clone(),
         neutral_directions: orbit.neutral_directions as u8,
     }
 }

@@ -17,8 +17,16 @@ pub(super) const REACH: f64 = 1e-2;
 /// Most turns that Newton's method follows, each with the derivative counting as many as the
 /// section has dimensions.
 const MOST_TURNS_FOLLOWED: usize = 200;
-/// Most returns within which the run must come ten times nearer to the orbit.
-const MOST_RETURNS: usize = 200;
+/// How much nearer than asked for an orbit is closed where Newton's method goes on doing well.
+const AT_BEST: f64 = 1e-3;
+/// Orbits this near to each other on the section are the same.
+const SAME_ORBIT: f64 = 1e-4;
+/// Most returns within which the run must come nearer to the orbit.
+const MOST_RETURNS: usize = 400;
+/// Returns over which the greatest distance is taken: a spiral comes nearer on the whole only.
+const SPELL: usize = 10;
+/// How much nearer: as much as the largest multiplier does in fifty returns, within these bounds.
+const NEARER: (f64, f64) = (0.1, 0.8);
 /// Multipliers must stay this far inside the unit circle to count as stable, and go this far outside
 /// to count as unstable: what the orbit's closing to the tolerances only leaves open.
 const MULTIPLIER_DOUBT: f64 = 1e-4;
@@ -53,8 +61,8 @@ pub struct Orbit<const N: usize> {
 pub enum Verdict<const N: usize> {
     /// A limit cycle that draws the run near.
     Stable(Orbit<N>),
-    /// A closed orbit that a disturbance grows away from, and where it passes the section.
-    Unstable(Orbit<N>, State<N>),
+    /// A closed orbit that a disturbance grows away from.
+    Unstable(Orbit<N>),
     /// Neither could be shown.
     Open,
 }
@@ -67,23 +75,23 @@ struct Closed<'a, const N: usize> {
 }
 
 /// Refines the orbit near `run`, a state on the section, and says what it is. An orbit is closed
-/// where it comes back to itself within `closure`.
+/// where it comes back to itself within `closure`, better where that can be had.
 pub(super) fn examine<const N: usize>(
     map: ReturnMap<N>,
     run: &State<N>,
     closure: f64,
 ) -> Option<Verdict<N>> {
-    let closed = in_fewest_turns(shoot(map, run, closure)?, closure)?;
+    let closed = in_fewest_turns(shoot(map, run, closure)?, closure);
     let multipliers = moduli(closed.slope.clone())?;
     let (end, period) = closed.map.follow_closely(&closed.state)?;
     let orbit = orbit(&closed, &end, period, multipliers);
     let largest = orbit.multipliers.first().copied().unwrap_or(0.0);
     if largest > 1.0 + MULTIPLIER_DOUBT {
-        return Some(Verdict::Unstable(orbit, closed.state));
+        return Some(Verdict::Unstable(orbit));
     }
     let is_stable = largest < 1.0 - MULTIPLIER_DOUBT
         && orbit.margin.is_none_or(|margin| margin > 0.0)
-        && attracts(&closed, run, closure);
+        && attracts(&closed, run, largest, closure);
     Some(if is_stable { Verdict::Stable(orbit) } else { Verdict::Open })
 }
 
@@ -99,12 +107,13 @@ fn shoot<'a, const N: usize>(
     let mut newton: Option<LU<f64, Dyn, Dyn>> = None;
     let mut last = f64::INFINITY;
     let mut followed = 0;
-    while followed < MOST_TURNS_FOLLOWED {
+    while followed < MOST_TURNS_FOLLOWED || last <= closure {
         followed += map.turns;
         let start = map.section.state(run, &centre);
         let residual = map.section.difference(&map.follow(&start)?.state, &start);
         let size = residual.amax();
-        if size <= closure {
+        // Beyond the closure it asked for, as far as it goes by itself.
+        if size <= AT_BEST * closure || (last <= closure && size > 0.25 * last) {
             let (_, slope) = map.follow_with_slope(&start)?;
             return Some(Closed { map, state: start, slope });
         }
@@ -123,35 +132,42 @@ fn shoot<'a, const N: usize>(
     None
 }
 
-/// The same orbit followed once round only: one that closes after six turns may close after two.
-fn in_fewest_turns<const N: usize>(closed: Closed<N>, closure: f64) -> Option<Closed<N>> {
-    let turns = closed.map.turns;
-    let once = (1..turns).filter(|fewer| turns.is_multiple_of(*fewer)).find_map(|turns| {
-        let map = ReturnMap { turns, ..closed.map };
-        let end = map.follow(&closed.state)?;
-        let comes_back = map.section.difference(&end.state, &closed.state).amax() <= closure;
-        comes_back.then_some(map)
+/// The same orbit followed once round only. An orbit that closes after six turns may close after
+/// two; and one that draws motions near in a spiral of five turns seems to close after five long
+/// before it is seen to close after one.
+fn in_fewest_turns<const N: usize>(closed: Closed<N>, closure: f64) -> Closed<N> {
+    let all = closed.map.turns;
+    let once = (1..all).filter(|turns| all.is_multiple_of(*turns)).find_map(|turns| {
+        let longest = closed.map.longest * turns as f64 / all as f64;
+        let fewer = shoot(ReturnMap { turns, longest, ..closed.map }, &closed.state, closure)?;
+        let distance = closed.map.section.difference(&fewer.state, &closed.state).amax();
+        (distance <= SAME_ORBIT).then_some(fewer)
     });
-    match once {
-        None => Some(closed),
-        Some(map) => {
-            let (_, slope) = map.follow_with_slope(&closed.state)?;
-            Some(Closed { map, slope, ..closed })
-        }
-    }
+    once.unwrap_or(closed)
 }
 
-/// Whether the run itself is drawn to the orbit: whether it comes ten times nearer. An orbit with
-/// multipliers inside the unit circle may have a small basin; a ball that slowly swings about its
-/// place in the orbit, sticking at every turn, may never come closer.
-fn attracts<const N: usize>(closed: &Closed<N>, run: &State<N>, closure: f64) -> bool {
+/// Whether the run itself is drawn to the orbit: whether it comes nearer. An orbit with multipliers
+/// inside the unit circle may have a small basin; a ball that slowly swings about its place in the
+/// orbit, sticking at every turn, may never come closer.
+fn attracts<const N: usize>(
+    closed: &Closed<N>,
+    run: &State<N>,
+    largest_multiplier: f64,
+    closure: f64,
+) -> bool {
     let map = &closed.map;
-    let distance = |state: &State<N>| map.section.difference(state, &closed.state).amax();
+    let nearer = largest_multiplier.powi(50).clamp(NEARER.0, NEARER.1);
     let mut state = *run;
-    let first = distance(&state);
-    for _ in 0..MOST_RETURNS {
-        let now = distance(&state);
-        if now <= closure.max(0.1 * first) {
+    let (mut first, mut spell) = (0.0_f64, Vec::with_capacity(SPELL));
+    for returns in 0..MOST_RETURNS {
+        let now = map.section.difference(&state, &closed.state).amax();
+        if returns < SPELL {
+            first = first.max(now);
+        }
+        spell.truncate(SPELL - 1);
+        spell.insert(0, now);
+        let farthest = spell.iter().copied().fold(0.0, f64::max);
+        if farthest <= closure || (returns >= SPELL && farthest <= nearer * first) {
             return true;
         }
         match map.follow(&state) {

@@ -59,8 +59,9 @@ pub struct OrbitWatch<const N: usize> {
     close_in_a_row: [usize; MOST_TURNS + 1],
     attempts: u32,
     wait_until: f64,
-    /// Turns of an unstable closed orbit that the run has come near.
-    unstable: Option<usize>,
+    /// An unstable closed orbit that the run has come near, and after how many turns it seemed to
+    /// close.
+    unstable: Option<(usize, Box<Orbit<N>>)>,
 }
 
 impl<const N: usize> OrbitWatch<N> {
@@ -118,19 +119,18 @@ impl<const N: usize> OrbitWatch<N> {
         self.wait_until = time + f64::from(1 << self.attempts) * looked_at;
         match self.examine(balancer, settings, reference, turns, motion.last_switches()) {
             Verdict::Stable(orbit) => return Some(orbit),
-            Verdict::Unstable(..) => self.unstable = Some(turns),
+            Verdict::Unstable(orbit) => self.unstable = Some((turns, Box::new(orbit))),
             Verdict::Open => {}
         }
         None
     }
 
-    /// Whether the run, at its latest passage, nearly closes on an orbit that has been shown to be
-    /// unstable: only a symmetry, or too little time, has kept it there.
-    pub fn on_unstable_orbit(&self) -> bool {
-        match (self.unstable, self.passages.last()) {
-            (Some(turns), Some(passage)) => passage.differences[turns] <= near(turns),
-            _ => false,
-        }
+    /// The orbit, shown to be unstable, on which the run nearly closes at its latest passage: only a
+    /// symmetry, or too little time, has kept it there.
+    pub fn unstable_orbit(&self) -> Option<&Orbit<N>> {
+        let (turns, orbit) = self.unstable.as_ref()?;
+        let closes = self.passages.last()?.differences[*turns] <= near(*turns);
+        closes.then_some(orbit)
     }
 
     fn restart(&mut self) {

@@ -145,7 +145,8 @@ pub struct Outcome {
     /// Mean speed of each ball relative to the ring in the last tenth of the time or over the
     /// cycle, rad/s; 0 at rest.
     pub mean_speed: Option<Vec<f64>>,
-    /// The cycle that a run with evidence [`Evidence::ClosedOrbit`] is on.
+    /// The cycle that a run with evidence [`Evidence::ClosedOrbit`] is on, or the unstable one that a
+    /// run with evidence [`Evidence::UnstableOrbit`] is near.
     pub cycle: Option<Box<Cycle>>,
     /// How fast neighbouring motions separated, where the run was still moving at its end time.
     pub lyapunov: Option<LyapunovExponent>,

@@ -74,6 +74,9 @@ impl<const N: usize> ReturnMap<'_, N> {
         let mut start = *start;
         start.beta[reference] = 0.0;
         let mut motion = Motion::new(self.balancer, self.settings, start).ok()?;
+        // Angles go on from where the start has them, whatever whole turns the motion takes off.
+        let taken_off: [f64; N] =
+            std::array::from_fn(|ball| start.beta[ball] - motion.unwrapped_angle(ball));
         let mut passed = 0;
         while motion.time() < self.longest {
             let stays = |ball: usize| {
@@ -96,7 +99,8 @@ impl<const N: usize> ReturnMap<'_, N> {
             }
             watch(&mut motion, &during, Some((time, &state)));
             for ball in 0..N {
-                state.beta[ball] += motion.unwrapped_angle(ball) - motion.state().beta[ball];
+                let turns = motion.unwrapped_angle(ball) - motion.state().beta[ball];
+                state.beta[ball] += turns + taken_off[ball];
             }
             return Some(Return { state, time });
         }
