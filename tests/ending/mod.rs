@@ -7,5 +7,6 @@ pub mod convergence;
 mod effort;
 mod friction_laws;
 mod limit_cycle;
+mod multipliers;
 pub mod reference;
 mod settled;
