@@ -17,8 +17,9 @@ pub(super) const REACH: f64 = 1e-2;
 /// Most turns that Newton's method follows, each with the derivative counting as many as the
 /// section has dimensions.
 const MOST_TURNS_FOLLOWED: usize = 200;
-/// How much nearer than asked for an orbit is closed where Newton's method goes on doing well.
-const AT_BEST: f64 = 1e-3;
+/// Over the relative tolerance with which the map is computed: an orbit that comes back to itself
+/// so nearly needs no more of Newton's method.
+const AT_BEST: f64 = 10.0;
 /// Orbits this near to each other on the section are the same.
 const SAME_ORBIT: f64 = 1e-4;
 /// Most returns within which the run must come nearer to the orbit.
@@ -112,8 +113,9 @@ fn shoot<'a, const N: usize>(
         let start = map.section.state(run, &centre);
         let residual = map.section.difference(&map.follow(&start)?.state, &start);
         let size = residual.amax();
-        // Beyond the closure it asked for, as far as it goes by itself.
-        if size <= AT_BEST * closure || (last <= closure && size > 0.25 * last) {
+        // Beyond what is asked for, as far as it goes.
+        let at_best = AT_BEST * map.settings.tolerance.relative;
+        if size <= at_best || (last <= closure && size > 0.25 * last) {
             let (_, slope) = map.follow_with_slope(&start)?;
             return Some(Closed { map, state: start, slope });
         }

@@ -125,7 +125,11 @@ fn multipliers_are_those_of_the_return_map() {
         let period_s = outcome.period_s.expect("a period");
         // With a neutral direction the period depends on where the other ball has come to rest,
         // which it had at the look.
-        assert!((period / natural / period_s - 1.0).abs() < 1e-6, "{} {period_s}", period / natural);
+        assert!(
+            (period / natural / period_s - 1.0).abs() < 1e-6,
+            "{} {period_s}",
+            period / natural
+        );
         let mut motion = Motion::new(&balancer, FINE, orbit).expect("starts");
         motion.advance(1e-3).expect("goes on");
         // Not the running ball's angle; the other's speed where it moves; its angle always.
