@@ -12,6 +12,8 @@
 //! | `undecided` | `end_time` | none of the above until the end time |
 //! | `failed` | the failure's kind | the motion could not be continued |
 //!
+//! A run with no such ending at its end time may be continued to a later one (`follow`).
+//!
 //! `irregular` (evidence `lyapunov`) is part of the vocabulary but not yet given: what shows no
 //! closed orbit stays `undecided`.
 
@@ -20,11 +22,14 @@ mod block;
 mod certificate;
 mod creep;
 mod cycle;
+mod extremes;
+mod follow;
 mod orbit;
 mod outcome;
 mod return_map;
 mod settled;
 mod simulate;
+mod window;
 
 pub use certificate::{certified, certified_by_closed_form};
 pub use cycle::{Cycle, Doing};

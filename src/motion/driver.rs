@@ -151,6 +151,12 @@ impl<'a, S: System<N, FREE>, const N: usize, const FREE: usize> Motion<'a, S, N,
         self.phases.iter().all(|phase| *phase == Phase::Stick)
     }
 
+    /// Whether [`Motion::advance`] to `until` may cut its next step short. Where it may not, that
+    /// step is, to the last bit, the one to any later time.
+    pub fn reaches(&self, until: f64) -> bool {
+        self.next_length.min(self.longest) >= until - self.time
+    }
+
     /// Goes on by one step, which ends at the next switch or at time `until` at the latest; where
     /// that has come already, nothing happens.
     /// Returns whether a ball changed its phase.
@@ -300,6 +306,17 @@ impl<'a, S: System<N, FREE>, const N: usize, const FREE: usize> Motion<'a, S, N,
             return None;
         };
         self.falls_through_zero(|state| sign * (mark - state.beta[ball]))
+    }
+
+    /// The state at a time within the latest step; none at any other time.
+    pub fn within_last_step(&mut self, time: f64) -> Option<State<N, f64, FREE>> {
+        if time == self.time {
+            return Some(self.state);
+        }
+        let last = self.last.as_mut()?;
+        let within = last.start_time <= time && time < self.time;
+        let theta = (time - last.start_time) / last.step.length;
+        within.then(|| last.interpolant(self.system).at(theta))
     }
 
     /// Where in the latest step a function of the state fell from above zero to zero or below: time
