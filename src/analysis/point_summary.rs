@@ -127,9 +127,10 @@ impl PointAccumulator {
         outcome.amplitude_m.into_iter().for_each(|amplitude| self.amplitudes.add(amplitude, REST));
     }
 
-    /// What goes into the point's own tables; `end_time_s` is the study's end time.
-    pub fn detail(&self, end_time_s: f64) -> PointDetail {
-        PointDetail { rest: rest_curve(&SurvivalCurve::new(self.times.groups()), end_time_s) }
+    /// What goes into the point's own tables; `end_times_s` are the study's end time and that of
+    /// runs that are continued.
+    pub fn detail(&self, end_times_s: [f64; 2]) -> PointDetail {
+        PointDetail { rest: rest_curve(&SurvivalCurve::new(self.times.groups()), end_times_s) }
     }
 
     fn escape(&self) -> Option<EscapeRate> {
@@ -185,7 +186,7 @@ mod tests {
         add(&mut point, &run(Evidence::ClosedOrbit, None));
         add(&mut point, &run(Evidence::Panic, None));
         // The cycle was shown at 16.5 s and is watched to the end, 20 s.
-        let rows = point.detail(20.0).rest;
+        let rows = point.detail([20.0; 2]).rest;
         let counts: Vec<(f64, u64, u64, u64)> = rows
             .iter()
             .map(|row| (row.time_s, row.at_risk, row.came_to_rest, row.censored))

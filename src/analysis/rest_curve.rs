@@ -30,13 +30,17 @@ const MOST_STEPS: usize = 998;
 ///
 /// The first is at time 0, one follows for each time at which runs came to rest, and runs still
 /// moving after the last of these, whether nothing is known of them or they are on a limit cycle, are
-/// stopped in a last row at `end_time_s`. Of more than 998 times, those are kept at which the
-/// probability passes equal steps, a 998th of the greatest apart; what the rows say is not changed.
-pub fn rest_curve(curve: &SurvivalCurve, end_time_s: f64) -> Vec<RestStep> {
+/// stopped in a last row at the end time; where runs are continued to a later one, the second of
+/// `end_times_s`, those that are not have a row before it. Of more than 998 times (997 with that
+/// row), those are kept at which the probability passes equal steps, a 998th of the greatest apart;
+/// what the rows say is not changed.
+pub fn rest_curve(curve: &SurvivalCurve, end_times_s: [f64; 2]) -> Vec<RestStep> {
     let mut rows = Vec::new();
     if curve.runs == 0 {
         return rows;
     }
+    let stops = last_stops(curve, end_times_s);
+    let most_steps = MOST_STEPS - stops.len().saturating_sub(1);
     let at_rest = |(low, high): (f64, f64)| (1.0 - high, 1.0 - low);
     let mut last = RestStep {
         time_s: 0.0,
@@ -55,9 +59,9 @@ pub fn rest_curve(curve: &SurvivalCurve, end_time_s: f64) -> Vec<RestStep> {
         at_risk.get_or_insert(step.at_risk);
         came_to_rest += step.rests;
         censored += step.stopped;
-        let place = |moving: f64| ((1.0 - moving) / greatest * MOST_STEPS as f64).ceil();
+        let place = |moving: f64| ((1.0 - moving) / greatest * most_steps as f64).ceil();
         let next = curve.steps.get(index + 1);
-        let kept = curve.steps.len() <= MOST_STEPS
+        let kept = curve.steps.len() <= most_steps
             || next.is_none_or(|next| place(next.moving) > place(step.moving));
         if kept {
             last = RestStep {
@@ -72,15 +76,27 @@ pub fn rest_curve(curve: &SurvivalCurve, end_time_s: f64) -> Vec<RestStep> {
         }
     }
     // All that is left is stopped at the end.
-    let left = curve.steps.last().map_or(curve.stopped_before, |step| step.stopped);
-    if left > 0 {
+    let mut left = stops.iter().map(|(_, runs)| runs).sum();
+    if let Some(row) = rows.last_mut() {
+        row.censored -= left;
+    }
+    for (end_time_s, censored) in stops {
         let (time_s, at_risk) = (end_time_s.max(last.time_s), left);
-        if let Some(row) = rows.last_mut() {
-            row.censored -= left;
-        }
-        rows.push(RestStep { time_s, at_risk, came_to_rest: 0, censored: left, ..last });
+        rows.push(RestStep { time_s, at_risk, came_to_rest: 0, censored, ..last });
+        left -= censored;
     }
     rows
+}
+
+/// The runs stopped after the last came to rest, each at the end time that it was stopped at.
+fn last_stops(curve: &SurvivalCurve, [first, later]: [f64; 2]) -> Vec<(f64, u64)> {
+    // Times to the last digit are not at hand, but no run is stopped in between.
+    let between = if first < later { 0.5 * (first + later) } else { 0.0 };
+    let mut stops = [(first, 0), (later, 0)];
+    for (time, runs) in &curve.stopped_after {
+        stops[usize::from(*time >= between)].1 += runs;
+    }
+    stops.into_iter().filter(|(_, runs)| *runs > 0).collect()
 }
 
 #[cfg(test)]
@@ -93,9 +109,17 @@ mod tests {
         rests.iter().for_each(|time| times.add(*time, 0));
         stopped.iter().for_each(|time| times.add(*time, 1));
         let curve = SurvivalCurve::new(times.groups());
-        let rows = rest_curve(&curve, 16.5);
+        let rows = rest_curve(&curve, [16.5; 2]);
         adds_up(&rows, rests.len() + stopped.len());
         (curve, rows)
+    }
+
+    /// The same, with runs continued from 16.5 s to 66 s: time, at risk, come to rest and censored.
+    fn extended(rests: &[f64], stopped: &[f64]) -> Vec<(f64, u64, u64, u64)> {
+        let (curve, _) = rows(rests, stopped);
+        let rows = rest_curve(&curve, [16.5, 66.0]);
+        adds_up(&rows, rests.len() + stopped.len());
+        rows.iter().map(|row| (row.time_s, row.at_risk, row.came_to_rest, row.censored)).collect()
     }
 
     fn adds_up(rows: &[RestStep], runs: usize) {
@@ -120,6 +144,29 @@ mod tests {
         assert!((rows[2].probability - 7.0 / 12.0).abs() < 1e-15);
         assert_eq!(rows[3].probability, rows[2].probability);
         assert_eq!(rows[3].interval, rows[2].interval);
+    }
+
+    /// Runs that are not continued leave the risk at their own end time, wherever the last rest is,
+    /// and the probability is the product of what the runs at risk did.
+    #[test]
+    fn runs_stopped_at_two_end_times() {
+        let (early, late, never) = (16.5 * (1.0 - 1e-15), 66.0 * (1.0 + 1e-15), f64::INFINITY);
+        let found = extended(&[2.0], &[early, early, late, never]);
+        let expected = [(0.0, 5, 0, 0), (2.0, 5, 1, 0), (16.5, 4, 0, 2), (66.0, 2, 0, 2)];
+        assert_eq!(found, expected);
+        let found = extended(&[2.0, 20.0], &[early, early, late]);
+        let expected = [(0.0, 5, 0, 0), (2.0, 5, 1, 2), (20.0, 2, 1, 0), (66.0, 1, 0, 1)];
+        assert_eq!(found, expected);
+        let (curve, _) = rows(&[2.0, 20.0], &[early, early, late]);
+        assert!((1.0 - curve.steps[1].moving - (1.0 - 0.8 * 0.5)).abs() < 1e-15);
+        assert_eq!(extended(&[], &[early]), [(0.0, 1, 0, 0), (16.5, 1, 0, 1)]);
+        assert_eq!(extended(&[], &[late]), [(0.0, 1, 0, 0), (66.0, 1, 0, 1)]);
+        assert_eq!(extended(&[20.0], &[]), [(0.0, 1, 0, 0), (20.0, 1, 1, 0)]);
+        // A thinned curve has room for both rows.
+        let rests: Vec<f64> = (1..=5000).map(|i| f64::from(i) / 1000.0).collect();
+        let found = extended(&rests, &[early, late]);
+        assert_eq!(found[found.len() - 2..], [(16.5, 2, 0, 1), (66.0, 1, 0, 1)]);
+        assert!(found.len() <= 1000 && found.len() > 900, "{}", found.len());
     }
 
     #[test]

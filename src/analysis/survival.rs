@@ -42,6 +42,8 @@ pub struct SurvivalCurve {
     pub runs: u64,
     /// Runs stopped before any came to rest.
     pub stopped_before: u64,
+    /// When the runs were stopped that were still moving after the last of `steps`, ascending.
+    pub stopped_after: Vec<(f64, u64)>,
     /// Times at which runs came to rest, ascending.
     pub steps: Vec<SurvivalStep>,
 }
@@ -52,7 +54,8 @@ impl SurvivalCurve {
     /// runs that came to rest count before runs that were stopped.
     pub fn new(groups: impl Iterator<Item = (f64, [u64; 2])> + Clone) -> Self {
         let runs = groups.clone().map(|(_, [rests, stopped])| rests + stopped).sum();
-        let mut curve = SurvivalCurve { runs, stopped_before: 0, steps: Vec::new() };
+        let (stopped_after, steps) = (Vec::new(), Vec::new());
+        let mut curve = SurvivalCurve { runs, stopped_before: 0, stopped_after, steps };
         let (mut at_risk, mut moving, mut greenwood) = (runs, 1.0, 0.0);
         for (time_s, [rests, stopped]) in groups {
             if rests > 0 {
@@ -62,6 +65,7 @@ impl SurvivalCurve {
                 moving *= left / here;
                 greenwood += rests as f64 / (here * left);
                 let interval = interval(moving, greenwood, effective);
+                curve.stopped_after.clear();
                 curve.steps.push(SurvivalStep {
                     time_s,
                     at_risk,
@@ -71,6 +75,9 @@ impl SurvivalCurve {
                     interval,
                     greenwood,
                 });
+            }
+            if stopped > 0 {
+                curve.stopped_after.push((time_s, stopped));
             }
             match curve.steps.last_mut() {
                 Some(step) => step.stopped += stopped,

@@ -7,7 +7,7 @@ use super::arguments::StudyArgument;
 use super::existence::Existence;
 use super::exit::{CliError, End};
 use super::output::print;
-use crate::model::{FrictionLaw, Method, Model};
+use crate::model::{Extend, FrictionLaw, Method, Model};
 use crate::study::{Study, VariedParameter};
 
 const EXAMPLES: &str = "\
@@ -84,13 +84,19 @@ pub fn check(arguments: &CheckArguments) -> Result<End, CliError> {
         ("at most about", "; less where runs come to rest early")
     };
     let natural = study.model().natural_frequency_rad_s();
+    let simulation = study.simulation();
+    let [_, later] = simulation.end_times_s();
+    let extended = match simulation.extend {
+        Some(extend) => format!(" ({} ones to {later} s)", labels(extend)),
+        None => String::new(),
+    };
     print(&format!(
         "study         {} (hash {}, seed {})\n\
          model         {what}, {} friction, natural frequency {natural:.3} rad/s\n\
          swept         {}\n\
          uncertain     {}\n\
          points        {}\n\
-         runs          {}, each to {} s or until its ending is known, method {method}\n\
+         runs          {}, each to {} s{extended} or until its ending is known, method {method}\n\
          expectations  {}\n\
          cost          {bound} {} on one core{cost_remark}\n",
         study.name(),
@@ -101,7 +107,7 @@ pub fn check(arguments: &CheckArguments) -> Result<End, CliError> {
         listed(&uncertain),
         study.point_count(),
         study.run_count(),
-        study.simulation().end_time_s,
+        simulation.end_time_s,
         study.expectations().len(),
         duration(core_seconds),
     ))?;
@@ -111,12 +117,23 @@ pub fn check(arguments: &CheckArguments) -> Result<End, CliError> {
     Ok(End::Well)
 }
 
-/// Core seconds if no run ended before the end time, from what a unit of non-dimensional time
+/// The labels of runs that are continued.
+fn labels(extend: Extend) -> &'static str {
+    match (extend.undecided, extend.irregular) {
+        (true, true) => "undecided and irregular",
+        (true, false) => "undecided",
+        (false, true) => "irregular",
+        (false, false) => "no",
+    }
+}
+
+/// Core seconds if no run ended before the latest end time, from what a unit of non-dimensional time
 /// costs on a core of 2024: 1 µs with two balls at a relative tolerance of 1e-8, growing with the
 /// number of components and, the method being of order 8, with the tolerance's eighth root.
 fn most_core_seconds(study: &Study) -> f64 {
     let simulation = study.simulation();
-    let units = simulation.end_time_s * study.model().natural_frequency_rad_s();
+    let [_, latest_end_time_s] = simulation.end_times_s();
+    let units = latest_end_time_s * study.model().natural_frequency_rad_s();
     let components = (4 + 2 * study.model().balls()) as f64 / 8.0;
     let tolerance = (1e-8 / simulation.relative_tolerance).powf(0.125);
     let stiffness = (damping_rate(study.model()) / STABLE).max(1.0);

@@ -4,10 +4,13 @@ use super::certificate::{certified, certified_by_closed_form};
 use super::closed_orbit::Orbit;
 use super::creep::creeps;
 use super::cycle::{Cycle, Doing};
+use super::follow::{Horizons, Run, follow};
+use super::lyapunov::{SEPARATION_WINDOW, Separation};
 use super::orbit::OrbitWatch;
-use super::outcome::{Evidence, Outcome};
+use super::outcome::{Evidence, LyapunovExponent, Outcome};
 use super::settled::SettledWatch;
 use super::simulate::{WINDOW, effort_limit, stiff_pace};
+use super::window::{Moment, Window};
 use crate::model::{Balancer, Machine, RestPoint, Simulation, Start, System};
 use crate::motion::{Failure, Motion, Settings};
 
@@ -22,17 +25,29 @@ pub(super) fn simulate_balancer<const N: usize>(
         return Outcome::failed(Evidence::InvalidParameters, error.to_owned());
     };
     let natural = machine.natural_frequency_rad_s();
-    let end = simulation.end_time_s * natural;
+    let horizons = Horizons::new(simulation, natural, Late::until);
     let weight = balancer.speed * balancer.speed;
     let rates = balancer.balls.iter().map(|ball| ball.friction.damping_rate(weight));
     let stiff = stiff_pace(rates.fold(0.0, f64::max));
     let pace = 1.0 + balancer.speed.abs() + balancer.damping_ratio + stiff;
     // An explicit method takes some tenth of the rate at which the table is damped.
     let least = 1.0 / balancer.longest_step() + 0.2 * balancer.damping_ratio;
-    let settings = Settings::new(simulation, effort_limit(end, pace, least));
+    let settings = Settings::new(simulation, effort_limit(horizons.latest_end(), pace, least));
     let units = Units { natural, radius: machine.ring_radius_m };
     match Motion::new(&balancer, settings, state) {
-        Ok(motion) => Run::new(&balancer, settings, motion, end).finish(units),
+        Ok(motion) => {
+            let run = BalancerRun {
+                balancer: &balancer,
+                settings,
+                units,
+                motion,
+                horizons,
+                watch: OrbitWatch::new(&settings),
+                settled: SettledWatch::default(),
+                rest: None,
+            };
+            follow(run, simulation.extend)
+        }
         Err(failure) => Outcome::failed(Evidence::Failure(failure), failure.to_string()),
     }
 }
@@ -49,23 +64,38 @@ struct Units {
     radius: f64,
 }
 
-/// Means over the last part of a run.
-struct Window<const N: usize> {
-    start: f64,
-    angles: Option<[f64; N]>,
-    opened: f64,
-    square_time: f64,
-}
-
-struct Run<'a, const N: usize> {
+#[derive(Clone)]
+struct BalancerRun<'a, const N: usize> {
     balancer: &'a Balancer<N>,
     settings: Settings,
+    units: Units,
     motion: Motion<'a, Balancer<N>, N>,
-    end: f64,
+    horizons: Horizons<Late<N>>,
     watch: OrbitWatch<N>,
     settled: SettledWatch,
-    window: Window<N>,
     rest: Option<RestPoint<N>>,
+}
+
+/// What is gathered over the last part of the time.
+#[derive(Clone)]
+struct Late<const N: usize> {
+    means: Window<N>,
+    separation: Separation<N, 2>,
+}
+
+impl<const N: usize> Late<N> {
+    /// For a run that ends at a time.
+    fn until(end: f64) -> Self {
+        Late {
+            means: Window::new((1.0 - WINDOW) * end),
+            separation: Separation::new((1.0 - SEPARATION_WINDOW) * end, end),
+        }
+    }
+
+    fn take_in(&mut self, before: Moment, motion: &Motion<Balancer<N>, N>) {
+        self.means.take_in(before, motion);
+        self.separation.follow(motion);
+    }
 }
 
 /// How the loop came to its end.
@@ -77,67 +107,7 @@ enum Ending<const N: usize> {
     Failure(Failure),
 }
 
-impl<'a, const N: usize> Run<'a, N> {
-    fn new(
-        balancer: &'a Balancer<N>,
-        settings: Settings,
-        motion: Motion<'a, Balancer<N>, N>,
-        end: f64,
-    ) -> Self {
-        Run {
-            balancer,
-            settings,
-            motion,
-            end,
-            watch: OrbitWatch::new(&settings),
-            settled: SettledWatch::default(),
-            window: Window {
-                start: (1.0 - WINDOW) * end,
-                angles: None,
-                opened: 0.0,
-                square_time: 0.0,
-            },
-            rest: None,
-        }
-    }
-
-    fn finish(mut self, units: Units) -> Outcome {
-        let ending = self.until_it_ends();
-        self.outcome(ending, units)
-    }
-
-    fn until_it_ends(&mut self) -> Ending<N> {
-        while self.motion.time() < self.end {
-            if let Some(rest) = self.rest_point()
-                && certified(self.balancer, &rest, self.motion.state())
-            {
-                return Ending::Rest(rest);
-            }
-            let (before, square) = (self.motion.time(), self.square());
-            let switched = match self.motion.advance(self.end) {
-                Ok(switched) => switched,
-                Err(failure) => return Ending::Failure(failure),
-            };
-            if switched {
-                self.rest = None;
-            }
-            self.extend_window(before, square);
-            if self.settled.look(self.balancer, &self.motion, self.end) {
-                return Ending::Settled;
-            }
-            let cycle = self.watch.look(self.balancer, &self.settings, &mut self.motion);
-            if let Some(orbit) = cycle {
-                return Ending::Cycle(orbit);
-            }
-        }
-        match self.rest_point() {
-            Some(rest) if certified_by_closed_form(self.balancer, &rest, self.motion.state()) => {
-                Ending::Rest(rest)
-            }
-            _ => Ending::EndTime,
-        }
-    }
-
+impl<const N: usize> BalancerRun<'_, N> {
     /// The rest point while all balls stick; it stays the same until one breaks loose.
     fn rest_point(&mut self) -> Option<RestPoint<N>> {
         if !self.motion.all_stick() {
@@ -147,30 +117,53 @@ impl<'a, const N: usize> Run<'a, N> {
         Some(*self.rest.get_or_insert_with(|| self.balancer.rest_point(&state.beta)))
     }
 
-    fn square(&self) -> f64 {
-        let [x, y] = self.motion.state().position;
-        x * x + y * y
-    }
-
-    fn angles(&self) -> [f64; N] {
-        std::array::from_fn(|ball| self.motion.unwrapped_angle(ball))
-    }
-
-    fn extend_window(&mut self, before: f64, square_before: f64) {
-        if before < self.window.start {
-            return;
-        }
-        if self.window.angles.is_none() {
-            self.window.angles = Some(self.angles());
-            self.window.opened = self.motion.time();
-        } else {
-            self.window.square_time +=
-                0.5 * (self.motion.time() - before) * (square_before + self.square());
+    fn at_end_time(&mut self) -> Ending<N> {
+        match self.rest_point() {
+            Some(rest) if certified_by_closed_form(self.balancer, &rest, self.motion.state()) => {
+                Ending::Rest(rest)
+            }
+            _ => Ending::EndTime,
         }
     }
+}
 
-    fn outcome(self, ending: Ending<N>, units: Units) -> Outcome {
-        let Units { natural, radius } = units;
+impl<const N: usize> Run for BalancerRun<'_, N> {
+    type Ending = Ending<N>;
+
+    fn reaches_end(&self) -> bool {
+        self.motion.reaches(self.horizons.end())
+    }
+
+    fn advance(&mut self) -> Option<Ending<N>> {
+        let end = self.horizons.end();
+        if self.motion.time() >= end {
+            return Some(self.at_end_time());
+        }
+        if let Some(rest) = self.rest_point()
+            && certified(self.balancer, &rest, self.motion.state())
+        {
+            return Some(Ending::Rest(rest));
+        }
+        let before = Moment::of(&self.motion);
+        match self.motion.advance(end) {
+            Ok(true) => self.rest = None,
+            Ok(false) => {}
+            Err(failure) => return Some(Ending::Failure(failure)),
+        }
+        self.horizons.windows().for_each(|late| late.take_in(before, &self.motion));
+        if self.settled.look(self.balancer, &self.motion, end) {
+            return Some(Ending::Settled);
+        }
+        let cycle = self.watch.look(self.balancer, &self.settings, &mut self.motion);
+        cycle.map(Ending::Cycle)
+    }
+
+    fn extend(&mut self) {
+        self.horizons.extend();
+    }
+
+    fn outcome(&self, ending: Ending<N>) -> Outcome {
+        let Units { natural, radius } = self.units;
         let state = self.motion.state();
         let in_circle = |angle: f64| {
             let wrapped = angle.rem_euclid(std::f64::consts::TAU);
@@ -181,6 +174,7 @@ impl<'a, const N: usize> Run<'a, N> {
             balls_running: None,
             time_to_rest_s: None,
             end_time_s: Some(self.motion.time() / natural),
+            extended: false,
             position: Some(state.beta.map(in_circle).to_vec()),
             amplitude_m: None,
             friction_margin: None,
@@ -215,33 +209,32 @@ impl<'a, const N: usize> Run<'a, N> {
                 friction_margin: orbit.margin,
                 period_s: Some(orbit.period / natural),
                 mean_speed: Some(orbit.speed.map(|speed| speed * natural).to_vec()),
-                cycle: Some(Box::new(cycle(&orbit, units))),
+                cycle: Some(Box::new(cycle(&orbit, self.units))),
                 ..base
             },
             Ending::Settled => Outcome { friction_margin: None, ..slow(Evidence::Settled) },
             Ending::EndTime if creeps(self.balancer, &self.motion) => slow(Evidence::Creep),
             Ending::EndTime => {
-                let span = self.motion.time() - self.window.opened;
-                let turned = self.window.angles.map(|earlier| {
-                    let now = self.angles();
-                    std::array::from_fn::<f64, N, _>(|ball| now[ball] - earlier[ball])
-                });
-                let turned = turned.filter(|_| span > 0.0);
+                let Late { means, separation } = self.horizons.window();
+                let means = means.means(&self.motion);
+                let means = means.as_ref();
                 let unstable = self.watch.unstable_orbit();
                 Outcome {
                     evidence: if unstable.is_some() {
                         Evidence::UnstableOrbit
+                    } else if separation.is_irregular() {
+                        Evidence::Lyapunov
                     } else {
                         Evidence::EndTime
                     },
-                    cycle: unstable.map(|orbit| Box::new(cycle(orbit, units))),
-                    balls_running: turned.map(|turned| {
+                    lyapunov: separation.exponent().map(|exponent| in_seconds(exponent, natural)),
+                    cycle: unstable.map(|orbit| Box::new(cycle(orbit, self.units))),
+                    balls_running: means.map(|means| {
                         let runs = |angle: &&f64| angle.abs() >= std::f64::consts::TAU;
-                        turned.iter().filter(runs).count() as u8
+                        means.turned.iter().filter(runs).count() as u8
                     }),
-                    amplitude_m: turned.map(|_| (self.window.square_time / span).sqrt() * radius),
-                    mean_speed: turned
-                        .map(|turned| turned.map(|angle| angle / span * natural).to_vec()),
+                    amplitude_m: means.map(|means| means.amplitude * radius),
+                    mean_speed: means.map(|means| means.speed.map(|s| s * natural).to_vec()),
                     ..base
                 }
             }
@@ -251,6 +244,15 @@ impl<'a, const N: usize> Run<'a, N> {
                 ..base
             },
         }
+    }
+}
+
+/// An exponent per unit of non-dimensional time as one per second.
+fn in_seconds(exponent: LyapunovExponent, natural: f64) -> LyapunovExponent {
+    LyapunovExponent {
+        exponent_1_s: exponent.exponent_1_s * natural,
+        interval_1_s: exponent.interval_1_s.map(|rate| rate * natural),
+        window_s: exponent.window_s / natural,
     }
 }
 

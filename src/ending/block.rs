@@ -9,6 +9,8 @@
 //! cycle is claimed. A block that slides on a belt for good has no dry friction to stop it; unless
 //! its law damps it, so that it settles, it swings for ever as it started.
 
+use super::extremes::{Extremes, Passed};
+use super::follow::{Horizons, Run, follow};
 use super::outcome::{Evidence, Outcome};
 use super::settled::SettledWatch;
 use super::simulate::{WINDOW, effort_limit, stiff_pace};
@@ -30,28 +32,36 @@ pub(super) fn simulate_block(block: &Block, start: &Start, simulation: &Simulati
         beta: [position_m / length],
         beta_dot: [velocity_m_s / (length * natural) - slider.belt_speed],
     };
-    let end = simulation.end_time_s * natural;
+    let horizons = Horizons::new(simulation, natural, |end| Extremes::from((1.0 - WINDOW) * end));
     let pace = 1.0 + stiff_pace(slider.friction.damping_rate(1.0));
-    let settings = Settings::new(simulation, effort_limit(end, pace, 1.0 / slider.longest_step()));
+    let least = 1.0 / slider.longest_step();
+    let settings = Settings::new(simulation, effort_limit(horizons.latest_end(), pace, least));
     match Motion::new(&slider, settings, state) {
         Ok(motion) => {
-            let settled = SettledWatch::default();
-            Run { slider: &slider, motion, extremes: None, last_break_away: None, settled, end }
-                .finish(natural, length)
+            let run = BlockRun {
+                slider: &slider,
+                natural,
+                length,
+                motion,
+                horizons,
+                last_break_away: None,
+                settled: SettledWatch::default(),
+            };
+            follow(run, simulation.extend)
         }
         Err(failure) => Outcome::failed(Evidence::Failure(failure), failure.to_string()),
     }
 }
 
-struct Run<'a> {
+#[derive(Clone)]
+struct BlockRun<'a> {
     slider: &'a Slider,
+    natural: f64,
+    length: f64,
     motion: Motion<'a, Slider, 1, 0>,
-    /// The least and the greatest position since the last break-away, or in the last part of the
-    /// time.
-    extremes: Option<[f64; 2]>,
+    horizons: Horizons<Extremes>,
     last_break_away: Option<BreakAway>,
     settled: SettledWatch,
-    end: f64,
 }
 
 /// The instant at which the block breaks away from the belt.
@@ -59,6 +69,8 @@ struct Run<'a> {
 struct BreakAway {
     time: f64,
     position: f64,
+    /// The extremes since then.
+    extremes: Extremes,
 }
 
 /// How the loop came to its end.
@@ -70,73 +82,70 @@ enum Ending {
     Failure(Failure),
 }
 
-impl Run<'_> {
-    fn until_it_ends(&mut self) -> Ending {
-        let window = (1.0 - WINDOW) * self.end;
-        while self.motion.time() < self.end {
-            let stuck = self.motion.all_stick();
-            if stuck && self.slider.belt_speed == 0.0 {
-                return Ending::Rest;
-            }
-            let before = self.motion.time();
-            // The last part of the time begins with a step, or it would miss what the step passes.
-            let until = if before < window { window } else { self.end };
-            if let Err(failure) = self.motion.advance(until) {
-                return Ending::Failure(failure);
-            }
-            if before < window && self.motion.time() >= window && self.last_break_away.is_none() {
-                self.extremes = Some([self.motion.state().beta[0]; 2]);
-            } else {
-                self.extend(stuck);
-            }
-            if self.settled.look(self.slider, &self.motion, self.end) {
-                return Ending::Settled;
-            }
-            if stuck
-                && !self.motion.all_stick()
-                && let Some(period) = self.break_away()
-            {
-                return Ending::Cycle { period };
-            }
-        }
-        Ending::EndTime
-    }
-
+impl BlockRun<'_> {
     /// Takes a break-away in; the period where it closes a cycle.
     fn break_away(&mut self) -> Option<f64> {
         if self.slider.friction.limit <= self.slider.friction.coefficient {
             return None;
         }
-        let now = BreakAway { time: self.motion.time(), position: self.motion.state().beta[0] };
+        let (time, position) = (self.motion.time(), self.motion.state().beta[0]);
         if let Some(last) = self.last_break_away
-            && (now.position - last.position).abs() <= 1e-6 * now.position.abs().max(1.0)
+            && (position - last.position).abs() <= 1e-6 * position.abs().max(1.0)
         {
-            return Some(now.time - last.time);
+            return Some(time - last.time);
         }
-        self.last_break_away = Some(now);
-        self.extremes = Some([now.position; 2]);
+        let extremes = Extremes::from_place(time, position);
+        self.last_break_away = Some(BreakAway { time, position, extremes });
         None
     }
 
-    /// Extends the extremes by the latest step: its end, and where the block turns back in it, which
-    /// it cannot while it sticks.
-    fn extend(&mut self, stuck: bool) {
-        let belt = self.slider.belt_speed;
-        let turns = [1.0, -1.0].map(|direction| {
-            let velocity = |state: &SliderState| direction * (belt + state.beta_dot[0]);
-            let turn = if stuck { None } else { self.motion.falls_through_zero(velocity) };
-            turn.map(|(_, state)| state.beta[0])
-        });
-        let end = self.motion.state().beta[0];
-        let [low, high] = self.extremes.get_or_insert([end; 2]);
-        for position in turns.into_iter().flatten().chain([end]) {
-            *low = low.min(position);
-            *high = high.max(position);
-        }
+    /// Half of the way between the extremes since the last break-away, or else in the last part of
+    /// the time.
+    fn amplitude_m(&self) -> Option<f64> {
+        let last = self.last_break_away.as_ref().map(|last| &last.extremes);
+        let extremes = last.unwrap_or(self.horizons.window());
+        extremes.amplitude().map(|amplitude| amplitude * self.length)
+    }
+}
+
+impl Run for BlockRun<'_> {
+    type Ending = Ending;
+
+    fn reaches_end(&self) -> bool {
+        self.motion.reaches(self.horizons.end())
     }
 
-    fn finish(mut self, natural: f64, length: f64) -> Outcome {
-        let ending = self.until_it_ends();
+    fn advance(&mut self) -> Option<Ending> {
+        let (end, before) = (self.horizons.end(), self.motion.time());
+        if before >= end {
+            return Some(Ending::EndTime);
+        }
+        let stuck = self.motion.all_stick();
+        if stuck && self.slider.belt_speed == 0.0 {
+            return Some(Ending::Rest);
+        }
+        if let Err(failure) = self.motion.advance(end) {
+            return Some(Ending::Failure(failure));
+        }
+        let passed = Passed::of(self.slider, &mut self.motion, before, stuck);
+        let since = self.last_break_away.iter_mut().map(|last| &mut last.extremes);
+        for extremes in since.chain(self.horizons.windows()) {
+            extremes.take_in(&passed, &mut self.motion);
+        }
+        if self.settled.look(self.slider, &self.motion, end) {
+            return Some(Ending::Settled);
+        }
+        let breaks_away = stuck && !self.motion.all_stick();
+        let period = if breaks_away { self.break_away() } else { None };
+        period.map(|period| Ending::Cycle { period })
+    }
+
+    fn extend(&mut self) {
+        self.horizons.extend();
+    }
+
+    fn outcome(&self, ending: Ending) -> Outcome {
+        let Self { natural, length, .. } = *self;
         let motion = &self.motion;
         let position = motion.state().beta[0];
         let base = Outcome {
@@ -144,8 +153,9 @@ impl Run<'_> {
             balls_running: None,
             time_to_rest_s: None,
             end_time_s: Some(motion.time() / natural),
+            extended: false,
             position: Some(vec![position * length]),
-            amplitude_m: self.extremes.map(|[low, high]| 0.5 * (high - low) * length),
+            amplitude_m: None,
             friction_margin: None,
             period_s: None,
             mean_speed: None,
@@ -174,9 +184,10 @@ impl Run<'_> {
             Ending::Cycle { period } => Outcome {
                 evidence: Evidence::ClosedOrbit,
                 period_s: Some(period / natural),
+                amplitude_m: self.amplitude_m(),
                 ..base
             },
-            Ending::EndTime => base,
+            Ending::EndTime => Outcome { amplitude_m: self.amplitude_m(), ..base },
             Ending::Failure(failure) => Outcome {
                 evidence: Evidence::Failure(failure),
                 error: Some(failure.to_string()),

@@ -18,16 +18,18 @@ use super::outcome::LyapunovExponent;
 use crate::model::{State, System};
 use crate::motion::{Motion, Variation};
 
+/// The part of the time at the end of a run over which separation is measured.
+pub(super) const SEPARATION_WINDOW: f64 = 0.75;
 /// Parts of the window.
 const BATCHES: usize = 10;
-/// The two-sided 95 % point of Student's distribution with 15 degrees of freedom.
+/// The two-sided 95 % point of Student's distribution with 9 degrees of freedom.
 const STUDENT: f64 = 2.262_157_162_798_205;
 /// By how much neighbours must separate in the second half of the window.
 const SEPARATED: f64 = 10.0;
 
 /// Measures how fast neighbours of a motion separate from some time on until another.
 #[derive(Clone, Debug)]
-pub struct Separation<const N: usize, const FREE: usize> {
+pub(super) struct Separation<const N: usize, const FREE: usize> {
     variation: Variation<N, FREE>,
     start: f64,
     end: f64,
@@ -38,7 +40,7 @@ pub struct Separation<const N: usize, const FREE: usize> {
 
 impl<const N: usize, const FREE: usize> Separation<N, FREE> {
     /// To be measured from `start` to `end`.
-    pub fn new(start: f64, end: f64) -> Self {
+    pub(super) fn new(start: f64, end: f64) -> Self {
         // The same for all contacts: exchanging two of them exchanges the displacements only.
         let everywhere = State {
             position: [1.0; FREE],
@@ -56,7 +58,7 @@ impl<const N: usize, const FREE: usize> Separation<N, FREE> {
     }
 
     /// Takes in the motion's latest step, if it lies in the window.
-    pub fn follow<S: System<N, FREE>>(&mut self, motion: &Motion<S, N, FREE>) {
+    pub(super) fn follow<S: System<N, FREE>>(&mut self, motion: &Motion<S, N, FREE>) {
         let time = motion.time();
         if time <= self.start {
             return;
@@ -89,10 +91,10 @@ impl<const N: usize, const FREE: usize> Separation<N, FREE> {
         }
     }
 
-    /// The exponent per unit of non-dimensional time, with its interval, and the length of the
+    /// The exponent, here per unit of non-dimensional time, with its interval, and the length of the
     /// window; none where it could not be measured: a switch was met by grazing, or the window was
     /// too short.
-    pub fn exponent(&self) -> Option<LyapunovExponent> {
+    pub(super) fn exponent(&self) -> Option<LyapunovExponent> {
         let ((first, _), (last, growth)) = (*self.marks.first()?, *self.marks.last()?);
         if self.variation.grazed || !growth.is_finite() || self.marks.len() <= BATCHES / 2 {
             return None;
@@ -116,7 +118,7 @@ impl<const N: usize, const FREE: usize> Separation<N, FREE> {
     }
 
     /// Whether neighbours separate exponentially, beyond doubt.
-    pub fn is_irregular(&self) -> bool {
+    pub(super) fn is_irregular(&self) -> bool {
         let Some(exponent) = self.exponent() else { return false };
         let half = &self.marks[self.marks.len() / 2];
         let separated = self.growth - half.1;

@@ -12,6 +12,8 @@
 //! | `undecided` | `end_time` | none of the above until the end time |
 //! | `failed` | the failure's kind | the motion could not be continued |
 //!
+//! A run with no such ending at its end time may be continued to a later one (`follow`).
+//!
 //! `irregular` (evidence `lyapunov`) is part of the vocabulary but not yet given: what shows no
 //! closed orbit stays `undecided`.
 
@@ -21,7 +23,9 @@ mod certificate;
 mod closed_orbit;
 mod creep;
 mod cycle;
-pub mod lyapunov;
+mod extremes;
+mod follow;
+mod lyapunov;
 mod orbit;
 mod outcome;
 mod period;
@@ -29,6 +33,7 @@ mod return_map;
 mod section;
 mod settled;
 mod simulate;
+mod window;
 
 pub use certificate::{certified, certified_by_closed_form};
 pub use closed_orbit::Orbit;

@@ -131,6 +131,9 @@ pub struct Outcome {
     pub time_to_rest_s: Option<f64>,
     /// Simulated time at which the run was stopped, s.
     pub end_time_s: Option<f64>,
+    /// Whether it was continued past the study's end time; all else is then as if the later end time
+    /// had been the study's from the start.
+    pub extended: bool,
     /// Where each contact is at the end: a ball's angle in rad, in [0, 2π); a block's position in m.
     pub position: Option<Vec<f64>>,
     /// Amplitude of the table's vibration, m: at the rest point, or root mean square over the cycle
@@ -169,6 +172,7 @@ impl Outcome {
             balls_running: None,
             time_to_rest_s: None,
             end_time_s: None,
+            extended: false,
             position: None,
             amplitude_m: None,
             friction_margin: None,

@@ -82,7 +82,8 @@ impl<const N: usize> Period<N> {
         }
         if self.rests.contains(&true) {
             for look in 1..=LOOKS {
-                if let Some(state) = motion.inside_last_step(look as f64 / LOOKS as f64) {
+                let inside = self.time + look as f64 / LOOKS as f64 * length;
+                if let Some(state) = motion.within_last_step(inside) {
                     self.look_at_margin(balancer, during, &state);
                 }
             }

@@ -150,7 +150,7 @@ impl<S: Sink> Intake<'_, S> {
     fn close_point(&mut self) -> Result<(), S::Error> {
         match self.point.take() {
             Some((point_id, runs)) => {
-                let detail = runs.detail(self.study.simulation().end_time_s);
+                let detail = runs.detail(self.study.simulation().end_times_s());
                 let row = PointRow::new(&self.study.point(point_id), runs.summary());
                 self.sink.point(row, detail)
             }

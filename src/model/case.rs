@@ -46,6 +46,18 @@ pub enum Method {
     Event,
 }
 
+/// Which runs are continued past the end time, and how far: those of which, at the end time, no
+/// ending is known. Equilibria and limit cycles are over, and failures cannot be continued.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Extend {
+    /// The time to which they are continued, over the end time.
+    pub factor: f64,
+    /// Whether runs are continued of which nothing could be shown.
+    pub undecided: bool,
+    /// Whether runs are continued that have been shown to be irregular.
+    pub irregular: bool,
+}
+
 /// How a case is integrated and for how long.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Simulation {
@@ -56,6 +68,8 @@ pub struct Simulation {
     pub band: f64,
     /// When a run that has not ended by itself is stopped, s.
     pub end_time_s: f64,
+    /// Which of these runs are continued, to a later time.
+    pub extend: Option<Extend>,
     /// Relative error allowed per step.
     pub relative_tolerance: f64,
     /// Absolute error allowed per step, non-dimensional.
@@ -75,9 +89,18 @@ impl Default for Simulation {
             method: Method::Switch,
             band: 1.0e-8,
             end_time_s: 16.5,
+            extend: None,
             relative_tolerance: 1.0e-8,
             absolute_tolerance: 1.0e-10,
         }
+    }
+}
+
+impl Simulation {
+    /// The end time, and that of runs that are continued, s; the same where none are.
+    pub fn end_times_s(&self) -> [f64; 2] {
+        let factor = self.extend.map_or(1.0, |extend| extend.factor);
+        [self.end_time_s, factor * self.end_time_s]
     }
 }
 

@@ -164,6 +164,12 @@ impl<'a, S: System<N, FREE>, const N: usize, const FREE: usize> Motion<'a, S, N,
         self.phases.iter().all(|phase| *phase == Phase::Stick)
     }
 
+    /// Whether [`Motion::advance`] to `until` may cut its next step short. Where it may not, that
+    /// step is, to the last bit, the one to any later time.
+    pub fn reaches(&self, until: f64) -> bool {
+        self.next_length.min(self.longest) >= until - self.time
+    }
+
     /// Goes on by one step, which ends at the next switch or at time `until` at the latest; where
     /// that has come already, nothing happens.
     /// Returns whether a ball changed its phase.
@@ -323,6 +329,17 @@ impl<'a, S: System<N, FREE>, const N: usize, const FREE: usize> Motion<'a, S, N,
         self.falls_through_zero(|state| sign * (mark - state.beta[ball]))
     }
 
+    /// The state at a time within the latest step; none at any other time.
+    pub fn within_last_step(&mut self, time: f64) -> Option<State<N, f64, FREE>> {
+        if time == self.time {
+            return Some(self.state);
+        }
+        let last = self.last.as_mut()?;
+        let within = last.start_time <= time && time < self.time;
+        let theta = (time - last.start_time) / last.step.length;
+        within.then(|| last.interpolant(self.system).at(theta))
+    }
+
     /// Where in the latest step a function of the state fell from above zero to zero or below: time
     /// and state there, if it did from the step's start to its end.
     pub fn falls_through_zero(
@@ -330,14 +347,6 @@ impl<'a, S: System<N, FREE>, const N: usize, const FREE: usize> Motion<'a, S, N,
         value: impl Fn(&State<N, f64, FREE>) -> f64,
     ) -> Option<(f64, State<N, f64, FREE>)> {
         self.last.as_mut()?.falls_through_zero(self.system, &self.state, value)
-    }
-
-    /// The state inside the latest step, at a part of it from 0, its start, to 1, its end or the
-    /// switch that ended it; none before the first step.
-    pub fn inside_last_step(&mut self, part: f64) -> Option<State<N, f64, FREE>> {
-        let last = self.last.as_mut()?;
-        let theta = part * last.used;
-        Some(last.interpolant(self.system).at(theta))
     }
 
     /// Brings angles into [0, 2π), counting whole turns apart.

@@ -358,9 +358,27 @@ pub struct SimulationFile {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub end_time_s: Option<f64>,
+    /// Continues runs of which no ending is known at the end time; without it every run is stopped
+    /// there.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub extend: Option<ExtendFile>,
     /// Error allowed per integration step.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tolerance: Option<ToleranceFile>,
+}
+
+/// How far runs are continued past the end time, and which. What comes of a run that is continued is
+/// what comes of it in a study with the later end time.
+#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct ExtendFile {
+    /// The time to which they are continued, over `end_time_s`: more than 1, at most 1000.
+    #[schemars(extend("exclusiveMinimum" = 1, "maximum" = 1000))]
+    pub factor: f64,
+    /// Labels at the end time with which runs are continued; both by default.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(schema_with = "schema::extended_labels")]
+    pub labels: Option<Vec<String>>,
 }
 
 /// Methods for stick and slip.

@@ -38,6 +38,7 @@ mod parameter;
 mod plan;
 mod resolve;
 mod resolve_design;
+mod resolve_extend;
 mod resolve_friction;
 mod resolve_model;
 mod resolve_points;

@@ -4,6 +4,7 @@ use super::error::{Fault, Locate, StudyError};
 use super::file::{MethodKind, SimulationFile, ToleranceFile};
 use super::key_path::KeyPath;
 use super::node::describe_number;
+use super::resolve_extend::{extend_to_file, resolve_extend};
 use crate::model::{Method, Simulation};
 
 /// In a wider band, balls that move count as standing, and may switch between stick and transition
@@ -13,7 +14,8 @@ const WIDEST_BAND: f64 = 1.0e-2;
 /// Checks how runs are integrated and fills in the defaults.
 ///
 /// # Errors
-/// A band, tolerance or end time that is not positive; a band that is too wide to be one.
+/// A band, tolerance or end time that is not positive; a band that is too wide to be one; an extension
+/// that is none.
 pub(crate) fn resolve_simulation(
     locate: &dyn Locate,
     written: Option<&SimulationFile>,
@@ -36,13 +38,17 @@ pub(crate) fn resolve_simulation(
         let fault = Fault::new("too wide", describe_number(band), allowed);
         return Err(locate.refuse_value(&KeyPath::of("simulation.band"), fault));
     }
+    let end_time_s = positive("simulation.end_time_s", given.end_time_s, default.end_time_s)?;
+    let extend = given.extend.as_ref();
+    let extend = extend.map(|written| resolve_extend(locate, written, end_time_s)).transpose()?;
     Ok(Simulation {
         method: match given.method {
             None | Some(MethodKind::Switch) => Method::Switch,
             Some(MethodKind::Event) => Method::Event,
         },
         band,
-        end_time_s: positive("simulation.end_time_s", given.end_time_s, default.end_time_s)?,
+        end_time_s,
+        extend,
         relative_tolerance: positive(
             "simulation.tolerance.relative",
             tolerance.relative,
@@ -65,6 +71,7 @@ pub(crate) fn simulation_to_file(simulation: &Simulation) -> SimulationFile {
         }),
         band: Some(simulation.band),
         end_time_s: Some(simulation.end_time_s),
+        extend: simulation.extend.map(extend_to_file),
         tolerance: Some(ToleranceFile {
             relative: Some(simulation.relative_tolerance),
             absolute: Some(simulation.absolute_tolerance),

@@ -6,6 +6,7 @@ use serde_json::{Map, Value};
 use super::file::{DistributionFile, StudyFile};
 use super::file_values::{Entry, Listed, Range};
 use super::parameter::Parameter;
+use super::resolve_extend::EXTENDED_LABELS;
 use super::start_box::axis_names;
 use crate::model::{Ball, Block, FrictionLaw, MAX_BALLS, Machine, Model};
 
@@ -40,6 +41,13 @@ pub(super) fn start_box(generator: &mut SchemaGenerator) -> Schema {
     let properties: Map<String, Value> =
         names.map(|name| (name, range.clone().to_value())).collect();
     json_schema!({ "type": "object", "properties": properties, "additionalProperties": false })
+}
+
+/// Labels of runs that can be continued.
+pub(super) fn extended_labels(_: &mut SchemaGenerator) -> Schema {
+    json_schema!({
+        "type": "array", "items": { "enum": EXTENDED_LABELS }, "minItems": 1, "uniqueItems": true
+    })
 }
 
 /// One model of every kind, as large as it may be, with every law of friction.

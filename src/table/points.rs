@@ -77,7 +77,8 @@ pub fn point_columns(study: &Study) -> Vec<Column<PointRow>> {
         Column::number(
             "equilibrium_fraction",
             "1",
-            "share of runs that ended in equilibrium by the end time",
+            "share of runs that ended in equilibrium by the end time; of runs that were continued, \
+             by the later one",
             |row: &PointRow| Some(row.summary.equilibrium_fraction),
         ),
         Column::number(

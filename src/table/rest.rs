@@ -46,7 +46,7 @@ pub fn rest_columns(study: &Study) -> Vec<Column<RestRow>> {
         ),
         Column::count(
             "censored",
-            "runs stopped while moving before the next row; limit cycles at the end time",
+            "runs stopped while moving before the next row; limit cycles at the last end time",
             |row: &RestRow| Some(row.step.censored),
         ),
         Column::number(

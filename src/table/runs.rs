@@ -119,6 +119,11 @@ pub fn run_columns(study: &Study) -> Vec<Column<RunRecord>> {
             "simulated time at which the run was stopped",
             |row: &RunRecord| row.outcome.end_time_s,
         ),
+        Column::truth(
+            "extended",
+            "whether the run was continued past the study's end time (simulation.extend)",
+            |row: &RunRecord| Some(row.outcome.extended),
+        ),
     ]);
     columns.extend(position_columns(
         study,

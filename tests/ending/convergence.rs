@@ -30,6 +30,7 @@ pub fn errors(method: Method, tolerance: f64, band: f64) -> Errors {
         method,
         band,
         end_time_s: 100.0,
+        extend: None,
         relative_tolerance: tolerance,
         absolute_tolerance: 1e-2 * tolerance,
     };

@@ -1,5 +1,6 @@
 //! The farm: which run is computed where changes nothing, and a bad run is a row.
 
+mod continued;
 mod exchanged_balls;
 mod failures;
 mod kept_rows;

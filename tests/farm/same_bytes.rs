@@ -50,3 +50,15 @@ fn for_tables_of_many_blocks() {
     let ways = ["--threads 1", "--threads 7 --chunk 777", "--threads 2 --chunk 4096"];
     same_bytes(&text, 3, &ways);
 }
+
+/// Some runs are continued past the end time, some are over before.
+#[test]
+fn for_runs_that_are_continued() {
+    let text = study_text("a", "{latin_hypercube: {samples: 24}}", 3.0, "");
+    let text = text.replace("end_time_s: 3e0", "end_time_s: 3, extend: {factor: 2.5}");
+    same_bytes(
+        &text,
+        0,
+        &["--threads 1", "--threads 2 --chunk 5", "--threads 7 --chunk 1", "--threads 2"],
+    );
+}

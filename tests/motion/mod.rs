@@ -1,6 +1,7 @@
 //! Integration of smooth phases, switches, and the symmetries that every motion has.
 
 mod conservation;
+mod cut_steps;
 mod decision;
 mod event;
 mod event_limit;

@@ -385,3 +385,38 @@ fn expectations() {
     let key = "expect[0].point.ball_mass_kg";
     refused("{speed_rad_s: -160}", "{ball_mass_kg: 1}", 35, key, "ball_mass_kg", "speed_rad_s");
 }
+
+#[test]
+fn extensions() {
+    let refuse = |extend: &str, key: &str, found: &str, allowed: &str| {
+        let new = format!("end_time_s: 16.5\n  extend: {{{extend}}}");
+        refused("end_time_s: 16.5", &new, 33, key, found, allowed);
+    };
+    let key = "simulation.extend.factor";
+    for wrong in ["1", "0.5", "0", "-2", "1000.5", "1e300"] {
+        refuse(&format!("factor: {wrong}"), key, wrong, "more than 1 and at most 1000");
+    }
+    refuse("factor: .nan", key, ".nan", "a finite number");
+    refuse("factor: two", key, "text \"two\"", "a number");
+    refuse("labels: [undecided]", key, "no such key", "a value for `factor`");
+    refuse("factor: 2, label: [undecided]", "simulation.extend.label", "label", "labels (did");
+    let key = "simulation.extend.labels";
+    refuse("factor: 2, labels: []", key, "an empty list", "undecided, irregular");
+    refuse("factor: 2, labels: undecided", key, "undecided", "a list");
+    let first = "simulation.extend.labels[0]";
+    for over in ["equilibrium", "limit_cycle", "failed", "undecide"] {
+        refuse(&format!("factor: 2, labels: [{over}]"), first, over, "irregular");
+    }
+    let second = "simulation.extend.labels[1]";
+    refuse("factor: 2, labels: [irregular, irregular]", second, "irregular", "undecided");
+    let huge = GOOD.replace("end_time_s: 16.5", "end_time_s: 1e307\n  extend: {factor: 100}");
+    assert_eq!(parse(&huge).unwrap_err().key(), "simulation.extend.factor");
+    // Why these cannot be continued is said.
+    let why = |label: &str| {
+        let extend = format!("end_time_s: 16.5\n  extend: {{factor: 2, labels: [{label}]}}");
+        parse(&GOOD.replace("end_time_s: 16.5", &extend)).unwrap_err().problem().to_owned()
+    };
+    assert_eq!(why("equilibrium"), "a run with this label is over");
+    assert_eq!(why("limit_cycle"), "a run with this label is over");
+    assert_eq!(why("failed"), "a run that failed cannot be continued");
+}

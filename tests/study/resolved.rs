@@ -31,7 +31,7 @@ uncertain:
 initial_conditions:
   box: {beta: [0, 3], beta_dot_2: [0.5, 0.5]}
   design: {stratified: {parts_per_axis: 2, samples_per_cell: 1}}
-simulation: {band: 2.0e-4, tolerance: {absolute: 1.0e-11}}
+simulation: {band: 2.0e-4, tolerance: {absolute: 1.0e-11}, extend: {factor: 3}}
 expect:
   - {point: {speed_rad_s: 2}, equilibrium_fraction: [0, 1], undecided_fraction: [0, 0.5]}
 ";
@@ -117,6 +117,7 @@ fn the_hash_is_that_of_what_determines_the_runs() {
         text.replace("seed: 5", "seed: 6"),
         text.replace("samples: 10", "samples: 11"),
         format!("{text}simulation: {{band: 2e-4}}\n"),
+        format!("{text}simulation: {{extend: {{factor: 2}}}}\n"),
         format!("{text}  box: {{x: [-0.05, 0.051]}}\n"),
         format!("{text}sweep: [{{grid: {{speed_rad_s: [-216.3772]}}}}]\n"),
         format!("{text}uncertain: {{speed_rad_s: {{uniform: {{min: 1, max: 2}}}}}}\n"),
@@ -170,4 +171,27 @@ fn the_json_schema_knows_every_key_with_its_unit() {
     for optional in ["BlockFile", "InitialConditionsFile", "ExpectationFile", "SimulationFile"] {
         assert_eq!(required(&schema["$defs"][optional]), [""; 0], "{optional}");
     }
+}
+
+#[test]
+fn an_extension_names_its_labels() {
+    let text = text_with_design("{monte_carlo: {samples: 10}}");
+    let with = |extend: &str| study(&format!("{text}simulation: {{extend: {{{extend}}}}}\n"));
+    let both = with("factor: 4");
+    let lines = "  extend:\n    factor: 4.0\n    labels: [undecided, irregular]\n";
+    assert!(both.resolved_yaml().contains(lines), "{}", both.resolved_yaml());
+    let extend = both.simulation().extend.expect("extends");
+    assert_eq!((extend.factor, extend.undecided, extend.irregular), (4.0, true, true));
+    assert_eq!(both.simulation().end_times_s(), [16.5, 66.0]);
+    assert_eq!(both.hash(), with("labels: [irregular, undecided], factor: 4.0").hash());
+    let one = with("factor: 4, labels: [irregular]");
+    let extend = one.simulation().extend.expect("extends");
+    assert_eq!((extend.undecided, extend.irregular), (false, true));
+    assert_ne!(one.hash(), both.hash());
+    let found = &json_schema()["$defs"]["ExtendFile"];
+    assert_eq!(found["required"], serde_json::json!(["factor"]));
+    assert_eq!(
+        found["properties"]["labels"]["items"]["enum"],
+        serde_json::json!(["undecided", "irregular"])
+    );
 }

@@ -23,8 +23,8 @@ fn study() -> String {
     study_text("a", "{monte_carlo: {samples: 5}}", AT_ONCE, REST)
 }
 
-/// Name, type and unit of every column; `n` is a number, `c` a count, `s` a small count, `w` a
-/// word out of a few, `t` text.
+/// Name, type and unit of every column; `n` is a number, `c` a count, `s` a small count, `b` yes
+/// or no, `w` a word out of a few, `t` text.
 fn columns(table: &RecordBatch) -> Vec<String> {
     let schema = table.schema();
     let describe = |field: &arrow::datatypes::FieldRef| {
@@ -32,6 +32,7 @@ fn columns(table: &RecordBatch) -> Vec<String> {
             DataType::Float64 => "n",
             DataType::UInt64 => "c",
             DataType::UInt8 => "s",
+            DataType::Boolean => "b",
             DataType::Utf8 => "t",
             DataType::Dictionary(_, words) if **words == DataType::Utf8 => "w",
             other => panic!("{}: {other}", field.name()),
@@ -74,6 +75,7 @@ fn runs() {
             "balls_running s -",
             "time_to_rest_s n s",
             "end_time_s n s",
+            "extended b -",
             "beta_1_rad n rad",
             "beta_2_rad n rad",
             "amplitude_m n m",

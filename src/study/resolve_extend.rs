@@ -1,0 +1,68 @@
+//! From an extension of the end time as written to a checked one.
+
+use super::error::{Fault, Locate, StudyError, list_names, shorten};
+use super::file::ExtendFile;
+use super::key_path::KeyPath;
+use super::node::describe_number;
+use crate::model::Extend;
+
+/// The labels with which a run can be continued.
+pub(crate) const EXTENDED_LABELS: [&str; 2] = ["undecided", "irregular"];
+
+/// How many times the end time a run may be continued to.
+const LARGEST_FACTOR: f64 = 1000.0;
+
+/// Checks how far runs are continued past the end time, and which.
+///
+/// # Errors
+/// A factor that does not extend, extends too far, or beyond all numbers; labels with which no run
+/// can be continued, no labels, or the same label twice.
+pub(crate) fn resolve_extend(
+    locate: &dyn Locate,
+    written: &ExtendFile,
+    end_time_s: f64,
+) -> Result<Extend, StudyError> {
+    let factor = written.factor;
+    let extends = factor > 1.0 && factor <= LARGEST_FACTOR;
+    // The least step above 1 may be lost in rounding, and the longest end time in infinity.
+    if !(extends && factor * end_time_s > end_time_s && (factor * end_time_s).is_finite()) {
+        let problem = if factor <= 1.0 { "extends nothing" } else { "too far" };
+        let allowed =
+            format!("more than 1 and at most {LARGEST_FACTOR}; the end time times it is finite");
+        let fault = Fault::new(problem, describe_number(factor), allowed);
+        return Err(locate.refuse_value(&KeyPath::of("simulation.extend.factor"), fault));
+    }
+    let path = KeyPath::of("simulation.extend.labels");
+    let names: Vec<&str> = match &written.labels {
+        None => EXTENDED_LABELS.to_vec(),
+        Some(labels) => labels.iter().map(String::as_str).collect(),
+    };
+    if names.is_empty() {
+        let allowed =
+            format!("one of {} at least, or no `labels` for both", EXTENDED_LABELS.join(", "));
+        return Err(locate.refuse_value(&path, Fault::new("no labels", "an empty list", allowed)));
+    }
+    for (index, name) in names.iter().enumerate() {
+        let problem = match *name {
+            _ if names[..index].contains(name) => "the label is given twice",
+            name if EXTENDED_LABELS.contains(&name) => continue,
+            "equilibrium" | "limit_cycle" => "a run with this label is over",
+            "failed" => "a run that failed cannot be continued",
+            _ => "unknown label",
+        };
+        let fault = Fault::new(problem, shorten(name), list_names(name, &EXTENDED_LABELS));
+        return Err(locate.refuse_value(&path.item(index), fault));
+    }
+    let [undecided, irregular] = EXTENDED_LABELS.map(|label| names.contains(&label));
+    Ok(Extend { factor, undecided, irregular })
+}
+
+/// An extension with every value written out.
+pub(crate) fn extend_to_file(extend: Extend) -> ExtendFile {
+    let continued = [extend.undecided, extend.irregular];
+    let labels = EXTENDED_LABELS.into_iter().zip(continued).filter(|(_, continued)| *continued);
+    ExtendFile {
+        factor: extend.factor,
+        labels: Some(labels.map(|(label, _)| label.to_owned()).collect()),
+    }
+}
