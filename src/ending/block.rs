@@ -9,6 +9,7 @@
 //! cycle is claimed. A block that slides on a belt for good has no dry friction to stop it; unless
 //! its law damps it, so that it settles, it swings for ever as it started.
 
+use super::block_cycle::BlockCourse;
 use super::outcome::{Evidence, Outcome};
 use super::settled::SettledWatch;
 use super::simulate::{WINDOW, effort_limit, stiff_pace};
@@ -36,7 +37,9 @@ pub(super) fn simulate_block(block: &Block, start: &Start, simulation: &Simulati
     match Motion::new(&slider, settings, state) {
         Ok(motion) => {
             let settled = SettledWatch::default();
-            Run { slider: &slider, motion, extremes: None, last_break_away: None, settled, end }
+            let course = BlockCourse::default();
+            let (extremes, last_break_away) = (None, None);
+            Run { slider: &slider, motion, extremes, last_break_away, course, settled, end }
                 .finish(natural, length)
         }
         Err(failure) => Outcome::failed(Evidence::Failure(failure), failure.to_string()),
@@ -50,6 +53,8 @@ struct Run<'a> {
     /// time.
     extremes: Option<[f64; 2]>,
     last_break_away: Option<BreakAway>,
+    /// What it has done since the last break-away.
+    course: BlockCourse,
     settled: SettledWatch,
     end: f64,
 }
@@ -79,6 +84,7 @@ impl Run<'_> {
                 return Ending::Rest;
             }
             let before = self.motion.time();
+            let [phase] = *self.motion.phases();
             // The last part of the time begins with a step, or it would miss what the step passes.
             let until = if before < window { window } else { self.end };
             if let Err(failure) = self.motion.advance(until) {
@@ -88,6 +94,9 @@ impl Run<'_> {
                 self.extremes = Some([self.motion.state().beta[0]; 2]);
             } else {
                 self.extend(stuck);
+            }
+            if self.last_break_away.is_some() {
+                self.course.extend(self.slider, &mut self.motion, phase);
             }
             if self.settled.look(self.slider, &self.motion, self.end) {
                 return Ending::Settled;
@@ -114,6 +123,7 @@ impl Run<'_> {
             return Some(now.time - last.time);
         }
         self.last_break_away = Some(now);
+        self.course = BlockCourse::default();
         self.extremes = Some([now.position; 2]);
         None
     }
@@ -174,6 +184,9 @@ impl Run<'_> {
             Ending::Cycle { period } => Outcome {
                 evidence: Evidence::ClosedOrbit,
                 period_s: Some(period / natural),
+                cycle: base
+                    .amplitude_m
+                    .map(|amplitude| Box::new(self.course.cycle(length * natural, amplitude))),
                 ..base
             },
             Ending::EndTime => base,

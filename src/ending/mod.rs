@@ -17,6 +17,7 @@
 
 mod balancer;
 mod block;
+mod block_cycle;
 mod certificate;
 mod creep;
 mod cycle;

@@ -1,7 +1,9 @@
 //! `runs.parquet`: one row per run, failures included. And the columns of planned cases.
 
 use super::column::{Column, NON_DIMENSIONAL};
+use super::cycles::class_meaning;
 use super::record::RunRecord;
+use crate::analysis::CycleClass;
 use crate::model::Coordinate;
 use crate::study::{ParameterKind, ParameterValue, PlannedRun, Study, VariedParameter};
 
@@ -139,6 +141,7 @@ pub fn run_columns(study: &Study) -> Vec<Column<RunRecord>> {
             row.outcome.period_s
         }),
     ]);
+    columns.extend(cycle_columns(study));
     for ball in 0..study.model().balls() {
         columns.push(Column::number(
             &format!("ball_speed_{}_rad_s", ball + 1),
@@ -165,6 +168,32 @@ pub fn run_columns(study: &Study) -> Vec<Column<RunRecord>> {
         }),
     ]);
     columns
+}
+
+/// What limit cycle it is.
+fn cycle_columns(study: &Study) -> [Column<RunRecord>; 3] {
+    [
+        Column::text(
+            "cycle_class",
+            &class_meaning(study.model().balls()),
+            |RunRecord { planned, outcome }: &RunRecord| {
+                let case = planned.case.as_ref().ok()?;
+                Some(CycleClass::of(&case.model, outcome)?.name)
+            },
+        ),
+        Column::number(
+            "largest_multiplier",
+            "1",
+            "largest modulus of the limit cycle's Floquet multipliers off the neutral directions",
+            |row: &RunRecord| row.outcome.cycle.as_ref()?.multipliers.first().copied(),
+        ),
+        Column::small_count(
+            "neutral_directions",
+            "dimension of the continuous family that the limit cycle belongs to: resting balls may \
+             rest elsewhere",
+            |row: &RunRecord| Some(row.outcome.cycle.as_ref()?.neutral_directions),
+        ),
+    ]
 }
 
 fn amplitude_meaning(study: &Study) -> &'static str {
