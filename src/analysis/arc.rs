@@ -22,7 +22,8 @@ impl AngleSet {
         if !angle.is_finite() {
             return;
         }
-        let within = angle.rem_euclid(TAU);
+        // Adding 0 makes -0 to 0.
+        let within = angle.rem_euclid(TAU) + 0.0;
         // The remainder of a tiny negative angle is rounded to a whole turn.
         let within = if within < TAU { within } else { 0.0 };
         let part = (within / TAU * PARTS) as u16;

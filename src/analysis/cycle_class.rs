@@ -129,7 +129,9 @@ pub(super) fn sense(model: &Model) -> i32 {
 
 /// The least and the greatest speed of a contact, counted in the disc's sense.
 pub(super) fn speeds_in_sense(model: &Model, [least, greatest]: [f64; 2]) -> [f64; 2] {
-    if sense(model) < 0 { [-greatest, -least] } else { [least, greatest] }
+    let [least, greatest] = if sense(model) < 0 { [-greatest, -least] } else { [least, greatest] };
+    // Adding 0 makes -0 to 0.
+    [least + 0.0, greatest + 0.0]
 }
 
 /// A cycle in the disc's sense, ball by ball in the machine's order, from where its period was begun.
@@ -166,13 +168,13 @@ impl CycleForm {
             Some(column) => steps.iter().map(|doings| doings[column]).collect(),
             None => Vec::new(),
         };
-        let roles: Vec<Role> = (0..contacts)
-            .map(|contact| Role {
-                turns: sense(model).saturating_mul(cycle.turns[contact]),
-                letters: letters(contact),
-                rests: cycle.rests(contact),
-            })
-            .collect();
+        let role = |contact: usize| {
+            let rests = cycle.rests(contact);
+            let turns = if rests { 0 } else { cycle.turns[contact] };
+            let turns = turns.saturating_mul(sense(model));
+            Role { turns, letters: letters(contact), rests }
+        };
+        let roles: Vec<Role> = (0..contacts).map(role).collect();
         let standings = (0..contacts)
             .map(|contact| {
                 let [least, greatest] = speeds_in_sense(model, cycle.speed_extremes[contact]);

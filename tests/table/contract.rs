@@ -8,7 +8,7 @@ use arrow::datatypes::DataType;
 
 use crate::cli::support::{AT_ONCE, Scratch, counts, numbers, study_text, words};
 
-fn results(text: &str) -> Scratch {
+pub fn results(text: &str) -> Scratch {
     let scratch = Scratch::new();
     scratch.write("a.yaml", text);
     scratch.well("run a.yaml --out out");
@@ -25,7 +25,7 @@ fn study() -> String {
 
 /// Name, type and unit of every column; `n` is a number, `l` a list of them, `c` a count, `s` a small
 /// count, `i` a whole number with sign, `w` a word out of a few, `t` text.
-fn columns(table: &RecordBatch) -> Vec<String> {
+pub fn columns(table: &RecordBatch) -> Vec<String> {
     let schema = table.schema();
     let describe = |field: &arrow::datatypes::FieldRef| {
         let kind = match field.data_type() {
