@@ -32,9 +32,11 @@ pub fn cycle_columns(study: &Study) -> Vec<Column<CycleRow>> {
             Some(row.point_id)
         })];
     columns.extend(swept_columns(study, |row: &CycleRow| &row.swept));
-    columns.push(Column::text("class", &class_meaning(balls), |row: &CycleRow| {
-        Some(row.group.class.clone())
-    }));
+    columns.push(Column::text(
+        "class",
+        &(class_meaning(balls) + "; other where there are more than 1000"),
+        |row: &CycleRow| Some(row.group.class.clone()),
+    ));
     if balls > 0 {
         columns.push(Column::small_count(
             "balls_running",
@@ -107,14 +109,15 @@ pub fn cycle_columns(study: &Study) -> Vec<Column<CycleRow>> {
 /// What the text of a class means.
 pub(super) fn class_meaning(balls: usize) -> String {
     let parts = if balls > 0 {
-        "for each ball, joined by |: rest, or turns per period (negative against the disc's \
-         rotation) and, where it does several things, : and their order, S sticks, F slips \
-         forward, B slips back; same letters' places are same times; balls that are alike have no \
-         order"
+        "for each ball, joined by |: rest, or turns per period, negative against the disc's \
+         rotation, and for one that does several things a colon and their order: S sticks, F slips \
+         forward, B slips back (the n-th letters of all balls are at one time); balls that are \
+         alike have no order"
     } else {
-        "0: and what the block does in order: S sticks, F slips forward, B slips back on the belt"
+        "0, a colon and what the block does in order: S sticks, F slips forward on the belt, B \
+         slips back"
     };
-    format!("class of the limit cycle, {parts}; unknown where it is only known to close")
+    format!("class of the limit cycle: {parts}; unknown where it is only known to close")
 }
 
 fn range_columns(
