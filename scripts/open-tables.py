@@ -16,20 +16,22 @@ import duckdb
 import pandas
 import polars
 
-TABLES = ("runs", "points", "rest", "equilibria")
+TABLES = ("runs", "points", "rest", "cycles", "equilibria")
 
 
 def with_pandas(directory):
     """What pandas (with pyarrow) finds."""
     tables = (pandas.read_parquet(directory / f"{name}.parquet") for name in TABLES)
-    runs, points, rest, equilibria = tables
+    runs, points, rest, cycles, equilibria = tables
     labels = runs["label"].value_counts()
     return {
-        "rows": [len(runs), len(points), len(rest), len(equilibria)],
+        "rows": [len(runs), len(points), len(rest), len(cycles), len(equilibria)],
         "labels": {str(label): int(count) for label, count in labels.items() if count > 0},
         "runs of all points": int(points["runs"].sum()),
         "sum of end_time_s": float(runs["end_time_s"].sum()),
         "runs that came to rest": int(rest["came_to_rest"].sum()),
+        "runs on classes of cycles": int(cycles["runs"].sum()),
+        "sum of multipliers": float(sum(sum(row) for row in cycles["multipliers"].dropna())),
         "sum of amplitude_m": float(equilibria["amplitude_m"].sum()),
     }
 
@@ -37,14 +39,16 @@ def with_pandas(directory):
 def with_polars(directory):
     """What Polars finds."""
     tables = (polars.read_parquet(directory / f"{name}.parquet") for name in TABLES)
-    runs, points, rest, equilibria = tables
+    runs, points, rest, cycles, equilibria = tables
     labels = runs.group_by("label").len()
     return {
-        "rows": [runs.height, points.height, rest.height, equilibria.height],
+        "rows": [runs.height, points.height, rest.height, cycles.height, equilibria.height],
         "labels": {str(label): count for label, count in labels.iter_rows()},
         "runs of all points": points["runs"].sum(),
         "sum of end_time_s": runs["end_time_s"].sum(),
         "runs that came to rest": rest["came_to_rest"].sum(),
+        "runs on classes of cycles": cycles["runs"].sum(),
+        "sum of multipliers": cycles["multipliers"].list.sum().sum(),
         "sum of amplitude_m": equilibria["amplitude_m"].sum(),
     }
 
@@ -65,6 +69,8 @@ def with_duckdb(directory):
         "runs of all points": int(ask("points", "coalesce(sum(runs), 0)")[0][0]),
         "sum of end_time_s": ask("runs", "coalesce(sum(end_time_s), 0)")[0][0],
         "runs that came to rest": int(ask("rest", "coalesce(sum(came_to_rest), 0)")[0][0]),
+        "runs on classes of cycles": int(ask("cycles", "coalesce(sum(runs), 0)")[0][0]),
+        "sum of multipliers": ask("cycles", "coalesce(sum(list_sum(multipliers)), 0)")[0][0],
         "sum of amplitude_m": ask("equilibria", "coalesce(sum(amplitude_m), 0)")[0][0],
     }
 

@@ -1,9 +1,13 @@
-//! Statistics of outcomes: intervals, time to rest, and what is known of a point of the sweep.
+//! Statistics of outcomes: intervals, time to rest, classes of limit cycles, and what is known of a
+//! point of the sweep.
 //!
 //! Between endings and tables: it reads outcomes and writes numbers, and knows no file format.
 
 mod alike;
+mod arc;
 mod balance;
+mod cycle_class;
+mod cycles;
 #[cfg(test)]
 mod draws;
 mod equilibrium_set;
@@ -17,11 +21,14 @@ mod rest_form;
 mod set_grid;
 mod set_parts;
 mod set_samples;
+mod spread;
 mod survival;
 mod tally;
 
 pub use alike::{groups_of_alike, sorted_where_alike};
 pub use balance::Balance;
+pub use cycle_class::{CycleClass, Role};
+pub use cycles::{CycleGroup, CycleRange, CycleRole};
 pub use equilibrium_set::{EquilibriumSet, Resolution, set_fraction};
 pub use escape::{EscapeRate, escape_rate, rate_interval};
 pub use frictionless::{FrictionlessEquilibrium, FrictionlessKind, frictionless_equilibria};

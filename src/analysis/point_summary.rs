@@ -1,5 +1,6 @@
 //! One point of the sweep in numbers: how its runs ended, how soon, with what amplitude.
 
+use super::cycles::{CycleClasses, CycleGroup};
 use super::escape::{EscapeRate, Group, escape_rate};
 use super::interval::{Z_95, wilson_with_failures};
 use super::rest_curve::{RestStep, rest_curve};
@@ -65,6 +66,8 @@ pub struct Observed<'a> {
 pub struct PointDetail {
     /// The probability of being at rest over time.
     pub rest: Vec<RestStep>,
+    /// The limit cycles, class by class.
+    pub cycles: Vec<CycleGroup>,
 }
 
 /// Collects the runs of one point.
@@ -77,6 +80,7 @@ pub struct PointAccumulator {
     /// Times at which runs were stopped because they are on a limit cycle (kind 1).
     cycles: Tally,
     amplitudes: Tally,
+    cycle_classes: CycleClasses,
 }
 
 /// What is known of one point.
@@ -125,12 +129,16 @@ impl PointAccumulator {
             (None, end) => end.into_iter().for_each(|end| self.times.add(end, STOPPED)),
         }
         outcome.amplitude_m.into_iter().for_each(|amplitude| self.amplitudes.add(amplitude, REST));
+        self.cycle_classes.add(run);
     }
 
     /// What goes into the point's own tables; `end_times_s` are the study's end time and that of
     /// runs that are continued.
     pub fn detail(&self, end_times_s: [f64; 2]) -> PointDetail {
-        PointDetail { rest: rest_curve(&SurvivalCurve::new(self.times.groups()), end_times_s) }
+        PointDetail {
+            rest: rest_curve(&SurvivalCurve::new(self.times.groups()), end_times_s),
+            cycles: self.cycle_classes.groups(&self.counts),
+        }
     }
 
     fn escape(&self) -> Option<EscapeRate> {

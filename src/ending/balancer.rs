@@ -257,11 +257,14 @@ fn in_seconds(exponent: LyapunovExponent, natural: f64) -> LyapunovExponent {
 }
 
 fn cycle<const N: usize>(orbit: &Orbit<N>, Units { natural, radius }: Units) -> Cycle {
+    let angles = orbit.turns.iter().zip(orbit.angle_extremes);
+    let angles = angles.map(|(&turns, extremes)| (turns == 0).then_some(extremes));
     let of_all = |doing: &[Doing; N]| doing.to_vec();
     Cycle {
         turns: orbit.turns.to_vec(),
         configurations: orbit.configurations.iter().map(of_all).collect(),
         speed_extremes: orbit.speed_extremes.map(|two| two.map(|speed| speed * natural)).to_vec(),
+        angle_extremes: angles.collect(),
         peak_amplitude_m: orbit.peak * radius,
         multipliers: orbit.multipliers.clone(),
         neutral_directions: orbit.neutral_directions as u8,

@@ -9,6 +9,8 @@
 //! cycle is claimed. A block that slides on a belt for good has no dry friction to stop it; unless
 //! its law damps it, so that it settles, it swings for ever as it started.
 
+use super::block_cycle::BlockCourse;
+use super::cycle::Cycle;
 use super::extremes::{Extremes, Passed};
 use super::follow::{Horizons, Run, follow};
 use super::outcome::{Evidence, Outcome};
@@ -65,12 +67,14 @@ struct BlockRun<'a> {
 }
 
 /// The instant at which the block breaks away from the belt.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 struct BreakAway {
     time: f64,
     position: f64,
     /// The extremes since then.
     extremes: Extremes,
+    /// What it has done since then.
+    course: BlockCourse,
 }
 
 /// How the loop came to its end.
@@ -89,13 +93,14 @@ impl BlockRun<'_> {
             return None;
         }
         let (time, position) = (self.motion.time(), self.motion.state().beta[0]);
-        if let Some(last) = self.last_break_away
+        if let Some(last) = &self.last_break_away
             && (position - last.position).abs() <= 1e-6 * position.abs().max(1.0)
         {
             return Some(time - last.time);
         }
         let extremes = Extremes::from_place(time, position);
-        self.last_break_away = Some(BreakAway { time, position, extremes });
+        let course = BlockCourse::default();
+        self.last_break_away = Some(BreakAway { time, position, extremes, course });
         None
     }
 
@@ -105,6 +110,12 @@ impl BlockRun<'_> {
         let last = self.last_break_away.as_ref().map(|last| &last.extremes);
         let extremes = last.unwrap_or(self.horizons.window());
         extremes.amplitude().map(|amplitude| amplitude * self.length)
+    }
+
+    /// What the block has done since the last break-away.
+    fn cycle(&self) -> Option<Cycle> {
+        let course = &self.last_break_away.as_ref()?.course;
+        Some(course.cycle(self.length * self.natural, self.amplitude_m()?))
     }
 }
 
@@ -121,6 +132,7 @@ impl Run for BlockRun<'_> {
             return Some(Ending::EndTime);
         }
         let stuck = self.motion.all_stick();
+        let [phase] = *self.motion.phases();
         if stuck && self.slider.belt_speed == 0.0 {
             return Some(Ending::Rest);
         }
@@ -128,6 +140,9 @@ impl Run for BlockRun<'_> {
             return Some(Ending::Failure(failure));
         }
         let passed = Passed::of(self.slider, &mut self.motion, before, stuck);
+        if let Some(last) = &mut self.last_break_away {
+            last.course.extend(self.slider, &mut self.motion, phase);
+        }
         let since = self.last_break_away.iter_mut().map(|last| &mut last.extremes);
         for extremes in since.chain(self.horizons.windows()) {
             extremes.take_in(&passed, &mut self.motion);
@@ -185,6 +200,7 @@ impl Run for BlockRun<'_> {
                 evidence: Evidence::ClosedOrbit,
                 period_s: Some(period / natural),
                 amplitude_m: self.amplitude_m(),
+                cycle: self.cycle().map(Box::new),
                 ..base
             },
             Ending::EndTime => Outcome { amplitude_m: self.amplitude_m(), ..base },

@@ -45,6 +45,8 @@ pub struct Orbit<const N: usize> {
     pub speed: [f64; N],
     /// Least and greatest speed of each ball.
     pub speed_extremes: [[f64; 2]; N],
+    /// Least and greatest angle of each ball, from one beginning in [0, 2π) on.
+    pub angle_extremes: [[f64; 2]; N],
     /// Root mean square over the period of the table's displacement, over `L`.
     pub amplitude: f64,
     /// Its greatest displacement, over `L`.
@@ -201,6 +203,7 @@ fn orbit<const N: usize>(
         configurations: period.configurations,
         speed: turned.map(|angle| angle / end.time),
         speed_extremes: period.speeds,
+        angle_extremes: period.angles,
         amplitude: (period.square_time / end.time).sqrt(),
         peak: period.peak,
         margin: period.margin.is_finite().then_some(period.margin),

@@ -39,6 +39,9 @@ pub struct Cycle {
     /// Least and greatest speed of each contact relative to what it lies on: rad/s of a ball, m/s
     /// of a block.
     pub speed_extremes: Vec<[f64; 2]>,
+    /// Least and greatest angle of each ball that does not go round, rad, each within a turn of
+    /// [0, 2π); none of one that does, and of a block.
+    pub angle_extremes: Vec<Option<[f64; 2]>>,
     /// Greatest displacement of the table, or of a block from the middle of its cycle, m.
     pub peak_amplitude_m: f64,
     /// Moduli of the Floquet multipliers off the neutral directions, descending.

@@ -8,11 +8,15 @@
 //! the largest finite-time Lyapunov exponent. Its doubt comes from the scatter of the rates in
 //! [`BATCHES`] equal parts of the window.
 //!
-//! A motion counts as irregular where the interval is positive and neighbours have separated by
-//! [`SEPARATED`] at least in the second half of the window alone. The latter keeps out growth that
-//! is no more than a power of time: a displacement along a family of motions (a ball that rests a
-//! little further on, whereby the other runs a little faster) grows in proportion to time, for
-//! ever; in the second half of a window that is a factor of 2, of the third power of time 8.
+//! A motion counts as irregular where the interval is positive, and in the second half of the window
+//! alone
+//!
+//! - neighbours have separated by [`SEPARATED`] at least. That keeps out growth that is no more than
+//!   a power of time: a displacement along a family of motions (a ball that rests a little further
+//!   on, whereby the other runs a little faster) grows in proportion to time, for ever; in the second
+//!   half of a window that is a factor of 2, of the third power of time 8;
+//! - the motion has come by often: [`COURSES`] turns of balls and switches at least. That keeps out a
+//!   slow passage by an unstable equilibrium, from which neighbours separate as well, but once.
 
 use super::outcome::LyapunovExponent;
 use crate::model::{State, System};
@@ -27,15 +31,27 @@ const STUDENT: f64 = 2.262_157_162_798_205;
 /// By how much neighbours must separate in the second half of the window.
 const SEPARATED: f64 = 10.0;
 
+/// How many turns of balls and switches the second half of the window must see.
+const COURSES: f64 = 20.0;
+
 /// Measures how fast neighbours of a motion separate from some time on until another.
 #[derive(Clone, Debug)]
 pub(super) struct Separation<const N: usize, const FREE: usize> {
     variation: Variation<N, FREE>,
     start: f64,
     end: f64,
-    /// Logarithm of the growth so far, and what it was at the end of each batch, with the time.
+    /// Logarithm of the growth so far.
     growth: f64,
-    marks: Vec<(f64, f64)>,
+    /// Where it was at the beginning and at the end of each batch.
+    marks: Vec<Mark>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Mark {
+    time: f64,
+    growth: f64,
+    /// Turns of balls and switches since the start of the run.
+    courses: f64,
 }
 
 impl<const N: usize, const FREE: usize> Separation<N, FREE> {
@@ -65,17 +81,24 @@ impl<const N: usize, const FREE: usize> Separation<N, FREE> {
         }
         if self.marks.is_empty() {
             // The first step reaches into the window and is left out.
-            self.marks.push((time, 0.0));
             self.normalise();
             self.growth = 0.0;
+            self.mark(motion);
             return;
         }
         self.variation.follow(motion);
         self.normalise();
         let batch = (self.end - self.start) / BATCHES as f64;
         if time >= self.start + batch * self.marks.len() as f64 || time >= self.end {
-            self.marks.push((time, self.growth));
+            self.mark(motion);
         }
+    }
+
+    fn mark<S: System<N, FREE>>(&mut self, motion: &Motion<S, N, FREE>) {
+        let turns = |ball: usize| (motion.unwrapped_angle(ball) / std::f64::consts::TAU).abs();
+        let turns: f64 = if S::ANGULAR { (0..N).map(turns).sum() } else { 0.0 };
+        let courses = turns + motion.effort().switches as f64;
+        self.marks.push(Mark { time: motion.time(), growth: self.growth, courses });
     }
 
     fn normalise(&mut self) {
@@ -95,17 +118,17 @@ impl<const N: usize, const FREE: usize> Separation<N, FREE> {
     /// window; none where it could not be measured: a switch was met by grazing, or the window was
     /// too short.
     pub(super) fn exponent(&self) -> Option<LyapunovExponent> {
-        let ((first, _), (last, growth)) = (*self.marks.first()?, *self.marks.last()?);
-        if self.variation.grazed || !growth.is_finite() || self.marks.len() <= BATCHES / 2 {
+        let (first, last) = (self.marks.first()?, self.marks.last()?);
+        if self.variation.grazed || !last.growth.is_finite() || self.marks.len() <= BATCHES / 2 {
             return None;
         }
         let rates: Vec<f64> = self
             .marks
             .windows(2)
-            .map(|pair| (pair[1].1 - pair[0].1) / (pair[1].0 - pair[0].0))
+            .map(|pair| (pair[1].growth - pair[0].growth) / (pair[1].time - pair[0].time))
             .collect();
-        let window = last - first;
-        let exponent = growth / window;
+        let window = last.time - first.time;
+        let exponent = last.growth / window;
         let count = rates.len() as f64;
         let variance = rates.iter().map(|rate| (rate - exponent) * (rate - exponent)).sum::<f64>()
             / (count - 1.0);
@@ -120,8 +143,9 @@ impl<const N: usize, const FREE: usize> Separation<N, FREE> {
     /// Whether neighbours separate exponentially, beyond doubt.
     pub(super) fn is_irregular(&self) -> bool {
         let Some(exponent) = self.exponent() else { return false };
-        let half = &self.marks[self.marks.len() / 2];
-        let separated = self.growth - half.1;
-        exponent.interval_1_s[0] > 0.0 && separated >= SEPARATED.ln()
+        let (half, last) = (self.marks[self.marks.len() / 2], self.marks[self.marks.len() - 1]);
+        exponent.interval_1_s[0] > 0.0
+            && last.growth - half.growth >= SEPARATED.ln()
+            && last.courses - half.courses >= COURSES
     }
 }

@@ -8,17 +8,16 @@
 //! | `equilibrium` | `creep` | all balls are slow and drift, ever slower, at the edge of the equilibrium set |
 //! | `equilibrium` | `settled` | without dry friction: an equilibrium is near, and it is stable by its eigenvalues |
 //! | `limit_cycle` | `closed_orbit` | the orbit closes modulo 2π, its multipliers lie inside the unit circle, resting balls keep a margin |
+//! | `irregular` | `lyapunov` | neighbouring motions separate exponentially, beyond the doubt of the estimate |
 //! | `undecided` | `unstable_orbit` | the orbit closes, but a multiplier lies outside the unit circle |
 //! | `undecided` | `end_time` | none of the above until the end time |
 //! | `failed` | the failure's kind | the motion could not be continued |
 //!
 //! A run with no such ending at its end time may be continued to a later one (`follow`).
-//!
-//! `irregular` (evidence `lyapunov`) is part of the vocabulary but not yet given: what shows no
-//! closed orbit stays `undecided`.
 
 mod balancer;
 mod block;
+mod block_cycle;
 mod certificate;
 mod closed_orbit;
 mod creep;

@@ -17,12 +17,18 @@ pub(super) struct Period<const N: usize> {
     pub(super) configurations: Vec<[Doing; N]>,
     /// Least and greatest speed of each ball.
     pub(super) speeds: [[f64; 2]; N],
+    /// Least and greatest angle of each ball.
+    pub(super) angles: [[f64; 2]; N],
     /// Greatest displacement of the table.
     pub(super) peak: f64,
     /// Integral over time of its square.
     pub(super) square_time: f64,
     /// The least part of the friction limit that is left to a resting ball.
     pub(super) margin: f64,
+}
+
+fn widen([low, high]: &mut [f64; 2], value: f64) {
+    (*low, *high) = (low.min(value), high.max(value));
 }
 
 fn square<const N: usize>(state: &State<N>) -> f64 {
@@ -42,6 +48,7 @@ impl<const N: usize> Period<N> {
             state: *start,
             configurations: vec![doings(&section.phases, start)],
             speeds: start.beta_dot.map(|speed| [speed; 2]),
+            angles: start.beta.map(|angle| [angle.rem_euclid(std::f64::consts::TAU); 2]),
             peak: square(start).sqrt(),
             square_time: 0.0,
             margin: f64::INFINITY,
@@ -76,8 +83,16 @@ impl<const N: usize> Period<N> {
                 motion.falls_through_zero(acceleration).map(|(_, state)| state.beta_dot[ball])
             });
             for speed in turns.into_iter().flatten().chain([state.beta_dot[ball]]) {
-                let [low, high] = &mut self.speeds[ball];
-                (*low, *high) = (low.min(speed), high.max(speed));
+                widen(&mut self.speeds[ball], speed);
+            }
+            // It turns back where it stops, mostly at a switch and with it at the step's end.
+            let stops = [1.0, -1.0].map(|sign| {
+                let stop = motion.falls_through_zero(|state| sign * state.beta_dot[ball]);
+                stop.map(|(_, state)| state.beta[ball])
+            });
+            let whole_turns = motion.unwrapped_angle(ball) - motion.state().beta[ball];
+            for angle in stops.into_iter().flatten().chain([state.beta[ball]]) {
+                widen(&mut self.angles[ball], angle + whole_turns);
             }
         }
         if self.rests.contains(&true) {

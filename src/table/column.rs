@@ -6,8 +6,8 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use arrow::array::{
-    ArrayRef, BooleanArray, Float64Array, RecordBatch, StringArray, StringDictionaryBuilder,
-    UInt8Array, UInt64Array,
+    ArrayRef, BooleanArray, Float64Array, Float64Builder, Int32Array, ListBuilder, RecordBatch,
+    StringArray, StringDictionaryBuilder, UInt8Array, UInt64Array,
 };
 use arrow::datatypes::{DataType, Field, Int32Type, Schema};
 use arrow::error::ArrowError;
@@ -70,6 +70,36 @@ impl<R> Column<R> {
             Arc::new(rows.iter().map(&value).collect::<UInt8Array>())
         };
         Self::new(name, DataType::UInt8, "", meaning, Box::new(build))
+    }
+
+    /// A column of whole numbers with sign.
+    pub fn integer(
+        name: &str,
+        meaning: &str,
+        value: impl Fn(&R) -> Option<i32> + Send + Sync + 'static,
+    ) -> Self {
+        let build = move |rows: &[R]| -> ArrayRef {
+            Arc::new(rows.iter().map(&value).collect::<Int32Array>())
+        };
+        Self::new(name, DataType::Int32, "", meaning, Box::new(build))
+    }
+
+    /// A column of lists of numbers.
+    pub fn numbers(
+        name: &str,
+        unit: &str,
+        meaning: &str,
+        value: impl Fn(&R) -> Option<Vec<f64>> + Send + Sync + 'static,
+    ) -> Self {
+        let build = move |rows: &[R]| -> ArrayRef {
+            let mut lists = ListBuilder::new(Float64Builder::new());
+            for row in rows {
+                lists.append_option(value(row).map(|numbers| numbers.into_iter().map(Some)));
+            }
+            Arc::new(lists.finish())
+        };
+        let kind = DataType::new_list(DataType::Float64, true);
+        Self::new(name, kind, unit, meaning, Box::new(build))
     }
 
     /// A column of yes or no.

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
+use super::cycles::{CycleRow, cycle_columns};
 use super::equilibria::{EquilibriumRow, equilibrium_columns};
 use super::manifest::{FileEntry, Manifest, write_atomically};
 use super::points::{PointRow, point_columns};
@@ -140,6 +141,7 @@ pub struct Results {
     runs: TableWriter<RunRecord>,
     points: TableWriter<PointRow>,
     rest: TableWriter<RestRow>,
+    cycles: TableWriter<CycleRow>,
     equilibria: TableWriter<EquilibriumRow>,
     counts: LabelCounts,
 }
@@ -147,6 +149,7 @@ pub struct Results {
 const RUNS: &str = "runs.parquet";
 const POINTS: &str = "points.parquet";
 const REST: &str = "rest.parquet";
+const CYCLES: &str = "cycles.parquet";
 const EQUILIBRIA: &str = "equilibria.parquet";
 const STUDY: &str = "study.yaml";
 
@@ -175,6 +178,11 @@ impl Results {
                 &directory.join(REST),
                 rest_columns(study),
                 &provenance(study, "rest"),
+            )?,
+            cycles: TableWriter::create(
+                &directory.join(CYCLES),
+                cycle_columns(study),
+                &provenance(study, "cycles"),
             )?,
             equilibria: TableWriter::create(
                 &directory.join(EQUILIBRIA),
@@ -206,6 +214,9 @@ impl Results {
         for step in detail.rest {
             self.rest.push(RestRow::new(&point, step))?;
         }
+        for group in detail.cycles {
+            self.cycles.push(CycleRow::new(&point, group))?;
+        }
         Ok(self.points.push(point)?)
     }
 
@@ -222,6 +233,7 @@ impl Results {
             (RUNS, Some(self.runs.finish()?)),
             (POINTS, Some(self.points.finish()?)),
             (REST, Some(self.rest.finish()?)),
+            (CYCLES, Some(self.cycles.finish()?)),
             (EQUILIBRIA, Some(self.equilibria.finish()?)),
             (STUDY, None),
         ];

@@ -1,7 +1,10 @@
 //! `runs.parquet`: one row per run, failures included. And the columns of planned cases.
 
 use super::column::{Column, NON_DIMENSIONAL};
+use super::cycles::class_meaning;
 use super::record::RunRecord;
+use crate::analysis::CycleClass;
+use crate::ending::LyapunovExponent;
 use crate::model::Coordinate;
 use crate::study::{ParameterKind, ParameterValue, PlannedRun, Study, VariedParameter};
 
@@ -144,6 +147,7 @@ pub fn run_columns(study: &Study) -> Vec<Column<RunRecord>> {
             row.outcome.period_s
         }),
     ]);
+    columns.extend(cycle_columns(study));
     for ball in 0..study.model().balls() {
         columns.push(Column::number(
             &format!("ball_speed_{}_rad_s", ball + 1),
@@ -152,6 +156,9 @@ pub fn run_columns(study: &Study) -> Vec<Column<RunRecord>> {
              time; 0 at rest",
             move |row: &RunRecord| row.outcome.mean_speed.as_ref()?.get(ball).copied(),
         ));
+    }
+    if study.model().balls() > 0 {
+        columns.extend(lyapunov_columns());
     }
     columns.extend([
         Column::count("steps", "accepted integration steps", |row: &RunRecord| {
@@ -170,6 +177,66 @@ pub fn run_columns(study: &Study) -> Vec<Column<RunRecord>> {
         }),
     ]);
     columns
+}
+
+/// How fast neighbouring motions separate.
+fn lyapunov_columns() -> [Column<RunRecord>; 4] {
+    let column = |name: &str, unit: &str, meaning: &str, value: fn(&LyapunovExponent) -> f64| {
+        Column::number(name, unit, meaning, move |row: &RunRecord| {
+            row.outcome.lyapunov.as_ref().map(value)
+        })
+    };
+    [
+        column(
+            "lyapunov_1_s",
+            "1/s",
+            "largest finite-time Lyapunov exponent over the window, of runs still moving at the end \
+             time: the mean rate at which neighbouring motions separate",
+            |exponent| exponent.exponent_1_s,
+        ),
+        column(
+            "lyapunov_low_1_s",
+            "1/s",
+            "lower end of its 95 % interval (Student, from ten parts of the window)",
+            |exponent| exponent.interval_1_s[0],
+        ),
+        column("lyapunov_high_1_s", "1/s", "upper end of its 95 % interval", |exponent| {
+            exponent.interval_1_s[1]
+        }),
+        column(
+            "lyapunov_window_s",
+            "s",
+            "length of the window, at the end of the run",
+            |exponent| exponent.window_s,
+        ),
+    ]
+}
+
+/// What limit cycle it is.
+fn cycle_columns(study: &Study) -> [Column<RunRecord>; 3] {
+    [
+        Column::text(
+            "cycle_class",
+            &class_meaning(study.model().balls()),
+            |RunRecord { planned, outcome }: &RunRecord| {
+                let case = planned.case.as_ref().ok()?;
+                Some(CycleClass::of(&case.model, outcome)?.name)
+            },
+        ),
+        Column::number(
+            "largest_multiplier",
+            "1",
+            "largest modulus of the Floquet multipliers off the neutral directions, of the limit cycle \
+             or of the unstable orbit that the run is near",
+            |row: &RunRecord| row.outcome.cycle.as_ref()?.multipliers.first().copied(),
+        ),
+        Column::small_count(
+            "neutral_directions",
+            "dimension of the continuous family that the limit cycle belongs to: resting balls may \
+             rest elsewhere",
+            |row: &RunRecord| Some(row.outcome.cycle.as_ref()?.neutral_directions),
+        ),
+    ]
 }
 
 fn amplitude_meaning(study: &Study) -> &'static str {

@@ -1,5 +1,8 @@
-//! Equilibrium sets and equilibria without friction against closed forms and the thesis.
+//! Equilibrium sets and equilibria without friction against closed forms and the thesis; classes of
+//! limit cycles.
 
+mod cycle_classes;
+mod cycle_groups;
 mod frictionless;
 mod linearised;
 mod sets;

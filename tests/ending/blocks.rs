@@ -1,6 +1,6 @@
 //! Blocks on springs: where and when they stop, their cycles, and when nothing is claimed.
 
-use stickslip::ending::{Evidence, Label, Outcome, simulate};
+use stickslip::ending::{Doing, Evidence, Label, Outcome, simulate};
 use stickslip::model::{Block, Case, FrictionLaw, Ground, Method, Simulation, Start};
 
 const METHODS: [Method; 2] = [Method::Event, Method::Switch];
@@ -116,6 +116,16 @@ fn a_block_on_a_belt_has_the_cycle_of_the_closed_form() {
                 near(outcome.amplitude_m, exact.amplitude_m, 1e-9);
                 near(position(&outcome), exact.break_away_m, 1e-8);
                 assert_eq!(outcome.time_to_rest_s, None);
+                let cycle = outcome.cycle.as_ref().expect("known");
+                assert_eq!(cycle.configurations, [[Doing::Backward], [Doing::Stick]]);
+                // It swings back through where the spring balances kinetic friction.
+                let natural = block.natural_frequency_rad_s();
+                let [[least, greatest]] = cycle.speed_extremes[..] else { panic!("one contact") };
+                near(Some(least), -speed_m_s - natural * exact.amplitude_m, 1e-7);
+                near(Some(greatest), 0.0, 1e-7);
+                near(Some(cycle.peak_amplitude_m), exact.amplitude_m, 1e-9);
+                assert_eq!((&cycle.turns, &cycle.multipliers), (&vec![0], &vec![0.0]));
+                assert_eq!(cycle.neutral_directions, 0);
                 // It is known after two break-aways, long before the end time.
                 assert!(outcome.end_time_s.expect("known") < 3.0 * exact.period_s + 10.0);
             }

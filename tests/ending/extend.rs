@@ -38,7 +38,8 @@ impl Ways {
     #[track_caller]
     fn continued(&self) -> bool {
         let continued = self.extended.extended;
-        assert_eq!(continued, self.short.label() == Label::Undecided);
+        let goes_on = [Label::Undecided, Label::Irregular].contains(&self.short.label());
+        assert_eq!(continued, goes_on);
         same(&self.extended, if continued { &self.long } else { &self.short });
         continued
     }

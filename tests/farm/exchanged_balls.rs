@@ -40,6 +40,11 @@ const OF_ONE_BALL: [&str; 8] = [
     "ball_speed_2_rad_s",
 ];
 
+/// A class of limit cycles with its balls in the opposite order.
+fn reversed(class: &str) -> String {
+    class.rsplit('|').collect::<Vec<_>>().join("|")
+}
+
 fn exchanged_gives_exchanged(sweep: &str, rest: &str, exchanged_rest: &str) {
     let starts = starts();
     let exchanged =
@@ -55,9 +60,15 @@ fn exchanged_gives_exchanged(sweep: &str, rest: &str, exchanged_rest: &str) {
         assert_eq!(exact(numbers(&one, first)), exact(numbers(&other, second)), "{first}");
         assert_eq!(exact(numbers(&one, second)), exact(numbers(&other, first)), "{second}");
     }
+    // Balls that are alike have no order in a class; others have changed places there, too.
+    let alike = rest == exchanged_rest;
+    let classes = |table| words(table, "cycle_class").into_iter();
+    let exchanged_class = |class: String| if alike { class } else { reversed(&class) };
+    assert!(classes(&one).eq(classes(&other).map(|class| class.map(exchanged_class))));
     // All other columns are equal: label, evidence, times, amplitude, steps, switches.
+    let apart = [&OF_ONE_BALL[..], &["cycle_class"]].concat();
     for index in 0..one.num_rows() {
-        assert_eq!(row(&one, index, &OF_ONE_BALL), row(&other, index, &OF_ONE_BALL), "run {index}");
+        assert_eq!(row(&one, index, &apart), row(&other, index, &apart), "run {index}");
     }
     let labels = words(&one, "label");
     let at_rest = labels.iter().filter(|label| label.as_deref() == Some("equilibrium")).count();

@@ -41,6 +41,15 @@ fn for_any_number_of_threads_and_any_chunk() {
     );
 }
 
+/// Limit cycles, every run on the same one.
+#[test]
+fn for_limit_cycles() {
+    let model = "model: {kind: block_on_belt, friction: {stribeck: {static_friction_coefficient: \
+                 0.2, stribeck_speed_m_s: 0}}}\nsweep: [{grid: {belt_speed_m_s: [0.1, 0.2]}}]\n";
+    let text = study_text("a", "{monte_carlo: {samples: 700}}", 20.0, model);
+    same_bytes(&text, 0, &["--threads 1", "--threads 7 --chunk 5", "--threads 2 --chunk 333"]);
+}
+
 /// Some runs fail at once: with Newton's normal force a ball would leave the ring. More rows than are written at a time (4096) and than one row group has (32768).
 #[test]
 fn for_tables_of_many_blocks() {

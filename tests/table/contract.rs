@@ -8,7 +8,7 @@ use arrow::datatypes::DataType;
 
 use crate::cli::support::{AT_ONCE, Scratch, counts, numbers, study_text, words};
 
-fn results(text: &str) -> Scratch {
+pub fn results(text: &str) -> Scratch {
     let scratch = Scratch::new();
     scratch.write("a.yaml", text);
     scratch.well("run a.yaml --out out");
@@ -23,13 +23,15 @@ fn study() -> String {
     study_text("a", "{monte_carlo: {samples: 5}}", AT_ONCE, REST)
 }
 
-/// Name, type and unit of every column; `n` is a number, `c` a count, `s` a small count, `b` yes
-/// or no, `w` a word out of a few, `t` text.
-fn columns(table: &RecordBatch) -> Vec<String> {
+/// Name, type and unit of every column; `n` is a number, `l` a list of them, `c` a count, `s` a small
+/// count, `i` a whole number with sign, `b` yes or no, `w` a word out of a few, `t` text.
+pub fn columns(table: &RecordBatch) -> Vec<String> {
     let schema = table.schema();
     let describe = |field: &arrow::datatypes::FieldRef| {
         let kind = match field.data_type() {
             DataType::Float64 => "n",
+            DataType::List(item) if *item.data_type() == DataType::Float64 => "l",
+            DataType::Int32 => "i",
             DataType::UInt64 => "c",
             DataType::UInt8 => "s",
             DataType::Boolean => "b",
@@ -40,7 +42,7 @@ fn columns(table: &RecordBatch) -> Vec<String> {
         let unit = field.metadata().get("unit").map_or("-", String::as_str);
         let meaning = field.metadata().get("meaning").map_or("", String::as_str);
         assert!(meaning.len() > 5, "{} has no meaning", field.name());
-        assert_eq!(kind == "n", unit != "-", "{} has the unit {unit}", field.name());
+        assert_eq!("nl".contains(kind), unit != "-", "{} has the unit {unit}", field.name());
         format!("{} {kind} {unit}", field.name())
     };
     schema.fields().iter().map(describe).collect()
@@ -81,8 +83,15 @@ fn runs() {
             "amplitude_m n m",
             "friction_margin n 1",
             "period_s n s",
+            "cycle_class t -",
+            "largest_multiplier n 1",
+            "neutral_directions s -",
             "ball_speed_1_rad_s n rad/s",
             "ball_speed_2_rad_s n rad/s",
+            "lyapunov_1_s n 1/s",
+            "lyapunov_low_1_s n 1/s",
+            "lyapunov_high_1_s n 1/s",
+            "lyapunov_window_s n s",
             "steps c -",
             "rejected_steps c -",
             "switches c -",

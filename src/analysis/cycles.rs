@@ -1,0 +1,239 @@
+//! The limit cycles of one point of the sweep, class by class: how many runs end there, with what
+//! period, speeds, amplitude and multipliers, and where balls that do not go round rest or
+//! swing.
+
+use std::cmp::Ordering;
+use std::collections::BTreeMap;
+use std::f64::consts::TAU;
+
+use super::arc::AngleSet;
+use super::cycle_class::{CycleClass, Role, speeds_in_sense};
+use super::interval::{Z_95, wilson_with_failures};
+use super::point_summary::{LabelCounts, Observed};
+use super::spread::Spread;
+use crate::ending::{Label, Outcome};
+use crate::model::Model;
+
+/// Most classes of a point that are kept apart; the others are counted together.
+const MOST_CLASSES: usize = 1000;
+
+/// A number over the runs of a class.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CycleRange {
+    /// Median of a period, mean of an amplitude.
+    pub middle: f64,
+    /// The least.
+    pub least: f64,
+    /// The greatest.
+    pub greatest: f64,
+}
+
+/// What the ball in one place of a class does, over the class's runs, or the block.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CycleRole {
+    /// What makes the class.
+    pub role: Role,
+    /// Mean speed relative to the ring in the median period, rad/s, counted in the disc's sense; 0
+    /// of a block.
+    pub mean_speed: f64,
+    /// Least and greatest speed relative to the ring, rad/s, in the disc's sense, or to the belt,
+    /// m/s.
+    pub speed_extremes: [f64; 2],
+    /// Of a ball that does not go round, where the shortest arc that holds all its angles begins and
+    /// ends, rad, in [0, 2π): through 0 where it begins above its end.
+    pub stays_between: Option<[f64; 2]>,
+}
+
+/// The runs of a point whose limit cycles are of one class.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CycleGroup {
+    /// The class as text, [`CycleClass::UNKNOWN`] or [`CycleGroup::OTHER`].
+    pub class: String,
+    /// Runs in it.
+    pub runs: u64,
+    /// Their share of all runs of the point.
+    pub share: f64,
+    /// Its 95 % interval (Wilson; failures widen it).
+    pub interval: (f64, f64),
+    /// The period, s: its median and its range.
+    pub period_s: Option<CycleRange>,
+    /// The amplitude, m, of the table root mean square, of a block half of its way: its mean and
+    /// its range.
+    pub amplitude_m: Option<CycleRange>,
+    /// The greatest displacement of the table in any run, m.
+    pub amplitude_peak_m: Option<f64>,
+    /// Moduli of the Floquet multipliers of the run that has the largest, descending.
+    pub multipliers: Option<Vec<f64>>,
+    /// In how many directions the cycles form a continuous family.
+    pub neutral_directions: Option<u8>,
+    /// The least part of the friction limit that is left to a resting ball in any run.
+    pub least_margin: Option<f64>,
+    /// What the ball in each place does; empty where that is unknown.
+    pub roles: Vec<CycleRole>,
+}
+
+impl CycleGroup {
+    /// Name under which the classes are counted together that are one too many.
+    pub const OTHER: &'static str = "other";
+
+    /// How many balls go round the ring; none where that is unknown.
+    pub fn balls_running(&self) -> Option<u8> {
+        let running = self.roles.iter().filter(|role| role.role.turns != 0).count();
+        u8::try_from(running).ok().filter(|_| !self.roles.is_empty())
+    }
+
+    /// The largest multiplier in any run; none where there is none off the neutral directions.
+    pub fn largest_multiplier(&self) -> Option<f64> {
+        self.multipliers.as_ref()?.first().copied()
+    }
+}
+
+/// Collects the limit cycles of one point.
+///
+/// Of more than 1000 classes, those with the shortest and then the first names are kept, so that
+/// which ones are does not depend on the order of runs.
+#[derive(Clone, Debug, Default)]
+pub(super) struct CycleClasses {
+    /// By length of the name, and name.
+    kept: BTreeMap<(usize, String), Collected>,
+    other: u64,
+}
+
+/// The runs of one class.
+#[derive(Clone, Debug, Default)]
+struct Collected {
+    runs: u64,
+    period: Spread,
+    amplitude: Spread,
+    amplitude_peak: Option<f64>,
+    multipliers: Option<Vec<f64>>,
+    neutral_directions: Option<u8>,
+    least_margin: Option<f64>,
+    places: Vec<Place>,
+}
+
+/// One place of a class.
+#[derive(Clone, Debug)]
+struct Place {
+    role: Role,
+    speed_extremes: Option<[f64; 2]>,
+    stays: AngleSet,
+}
+
+impl CycleClasses {
+    /// Takes in one run; one that is not on a limit cycle is left out.
+    pub(super) fn add(&mut self, run: Observed<'_>) {
+        let Some(case) = run.case else { return };
+        let Some(class) = CycleClass::of(&case.model, run.outcome) else { return };
+        self.add_to_class(&case.model, class, run.outcome);
+    }
+
+    fn add_to_class(&mut self, model: &Model, class: CycleClass, outcome: &Outcome) {
+        let key = (class.name.len(), class.name.clone());
+        self.kept.entry(key).or_default().add(model, class, outcome);
+        if self.kept.len() > MOST_CLASSES
+            && let Some((_, last)) = self.kept.pop_last()
+        {
+            self.other += last.runs;
+        }
+    }
+
+    /// The classes: those with the most runs first, then by name; what is unknown or one too many
+    /// last. `counts` are all runs of the point.
+    pub(super) fn groups(&self, counts: &LabelCounts) -> Vec<CycleGroup> {
+        let share = |runs: u64| {
+            let (failures, total) = (counts.of(Label::Failed), counts.total());
+            let share = if total == 0 { 0.0 } else { runs as f64 / total as f64 };
+            (share, wilson_with_failures(runs, failures, total, Z_95))
+        };
+        let other = Collected { runs: self.other, ..Collected::default() };
+        let other = (self.other > 0).then_some((CycleGroup::OTHER, &other));
+        let kept = self.kept.iter().map(|((_, name), collected)| (name.as_str(), collected));
+        let mut groups: Vec<CycleGroup> = kept
+            .chain(other)
+            .map(|(name, collected)| collected.group(name, share(collected.runs)))
+            .collect();
+        let last = |group: &CycleGroup| match group.class.as_str() {
+            CycleGroup::OTHER => 2,
+            CycleClass::UNKNOWN => 1,
+            _ => 0,
+        };
+        groups.sort_by(|a, b| {
+            let order = last(a).cmp(&last(b)).then(b.runs.cmp(&a.runs));
+            order.then_with(|| a.class.cmp(&b.class))
+        });
+        groups
+    }
+}
+
+impl Collected {
+    fn add(&mut self, model: &Model, class: CycleClass, outcome: &Outcome) {
+        self.runs += 1;
+        outcome.period_s.into_iter().for_each(|period| self.period.add(period));
+        outcome.amplitude_m.into_iter().for_each(|amplitude| self.amplitude.add(amplitude));
+        self.least_margin = [self.least_margin, outcome.friction_margin]
+            .into_iter()
+            .flatten()
+            .min_by(f64::total_cmp);
+        let Some(cycle) = &outcome.cycle else { return };
+        let peaks = self.amplitude_peak.into_iter().chain([cycle.peak_amplitude_m]);
+        self.amplitude_peak = peaks.max_by(f64::total_cmp);
+        self.neutral_directions = self.neutral_directions.max(Some(cycle.neutral_directions));
+        let largest = self.multipliers.get_or_insert_default();
+        if compare(&cycle.multipliers, largest) == Ordering::Greater {
+            largest.clone_from(&cycle.multipliers);
+        }
+        if self.places.is_empty() {
+            let place = |role| Place { role, speed_extremes: None, stays: AngleSet::default() };
+            self.places = class.roles.into_iter().map(place).collect();
+        }
+        for (place, ball) in self.places.iter_mut().zip(class.balls) {
+            let angles = cycle.angle_extremes.get(ball).copied().flatten();
+            angles.into_iter().flatten().for_each(|angle| place.stays.add(angle));
+            if let Some(&extremes) = cycle.speed_extremes.get(ball) {
+                let [least, greatest] = speeds_in_sense(model, extremes);
+                let [low, high] = place.speed_extremes.get_or_insert([least, greatest]);
+                *low = low.min(least);
+                *high = high.max(greatest);
+            }
+        }
+    }
+
+    fn group(&self, name: &str, (share, interval): (f64, (f64, f64))) -> CycleGroup {
+        let range = |middle: Option<f64>, spread: &Spread| {
+            let [least, greatest] = spread.ends()?;
+            Some(CycleRange { middle: middle?, least, greatest })
+        };
+        let period_s = range(self.period.median(), &self.period);
+        let role = |place: &Place| CycleRole {
+            role: place.role.clone(),
+            mean_speed: match period_s {
+                Some(period) if place.role.turns != 0 => {
+                    TAU * f64::from(place.role.turns) / period.middle
+                }
+                _ => 0.0,
+            },
+            speed_extremes: place.speed_extremes.unwrap_or_default(),
+            stays_between: place.stays.shortest_arc(),
+        };
+        CycleGroup {
+            class: name.to_owned(),
+            runs: self.runs,
+            share,
+            interval,
+            period_s,
+            amplitude_m: range(self.amplitude.mean(), &self.amplitude),
+            amplitude_peak_m: self.amplitude_peak,
+            multipliers: self.multipliers.clone(),
+            neutral_directions: self.neutral_directions,
+            least_margin: self.least_margin,
+            roles: self.places.iter().map(role).collect(),
+        }
+    }
+}
+
+/// Compares the first two numbers that differ; of none, the longer list is greater.
+fn compare(a: &[f64], b: &[f64]) -> Ordering {
+    let numbers = a.iter().zip(b).fold(Ordering::Equal, |order, (a, b)| order.then(a.total_cmp(b)));
+    numbers.then(a.len().cmp(&b.len()))
+}

@@ -1,0 +1,62 @@
+//! What a block on a belt does from one break-away to the next: one period of its limit cycle.
+//!
+//! The state at break-away is the same each time, so that nothing of a disturbance is left after
+//! one period: the only multiplier off the direction of the motion itself is 0, and no direction is
+//! neutral.
+
+use super::cycle::{Cycle, Doing};
+use crate::model::{Slider, SliderState};
+use crate::motion::{Motion, Phase, derivative};
+
+/// What a block has done since it broke away.
+#[derive(Clone, Debug, Default)]
+pub(super) struct BlockCourse {
+    /// One after another, neighbours differ.
+    doings: Vec<Doing>,
+    /// Least and greatest speed relative to the belt, non-dimensional; 0 at break-away.
+    speeds: [f64; 2],
+}
+
+impl BlockCourse {
+    /// Takes in the motion's latest step, in which the block was in this phase.
+    pub(super) fn extend(
+        &mut self,
+        slider: &Slider,
+        motion: &mut Motion<Slider, 1, 0>,
+        in_step: Phase,
+    ) {
+        let speed = motion.state().beta_dot[0];
+        let doing = Doing::of(in_step, speed);
+        if self.doings.last() != Some(&doing) {
+            self.doings.push(doing);
+        }
+        if doing == Doing::Stick {
+            return;
+        }
+        // It is fastest where its acceleration passes through zero, or at the end of the step.
+        let fastest = [1.0, -1.0].map(|direction| {
+            let acceleration =
+                |state: &SliderState| direction * derivative(slider, &[in_step], state).beta_dot[0];
+            motion.falls_through_zero(acceleration).map(|(_, state)| state.beta_dot[0])
+        });
+        let [low, high] = &mut self.speeds;
+        for speed in fastest.into_iter().flatten().chain([speed]) {
+            *low = low.min(speed);
+            *high = high.max(speed);
+        }
+    }
+
+    /// The cycle that the block has gone round, for the speed that counts as 1 and half of the way
+    /// between its extreme positions.
+    pub(super) fn cycle(&self, unit_speed_m_s: f64, amplitude_m: f64) -> Cycle {
+        Cycle {
+            turns: vec![0],
+            configurations: self.doings.iter().map(|&doing| vec![doing]).collect(),
+            speed_extremes: vec![self.speeds.map(|speed| speed * unit_speed_m_s)],
+            angle_extremes: vec![None],
+            peak_amplitude_m: amplitude_m,
+            multipliers: vec![0.0],
+            neutral_directions: 0,
+        }
+    }
+}

@@ -1,0 +1,405 @@
+//! Classes of limit cycles: what makes no difference is folded, and nothing else.
+
+use proptest::prelude::*;
+use stickslip::analysis::{CycleClass, Role, groups_of_alike};
+use stickslip::ending::{Cycle, Doing, Evidence, Outcome};
+use stickslip::model::{Balancer, Ball, Block, Machine, Model, State};
+use stickslip::motion::{Phase, derivative};
+
+/// A ball's part in a random cycle.
+#[derive(Clone, Debug)]
+struct Part {
+    kind: u8,
+    turns: i32,
+    letters: Vec<Doing>,
+    angle: f64,
+}
+
+/// A machine and a cycle on it.
+#[derive(Clone, Debug)]
+pub struct Sample {
+    pub machine: Machine,
+    pub cycle: Cycle,
+    pub angles: Vec<f64>,
+}
+
+impl Sample {
+    pub fn outcome(&self) -> Outcome {
+        Outcome {
+            position: Some(self.angles.clone()),
+            cycle: Some(Box::new(self.cycle.clone())),
+            ..Outcome::failed(Evidence::ClosedOrbit, String::new())
+        }
+    }
+
+    fn class(&self) -> CycleClass {
+        CycleClass::of(&self.machine.clone().into(), &self.outcome()).expect("a cycle")
+    }
+
+    /// The same motion with the balls in another order.
+    fn in_order(&self, order: &[usize]) -> Sample {
+        let mut other = self.clone();
+        for (place, &ball) in order.iter().enumerate() {
+            other.machine.balls[place] = self.machine.balls[ball];
+            other.cycle.turns[place] = self.cycle.turns[ball];
+            other.cycle.speed_extremes[place] = self.cycle.speed_extremes[ball];
+            other.angles[place] = self.angles[ball];
+            for (doings, before) in
+                other.cycle.configurations.iter_mut().zip(&self.cycle.configurations)
+            {
+                doings[place] = before[ball];
+            }
+        }
+        other
+    }
+
+    /// The mirror image, of the disc that turns the other way.
+    fn mirrored(&self) -> Sample {
+        let mut other = self.clone();
+        other.machine.speed_rad_s = -self.machine.speed_rad_s;
+        other.angles.iter_mut().for_each(|angle| *angle = std::f64::consts::TAU - *angle);
+        other.cycle.turns.iter_mut().for_each(|turns| *turns = -*turns);
+        for extremes in &mut other.cycle.speed_extremes {
+            *extremes = [-extremes[1], -extremes[0]];
+        }
+        for doing in other.cycle.configurations.iter_mut().flatten() {
+            *doing = match doing {
+                Doing::Stick => Doing::Stick,
+                Doing::Forward => Doing::Backward,
+                Doing::Backward => Doing::Forward,
+            };
+        }
+        other
+    }
+}
+
+fn doing() -> impl Strategy<Value = Doing> {
+    prop::sample::select(vec![Doing::Stick, Doing::Forward, Doing::Backward])
+}
+
+/// Balls of two kinds that rest, run, or switch; so few of each that equal classes are common.
+pub fn sample(most_balls: usize, most_letters: usize) -> impl Strategy<Value = Sample> {
+    let parts = (1..=most_balls, 1..=most_letters).prop_flat_map(|(balls, letters)| {
+        let switching = (Just(0), -1..=1, prop::collection::vec(doing(), letters));
+        let running = (Just(0), prop::sample::select(vec![-2, -1, 1]), doing());
+        let part = prop_oneof![
+            Just((0, 0, vec![Doing::Stick; letters])),
+            running.prop_map(move |(kind, turns, doing)| {
+                let doing = if doing == Doing::Stick { Doing::Forward } else { doing };
+                (kind, turns, vec![doing; letters])
+            }),
+            switching,
+        ];
+        prop::collection::vec((part, 0..2_u8, 0.0..6.0_f64), balls)
+    });
+    (parts, any::<bool>()).prop_map(|(parts, backwards)| {
+        let parts: Vec<Part> = parts
+            .into_iter()
+            .map(|((_, turns, letters), kind, angle)| Part { kind, turns, letters, angle })
+            .collect();
+        let ball = |kind: u8| Ball { mass_kg: 1e-4 * f64::from(1 + kind), ..Ball::default() };
+        let letters = parts[0].letters.len();
+        let configuration = |step| parts.iter().map(|part: &Part| part.letters[step]).collect();
+        Sample {
+            machine: Machine {
+                balls: parts.iter().map(|part| ball(part.kind)).collect(),
+                speed_rad_s: if backwards { -200.0 } else { 200.0 },
+                ..Machine::default()
+            },
+            cycle: Cycle {
+                turns: parts.iter().map(|part| part.turns).collect(),
+                configurations: (0..letters).map(configuration).collect(),
+                // Each ball's own, so that it can be found again.
+                speed_extremes: parts.iter().map(|part| [-part.angle, part.angle]).collect(),
+                angle_extremes: vec![None; parts.len()],
+                peak_amplitude_m: 1e-4,
+                multipliers: vec![0.5],
+                neutral_directions: 0,
+            },
+            angles: parts.iter().map(|part| part.angle).collect(),
+        }
+    })
+}
+
+/// All orders of the numbers below a count.
+fn orders(count: usize) -> Vec<Vec<usize>> {
+    if count == 0 {
+        return vec![Vec::new()];
+    }
+    let shorter = orders(count - 1);
+    let inserted = |order: &Vec<usize>| {
+        (0..count).map(|at| [&order[..at], &[count - 1], &order[at..]].concat()).collect::<Vec<_>>()
+    };
+    shorter.iter().flat_map(inserted).collect()
+}
+
+/// Orders in which every ball stands in a place of a ball that is alike.
+fn orders_of_alike(balls: &[Ball]) -> Vec<Vec<usize>> {
+    let mut orders = orders(balls.len());
+    orders.retain(|order| order.iter().enumerate().all(|(i, &ball)| balls[i] == balls[ball]));
+    orders
+}
+
+/// What the balls do, one after another in a circle, with each ball's doings kept as they are: of
+/// a ball that runs without stopping its direction is in its turns.
+fn circle(sample: &Sample) -> Vec<Vec<Option<Doing>>> {
+    let configurations = &sample.cycle.configurations;
+    let constant =
+        |ball: usize| configurations.iter().all(|doings| doings[ball] == configurations[0][ball]);
+    let shown = |doings: &Vec<Doing>| {
+        let of_ball = |(ball, &doing): (usize, &Doing)| {
+            (!constant(ball) || doing == Doing::Stick).then_some(doing)
+        };
+        doings.iter().enumerate().map(of_ball).collect::<Vec<_>>()
+    };
+    let steps: Vec<_> = configurations.iter().map(shown).collect();
+    let before = |step: usize| &steps[(step + steps.len() - 1) % steps.len()];
+    let changes: Vec<_> = (0..steps.len()).filter(|&step| steps[step] != *before(step)).collect();
+    if changes.is_empty() {
+        return steps[..1].to_vec();
+    }
+    changes.into_iter().map(|step| steps[step].clone()).collect()
+}
+
+/// Whether two samples' cycles are the same by brute force: some order of alike balls, some
+/// beginning and, for discs that turn differently, the mirror image make them equal.
+fn same(a: &Sample, b: &Sample) -> bool {
+    let b = if a.machine.speed_rad_s == b.machine.speed_rad_s { b.clone() } else { b.mirrored() };
+    if a.machine.balls != b.machine.balls {
+        return false;
+    }
+    let goal = circle(a);
+    orders_of_alike(&a.machine.balls).iter().any(|order| {
+        let b = b.in_order(order);
+        let mut found = circle(&b);
+        let begun = |_| {
+            found.rotate_left(1);
+            found == goal
+        };
+        // A ball that rests has no turns to count.
+        let turns = |sample: &Sample| -> Vec<Option<i32>> {
+            let turns = sample.cycle.turns.iter().enumerate();
+            turns.map(|(ball, &turns)| (!sample.cycle.rests(ball)).then_some(turns)).collect()
+        };
+        turns(a) == turns(&b) && (0..goal.len()).any(begun)
+    })
+}
+
+/// The parts of a class's text, as a program would read them.
+fn read(name: &str) -> Vec<Role> {
+    let letter = |letter: char| match letter {
+        'S' => Doing::Stick,
+        'F' => Doing::Forward,
+        'B' => Doing::Backward,
+        other => panic!("{other}"),
+    };
+    let part = |part: &str| {
+        if part == "rest" {
+            return Role { turns: 0, letters: Vec::new(), rests: true };
+        }
+        let (turns, letters) = part.split_once(':').unwrap_or((part, ""));
+        let turns = turns.parse().expect("a whole number");
+        Role { turns, letters: letters.chars().map(letter).collect(), rests: false }
+    };
+    name.split('|').map(part).collect()
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(512))]
+
+    /// The period begun elsewhere, also amid a phase; alike balls in another order; the mirror
+    /// image. And the class names the balls that take its places.
+    #[test]
+    fn what_makes_no_difference(
+        one in sample(4, 6),
+        (by, pick) in (0..6_usize, any::<prop::sample::Index>()),
+    ) {
+        let class = one.class();
+        let mut begun = one.clone();
+        let steps = begun.cycle.configurations.len();
+        begun.cycle.configurations.rotate_left(by % steps);
+        prop_assert_eq!(&begun.class(), &class);
+        let again = begun.cycle.configurations[0].clone();
+        begun.cycle.configurations.push(again);
+        prop_assert_eq!(&begun.class(), &class);
+        prop_assert_eq!(&one.mirrored().class().name, &class.name);
+        prop_assert_eq!(&one.mirrored().class().roles, &class.roles);
+
+        let all = orders_of_alike(&one.machine.balls);
+        let order = pick.get(&all);
+        let other = one.in_order(order).class();
+        prop_assert_eq!(&other.name, &class.name);
+        // The same balls in the same places, whatever their numbers.
+        let found: Vec<usize> = other.balls.iter().map(|&ball| order[ball]).collect();
+        prop_assert_eq!(&found, &class.balls);
+
+        prop_assert_eq!(&read(&class.name), &class.roles);
+        for (place, &ball) in class.balls.iter().enumerate() {
+            prop_assert_eq!(one.machine.balls[place], one.machine.balls[ball]);
+            prop_assert_eq!(class.roles[place].rests, one.cycle.rests(ball));
+        }
+        for group in groups_of_alike(&one.machine.balls) {
+            for pair in group.windows(2) {
+                let [first, second] = [pair[0], pair[1]].map(|place| &class.roles[place]);
+                prop_assert!(first.rests <= second.rests);
+                let both_move = !first.rests && !second.rests;
+                prop_assert!(!both_move || first.turns.abs() >= second.turns.abs());
+            }
+        }
+    }
+
+    /// Two cycles have one class where brute force finds them the same, and nowhere else.
+    #[test]
+    fn what_makes_a_difference(mut one in sample(2, 3), other in sample(2, 3)) {
+        prop_assume!(one.machine.balls.len() == other.machine.balls.len());
+        one.machine.balls.clone_from(&other.machine.balls);
+        prop_assert_eq!(
+            one.class().name == other.class().name,
+            same(&one, &other),
+            "{} {}", one.class().name, other.class().name
+        );
+    }
+}
+
+/// Random pairs are the same often enough for the property above to mean something.
+#[test]
+fn brute_force_finds_both() {
+    use proptest::strategy::ValueTree;
+    use proptest::test_runner::TestRunner;
+    let mut runner = TestRunner::deterministic();
+    let (mut equal, all) = (0, 2000);
+    for _ in 0..all {
+        let pair = (sample(2, 3), sample(2, 3)).new_tree(&mut runner).expect("a pair").current();
+        let (mut one, other) = pair;
+        if one.machine.balls.len() == other.machine.balls.len() {
+            one.machine.balls.clone_from(&other.machine.balls);
+            equal += usize::from(same(&one, &other));
+        }
+    }
+    assert!((50..1000).contains(&equal), "{equal}");
+}
+
+fn named(speed_rad_s: f64, alike: bool, balls: &[(i32, &[Doing])]) -> CycleClass {
+    let masses = [1.4e-4, if alike { 1.4e-4 } else { 2e-4 }];
+    let steps = balls.iter().map(|(_, doings)| doings.len()).max().expect("balls");
+    let at = |step: usize| balls.iter().map(|(_, doings)| doings[step % doings.len()]).collect();
+    Sample {
+        machine: Machine {
+            speed_rad_s,
+            balls: (0..balls.len())
+                .map(|ball| Ball { mass_kg: masses[ball.min(1)], ..Ball::default() })
+                .collect(),
+            ..Machine::default()
+        },
+        cycle: Cycle {
+            turns: balls.iter().map(|&(turns, _)| turns).collect(),
+            configurations: (0..steps).map(at).collect(),
+            speed_extremes: vec![[0.0; 2]; balls.len()],
+            angle_extremes: vec![None; balls.len()],
+            peak_amplitude_m: 0.0,
+            multipliers: Vec::new(),
+            neutral_directions: 0,
+        },
+        angles: (0..balls.len()).map(|ball| 3.0 - ball as f64).collect(),
+    }
+    .class()
+}
+
+#[test]
+fn classes_by_name() {
+    use Doing::{Backward as B, Forward as F, Stick as S};
+    let name = |speed, alike, balls: &[(i32, &[Doing])]| named(speed, alike, balls).name;
+    // At -247.3 rad/s a ball that goes round in the positive sense falls back.
+    assert_eq!(name(-247.3, true, &[(0, &[S]), (1, &[F])]), "-1|rest");
+    assert_eq!(name(247.3, true, &[(-1, &[B]), (0, &[S])]), "-1|rest");
+    assert_eq!(name(-247.3, false, &[(0, &[S]), (1, &[F])]), "rest|-1");
+    assert_eq!(name(247.3, true, &[(1, &[F]), (-1, &[B])]), "-1|1");
+    assert_eq!(name(247.3, true, &[(-1, &[B]), (-1, &[B])]), "-1|-1");
+    assert_eq!(name(247.3, true, &[(0, &[F, S, B, S]), (-1, &[B])]), "-1|0:SFSB");
+    // Whether one ball sticks while the other does is part of the class.
+    let together: [(i32, &[Doing]); 2] = [(0, &[S, F, B]), (0, &[S, F, B])];
+    let apart: [(i32, &[Doing]); 2] = [(0, &[S, F, B]), (0, &[F, B, S])];
+    assert_eq!(name(1.0, true, &together), "0:SFB|0:SFB");
+    assert_eq!(name(1.0, true, &apart), "0:SFB|0:FBS");
+    // Balls that rest stand in the order of their angles, 3, 2 and 1 rad.
+    let two_rest = named(247.3, true, &[(0, &[S]), (-1, &[B]), (0, &[S])]);
+    assert_eq!((two_rest.name.as_str(), two_rest.balls), ("-1|rest|rest", vec![1, 2, 0]));
+}
+
+/// Of all ways to change signs of x, y, angles and time, turn all angles by π, and exchange x and y,
+/// those that take solutions of the equations of motion to solutions: none but leaving all as it is
+/// at the same speed, and none but the mirror image at the opposite one.
+#[test]
+fn the_mirror_image_is_the_only_symmetry() {
+    let machine = |speed_rad_s| Machine { speed_rad_s, ..Machine::default() };
+    let at = |speed| Balancer::<2>::new(&machine(speed)).expect("two balls");
+    let state = State {
+        position: [0.01, -0.023],
+        velocity: [0.017, 0.029],
+        beta: [0.7, 2.9],
+        beta_dot: [0.4, -0.3],
+    };
+    let slips = |state: &State<2>| state.beta_dot.map(|speed| Phase::Slip(speed.signum()));
+    let moved =
+        |balancer: &Balancer<2>, state: &State<2>| derivative(balancer, &slips(state), state);
+    let before = moved(&at(-247.3), &state);
+    let signs = [1.0, -1.0];
+    let mut found = Vec::new();
+    for (other, exchange) in [(-247.3, false), (247.3, false), (-247.3, true), (247.3, true)] {
+        for (sign_x, sign_y) in signs.into_iter().flat_map(|x| signs.map(|y| (x, y))) {
+            for (sign, time) in signs.into_iter().flat_map(|beta| signs.map(|time| (beta, time))) {
+                for shift in [0.0, 0.5, 1.0, 1.5].map(|part| part * std::f64::consts::PI) {
+                    let plane = |[x, y]: [f64; 2]| {
+                        let [x, y] = if exchange { [y, x] } else { [x, y] };
+                        [sign_x * x, sign_y * y]
+                    };
+                    let image = State {
+                        position: plane(state.position),
+                        velocity: plane(state.velocity).map(|speed| time * speed),
+                        beta: state.beta.map(|angle| sign * angle + shift),
+                        beta_dot: state.beta_dot.map(|speed| time * sign * speed),
+                    };
+                    let after = moved(&at(other), &image);
+                    let expected =
+                        plane(before.velocity).into_iter().chain(before.beta_dot.map(|a| sign * a));
+                    let accelerations = after.velocity.into_iter().chain(after.beta_dot);
+                    if accelerations.zip(expected).all(|(a, b)| (a - b).abs() < 1e-9) {
+                        found.push((other, exchange, [sign_x, sign_y, sign, time], shift));
+                    }
+                }
+            }
+        }
+    }
+    let identity = (-247.3, false, [1.0; 4], 0.0);
+    let mirror = (247.3, false, [1.0, -1.0, -1.0, 1.0], 0.0);
+    assert_eq!(found, [identity, mirror]);
+}
+
+/// Runs without a claim have no class, a claim without a cycle or with another machine's `unknown`.
+#[test]
+fn unknown_and_none() {
+    let model: Model = Machine::default().into();
+    let bare = |evidence| Outcome::failed(evidence, String::new());
+    assert_eq!(CycleClass::of(&model, &bare(Evidence::UnstableOrbit)), None);
+    assert_eq!(CycleClass::of(&model, &bare(Evidence::RestCertified)), None);
+    let unknown = CycleClass::of(&model, &bare(Evidence::ClosedOrbit)).expect("a claim");
+    assert_eq!((unknown.name.as_str(), unknown.roles.len()), (CycleClass::UNKNOWN, 0));
+    let block = Block::on_belt();
+    let cycle = Cycle {
+        turns: vec![0],
+        configurations: vec![vec![Doing::Backward], vec![Doing::Stick]],
+        speed_extremes: vec![[-1.0, 0.0]],
+        angle_extremes: vec![None],
+        peak_amplitude_m: 0.0,
+        multipliers: vec![0.0],
+        neutral_directions: 0,
+    };
+    let outcome = Outcome {
+        position: Some(vec![0.0]),
+        cycle: Some(Box::new(cycle)),
+        ..bare(Evidence::ClosedOrbit)
+    };
+    let of = |model: &Model| CycleClass::of(model, &outcome).expect("a claim").name;
+    assert_eq!(of(&block.into()), "0:SB");
+    assert_eq!(of(&model), CycleClass::UNKNOWN);
+}

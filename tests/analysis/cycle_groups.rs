@@ -1,0 +1,161 @@
+//! The limit cycles of a point, collected from constructed outcomes.
+
+use std::f64::consts::TAU;
+
+use proptest::prelude::*;
+use stickslip::analysis::{CycleGroup, Observed, PointAccumulator, Z_95, wilson_with_failures};
+use stickslip::ending::{Cycle, Doing, Evidence, Outcome};
+use stickslip::model::{Case, Machine, Simulation, Start};
+
+use super::cycle_classes::sample;
+
+fn case(machine: Machine) -> Case {
+    let start = Start::of_balancer([0.0; 2], &[0.0; 2], [0.0; 2], &[0.0; 2]);
+    Case { model: machine.into(), start, simulation: Simulation::default() }
+}
+
+fn groups(runs: &[(Case, Outcome)]) -> Vec<CycleGroup> {
+    let mut point = PointAccumulator::default();
+    for (case, outcome) in runs {
+        point.add(Observed { cell: 0, case: Some(case), outcome });
+    }
+    point.detail([16.5; 2]).cycles
+}
+
+/// One ball falls back by some turns per period while the other rests at an angle, at -247.3 rad/s.
+fn falls_back(turns: i32, period_s: f64, rests_at: f64, second_rests: bool) -> (Case, Outcome) {
+    fn in_order<T>(second_rests: bool, runs: T, rests: T) -> Vec<T> {
+        if second_rests { vec![runs, rests] } else { vec![rests, runs] }
+    }
+    let cycle = Cycle {
+        turns: if second_rests { vec![turns, 0] } else { vec![0, turns] },
+        configurations: vec![if second_rests {
+            vec![Doing::Forward, Doing::Stick]
+        } else {
+            vec![Doing::Stick, Doing::Forward]
+        }],
+        speed_extremes: if second_rests {
+            vec![[60.0 + period_s, 80.0 + period_s], [0.0; 2]]
+        } else {
+            vec![[0.0; 2], [60.0 + period_s, 80.0 + period_s]]
+        },
+        angle_extremes: in_order(second_rests, None, Some([rests_at; 2])),
+        peak_amplitude_m: 2.0 * period_s,
+        multipliers: vec![period_s, 0.5 * period_s],
+        neutral_directions: 1,
+    };
+    let outcome = Outcome {
+        position: Some(in_order(second_rests, 1.0, rests_at)),
+        period_s: Some(period_s),
+        amplitude_m: Some(period_s),
+        friction_margin: Some(period_s),
+        end_time_s: Some(5.0),
+        cycle: Some(Box::new(cycle)),
+        ..Outcome::failed(Evidence::ClosedOrbit, String::new())
+    };
+    (case(Machine { speed_rad_s: -247.3, ..Machine::default() }), outcome)
+}
+
+#[test]
+fn a_class_in_numbers() {
+    let failed = Outcome::failed(Evidence::Panic, String::new());
+    let bare = Outcome::failed(Evidence::ClosedOrbit, String::new());
+    let any = case(Machine::default());
+    let runs = [
+        falls_back(1, 0.25, 6.0, true),
+        falls_back(1, 0.75, 0.5, false),
+        falls_back(1, 0.375, 0.25, true),
+        falls_back(2, 1.0, 3.0, true),
+        (any.clone(), bare),
+        (any, failed),
+    ];
+    let groups = groups(&runs);
+    let names: Vec<(&str, u64)> =
+        groups.iter().map(|group| (group.class.as_str(), group.runs)).collect();
+    assert_eq!(names, [("-1|rest", 3), ("-2|rest", 1), ("unknown", 1)]);
+    let first = &groups[0];
+    assert_eq!((first.share, first.interval), (0.5, wilson_with_failures(3, 1, 6, Z_95)));
+    let period = first.period_s.expect("known");
+    assert_eq!([period.middle, period.least, period.greatest], [0.375, 0.25, 0.75]);
+    let amplitude = first.amplitude_m.expect("known");
+    let mean = (0.25 + 0.375 + 0.75) / 3.0;
+    assert!((amplitude.middle - mean).abs() < 1e-15);
+    assert_eq!([amplitude.least, amplitude.greatest], [0.25, 0.75]);
+    assert_eq!(first.amplitude_peak_m, Some(1.5));
+    assert_eq!(first.multipliers, Some(vec![0.75, 0.375]));
+    assert_eq!(first.largest_multiplier(), Some(0.75));
+    assert_eq!((first.neutral_directions, first.balls_running()), (Some(1), Some(1)));
+    assert_eq!(first.least_margin, Some(0.25));
+    let [runs, rests] = &first.roles[..] else { panic!("{:?}", first.roles) };
+    // Counted in the disc's sense, which is the negative one.
+    assert_eq!((runs.role.turns, rests.role.turns), (-1, 0));
+    assert_eq!((runs.mean_speed, rests.mean_speed), (-TAU / 0.375, 0.0));
+    assert_eq!(runs.speed_extremes, [-80.75, -60.25]);
+    assert_eq!((runs.stays_between, rests.stays_between), (None, Some([6.0, 0.5])));
+    let unknown = &groups[2];
+    assert_eq!((unknown.balls_running(), unknown.largest_multiplier()), (None, None));
+}
+
+/// A thousand classes are kept apart, the rest is counted, and which ones are kept does not depend
+/// on the order of runs.
+#[test]
+fn no_more_than_a_thousand_classes() {
+    let mut runs: Vec<_> = (1..=1500).map(|turns| falls_back(turns, 0.1, 1.0, true)).collect();
+    let forwards = groups(&runs);
+    runs.reverse();
+    assert_eq!(forwards, groups(&runs));
+    assert_eq!(forwards.len(), 1001);
+    let last = forwards.last().expect("a thousand and one");
+    assert_eq!((last.class.as_str(), last.runs), (CycleGroup::OTHER, 500));
+    assert_eq!((last.period_s, last.roles.len()), (None, 0));
+    let kept: u64 = forwards[..1000].iter().map(|group| group.runs).sum();
+    assert_eq!(kept, 1000);
+    assert!(forwards.iter().any(|group| group.class == "-1000|rest"));
+}
+
+/// More runs than periods are kept apart: every tenth of a range, in any order.
+#[test]
+fn many_runs_of_a_class() {
+    let mut runs: Vec<_> = (0..5000)
+        .map(|i| {
+            let share = f64::from(i * 7 % 5000) / 4999.0;
+            falls_back(1, 0.0895 + 1e-6 * share, 5.0 + 2.0 * share, i % 3 == 0)
+        })
+        .collect();
+    let found = groups(&runs);
+    runs.reverse();
+    assert_eq!(found, groups(&runs));
+    let [group] = &found[..] else { panic!("{} classes", found.len()) };
+    let period = group.period_s.expect("known");
+    assert!((period.middle - 0.089_500_5).abs() < 1e-8, "{period:?}");
+    assert_eq!([period.least, period.greatest], [0.0895, 0.0895 + 1e-6]);
+    let [from, to] = group.roles[1].stays_between.expect("it rests");
+    assert!((from - 5.0).abs() < 1e-12 && (to - (7.0 - TAU)).abs() < 1e-12);
+}
+
+proptest! {
+    /// Whatever the runs, their order does not matter, and every run is counted once.
+    #[test]
+    fn order_of_runs_does_not_matter(
+        samples in prop::collection::vec((sample(2, 3), 0.1..0.2_f64), 1..40),
+        seed in prop::collection::vec(any::<u32>(), 40),
+    ) {
+        let mut runs: Vec<(Case, Outcome)> = samples
+            .iter()
+            .map(|(sample, period)| {
+                let outcome = Outcome {
+                    period_s: Some(*period),
+                    amplitude_m: Some(*period * 1e-3),
+                    ..sample.outcome()
+                };
+                (case(sample.machine.clone()), outcome)
+            })
+            .collect();
+        let found = groups(&runs);
+        let all: u64 = found.iter().map(|group| group.runs).sum();
+        prop_assert_eq!(all, runs.len() as u64);
+        let mut keys = seed.into_iter();
+        runs.sort_by_cached_key(|_| keys.next());
+        prop_assert_eq!(found, groups(&runs));
+    }
+}

@@ -1,0 +1,240 @@
+//! `cycles.parquet`: columns, the one cycle of a block on a belt, and constructed cycles of balls
+//! through the farm.
+
+use std::fs;
+use std::path::Path;
+use std::sync::atomic::AtomicBool;
+
+use arrow::array::{AsArray, RecordBatch};
+use arrow::datatypes::{Float64Type, Int32Type};
+use stickslip::analysis::PointDetail;
+use stickslip::ending::{Cycle, Doing, Evidence, Outcome};
+use stickslip::farm::{FarmOptions, Progress, Shard, Sink, farm};
+use stickslip::model::{Block, Case, FrictionLaw, Ground};
+use stickslip::study::Study;
+use stickslip::table::{Circumstances, PointRow, Results, ResultsError, RunRecord};
+
+use super::contract::{columns, results};
+use crate::cli::support::{
+    AT_ONCE, Scratch, column, counts, numbers, parse, study_text, table, words,
+};
+
+const OF_EVERY_MODEL: [&str; 7] = [
+    "runs c -",
+    "share n 1",
+    "ci_low n 1",
+    "ci_high n 1",
+    "period_s n s",
+    "period_low_s n s",
+    "period_high_s n s",
+];
+
+const OF_EVERY_CYCLE: [&str; 3] =
+    ["largest_multiplier n 1", "multipliers l 1", "neutral_directions s -"];
+
+#[test]
+fn columns_of_a_balancer() {
+    let sweep = "sweep: [{grid: {speed_rad_s: [-160.0]}}]\n";
+    let scratch = results(&study_text("a", "{monte_carlo: {samples: 2}}", AT_ONCE, sweep));
+    let ball = |i: usize| {
+        [
+            format!("turns_{i} i -"),
+            format!("mean_speed_{i}_rad_s n rad/s"),
+            format!("least_speed_{i}_rad_s n rad/s"),
+            format!("greatest_speed_{i}_rad_s n rad/s"),
+            format!("stays_from_{i}_rad n rad"),
+            format!("stays_to_{i}_rad n rad"),
+        ]
+    };
+    let mut expected =
+        ["point_id c -", "speed_rad_s n rad/s", "class t -", "balls_running s -"].to_vec();
+    expected.extend(OF_EVERY_MODEL);
+    let (first, second) = (ball(1), ball(2));
+    expected.extend(first.iter().chain(&second).map(String::as_str));
+    expected.extend([
+        "amplitude_rms_m n m",
+        "amplitude_rms_low_m n m",
+        "amplitude_rms_high_m n m",
+        "amplitude_peak_m n m",
+        "least_margin n 1",
+    ]);
+    expected.extend(OF_EVERY_CYCLE);
+    let cycles = scratch.table("out", "cycles");
+    assert_eq!(
+        (columns(&cycles), cycles.num_rows()),
+        (expected.iter().map(|name| (*name).to_owned()).collect(), 0)
+    );
+}
+
+/// One class at each belt speed, all runs on a limit cycle in it, and the period of the closed form.
+#[test]
+fn a_block_on_a_belt_has_one_cycle() {
+    let text = include_str!("../../studies/block-on-belt.yaml");
+    let scratch = results(text);
+    let cycles = scratch.table("out", "cycles");
+    let mut expected = ["point_id c -", "belt_speed_m_s n m/s", "class t -"].to_vec();
+    expected.extend(OF_EVERY_MODEL);
+    expected.extend([
+        "least_speed_m_s n m/s",
+        "greatest_speed_m_s n m/s",
+        "amplitude_m n m",
+        "amplitude_low_m n m",
+        "amplitude_high_m n m",
+    ]);
+    expected.extend(OF_EVERY_CYCLE);
+    assert_eq!(columns(&cycles), expected);
+    assert_eq!(counts(&cycles, "point_id"), [0, 1, 2, 3]);
+    assert_eq!(words(&cycles, "class"), vec![Some("0:SB".to_owned()); 4]);
+    let points = scratch.table("out", "points");
+    assert_eq!(counts(&cycles, "runs"), counts(&points, "limit_cycle_runs"));
+    assert!(counts(&cycles, "runs").iter().all(|&runs| runs >= 30));
+    let speeds = numbers(&cycles, "belt_speed_m_s");
+    let value = |name: &str, row: usize| numbers(&cycles, name)[row].expect("known");
+    for (row, speed_m_s) in speeds.into_iter().map(Option::unwrap).enumerate() {
+        let friction =
+            FrictionLaw::Stribeck { static_friction_coefficient: 0.2, stribeck_speed: 0.0 };
+        let block = Block { friction, ground: Ground::Belt { speed_m_s }, ..Block::on_belt() };
+        let exact = block.stick_slip_cycle().expect("it sticks and slips");
+        for name in ["period_s", "period_low_s", "period_high_s"] {
+            assert!((value(name, row) / exact.period_s - 1.0).abs() < 1e-6, "{name}");
+        }
+        for name in ["amplitude_m", "amplitude_low_m", "amplitude_high_m"] {
+            assert!((value(name, row) / exact.amplitude_m - 1.0).abs() < 1e-6, "{name}");
+        }
+        let fastest = -speed_m_s - block.natural_frequency_rad_s() * exact.amplitude_m;
+        assert!((value("least_speed_m_s", row) / fastest - 1.0).abs() < 1e-6);
+        assert_eq!(value("largest_multiplier", row), 0.0);
+    }
+    let runs = scratch.table("out", "runs");
+    for (label, class) in words(&runs, "label").iter().zip(words(&runs, "cycle_class")) {
+        assert_eq!(class.is_some(), label.as_deref() == Some("limit_cycle"));
+    }
+}
+
+/// Tables in a directory, as the program writes them.
+struct Tables(Results);
+
+impl Sink for Tables {
+    type Error = ResultsError;
+
+    fn run(&mut self, record: RunRecord) -> Result<(), ResultsError> {
+        self.0.push_run(record)
+    }
+
+    fn point(&mut self, point: PointRow, detail: PointDetail) -> Result<(), ResultsError> {
+        self.0.push_point(point, detail)
+    }
+}
+
+/// A constructed cycle for each case: by its start, one of the balls runs or the other, with a
+/// period and resting angles all its own; sometimes both run, and sometimes nothing is known.
+fn constructed(case: &Case) -> Outcome {
+    let start = &case.start.0;
+    let (own, other) = (start[2], start[3]);
+    let sense = case.model.ball_balancer().expect("a balancer").speed_rad_s.signum() as i32;
+    let first_rests = own < 3.0;
+    let runs = if sense > 0 { Doing::Backward } else { Doing::Forward };
+    let of_balls =
+        |first, second| if first_rests { vec![second, first] } else { vec![first, second] };
+    let cycle = if other < 1.0 {
+        None
+    } else if other < 2.0 {
+        Some((vec![-sense; 2], vec![vec![runs; 2]]))
+    } else {
+        let balls = of_balls(runs, Doing::Stick);
+        Some((if first_rests { vec![0, -sense] } else { vec![-sense, 0] }, vec![balls]))
+    };
+    let cycle = cycle.map(|(turns, configurations)| {
+        Box::new(Cycle {
+            angle_extremes: turns.iter().map(|&turns| (turns == 0).then_some([own; 2])).collect(),
+            turns,
+            configurations,
+            speed_extremes: vec![[-own, own]; 2],
+            peak_amplitude_m: own,
+            multipliers: vec![0.1 * own, 0.01 * own],
+            neutral_directions: 1,
+        })
+    });
+    Outcome {
+        period_s: Some(0.1 + 1e-4 * own),
+        amplitude_m: Some(1e-5 * own),
+        friction_margin: Some(0.1 * other),
+        end_time_s: Some(4.0),
+        position: Some(vec![own, own]),
+        cycle,
+        ..Outcome::failed(Evidence::ClosedOrbit, String::new())
+    }
+}
+
+fn farmed(study: &Study, folder: &Path, threads: usize, chunk: usize) -> Vec<u8> {
+    let options = FarmOptions { threads, chunk, shard: Shard::WHOLE };
+    let mut tables = Tables(Results::create(folder, study).unwrap());
+    let progress = Progress::new(study.run_count(), true);
+    farm(study, options, constructed, &AtomicBool::new(false), &progress, &mut tables).unwrap();
+    let circumstances = Circumstances {
+        shard: "1/1".to_owned(),
+        runs_planned: study.run_count(),
+        started_unix_s: 0.0,
+        wall_s: 0.0,
+        threads,
+    };
+    let manifest = tables.0.finish(study, circumstances).unwrap();
+    assert_eq!(manifest.files["cycles.parquet"].rows, Some(6));
+    fs::read(folder.join("cycles.parquet")).unwrap()
+}
+
+fn integers(table: &RecordBatch, name: &str) -> Vec<Option<i32>> {
+    column(table, name).as_primitive::<Int32Type>().iter().collect()
+}
+
+/// The same bytes on any number of threads and with any chunk, and what was constructed in them.
+#[test]
+fn constructed_cycles_of_balls() {
+    let sweep = "sweep: [{grid: {speed_rad_s: [-247.3, 247.3]}}]\n";
+    let study = parse(&study_text("a", "{monte_carlo: {samples: 3000}}", 20.0, sweep));
+    let scratch = Scratch::new();
+    let first = farmed(&study, &scratch.path("first"), 1, 100);
+    for (index, (threads, chunk)) in [(3, 7), (7, 1000)].into_iter().enumerate() {
+        let again = farmed(&study, &scratch.path(&format!("out-{index}")), threads, chunk);
+        assert!(first == again, "{threads} threads, chunks of {chunk}");
+    }
+    let cycles = table(&scratch.path("first").join("cycles.parquet"));
+    let classes: Vec<String> = words(&cycles, "class").into_iter().flatten().collect();
+    assert_eq!(classes[..3], ["-1|rest", "-1|-1", "unknown"]);
+    assert_eq!(classes[3..], classes[..3]);
+    assert_eq!(integers(&cycles, "turns_1")[..3], [Some(-1), Some(-1), None]);
+    assert_eq!(integers(&cycles, "turns_2")[..3], [Some(0), Some(-1), None]);
+    assert_eq!(counts(&cycles, "runs").iter().sum::<u64>(), 6000);
+
+    // From the runs themselves.
+    let runs: Vec<Outcome> = (0..3000)
+        .map(|run| constructed(&study.planned_run(run).case.unwrap()))
+        .filter(|outcome| outcome.cycle.as_ref().is_some_and(|cycle| cycle.turns.contains(&0)))
+        .collect();
+    assert_eq!(counts(&cycles, "runs")[0], runs.len() as u64);
+    let mut periods: Vec<f64> = runs.iter().filter_map(|outcome| outcome.period_s).collect();
+    periods.sort_by(f64::total_cmp);
+    let (low, high) = (periods[0], periods[periods.len() - 1]);
+    let value = |name: &str| numbers(&cycles, name)[0].unwrap();
+    assert_eq!((value("period_low_s"), value("period_high_s")), (low, high));
+    let median = periods[periods.len() / 2];
+    assert!((value("period_s") - median).abs() < 0.01 * (high - low));
+    let own = |outcome: &Outcome| outcome.position.as_ref().unwrap()[0];
+    let widest = runs.iter().max_by(|a, b| own(a).total_cmp(&own(b))).unwrap();
+    let multipliers = column(&cycles, "multipliers").as_list::<i32>().value(0);
+    let multipliers = multipliers.as_primitive::<Float64Type>().values().to_vec();
+    assert_eq!(multipliers, widest.cycle.as_ref().unwrap().multipliers);
+    assert_eq!(value("largest_multiplier"), multipliers[0]);
+    let margins = runs.iter().filter_map(|outcome| outcome.friction_margin);
+    assert_eq!(value("least_margin"), margins.fold(f64::MAX, f64::min));
+    // Angles all around the circle: the arc leaves out the longest gap between two of them.
+    let mut angles: Vec<f64> = runs.iter().map(own).collect();
+    angles.sort_by(f64::total_cmp);
+    let wrapped = angles[0] + std::f64::consts::TAU;
+    let next = angles[1..].iter().copied().chain([wrapped]);
+    let gap = angles.iter().zip(next).map(|(a, b)| b - a).fold(0.0, f64::max);
+    let arc =
+        (value("stays_to_2_rad") - value("stays_from_2_rad")).rem_euclid(std::f64::consts::TAU);
+    assert!(arc <= std::f64::consts::TAU - gap + 0.02, "{arc} {gap}");
+    assert_eq!(numbers(&cycles, "stays_from_1_rad")[0], None);
+}
