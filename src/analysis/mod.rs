@@ -3,6 +3,7 @@
 //! Between endings and tables: it reads outcomes and writes numbers, and knows no file format.
 
 mod alike;
+mod audit;
 mod balance;
 #[cfg(test)]
 mod draws;
@@ -21,6 +22,7 @@ mod survival;
 mod tally;
 
 pub use alike::{groups_of_alike, sorted_where_alike};
+pub use audit::AuditCounts;
 pub use balance::Balance;
 pub use equilibrium_set::{EquilibriumSet, Resolution, set_fraction};
 pub use escape::{EscapeRate, escape_rate, rate_interval};

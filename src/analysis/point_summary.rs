@@ -1,5 +1,6 @@
 //! One point of the sweep in numbers: how its runs ended, how soon, with what amplitude.
 
+use super::audit::AuditCounts;
 use super::escape::{EscapeRate, Group, escape_rate};
 use super::interval::{Z_95, wilson_with_failures};
 use super::rest_curve::{RestStep, rest_curve};
@@ -58,6 +59,8 @@ pub struct Observed<'a> {
     pub case: Option<&'a Case>,
     /// How it ended.
     pub outcome: &'a Outcome,
+    /// How it ended when it was computed a second time, if it was.
+    pub audit: Option<Label>,
 }
 
 /// What a point's own tables hold beside its summary.
@@ -77,6 +80,7 @@ pub struct PointAccumulator {
     /// Times at which runs were stopped because they are on a limit cycle (kind 1).
     cycles: Tally,
     amplitudes: Tally,
+    audit: AuditCounts,
 }
 
 /// What is known of one point.
@@ -98,6 +102,8 @@ pub struct PointSummary {
     pub escape: Option<EscapeRate>,
     /// Quantiles 5, 50 and 95 % of the amplitude over all runs that have one, m.
     pub amplitude_m: [Option<f64>; 3],
+    /// How often runs ended differently when they were computed again.
+    pub audit: AuditCounts,
 }
 
 impl PointSummary {
@@ -113,6 +119,7 @@ impl PointAccumulator {
         let outcome = run.outcome;
         let label = outcome.label();
         self.counts.add(label);
+        run.audit.into_iter().for_each(|again| self.audit.add(label, again));
         if label == Label::Failed {
             return;
         }
@@ -158,6 +165,7 @@ impl PointAccumulator {
             escape: self.escape(),
             amplitude_m: PointSummary::AMPLITUDE_SHARES
                 .map(|share| self.amplitudes.quantile(share)),
+            audit: self.audit,
         }
     }
 }
@@ -168,7 +176,7 @@ mod tests {
     use crate::ending::{Evidence, Outcome};
 
     fn add(point: &mut PointAccumulator, outcome: &Outcome) {
-        point.add(Observed { cell: 0, case: None, outcome });
+        point.add(Observed { cell: 0, case: None, outcome, audit: None });
     }
 
     #[test]

@@ -2,6 +2,7 @@
 
 use serde_json::{Value, json};
 
+use crate::analysis::AuditCounts;
 use crate::ending::Label;
 use crate::study::{ParameterValue, Study};
 use crate::table::PointRow;
@@ -16,13 +17,14 @@ pub struct PointsTable {
     rows: Vec<PointRow>,
     more: u64,
     keep_all: bool,
+    audit: bool,
 }
 
 impl PointsTable {
     /// An empty table for a study; `keep_all` keeps rows that would not be printed.
     pub fn new(study: &Study, keep_all: bool) -> Self {
         let names = study.swept().iter().map(|column| column.name.clone()).collect();
-        PointsTable { names, rows: Vec::new(), more: 0, keep_all }
+        PointsTable { names, rows: Vec::new(), more: 0, keep_all, audit: study.audit().is_some() }
     }
 
     /// Adds a point.
@@ -48,6 +50,7 @@ impl PointsTable {
             .filter(|&label| self.rows.iter().any(|row| row.summary.counts.of(label) > 0))
             .collect();
         header.extend(others.iter().map(|label| label.name().to_owned()));
+        header.extend(self.audit.then(|| "flips".to_owned()));
         let line = |row: &PointRow| -> Vec<String> {
             let summary = &row.summary;
             let mut cells = vec![row.point_id.to_string()];
@@ -61,6 +64,8 @@ impl PointsTable {
                 None => "not reached".to_owned(),
             });
             cells.extend(others.iter().map(|&label| summary.counts.of(label).to_string()));
+            let AuditCounts { runs, flips } = summary.audit;
+            cells.extend(self.audit.then(|| format!("{flips} of {runs}")));
             cells
         };
         let mut lines = vec![header];
@@ -94,6 +99,14 @@ impl PointsTable {
             object.insert("ci_low".to_owned(), json!(summary.interval.0));
             object.insert("ci_high".to_owned(), json!(summary.interval.1));
             object.insert("time_to_rest_p50_s".to_owned(), json!(summary.time_to_rest_s[1]));
+            if self.audit {
+                let audit = &summary.audit;
+                object.insert("audited_runs".to_owned(), json!(audit.runs));
+                object.insert("audit_flips".to_owned(), json!(audit.flips));
+                object.insert("audit_flip_rate".to_owned(), json!(audit.flip_rate()));
+                object.insert("audit_flip_low".to_owned(), json!(audit.interval().0));
+                object.insert("audit_flip_high".to_owned(), json!(audit.interval().1));
+            }
             object.insert("set_fraction".to_owned(), json!(row.set_fraction));
             Value::Object(object)
         };

@@ -35,6 +35,9 @@ pub struct StudyFile {
     /// How runs are integrated and for how long.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub simulation: Option<SimulationFile>,
+    /// A share of the runs that is computed a second time in another way.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub audit: Option<AuditFile>,
     /// What `stickslip verify` holds the results against.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub expect: Option<Vec<ExpectationFile>>,
@@ -387,6 +390,16 @@ pub struct ToleranceFile {
     pub absolute: Option<f64>,
 }
 
+/// A second computation of some runs, by the other method with a tenth of both tolerances, to see how
+/// often the ending depends on how it was computed.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct AuditFile {
+    /// Share of the runs, above 0 and at most 1; which ones is drawn for each run.
+    #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 1))]
+    pub fraction: f64,
+}
+
 /// Shares of runs per label that are expected at some points; at least one share.
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[serde(deny_unknown_fields)]
@@ -410,4 +423,7 @@ pub struct ExpectationFile {
     /// Share of runs that failed, `[low, high]`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub failed_fraction: Option<Range>,
+    /// Share of audited runs whose label is another when they are computed again, `[low, high]`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub audit_flip_rate: Option<Range>,
 }

@@ -23,6 +23,7 @@
 //! # Ok::<(), stickslip::study::StudyError>(())
 //! ```
 
+mod audit;
 mod csv_table;
 mod decode;
 mod design;
@@ -49,6 +50,7 @@ mod schema;
 mod start_box;
 mod sweep;
 
+pub use audit::Audit;
 pub use error::StudyError;
 pub use expectation::Expectation;
 pub use parameter::{ParameterKind, ParameterValue, VariedParameter};

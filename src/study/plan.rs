@@ -1,5 +1,6 @@
 //! A resolved study and its plan: every point and every run as a function of its number.
 
+use super::audit::Audit;
 use super::design::SampleId;
 use super::expectation::{Expectation, same};
 use super::file::StudyFile;
@@ -19,6 +20,7 @@ pub struct Study {
     pub(super) seed: u64,
     pub(super) base: Base,
     pub(super) simulation: Simulation,
+    pub(super) audit: Option<Audit>,
     pub(super) blocks: Vec<Block>,
     pub(super) swept_parameters: Vec<Parameter>,
     pub(super) swept: Vec<VariedParameter>,
@@ -70,6 +72,8 @@ pub struct PlannedRun {
     /// What is to be computed, or the drawn parameter that makes no physical sense: such a run is
     /// a failed one.
     pub case: Result<Case, InvalidParameter>,
+    /// Whether it is computed a second time, see [`Audit`].
+    pub audited: bool,
 }
 
 impl Study {
@@ -92,6 +96,11 @@ impl Study {
     /// How every run is integrated.
     pub fn simulation(&self) -> &Simulation {
         &self.simulation
+    }
+
+    /// Which runs are computed a second time, if any.
+    pub fn audit(&self) -> Option<Audit> {
+        self.audit
     }
 
     /// Number of planned runs.
@@ -157,12 +166,13 @@ impl Study {
         let id = block.design.identify(local % block.runs_per_point);
         let start = Start(block.design.coordinates(id));
         let uncertain = self.draw(id);
+        let mut values = block.values(local_point);
+        let audited = self.audit.is_some_and(|audit| audit.chooses(self.seed, &values, id));
         let model = if uncertain.is_empty() {
             point.model
         } else {
             let drawn = self.uncertain_parameters.iter().zip(&uncertain);
             let drawn = drawn.map(|(one, value)| (one.parameter, ParameterValue::Number(*value)));
-            let mut values = block.values(local_point);
             values.extend(drawn);
             self.model_with(&values)
         };
@@ -180,6 +190,7 @@ impl Study {
             uncertain,
             start,
             case,
+            audited,
         }
     }
 

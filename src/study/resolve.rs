@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use super::audit::Audit;
 use super::csv_table::read_text;
 use super::decode::decode;
 use super::design::Design;
@@ -70,6 +71,7 @@ fn resolve(source: &Source, written: &StudyFile) -> Result<Study, StudyError> {
     check_name(source, &written.name)?;
     let base = Base::resolve(source, &written.model)?;
     let simulation = resolve_simulation(source, written.simulation.as_ref())?;
+    let audit = Audit::resolve(source, written.audit.as_ref())?;
     let conditions = KeyPath::of("initial_conditions");
     let start_box = StartBox::resolve(
         source,
@@ -118,6 +120,7 @@ fn resolve(source: &Source, written: &StudyFile) -> Result<Study, StudyError> {
             design: common.map(|design| design.file),
         },
         simulation: Some(simulation_to_file(&simulation)),
+        audit: audit.map(Audit::to_file),
         expect: written.expect.clone(),
     };
     let mut study = Study {
@@ -125,6 +128,7 @@ fn resolve(source: &Source, written: &StudyFile) -> Result<Study, StudyError> {
         seed: written.seed,
         base,
         simulation,
+        audit,
         blocks: count(source, blocks, &designs, &start_box, written.seed)?,
         swept: swept_parameters.iter().map(column).collect(),
         swept_parameters,

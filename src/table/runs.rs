@@ -2,6 +2,7 @@
 
 use super::column::{Column, NON_DIMENSIONAL};
 use super::record::RunRecord;
+use crate::ending::Evidence;
 use crate::model::Coordinate;
 use crate::study::{ParameterKind, ParameterValue, PlannedRun, Study, VariedParameter};
 
@@ -163,6 +164,17 @@ pub fn run_columns(study: &Study) -> Vec<Column<RunRecord>> {
         Column::text("error", "what went wrong, in words", |row: &RunRecord| {
             row.outcome.error.clone()
         }),
+        Column::optional_word(
+            "audit_label",
+            "how the run ended when it was computed again, by the other method with a tenth of both \
+             tolerances; null where it was not",
+            |row: &RunRecord| row.audit.map(|evidence| evidence.label().name()),
+        ),
+        Column::optional_word(
+            "audit_evidence",
+            "why it has that label, or what failed; null where it was not computed again",
+            |row: &RunRecord| row.audit.map(Evidence::name),
+        ),
     ]);
     columns
 }

@@ -1,6 +1,8 @@
 //! The farm: which run is computed where changes nothing, and a bad run is a row.
 
+mod audit;
 mod exchanged_balls;
 mod failures;
+mod kept;
 mod kept_rows;
 mod same_bytes;
