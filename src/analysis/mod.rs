@@ -18,6 +18,7 @@ mod rest_form;
 mod set_grid;
 mod set_parts;
 mod set_samples;
+mod stopping;
 mod survival;
 mod tally;
 
@@ -34,5 +35,6 @@ pub use rest_curve::{RestStep, rest_curve};
 pub use rest_form::{AtRest, RestForm};
 pub use set_grid::{GridRow, SetGrid};
 pub use set_samples::{REPLICATES, sample};
+pub use stopping::{StoppingRule, is_narrow};
 pub use survival::{SurvivalCurve, SurvivalStep};
 pub use tally::Tally;

@@ -134,6 +134,13 @@ impl PointAccumulator {
         outcome.amplitude_m.into_iter().for_each(|amplitude| self.amplitudes.add(amplitude, REST));
     }
 
+    /// The 95 % interval of the share of equilibria.
+    pub fn interval(&self) -> (f64, f64) {
+        let counts = self.counts;
+        let (equilibria, failed) = (counts.of(Label::Equilibrium), counts.of(Label::Failed));
+        wilson_with_failures(equilibria, failed, counts.total(), Z_95)
+    }
+
     /// What goes into the point's own tables; `end_time_s` is the study's end time.
     pub fn detail(&self, end_time_s: f64) -> PointDetail {
         PointDetail { rest: rest_curve(&SurvivalCurve::new(self.times.groups()), end_time_s) }
@@ -153,12 +160,7 @@ impl PointAccumulator {
         PointSummary {
             counts,
             equilibrium_fraction: counts.fraction(Label::Equilibrium),
-            interval: wilson_with_failures(
-                counts.of(Label::Equilibrium),
-                counts.of(Label::Failed),
-                counts.total(),
-                Z_95,
-            ),
+            interval: self.interval(),
             time_to_rest_s: PointSummary::TIME_SHARES
                 .map(|share| curve.time_to_rest_quantile(share)),
             median_interval_s: curve.time_to_rest_interval(0.5),

@@ -63,6 +63,10 @@ pub fn check(arguments: &CheckArguments) -> Result<End, CliError> {
         if let Some(audit) = study.audit() {
             report["audit_fraction"] = json!(audit.fraction);
         }
+        if let Some(precision) = study.precision() {
+            report["least_runs"] = study.least_run_count().into();
+            report["precision"] = json!(precision.equilibrium_fraction);
+        }
         if let Some(existence) = existence {
             report["existence"] = existence.json();
         }
@@ -84,6 +88,15 @@ pub fn check(arguments: &CheckArguments) -> Result<End, CliError> {
         ("at most about", "; less where runs come to rest early")
     };
     let natural = study.model().natural_frequency_rad_s();
+    let runs = match study.precision() {
+        None => study.run_count().to_string(),
+        Some(precision) => format!(
+            "{} to {} (until the fraction is known to +-{})",
+            study.least_run_count(),
+            study.run_count(),
+            precision.equilibrium_fraction,
+        ),
+    };
     let audit = study.audit().map_or_else(String::new, |audit| {
         let method = method_name(study.simulation().counter_check().method);
         let fraction = audit.fraction;
@@ -97,7 +110,7 @@ pub fn check(arguments: &CheckArguments) -> Result<End, CliError> {
          swept         {}\n\
          uncertain     {}\n\
          points        {}\n\
-         runs          {}, each to {} s or until its ending is known, method {method}\n\
+         runs          {runs}, each to {} s or until its ending is known, method {method}\n\
          {audit}expectations  {}\n\
          cost          {bound} {} on one core{cost_remark}\n",
         study.name(),
@@ -107,7 +120,6 @@ pub fn check(arguments: &CheckArguments) -> Result<End, CliError> {
         listed(&swept),
         listed(&uncertain),
         study.point_count(),
-        study.run_count(),
         study.simulation().end_time_s,
         study.expectations().len(),
         duration(core_seconds),

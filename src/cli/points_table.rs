@@ -2,9 +2,9 @@
 
 use serde_json::{Value, json};
 
-use crate::analysis::AuditCounts;
+use crate::analysis::{AuditCounts, is_narrow};
 use crate::ending::Label;
-use crate::study::{ParameterValue, Study};
+use crate::study::{ParameterValue, Precision, Study};
 use crate::table::PointRow;
 
 /// Most points that are printed; the rest is in `points.parquet`.
@@ -18,22 +18,57 @@ pub struct PointsTable {
     more: u64,
     keep_all: bool,
     audit: bool,
+    precision: Option<Precision>,
+    points: u64,
+    not_precise: u64,
 }
 
 impl PointsTable {
     /// An empty table for a study; `keep_all` keeps rows that would not be printed.
     pub fn new(study: &Study, keep_all: bool) -> Self {
         let names = study.swept().iter().map(|column| column.name.clone()).collect();
-        PointsTable { names, rows: Vec::new(), more: 0, keep_all, audit: study.audit().is_some() }
+        PointsTable {
+            names,
+            rows: Vec::new(),
+            more: 0,
+            keep_all,
+            audit: study.audit().is_some(),
+            precision: study.precision(),
+            points: 0,
+            not_precise: 0,
+        }
     }
 
     /// Adds a point.
     pub fn push(&mut self, row: &PointRow) {
+        self.points += 1;
+        self.not_precise += u64::from(self.is_precise(row) == Some(false));
         if self.keep_all || self.rows.len() < MOST_LINES {
             self.rows.push(row.clone());
         } else {
             self.more += 1;
         }
+    }
+
+    fn is_precise(&self, row: &PointRow) -> Option<bool> {
+        let widest = self.precision?.equilibrium_fraction;
+        Some(is_narrow(row.summary.interval, widest))
+    }
+
+    /// How many points are not known as precisely as the study asks for.
+    pub fn not_precise(&self) -> u64 {
+        self.not_precise
+    }
+
+    /// What has come of the precision that the study asks for, if it does.
+    pub fn precision_line(&self) -> Option<String> {
+        let Precision { equilibrium_fraction, max_runs } = self.precision?;
+        let (points, not) = (self.points, self.not_precise);
+        Some(format!(
+            "fraction known to +-{equilibrium_fraction} at {} of {points} points{}",
+            points - not,
+            if not > 0 { format!(", not at {not} (max_runs {max_runs})") } else { String::new() }
+        ))
     }
 
     /// The table as text, numbers aligned to the right.
@@ -99,6 +134,9 @@ impl PointsTable {
             object.insert("ci_low".to_owned(), json!(summary.interval.0));
             object.insert("ci_high".to_owned(), json!(summary.interval.1));
             object.insert("time_to_rest_p50_s".to_owned(), json!(summary.time_to_rest_s[1]));
+            if let Some(precise) = self.is_precise(row) {
+                object.insert("precision_reached".to_owned(), json!(precise));
+            }
             if self.audit {
                 let audit = &summary.audit;
                 object.insert("audited_runs".to_owned(), json!(audit.runs));

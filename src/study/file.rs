@@ -35,6 +35,10 @@ pub struct StudyFile {
     /// How runs are integrated and for how long.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub simulation: Option<SimulationFile>,
+    /// How precisely the share of equilibria is wanted at each point; without it each point has the
+    /// runs that its design names.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub precision: Option<PrecisionFile>,
     /// A share of the runs that is computed a second time in another way.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub audit: Option<AuditFile>,
@@ -388,6 +392,21 @@ pub struct ToleranceFile {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub absolute: Option<f64>,
+}
+
+/// Sampling that goes on at each point, in whole replicates of its design (one sample in every cell of
+/// a stratified one, `samples` more of `monte_carlo` and `sobol`; others cannot be enlarged), until
+/// the 95 % interval of the share of equilibria is narrow enough.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct PrecisionFile {
+    /// Half the width of the interval from `ci_low` to `ci_high` at which sampling stops, above 0 and
+    /// below 0.5.
+    #[schemars(extend("exclusiveMinimum" = 0, "exclusiveMaximum" = 0.5))]
+    pub equilibrium_fraction: f64,
+    /// The most runs at each point (not of the study): no replicate is begun that would exceed it. The
+    /// samples that the design names are always run. A Sobol' sequence ends after 65536.
+    pub max_runs: Count,
 }
 
 /// A second computation of some runs, by the other method with a tenth of both tolerances, to see how

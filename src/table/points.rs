@@ -2,7 +2,7 @@
 
 use super::column::Column;
 use super::runs::swept_columns;
-use crate::analysis::{AuditCounts, EscapeRate, PointSummary, set_fraction};
+use crate::analysis::{AuditCounts, EscapeRate, PointSummary, is_narrow, set_fraction};
 use crate::ending::Label;
 use crate::model::{Balancer, ExistenceVerdict, Machine};
 use crate::study::{ParameterValue, Point, Study};
@@ -112,6 +112,7 @@ pub fn point_columns(study: &Study) -> Vec<Column<PointRow>> {
             move |row: &PointRow| row.summary.amplitude_m[index],
         ));
     }
+    columns.push(precision_column(study));
     columns.extend(audit_columns(study));
     if study.model().balls() == 0 {
         return columns;
@@ -146,6 +147,17 @@ pub fn point_columns(study: &Study) -> Vec<Column<PointRow>> {
         ),
     ]);
     columns
+}
+
+/// Whether the share of equilibria is known well enough; null in a study without a precision.
+fn precision_column(study: &Study) -> Column<PointRow> {
+    let widest = study.precision().map(|precision| precision.equilibrium_fraction);
+    Column::truth(
+        "precision_reached",
+        "whether ci_low to ci_high is at most twice as wide as the study's precision asks for; null \
+         without a precision",
+        move |row: &PointRow| widest.map(|widest| is_narrow(row.summary.interval, widest)),
+    )
 }
 
 /// How often runs ended differently when they were computed again; null in a study without an audit.

@@ -5,4 +5,5 @@ mod exchanged_balls;
 mod failures;
 mod kept;
 mod kept_rows;
+mod precision;
 mod same_bytes;

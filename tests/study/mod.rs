@@ -14,6 +14,7 @@ mod distributions;
 mod fuzz;
 mod models;
 mod plan;
+mod precision;
 mod resolved;
 mod shipped;
 mod stability;

@@ -23,8 +23,8 @@ fn study() -> String {
     study_text("a", "{monte_carlo: {samples: 5}}", AT_ONCE, REST)
 }
 
-/// Name, type and unit of every column; `n` is a number, `c` a count, `s` a small count, `w` a
-/// word out of a few, `t` text.
+/// Name, type and unit of every column; `n` is a number, `c` a count, `s` a small count, `b` a
+/// yes or no, `w` a word out of a few, `t` text.
 fn columns(table: &RecordBatch) -> Vec<String> {
     let schema = table.schema();
     let describe = |field: &arrow::datatypes::FieldRef| {
@@ -32,6 +32,7 @@ fn columns(table: &RecordBatch) -> Vec<String> {
             DataType::Float64 => "n",
             DataType::UInt64 => "c",
             DataType::UInt8 => "s",
+            DataType::Boolean => "b",
             DataType::Utf8 => "t",
             DataType::Dictionary(_, words) if **words == DataType::Utf8 => "w",
             other => panic!("{}: {other}", field.name()),
@@ -122,6 +123,7 @@ fn points() {
         "amplitude_p05_m n m",
         "amplitude_p50_m n m",
         "amplitude_p95_m n m",
+        "precision_reached b -",
         "audited_runs c -",
         "audit_flips c -",
         "audit_flip_rate n 1",
