@@ -5,6 +5,7 @@
 
 mod alike;
 mod arc;
+mod audit;
 mod balance;
 mod cycle_class;
 mod cycles;
@@ -22,10 +23,12 @@ mod set_grid;
 mod set_parts;
 mod set_samples;
 mod spread;
+mod stopping;
 mod survival;
 mod tally;
 
 pub use alike::{groups_of_alike, sorted_where_alike};
+pub use audit::AuditCounts;
 pub use balance::Balance;
 pub use cycle_class::{CycleClass, Role};
 pub use cycles::{CycleGroup, CycleRange, CycleRole};
@@ -39,5 +42,6 @@ pub use rest_curve::{RestStep, rest_curve};
 pub use rest_form::{AtRest, RestForm};
 pub use set_grid::{GridRow, SetGrid};
 pub use set_samples::{REPLICATES, sample};
+pub use stopping::{StoppingRule, is_narrow};
 pub use survival::{SurvivalCurve, SurvivalStep};
 pub use tally::Tally;

@@ -1,5 +1,6 @@
 //! One point of the sweep in numbers: how its runs ended, how soon, with what amplitude.
 
+use super::audit::AuditCounts;
 use super::cycles::{CycleClasses, CycleGroup};
 use super::escape::{EscapeRate, Group, escape_rate};
 use super::interval::{Z_95, wilson_with_failures};
@@ -59,6 +60,8 @@ pub struct Observed<'a> {
     pub case: Option<&'a Case>,
     /// How it ended.
     pub outcome: &'a Outcome,
+    /// How it ended when it was computed a second time, if it was.
+    pub audit: Option<Label>,
 }
 
 /// What a point's own tables hold beside its summary.
@@ -81,6 +84,7 @@ pub struct PointAccumulator {
     cycles: Tally,
     amplitudes: Tally,
     cycle_classes: CycleClasses,
+    audit: AuditCounts,
 }
 
 /// What is known of one point.
@@ -102,6 +106,8 @@ pub struct PointSummary {
     pub escape: Option<EscapeRate>,
     /// Quantiles 5, 50 and 95 % of the amplitude over all runs that have one, m.
     pub amplitude_m: [Option<f64>; 3],
+    /// How often runs ended differently when they were computed again.
+    pub audit: AuditCounts,
 }
 
 impl PointSummary {
@@ -117,6 +123,7 @@ impl PointAccumulator {
         let outcome = run.outcome;
         let label = outcome.label();
         self.counts.add(label);
+        run.audit.into_iter().for_each(|again| self.audit.add(label, again));
         if label == Label::Failed {
             return;
         }
@@ -130,6 +137,13 @@ impl PointAccumulator {
         }
         outcome.amplitude_m.into_iter().for_each(|amplitude| self.amplitudes.add(amplitude, REST));
         self.cycle_classes.add(run);
+    }
+
+    /// The 95 % interval of the share of equilibria.
+    pub fn interval(&self) -> (f64, f64) {
+        let counts = self.counts;
+        let (equilibria, failed) = (counts.of(Label::Equilibrium), counts.of(Label::Failed));
+        wilson_with_failures(equilibria, failed, counts.total(), Z_95)
     }
 
     /// What goes into the point's own tables; `end_times_s` are the study's end time and that of
@@ -155,18 +169,14 @@ impl PointAccumulator {
         PointSummary {
             counts,
             equilibrium_fraction: counts.fraction(Label::Equilibrium),
-            interval: wilson_with_failures(
-                counts.of(Label::Equilibrium),
-                counts.of(Label::Failed),
-                counts.total(),
-                Z_95,
-            ),
+            interval: self.interval(),
             time_to_rest_s: PointSummary::TIME_SHARES
                 .map(|share| curve.time_to_rest_quantile(share)),
             median_interval_s: curve.time_to_rest_interval(0.5),
             escape: self.escape(),
             amplitude_m: PointSummary::AMPLITUDE_SHARES
                 .map(|share| self.amplitudes.quantile(share)),
+            audit: self.audit,
         }
     }
 }
@@ -177,7 +187,7 @@ mod tests {
     use crate::ending::{Evidence, Outcome};
 
     fn add(point: &mut PointAccumulator, outcome: &Outcome) {
-        point.add(Observed { cell: 0, case: None, outcome });
+        point.add(Observed { cell: 0, case: None, outcome, audit: None });
     }
 
     #[test]

@@ -23,6 +23,9 @@ pub struct FarmArguments {
     threads: Option<NonZeroUsize>,
 
     /// Compute part K of N of the runs only
+    ///
+    /// Every N-th run, so that parts cost about the same. In a study with `precision`, every N-th point
+    /// with all its runs: a part of a point's runs could not decide how many it needs.
     #[arg(long, value_name = "K/N", default_value = "1/1")]
     pub shard: Shard,
 

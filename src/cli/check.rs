@@ -7,7 +7,7 @@ use super::arguments::StudyArgument;
 use super::existence::Existence;
 use super::exit::{CliError, End};
 use super::output::print;
-use crate::model::{Extend, FrictionLaw, Method, Model};
+use crate::model::{Extend, FrictionLaw, Method, Model, Simulation};
 use crate::study::{Study, VariedParameter};
 
 const EXAMPLES: &str = "\
@@ -42,10 +42,7 @@ pub fn check(arguments: &CheckArguments) -> Result<End, CliError> {
         columns.iter().map(|column| column.name.clone()).collect()
     };
     let (swept, uncertain) = (names(study.swept()), names(study.uncertain()));
-    let method = match study.simulation().method {
-        Method::Switch => "switch",
-        Method::Event => "event",
-    };
+    let method = method_name(study.simulation().method);
     let core_seconds = most_core_seconds(&study);
     let existence = arguments.existence.then(|| Existence::of(&study));
     if arguments.json {
@@ -63,6 +60,13 @@ pub fn check(arguments: &CheckArguments) -> Result<End, CliError> {
             "expectations": study.expectations().len(),
             "most_core_seconds": core_seconds,
         });
+        if let Some(audit) = study.audit() {
+            report["audit_fraction"] = json!(audit.fraction);
+        }
+        if let Some(precision) = study.precision() {
+            report["least_runs"] = study.least_run_count().into();
+            report["precision"] = json!(precision.equilibrium_fraction);
+        }
         if let Some(existence) = existence {
             report["existence"] = existence.json();
         }
@@ -90,14 +94,30 @@ pub fn check(arguments: &CheckArguments) -> Result<End, CliError> {
         Some(extend) => format!(" ({} ones to {later} s)", labels(extend)),
         None => String::new(),
     };
+    let runs = match study.precision() {
+        None => study.run_count().to_string(),
+        Some(precision) => format!(
+            "{} to {} (until the fraction is known to +-{})",
+            study.least_run_count(),
+            study.run_count(),
+            precision.equilibrium_fraction,
+        ),
+    };
+    let audit = study.audit().map_or_else(String::new, |audit| {
+        let method = method_name(study.simulation().counter_check().method);
+        let fraction = audit.fraction;
+        format!(
+            "audit         {fraction} of the runs again, method {method}, a tenth of the tolerances\n"
+        )
+    });
     print(&format!(
         "study         {} (hash {}, seed {})\n\
          model         {what}, {} friction, natural frequency {natural:.3} rad/s\n\
          swept         {}\n\
          uncertain     {}\n\
          points        {}\n\
-         runs          {}, each to {} s{extended} or until its ending is known, method {method}\n\
-         expectations  {}\n\
+         runs          {runs}, each to {} s{extended} or until its ending is known, method {method}\n\
+         {audit}expectations  {}\n\
          cost          {bound} {} on one core{cost_remark}\n",
         study.name(),
         &study.hash()[..12],
@@ -106,7 +126,6 @@ pub fn check(arguments: &CheckArguments) -> Result<End, CliError> {
         listed(&swept),
         listed(&uncertain),
         study.point_count(),
-        study.run_count(),
         simulation.end_time_s,
         study.expectations().len(),
         duration(core_seconds),
@@ -127,15 +146,25 @@ fn labels(extend: Extend) -> &'static str {
     }
 }
 
+fn method_name(method: Method) -> &'static str {
+    match method {
+        Method::Switch => "switch",
+        Method::Event => "event",
+    }
+}
+
 /// Core seconds if no run ended before the latest end time, from what a unit of non-dimensional time
 /// costs on a core of 2024: 1 µs with two balls at a relative tolerance of 1e-8, growing with the
-/// number of components and, the method being of order 8, with the tolerance's eighth root.
+/// number of components and, the method being of order 8, with the tolerance's eighth root. Audited
+/// runs are computed twice.
 fn most_core_seconds(study: &Study) -> f64 {
     let simulation = study.simulation();
     let [_, latest_end_time_s] = simulation.end_times_s();
     let units = latest_end_time_s * study.model().natural_frequency_rad_s();
     let components = (4 + 2 * study.model().balls()) as f64 / 8.0;
-    let tolerance = (1e-8 / simulation.relative_tolerance).powf(0.125);
+    let steps = |simulation: &Simulation| (1e-8 / simulation.relative_tolerance).powf(0.125);
+    let audited = study.audit().map_or(0.0, |audit| audit.fraction);
+    let tolerance = steps(simulation) + audited * steps(&simulation.counter_check());
     let stiffness = (damping_rate(study.model()) / STABLE).max(1.0);
     1e-6 * units * components * tolerance * stiffness * study.run_count() as f64
 }

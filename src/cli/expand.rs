@@ -20,7 +20,8 @@ Examples:
   stickslip expand study.yaml --out cases.parquet
   stickslip expand study.yaml --shard 1/1000        every thousandth case";
 
-/// Write the cases of a study (parameters and start states) without computing them
+/// Write the cases of a study (parameters and start states) without computing them; with `precision`,
+/// all that may be computed
 #[derive(Clone, Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct ExpandArguments {
@@ -31,13 +32,13 @@ pub struct ExpandArguments {
     #[arg(long, short, value_name = "FILE")]
     out: Option<PathBuf>,
 
-    /// Part K of N of the runs only
+    /// Part K of N of the runs only; of the points, in a study with `precision`
     #[arg(long, value_name = "K/N", default_value = "1/1")]
     shard: Shard,
 }
 
 /// Rows per piece of CSV.
-const PIECE: u64 = 1024;
+const PIECE: usize = 1024;
 
 /// Writes the cases.
 ///
@@ -49,8 +50,7 @@ pub fn expand(arguments: &ExpandArguments) -> Result<End, CliError> {
     columns.push(Column::text("error", "why the case cannot be computed", |row: &PlannedRun| {
         row.case.as_ref().err().map(ToString::to_string)
     }));
-    let runs = arguments.shard.runs(study.run_count());
-    let planned = |index| study.planned_run(arguments.shard.run_id(index));
+    let mut cases = arguments.shard.run_ids(&study).map(|run_id| study.planned_run(run_id));
     match &arguments.out {
         Some(path) if path.exists() => Err(CliError::Usage(format!(
             "{}: exists already\n  allowed: the name of a new file",
@@ -62,8 +62,8 @@ pub fn expand(arguments: &ExpandArguments) -> Result<End, CliError> {
                     let allowed = "the name of a new file in a directory that can be written to";
                     CliError::Usage(format!("{error}\n  allowed: {allowed}"))
                 })?;
-            for index in 0..runs {
-                table.push(planned(index))?;
+            for case in cases {
+                table.push(case)?;
             }
             table.finish()?;
             Ok(End::Well)
@@ -72,11 +72,11 @@ pub fn expand(arguments: &ExpandArguments) -> Result<End, CliError> {
             let names: Vec<String> =
                 schema(&columns).fields().iter().map(|field| field.name().clone()).collect();
             let mut reader = print(&(names.join(",") + "\n"))?;
-            for first in (0..runs).step_by(PIECE as usize) {
-                if reader == Reader::Gone {
+            while reader != Reader::Gone {
+                let rows: Vec<PlannedRun> = cases.by_ref().take(PIECE).collect();
+                if rows.is_empty() {
                     break;
                 }
-                let rows: Vec<PlannedRun> = (first..runs.min(first + PIECE)).map(planned).collect();
                 reader = print(&csv(&columns, &rows).map_err(std::io::Error::other)?)?;
             }
             Ok(End::Well)

@@ -2,8 +2,9 @@
 
 use serde_json::{Value, json};
 
+use crate::analysis::{AuditCounts, is_narrow};
 use crate::ending::Label;
-use crate::study::{ParameterValue, Study};
+use crate::study::{ParameterValue, Precision, Study};
 use crate::table::PointRow;
 
 /// Most points that are printed; the rest is in `points.parquet`.
@@ -16,22 +17,58 @@ pub struct PointsTable {
     rows: Vec<PointRow>,
     more: u64,
     keep_all: bool,
+    audit: bool,
+    precision: Option<Precision>,
+    points: u64,
+    not_precise: u64,
 }
 
 impl PointsTable {
     /// An empty table for a study; `keep_all` keeps rows that would not be printed.
     pub fn new(study: &Study, keep_all: bool) -> Self {
         let names = study.swept().iter().map(|column| column.name.clone()).collect();
-        PointsTable { names, rows: Vec::new(), more: 0, keep_all }
+        PointsTable {
+            names,
+            rows: Vec::new(),
+            more: 0,
+            keep_all,
+            audit: study.audit().is_some(),
+            precision: study.precision(),
+            points: 0,
+            not_precise: 0,
+        }
     }
 
     /// Adds a point.
     pub fn push(&mut self, row: &PointRow) {
+        self.points += 1;
+        self.not_precise += u64::from(self.is_precise(row) == Some(false));
         if self.keep_all || self.rows.len() < MOST_LINES {
             self.rows.push(row.clone());
         } else {
             self.more += 1;
         }
+    }
+
+    fn is_precise(&self, row: &PointRow) -> Option<bool> {
+        let widest = self.precision?.equilibrium_fraction;
+        Some(is_narrow(row.summary.interval, widest))
+    }
+
+    /// How many points are not known as precisely as the study asks for.
+    pub fn not_precise(&self) -> u64 {
+        self.not_precise
+    }
+
+    /// What has come of the precision that the study asks for, if it does.
+    pub fn precision_line(&self) -> Option<String> {
+        let Precision { equilibrium_fraction, max_runs } = self.precision?;
+        let (points, not) = (self.points, self.not_precise);
+        Some(format!(
+            "fraction known to +-{equilibrium_fraction} at {} of {points} points{}",
+            points - not,
+            if not > 0 { format!(", not at {not} (max_runs {max_runs})") } else { String::new() }
+        ))
     }
 
     /// The table as text, numbers aligned to the right.
@@ -48,6 +85,7 @@ impl PointsTable {
             .filter(|&label| self.rows.iter().any(|row| row.summary.counts.of(label) > 0))
             .collect();
         header.extend(others.iter().map(|label| label.name().to_owned()));
+        header.extend(self.audit.then(|| "flips".to_owned()));
         let line = |row: &PointRow| -> Vec<String> {
             let summary = &row.summary;
             let mut cells = vec![row.point_id.to_string()];
@@ -61,6 +99,8 @@ impl PointsTable {
                 None => "not reached".to_owned(),
             });
             cells.extend(others.iter().map(|&label| summary.counts.of(label).to_string()));
+            let AuditCounts { runs, flips } = summary.audit;
+            cells.extend(self.audit.then(|| format!("{flips} of {runs}")));
             cells
         };
         let mut lines = vec![header];
@@ -94,6 +134,17 @@ impl PointsTable {
             object.insert("ci_low".to_owned(), json!(summary.interval.0));
             object.insert("ci_high".to_owned(), json!(summary.interval.1));
             object.insert("time_to_rest_p50_s".to_owned(), json!(summary.time_to_rest_s[1]));
+            if let Some(precise) = self.is_precise(row) {
+                object.insert("precision_reached".to_owned(), json!(precise));
+            }
+            if self.audit {
+                let audit = &summary.audit;
+                object.insert("audited_runs".to_owned(), json!(audit.runs));
+                object.insert("audit_flips".to_owned(), json!(audit.flips));
+                object.insert("audit_flip_rate".to_owned(), json!(audit.flip_rate()));
+                object.insert("audit_flip_low".to_owned(), json!(audit.interval().0));
+                object.insert("audit_flip_high".to_owned(), json!(audit.interval().1));
+            }
             object.insert("set_fraction".to_owned(), json!(row.set_fraction));
             Value::Object(object)
         };

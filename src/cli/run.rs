@@ -132,6 +132,9 @@ impl Ran {
                 "wall_s": self.circumstances.wall_s,
                 "points": self.table.json(),
             });
+            if study.precision().is_some() {
+                report["points_not_precise"] = self.table.not_precise().into();
+            }
             if let Some(expectations) = expectations {
                 report["expectations"] = expectations;
             }
@@ -150,13 +153,15 @@ impl Ran {
                     "{failed} runs failed: see the columns evidence and error of runs.parquet"
                 ));
             }
+            self.table.precision_line().iter().for_each(|line| say(line));
             if let Some(directory) = directory {
                 say(&format!("tables in {}", directory.display()));
             }
             if self.tally.interrupted {
                 let planned = self.circumstances.runs_planned;
+                let bound = if study.precision().is_some() { "at most " } else { "" };
                 say(&format!(
-                    "interrupted after {runs} of {planned} runs; what is finished is kept"
+                    "interrupted after {runs} of {bound}{planned} runs; what is finished is kept"
                 ));
             }
         }
@@ -199,14 +204,17 @@ pub fn farm_study(
     take: impl FnMut(Option<RunRecord>, Option<PointWithDetail<'_>>) -> Result<(), ResultsError> + Send,
 ) -> Result<Ran, CliError> {
     let options = arguments.options();
-    let runs_planned = options.shard.runs(study.run_count());
+    let runs_planned = options.shard.most_runs(study);
     let stop = stop_on_signals().unwrap_or_else(|error| {
         say(&format!("warning: Ctrl-C will not be clean: {error}"));
         Arc::new(AtomicBool::new(false))
     });
     // A clock before 1970 is a clock that is wrong: the manifest then says 0.
     let started = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
-    let progress = Progress::new(runs_planned, arguments.quiet);
+    let progress = match study.precision() {
+        None => Progress::new(runs_planned, arguments.quiet),
+        Some(_) => Progress::at_most(runs_planned, arguments.quiet),
+    };
     let mut collector = Collector { take, table: PointsTable::new(study, arguments.json) };
     let farmed = farm(study, options, simulate, &stop, &progress, &mut collector);
     let wall = progress.close();
@@ -219,6 +227,7 @@ pub fn farm_study(
             started_unix_s: started.as_secs_f64(),
             wall_s: wall.as_secs_f64(),
             threads: options.threads,
+            complete: !tally.interrupted,
         },
         table: collector.table,
     })

@@ -116,30 +116,51 @@ impl Findings {
             if !expectation.selects(study, &point.swept) {
                 continue;
             }
-            for (name, [low, high]) in &expectation.fractions {
+            for (name, range) in &expectation.fractions {
                 let Some(label) = Label::ALL.into_iter().find(|label| label.name() == *name) else {
                     continue;
                 };
                 let fraction = point.summary.counts.fraction(label);
-                let met = (*low..=*high).contains(&fraction);
-                self.not_met += u64::from(!met);
-                self.json.push(json!({
-                    "point_id": point.point_id,
-                    "label": name,
-                    "fraction": fraction,
-                    "expected": [low, high],
-                    "met": met,
-                }));
-                let columns = study.swept().iter().zip(&point.swept);
-                let place: Vec<String> =
-                    columns.map(|(column, value)| format!("{}={value}", column.name)).collect();
-                self.lines += &format!(
-                    "{}  point {} {}: {name} fraction {fraction:.4}, expected {low} to {high}\n",
-                    if met { "met    " } else { "NOT MET" },
-                    point.point_id,
-                    place.join(" "),
-                );
+                let keys = [("label", json!(name)), ("fraction", json!(fraction))];
+                self.add(study, point, &format!("{name} fraction"), Some(fraction), *range, &keys);
+            }
+            if let Some(range) = expectation.audit_flip_rate {
+                let rate = point.summary.audit.flip_rate();
+                let keys = [("audit_flip_rate", json!(rate))];
+                self.add(study, point, "audit flip rate", rate, range, &keys);
             }
         }
+    }
+
+    /// Takes in one share and its expected range, which a share of no runs does not meet; `keys` go
+    /// into the JSON.
+    fn add(
+        &mut self,
+        study: &Study,
+        point: &PointRow,
+        what: &str,
+        share: Option<f64>,
+        [low, high]: [f64; 2],
+        keys: &[(&str, Value)],
+    ) {
+        let met = share.is_some_and(|share| (low..=high).contains(&share));
+        self.not_met += u64::from(!met);
+        let mut entry = json!({"point_id": point.point_id});
+        for (key, value) in keys {
+            entry[*key] = value.clone();
+        }
+        entry["expected"] = json!([low, high]);
+        entry["met"] = met.into();
+        self.json.push(entry);
+        let columns = study.swept().iter().zip(&point.swept);
+        let place: Vec<String> =
+            columns.map(|(column, value)| format!("{}={value}", column.name)).collect();
+        self.lines += &format!(
+            "{}  point {} {}: {what} {}, expected {low} to {high}\n",
+            if met { "met    " } else { "NOT MET" },
+            point.point_id,
+            place.join(" "),
+            share.map_or_else(|| "of no run".to_owned(), |share| format!("{share:.4}")),
+        );
     }
 }

@@ -98,9 +98,9 @@ impl<const N: usize> ReturnMap<'_, N> {
                 return None;
             }
             watch(&mut motion, &during, Some((time, &state)));
-            for ball in 0..N {
+            for (ball, taken_off) in taken_off.into_iter().enumerate() {
                 let turns = motion.unwrapped_angle(ball) - motion.state().beta[ball];
-                state.beta[ball] += turns + taken_off[ball];
+                state.beta[ball] += turns + taken_off;
             }
             return Some(Return { state, time });
         }

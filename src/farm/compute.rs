@@ -14,24 +14,35 @@ thread_local! {
     static IN_A_RUN: Cell<bool> = const { Cell::new(false) };
 }
 
-/// Plans and simulates one run. Parameters without physical sense and panics are outcomes, not
+/// Plans and simulates one run, an audited one twice. Parameters without physical sense and panics are outcomes, not
 /// ends of the program.
 pub fn compute(study: &Study, run_id: u64, simulate: impl Fn(&Case) -> Outcome) -> RunRecord {
     quieten_panics_in_runs();
     let planned = study.planned_run(run_id);
-    let outcome = match &planned.case {
-        Err(invalid) => Outcome::failed(Evidence::InvalidParameters, invalid.to_string()),
+    let (outcome, again) = match &planned.case {
+        Err(invalid) => {
+            let evidence = Evidence::InvalidParameters;
+            (Outcome::failed(evidence, invalid.to_string()), planned.audited.then_some(evidence))
+        }
         Ok(case) => {
-            IN_A_RUN.set(true);
-            // Nothing outlives a run that unwinds: case and outcome are plain values.
-            let result = panic::catch_unwind(AssertUnwindSafe(|| simulate(case)));
-            IN_A_RUN.set(false);
-            result.unwrap_or_else(|payload| {
-                Outcome::failed(Evidence::Panic, panic_message(payload.as_ref()))
-            })
+            let again = || {
+                let simulation = case.simulation.counter_check();
+                guarded(&Case { simulation, ..case.clone() }, &simulate).evidence
+            };
+            (guarded(case, &simulate), planned.audited.then(again))
         }
     };
-    RunRecord { planned, outcome }
+    RunRecord { planned, outcome, audit: again }
+}
+
+/// Simulates a case; a panic is its outcome.
+fn guarded(case: &Case, simulate: impl Fn(&Case) -> Outcome) -> Outcome {
+    IN_A_RUN.set(true);
+    // Nothing outlives a run that unwinds: case and outcome are plain values.
+    let result = panic::catch_unwind(AssertUnwindSafe(|| simulate(case)));
+    IN_A_RUN.set(false);
+    result
+        .unwrap_or_else(|payload| Outcome::failed(Evidence::Panic, panic_message(payload.as_ref())))
 }
 
 fn panic_message(payload: &(dyn Any + Send)) -> String {

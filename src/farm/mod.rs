@@ -1,12 +1,14 @@
 //! Farms runs over the cores and hands them on in order.
 //!
 //! Which run is computed where and when changes nothing in its result: a run is a pure function of
-//! the study and its number. Chunks bound the memory; while one is computed, the one before is
+//! the study and its number. How many runs there are is decided in rounds, of which a study without a
+//! precision has one. Chunks of a round bound the memory; while one is computed, the one before is
 //! written.
 
 mod compute;
 mod interrupt;
 mod progress;
+mod rounds;
 mod shard;
 
 pub use compute::compute;
@@ -19,6 +21,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use rayon::prelude::*;
 use thiserror::Error;
 
+use self::rounds::{Round, Rounds};
 use crate::analysis::{LabelCounts, PointAccumulator, PointDetail};
 use crate::ending::Outcome;
 use crate::model::Case;
@@ -90,37 +93,45 @@ pub fn farm<S: Sink>(
     sink: &mut S,
 ) -> Result<Tally, FarmError<S::Error>> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(options.threads.max(1)).build()?;
-    let planned = options.shard.runs(study.run_count());
     let chunk = options.chunk.max(1) as u64;
+    let compute_all = |round: Round, first: u64| -> Vec<RunRecord> {
+        let runs = chunk.min(round.runs - first);
+        (0..runs as usize)
+            .into_par_iter()
+            .with_max_len(1)
+            .filter_map(|index| {
+                if stop.load(Ordering::Relaxed) {
+                    return None;
+                }
+                let record = compute(study, round.run_id(first + index as u64), &simulate);
+                progress.finished(record.outcome.label());
+                Some(record)
+            })
+            .collect()
+    };
     let mut intake = Intake { study, sink, point: None, counts: LabelCounts::default() };
-    let mut finished: Vec<RunRecord> = Vec::new();
-    let mut first = 0;
-    while first < planned && !stop.load(Ordering::Relaxed) {
-        let end = planned.min(first + chunk);
-        let work = || -> Vec<RunRecord> {
-            (0..(end - first) as usize)
-                .into_par_iter()
-                .with_max_len(1)
-                .filter_map(|index| {
-                    if stop.load(Ordering::Relaxed) {
-                        return None;
-                    }
-                    let run_id = options.shard.run_id(first + index as u64);
-                    let record = compute(study, run_id, &simulate);
-                    progress.finished(record.outcome.label());
-                    Some(record)
-                })
-                .collect()
-        };
-        let waiting = std::mem::take(&mut finished);
-        let (computed, taken) = pool.install(|| rayon::join(work, || intake.take_all(waiting)));
-        taken.map_err(FarmError::Sink)?;
-        finished = computed;
-        first = end;
+    let mut rounds = Rounds::new(study, options.shard);
+    let mut due = 0;
+    while let Some(round) = rounds.next(intake.so_far()) {
+        progress.expect(rounds.most_runs());
+        due += round.runs;
+        let mut finished: Vec<RunRecord> = Vec::new();
+        let mut first = 0;
+        while first < round.runs && !stop.load(Ordering::Relaxed) {
+            let waiting = std::mem::take(&mut finished);
+            let (computed, taken) = pool
+                .install(|| rayon::join(|| compute_all(round, first), || intake.take_all(waiting)));
+            taken.map_err(FarmError::Sink)?;
+            finished = computed;
+            first += chunk;
+        }
+        intake.take_all(finished).map_err(FarmError::Sink)?;
+        if intake.counts.total() < due {
+            break;
+        }
     }
-    intake.take_all(finished).map_err(FarmError::Sink)?;
     let counts = intake.finish().map_err(FarmError::Sink)?;
-    Ok(Tally { counts, interrupted: counts.total() < planned })
+    Ok(Tally { counts, interrupted: counts.total() < due })
 }
 
 /// Hands runs to the sink and collects them point by point.
@@ -132,6 +143,11 @@ struct Intake<'a, S> {
 }
 
 impl<S: Sink> Intake<'_, S> {
+    /// What is known of the point whose runs came last.
+    fn so_far(&self) -> Option<&PointAccumulator> {
+        self.point.as_ref().map(|(_, runs)| runs)
+    }
+
     fn take_all(&mut self, records: Vec<RunRecord>) -> Result<(), S::Error> {
         for record in records {
             let point_id = record.planned.point_id;

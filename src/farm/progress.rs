@@ -14,7 +14,9 @@ use crate::ending::Label;
 pub struct Progress {
     bar: ProgressBar,
     lines: bool,
-    planned: u64,
+    planned: AtomicU64,
+    /// What stands before the number of planned runs and before the time left.
+    bound: &'static str,
     started: Instant,
     counts: Arc<Counts>,
 }
@@ -51,6 +53,15 @@ const LINE_EVERY: u64 = 10;
 impl Progress {
     /// Progress over `planned` runs.
     pub fn new(planned: u64, quiet: bool) -> Self {
+        Self::with_bound(planned, quiet, "")
+    }
+
+    /// Progress over so many runs at most.
+    pub fn at_most(planned: u64, quiet: bool) -> Self {
+        Self::with_bound(planned, quiet, "at most ")
+    }
+
+    fn with_bound(planned: u64, quiet: bool, bound: &'static str) -> Self {
         let terminal = std::io::stderr().is_terminal();
         let counts = Arc::new(Counts::default());
         counts.next_line.store(LINE_EVERY, Ordering::Relaxed);
@@ -60,10 +71,13 @@ impl Progress {
             ProgressDrawTarget::hidden()
         };
         let bar = ProgressBar::with_draw_target(Some(planned), target);
-        let template = "{bar:32} {human_pos}/{human_len} runs  {runs_per_s}  \
-                        equilibria {fraction}  {eta} left";
+        let sign = if bound.is_empty() { "" } else { "≤" };
+        let template = format!(
+            "{{bar:32}} {{human_pos}}/{sign}{{human_len}} runs  {{runs_per_s}}  \
+             equilibria {{fraction}}  {sign}{{eta}} left"
+        );
         let for_fraction = Arc::clone(&counts);
-        if let Ok(style) = ProgressStyle::with_template(template) {
+        if let Ok(style) = ProgressStyle::with_template(&template) {
             bar.set_style(
                 style
                     .with_key(
@@ -81,7 +95,21 @@ impl Progress {
                     ),
             );
         }
-        Progress { bar, lines: !terminal && !quiet, planned, started: Instant::now(), counts }
+        Progress {
+            bar,
+            lines: !terminal && !quiet,
+            planned: planned.into(),
+            bound,
+            started: Instant::now(),
+            counts,
+        }
+    }
+
+    /// Corrects the number of planned runs.
+    pub fn expect(&self, planned: u64) {
+        if self.planned.swap(planned, Ordering::Relaxed) != planned {
+            self.bar.set_length(planned);
+        }
     }
 
     /// Counts a finished run.
@@ -107,10 +135,12 @@ impl Progress {
             return;
         }
         let rate = runs as f64 / elapsed.as_secs_f64();
-        let left = Duration::from_secs_f64((self.planned - runs) as f64 / rate);
+        let planned = self.planned.load(Ordering::Relaxed);
+        let left = Duration::from_secs_f64(planned.saturating_sub(runs) as f64 / rate);
+        let bound = self.bound;
+        let about = if bound.is_empty() { "about " } else { bound };
         say(&format!(
-            "{runs} of {} runs, {rate:.0} runs/s, equilibria {}, about {} s left",
-            self.planned,
+            "{runs} of {bound}{planned} runs, {rate:.0} runs/s, equilibria {}, {about}{} s left",
             self.counts.fraction(),
             left.as_secs(),
         ));

@@ -102,6 +102,27 @@ impl Simulation {
         let factor = self.extend.map_or(1.0, |extend| extend.factor);
         [self.end_time_s, factor * self.end_time_s]
     }
+
+    /// The settings of a second computation that should end alike: the other method, with a tenth of
+    /// both tolerances.
+    ///
+    /// ```
+    /// use stickslip::model::{Method, Simulation};
+    ///
+    /// let second = Simulation::default().counter_check();
+    /// assert_eq!((second.method, second.relative_tolerance), (Method::Event, 1.0e-9));
+    /// ```
+    pub fn counter_check(&self) -> Simulation {
+        Simulation {
+            method: match self.method {
+                Method::Switch => Method::Event,
+                Method::Event => Method::Switch,
+            },
+            relative_tolerance: self.relative_tolerance / 10.0,
+            absolute_tolerance: self.absolute_tolerance / 10.0,
+            ..*self
+        }
+    }
 }
 
 /// Parameters, start state and settings of one run.

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::draw::{DrawKey, RandomOrder};
+use super::file_values::MAX_COUNT;
 use super::start_box::{Axis, StartBox};
 
 /// The most samples of a Sobol' design; the library's sequence is that long.
@@ -98,6 +99,24 @@ impl Design {
             Layout::Grid { points } => vec![*points; self.free_axes()],
             Layout::Table { rows } => vec![rows.len() as u64],
         }
+    }
+
+    /// How many samples are added when a design of `first` samples is enlarged, and how many there
+    /// can be in all; `None` of a design that cannot be enlarged.
+    pub fn enlargement(&self, first: u64) -> Option<(u64, u64)> {
+        match &self.layout {
+            Layout::Stratified { samples_per_cell, .. } => {
+                Some((first / (*samples_per_cell).max(1), MAX_COUNT))
+            }
+            Layout::Sobol { samples } => Some((*samples, MAX_SOBOL_SAMPLES)),
+            Layout::MonteCarlo { samples } => Some((*samples, MAX_COUNT)),
+            Layout::LatinHypercube { .. } | Layout::Grid { .. } | Layout::Table { .. } => None,
+        }
+    }
+
+    /// The design's name in a study file.
+    pub fn kind(&self) -> &'static str {
+        self.layout.kind()
     }
 
     /// Cell and replicate of a sample. In a stratified design every cell has its first sample

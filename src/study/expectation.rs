@@ -2,19 +2,22 @@
 
 use super::error::{Fault, Locate, StudyError, list_names, shorten};
 use super::file::ExpectationFile;
+use super::file_values::Range;
 use super::key_path::KeyPath;
 use super::node::describe_number;
 use super::parameter::{Parameter, ParameterValue};
 use super::plan::Study;
 use super::resolve_sweep::resolve_value;
 
-/// Ranges of the shares of runs per label, expected at every point that the selector matches.
+/// Ranges of the shares of runs per label and of the audit's flip rate, expected at every point that the selector matches.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Expectation {
     /// Names and values of swept parameters that select points; empty selects all.
     pub point: Vec<(String, ParameterValue)>,
     /// Label, such as `equilibrium`, and the expected range `[low, high]` of its share of runs.
     pub fractions: Vec<(&'static str, [f64; 2])>,
+    /// The expected range of the share of audited runs that flip, if one is given.
+    pub audit_flip_rate: Option<[f64; 2]>,
 }
 
 impl Expectation {
@@ -62,7 +65,11 @@ pub(crate) fn resolve_expectations(
     let resolve = |(index, file): (usize, &ExpectationFile)| {
         let path = KeyPath::of("expect").item(index);
         let point = resolve_selector(locate, study, parameters, &path.key("point"), file)?;
-        let expectation = Expectation { point, fractions: fractions(locate, &path, file)? };
+        let expectation = Expectation {
+            point,
+            fractions: fractions(locate, &path, file)?,
+            audit_flip_rate: audit_flip_rate(locate, study, &path, file)?,
+        };
         if !study.has_point(&expectation) {
             let found: Vec<String> =
                 expectation.point.iter().map(|(name, value)| format!("{name} {value}")).collect();
@@ -118,19 +125,39 @@ fn fractions(
         ("failed", file.failed_fraction),
     ] {
         let Some(range) = range else { continue };
-        let [low, high] = range.0;
-        if !(0.0 <= low && low <= high && high <= 1.0) {
-            let found = format!("[{}, {}]", describe_number(low), describe_number(high));
-            let fault = Fault::new("not a range of shares", found, "0 <= low <= high <= 1");
-            return Err(locate.refuse_value(&path.key(&format!("{label}_fraction")), fault));
-        }
-        fractions.push((label, [low, high]));
+        fractions.push((label, shares(locate, &path.key(&format!("{label}_fraction")), range)?));
     }
-    if fractions.is_empty() {
+    if fractions.is_empty() && file.audit_flip_rate.is_none() {
         let allowed = "at least one of equilibrium_fraction, limit_cycle_fraction, \
-                       irregular_fraction, undecided_fraction, failed_fraction";
+                       irregular_fraction, undecided_fraction, failed_fraction, audit_flip_rate";
         let fault = Fault::new("nothing is expected", "no range", allowed);
         return Err(locate.refuse_value(path, fault));
     }
     Ok(fractions)
+}
+
+fn audit_flip_rate(
+    locate: &dyn Locate,
+    study: &Study,
+    path: &KeyPath,
+    file: &ExpectationFile,
+) -> Result<Option<[f64; 2]>, StudyError> {
+    let Some(range) = file.audit_flip_rate else { return Ok(None) };
+    let path = path.key("audit_flip_rate");
+    if study.audit().is_none() {
+        let allowed = "an audit in the study, such as audit: {fraction: 0.05}, or no such range";
+        let fault = Fault::new("nothing is audited", "a study without `audit`", allowed);
+        return Err(locate.refuse_key(&path, fault));
+    }
+    shares(locate, &path, range).map(Some)
+}
+
+fn shares(locate: &dyn Locate, path: &KeyPath, range: Range) -> Result<[f64; 2], StudyError> {
+    let [low, high] = range.0;
+    if 0.0 <= low && low <= high && high <= 1.0 {
+        return Ok(range.0);
+    }
+    let found = format!("[{}, {}]", describe_number(low), describe_number(high));
+    let fault = Fault::new("not a range of shares", found, "0 <= low <= high <= 1");
+    Err(locate.refuse_value(path, fault))
 }

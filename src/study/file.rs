@@ -35,6 +35,13 @@ pub struct StudyFile {
     /// How runs are integrated and for how long.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub simulation: Option<SimulationFile>,
+    /// How precisely the share of equilibria is wanted at each point; without it each point has the
+    /// runs that its design names.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub precision: Option<PrecisionFile>,
+    /// A share of the runs that is computed a second time in another way.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub audit: Option<AuditFile>,
     /// What `stickslip verify` holds the results against.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub expect: Option<Vec<ExpectationFile>>,
@@ -405,6 +412,31 @@ pub struct ToleranceFile {
     pub absolute: Option<f64>,
 }
 
+/// Sampling that goes on at each point, in whole replicates of its design (one sample in every cell of
+/// a stratified one, `samples` more of `monte_carlo` and `sobol`; others cannot be enlarged), until
+/// the 95 % interval of the share of equilibria is narrow enough.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct PrecisionFile {
+    /// Half the width of the interval from `ci_low` to `ci_high` at which sampling stops, above 0 and
+    /// below 0.5.
+    #[schemars(extend("exclusiveMinimum" = 0, "exclusiveMaximum" = 0.5))]
+    pub equilibrium_fraction: f64,
+    /// The most runs at each point (not of the study): no replicate is begun that would exceed it. The
+    /// samples that the design names are always run. A Sobol' sequence ends after 65536.
+    pub max_runs: Count,
+}
+
+/// A second computation of some runs, by the other method with a tenth of both tolerances, to see how
+/// often the ending depends on how it was computed.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct AuditFile {
+    /// Share of the runs, above 0 and at most 1; which ones is drawn for each run.
+    #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 1))]
+    pub fraction: f64,
+}
+
 /// Shares of runs per label that are expected at some points; at least one share.
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[serde(deny_unknown_fields)]
@@ -428,4 +460,7 @@ pub struct ExpectationFile {
     /// Share of runs that failed, `[low, high]`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub failed_fraction: Option<Range>,
+    /// Share of audited runs whose label is another when they are computed again, `[low, high]`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub audit_flip_rate: Option<Range>,
 }

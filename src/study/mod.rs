@@ -23,6 +23,7 @@
 //! # Ok::<(), stickslip::study::StudyError>(())
 //! ```
 
+mod audit;
 mod csv_table;
 mod decode;
 mod design;
@@ -36,12 +37,14 @@ mod key_path;
 mod node;
 mod parameter;
 mod plan;
+mod precision;
 mod resolve;
 mod resolve_design;
 mod resolve_extend;
 mod resolve_friction;
 mod resolve_model;
 mod resolve_points;
+mod resolve_runs;
 mod resolve_simulation;
 mod resolve_sweep;
 mod resolve_uncertain;
@@ -50,8 +53,10 @@ mod schema;
 mod start_box;
 mod sweep;
 
+pub use audit::Audit;
 pub use error::StudyError;
 pub use expectation::Expectation;
 pub use parameter::{ParameterKind, ParameterValue, VariedParameter};
 pub use plan::{PlannedRun, Point, Study};
+pub use precision::{Precision, Sampling};
 pub use schema::json_schema;

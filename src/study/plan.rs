@@ -1,9 +1,13 @@
 //! A resolved study and its plan: every point and every run as a function of its number.
 
+use std::ops::Range;
+
+use super::audit::Audit;
 use super::design::SampleId;
 use super::expectation::{Expectation, same};
 use super::file::StudyFile;
 use super::parameter::{Parameter, ParameterValue, VariedParameter};
+use super::precision::{Precision, Sampling};
 use super::resolve_model::Base;
 use super::resolve_uncertain::Uncertain;
 use super::sweep::{Block, Listing};
@@ -19,6 +23,8 @@ pub struct Study {
     pub(super) seed: u64,
     pub(super) base: Base,
     pub(super) simulation: Simulation,
+    pub(super) audit: Option<Audit>,
+    pub(super) precision: Option<Precision>,
     pub(super) blocks: Vec<Block>,
     pub(super) swept_parameters: Vec<Parameter>,
     pub(super) swept: Vec<VariedParameter>,
@@ -38,8 +44,8 @@ pub struct Point {
     pub swept: Vec<ParameterValue>,
     /// Number of the point's first run.
     pub first_run: u64,
-    /// Number of the point's runs, which follow one another.
-    pub runs: u64,
+    /// Number of the point's runs; those that are computed follow one another.
+    pub sampling: Sampling,
     model: Model,
 }
 
@@ -70,6 +76,8 @@ pub struct PlannedRun {
     /// What is to be computed, or the drawn parameter that makes no physical sense: such a run is
     /// a failed one.
     pub case: Result<Case, InvalidParameter>,
+    /// Whether it is computed a second time, see [`Audit`].
+    pub audited: bool,
 }
 
 impl Study {
@@ -94,9 +102,31 @@ impl Study {
         &self.simulation
     }
 
-    /// Number of planned runs.
+    /// Which runs are computed a second time, if any.
+    pub fn audit(&self) -> Option<Audit> {
+        self.audit
+    }
+
+    /// How precisely the share of equilibria is wanted at each point, if that decides how many runs
+    /// it has.
+    pub fn precision(&self) -> Option<Precision> {
+        self.precision
+    }
+
+    /// Number of planned runs; with a precision the most, for which numbers are reserved.
     pub fn run_count(&self) -> u64 {
-        self.blocks.last().map_or(0, |block| block.first_run + block.points * block.runs_per_point)
+        self.blocks.last().map_or(0, |block| block.first_run + block.points * block.sampling.most)
+    }
+
+    /// Number of runs before the first decision at each point; without a precision, of all runs.
+    pub fn least_run_count(&self) -> u64 {
+        self.blocks.iter().map(|block| block.points * block.sampling.first).sum()
+    }
+
+    /// Stretches of points that have equally many runs: their numbers, and the most runs of each.
+    pub fn stretches(&self) -> impl Iterator<Item = (Range<u64>, u64)> {
+        let points = |block: &Block| block.first_point..block.first_point + block.points;
+        self.blocks.iter().map(move |block| (points(block), block.sampling.most))
     }
 
     /// Number of points of the sweep; one where nothing is swept.
@@ -137,8 +167,8 @@ impl Study {
         Point {
             point_id,
             swept: self.swept_parameters.iter().map(column).collect(),
-            first_run: block.first_run + local * block.runs_per_point,
-            runs: block.runs_per_point,
+            first_run: block.first_run + local * block.sampling.most,
+            sampling: block.sampling,
             model,
         }
     }
@@ -152,17 +182,18 @@ impl Study {
         let index = self.blocks.partition_point(|block| block.first_run <= run_id);
         let block = &self.blocks[index - 1];
         let local = run_id - block.first_run;
-        let local_point = local / block.runs_per_point;
+        let local_point = local / block.sampling.most;
         let point = self.point(block.first_point + local_point);
-        let id = block.design.identify(local % block.runs_per_point);
+        let id = block.design.identify(local % block.sampling.most);
         let start = Start(block.design.coordinates(id));
         let uncertain = self.draw(id);
+        let mut values = block.values(local_point);
+        let audited = self.audit.is_some_and(|audit| audit.chooses(self.seed, &values, id));
         let model = if uncertain.is_empty() {
             point.model
         } else {
             let drawn = self.uncertain_parameters.iter().zip(&uncertain);
             let drawn = drawn.map(|(one, value)| (one.parameter, ParameterValue::Number(*value)));
-            let mut values = block.values(local_point);
             values.extend(drawn);
             self.model_with(&values)
         };
@@ -180,6 +211,7 @@ impl Study {
             uncertain,
             start,
             case,
+            audited,
         }
     }
 

@@ -2,25 +2,27 @@
 
 use std::path::Path;
 
+use super::audit::Audit;
 use super::csv_table::read_text;
 use super::decode::decode;
-use super::design::Design;
 use super::error::{Fault, Locate, StudyError, shorten};
 use super::expectation::resolve_expectations;
 use super::file::{BlockFile, DesignFile, DistributionFile, InitialConditionsFile, StudyFile};
-use super::file_values::{MAX_COUNT, Named};
+use super::file_values::Named;
 use super::key_path::KeyPath;
-use super::node::{Content, Source, describe_number};
+use super::node::{Content, Source};
 use super::parameter::{Parameter, VariedParameter};
 use super::plan::Study;
+use super::precision::Precision;
 use super::resolve_design::{ResolvedDesign, resolve_design};
 use super::resolve_model::Base;
 use super::resolve_points::check_points;
+use super::resolve_runs::number_runs;
 use super::resolve_simulation::{resolve_simulation, simulation_to_file};
 use super::resolve_sweep::{ResolvedBlock, resolve_block};
 use super::resolve_uncertain::resolve_uncertain;
 use super::start_box::StartBox;
-use super::sweep::{Block, Listing, product};
+use super::sweep::Listing;
 
 /// The version of the study file's format that this program reads.
 const SCHEMA: u64 = 1;
@@ -70,6 +72,8 @@ fn resolve(source: &Source, written: &StudyFile) -> Result<Study, StudyError> {
     check_name(source, &written.name)?;
     let base = Base::resolve(source, &written.model)?;
     let simulation = resolve_simulation(source, written.simulation.as_ref())?;
+    let audit = Audit::resolve(source, written.audit.as_ref())?;
+    let precision = Precision::resolve(source, written.precision.as_ref())?;
     let conditions = KeyPath::of("initial_conditions");
     let start_box = StartBox::resolve(
         source,
@@ -118,6 +122,8 @@ fn resolve(source: &Source, written: &StudyFile) -> Result<Study, StudyError> {
             design: common.map(|design| design.file),
         },
         simulation: Some(simulation_to_file(&simulation)),
+        audit: audit.map(Audit::to_file),
+        precision: precision.map(Precision::to_file),
         expect: written.expect.clone(),
     };
     let mut study = Study {
@@ -125,7 +131,16 @@ fn resolve(source: &Source, written: &StudyFile) -> Result<Study, StudyError> {
         seed: written.seed,
         base,
         simulation,
-        blocks: count(source, blocks, &designs, &start_box, written.seed)?,
+        audit,
+        precision,
+        blocks: number_runs(
+            source,
+            blocks,
+            &designs,
+            &start_box,
+            written.seed,
+            precision.as_ref(),
+        )?,
         swept: swept_parameters.iter().map(column).collect(),
         swept_parameters,
         uncertain,
@@ -217,61 +232,6 @@ fn designs(
         })
     };
     blocks.iter_mut().enumerate().map(resolve).collect()
-}
-
-/// Numbers the points and runs of all blocks.
-fn count(
-    source: &Source,
-    resolved: Vec<ResolvedBlock>,
-    designs: &[ResolvedDesign],
-    start_box: &StartBox,
-    seed: u64,
-) -> Result<Vec<Block>, StudyError> {
-    let mut blocks = Vec::with_capacity(resolved.len());
-    let (mut first_point, mut first_run) = (0_u64, 0_u64);
-    for (block, design) in resolved.into_iter().zip(designs) {
-        let mut block = Block {
-            listing: block.listing,
-            columns: block.columns,
-            design: Design::new(design.layout.clone(), start_box, seed),
-            first_point,
-            points: 0,
-            first_run,
-            runs_per_point: 0,
-        };
-        let (points, samples) = (block.factors(), block.design.factors());
-        let all: Vec<u64> = points.iter().chain(&samples).copied().collect();
-        let size = |factors: &[u64]| product(factors, MAX_COUNT);
-        let total = size(&all).and_then(|runs| match first_run + runs {
-            total if total <= MAX_COUNT => Ok(total),
-            total => Err(total as f64),
-        });
-        match (total, size(&points), size(&samples)) {
-            (Ok(total), Ok(points), Ok(samples)) => {
-                block.points = points;
-                block.runs_per_point = samples;
-                first_point += points;
-                first_run = total;
-            }
-            (total, points, samples) => {
-                let number = |count: Result<u64, f64>| count.map_or_else(|large| large, to_float);
-                let found = format!(
-                    "{:e} runs (points: {}, samples at each: {})",
-                    number(total),
-                    describe_number(number(points)),
-                    describe_number(number(samples)),
-                );
-                let fault = Fault::new("too many runs", found, "at most 1e15 runs");
-                return Err(source.refuse_value(&design.path, fault));
-            }
-        }
-        blocks.push(block);
-    }
-    Ok(blocks)
-}
-
-fn to_float(count: u64) -> f64 {
-    count as f64
 }
 
 fn uncertain_to_file(

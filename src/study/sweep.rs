@@ -2,6 +2,7 @@
 
 use super::design::Design;
 use super::parameter::{Parameter, ParameterValue};
+use super::precision::Sampling;
 
 /// How a block lists its points.
 #[derive(Clone, Debug, PartialEq)]
@@ -28,19 +29,21 @@ pub(crate) struct Block {
     /// Number of the block's first run.
     pub first_run: u64,
     /// Runs at each point.
-    pub runs_per_point: u64,
+    pub sampling: Sampling,
 }
 
-impl Block {
+impl Listing {
     /// The factors whose product is the number of points.
-    pub fn factors(&self) -> Vec<u64> {
-        let lengths = self.columns.iter().map(|(_, values)| values.len() as u64);
-        match self.listing {
+    pub fn factors(&self, columns: &[(Parameter, Vec<ParameterValue>)]) -> Vec<u64> {
+        let lengths = columns.iter().map(|(_, values)| values.len() as u64);
+        match self {
             Listing::Grid => lengths.collect(),
             Listing::Rows => lengths.take(1).collect(),
         }
     }
+}
 
+impl Block {
     /// The swept values at a point, counted from the block's first.
     pub fn values(&self, point: u64) -> Vec<(Parameter, ParameterValue)> {
         let mut rest = point;

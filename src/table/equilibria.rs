@@ -23,7 +23,7 @@ pub struct EquilibriumRow {
 impl EquilibriumRow {
     /// The row of a run; none for one that did not end in equilibrium.
     pub fn of(record: &RunRecord) -> Option<Self> {
-        let RunRecord { planned, outcome } = record;
+        let RunRecord { planned, outcome, .. } = record;
         if outcome.label() != Label::Equilibrium {
             return None;
         }

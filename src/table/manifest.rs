@@ -26,13 +26,13 @@ pub struct Manifest {
     pub commit: String,
     /// Part of the study that was run, as `K/N`.
     pub shard: String,
-    /// Runs planned in this part.
+    /// Runs planned in this part; with a precision, the most.
     pub runs_planned: u64,
     /// Runs finished, failed ones included.
     pub runs_finished: u64,
     /// Runs per label.
     pub labels: BTreeMap<String, u64>,
-    /// Whether all planned runs are finished.
+    /// Whether all planned runs are finished; with a precision, all that it needs.
     pub complete: bool,
     /// When it started, seconds since 1970-01-01 UTC.
     pub started_unix_s: f64,

@@ -2,7 +2,7 @@
 
 use super::column::Column;
 use super::runs::swept_columns;
-use crate::analysis::{EscapeRate, PointSummary, set_fraction};
+use crate::analysis::{AuditCounts, EscapeRate, PointSummary, is_narrow, set_fraction};
 use crate::ending::Label;
 use crate::model::{Balancer, ExistenceVerdict, Machine};
 use crate::study::{ParameterValue, Point, Study};
@@ -113,6 +113,8 @@ pub fn point_columns(study: &Study) -> Vec<Column<PointRow>> {
             move |row: &PointRow| row.summary.amplitude_m[index],
         ));
     }
+    columns.push(precision_column(study));
+    columns.extend(audit_columns(study));
     if study.model().balls() == 0 {
         return columns;
     }
@@ -146,6 +148,48 @@ pub fn point_columns(study: &Study) -> Vec<Column<PointRow>> {
         ),
     ]);
     columns
+}
+
+/// Whether the share of equilibria is known well enough; null in a study without a precision.
+fn precision_column(study: &Study) -> Column<PointRow> {
+    let widest = study.precision().map(|precision| precision.equilibrium_fraction);
+    Column::truth(
+        "precision_reached",
+        "whether ci_low to ci_high is at most twice as wide as the study's precision asks for; null \
+         without a precision",
+        move |row: &PointRow| widest.map(|widest| is_narrow(row.summary.interval, widest)),
+    )
+}
+
+/// How often runs ended differently when they were computed again; null in a study without an audit.
+fn audit_columns(study: &Study) -> [Column<PointRow>; 5] {
+    let has_audit = study.audit().is_some();
+    let count = |name: &str, meaning: &str, value: fn(&AuditCounts) -> u64| {
+        Column::count(name, meaning, move |row: &PointRow| {
+            has_audit.then(|| value(&row.summary.audit))
+        })
+    };
+    let share = |name: &str, meaning: &str, value: fn(&AuditCounts) -> Option<f64>| {
+        Column::number(name, "1", meaning, move |row: &PointRow| {
+            has_audit.then(|| value(&row.summary.audit)).flatten()
+        })
+    };
+    [
+        count(
+            "audited_runs",
+            "runs computed a second time, by the other method with a tenth of both tolerances; \
+             null without an audit",
+            |audit| audit.runs,
+        ),
+        count("audit_flips", "audited runs whose label was another one then", |audit| audit.flips),
+        share("audit_flip_rate", "share of audited runs that flipped", AuditCounts::flip_rate),
+        share("audit_flip_low", "lower end of its 95 % interval (Wilson)", |audit| {
+            Some(audit.interval().0)
+        }),
+        share("audit_flip_high", "upper end of its 95 % interval (Wilson)", |audit| {
+            Some(audit.interval().1)
+        }),
+    ]
 }
 
 /// How well the median time to rest is known, and the rate at which late runs come to rest.

@@ -1,7 +1,7 @@
 //! One row of the run table: what was planned and what came out.
 
 use crate::analysis::Observed;
-use crate::ending::Outcome;
+use crate::ending::{Evidence, Outcome};
 use crate::study::PlannedRun;
 
 /// A run with its outcome.
@@ -11,6 +11,8 @@ pub struct RunRecord {
     pub planned: PlannedRun,
     /// How it ended.
     pub outcome: Outcome,
+    /// Why it ended as it did when it was computed a second time, if it was.
+    pub audit: Option<Evidence>,
 }
 
 impl RunRecord {
@@ -20,6 +22,7 @@ impl RunRecord {
             cell: self.planned.cell,
             case: self.planned.case.as_ref().ok(),
             outcome: &self.outcome,
+            audit: self.audit.map(Evidence::label),
         }
     }
 }

@@ -125,8 +125,10 @@ pub fn inspect(directory: &Path, study: &Study, shard: &str) -> Result<Destinati
 pub struct Circumstances {
     /// Part of the study, as `K/N`.
     pub shard: String,
-    /// Runs planned in this part.
+    /// Runs planned in this part; with a precision, the most.
     pub runs_planned: u64,
+    /// Whether all runs that are needed have finished.
+    pub complete: bool,
     /// When it started, seconds since 1970-01-01 UTC.
     pub started_unix_s: f64,
     /// How long it took, s.
@@ -244,7 +246,8 @@ impl Results {
             let entry = FileEntry::of(&directory.join(name), rows).map_err(unusable)?;
             files.insert(name.to_owned(), entry);
         }
-        let Circumstances { shard, runs_planned, started_unix_s, wall_s, threads } = circumstances;
+        let Circumstances { shard, runs_planned, complete, started_unix_s, wall_s, threads } =
+            circumstances;
         let counts = self.counts;
         let manifest = Manifest {
             format: FORMAT,
@@ -259,7 +262,7 @@ impl Results {
                 .into_iter()
                 .map(|label| (label.name().to_owned(), counts.of(label)))
                 .collect(),
-            complete: counts.total() == runs_planned,
+            complete,
             started_unix_s,
             wall_s,
             threads,

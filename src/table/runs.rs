@@ -4,7 +4,7 @@ use super::column::{Column, NON_DIMENSIONAL};
 use super::cycles::class_meaning;
 use super::record::RunRecord;
 use crate::analysis::CycleClass;
-use crate::ending::LyapunovExponent;
+use crate::ending::{Evidence, LyapunovExponent};
 use crate::model::Coordinate;
 use crate::study::{ParameterKind, ParameterValue, PlannedRun, Study, VariedParameter};
 
@@ -175,6 +175,17 @@ pub fn run_columns(study: &Study) -> Vec<Column<RunRecord>> {
         Column::text("error", "what went wrong, in words", |row: &RunRecord| {
             row.outcome.error.clone()
         }),
+        Column::optional_word(
+            "audit_label",
+            "how the run ended when it was computed again, by the other method with a tenth of both \
+             tolerances; null where it was not",
+            |row: &RunRecord| row.audit.map(|evidence| evidence.label().name()),
+        ),
+        Column::optional_word(
+            "audit_evidence",
+            "why it has that label, or what failed; null where it was not computed again",
+            |row: &RunRecord| row.audit.map(Evidence::name),
+        ),
     ]);
     columns
 }
@@ -218,7 +229,7 @@ fn cycle_columns(study: &Study) -> [Column<RunRecord>; 3] {
         Column::text(
             "cycle_class",
             &class_meaning(study.model().balls()),
-            |RunRecord { planned, outcome }: &RunRecord| {
+            |RunRecord { planned, outcome, .. }: &RunRecord| {
                 let case = planned.case.as_ref().ok()?;
                 Some(CycleClass::of(&case.model, outcome)?.name)
             },

@@ -147,7 +147,9 @@ fn the_smoke_study_holds() {
 #[test]
 fn small_shipped_studies_hold() {
     let scratch = Scratch::new();
-    for name in ["block-on-spring", "block-on-belt", "stribeck", "smooth-friction", "viscous"] {
+    let names =
+        ["block-on-spring", "block-on-belt", "stribeck", "smooth-friction", "viscous", "precision"];
+    for name in names {
         let study = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("studies/{name}.yaml"));
         let text = scratch.well(&format!("verify {} --threads 2", study.display()));
         assert!(text.contains("\nmet    ") && !text.contains("NOT MET"), "{text}");

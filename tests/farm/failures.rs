@@ -2,48 +2,12 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use stickslip::analysis::{PointDetail, Z_95, wilson};
+use stickslip::analysis::{Z_95, wilson};
 use stickslip::ending::{Evidence, Label, Outcome, simulate};
-use stickslip::farm::{FarmError, FarmOptions, Progress, Shard, Sink, Tally, farm};
-use stickslip::model::Case;
 use stickslip::study::Study;
-use stickslip::table::{PointRow, RunRecord};
 
+use super::kept::{Kept, farmed};
 use crate::cli::support::{AT_ONCE, Scratch, counts, numbers, parse, study_text, words};
-
-#[derive(Default)]
-struct Kept {
-    runs: Vec<RunRecord>,
-    points: Vec<PointRow>,
-    room: Option<usize>,
-}
-
-impl Sink for Kept {
-    type Error = &'static str;
-
-    fn run(&mut self, record: RunRecord) -> Result<(), Self::Error> {
-        if self.room == Some(self.runs.len()) {
-            return Err("the disk is full");
-        }
-        self.runs.push(record);
-        Ok(())
-    }
-
-    fn point(&mut self, point: PointRow, _: PointDetail) -> Result<(), Self::Error> {
-        self.points.push(point);
-        Ok(())
-    }
-}
-
-fn farmed(
-    study: &Study,
-    sink: &mut Kept,
-    stop: &AtomicBool,
-    simulate: impl Fn(&Case) -> Outcome + Sync,
-) -> Result<Tally, FarmError<&'static str>> {
-    let options = FarmOptions { threads: 3, chunk: 4, shard: Shard::WHOLE };
-    farm(study, options, simulate, stop, &Progress::new(study.run_count(), true), sink)
-}
 
 fn study() -> Study {
     let sweep = "sweep: [{grid: {speed_rad_s: [-160.0, -200.0]}}]\n";

@@ -1,7 +1,10 @@
 //! The farm: which run is computed where changes nothing, and a bad run is a row.
 
+mod audit;
 mod continued;
 mod exchanged_balls;
 mod failures;
+mod kept;
 mod kept_rows;
+mod precision;
 mod same_bytes;

@@ -71,3 +71,17 @@ fn for_runs_that_are_continued() {
         &["--threads 1", "--threads 2 --chunk 5", "--threads 7 --chunk 1", "--threads 2"],
     );
 }
+
+/// How many runs there are depends on how runs end, and not on who computes them.
+#[test]
+fn where_runs_decide_how_many_there_are() {
+    let rest = "sweep:\n\
+                \x20 - grid: {speed_rad_s: [-160.8103, -216.3772]}\n\
+                \x20 - grid: {speed_rad_s: [-191.6372]}\n\
+                \x20   design: {sobol: {samples: 7}}\n\
+                precision: {equilibrium_fraction: 0.09, max_runs: 100}\n\
+                audit: {fraction: 0.2}\n";
+    let text = study_text("a", "{monte_carlo: {samples: 16}}", 4.0, rest);
+    let ways = ["--threads 1", "--threads 3", "--threads 3 --chunk 1", "--threads 1 --chunk 5"];
+    same_bytes(&text, 0, &ways);
+}

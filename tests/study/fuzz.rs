@@ -27,6 +27,7 @@ initial_conditions:
   box: {x: [-0.05, 0.05], beta: [0, 6.28], beta_dot_2: [0, 0]}
   design: {stratified: {parts_per_axis: 2, samples_per_cell: 3}}
 simulation: {method: switch, tolerance: {relative: 1.0e-8}}
+audit: {fraction: 0.05}
 expect:
   - {point: {speed_rad_s: -160}, equilibrium_fraction: [0.5, 1.0]}
 ";

@@ -5,6 +5,7 @@ use std::path::Path;
 use stickslip::model::Machine;
 use stickslip::study::{Study, StudyError};
 
+mod audit;
 mod bad_files;
 mod bad_tables;
 mod bad_values;
@@ -13,6 +14,7 @@ mod distributions;
 mod fuzz;
 mod models;
 mod plan;
+mod precision;
 mod resolved;
 mod shipped;
 mod stability;

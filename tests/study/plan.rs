@@ -57,13 +57,13 @@ fn grids_run_through_their_last_key_first_and_blocks_follow_one_another() {
     for id in 0..9 {
         let point = study.point(id);
         assert_eq!(point.first_run, next);
-        for run in next..next + point.runs {
+        for run in next..next + point.sampling.most {
             let planned = study.planned_run(run);
             assert_eq!((planned.run_id, planned.point_id), (run, id));
             assert_eq!(planned.swept, point.swept);
             assert_eq!(planned.case.unwrap().model, *point.model());
         }
-        next += point.runs;
+        next += point.sampling.most;
     }
     assert_eq!(next, study.run_count());
 }

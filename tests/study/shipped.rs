@@ -33,7 +33,7 @@ fn every_shipped_study_loads_and_resolves_to_itself() {
 fn the_thesis_study_has_4096_runs_at_six_points() {
     let study = load("preferred-equilibria.yaml");
     assert_eq!((study.point_count(), study.run_count(), study.seed()), (6, 4096, 2003));
-    let runs: Vec<u64> = (0..6).map(|point| study.point(point).runs).collect();
+    let runs: Vec<u64> = (0..6).map(|point| study.point(point).sampling.most).collect();
     assert_eq!(runs, [768, 768, 768, 768, 768, 256]);
     let number = ParameterValue::Number;
     assert_eq!(study.point(4).swept, [number(-216.3772), number(2.75e-3)]);

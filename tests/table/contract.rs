@@ -96,6 +96,8 @@ fn runs() {
             "rejected_steps c -",
             "switches c -",
             "error t -",
+            "audit_label w -",
+            "audit_evidence w -",
         ]
         .map(String::from),
     );
@@ -131,6 +133,12 @@ fn points() {
         "amplitude_p05_m n m",
         "amplitude_p50_m n m",
         "amplitude_p95_m n m",
+        "precision_reached b -",
+        "audited_runs c -",
+        "audit_flips c -",
+        "audit_flip_rate n 1",
+        "audit_flip_low n 1",
+        "audit_flip_high n 1",
         "amplitude_without_balls_m n m",
         "set_fraction n 1",
         "solution w -",

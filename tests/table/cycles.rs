@@ -174,6 +174,7 @@ fn farmed(study: &Study, folder: &Path, threads: usize, chunk: usize) -> Vec<u8>
     let circumstances = Circumstances {
         shard: "1/1".to_owned(),
         runs_planned: study.run_count(),
+        complete: true,
         started_unix_s: 0.0,
         wall_s: 0.0,
         threads,

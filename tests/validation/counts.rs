@@ -58,7 +58,7 @@ impl ThesisRuns {
                 simulate(&Case { simulation: way.simulation, ..case })
             };
             let of_point = points.iter().map(|point| {
-                let runs = point.first_run..point.first_run + point.runs;
+                let runs = point.first_run..point.first_run + point.sampling.most;
                 runs.into_par_iter().map(run).collect()
             });
             of_point.collect()
@@ -69,8 +69,10 @@ impl ThesisRuns {
             simulate(&case).label() == Label::Equilibrium
         };
         ThesisRuns {
-            with_newton: (0..points[0].runs).into_par_iter().filter(|&run| with_newton(run)).count()
-                as u64,
+            with_newton: (0..points[0].sampling.most)
+                .into_par_iter()
+                .filter(|&run| with_newton(run))
+                .count() as u64,
             points: (0..points.len())
                 .map(|id| (machine(id).speed_rad_s, machine(id).balls[0].friction_coefficient))
                 .collect(),
@@ -81,7 +83,7 @@ impl ThesisRuns {
     fn summary(&self, way: usize, point: usize) -> PointSummary {
         let mut runs = PointAccumulator::default();
         self.outcomes[way][point].iter().for_each(|outcome| {
-            runs.add(Observed { cell: 0, case: None, outcome });
+            runs.add(Observed { cell: 0, case: None, outcome, audit: None });
         });
         runs.summary()
     }

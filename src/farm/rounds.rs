@@ -1,0 +1,79 @@
+//! Rounds: runs that are computed without asking in between whether more are needed.
+
+use super::Shard;
+use crate::analysis::{PointAccumulator, StoppingRule};
+use crate::study::{Point, Study};
+
+/// Runs at equal distances of their numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Round {
+    first_run: u64,
+    step: u64,
+    /// How many they are.
+    pub runs: u64,
+}
+
+impl Round {
+    /// The number of a run of the round, counted from zero.
+    pub fn run_id(&self, index: u64) -> u64 {
+        self.first_run + index * self.step
+    }
+}
+
+/// The rounds of a shard: a single one with all its runs; or, where the study has a precision, as many
+/// of each of its points as that takes, one point after another.
+pub(super) struct Rounds<'a> {
+    study: &'a Study,
+    shard: Shard,
+    /// How many of its points (or rounds) have begun.
+    begun: u64,
+    /// The point that is sampled and how many of its runs are in rounds so far.
+    point: Option<(Point, u64)>,
+    most: u64,
+}
+
+impl<'a> Rounds<'a> {
+    /// The rounds of a shard of a study.
+    pub fn new(study: &'a Study, shard: Shard) -> Self {
+        Rounds { study, shard, begun: 0, point: None, most: shard.most_runs(study) }
+    }
+
+    /// The most runs that all rounds together can have, as far as is known by now.
+    pub fn most_runs(&self) -> u64 {
+        self.most
+    }
+
+    /// The next round, if there is one; `so_far` has all runs of the last round's point.
+    pub fn next(&mut self, so_far: Option<&PointAccumulator>) -> Option<Round> {
+        let Some(precision) = self.study.precision() else {
+            let round = Round {
+                first_run: self.shard.number(0),
+                step: self.shard.parts(),
+                runs: self.most,
+            };
+            self.begun += 1;
+            return (self.begun == 1).then_some(round);
+        };
+        if let (Some((point, runs)), Some(so_far)) = (&mut self.point, so_far) {
+            let rule = StoppingRule {
+                half_width: precision.equilibrium_fraction,
+                replicate: point.sampling.replicate,
+                most: point.sampling.most,
+            };
+            if let Some(more) = rule.more(*runs, so_far.interval()) {
+                let round = Round { first_run: point.first_run + *runs, step: 1, runs: more };
+                *runs += more;
+                return Some(round);
+            }
+            self.most -= point.sampling.most - *runs;
+        }
+        if self.begun == self.shard.share(self.study.point_count()) {
+            return None;
+        }
+        let point = self.study.point(self.shard.number(self.begun));
+        self.begun += 1;
+        let round = Round { first_run: point.first_run, step: 1, runs: point.sampling.first };
+        self.point = Some((point, round.runs));
+        Some(round)
+    }
+}

@@ -1,0 +1,137 @@
+//! Which runs are audited: a random share, chosen anew at every point, and for good.
+
+use stickslip::study::{Study, json_schema};
+
+use super::{parse, study, text_with_design};
+
+fn audited(fraction: f64, samples: u64, sweep: &str) -> Study {
+    let design = format!("{{monte_carlo: {{samples: {samples}}}}}");
+    study(&format!("{}audit: {{fraction: {fraction}}}\n{sweep}", text_with_design(&design)))
+}
+
+fn choices(study: &Study) -> Vec<bool> {
+    (0..study.run_count()).map(|run| study.planned_run(run).audited).collect()
+}
+
+fn chosen(study: &Study) -> Vec<u64> {
+    (0..study.run_count()).filter(|run| study.planned_run(*run).audited).collect()
+}
+
+/// The number of chosen runs is binomial: five standard deviations, alpha below 1e-6 each.
+#[test]
+fn as_many_as_asked_for() {
+    let runs = 20_000;
+    for fraction in [0.01, 0.05, 0.5, 0.93] {
+        let found = chosen(&audited(fraction, runs, "")).len() as f64;
+        let deviation = (runs as f64 * fraction * (1.0 - fraction)).sqrt();
+        let distance = (found - fraction * runs as f64).abs() / deviation;
+        assert!(distance < 5.0, "{fraction}: {found}, {distance} standard deviations");
+    }
+    assert_eq!(chosen(&audited(1.0, 1000, "")).len(), 1000);
+    assert!(chosen(&super::with_design("{monte_carlo: {samples: 1000}}", "")).is_empty());
+}
+
+/// Runs that are chosen at both of two points are as many as if the points knew nothing of each
+/// other: five standard deviations, alpha below 1e-6 each.
+#[test]
+fn points_choose_independently() {
+    let samples = 10_000;
+    let sweep =
+        "sweep: [{grid: {speed_rad_s: [-160, -160.1], normal_force: [lagrange, newton]}}]\n";
+    let all = choices(&audited(0.3, samples, sweep));
+    let points: Vec<&[bool]> = all.chunks(samples as usize).collect();
+    assert_eq!(points.len(), 4);
+    let expected = samples as f64 * 0.09;
+    let deviation = (expected * (1.0 - 0.09)).sqrt();
+    for (index, first) in points.iter().enumerate() {
+        for second in &points[index + 1..] {
+            let both = first.iter().zip(*second).filter(|(one, other)| **one && **other).count();
+            let distance = (both as f64 - expected).abs() / deviation;
+            assert!(distance < 5.0, "{both} instead of {expected}");
+        }
+    }
+}
+
+/// Another choice here would be another choice for every study that has an audit.
+#[test]
+fn the_choice_is_pinned() {
+    let sweep = "sweep: [{zip: {speed_rad_s: [-160.5, 0], normal_force: [newton, lagrange]}}]\n";
+    assert_eq!(chosen(&audited(0.1, 50, sweep)), PINNED);
+    let turned =
+        "sweep: [{zip: {normal_force: [newton, lagrange], speed_rad_s: [-160.5, -0.0]}}]\n";
+    assert_eq!(chosen(&audited(0.1, 50, turned)), PINNED);
+}
+
+const PINNED: [u64; 6] = [1, 30, 36, 89, 91, 97];
+
+/// A larger share, more samples, further points and further uncertain parameters keep all choices.
+#[test]
+fn choices_are_kept() {
+    let speeds = |list: &str| format!("sweep: [{{grid: {{speed_rad_s: [{list}]}}}}]\n");
+    let old = choices(&audited(0.2, 300, &speeds("-160, -200")));
+    let larger = choices(&audited(0.4, 300, &speeds("-160, -200")));
+    assert!(old.iter().zip(&larger).all(|(old, new)| !old || *new));
+    let (old, larger) = (count(&old), count(&larger));
+    assert!(larger > old + 60, "{old} {larger}");
+
+    let old = choices(&audited(0.2, 300, &speeds("-160, -200")));
+    let more = choices(&audited(0.2, 500, &speeds("-160, -200")));
+    assert_eq!((&old[..300], &old[300..]), (&more[..300], &more[500..800]));
+    let further = choices(&audited(0.2, 300, &speeds("-170, -160, -180, -200")));
+    assert_eq!((&old[..300], &old[300..]), (&further[300..600], &further[900..]));
+    let uncertain = "uncertain: {imbalance_mass_kg: {uniform: {min: 5.0e-5, max: 6.0e-5}}}\n";
+    assert_eq!(old, choices(&audited(0.2, 300, &(speeds("-160, -200") + uncertain))));
+}
+
+fn count(choices: &[bool]) -> usize {
+    choices.iter().filter(|chosen| **chosen).count()
+}
+
+/// Nothing else of a run depends on the audit.
+#[test]
+fn an_audit_changes_no_draw() {
+    let rest = "uncertain: {imbalance_mass_kg: {uniform: {min: 5.0e-5, max: 6.0e-5}}}\n";
+    let with = audited(0.5, 40, rest);
+    let without = super::with_design("{monte_carlo: {samples: 40}}", rest);
+    for run in 0..40 {
+        let mut planned = with.planned_run(run);
+        planned.audited = false;
+        assert_eq!(planned, without.planned_run(run));
+    }
+}
+
+#[test]
+fn it_is_part_of_the_resolved_study_and_of_its_hash() {
+    let with = audited(0.25, 40, "");
+    assert!(
+        with.resolved_yaml().contains("\naudit: {fraction: 0.25}\n"),
+        "{}",
+        with.resolved_yaml()
+    );
+    let again = study(&with.resolved_yaml());
+    assert_eq!((again.hash(), again.audit()), (with.hash(), with.audit()));
+    assert_ne!(audited(0.5, 40, "").hash(), with.hash());
+    let properties = &json_schema()["properties"];
+    assert!(properties.get("audit").is_some());
+}
+
+#[test]
+fn shares_that_are_none() {
+    let text = text_with_design("{sobol: {samples: 4}}");
+    for (written, found) in [("0", "0"), ("-0.1", "-0.1"), ("1.01", "1.01")] {
+        let error = parse(&format!("{text}audit: {{fraction: {written}}}\n")).unwrap_err();
+        assert_eq!((error.line(), error.key()), (Some(7), "audit.fraction"), "{error}");
+        assert!(error.found().unwrap().contains(found), "{error}");
+        assert!(error.allowed().unwrap().contains("at most 1, such as 0.05"), "{error}");
+    }
+    let error = parse(&format!("{text}audit: {{}}\n")).unwrap_err();
+    assert_eq!(error.key(), "audit.fraction", "{error}");
+    let error = parse(&format!("{text}expect: [{{audit_flip_rate: [0, 0.1]}}]\n")).unwrap_err();
+    assert_eq!((error.line(), error.key()), (Some(7), "expect[0].audit_flip_rate"), "{error}");
+    assert!(error.allowed().unwrap().contains("audit: {fraction: 0.05}"), "{error}");
+    let wrong = "audit: {fraction: 0.5}\nexpect: [{audit_flip_rate: [0.2, 0.1]}]\n";
+    let error = parse(&format!("{text}{wrong}")).unwrap_err();
+    assert_eq!(error.key(), "expect[0].audit_flip_rate", "{error}");
+    let right = study(&format!("{text}{}", wrong.replace("[0.2, 0.1]", "[0, 0.1]")));
+    assert_eq!(right.expectations()[0].audit_flip_rate, Some([0.0, 0.1]));
+}

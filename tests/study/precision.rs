@@ -1,0 +1,150 @@
+//! Runs that are reserved for a precision: which, how many, and what does not change.
+
+use stickslip::study::{Sampling, Study, json_schema};
+
+use super::{coordinates, parse, study, text_with_design};
+
+fn precise(design: &str, max_runs: u64, rest: &str) -> Study {
+    let precision = format!("precision: {{equilibrium_fraction: 0.02, max_runs: {max_runs}}}\n");
+    study(&format!("{}{precision}{rest}", text_with_design(design)))
+}
+
+fn sampling(design: &str, max_runs: u64) -> (u64, u64, u64) {
+    let Sampling { first, replicate, most } = precise(design, max_runs, "").point(0).sampling;
+    (first, replicate, most)
+}
+
+#[test]
+fn whole_replicates_are_reserved() {
+    let stratified = "{stratified: {parts_per_axis: 2, samples_per_cell: 3}}";
+    assert_eq!(sampling(stratified, 20_000), (768, 256, 19_968));
+    assert_eq!(sampling(stratified, 1024), (768, 256, 1024));
+    assert_eq!(sampling(stratified, 1023), (768, 256, 768));
+    // What the design names is always run.
+    assert_eq!(sampling(stratified, 1), (768, 256, 768));
+    assert_eq!(sampling("{monte_carlo: {samples: 300}}", 1000), (300, 300, 900));
+    assert_eq!(sampling("{sobol: {samples: 64}}", 1_000_000), (64, 64, 65_536));
+    assert_eq!(sampling("{sobol: {samples: 100}}", 1_000_000), (100, 100, 65_500));
+    let fixed =
+        "x: [0, 0], y: [0, 0], x_dot: [0, 0], y_dot: [0, 0], beta: [1, 1], beta_dot: [2, 2]";
+    let text =
+        text_with_design(stratified).replace("  design", &format!("  box: {{{fixed}}}\n  design"));
+    let precision = "precision: {equilibrium_fraction: 0.1, max_runs: 10}\n";
+    let Sampling { first, replicate, most } = study(&(text + precision)).point(0).sampling;
+    assert_eq!((first, replicate, most), (3, 1, 10));
+}
+
+/// A run's number, start and draws depend on its point and its sample only; the last reserved run can
+/// be planned as well as the first.
+#[test]
+fn samples_go_on_where_they_would_have_stopped() {
+    let uncertain = "uncertain: {imbalance_mass_kg: {uniform: {min: 5.0e-5, max: 6.0e-5}}}\n";
+    for (design, more) in [
+        ("{stratified: {parts_per_axis: 2, samples_per_cell: 1}}", "samples_per_cell: 4"),
+        ("{monte_carlo: {samples: 256}}", "samples: 1024"),
+        ("{sobol: {samples: 256}}", "samples: 1024"),
+    ] {
+        let sequential = precise(design, 1024, uncertain);
+        let (key, _) = more.split_once(' ').unwrap();
+        let at = design.find(key).unwrap();
+        let enlarged = format!("{}{more}}}}}", &design[..at]);
+        let whole = study(&(text_with_design(&enlarged) + uncertain));
+        assert_eq!((sequential.run_count(), sequential.least_run_count()), (1024, 256));
+        assert_eq!(whole.run_count(), 1024);
+        for run in [0, 255, 256, 700, 1023] {
+            assert_eq!(sequential.planned_run(run), whole.planned_run(run));
+        }
+        assert_ne!(coordinates(&sequential, 255), coordinates(&sequential, 511));
+    }
+    let last = precise("{sobol: {samples: 64}}", 1_000_000, "");
+    assert_eq!(last.planned_run(65_535).replicate, 65_535);
+}
+
+#[test]
+fn points_follow_one_another_by_what_is_reserved() {
+    let sweep = "sweep:
+  - grid: {speed_rad_s: [-1, -2]}
+  - grid: {speed_rad_s: [-3]}
+    design: {sobol: {samples: 16}}
+";
+    let study = precise("{monte_carlo: {samples: 10}}", 35, sweep);
+    assert_eq!((study.run_count(), study.least_run_count()), (30 + 30 + 32, 10 + 10 + 16));
+    let first: Vec<u64> = (0..3).map(|id| study.point(id).first_run).collect();
+    assert_eq!(first, [0, 30, 60]);
+    for (run, point, replicate) in [(29, 0, 29), (30, 1, 0), (59, 1, 29), (60, 2, 0), (91, 2, 31)] {
+        let planned = study.planned_run(run);
+        assert_eq!((planned.point_id, planned.replicate), (point, replicate));
+    }
+    let stretches: Vec<_> = study.stretches().collect();
+    assert_eq!(stretches, [(0..2, 30), (2..3, 32)]);
+}
+
+#[test]
+fn it_is_part_of_the_resolved_study_and_of_its_hash() {
+    let with = precise("{sobol: {samples: 4}}", 20_000, "");
+    let line = "\nprecision: {equilibrium_fraction: 0.02, max_runs: 20000}\n";
+    assert!(with.resolved_yaml().contains(line), "{}", with.resolved_yaml());
+    let again = study(&with.resolved_yaml());
+    assert_eq!((again.hash(), again.precision()), (with.hash(), with.precision()));
+    assert_ne!(precise("{sobol: {samples: 4}}", 10_000, "").hash(), with.hash());
+    assert_ne!(study(&text_with_design("{sobol: {samples: 4}}")).hash(), with.hash());
+    assert!(json_schema()["properties"].get("precision").is_some());
+}
+
+#[track_caller]
+fn refused(text: &str, line: usize, key: &str, found: &str, allowed: &str) {
+    let error = parse(text).err().unwrap_or_else(|| panic!("accepted: {text}"));
+    assert_eq!((error.line(), error.key()), (Some(line), key), "{error}");
+    assert!(error.found().unwrap_or_default().contains(found), "{error}");
+    assert!(error.allowed().unwrap_or_default().contains(allowed), "{error}");
+}
+
+const PRECISION: &str = "precision: {equilibrium_fraction: 0.02, max_runs: 20000}\n";
+
+#[test]
+fn designs_that_cannot_be_enlarged() {
+    let allowed = "stratified, monte_carlo or sobol, or no `precision`";
+    let table = "{table: {columns: [x, y, beta_1, beta_2, x_dot, y_dot, beta_dot_1, beta_dot_2], \
+                 rows: [[0, 0, 0, 0, 0, 0, 0, 0]]}}";
+    for (design, kind) in [
+        ("{latin_hypercube: {samples: 4}}", "latin_hypercube"),
+        ("{grid: {points_per_axis: 2}}", "grid"),
+        (table, "table"),
+    ] {
+        let text = text_with_design(design) + PRECISION;
+        refused(&text, 6, &format!("initial_conditions.design.{kind}"), kind, allowed);
+    }
+    let own = "sweep: [{grid: {speed_rad_s: [1]}, design: {latin_hypercube: {samples: 4}}}]\n";
+    let text = text_with_design("{sobol: {samples: 4}}") + PRECISION + own;
+    refused(&text, 8, "sweep[0].design.latin_hypercube", "latin_hypercube", allowed);
+}
+
+#[test]
+fn values_that_make_no_sense() {
+    let text = |fraction: &str, max_runs: &str, rest: &str| {
+        let precision =
+            format!("precision: {{equilibrium_fraction: {fraction}, max_runs: {max_runs}}}\n");
+        text_with_design("{monte_carlo: {samples: 4}}") + &precision + rest
+    };
+    for fraction in ["0", "-0.1", "0.5", "2"] {
+        let key = "precision.equilibrium_fraction";
+        refused(
+            &text(fraction, "100", ""),
+            7,
+            key,
+            fraction,
+            "above 0 and below 0.5, such as 0.02",
+        );
+    }
+    refused(&text("0.1", "0", ""), 7, "precision.max_runs", "0", "a whole number from 1 to 1e15");
+    let text_without = text_with_design("{sobol: {samples: 4}}") + "precision: {max_runs: 10}\n";
+    refused(&text_without, 7, "precision.equilibrium_fraction", "", "a value for");
+    let many = "sweep: [{grid: {speed_rad_s: [1, 2]}}]\n";
+    let found = "2e15 runs (points: 2, samples at each: 1e15)";
+    let key = "initial_conditions.design";
+    refused(&text("0.1", "1e15", many), 6, key, found, "at most 1e15 runs");
+    let huge = "{stratified: {parts_per_axis: 1000, samples_per_cell: 5}}";
+    let found = "e24 runs (points: 1, samples";
+    refused(&(text_with_design(huge) + PRECISION), 6, key, found, "at most 1e15 runs");
+    assert_eq!(study(&text("0.1", "1e15", "")).run_count(), 1_000_000_000_000_000);
+}
