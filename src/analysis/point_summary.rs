@@ -1,8 +1,9 @@
 //! One point of the sweep in numbers: how its runs ended, how soon, with what amplitude.
 
 use super::escape::{EscapeRate, Group, escape_rate};
-use super::interval::{Z_95, wilson_with_failures};
+use super::interval::{Interval, IntervalMethod, Z_95, simultaneous, wilson_with_failures};
 use super::rest_curve::{RestStep, rest_curve};
+use super::stratified::Cells;
 use super::survival::SurvivalCurve;
 use super::tally::Tally;
 use crate::ending::{Label, Outcome};
@@ -35,6 +36,13 @@ impl LabelCounts {
             total => self.of(label) as f64 / total as f64,
         }
     }
+
+    /// Intervals of the shares of all labels, in the order of [`Label::ALL`], that hold together with
+    /// 95 % (see [`simultaneous`]). They count runs one by one; cells of a design make them wider
+    /// than need be, not wrong.
+    pub fn intervals(&self) -> [(f64, f64); 5] {
+        simultaneous(self.0)
+    }
 }
 
 impl std::ops::AddAssign for LabelCounts {
@@ -52,7 +60,7 @@ const STOPPED: usize = 1;
 /// A finished run, as far as statistics look at it.
 #[derive(Clone, Copy, Debug)]
 pub struct Observed<'a> {
-    /// Its cell in the sampling design.
+    /// Its cell in the sampling design; looked at where the design is stratified.
     pub cell: u64,
     /// What was computed; none where the parameters drawn made no physical sense.
     pub case: Option<&'a Case>,
@@ -71,6 +79,7 @@ pub struct PointDetail {
 #[derive(Clone, Debug, Default)]
 pub struct PointAccumulator {
     counts: LabelCounts,
+    cells: Cells,
     /// Times at which runs came to rest (kind 0) or were stopped while moving (kind 1); those that
     /// have been shown to be on a limit cycle never.
     times: Tally,
@@ -84,10 +93,10 @@ pub struct PointAccumulator {
 pub struct PointSummary {
     /// Runs per label.
     pub counts: LabelCounts,
-    /// Share of equilibria, with 95 % interval (Wilson; failures widen it).
+    /// Share of equilibria: of all runs, or with every cell of a stratified design weighing the same.
     pub equilibrium_fraction: f64,
-    /// The interval's ends.
-    pub interval: (f64, f64),
+    /// Its 95 % interval; failures widen it.
+    pub interval: Interval,
     /// Times by which 25, 50, 75 and 95 % of the runs have come to rest, s (Kaplan-Meier);
     /// `None` where not reached.
     pub time_to_rest_s: [Option<f64>; 4],
@@ -108,11 +117,17 @@ impl PointSummary {
 }
 
 impl PointAccumulator {
+    /// No runs yet, of a design with so many cells of equal size; none where it is not stratified.
+    pub fn new(cells: Option<u64>) -> Self {
+        PointAccumulator { cells: cells.map(Cells::new).unwrap_or_default(), ..Self::default() }
+    }
+
     /// Takes in one run. Failed runs say nothing about time and amplitude.
     pub fn add(&mut self, run: Observed<'_>) {
         let outcome = run.outcome;
         let label = outcome.label();
         self.counts.add(label);
+        self.cells.add(run.cell, label == Label::Equilibrium, label == Label::Failed);
         if label == Label::Failed {
             return;
         }
@@ -132,6 +147,25 @@ impl PointAccumulator {
         PointDetail { rest: rest_curve(&SurvivalCurve::new(self.times.groups()), end_time_s) }
     }
 
+    /// The share of equilibria so far. The cells of a stratified design weigh the same, which differs
+    /// from the share of all runs where an interrupted study leaves more runs in one than in another.
+    pub fn equilibrium_fraction(&self) -> f64 {
+        self.cells.share().unwrap_or_else(|| self.counts.fraction(Label::Equilibrium))
+    }
+
+    /// Its 95 % interval: from the variation within cells where the design is stratified and every
+    /// cell has two runs or more, otherwise Wilson's. It reaches from the lower end if no failed run
+    /// had been an equilibrium to the upper end if all had.
+    pub fn equilibrium_interval(&self) -> Interval {
+        if let Some((low, high)) = self.cells.interval() {
+            return Interval { low, high, method: IntervalMethod::Stratified };
+        }
+        let [equilibria, failures] =
+            [Label::Equilibrium, Label::Failed].map(|label| self.counts.of(label));
+        let (low, high) = wilson_with_failures(equilibria, failures, self.counts.total(), Z_95);
+        Interval { low, high, method: IntervalMethod::Wilson }
+    }
+
     fn escape(&self) -> Option<EscapeRate> {
         let finite = self.times.groups().filter(|(time, _)| time.is_finite());
         let mut groups: Vec<Group> = finite.chain(self.cycles.groups()).collect();
@@ -145,13 +179,8 @@ impl PointAccumulator {
         let counts = self.counts;
         PointSummary {
             counts,
-            equilibrium_fraction: counts.fraction(Label::Equilibrium),
-            interval: wilson_with_failures(
-                counts.of(Label::Equilibrium),
-                counts.of(Label::Failed),
-                counts.total(),
-                Z_95,
-            ),
+            equilibrium_fraction: self.equilibrium_fraction(),
+            interval: self.equilibrium_interval(),
             time_to_rest_s: PointSummary::TIME_SHARES
                 .map(|share| curve.time_to_rest_quantile(share)),
             median_interval_s: curve.time_to_rest_interval(0.5),

@@ -138,8 +138,8 @@ impl<S: Sink> Intake<'_, S> {
             if self.point.as_ref().is_some_and(|(current, _)| *current != point_id) {
                 self.close_point()?;
             }
-            let (_, point) =
-                self.point.get_or_insert_with(|| (point_id, PointAccumulator::default()));
+            let start = || (point_id, PointAccumulator::new(self.study.point(point_id).cells));
+            let (_, point) = self.point.get_or_insert_with(start);
             point.add(record.observed());
             self.counts.add(record.outcome.label());
             self.sink.run(record)?;

@@ -40,6 +40,9 @@ pub struct Point {
     pub first_run: u64,
     /// Number of the point's runs, which follow one another.
     pub runs: u64,
+    /// Number of the cells of equal size from which its start states are drawn; none where the design
+    /// is not stratified.
+    pub cells: Option<u64>,
     model: Model,
 }
 
@@ -139,6 +142,7 @@ impl Study {
             swept: self.swept_parameters.iter().map(column).collect(),
             first_run: block.first_run + local * block.runs_per_point,
             runs: block.runs_per_point,
+            cells: block.design.cells(),
             model,
         }
     }

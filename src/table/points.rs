@@ -77,22 +77,30 @@ pub fn point_columns(study: &Study) -> Vec<Column<PointRow>> {
         Column::number(
             "equilibrium_fraction",
             "1",
-            "share of runs that ended in equilibrium by the end time",
+            "share of runs that ended in equilibrium by the end time; where ci_method is stratified, \
+             every cell weighs the same (of an interrupted study not quite the share of runs)",
             |row: &PointRow| Some(row.summary.equilibrium_fraction),
         ),
         Column::number(
             "ci_low",
             "1",
-            "lower end of its 95 % interval (Wilson; no failed run counted as equilibrium)",
-            |row: &PointRow| Some(row.summary.interval.0),
+            "lower end of its 95 % interval (no failed run counted as equilibrium)",
+            |row: &PointRow| Some(row.summary.interval.low),
         ),
         Column::number(
             "ci_high",
             "1",
-            "upper end of its 95 % interval (Wilson; all failed runs counted as equilibrium)",
-            |row: &PointRow| Some(row.summary.interval.1),
+            "upper end of its 95 % interval (all failed runs counted as equilibrium)",
+            |row: &PointRow| Some(row.summary.interval.high),
+        ),
+        Column::word(
+            "ci_method",
+            "wilson: Wilson's interval; stratified: from the variation within the cells of the design \
+             (Yan and Su, with bounds), two runs or more in each and at most 65,536 cells",
+            |row: &PointRow| row.summary.interval.method.name(),
         ),
     ]);
+    columns.extend(label_interval_columns());
     for (index, share) in PointSummary::TIME_SHARES.into_iter().enumerate() {
         let percent = (100.0 * share).round();
         columns.push(Column::number(
@@ -145,6 +153,34 @@ pub fn point_columns(study: &Study) -> Vec<Column<PointRow>> {
         ),
     ]);
     columns
+}
+
+/// The shares of all labels at once.
+fn label_interval_columns() -> impl Iterator<Item = Column<PointRow>> {
+    Label::ALL.into_iter().enumerate().flat_map(|(index, label)| {
+        let name = label.name();
+        let failures = match label {
+            Label::Failed => "",
+            _ => "; all failed runs counted as this",
+        };
+        [
+            Column::number(
+                &format!("{name}_low"),
+                "1",
+                &format!(
+                    "lower end of an interval of the share of {name} runs; those of all labels hold \
+                     together with 95 % (Goodman, with Bonferroni's points)"
+                ),
+                move |row: &PointRow| Some(row.summary.counts.intervals()[index].0),
+            ),
+            Column::number(
+                &format!("{name}_high"),
+                "1",
+                &format!("upper end of that interval{failures}"),
+                move |row: &PointRow| Some(row.summary.counts.intervals()[index].1),
+            ),
+        ]
+    })
 }
 
 /// How well the median time to rest is known, and the rate at which late runs come to rest.

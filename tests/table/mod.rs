@@ -1,4 +1,5 @@
 //! The tables as readers find them.
 
 mod contract;
+mod intervals;
 mod provenance;

@@ -4,7 +4,7 @@ use std::fmt::Write;
 use std::path::Path;
 
 use rayon::prelude::*;
-use stickslip::analysis::{Observed, PointAccumulator, PointSummary, Z_95, wilson};
+use stickslip::analysis::{Interval, Observed, PointAccumulator, PointSummary, Z_95, wilson};
 use stickslip::ending::{Label, Outcome, simulate};
 use stickslip::model::{Case, Method, NormalForce, Simulation};
 use stickslip::study::Study;
@@ -196,7 +196,7 @@ on the last digits of the computation; the fraction of equilibria does not.
     pub fn must_agree(&self) {
         for (point, (speed, _)) in self.points.iter().enumerate() {
             let runs = self.outcomes[0][point].len();
-            let (low, high) = self.summary(0, point).interval;
+            let Interval { low, high, .. } = self.summary(0, point).interval;
             for way in 1..ways().len() {
                 let flips = self.flipped(way, point);
                 let most = match *speed {
