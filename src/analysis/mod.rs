@@ -4,6 +4,8 @@
 
 mod alike;
 mod balance;
+mod balanced_family;
+mod density;
 #[cfg(test)]
 mod draws;
 mod equilibrium_set;
@@ -11,6 +13,7 @@ mod escape;
 mod frictionless;
 mod interval;
 mod linearised;
+mod nearest;
 mod point_summary;
 mod rest_curve;
 mod rest_form;
@@ -20,14 +23,17 @@ mod set_samples;
 mod stratified;
 mod survival;
 mod tally;
+mod torus_distance;
 
 pub use alike::{groups_of_alike, sorted_where_alike};
 pub use balance::Balance;
+pub use density::{BINS, Density, DensityBin, bin, bin_edges};
 pub use equilibrium_set::{EquilibriumSet, Resolution, set_fraction};
 pub use escape::{EscapeRate, escape_rate, rate_interval};
 pub use frictionless::{FrictionlessEquilibrium, FrictionlessKind, frictionless_equilibria};
 pub use interval::{Interval, IntervalMethod, Z_95, simultaneous, wilson, wilson_with_failures};
 pub use linearised::{SmallMotions, Stability, state_matrix};
+pub use nearest::{HIGH_DRAG, Nearest, NearestFinder, StableEquilibria};
 pub use point_summary::{LabelCounts, Observed, PointAccumulator, PointDetail, PointSummary};
 pub use rest_curve::{RestStep, rest_curve};
 pub use rest_form::{AtRest, RestForm};
@@ -36,3 +42,4 @@ pub use set_samples::{REPLICATES, sample};
 pub use stratified::Cells;
 pub use survival::{SurvivalCurve, SurvivalStep};
 pub use tally::Tally;
+pub use torus_distance::torus_distance;

@@ -1,7 +1,10 @@
 //! One point of the sweep in numbers: how its runs ended, how soon, with what amplitude.
 
+use super::alike::{groups_of_alike, sorted_where_alike};
+use super::density::{Density, DensityBin};
 use super::escape::{EscapeRate, Group, escape_rate};
 use super::interval::{Interval, IntervalMethod, Z_95, simultaneous, wilson_with_failures};
+use super::nearest::Nearest;
 use super::rest_curve::{RestStep, rest_curve};
 use super::stratified::Cells;
 use super::survival::SurvivalCurve;
@@ -66,6 +69,8 @@ pub struct Observed<'a> {
     pub case: Option<&'a Case>,
     /// How it ended.
     pub outcome: &'a Outcome,
+    /// The stable equilibrium without friction that is nearest to where it came to rest.
+    pub nearest: Option<Nearest>,
 }
 
 /// What a point's own tables hold beside its summary.
@@ -73,6 +78,8 @@ pub struct Observed<'a> {
 pub struct PointDetail {
     /// The probability of being at rest over time.
     pub rest: Vec<RestStep>,
+    /// Where balls came to rest.
+    pub density: Vec<DensityBin>,
 }
 
 /// Collects the runs of one point.
@@ -86,6 +93,9 @@ pub struct PointAccumulator {
     /// Times at which runs were stopped because they are on a limit cycle (kind 1).
     cycles: Tally,
     amplitudes: Tally,
+    /// Distances from the nearest equilibrium without friction, rad (kind 0).
+    distances: Tally,
+    density: Density,
 }
 
 /// What is known of one point.
@@ -107,6 +117,8 @@ pub struct PointSummary {
     pub escape: Option<EscapeRate>,
     /// Quantiles 5, 50 and 95 % of the amplitude over all runs that have one, m.
     pub amplitude_m: [Option<f64>; 3],
+    /// The median distance of equilibria from the nearest stable equilibrium without friction, rad.
+    pub distance_to_frictionless_rad: Option<f64>,
 }
 
 impl PointSummary {
@@ -140,11 +152,21 @@ impl PointAccumulator {
             (None, end) => end.into_iter().for_each(|end| self.times.add(end, STOPPED)),
         }
         outcome.amplitude_m.into_iter().for_each(|amplitude| self.amplitudes.add(amplitude, REST));
+        run.nearest.into_iter().for_each(|nearest| self.distances.add(nearest.distance_rad, REST));
+        let machine = run.case.and_then(|case| case.model.ball_balancer());
+        if let (Label::Equilibrium, Some(machine), Some(beta)) = (label, machine, &outcome.position)
+        {
+            let balls = &machine.balls;
+            self.density.add(&sorted_where_alike(beta, balls), &groups_of_alike(balls));
+        }
     }
 
     /// What goes into the point's own tables; `end_time_s` is the study's end time.
     pub fn detail(&self, end_time_s: f64) -> PointDetail {
-        PointDetail { rest: rest_curve(&SurvivalCurve::new(self.times.groups()), end_time_s) }
+        PointDetail {
+            rest: rest_curve(&SurvivalCurve::new(self.times.groups()), end_time_s),
+            density: self.density.bins(),
+        }
     }
 
     /// The share of equilibria so far. The cells of a stratified design weigh the same, which differs
@@ -187,6 +209,7 @@ impl PointAccumulator {
             escape: self.escape(),
             amplitude_m: PointSummary::AMPLITUDE_SHARES
                 .map(|share| self.amplitudes.quantile(share)),
+            distance_to_frictionless_rad: self.distances.quantile(0.5),
         }
     }
 }
@@ -197,7 +220,7 @@ mod tests {
     use crate::ending::{Evidence, Outcome};
 
     fn add(point: &mut PointAccumulator, outcome: &Outcome) {
-        point.add(Observed { cell: 0, case: None, outcome });
+        point.add(Observed { cell: 0, case: None, outcome, nearest: None });
     }
 
     #[test]

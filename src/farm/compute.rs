@@ -14,7 +14,7 @@ thread_local! {
     static IN_A_RUN: Cell<bool> = const { Cell::new(false) };
 }
 
-/// Plans and simulates one run. Parameters without physical sense and panics are outcomes, not
+/// Plans and simulates one run; what is nearest to where it ended is left open. Parameters without physical sense and panics are outcomes, not
 /// ends of the program.
 pub fn compute(study: &Study, run_id: u64, simulate: impl Fn(&Case) -> Outcome) -> RunRecord {
     quieten_panics_in_runs();
@@ -31,7 +31,7 @@ pub fn compute(study: &Study, run_id: u64, simulate: impl Fn(&Case) -> Outcome) 
             })
         }
     };
-    RunRecord { planned, outcome }
+    RunRecord { planned, outcome, nearest: None }
 }
 
 fn panic_message(payload: &(dyn Any + Send)) -> String {

@@ -19,7 +19,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use rayon::prelude::*;
 use thiserror::Error;
 
-use crate::analysis::{LabelCounts, PointAccumulator, PointDetail};
+use crate::analysis::{LabelCounts, NearestFinder, PointAccumulator, PointDetail};
 use crate::ending::Outcome;
 use crate::model::Case;
 use crate::study::Study;
@@ -93,6 +93,7 @@ pub fn farm<S: Sink>(
     let planned = options.shard.runs(study.run_count());
     let chunk = options.chunk.max(1) as u64;
     let mut intake = Intake { study, sink, point: None, counts: LabelCounts::default() };
+    let finder = NearestFinder::default();
     let mut finished: Vec<RunRecord> = Vec::new();
     let mut first = 0;
     while first < planned && !stop.load(Ordering::Relaxed) {
@@ -106,7 +107,10 @@ pub fn farm<S: Sink>(
                         return None;
                     }
                     let run_id = options.shard.run_id(first + index as u64);
-                    let record = compute(study, run_id, &simulate);
+                    let mut record = compute(study, run_id, &simulate);
+                    if let Ok(case) = &record.planned.case {
+                        record.nearest = finder.nearest(case, &record.outcome);
+                    }
                     progress.finished(record.outcome.label());
                     Some(record)
                 })

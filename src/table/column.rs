@@ -90,10 +90,19 @@ impl<R> Column<R> {
         meaning: &str,
         value: impl Fn(&R) -> &'static str + Send + Sync + 'static,
     ) -> Self {
+        Self::word_if_any(name, meaning, move |row| Some(value(row)))
+    }
+
+    /// A column of words out of a few, dictionary-encoded, in which some are missing.
+    pub fn word_if_any(
+        name: &str,
+        meaning: &str,
+        value: impl Fn(&R) -> Option<&'static str> + Send + Sync + 'static,
+    ) -> Self {
         let build = move |rows: &[R]| -> ArrayRef {
             let mut words = StringDictionaryBuilder::<Int32Type>::new();
             for row in rows {
-                words.append_value(value(row));
+                words.append_option(value(row));
             }
             Arc::new(words.finish())
         };

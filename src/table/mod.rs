@@ -3,6 +3,7 @@
 //! The only room that knows Arrow and Parquet.
 
 pub mod column;
+mod density;
 mod equilibria;
 mod equilibrium_files;
 mod frictionless;
@@ -16,6 +17,7 @@ mod runs;
 mod set;
 mod writer;
 
+pub use density::{DensityRow, density_columns};
 pub use equilibria::{EquilibriumRow, equilibrium_columns};
 pub use equilibrium_files::{EquilibriumFiles, EquilibriumTables};
 pub use frictionless::{FrictionlessRow, frictionless_columns};

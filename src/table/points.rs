@@ -2,7 +2,7 @@
 
 use super::column::Column;
 use super::runs::swept_columns;
-use crate::analysis::{EscapeRate, PointSummary, set_fraction};
+use crate::analysis::{EscapeRate, PointSummary, StableEquilibria, set_fraction};
 use crate::ending::Label;
 use crate::model::{Balancer, ExistenceVerdict, Machine};
 use crate::study::{ParameterValue, Point, Study};
@@ -20,6 +20,9 @@ pub struct PointRow {
     pub amplitude_without_balls_m: Option<f64>,
     /// Share of all ball positions that are equilibria.
     pub set_fraction: Option<f64>,
+    /// The median distance from stable equilibria without friction of positions spread evenly over the
+    /// equilibrium set, rad.
+    pub even_distance_rad: Option<f64>,
     /// Whether stick and slip are always decided in exactly one way.
     pub existence: Option<ExistenceVerdict>,
 }
@@ -36,6 +39,11 @@ impl PointRow {
                 .ball_balancer()
                 .and_then(amplitude_without_balls),
             set_fraction: point.model().ball_balancer().and_then(set_fraction),
+            even_distance_rad: point
+                .model()
+                .ball_balancer()
+                .and_then(StableEquilibria::of)
+                .and_then(|stable| stable.median_of_even_spread()),
             existence: point.model().ball_balancer().map(Machine::existence),
         }
     }
@@ -136,6 +144,19 @@ pub fn point_columns(study: &Study) -> Vec<Column<PointRow>> {
             "share of all ball positions that are equilibria, to about 0.001 (0.005 for three \
              balls and more); without uncertain draws",
             |row: &PointRow| row.set_fraction,
+        ),
+        Column::number(
+            "distance_to_frictionless_p50_rad",
+            "rad",
+            "median of distance_to_frictionless_rad over the point's equilibria",
+            |row: &PointRow| row.summary.distance_to_frictionless_rad,
+        ),
+        Column::number(
+            "distance_to_frictionless_p50_uniform_rad",
+            "rad",
+            "the same for positions spread evenly over the equilibrium set (quasi-random): preferred \
+             equilibria lie nearer than by chance where theirs is smaller; without uncertain draws",
+            |row: &PointRow| row.even_distance_rad,
         ),
         Column::word(
             "solution",

@@ -1,6 +1,6 @@
 //! One row of the run table: what was planned and what came out.
 
-use crate::analysis::Observed;
+use crate::analysis::{Nearest, Observed};
 use crate::ending::Outcome;
 use crate::study::PlannedRun;
 
@@ -11,6 +11,8 @@ pub struct RunRecord {
     pub planned: PlannedRun,
     /// How it ended.
     pub outcome: Outcome,
+    /// The stable equilibrium without friction that is nearest to where it came to rest.
+    pub nearest: Option<Nearest>,
 }
 
 impl RunRecord {
@@ -20,6 +22,7 @@ impl RunRecord {
             cell: self.planned.cell,
             case: self.planned.case.as_ref().ok(),
             outcome: &self.outcome,
+            nearest: self.nearest,
         }
     }
 }

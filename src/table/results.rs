@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
+use super::density::{DensityRow, density_columns};
 use super::equilibria::{EquilibriumRow, equilibrium_columns};
 use super::manifest::{FileEntry, Manifest, write_atomically};
 use super::points::{PointRow, point_columns};
@@ -141,6 +142,7 @@ pub struct Results {
     points: TableWriter<PointRow>,
     rest: TableWriter<RestRow>,
     equilibria: TableWriter<EquilibriumRow>,
+    density: TableWriter<DensityRow>,
     counts: LabelCounts,
 }
 
@@ -148,6 +150,7 @@ const RUNS: &str = "runs.parquet";
 const POINTS: &str = "points.parquet";
 const REST: &str = "rest.parquet";
 const EQUILIBRIA: &str = "equilibria.parquet";
+const DENSITY: &str = "density.parquet";
 const STUDY: &str = "study.yaml";
 
 impl Results {
@@ -181,6 +184,11 @@ impl Results {
                 equilibrium_columns(study),
                 &provenance(study, "equilibria"),
             )?,
+            density: TableWriter::create(
+                &directory.join(DENSITY),
+                density_columns(study),
+                &provenance(study, "density"),
+            )?,
             directory: directory.to_owned(),
             counts: LabelCounts::default(),
         })
@@ -206,6 +214,9 @@ impl Results {
         for step in detail.rest {
             self.rest.push(RestRow::new(&point, step))?;
         }
+        for bin in detail.density {
+            self.density.push(DensityRow::new(&point, bin))?;
+        }
         Ok(self.points.push(point)?)
     }
 
@@ -223,6 +234,7 @@ impl Results {
             (POINTS, Some(self.points.finish()?)),
             (REST, Some(self.rest.finish()?)),
             (EQUILIBRIA, Some(self.equilibria.finish()?)),
+            (DENSITY, Some(self.density.finish()?)),
             (STUDY, None),
         ];
         let directory = self.directory;

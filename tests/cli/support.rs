@@ -14,8 +14,14 @@ use stickslip::study::Study;
 use tempfile::TempDir;
 
 /// The files of an output directory that hold data; their bytes depend on the study alone.
-pub const DATA_FILES: [&str; 5] =
-    ["runs.parquet", "points.parquet", "rest.parquet", "equilibria.parquet", "study.yaml"];
+pub const DATA_FILES: [&str; 6] = [
+    "runs.parquet",
+    "points.parquet",
+    "rest.parquet",
+    "equilibria.parquet",
+    "density.parquet",
+    "study.yaml",
+];
 
 /// The end time of runs whose course does not matter, s.
 pub const AT_ONCE: f64 = 1.0e-5;

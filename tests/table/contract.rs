@@ -25,7 +25,7 @@ fn study() -> String {
 
 /// Name, type and unit of every column; `n` is a number, `c` a count, `s` a small count, `w` a
 /// word out of a few, `t` text.
-fn columns(table: &RecordBatch) -> Vec<String> {
+pub fn columns(table: &RecordBatch) -> Vec<String> {
     let schema = table.schema();
     let describe = |field: &arrow::datatypes::FieldRef| {
         let kind = match field.data_type() {
@@ -133,6 +133,8 @@ fn points() {
         "amplitude_p95_m n m",
         "amplitude_without_balls_m n m",
         "set_fraction n 1",
+        "distance_to_frictionless_p50_rad n rad",
+        "distance_to_frictionless_p50_uniform_rad n rad",
         "solution w -",
         "least_principal_minor n 1",
     ];
@@ -210,6 +212,10 @@ fn equilibria_of_balls_that_are_alike_are_sorted() {
         "friction_margin n 1",
         "time_to_rest_s n s",
         "evidence w -",
+        "nearest_frictionless w -",
+        "distance_to_frictionless_rad n rad",
+        "bin_1 c -",
+        "bin_2 c -",
     ];
     assert_eq!(columns(&equilibria), expected);
     let angles = |table: &RecordBatch| -> Vec<(f64, f64)> {

@@ -2,4 +2,5 @@
 
 mod contract;
 mod intervals;
+mod preferred;
 mod provenance;
