@@ -102,18 +102,34 @@ impl StableEquilibria {
 /// all runs of a point, unless its parameters are drawn. What it finds does not depend on that.
 #[derive(Debug, Default)]
 pub struct NearestFinder {
+    drawn: bool,
     last: Mutex<Option<(Machine, Arc<Option<StableEquilibria>>)>>,
 }
 
+/// Most ways to lay balls on two sides of a line for which equilibria are computed run by run: those of
+/// four balls that differ. More would take longer than the runs.
+const MOST_WAYS: usize = 16;
+
 impl NearestFinder {
+    /// For a study in which parameters are `drawn` for each run, or are not.
+    pub fn new(drawn: bool) -> Self {
+        NearestFinder { drawn, ..Self::default() }
+    }
+
     /// The stable equilibrium without friction that is nearest to where a run came to rest; none for
-    /// runs that did not, for blocks, and where [`StableEquilibria::of`] gives none.
+    /// runs that did not, for blocks, where [`StableEquilibria::of`] gives none, and for drawn machines
+    /// with five balls or more that differ.
     pub fn nearest(&self, case: &Case, outcome: &Outcome) -> Option<Nearest> {
         if outcome.label() != Label::Equilibrium {
             return None;
         }
         let beta = outcome.position.as_ref()?;
         let machine = case.model.ball_balancer()?;
+        let groups = groups_of_alike(&machine.balls);
+        let ways: usize = groups.iter().map(|group| group.len() + 1).product();
+        if self.drawn && ways > MOST_WAYS {
+            return None;
+        }
         self.of(machine).as_ref().as_ref()?.nearest(beta)
     }
 
@@ -136,10 +152,11 @@ impl NearestFinder {
 mod tests {
     use std::f64::consts::TAU;
 
-    use super::StableEquilibria;
-    use crate::analysis::FrictionlessKind;
+    use super::{HIGH_DRAG, NearestFinder, StableEquilibria};
     use crate::analysis::draws::Draws;
-    use crate::model::{Ball, Machine};
+    use crate::analysis::{FrictionlessKind, Stability, frictionless_equilibria};
+    use crate::ending::{Evidence, Outcome};
+    use crate::model::{Ball, Case, Machine, Model, Simulation, Start};
 
     fn machine(speed_rad_s: f64, masses_kg: &[f64]) -> Machine {
         let ball = |&mass_kg: &f64| Ball { mass_kg, ..Ball::default() };
@@ -195,6 +212,61 @@ mod tests {
             distances.sort_by(f64::total_cmp);
             let found = stable.median_of_even_spread().unwrap();
             assert!(distances[370] < found && found < distances[630], "{found}");
+        }
+    }
+
+    /// Many balls that are alike have eigenvalues that coincide; the stability of all is known still.
+    #[test]
+    fn stability_is_known_for_any_number_of_balls_that_are_alike() {
+        for balls in 1..=8 {
+            for (mass_kg, speed) in [1e-5, 5e-5, 1.4e-4]
+                .into_iter()
+                .flat_map(|mass| [-100.0, -160.0, -216.0, -300.0].map(|speed| (mass, speed)))
+            {
+                let machine = machine(speed, &vec![mass_kg; balls]);
+                for equilibrium in frictionless_equilibria(&machine, HIGH_DRAG).unwrap() {
+                    let known = equilibrium.stability != Stability::Unknown;
+                    assert!(
+                        known,
+                        "{balls} balls of {mass_kg} kg at {speed}: {:?}",
+                        equilibrium.kind
+                    );
+                }
+            }
+        }
+    }
+
+    /// What has been kept of another machine changes nothing; machines that take long are left out
+    /// where each run has its own.
+    #[test]
+    fn every_run_has_its_own_machine() {
+        let at_rest = |balls: usize| Outcome {
+            position: Some((0..balls).map(|ball| ball as f64 * 0.7).collect()),
+            ..Outcome::failed(Evidence::RestCertified, String::new())
+        };
+        let case = |machine: &Machine| Case {
+            model: Model::BallBalancer(machine.clone()),
+            start: Start(Vec::new()),
+            simulation: Simulation::default(),
+        };
+        let finder = NearestFinder::new(true);
+        for speed in [-160.0, -216.0, -216.0, -160.0, -181.0, -160.0] {
+            let machine = machine(speed, &[1.4e-4, 1.5e-4]);
+            let outcome = at_rest(2);
+            let alone = StableEquilibria::of(&machine)
+                .and_then(|stable| stable.nearest(outcome.position.as_ref().unwrap()));
+            assert_eq!(finder.nearest(&case(&machine), &outcome), alone);
+            assert_eq!(alone.is_some(), speed != -181.0);
+            let moving = Outcome { evidence: Evidence::EndTime, ..outcome };
+            assert_eq!(finder.nearest(&case(&machine), &moving), None);
+        }
+        let alike = machine(-100.0, &[1e-5; 8]);
+        let differ = machine(-100.0, &[1e-5, 1.1e-5, 1.2e-5, 1.3e-5, 1.4e-5]);
+        for (machine, found) in [(alike, [true; 2]), (differ, [true, false])] {
+            let outcome = at_rest(machine.balls.len());
+            let nearest = [false, true]
+                .map(|drawn| NearestFinder::new(drawn).nearest(&case(&machine), &outcome));
+            assert_eq!(nearest.map(|one| one.is_some()), found);
         }
     }
 }

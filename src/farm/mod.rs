@@ -93,7 +93,7 @@ pub fn farm<S: Sink>(
     let planned = options.shard.runs(study.run_count());
     let chunk = options.chunk.max(1) as u64;
     let mut intake = Intake { study, sink, point: None, counts: LabelCounts::default() };
-    let finder = NearestFinder::default();
+    let finder = NearestFinder::new(!study.uncertain().is_empty());
     let mut finished: Vec<RunRecord> = Vec::new();
     let mut first = 0;
     while first < planned && !stop.load(Ordering::Relaxed) {

@@ -101,7 +101,8 @@ fn preferred_columns(balls: usize) -> Vec<Column<EquilibriumRow>> {
             "nearest_frictionless",
             "the nearest stable equilibrium without friction, with a drag of 1e4 on the balls: a1_plus, \
              a1_minus (all balls together), a2, other (on one line), b1 (balanced); null where none \
-             is stable, or four balls and more are balanced",
+             is stable, where four balls and more balance, and for five and more that differ with \
+             parameters drawn for each run",
             |row: &EquilibriumRow| row.nearest.map(|nearest| nearest.kind.name()),
         ),
         Column::number(
