@@ -2,17 +2,8 @@
 //! their angles.
 //!
 //! One angle or two are looked at together. With three balls and more, what is counted is each ball's
-//! angle alone, those of balls that are alike together. Bins are 10° wide. The density is a kernel
-//! estimate at their centres, with products of von Mises densities of a standard deviation `h`,
-//!
-//! ```text
-//! h = n^(-1/(d + 4)) / 2 rad, at least 0.05 rad, for n equilibria and d angles
-//! ```
-//!
-//! which is Scott's rule (D. W. Scott, Multivariate Density Estimation, 2nd ed., Wiley 2015, section 6.3,
-//! doi:10.1002/9781118575574) for features half a radian wide: at all points the same, so that they
-//! can be compared. It is computed from counts in bins of 1°, so that it takes no more memory for
-//! more runs and does not depend on their order.
+//! angle alone, those of balls that are alike together. Bins are 10° wide; the density is a kernel
+//! estimate at their centres.
 //!
 //! Two balls that are alike have no names: each equilibrium counts in the bin of its angles in ascending
 //! order, and half in the density at `(β_1, β_2)`, half at `(β_2, β_1)`. The density integrates to 1 over
@@ -22,13 +13,10 @@ use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
 use super::interval::{Z_95, wilson};
+use super::kernel_density::FineCounts;
 
 /// Bins per angle.
 pub const BINS: usize = 36;
-/// Fine bins per angle, from which densities are computed.
-const FINE: usize = 360;
-/// The least standard deviation of a kernel, rad: fine bins are not seen.
-const LEAST_WIDTH_RAD: f64 = 0.05;
 
 /// The bin of an angle in [0, 2π), from 0.
 pub fn bin(angle: f64) -> usize {
@@ -40,7 +28,8 @@ pub fn bin_edges(bin: usize) -> [f64; 2] {
     [bin, bin + 1].map(|edge| edge as f64 * (TAU / BINS as f64))
 }
 
-fn place(angle: f64, bins: usize) -> usize {
+/// The place of an angle among so many equal bins.
+pub(super) fn place(angle: f64, bins: usize) -> usize {
     ((angle.rem_euclid(TAU) / TAU * bins as f64) as usize).min(bins - 1)
 }
 
@@ -69,14 +58,7 @@ pub struct Density {
     /// Equilibria by ball and bins.
     counts: BTreeMap<(usize, Vec<usize>), u64>,
     /// By ball.
-    fine: BTreeMap<usize, Fine>,
-}
-
-/// Counts in fine bins.
-#[derive(Clone, Debug, PartialEq)]
-struct Fine {
-    angles: usize,
-    counts: Vec<u64>,
+    fine: BTreeMap<usize, FineCounts>,
 }
 
 impl Density {
@@ -116,20 +98,13 @@ impl Density {
     }
 
     fn count_fine(&mut self, ball: usize, position: &[f64]) {
-        let angles = position.len();
-        let empty = || Fine { angles, counts: vec![0; FINE.pow(angles as u32)] };
-        let fine = self.fine.entry(ball).or_insert_with(empty);
-        let cell = position.iter().fold(0, |cell, &angle| cell * FINE + place(angle, FINE));
-        fine.counts[cell] += 1;
+        self.fine.entry(ball).or_insert_with(|| FineCounts::new(position.len())).add(position);
     }
 
     /// The bins in which balls came to rest, in ascending order.
     pub fn bins(&self) -> Vec<DensityBin> {
-        let estimates: BTreeMap<usize, Vec<f64>> = self
-            .fine
-            .iter()
-            .map(|(&ball, fine)| (ball, fine.estimate(width_rad(self.equilibria, fine.angles))))
-            .collect();
+        let estimates: BTreeMap<usize, Vec<f64>> =
+            self.fine.iter().map(|(&ball, fine)| (ball, fine.density(self.equilibria))).collect();
         let row = |((ball, bins), &runs): (&(usize, Vec<usize>), &u64)| DensityBin {
             ball: *ball,
             bins: bins.clone(),
@@ -142,69 +117,13 @@ impl Density {
     }
 }
 
-/// The standard deviation of a kernel.
-fn width_rad(equilibria: u64, angles: usize) -> f64 {
-    let width = 0.5 * libm::pow(equilibria as f64, -1.0 / (angles as f64 + 4.0));
-    width.max(LEAST_WIDTH_RAD)
-}
-
-impl Fine {
-    /// The density at the centres of all bins, the last angle's changing fastest.
-    fn estimate(&self, width_rad: f64) -> Vec<f64> {
-        let kernel = kernel(width_rad);
-        let total = self.counts.iter().sum::<u64>() as f64;
-        // The last angle first: rows of fine bins become rows of bins.
-        let rows = self.counts.chunks(FINE).map(|row| smoothed(&kernel, row.iter().copied()));
-        if self.angles == 1 {
-            return rows.flatten().map(|sum| sum / total).collect();
-        }
-        let mut density = vec![0.0; BINS * BINS];
-        for (fine, row) in rows.enumerate() {
-            if row.iter().all(|&sum| sum == 0.0) {
-                continue;
-            }
-            for (bin, weights) in kernel.iter().enumerate() {
-                for (place, sum) in row.iter().enumerate() {
-                    density[bin * BINS + place] += weights[fine] * sum / total;
-                }
-            }
-        }
-        density
-    }
-}
-
-/// Sums of kernels about the fine bins, at the centre of each bin.
-fn smoothed(kernel: &[Vec<f64>], counts: impl Iterator<Item = u64>) -> Vec<f64> {
-    let mut sums = vec![0.0; BINS];
-    for (fine, count) in counts.enumerate().filter(|(_, count)| *count > 0) {
-        for (sum, weights) in sums.iter_mut().zip(kernel) {
-            *sum += weights[fine] * count as f64;
-        }
-    }
-    sums
-}
-
-/// For the centre of each bin, the von Mises density there about the centre of each fine bin.
-fn kernel(width_rad: f64) -> Vec<Vec<f64>> {
-    let concentration = 1.0 / (width_rad * width_rad);
-    let density = |angle: f64| libm::exp(concentration * (libm::cos(angle) - 1.0));
-    let step = TAU / FINE as f64;
-    // The trapezoidal rule round a circle is exact for such a function, but for rounding.
-    let whole: f64 = (0..FINE).map(|fine| density(step * fine as f64) * step).sum();
-    let centre = |place: usize, bins: usize| (place as f64 + 0.5) * (TAU / bins as f64);
-    let about = |bin: usize| {
-        (0..FINE).map(|fine| density(centre(bin, BINS) - centre(fine, FINE)) / whole).collect()
-    };
-    (0..BINS).map(about).collect()
-}
-
 #[cfg(test)]
 mod tests {
     use std::f64::consts::TAU;
 
-    use statrs::distribution::{ChiSquared, ContinuousCDF, Normal};
+    use statrs::distribution::{ChiSquared, ContinuousCDF};
 
-    use super::{BINS, Density, bin, bin_edges, kernel, width_rad};
+    use super::{BINS, Density, bin, bin_edges};
     use crate::analysis::draws::Draws;
 
     fn alike(balls: usize) -> Vec<Vec<usize>> {
@@ -220,16 +139,6 @@ mod tests {
         beta
     }
 
-    /// An angle from a von Mises distribution, by rejection.
-    fn von_mises(centre: f64, concentration: f64, draws: &mut Draws) -> f64 {
-        loop {
-            let angle = TAU * draws.uniform();
-            if draws.uniform() < (concentration * ((angle - centre).cos() - 1.0)).exp() {
-                return angle;
-            }
-        }
-    }
-
     #[test]
     fn bins_have_their_angles() {
         for angle in [0.0, 1e-300, 0.17453, 1.0, 3.0, TAU - 1e-9, TAU.next_down()] {
@@ -240,26 +149,6 @@ mod tests {
         assert_eq!(bin_edges(35)[1], TAU);
     }
 
-    /// The kernel is the von Mises density: with its Bessel function by the series.
-    #[test]
-    fn kernels_are_densities() {
-        for width in [0.05_f64, 0.2, 0.5] {
-            let concentration = 1.0 / (width * width);
-            // exp(-κ) I_0(κ) = mean over the circle of exp(κ (cos x - 1)), by another rule.
-            let points = 100_003;
-            let mean = (0..points)
-                .map(|i| {
-                    (concentration * ((TAU * f64::from(i) / f64::from(points)).cos() - 1.0)).exp()
-                })
-                .sum::<f64>()
-                / f64::from(points);
-            let at = kernel(width)[3][40];
-            let way = (35.0_f64 - 40.5).to_radians();
-            let expected = (concentration * (way.cos() - 1.0)).exp() / (TAU * mean);
-            assert!((at / expected - 1.0).abs() < 1e-9, "{at} {expected}");
-        }
-    }
-
     /// Over all bins the densities integrate to 1, and the counts to all equilibria.
     #[test]
     fn integrates_to_one() {
@@ -268,13 +157,13 @@ mod tests {
             for groups in [alike(balls), differing(balls)] {
                 let mut density = Density::default();
                 for _ in 0..500 {
-                    let beta = (0..balls).map(|_| von_mises(2.0, 3.0, &mut draws)).collect();
+                    let beta = (0..balls).map(|_| draws.von_mises(2.0, 3.0)).collect();
                     density.add(&if groups.len() == 1 { sorted(beta) } else { beta }, &groups);
                 }
                 for fine in density.fine.values() {
                     let width = TAU / BINS as f64;
-                    let all = fine.estimate(width_rad(500, fine.angles)).iter().sum::<f64>()
-                        * width.powi(fine.angles as i32);
+                    let all = fine.density(500).iter().sum::<f64>()
+                        * width.powi(if balls == 2 { 2 } else { 1 });
                     assert!((all - 1.0).abs() < 1e-6, "{balls} balls: {all}");
                 }
                 let rows = density.bins();
@@ -295,9 +184,8 @@ mod tests {
     #[test]
     fn order_and_exchange_do_not_matter() {
         let mut draws = Draws::new(11);
-        let positions: Vec<Vec<f64>> = (0..300)
-            .map(|_| vec![von_mises(1.0, 2.0, &mut draws), TAU * draws.uniform()])
-            .collect();
+        let positions: Vec<Vec<f64>> =
+            (0..300).map(|_| vec![draws.von_mises(1.0, 2.0), TAU * draws.uniform()]).collect();
         let of = |positions: &mut dyn Iterator<Item = Vec<f64>>| {
             let mut density = Density::default();
             positions.for_each(|beta| density.add(&beta, &alike(2)));
@@ -305,7 +193,7 @@ mod tests {
         };
         let forward = of(&mut positions.iter().cloned().map(sorted));
         assert_eq!(forward, of(&mut positions.iter().rev().cloned().map(sorted)));
-        let density = forward.fine[&0].estimate(0.2);
+        let density = forward.fine[&0].density(300);
         for (i, j) in (0..BINS).flat_map(|i| (0..BINS).map(move |j| (i, j))) {
             let [one, other] = [density[i * BINS + j], density[j * BINS + i]];
             assert!((one - other).abs() <= 1e-12 * one, "{i} {j}: {one} {other}");
@@ -313,18 +201,15 @@ mod tests {
         assert!(forward.bins().iter().all(|row| row.bins[0] <= row.bins[1]));
     }
 
-    /// Two independent von Mises angles: the counts of the bins by a chi-square test at a level of
-    /// 0.001, and the densities at the centres within the normal limits at a level of 0.001 for
-    /// all together (Bonferroni) of what they are on average, the distribution smoothed by the kernel.
+    /// Two independent von Mises angles: the counts of the bins by a chi-square test at a level of 0.001.
     #[test]
-    fn a_known_distribution_is_recovered() {
+    fn bins_count_a_known_distribution() {
         let mut draws = Draws::new(12);
         let (centres, concentrations) = ([2.0, 5.0], [2.0, 4.0]);
         let runs = 20_000;
         let mut density = Density::default();
         for _ in 0..runs {
-            let beta =
-                [0, 1].map(|i| von_mises(centres[i], concentrations[i], &mut draws)).to_vec();
+            let beta = [0, 1].map(|i| draws.von_mises(centres[i], concentrations[i])).to_vec();
             density.add(&beta, &differing(2));
         }
         // The distribution of each angle on 7200 points.
@@ -355,36 +240,5 @@ mod tests {
         let limit = ChiSquared::new(f64::from(kinds)).unwrap().inverse_cdf(0.999);
         println!("chi-square {chi_square} of {kinds}, limit {limit}");
         assert!(kinds > 300 && chi_square < limit);
-
-        let width = width_rad(runs as u64, 2);
-        let concentration = 1.0 / (width * width);
-        let smoothed = |i: usize, bin: usize| -> [f64; 2] {
-            let centre = (bin as f64 + 0.5) * TAU / BINS as f64;
-            let kernel = |angle: f64| (concentration * ((angle - centre).cos() - 1.0)).exp();
-            let whole: f64 =
-                (0..points).map(|point| kernel(at(point))).sum::<f64>() * TAU / points as f64;
-            let mean = |power: i32| -> f64 {
-                let weights = exact[i].iter().enumerate();
-                weights.map(|(point, share)| share * (kernel(at(point)) / whole).powi(power)).sum()
-            };
-            [mean(1), mean(2)]
-        };
-        let limit = Normal::new(0.0, 1.0).unwrap().inverse_cdf(1.0 - 0.0005 / 1296.0);
-        let estimate = density.fine[&0].estimate(width);
-        let sides = [0, 1].map(|i| (0..BINS).map(|bin| smoothed(i, bin)).collect::<Vec<_>>());
-        let mut checked = 0;
-        for (a, b) in (0..BINS).flat_map(|a| (0..BINS).map(move |b| (a, b))) {
-            let mean = sides[0][a][0] * sides[1][b][0];
-            let square = sides[0][a][1] * sides[1][b][1];
-            // Where a few runs only are within reach, the sum of kernels is not normal.
-            if mean * width * width * f64::from(runs) < 5.0 {
-                continue;
-            }
-            checked += 1;
-            let deviation = ((square - mean * mean) / f64::from(runs)).sqrt();
-            let off = (estimate[a * BINS + b] - mean) / deviation;
-            assert!(off.abs() < limit, "{a} {b}: off by {off} deviations");
-        }
-        assert!(checked > 200, "{checked}");
     }
 }

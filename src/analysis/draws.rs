@@ -52,4 +52,14 @@ impl Draws {
         let (a, b) = (self.gamma(a), self.gamma(b));
         if a + b > 0.0 { a / (a + b) } else { 0.0 }
     }
+
+    /// An angle in [0, 2π) from a von Mises distribution, by rejection.
+    pub fn von_mises(&mut self, centre: f64, concentration: f64) -> f64 {
+        loop {
+            let angle = std::f64::consts::TAU * self.uniform();
+            if self.uniform() < (concentration * ((angle - centre).cos() - 1.0)).exp() {
+                return angle;
+            }
+        }
+    }
 }

@@ -12,6 +12,7 @@ mod equilibrium_set;
 mod escape;
 mod frictionless;
 mod interval;
+mod kernel_density;
 mod linearised;
 mod nearest;
 mod point_summary;
