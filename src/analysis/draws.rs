@@ -1,4 +1,4 @@
-//! Random times for tests, the same ones every time.
+//! Random numbers for tests, the same ones every time.
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
@@ -20,5 +20,46 @@ impl Draws {
     /// Exponential with a rate.
     pub fn exponential(&mut self, rate: f64) -> f64 {
         -self.uniform().ln() / rate
+    }
+
+    /// Gamma with a shape and a scale of 1.
+    ///
+    /// Source: J. H. Ahrens, U. Dieter, Computing 12 (1974) 223, doi:10.1007/BF02293108, algorithm GS
+    /// for shapes up to 1; larger shapes are sums.
+    fn gamma(&mut self, shape: f64) -> f64 {
+        if shape > 1.0 {
+            return self.exponential(1.0) + self.gamma(shape - 1.0);
+        }
+        let bound = 1.0 + shape / std::f64::consts::E;
+        loop {
+            let (p, threshold) = (bound * self.uniform(), self.exponential(1.0));
+            if p <= 1.0 {
+                let x = p.powf(1.0 / shape);
+                if x <= threshold {
+                    return x;
+                }
+            } else {
+                let x = -((bound - p) / shape).ln();
+                if (1.0 - shape) * x.ln() <= threshold {
+                    return x;
+                }
+            }
+        }
+    }
+
+    /// From a Beta distribution.
+    pub fn beta(&mut self, a: f64, b: f64) -> f64 {
+        let (a, b) = (self.gamma(a), self.gamma(b));
+        if a + b > 0.0 { a / (a + b) } else { 0.0 }
+    }
+
+    /// An angle in [0, 2π) from a von Mises distribution, by rejection.
+    pub fn von_mises(&mut self, centre: f64, concentration: f64) -> f64 {
+        loop {
+            let angle = std::f64::consts::TAU * self.uniform();
+            if self.uniform() < (concentration * ((angle - centre).cos() - 1.0)).exp() {
+                return angle;
+            }
+        }
     }
 }

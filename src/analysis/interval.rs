@@ -3,22 +3,62 @@
 /// The two-sided 95 % point of the normal distribution.
 pub const Z_95: f64 = 1.959_963_984_540_054;
 
+/// How an interval was made.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum IntervalMethod {
+    /// Wilson's score interval: runs count one by one.
+    Wilson,
+    /// From the variation within the cells of a stratified design.
+    Stratified,
+}
+
+impl IntervalMethod {
+    /// The word for it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Wilson => "wilson",
+            Self::Stratified => "stratified",
+        }
+    }
+}
+
+/// A 95 % interval of a share.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Interval {
+    /// Its lower end.
+    pub low: f64,
+    /// Its upper end.
+    pub high: f64,
+    /// How it was made.
+    pub method: IntervalMethod,
+}
+
+impl Interval {
+    /// Its lower and its upper end.
+    pub fn ends(&self) -> (f64, f64) {
+        (self.low, self.high)
+    }
+}
+
 /// Wilson's score interval for a share, `successes` of `trials`: valid at 0 and 1 and for few
 /// trials; the whole of [0, 1] where there are none.
 ///
 /// Source: E. B. Wilson, J. Am. Stat. Assoc. 22 (1927) 209, doi:10.1080/01621459.1927.10502953.
 pub fn wilson(successes: u64, trials: u64, z: f64) -> (f64, f64) {
-    if trials == 0 {
-        return (0.0, 1.0);
+    match trials {
+        0 => (0.0, 1.0),
+        _ => score_interval(successes as f64 / trials as f64, trials as f64, z),
     }
-    let n = trials as f64;
-    let share = successes as f64 / n;
+}
+
+/// Wilson's interval for a share seen in `n` trials, which need not be a whole number.
+pub(super) fn score_interval(share: f64, n: f64, z: f64) -> (f64, f64) {
     let z2 = z * z;
     let centre = (share + z2 / (2.0 * n)) / (1.0 + z2 / n);
     let half = z / (1.0 + z2 / n) * (share * (1.0 - share) / n + z2 / (4.0 * n * n)).sqrt();
     // At the ends the interval reaches the end exactly; rounding must not take that away.
-    let low = if successes == 0 { 0.0 } else { (centre - half).max(0.0) };
-    let high = if successes == trials { 1.0 } else { (centre + half).min(1.0) };
+    let low = if share == 0.0 { 0.0 } else { (centre - half).max(0.0) };
+    let high = if share == 1.0 { 1.0 } else { (centre + half).min(1.0) };
     (low, high)
 }
 
@@ -28,9 +68,26 @@ pub fn wilson_with_failures(successes: u64, failures: u64, trials: u64, z: f64) 
     (wilson(successes, trials, z).0, wilson(successes + failures, trials, z).1)
 }
 
+/// The two-sided point of the normal distribution at 99 %: five intervals, each of which misses with
+/// 1 %, miss together with 5 % at most (Bonferroni).
+const Z_99: f64 = 2.575_829_303_548_901;
+
+/// Intervals for the shares of five kinds of runs that hold all together with 95 %, failures being
+/// the last kind: a failed run might have been of any other kind, so that the upper ends of the
+/// others count it.
+///
+/// Source: L. A. Goodman, Technometrics 7 (1965) 247, doi:10.1080/00401706.1965.10490252.
+pub fn simultaneous(counts: [u64; 5]) -> [(f64, f64); 5] {
+    let trials = counts.iter().sum();
+    let [others @ .., failures] = counts;
+    let [a, b, c, d] = others.map(|count| wilson_with_failures(count, failures, trials, Z_99));
+    [a, b, c, d, wilson(failures, trials, Z_99)]
+}
+
 #[cfg(test)]
 mod tests {
-    use super::{Z_95, wilson, wilson_with_failures};
+    use super::{Z_95, Z_99, simultaneous, wilson, wilson_with_failures};
+    use crate::analysis::draws::Draws;
 
     /// Brown, Cai, DasGupta, Stat. Sci. 16 (2001) 101 give no table; these values are the roots of
     /// `|p - k/n| = z sqrt(p (1 - p) / n)`, which defines the interval.
@@ -82,5 +139,57 @@ mod tests {
             }
         }
         assert!((mean - 0.95).abs() < 0.01, "{mean}");
+    }
+
+    /// Five intervals that each miss with 1 %, by the normal distribution's own function.
+    #[test]
+    fn five_intervals_share_the_error() {
+        let beyond = libm::erfc(Z_99 / std::f64::consts::SQRT_2);
+        assert!((beyond - 0.01).abs() < 1e-15, "{beyond}");
+        let intervals = simultaneous([50, 0, 20, 20, 10]);
+        assert_eq!(intervals[0], (wilson(50, 100, Z_99).0, wilson(60, 100, Z_99).1));
+        assert_eq!(intervals[1], (0.0, wilson(10, 100, Z_99).1));
+        assert_eq!(intervals[4], wilson(10, 100, Z_99));
+        assert_eq!(simultaneous([0; 5]), [(0.0, 1.0); 5]);
+    }
+
+    /// All five shares lie in their intervals in 95 % of seeded samples or more (to the error of 4000:
+    /// 0.0034); without failures, as those only widen.
+    #[test]
+    fn joint_coverage_is_95_percent() {
+        let mut draws = Draws::new(1965);
+        let shares = [
+            [0.2, 0.2, 0.2, 0.2, 0.2],
+            [0.5, 0.1, 0.1, 0.3, 0.0],
+            [0.9, 0.05, 0.0, 0.05, 0.0],
+            [0.97, 0.01, 0.01, 0.01, 0.0],
+            [0.5, 0.0, 0.0, 0.5, 0.0],
+        ];
+        for trials in [50, 256, 768] {
+            for shares in shares {
+                let repetitions = 4000;
+                let (mut held, mut single) = (0, 0);
+                for _ in 0..repetitions {
+                    let mut counts = [0; 5];
+                    for _ in 0..trials {
+                        let mut left = draws.uniform();
+                        let kind = shares.iter().position(|share| {
+                            left -= share;
+                            left < 0.0
+                        });
+                        counts[kind.unwrap_or(3)] += 1;
+                    }
+                    let holds =
+                        |(share, (low, high)): (&f64, (f64, f64))| low <= *share && *share <= high;
+                    held += u32::from(shares.iter().zip(simultaneous(counts)).all(holds));
+                    let each = counts.map(|count| wilson(count, trials, Z_95));
+                    single += u32::from(shares.iter().zip(each).all(holds));
+                }
+                let [held, single] =
+                    [held, single].map(|held| f64::from(held) / f64::from(repetitions));
+                println!("{trials} runs, {shares:?}: {held}, with intervals of their own {single}");
+                assert!(held > 0.95 - 0.0068 && held >= single, "{trials}, {shares:?}: {held}");
+            }
+        }
     }
 }

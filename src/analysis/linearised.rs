@@ -120,7 +120,10 @@ impl SmallMotions {
         }
         let rounding = ROUNDING * (1.0 + matrix.norm());
         let iterations = ITERATIONS * matrix.nrows();
-        let Some(schur) = Schur::try_new(matrix, f64::EPSILON, iterations) else { return unknown };
+        // Eigenvalues that coincide, as of many balls that are alike, may need more room to be told apart.
+        let mut rooms = [1.0, 16.0, 256.0].map(|room| room * f64::EPSILON).into_iter();
+        let schur = rooms.find_map(|room| Schur::try_new(matrix.clone(), room, iterations));
+        let Some(schur) = schur else { return unknown };
         let mut eigenvalues: Vec<Complex<f64>> =
             schur.complex_eigenvalues().iter().copied().collect();
         // Those of the family are zero but for rounding: the smallest ones.

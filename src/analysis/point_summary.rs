@@ -1,10 +1,14 @@
 //! One point of the sweep in numbers: how its runs ended, how soon, with what amplitude.
 
+use super::alike::{groups_of_alike, sorted_where_alike};
 use super::audit::AuditCounts;
 use super::cycles::{CycleClasses, CycleGroup};
+use super::density::{Density, DensityBin};
 use super::escape::{EscapeRate, Group, escape_rate};
-use super::interval::{Z_95, wilson_with_failures};
+use super::interval::{Interval, IntervalMethod, Z_95, simultaneous, wilson_with_failures};
+use super::nearest::Nearest;
 use super::rest_curve::{RestStep, rest_curve};
+use super::stratified::Cells;
 use super::survival::SurvivalCurve;
 use super::tally::Tally;
 use crate::ending::{Label, Outcome};
@@ -37,6 +41,13 @@ impl LabelCounts {
             total => self.of(label) as f64 / total as f64,
         }
     }
+
+    /// Intervals of the shares of all labels, in the order of [`Label::ALL`], that hold together with
+    /// 95 % (see [`simultaneous`]). They count runs one by one; cells of a design make them wider
+    /// than need be, not wrong.
+    pub fn intervals(&self) -> [(f64, f64); 5] {
+        simultaneous(self.0)
+    }
 }
 
 impl std::ops::AddAssign for LabelCounts {
@@ -54,7 +65,7 @@ const STOPPED: usize = 1;
 /// A finished run, as far as statistics look at it.
 #[derive(Clone, Copy, Debug)]
 pub struct Observed<'a> {
-    /// Its cell in the sampling design.
+    /// Its cell in the sampling design; looked at where the design is stratified.
     pub cell: u64,
     /// What was computed; none where the parameters drawn made no physical sense.
     pub case: Option<&'a Case>,
@@ -62,6 +73,8 @@ pub struct Observed<'a> {
     pub outcome: &'a Outcome,
     /// How it ended when it was computed a second time, if it was.
     pub audit: Option<Label>,
+    /// The stable equilibrium without friction that is nearest to where it came to rest.
+    pub nearest: Option<Nearest>,
 }
 
 /// What a point's own tables hold beside its summary.
@@ -71,12 +84,15 @@ pub struct PointDetail {
     pub rest: Vec<RestStep>,
     /// The limit cycles, class by class.
     pub cycles: Vec<CycleGroup>,
+    /// Where balls came to rest.
+    pub density: Vec<DensityBin>,
 }
 
 /// Collects the runs of one point.
 #[derive(Clone, Debug, Default)]
 pub struct PointAccumulator {
     counts: LabelCounts,
+    cells: Cells,
     /// Times at which runs came to rest (kind 0) or were stopped while moving (kind 1); those that
     /// have been shown to be on a limit cycle never.
     times: Tally,
@@ -85,6 +101,9 @@ pub struct PointAccumulator {
     amplitudes: Tally,
     cycle_classes: CycleClasses,
     audit: AuditCounts,
+    /// Distances from the nearest equilibrium without friction, rad (kind 0).
+    distances: Tally,
+    density: Density,
 }
 
 /// What is known of one point.
@@ -92,10 +111,10 @@ pub struct PointAccumulator {
 pub struct PointSummary {
     /// Runs per label.
     pub counts: LabelCounts,
-    /// Share of equilibria, with 95 % interval (Wilson; failures widen it).
+    /// Share of equilibria: of all runs, or with every cell of a stratified design weighing the same.
     pub equilibrium_fraction: f64,
-    /// The interval's ends.
-    pub interval: (f64, f64),
+    /// Its 95 % interval; failures widen it.
+    pub interval: Interval,
     /// Times by which 25, 50, 75 and 95 % of the runs have come to rest, s (Kaplan-Meier);
     /// `None` where not reached.
     pub time_to_rest_s: [Option<f64>; 4],
@@ -108,6 +127,8 @@ pub struct PointSummary {
     pub amplitude_m: [Option<f64>; 3],
     /// How often runs ended differently when they were computed again.
     pub audit: AuditCounts,
+    /// The median distance of equilibria from the nearest stable equilibrium without friction, rad.
+    pub distance_to_frictionless_rad: Option<f64>,
 }
 
 impl PointSummary {
@@ -118,12 +139,18 @@ impl PointSummary {
 }
 
 impl PointAccumulator {
+    /// No runs yet, of a design with so many cells of equal size; none where it is not stratified.
+    pub fn new(cells: Option<u64>) -> Self {
+        PointAccumulator { cells: cells.map(Cells::new).unwrap_or_default(), ..Self::default() }
+    }
+
     /// Takes in one run. Failed runs say nothing about time and amplitude.
     pub fn add(&mut self, run: Observed<'_>) {
         let outcome = run.outcome;
         let label = outcome.label();
         self.counts.add(label);
         run.audit.into_iter().for_each(|again| self.audit.add(label, again));
+        self.cells.add(run.cell, label == Label::Equilibrium, label == Label::Failed);
         if label == Label::Failed {
             return;
         }
@@ -137,13 +164,13 @@ impl PointAccumulator {
         }
         outcome.amplitude_m.into_iter().for_each(|amplitude| self.amplitudes.add(amplitude, REST));
         self.cycle_classes.add(run);
-    }
-
-    /// The 95 % interval of the share of equilibria.
-    pub fn interval(&self) -> (f64, f64) {
-        let counts = self.counts;
-        let (equilibria, failed) = (counts.of(Label::Equilibrium), counts.of(Label::Failed));
-        wilson_with_failures(equilibria, failed, counts.total(), Z_95)
+        run.nearest.into_iter().for_each(|nearest| self.distances.add(nearest.distance_rad, REST));
+        let machine = run.case.and_then(|case| case.model.ball_balancer());
+        if let (Label::Equilibrium, Some(machine), Some(beta)) = (label, machine, &outcome.position)
+        {
+            let balls = &machine.balls;
+            self.density.add(&sorted_where_alike(beta, balls), &groups_of_alike(balls));
+        }
     }
 
     /// What goes into the point's own tables; `end_times_s` are the study's end time and that of
@@ -152,7 +179,27 @@ impl PointAccumulator {
         PointDetail {
             rest: rest_curve(&SurvivalCurve::new(self.times.groups()), end_times_s),
             cycles: self.cycle_classes.groups(&self.counts),
+            density: self.density.bins(),
         }
+    }
+
+    /// The share of equilibria so far. The cells of a stratified design weigh the same, which differs
+    /// from the share of all runs where an interrupted study leaves more runs in one than in another.
+    pub fn equilibrium_fraction(&self) -> f64 {
+        self.cells.share().unwrap_or_else(|| self.counts.fraction(Label::Equilibrium))
+    }
+
+    /// Its 95 % interval: from the variation within cells where the design is stratified and every
+    /// cell has two runs or more, otherwise Wilson's. It reaches from the lower end if no failed run
+    /// had been an equilibrium to the upper end if all had.
+    pub fn equilibrium_interval(&self) -> Interval {
+        if let Some((low, high)) = self.cells.interval() {
+            return Interval { low, high, method: IntervalMethod::Stratified };
+        }
+        let [equilibria, failures] =
+            [Label::Equilibrium, Label::Failed].map(|label| self.counts.of(label));
+        let (low, high) = wilson_with_failures(equilibria, failures, self.counts.total(), Z_95);
+        Interval { low, high, method: IntervalMethod::Wilson }
     }
 
     fn escape(&self) -> Option<EscapeRate> {
@@ -168,8 +215,8 @@ impl PointAccumulator {
         let counts = self.counts;
         PointSummary {
             counts,
-            equilibrium_fraction: counts.fraction(Label::Equilibrium),
-            interval: self.interval(),
+            equilibrium_fraction: self.equilibrium_fraction(),
+            interval: self.equilibrium_interval(),
             time_to_rest_s: PointSummary::TIME_SHARES
                 .map(|share| curve.time_to_rest_quantile(share)),
             median_interval_s: curve.time_to_rest_interval(0.5),
@@ -177,6 +224,7 @@ impl PointAccumulator {
             amplitude_m: PointSummary::AMPLITUDE_SHARES
                 .map(|share| self.amplitudes.quantile(share)),
             audit: self.audit,
+            distance_to_frictionless_rad: self.distances.quantile(0.5),
         }
     }
 }
@@ -187,7 +235,7 @@ mod tests {
     use crate::ending::{Evidence, Outcome};
 
     fn add(point: &mut PointAccumulator, outcome: &Outcome) {
-        point.add(Observed { cell: 0, case: None, outcome, audit: None });
+        point.add(Observed { cell: 0, case: None, outcome, audit: None, nearest: None });
     }
 
     #[test]

@@ -52,7 +52,7 @@ impl PointsTable {
 
     fn is_precise(&self, row: &PointRow) -> Option<bool> {
         let widest = self.precision?.equilibrium_fraction;
-        Some(is_narrow(row.summary.interval, widest))
+        Some(is_narrow(row.summary.interval.ends(), widest))
     }
 
     /// How many points are not known as precisely as the study asks for.
@@ -93,7 +93,7 @@ impl PointsTable {
             cells.push(summary.counts.total().to_string());
             cells.push(summary.counts.of(Label::Equilibrium).to_string());
             cells.push(format!("{:.4}", summary.equilibrium_fraction));
-            cells.push(format!("{:.4} .. {:.4}", summary.interval.0, summary.interval.1));
+            cells.push(format!("{:.4} .. {:.4}", summary.interval.low, summary.interval.high));
             cells.push(match summary.time_to_rest_s[1] {
                 Some(median) => format!("{median:.2}"),
                 None => "not reached".to_owned(),
@@ -131,8 +131,9 @@ impl PointsTable {
                 object.insert(format!("{}_runs", label.name()), json!(summary.counts.of(label)));
             }
             object.insert("equilibrium_fraction".to_owned(), json!(summary.equilibrium_fraction));
-            object.insert("ci_low".to_owned(), json!(summary.interval.0));
-            object.insert("ci_high".to_owned(), json!(summary.interval.1));
+            object.insert("ci_low".to_owned(), json!(summary.interval.low));
+            object.insert("ci_high".to_owned(), json!(summary.interval.high));
+            object.insert("ci_method".to_owned(), json!(summary.interval.method.name()));
             object.insert("time_to_rest_p50_s".to_owned(), json!(summary.time_to_rest_s[1]));
             if let Some(precise) = self.is_precise(row) {
                 object.insert("precision_reached".to_owned(), json!(precise));

@@ -28,7 +28,8 @@ Examples:
 
 The directory holds runs.parquet (a row per run), points.parquet (a row per point of the sweep),
 rest.parquet (the probability of being at rest over time, per point), equilibria.parquet (where runs
-came to rest), cycles.parquet (the limit cycles by class, per point), study.yaml (with all defaults
+came to rest), density.parquet (how often in which part of the ring), cycles.parquet (the limit cycles
+by class, per point), study.yaml (with all defaults
 filled in) and manifest.json. Ctrl-C finishes the runs in progress, keeps everything and exits with
 130; a second Ctrl-C stops at once.";
 

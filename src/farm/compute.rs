@@ -14,7 +14,8 @@ thread_local! {
     static IN_A_RUN: Cell<bool> = const { Cell::new(false) };
 }
 
-/// Plans and simulates one run, an audited one twice. Parameters without physical sense and panics are outcomes, not
+/// Plans and simulates one run, an audited one twice; what is nearest to where it ended is left open.
+/// Parameters without physical sense and panics are outcomes, not
 /// ends of the program.
 pub fn compute(study: &Study, run_id: u64, simulate: impl Fn(&Case) -> Outcome) -> RunRecord {
     quieten_panics_in_runs();
@@ -32,7 +33,7 @@ pub fn compute(study: &Study, run_id: u64, simulate: impl Fn(&Case) -> Outcome) 
             (guarded(case, &simulate), planned.audited.then(again))
         }
     };
-    RunRecord { planned, outcome, audit: again }
+    RunRecord { planned, outcome, audit: again, nearest: None }
 }
 
 /// Simulates a case; a panic is its outcome.

@@ -22,7 +22,7 @@ use rayon::prelude::*;
 use thiserror::Error;
 
 use self::rounds::{Round, Rounds};
-use crate::analysis::{LabelCounts, PointAccumulator, PointDetail};
+use crate::analysis::{LabelCounts, NearestFinder, PointAccumulator, PointDetail};
 use crate::ending::Outcome;
 use crate::model::Case;
 use crate::study::Study;
@@ -94,6 +94,7 @@ pub fn farm<S: Sink>(
 ) -> Result<Tally, FarmError<S::Error>> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(options.threads.max(1)).build()?;
     let chunk = options.chunk.max(1) as u64;
+    let finder = NearestFinder::new(!study.uncertain().is_empty());
     let compute_all = |round: Round, first: u64| -> Vec<RunRecord> {
         let runs = chunk.min(round.runs - first);
         (0..runs as usize)
@@ -103,7 +104,11 @@ pub fn farm<S: Sink>(
                 if stop.load(Ordering::Relaxed) {
                     return None;
                 }
-                let record = compute(study, round.run_id(first + index as u64), &simulate);
+                let run_id = round.run_id(first + index as u64);
+                let mut record = compute(study, run_id, &simulate);
+                if let Ok(case) = &record.planned.case {
+                    record.nearest = finder.nearest(case, &record.outcome);
+                }
                 progress.finished(record.outcome.label());
                 Some(record)
             })
@@ -154,8 +159,8 @@ impl<S: Sink> Intake<'_, S> {
             if self.point.as_ref().is_some_and(|(current, _)| *current != point_id) {
                 self.close_point()?;
             }
-            let (_, point) =
-                self.point.get_or_insert_with(|| (point_id, PointAccumulator::default()));
+            let start = || (point_id, PointAccumulator::new(self.study.point(point_id).cells));
+            let (_, point) = self.point.get_or_insert_with(start);
             point.add(record.observed());
             self.counts.add(record.outcome.label());
             self.sink.run(record)?;

@@ -60,7 +60,7 @@ impl<'a> Rounds<'a> {
                 replicate: point.sampling.replicate,
                 most: point.sampling.most,
             };
-            if let Some(more) = rule.more(*runs, so_far.interval()) {
+            if let Some(more) = rule.more(*runs, so_far.equilibrium_interval().ends()) {
                 let round = Round { first_run: point.first_run + *runs, step: 1, runs: more };
                 *runs += more;
                 return Some(round);

@@ -124,13 +124,26 @@ impl Design {
     pub fn identify(&self, sample: u64) -> SampleId {
         match &self.layout {
             Layout::Stratified { parts, .. } => {
-                let free = u32::try_from(self.free_axes()).unwrap_or(u32::MAX);
-                let cells = parts.saturating_pow(free).max(1);
+                let cells = self.cells_of(*parts);
                 SampleId { cell: sample % cells, replicate: sample / cells }
             }
             Layout::Grid { .. } | Layout::Table { .. } => SampleId { cell: sample, replicate: 0 },
             _ => SampleId { cell: 0, replicate: sample },
         }
+    }
+
+    /// The number of cells of a stratified design, in each of which samples are drawn; none of
+    /// another design.
+    pub fn cells(&self) -> Option<u64> {
+        match self.layout {
+            Layout::Stratified { parts, .. } => Some(self.cells_of(parts)),
+            _ => None,
+        }
+    }
+
+    fn cells_of(&self, parts: u64) -> u64 {
+        let free = u32::try_from(self.free_axes()).unwrap_or(u32::MAX);
+        parts.saturating_pow(free).max(1)
     }
 
     /// The coordinates of a sample, in the order of the axes.

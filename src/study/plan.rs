@@ -46,6 +46,9 @@ pub struct Point {
     pub first_run: u64,
     /// Number of the point's runs; those that are computed follow one another.
     pub sampling: Sampling,
+    /// Number of the cells of equal size from which its start states are drawn; none where the design
+    /// is not stratified.
+    pub cells: Option<u64>,
     model: Model,
 }
 
@@ -169,6 +172,7 @@ impl Study {
             swept: self.swept_parameters.iter().map(column).collect(),
             first_run: block.first_run + local * block.sampling.most,
             sampling: block.sampling,
+            cells: block.design.cells(),
             model,
         }
     }

@@ -4,6 +4,7 @@
 
 pub mod column;
 mod cycles;
+mod density;
 mod equilibria;
 mod equilibrium_files;
 mod frictionless;
@@ -18,6 +19,7 @@ mod set;
 mod writer;
 
 pub use cycles::{CycleRow, cycle_columns};
+pub use density::{DensityRow, density_columns};
 pub use equilibria::{EquilibriumRow, equilibrium_columns};
 pub use equilibrium_files::{EquilibriumFiles, EquilibriumTables};
 pub use frictionless::{FrictionlessRow, frictionless_columns};

@@ -2,7 +2,9 @@
 
 use super::column::Column;
 use super::runs::swept_columns;
-use crate::analysis::{AuditCounts, EscapeRate, PointSummary, is_narrow, set_fraction};
+use crate::analysis::{
+    AuditCounts, EscapeRate, PointSummary, StableEquilibria, is_narrow, set_fraction,
+};
 use crate::ending::Label;
 use crate::model::{Balancer, ExistenceVerdict, Machine};
 use crate::study::{ParameterValue, Point, Study};
@@ -20,6 +22,9 @@ pub struct PointRow {
     pub amplitude_without_balls_m: Option<f64>,
     /// Share of all ball positions that are equilibria.
     pub set_fraction: Option<f64>,
+    /// The median distance from stable equilibria without friction of positions spread evenly over the
+    /// equilibrium set, rad.
+    pub even_distance_rad: Option<f64>,
     /// Whether stick and slip are always decided in exactly one way.
     pub existence: Option<ExistenceVerdict>,
 }
@@ -36,6 +41,11 @@ impl PointRow {
                 .ball_balancer()
                 .and_then(amplitude_without_balls),
             set_fraction: point.model().ball_balancer().and_then(set_fraction),
+            even_distance_rad: point
+                .model()
+                .ball_balancer()
+                .and_then(StableEquilibria::of)
+                .and_then(|stable| stable.median_of_even_spread()),
             existence: point.model().ball_balancer().map(Machine::existence),
         }
     }
@@ -78,22 +88,30 @@ pub fn point_columns(study: &Study) -> Vec<Column<PointRow>> {
             "equilibrium_fraction",
             "1",
             "share of runs that ended in equilibrium by the end time; of runs that were continued, \
-             by the later one",
+             by the later one; where ci_method is stratified, every cell weighs the same (of an \
+             interrupted study not quite the share of runs)",
             |row: &PointRow| Some(row.summary.equilibrium_fraction),
         ),
         Column::number(
             "ci_low",
             "1",
-            "lower end of its 95 % interval (Wilson; no failed run counted as equilibrium)",
-            |row: &PointRow| Some(row.summary.interval.0),
+            "lower end of its 95 % interval (no failed run counted as equilibrium)",
+            |row: &PointRow| Some(row.summary.interval.low),
         ),
         Column::number(
             "ci_high",
             "1",
-            "upper end of its 95 % interval (Wilson; all failed runs counted as equilibrium)",
-            |row: &PointRow| Some(row.summary.interval.1),
+            "upper end of its 95 % interval (all failed runs counted as equilibrium)",
+            |row: &PointRow| Some(row.summary.interval.high),
+        ),
+        Column::word(
+            "ci_method",
+            "wilson: Wilson's interval; stratified: from the variation within the cells of the design \
+             (Yan and Su, with bounds), two runs or more in each and at most 65,536 cells",
+            |row: &PointRow| row.summary.interval.method.name(),
         ),
     ]);
+    columns.extend(label_interval_columns());
     for (index, share) in PointSummary::TIME_SHARES.into_iter().enumerate() {
         let percent = (100.0 * share).round();
         columns.push(Column::number(
@@ -132,6 +150,19 @@ pub fn point_columns(study: &Study) -> Vec<Column<PointRow>> {
              balls and more); without uncertain draws",
             |row: &PointRow| row.set_fraction,
         ),
+        Column::number(
+            "distance_to_frictionless_p50_rad",
+            "rad",
+            "median of distance_to_frictionless_rad over the point's equilibria",
+            |row: &PointRow| row.summary.distance_to_frictionless_rad,
+        ),
+        Column::number(
+            "distance_to_frictionless_p50_uniform_rad",
+            "rad",
+            "the same for positions spread evenly over the equilibrium set (quasi-random): preferred \
+             equilibria lie nearer than by chance where theirs is smaller; without uncertain draws",
+            |row: &PointRow| row.even_distance_rad,
+        ),
         Column::word(
             "solution",
             "unique: stick and slip are decided in exactly one way at all positions and for all \
@@ -157,7 +188,7 @@ fn precision_column(study: &Study) -> Column<PointRow> {
         "precision_reached",
         "whether ci_low to ci_high is at most twice as wide as the study's precision asks for; null \
          without a precision",
-        move |row: &PointRow| widest.map(|widest| is_narrow(row.summary.interval, widest)),
+        move |row: &PointRow| widest.map(|widest| is_narrow(row.summary.interval.ends(), widest)),
     )
 }
 
@@ -190,6 +221,34 @@ fn audit_columns(study: &Study) -> [Column<PointRow>; 5] {
             Some(audit.interval().1)
         }),
     ]
+}
+
+/// The shares of all labels at once.
+fn label_interval_columns() -> impl Iterator<Item = Column<PointRow>> {
+    Label::ALL.into_iter().enumerate().flat_map(|(index, label)| {
+        let name = label.name();
+        let failures = match label {
+            Label::Failed => "",
+            _ => "; all failed runs counted as this",
+        };
+        [
+            Column::number(
+                &format!("{name}_low"),
+                "1",
+                &format!(
+                    "lower end of an interval of the share of {name} runs; those of all labels hold \
+                     together with 95 % (Goodman, with Bonferroni's points)"
+                ),
+                move |row: &PointRow| Some(row.summary.counts.intervals()[index].0),
+            ),
+            Column::number(
+                &format!("{name}_high"),
+                "1",
+                &format!("upper end of that interval{failures}"),
+                move |row: &PointRow| Some(row.summary.counts.intervals()[index].1),
+            ),
+        ]
+    })
 }
 
 /// How well the median time to rest is known, and the rate at which late runs come to rest.

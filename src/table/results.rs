@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use thiserror::Error;
 
 use super::cycles::{CycleRow, cycle_columns};
+use super::density::{DensityRow, density_columns};
 use super::equilibria::{EquilibriumRow, equilibrium_columns};
 use super::manifest::{FileEntry, Manifest, write_atomically};
 use super::points::{PointRow, point_columns};
@@ -145,6 +146,7 @@ pub struct Results {
     rest: TableWriter<RestRow>,
     cycles: TableWriter<CycleRow>,
     equilibria: TableWriter<EquilibriumRow>,
+    density: TableWriter<DensityRow>,
     counts: LabelCounts,
 }
 
@@ -153,6 +155,7 @@ const POINTS: &str = "points.parquet";
 const REST: &str = "rest.parquet";
 const CYCLES: &str = "cycles.parquet";
 const EQUILIBRIA: &str = "equilibria.parquet";
+const DENSITY: &str = "density.parquet";
 const STUDY: &str = "study.yaml";
 
 impl Results {
@@ -191,6 +194,11 @@ impl Results {
                 equilibrium_columns(study),
                 &provenance(study, "equilibria"),
             )?,
+            density: TableWriter::create(
+                &directory.join(DENSITY),
+                density_columns(study),
+                &provenance(study, "density"),
+            )?,
             directory: directory.to_owned(),
             counts: LabelCounts::default(),
         })
@@ -219,6 +227,9 @@ impl Results {
         for group in detail.cycles {
             self.cycles.push(CycleRow::new(&point, group))?;
         }
+        for bin in detail.density {
+            self.density.push(DensityRow::new(&point, bin))?;
+        }
         Ok(self.points.push(point)?)
     }
 
@@ -237,6 +248,7 @@ impl Results {
             (REST, Some(self.rest.finish()?)),
             (CYCLES, Some(self.cycles.finish()?)),
             (EQUILIBRIA, Some(self.equilibria.finish()?)),
+            (DENSITY, Some(self.density.finish()?)),
             (STUDY, None),
         ];
         let directory = self.directory;

@@ -14,12 +14,13 @@ use stickslip::study::Study;
 use tempfile::TempDir;
 
 /// The files of an output directory that hold data; their bytes depend on the study alone.
-pub const DATA_FILES: [&str; 6] = [
+pub const DATA_FILES: [&str; 7] = [
     "runs.parquet",
     "points.parquet",
     "rest.parquet",
     "cycles.parquet",
     "equilibria.parquet",
+    "density.parquet",
     "study.yaml",
 ];
 

@@ -120,6 +120,17 @@ fn points() {
         "equilibrium_fraction n 1",
         "ci_low n 1",
         "ci_high n 1",
+        "ci_method w -",
+        "equilibrium_low n 1",
+        "equilibrium_high n 1",
+        "limit_cycle_low n 1",
+        "limit_cycle_high n 1",
+        "irregular_low n 1",
+        "irregular_high n 1",
+        "undecided_low n 1",
+        "undecided_high n 1",
+        "failed_low n 1",
+        "failed_high n 1",
         "time_to_rest_p25_s n s",
         "time_to_rest_p50_s n s",
         "time_to_rest_p75_s n s",
@@ -141,6 +152,8 @@ fn points() {
         "audit_flip_high n 1",
         "amplitude_without_balls_m n m",
         "set_fraction n 1",
+        "distance_to_frictionless_p50_rad n rad",
+        "distance_to_frictionless_p50_uniform_rad n rad",
         "solution w -",
         "least_principal_minor n 1",
     ];
@@ -218,6 +231,10 @@ fn equilibria_of_balls_that_are_alike_are_sorted() {
         "friction_margin n 1",
         "time_to_rest_s n s",
         "evidence w -",
+        "nearest_frictionless w -",
+        "distance_to_frictionless_rad n rad",
+        "bin_1 c -",
+        "bin_2 c -",
     ];
     assert_eq!(columns(&equilibria), expected);
     let angles = |table: &RecordBatch| -> Vec<(f64, f64)> {

@@ -2,4 +2,6 @@
 
 mod contract;
 mod cycles;
+mod intervals;
+mod preferred;
 mod provenance;

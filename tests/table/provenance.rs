@@ -37,6 +37,7 @@ fn every_table_says_where_it_comes_from() {
         ("out/rest.parquet", "rest"),
         ("out/cycles.parquet", "cycles"),
         ("out/equilibria.parquet", "equilibria"),
+        ("out/density.parquet", "density"),
         ("cases.parquet", "cases"),
     ] {
         let found = provenance(&scratch, file);
@@ -91,8 +92,8 @@ fn time_and_host_are_in_the_manifest_only() {
             assert!(!holds, "{name} holds the host's name");
         }
     }
-    let rows = ["runs", "points", "rest", "cycles", "equilibria"]
+    let rows = ["runs", "points", "rest", "cycles", "equilibria", "density"]
         .map(|name| manifest["files"][format!("{name}.parquet")]["rows"].clone());
-    assert_eq!(rows, [5, 1, 2, 0, 0]);
+    assert_eq!(rows, [5, 1, 2, 0, 0, 0]);
     assert_eq!(manifest["files"]["study.yaml"]["rows"], Value::Null);
 }

@@ -4,9 +4,9 @@ use std::fmt::Write;
 use std::path::Path;
 
 use rayon::prelude::*;
-use stickslip::analysis::{Observed, PointAccumulator, PointSummary, Z_95, wilson};
+use stickslip::analysis::{Interval, Observed, PointAccumulator, PointSummary, Z_95, wilson};
 use stickslip::ending::{Label, Outcome, simulate};
-use stickslip::model::{Case, Method, NormalForce, Simulation};
+use stickslip::model::{Case, Machine, Method, NormalForce, Simulation};
 use stickslip::study::Study;
 
 use crate::ending::reference::{distance, label_agrees, references, run_all};
@@ -41,6 +41,7 @@ fn ways() -> [Way; 6] {
 /// The runs of the thesis's study, computed in each way; point by point.
 pub struct ThesisRuns {
     points: Vec<(f64, f64)>,
+    machines: Vec<Machine>,
     /// Equilibria at the first point with Newton's normal force.
     with_newton: u64,
     outcomes: Vec<Vec<Vec<Outcome>>>,
@@ -76,14 +77,20 @@ impl ThesisRuns {
             points: (0..points.len())
                 .map(|id| (machine(id).speed_rad_s, machine(id).balls[0].friction_coefficient))
                 .collect(),
+            machines: (0..points.len()).map(|id| machine(id).clone()).collect(),
             outcomes: ways().iter().map(compute).collect(),
         }
+    }
+
+    /// The machine of each point and its runs, computed in the default way.
+    pub fn by_default(&self) -> impl Iterator<Item = (&Machine, &[Outcome])> {
+        self.machines.iter().zip(self.outcomes[1].iter().map(Vec::as_slice))
     }
 
     fn summary(&self, way: usize, point: usize) -> PointSummary {
         let mut runs = PointAccumulator::default();
         self.outcomes[way][point].iter().for_each(|outcome| {
-            runs.add(Observed { cell: 0, case: None, outcome, audit: None });
+            runs.add(Observed { cell: 0, case: None, outcome, audit: None, nearest: None });
         });
         runs.summary()
     }
@@ -198,7 +205,7 @@ on the last digits of the computation; the fraction of equilibria does not.
     pub fn must_agree(&self) {
         for (point, (speed, _)) in self.points.iter().enumerate() {
             let runs = self.outcomes[0][point].len();
-            let (low, high) = self.summary(0, point).interval;
+            let Interval { low, high, .. } = self.summary(0, point).interval;
             for way in 1..ways().len() {
                 let flips = self.flipped(way, point);
                 let most = match *speed {

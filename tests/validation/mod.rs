@@ -2,6 +2,7 @@
 
 mod counts;
 mod numbers;
+mod preferred;
 
 use crate::docs::generated::compare_or_write;
 
@@ -15,6 +16,7 @@ fn generated_validation_page() {
         numbers::equilibrium_sets(),
         numbers::frictionless(),
         runs.counts(),
+        preferred::near_frictionless(runs.by_default()),
         runs.times_to_rest(),
         numbers::limit_cycles(),
         runs.flips(),

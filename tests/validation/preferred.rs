@@ -1,0 +1,56 @@
+//! How near preferred equilibria lie to the equilibria without friction.
+
+use std::collections::BTreeMap;
+use std::fmt::Write;
+
+use stickslip::analysis::{StableEquilibria, Z_95, wilson};
+use stickslip::ending::{Label, Outcome};
+use stickslip::model::Machine;
+
+/// The section, from the machines of the thesis's points and what became of their runs.
+pub fn near_frictionless<'a>(points: impl Iterator<Item = (&'a Machine, &'a [Outcome])>) -> String {
+    let mut text = "\
+## Preferred equilibria and the equilibria without friction (thesis section 5.3)
+
+The thesis remarks that preferred equilibria lie near the stable equilibria of the frictionless system
+(stable with a drag of 1e4 on the balls). Distances are root mean squares over the balls' angles to
+the nearest of these, balls exchanged as is best (method `switch`). *By chance* is the median for positions
+spread evenly over the equilibrium set; *nearer than that* are the equilibria below it, half of them
+if the set were all that mattered, with Wilson's 95 % interval.
+
+| speed [rad/s] | μ | nearest | median distance [rad] | by chance [rad] | ratio | nearer than that | interval |
+|---|---|---|---|---|---|---|---|
+"
+    .to_owned();
+    for (machine, outcomes) in points {
+        let stable = StableEquilibria::of(machine).expect("stable equilibria");
+        let chance = stable.median_of_even_spread().expect("a set");
+        let at_rest = outcomes.iter().filter(|outcome| outcome.label() == Label::Equilibrium);
+        let nearest = at_rest.map(|outcome| {
+            let beta = outcome.position.as_ref().expect("an equilibrium has angles");
+            stable.nearest(beta).expect("one of them")
+        });
+        let mut kinds: BTreeMap<&str, u32> = BTreeMap::new();
+        let mut distances = Vec::new();
+        for one in nearest {
+            *kinds.entry(one.kind.name()).or_default() += 1;
+            distances.push(one.distance_rad);
+        }
+        distances.sort_by(f64::total_cmp);
+        let all = distances.len();
+        let median = 0.5 * (distances[(all - 1) / 2] + distances[all / 2]);
+        let nearer = distances.partition_point(|distance| *distance < chance);
+        let (low, high) = wilson(nearer as u64, all as u64, Z_95);
+        let kinds: Vec<&str> = kinds.into_keys().collect();
+        let _ = writeln!(
+            text,
+            "| {} | {:e} | {} | {median:.3} | {chance:.3} | {:.3} | {nearer} of {all} | {low:.4} .. \
+             {high:.4} |",
+            machine.speed_rad_s,
+            machine.balls[0].friction_coefficient,
+            kinds.join(", "),
+            median / chance,
+        );
+    }
+    text
+}
