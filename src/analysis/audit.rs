@@ -11,6 +11,9 @@ pub struct AuditCounts {
     pub runs: u64,
     /// Those whose two labels differ.
     pub flips: u64,
+    /// Those of them that are an equilibrium in one computation and none in the other: what changes
+    /// the fraction of equilibria.
+    pub rest_flips: u64,
 }
 
 impl AuditCounts {
@@ -18,6 +21,8 @@ impl AuditCounts {
     pub fn add(&mut self, first: Label, second: Label) {
         self.runs += 1;
         self.flips += u64::from(first != second);
+        let rests = [first, second].map(|label| label == Label::Equilibrium);
+        self.rest_flips += u64::from(rests[0] != rests[1]);
     }
 
     /// Share of the audited runs that flip; `None` where there are none.
@@ -45,7 +50,7 @@ mod tests {
                 counts.add(first, second);
             }
         }
-        assert_eq!(counts, AuditCounts { runs: 25, flips: 20 });
+        assert_eq!(counts, AuditCounts { runs: 25, flips: 20, rest_flips: 8 });
         assert_eq!(counts.flip_rate(), Some(0.8));
         // The roots of |p - 0.8| = z sqrt(p (1 - p) / 25).
         let (low, high) = counts.interval();

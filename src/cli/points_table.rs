@@ -99,7 +99,7 @@ impl PointsTable {
                 None => "not reached".to_owned(),
             });
             cells.extend(others.iter().map(|&label| summary.counts.of(label).to_string()));
-            let AuditCounts { runs, flips } = summary.audit;
+            let AuditCounts { runs, flips, .. } = summary.audit;
             cells.extend(self.audit.then(|| format!("{flips} of {runs}")));
             cells
         };
@@ -142,6 +142,7 @@ impl PointsTable {
                 let audit = &summary.audit;
                 object.insert("audited_runs".to_owned(), json!(audit.runs));
                 object.insert("audit_flips".to_owned(), json!(audit.flips));
+                object.insert("audit_rest_flips".to_owned(), json!(audit.rest_flips));
                 object.insert("audit_flip_rate".to_owned(), json!(audit.flip_rate()));
                 object.insert("audit_flip_low".to_owned(), json!(audit.interval().0));
                 object.insert("audit_flip_high".to_owned(), json!(audit.interval().1));

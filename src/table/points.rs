@@ -193,7 +193,7 @@ fn precision_column(study: &Study) -> Column<PointRow> {
 }
 
 /// How often runs ended differently when they were computed again; null in a study without an audit.
-fn audit_columns(study: &Study) -> [Column<PointRow>; 5] {
+fn audit_columns(study: &Study) -> [Column<PointRow>; 6] {
     let has_audit = study.audit().is_some();
     let count = |name: &str, meaning: &str, value: fn(&AuditCounts) -> u64| {
         Column::count(name, meaning, move |row: &PointRow| {
@@ -213,6 +213,11 @@ fn audit_columns(study: &Study) -> [Column<PointRow>; 5] {
             |audit| audit.runs,
         ),
         count("audit_flips", "audited runs whose label was another one then", |audit| audit.flips),
+        count(
+            "audit_rest_flips",
+            "those of them that were an equilibrium in one of the two computations only",
+            |audit| audit.rest_flips,
+        ),
         share("audit_flip_rate", "share of audited runs that flipped", AuditCounts::flip_rate),
         share("audit_flip_low", "lower end of its 95 % interval (Wilson)", |audit| {
             Some(audit.interval().0)

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use serde_json::Value;
-use stickslip::analysis::{StoppingRule, Z_95, wilson};
+use stickslip::analysis::{PointAccumulator, StoppingRule};
 use stickslip::ending::{Evidence, Outcome, simulate};
 use stickslip::model::Case;
 use stickslip::study::Study;
@@ -58,13 +58,16 @@ fn points_stop_where_the_rule_stops() {
         for row in &kept.points {
             let point = study.point(row.point_id);
             let ends = kept.runs.iter().filter(|run| run.planned.point_id == row.point_id);
-            let rests: Vec<bool> =
-                ends.clone().map(|run| run.outcome.evidence == Evidence::RestCertified).collect();
-            let runs = rests.len() as u64;
-            assert!(ends.map(|run| run.planned.run_id).eq(point.first_run..point.first_run + runs));
+            let runs = ends.clone().count() as u64;
+            assert!(
+                ends.clone()
+                    .map(|run| run.planned.run_id)
+                    .eq(point.first_run..point.first_run + runs)
+            );
             let interval = |runs: u64| {
-                let at_rest = rests[..runs as usize].iter().filter(|rests| **rests).count() as u64;
-                wilson(at_rest, runs, Z_95)
+                let mut so_far = PointAccumulator::new(point.cells);
+                ends.clone().take(runs as usize).for_each(|run| so_far.add(run.observed()));
+                so_far.equilibrium_interval().ends()
             };
             let sampling = point.sampling;
             let (replicate, most) = (sampling.replicate, sampling.most);

@@ -147,6 +147,7 @@ fn points() {
         "precision_reached b -",
         "audited_runs c -",
         "audit_flips c -",
+        "audit_rest_flips c -",
         "audit_flip_rate n 1",
         "audit_flip_low n 1",
         "audit_flip_high n 1",

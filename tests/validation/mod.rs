@@ -1,6 +1,7 @@
 //! `docs/validation.md`: the thesis against the program, number by number, from real runs.
 
 mod counts;
+mod endings;
 mod numbers;
 mod preferred;
 
@@ -18,7 +19,10 @@ fn generated_validation_page() {
         runs.counts(),
         preferred::near_frictionless(runs.by_default()),
         runs.times_to_rest(),
-        numbers::limit_cycles(),
+        endings::at_rest_over_time(),
+        endings::thesis_orbits(),
+        endings::cycles(),
+        endings::block_on_belt(),
         runs.flips(),
         counts::independent_program(),
         numbers::remainder(),

@@ -1,12 +1,11 @@
-//! Numbers from closed forms, equilibrium sets, and single runs.
+//! Numbers from closed forms and equilibrium sets.
 
 use std::fmt::Write;
 
 use stickslip::analysis::{
     EquilibriumSet, FrictionlessKind, Resolution, Stability, frictionless_equilibria,
 };
-use stickslip::ending::simulate;
-use stickslip::model::{Balancer, Case, Machine, Simulation, Start};
+use stickslip::model::{Balancer, Machine};
 
 pub fn introduction() -> String {
     "\
@@ -137,47 +136,6 @@ equilibrium.
             set.share,
             set.parts.expect("a grid"),
             set.parts_modulo_exchange.expect("a grid"),
-        );
-    }
-    text
-}
-
-pub fn limit_cycles() -> String {
-    let mut text = "\
-## The thesis's limit cycles (table 5.1, figure 5.15)
-
-From the thesis's start states, both balls exactly side by side, to 55 s. The thesis found limit
-cycles, and names no ball speeds; those beside are of a prototype by other hands. The program finds
-the same motion and that it is not stable: it lives on the subspace of balls
-side by side only, and the balls part when one of them is moved by 1e-6 rad.
-
-| speed [rad/s] | mean ball speed, prototype [rad/s] | program [rad/s] | label | evidence | balls running at 165 s with β₂ shifted by 1e-6 |
-|---|---|---|---|---|---|
-"
-    .to_owned();
-    let start = |x, y, beta: f64, shift: f64, x_dot, y_dot, beta_dot| {
-        Start::of_balancer([x, y], &[beta, beta + shift], [x_dot, y_dot], &[beta_dot; 2])
-    };
-    for (speed, expected) in [(-247.3, 72.3), (-309.15, 133.5)] {
-        let run = |shift: f64, end_time_s: f64| {
-            simulate(&Case {
-                model: machine(speed, 2.75e-3).into(),
-                start: if speed == -247.3 {
-                    start(-0.0109, -0.0047, 3.3088, shift, 0.0020, -0.0041, 0.4224)
-                } else {
-                    start(-0.01, 0.01, 1.5, shift, -0.01, -0.01, 0.75)
-                },
-                simulation: Simulation { end_time_s, ..Simulation::default() },
-            })
-        };
-        let (together, apart) = (run(0.0, 55.0), run(1e-6, 165.0));
-        let _ = writeln!(
-            text,
-            "| {speed} | {expected} | {:.2} | {} | {} | {} |",
-            together.mean_speed.as_ref().expect("they run")[0],
-            together.label().name(),
-            together.evidence.name(),
-            apart.balls_running.expect("known"),
         );
     }
     text

@@ -1,0 +1,258 @@
+//! How runs end in the long run: at rest, on cycles, irregularly.
+
+use std::collections::BTreeMap;
+use std::fmt::Write;
+use std::path::Path;
+
+use rayon::prelude::*;
+use stickslip::analysis::CycleClass;
+use stickslip::ending::{Evidence, Label, Outcome, simulate};
+use stickslip::model::{Case, Machine, Model, Simulation, Start};
+use stickslip::study::Study;
+
+fn machine(speed_rad_s: f64) -> Machine {
+    Machine { speed_rad_s, ..Machine::default() }
+}
+
+/// One replicate of the thesis's start states: 256 runs.
+fn replicate(parameters: &str, end_time_s: f64) -> Vec<(Case, Outcome)> {
+    let text = format!(
+        "schema: 1\nname: replicate\nseed: 2003\n\
+         model: {{kind: ball_balancer, parameters: {{{parameters}}}}}\n\
+         initial_conditions:\n\
+         \x20 design: {{stratified: {{parts_per_axis: 2, samples_per_cell: 1}}}}\n\
+         simulation: {{end_time_s: {end_time_s}}}\n"
+    );
+    let study = Study::parse(Path::new("replicate.yaml"), text).expect("a study");
+    (0..study.run_count())
+        .into_par_iter()
+        .map(|run| {
+            let case = study.planned_run(run).case.expect("a sound case");
+            let outcome = simulate(&case);
+            (case, outcome)
+        })
+        .collect()
+}
+
+pub fn at_rest_over_time() -> String {
+    let times = [16.5, 33.0, 66.0, 165.0];
+    let mut text = "\
+## At rest as time goes on
+
+The thesis stops at 16.5 s and calls what still moves a limit cycle. One replicate of its start
+states, 256 runs, each to 165 s: how many have come to rest by a time, and what the others do at the
+end. *Elsewhere* is a prototype by other hands, with other start states.
+
+| speed [rad/s] | | 16.5 s | 33 s | 66 s | 165 s | irregular | limit cycle | undecided | Lyapunov exponents [1/s] |
+|---|---|---|---|---|---|---|---|---|---|
+"
+    .to_owned();
+    for (speed, elsewhere) in [(-216.3772, [140, 148, 174, 237]), (-191.6372, [24, 34, 45, 99])] {
+        let runs = replicate(&format!("speed_rad_s: {speed}"), 165.0);
+        let at_rest = times.map(|time| {
+            let rests = |(_, outcome): &&(Case, Outcome)| {
+                outcome.time_to_rest_s.is_some_and(|rest| rest <= time)
+            };
+            runs.iter().filter(rests).count()
+        });
+        let of = |label: Label| runs.iter().filter(|(_, outcome)| outcome.label() == label).count();
+        let exponents: Vec<f64> = runs
+            .iter()
+            .filter(|(_, outcome)| outcome.label() == Label::Irregular)
+            .map(|(_, outcome)| outcome.lyapunov.expect("measured").exponent_1_s)
+            .collect();
+        let least = exponents.iter().copied().fold(f64::INFINITY, f64::min);
+        let greatest = exponents.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let [a, b, c, d] = at_rest;
+        let (irregular, cycles) = (of(Label::Irregular), of(Label::LimitCycle));
+        let undecided = of(Label::Undecided);
+        let exponents = match exponents.is_empty() {
+            true => String::new(),
+            false => format!("{least:.2} .. {greatest:.2}"),
+        };
+        let _ = writeln!(
+            text,
+            "| {speed} | program | {a} | {b} | {c} | {d} | {irregular} | {cycles} | {undecided} | \
+             {exponents} |",
+        );
+        let [a, b, c, d] = elsewhere;
+        let _ = writeln!(text, "| | elsewhere | {a} | {b} | {c} | {d} | | | | |");
+        // Counts of two samples of 256: within four standard deviations of their difference.
+        for (found, expected) in at_rest.into_iter().zip(elsewhere) {
+            let share = (found + expected) as f64 / 512.0;
+            let deviation = (2.0 * 256.0 * share * (1.0 - share)).sqrt();
+            let difference = (found as f64 - expected as f64).abs();
+            assert!(difference <= 4.0 * deviation, "{speed}: {found}, elsewhere {expected}");
+        }
+        if speed == -191.6372 {
+            let moving = runs.len() - at_rest[3];
+            assert!(10 * irregular >= 9 * moving, "{irregular} of {moving} that move");
+        }
+    }
+    text
+}
+
+pub fn thesis_orbits() -> String {
+    let mut text = "\
+## The thesis's limit cycles (table 5.1, figure 5.15)
+
+From the thesis's start states, both balls exactly side by side, to 55 s. The thesis found limit
+cycles, and names no ball speeds; those beside are of a prototype by other hands. The program finds
+the same motion, a closed orbit, and that it is *unstable*: two Floquet multipliers lie outside the
+unit circle, a pair that belongs to the separation of the balls (all others, those of motions with the
+balls side by side among them, lie inside). Only exact symmetry keeps the balls together; with the
+second moved by 1e-6 rad both come to rest. The thesis's limit cycles are no attractors of its model.
+(In the experiment the balls touched, which the model leaves out.)
+
+| speed [rad/s] | mean ball speed, prototype [rad/s] | program [rad/s] | label | evidence | moduli of the multipliers | with β₂ moved by 1e-6: at rest at |
+|---|---|---|---|---|---|---|
+"
+    .to_owned();
+    let start = |x, y, beta: f64, shift: f64, x_dot, y_dot, beta_dot| {
+        Start::of_balancer([x, y], &[beta, beta + shift], [x_dot, y_dot], &[beta_dot; 2])
+    };
+    for (speed, expected) in [(-247.3, 72.3), (-309.15, 133.5)] {
+        let run = |shift: f64, end_time_s: f64| {
+            simulate(&Case {
+                model: machine(speed).into(),
+                start: if speed == -247.3 {
+                    start(-0.0109, -0.0047, 3.3088, shift, 0.0020, -0.0041, 0.4224)
+                } else {
+                    start(-0.01, 0.01, 1.5, shift, -0.01, -0.01, 0.75)
+                },
+                simulation: Simulation { end_time_s, ..Simulation::default() },
+            })
+        };
+        let (together, apart) = (run(0.0, 55.0), run(1e-6, 165.0));
+        let cycle = together.cycle.as_ref().expect("a closed orbit");
+        let moduli: Vec<String> =
+            cycle.multipliers.iter().map(|modulus| format!("{modulus:.4}")).collect();
+        assert_eq!(together.evidence, Evidence::UnstableOrbit);
+        assert!(cycle.multipliers[1] > 1.01 && cycle.multipliers[2] < 0.995);
+        let _ = writeln!(
+            text,
+            "| {speed} | {expected} | {:.2} | {} | {} | {} | {:.0} s |",
+            together.mean_speed.as_ref().expect("they run")[0],
+            together.label().name(),
+            together.evidence.name(),
+            moduli.join(", "),
+            apart.time_to_rest_s.expect("at rest by 165 s"),
+        );
+    }
+    text
+}
+
+/// The cycles found from the thesis's start states, by class.
+pub fn cycles() -> String {
+    let mut text = "\
+## Limit cycles from the thesis's start states
+
+256 runs to 66 s each, classes as in `cycles.parquet`: of each ball the turns per period in the disc's
+sense, or `rest`, with the order of stick (S) and slip (F, B). Each class has one orbit, however it was
+reached; only where a ball rests (it has more friction in the last line) do orbits form a family, with
+as many neutral directions.
+
+| speed [rad/s] | μ | class | runs | speed of the running ball [rad/s] | largest multiplier | neutral directions | where the other ball stays [rad] |
+|---|---|---|---|---|---|---|---|
+"
+    .to_owned();
+    let more = "balls: [{friction_coefficient: 1.0e-3}, {friction_coefficient: 2.0e-2}]";
+    for (speed, friction, parameters) in [
+        (-247.3, "2.75e-3", "friction_coefficient: 2.75e-3"),
+        (-280.0, "2.75e-3", "friction_coefficient: 2.75e-3"),
+        (-216.3772, "2.75e-4", "friction_coefficient: 2.75e-4"),
+        (-247.3, "1e-3, 2e-2", more),
+    ] {
+        let runs = replicate(&format!("speed_rad_s: {speed}, {parameters}"), 66.0);
+        let mut classes: BTreeMap<String, Vec<&Outcome>> = BTreeMap::new();
+        for (case, outcome) in &runs {
+            if let Some(class) = CycleClass::of(&case.model, outcome) {
+                classes.entry(class.name).or_default().push(outcome);
+            }
+        }
+        assert_eq!(classes.len(), 1, "{speed}: {:?}", classes.keys());
+        for (class, outcomes) in &classes {
+            let range =
+                |values: &dyn Fn(&Outcome) -> [f64; 2]| {
+                    outcomes.iter().map(|outcome| values(outcome)).fold(
+                        [f64::INFINITY, f64::NEG_INFINITY],
+                        |[low, high], [least, greatest]| [low.min(least), high.max(greatest)],
+                    )
+                };
+            let cycle = |outcome: &Outcome| outcome.cycle.clone().expect("a cycle");
+            let running = |outcome: &Outcome| {
+                let turns = cycle(outcome).turns;
+                turns.iter().position(|&turns| turns != 0).expect("one runs")
+            };
+            let speeds = range(&|outcome| {
+                [outcome.mean_speed.as_ref().expect("speeds")[running(outcome)]; 2]
+            });
+            let stays = range(&|outcome| {
+                cycle(outcome).angle_extremes[1 - running(outcome)].expect("it does not go round")
+            });
+            let largest = range(&|outcome| [cycle(outcome).multipliers[0]; 2])[1];
+            let _ = writeln!(
+                text,
+                "| {speed} | {friction} | `{}` | {} | {:.4} .. {:.4} | {largest:.4} | {} | {:.3} .. \
+                 {:.3} |",
+                class.replace('|', "\\|"),
+                outcomes.len(),
+                speeds[0],
+                speeds[1],
+                cycle(outcomes[0]).neutral_directions,
+                stays[0],
+                stays[1],
+            );
+            assert!(largest < 1.0);
+        }
+    }
+    text
+}
+
+/// The block on a belt: one class, with the period of the closed form.
+pub fn block_on_belt() -> String {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/block-on-belt.yaml");
+    let study = Study::load(&path).expect("a sound study");
+    let mut text = "\
+## A block on a belt
+
+The study `block-on-belt`: all runs that reach the stick-slip cycle, against its closed form.
+
+| belt speed [m/s] | runs | on the cycle | classes | largest error of the period |
+|---|---|---|---|---|
+"
+    .to_owned();
+    for point in (0..study.point_count()).map(|point| study.point(point)) {
+        let runs = point.first_run..point.first_run + point.sampling.most;
+        let ended: Vec<(Case, Outcome)> = runs
+            .map(|run| {
+                let case = study.planned_run(run).case.expect("a sound case");
+                let outcome = simulate(&case);
+                (case, outcome)
+            })
+            .collect();
+        let Model::Block(block) = point.model() else { panic!("a block") };
+        let exact = block.stick_slip_cycle().expect("a stick-slip cycle").period_s;
+        let cycles: Vec<_> =
+            ended.iter().filter(|(_, outcome)| outcome.label() == Label::LimitCycle).collect();
+        let classes: BTreeMap<String, usize> = cycles
+            .iter()
+            .map(|(case, outcome)| (CycleClass::of(&case.model, outcome).expect("a class").name, 1))
+            .collect();
+        let error = cycles
+            .iter()
+            .map(|(_, outcome)| (outcome.period_s.expect("a period") / exact - 1.0).abs())
+            .fold(0.0, f64::max);
+        assert!(error < 1e-6, "{error}");
+        let names: Vec<&str> = classes.keys().map(String::as_str).collect();
+        let _ = writeln!(
+            text,
+            "| {} | {} | {} | `{}` | {error:.0e} |",
+            point.swept[0],
+            ended.len(),
+            cycles.len(),
+            names.join("`, `"),
+        );
+    }
+    text
+}
