@@ -57,7 +57,8 @@ struct Mark {
 impl<const N: usize, const FREE: usize> Separation<N, FREE> {
     /// To be measured from `start` to `end`.
     pub(super) fn new(start: f64, end: f64) -> Self {
-        // The same for all contacts: exchanging two of them exchanges the displacements only.
+        // The same for all contacts: exchanging two of them exchanges the displacements only. Balls
+        // that are exactly side by side it keeps so; that their orbit is unstable, multipliers show.
         let everywhere = State {
             position: [1.0; FREE],
             velocity: [1.0; FREE],
