@@ -168,10 +168,18 @@ simulation: {end_time_s: 66}
 }
 
 /// Where the second ball rubs more it rests, anywhere in an interval: such cycles come in a family,
-/// with one neutral direction. It rests for good: not moved by a bit in ten times the time.
+/// with one neutral direction. It rests for good: not moved by a bit in ten times the time. With
+/// little more friction than holds it, it slips now and then, ever less, until it is where it rests.
 #[test]
 fn a_ball_that_rests_beside_a_running_one_rests() {
-    let text = "
+    for friction in ["2.0e-2", "3.5e-3"] {
+        resting_beside_a_running_one(friction);
+    }
+}
+
+fn resting_beside_a_running_one(friction: &str) {
+    let text = format!(
+        "
 schema: 1
 name: cycles
 seed: 5
@@ -179,11 +187,12 @@ model:
   kind: ball_balancer
   parameters:
     speed_rad_s: -247.3
-    balls: [{friction_coefficient: 1.0e-3}, {friction_coefficient: 2.0e-2}]
-initial_conditions: {design: {latin_hypercube: {samples: 64}}}
-";
+    balls: [{{friction_coefficient: 1.0e-3}}, {{friction_coefficient: {friction}}}]
+initial_conditions: {{design: {{latin_hypercube: {{samples: 64}}}}}}
+"
+    );
     let mut places = Vec::new();
-    for case in cases(text) {
+    for case in cases(&text) {
         let outcome = simulate(&case);
         let Some(cycle) = outcome.cycle.filter(|_| outcome.evidence == Evidence::ClosedOrbit)
         else {
@@ -213,5 +222,5 @@ initial_conditions: {design: {latin_hypercube: {samples: 64}}}
     let least = places.iter().copied().fold(f64::INFINITY, f64::min);
     let greatest = places.iter().copied().fold(0.0, f64::max);
     println!("{} cycles, the other ball at rest from {least} to {greatest} rad", places.len());
-    assert!(greatest - least > 0.1, "a family, not a point: {least} to {greatest}");
+    assert!(greatest - least > 1.0, "a family, not a point: {least} to {greatest}");
 }
