@@ -26,8 +26,19 @@ use crate::motion::{Motion, Variation};
 pub(super) const SEPARATION_WINDOW: f64 = 0.75;
 /// Parts of the window.
 const BATCHES: usize = 10;
-/// The two-sided 95 % point of Student's distribution with 9 degrees of freedom.
-const STUDENT: f64 = 2.262_157_162_798_205;
+/// Parts after which it is given up where neighbours have only drawn together: most motions are
+/// regular, and a displacement costs as much as the motion itself.
+const PILOT: usize = 4;
+/// The two-sided 95 % points of Student's distribution for 4 to 10 parts (3 to 9 degrees of freedom).
+const STUDENT: [f64; BATCHES - PILOT + 1] = [
+    3.182_446_305_284_263,
+    2.776_445_105_197_793,
+    2.570_581_835_636_314,
+    2.446_911_851_144_969,
+    2.364_624_251_592_784,
+    2.306_004_135_204_166,
+    2.262_157_162_798_205,
+];
 /// By how much neighbours must separate in the second half of the window.
 const SEPARATED: f64 = 10.0;
 
@@ -44,6 +55,7 @@ pub(super) struct Separation<const N: usize, const FREE: usize> {
     growth: f64,
     /// Where it was at the beginning and at the end of each batch.
     marks: Vec<Mark>,
+    given_up: bool,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -57,27 +69,24 @@ struct Mark {
 impl<const N: usize, const FREE: usize> Separation<N, FREE> {
     /// To be measured from `start` to `end`.
     pub(super) fn new(start: f64, end: f64) -> Self {
-        // The same for all contacts: exchanging two of them exchanges the displacements only. Balls
+        // Contacts displaced, all alike: exchanging two of them exchanges the displacements only. Balls
         // that are exactly side by side it keeps so; that their orbit is unstable, multipliers show.
-        let everywhere = State {
-            position: [1.0; FREE],
-            velocity: [1.0; FREE],
-            beta: [1.0; N],
-            beta_dot: [1.0; N],
-        };
+        // (Displaced speeds would first carry contacts apart in proportion to time, for long.)
+        let displaced = State { beta: [1.0; N], ..State::zero() };
         Separation {
-            variation: Variation::new(vec![everywhere]),
+            variation: Variation::new(vec![displaced]),
             start,
             end,
             growth: 0.0,
             marks: Vec::new(),
+            given_up: false,
         }
     }
 
     /// Takes in the motion's latest step, if it lies in the window.
     pub(super) fn follow<S: System<N, FREE>>(&mut self, motion: &Motion<S, N, FREE>) {
         let time = motion.time();
-        if time <= self.start {
+        if time <= self.start || self.given_up {
             return;
         }
         if self.marks.is_empty() {
@@ -92,6 +101,7 @@ impl<const N: usize, const FREE: usize> Separation<N, FREE> {
         let batch = (self.end - self.start) / BATCHES as f64;
         if time >= self.start + batch * self.marks.len() as f64 || time >= self.end {
             self.mark(motion);
+            self.given_up = self.marks.len() == PILOT + 1 && self.growth < 0.0;
         }
     }
 
@@ -116,11 +126,11 @@ impl<const N: usize, const FREE: usize> Separation<N, FREE> {
     }
 
     /// The exponent, here per unit of non-dimensional time, with its interval, and the length of the
-    /// window; none where it could not be measured: a switch was met by grazing, or the window was
-    /// too short.
+    /// window, shorter where it was given up; none where it could not be measured: a switch was met by
+    /// grazing, or there were too few steps.
     pub(super) fn exponent(&self) -> Option<LyapunovExponent> {
         let (first, last) = (self.marks.first()?, self.marks.last()?);
-        if self.variation.grazed || !last.growth.is_finite() || self.marks.len() <= BATCHES / 2 {
+        if self.variation.grazed || !last.growth.is_finite() || self.marks.len() <= PILOT {
             return None;
         }
         let rates: Vec<f64> = self
@@ -133,7 +143,7 @@ impl<const N: usize, const FREE: usize> Separation<N, FREE> {
         let count = rates.len() as f64;
         let variance = rates.iter().map(|rate| (rate - exponent) * (rate - exponent)).sum::<f64>()
             / (count - 1.0);
-        let doubt = STUDENT * (variance / count).sqrt();
+        let doubt = STUDENT.get(rates.len() - PILOT)? * (variance / count).sqrt();
         Some(LyapunovExponent {
             exponent_1_s: exponent,
             interval_1_s: [exponent - doubt, exponent + doubt],
@@ -145,7 +155,8 @@ impl<const N: usize, const FREE: usize> Separation<N, FREE> {
     pub(super) fn is_irregular(&self) -> bool {
         let Some(exponent) = self.exponent() else { return false };
         let (half, last) = (self.marks[self.marks.len() / 2], self.marks[self.marks.len() - 1]);
-        exponent.interval_1_s[0] > 0.0
+        !self.given_up
+            && exponent.interval_1_s[0] > 0.0
             && last.growth - half.growth >= SEPARATED.ln()
             && last.courses - half.courses >= COURSES
     }

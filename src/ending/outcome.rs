@@ -116,7 +116,7 @@ pub struct LyapunovExponent {
     pub exponent_1_s: f64,
     /// Its 95 % interval over the window, 1/s.
     pub interval_1_s: [f64; 2],
-    /// The length of the window at the end of the run over which it was taken, s.
+    /// The length of the window over which it was taken, s.
     pub window_s: f64,
 }
 

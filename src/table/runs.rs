@@ -208,7 +208,7 @@ fn lyapunov_columns() -> [Column<RunRecord>; 4] {
         column(
             "lyapunov_low_1_s",
             "1/s",
-            "lower end of its 95 % interval (Student, from ten parts of the window)",
+            "lower end of its 95 % interval (Student, from parts of the window)",
             |exponent| exponent.interval_1_s[0],
         ),
         column("lyapunov_high_1_s", "1/s", "upper end of its 95 % interval", |exponent| {
@@ -217,7 +217,8 @@ fn lyapunov_columns() -> [Column<RunRecord>; 4] {
         column(
             "lyapunov_window_s",
             "s",
-            "length of the window, at the end of the run",
+            "length of the window: the last three quarters of the time, or less than half of that \
+             where neighbouring motions only drew together",
             |exponent| exponent.window_s,
         ),
     ]

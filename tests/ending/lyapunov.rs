@@ -48,9 +48,15 @@ fn the_exponent_at_an_unstable_equilibrium_is_that_of_the_linearised_equations()
             let form = RestForm::new(&machine).expect("two balls");
             let matrix = state_matrix(&form, &beta, drag).expect("a rest point");
             let window = found.window_s * natural;
-            let everywhere = DVector::from_element(matrix.nrows(), 1.0);
-            let grown = (matrix * window).exp() * &everywhere;
-            let expected = (grown.norm() / everywhere.norm()).ln() / found.window_s;
+            let displaced =
+                DVector::from_fn(
+                    matrix.nrows(),
+                    |row, _| {
+                        if row == 2 || row == 3 { 1.0 } else { 0.0 }
+                    },
+                );
+            let grown = (matrix * window).exp() * &displaced;
+            let expected = (grown.norm() / displaced.norm()).ln() / found.window_s;
             let found = found.exponent_1_s;
             println!("{speed_rad_s} {:?}: {found}, {expected}, at last {rate}", one.kind);
             assert!((found / expected - 1.0).abs() < 1e-9, "{speed_rad_s}: {found}, {expected}");
@@ -79,16 +85,8 @@ fn side_by_side(balancer: &Balancer<2>, settings: Settings, start: State<2>, end
     while first.time() < 0.25 * end {
         first.advance(0.25 * end).expect("goes on");
     }
-    let everywhere =
-        State { position: [1.0; 2], velocity: [1.0; 2], beta: [1.0; 2], beta_dot: [1.0; 2] };
-    let mut apart = everywhere;
-    for ball in 0..2 {
-        if first.phases()[ball] == Phase::Stick {
-            apart.beta_dot[ball] = 0.0;
-        }
-    }
-    let initial = size(&everywhere);
-    let mut growth = (size(&apart) / initial).ln();
+    let mut apart = State { beta: [1.0; 2], ..State::zero() };
+    let mut growth = 0.0;
     let stretches = 400;
     for stretch in 1..=stretches {
         let mut from = add(first.state(), NEAR / size(&apart), &apart);
@@ -130,7 +128,7 @@ schema: 1
 name: irregular
 seed: 7
 model: {kind: ball_balancer, parameters: {speed_rad_s: -191.6372}}
-initial_conditions: {design: {latin_hypercube: {samples: 12}}}
+initial_conditions: {design: {latin_hypercube: {samples: 16}}}
 simulation: {method: event, end_time_s: 5, tolerance: {relative: 1.0e-12, absolute: 1.0e-14}}
 ";
     let study = Study::parse(Path::new("irregular.yaml"), text.to_owned()).expect("a study");
@@ -138,7 +136,9 @@ simulation: {method: event, end_time_s: 5, tolerance: {relative: 1.0e-12, absolu
         .into_par_iter()
         .filter_map(|run| {
             let case = study.planned_run(run).case.expect("sound");
-            let exponent = simulate(&case).lyapunov?.exponent_1_s;
+            // Where neighbours only draw together at first, it is given up before the end.
+            let exponent = simulate(&case).lyapunov.filter(|found| found.window_s > 3.7)?;
+            let exponent = exponent.exponent_1_s;
             let machine = case.model.ball_balancer().expect("a balancer");
             let natural = machine.natural_frequency_rad_s();
             let balancer = Balancer::<2>::new(machine).expect("two balls");
@@ -159,7 +159,7 @@ simulation: {method: event, end_time_s: 5, tolerance: {relative: 1.0e-12, absolu
     assert!(compared.len() >= 8, "{}", compared.len());
     // Now and then two neighbours differ by more than first order, at a switch that one of them
     // hardly meets.
-    assert!(errors[errors.len() / 2] < 0.02 && errors[3 * errors.len() / 4] < 0.1, "{errors:?}");
+    assert!(errors[errors.len() / 2] < 0.005 && errors[errors.len() - 2] < 0.02, "{errors:?}");
 }
 
 /// Runs that still move but do not separate: slow approaches to a cycle, the thesis's orbits with
