@@ -154,7 +154,7 @@ fn method_name(method: Method) -> &'static str {
 }
 
 /// Core seconds if no run ended before the latest end time, from what a unit of non-dimensional time
-/// costs on a core of 2024: 1 µs with two balls at a relative tolerance of 1e-8, growing with the
+/// costs on a core of 2024: 1.5 µs with two balls at a relative tolerance of 1e-8, growing with the
 /// number of components and, the method being of order 8, with the tolerance's eighth root. Audited
 /// runs are computed twice.
 fn most_core_seconds(study: &Study) -> f64 {
@@ -166,7 +166,7 @@ fn most_core_seconds(study: &Study) -> f64 {
     let audited = study.audit().map_or(0.0, |audit| audit.fraction);
     let tolerance = steps(simulation) + audited * steps(&simulation.counter_check());
     let stiffness = (damping_rate(study.model()) / STABLE).max(1.0);
-    1e-6 * units * components * tolerance * stiffness * study.run_count() as f64
+    1.5e-6 * units * components * tolerance * stiffness * study.run_count() as f64
 }
 
 /// A step of the integrator times the rate of damping that it can still follow: the length of the

@@ -92,7 +92,8 @@ pub fn verify(arguments: &VerifyArguments) -> Result<End, CliError> {
     }
     Ok(if findings.not_met > 0 {
         if !arguments.farm.quiet {
-            say(&format!("{} expectations not met", findings.not_met));
+            let plural = if findings.not_met == 1 { "" } else { "s" };
+            say(&format!("{} expectation{plural} not met", findings.not_met));
         }
         End::ExpectationNotMet
     } else if ran.tally.counts.of(Label::Failed) > 0 {

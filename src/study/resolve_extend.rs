@@ -27,8 +27,7 @@ pub(crate) fn resolve_extend(
     // The least step above 1 may be lost in rounding, and the longest end time in infinity.
     if !(extends && factor * end_time_s > end_time_s && (factor * end_time_s).is_finite()) {
         let problem = if factor <= 1.0 { "extends nothing" } else { "too far" };
-        let allowed =
-            format!("more than 1 and at most {LARGEST_FACTOR}; the end time times it is finite");
+        let allowed = format!("more than 1, at most {LARGEST_FACTOR}");
         let fault = Fault::new(problem, describe_number(factor), allowed);
         return Err(locate.refuse_value(&KeyPath::of("simulation.extend.factor"), fault));
     }

@@ -152,8 +152,8 @@ pub fn run_columns(study: &Study) -> Vec<Column<RunRecord>> {
         columns.push(Column::number(
             &format!("ball_speed_{}_rad_s", ball + 1),
             "rad/s",
-            "mean speed of the ball relative to the ring, over the cycle or the last tenth of the \
-             time; 0 at rest",
+            "mean speed of the ball relative to the ring, positive where its angle grows, over the \
+             cycle or the last tenth of the time; 0 at rest",
             move |row: &RunRecord| row.outcome.mean_speed.as_ref()?.get(ball).copied(),
         ));
     }

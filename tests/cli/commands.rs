@@ -111,7 +111,7 @@ fn verify_says_what_is_met() {
         match arguments.split_once("--") {
             None => {
                 assert_has(&ended.out, &[format!("NOT MET  {line} 0.9 to 1\n")]);
-                assert_has(&ended.err, &["1 expectations not met"]);
+                assert_has(&ended.err, &["1 expectation not met"]);
             }
             Some((_, "json")) => {
                 let report: Value = serde_json::from_str(&ended.out).unwrap();
