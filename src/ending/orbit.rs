@@ -31,6 +31,10 @@ const NEAR_RETURNS: usize = 3;
 /// Returns in a row that must be near where they do not draw nearer one by one: an orbit may be
 /// approached in a spiral.
 const CLOSE_RETURNS: usize = 16;
+/// How nearly an examined orbit must close, however coarse the run's own tolerances: it is computed
+/// to finer ones. As much as the default tolerances ask for. With more, a spiral of some turns that
+/// draws motions near would itself seem to close.
+const CLOSED: f64 = 1.01e-6;
 /// How often per run the multipliers are computed at most.
 const MOST_ATTEMPTS: u32 = 4;
 
@@ -205,7 +209,7 @@ impl<const N: usize> OrbitWatch<N> {
             turns,
             longest: 2.0 * (passage.time - earlier),
         };
-        examine(map, &passage.state, self.closure).unwrap_or(Verdict::Open)
+        examine(map, &passage.state, self.closure.min(CLOSED)).unwrap_or(Verdict::Open)
     }
 }
 
