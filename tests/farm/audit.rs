@@ -56,8 +56,14 @@ fn audited_runs_are_those_of_the_study_with_the_other_settings() {
     // The point table counts the same.
     let labels = words(&audit, "label");
     let (points, without) = (scratch.table("audit", "points"), scratch.table("plain", "points"));
-    let columns =
-        ["audited_runs", "audit_flips", "audit_flip_rate", "audit_flip_low", "audit_flip_high"];
+    let columns = [
+        "audited_runs",
+        "audit_flips",
+        "audit_flip_rate",
+        "audit_flip_low",
+        "audit_flip_high",
+        "audit_rest_flips",
+    ];
     for point in 0..2 {
         let runs = 60 * point..60 * (point + 1);
         let audited = runs.clone().filter(|&run| label[run].is_some()).count() as u64;
@@ -66,7 +72,12 @@ fn audited_runs_are_those_of_the_study_with_the_other_settings() {
         assert!(audited > 10, "{audited}");
         assert_eq!(counts(&points, "audited_runs")[point], audited);
         assert_eq!(counts(&points, "audit_flips")[point], flips);
-        let found = columns[2..].iter().map(|name| numbers(&points, name)[point].unwrap());
+        let rests = |label: Option<&str>| label == Some("equilibrium");
+        let rest_flips = (60 * point..60 * (point + 1)).filter(|&run| {
+            label[run].is_some() && rests(label[run].as_deref()) != rests(labels[run].as_deref())
+        });
+        assert_eq!(counts(&points, "audit_rest_flips")[point], rest_flips.count() as u64);
+        let found = columns[2..5].iter().map(|name| numbers(&points, name)[point].unwrap());
         let (low, high) = wilson(flips, audited, Z_95);
         assert_eq!(found.collect::<Vec<_>>(), [flips as f64 / audited as f64, low, high]);
         assert_eq!(row(&points, point, &columns), row(&without, point, &columns));

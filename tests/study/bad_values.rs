@@ -394,7 +394,7 @@ fn extensions() {
     };
     let key = "simulation.extend.factor";
     for wrong in ["1", "0.5", "0", "-2", "1000.5", "1e300"] {
-        refuse(&format!("factor: {wrong}"), key, wrong, "more than 1 and at most 1000");
+        refuse(&format!("factor: {wrong}"), key, wrong, "more than 1, at most 1000");
     }
     refuse("factor: .nan", key, ".nan", "a finite number");
     refuse("factor: two", key, "text \"two\"", "a number");
