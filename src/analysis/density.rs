@@ -49,6 +49,8 @@ pub struct DensityBin {
     pub interval: (f64, f64),
     /// Density at the bin's centre, 1/rad or 1/rad².
     pub density: f64,
+    /// Standard deviation of its kernels, rad.
+    pub kernel_width_rad: f64,
 }
 
 /// Collects the equilibria of one point.
@@ -71,7 +73,7 @@ impl Density {
             [a, b] if groups.len() == 1 => {
                 self.count(0, vec![bin(a), bin(b)], &[&[a, b], &[b, a]]);
             }
-            [a, b] => self.count(0, vec![bin(a), bin(b)], &[&[a, b], &[a, b]]),
+            [a, b] => self.count(0, vec![bin(a), bin(b)], &[&[a, b]]),
             _ => {
                 for group in groups {
                     self.add_group(group, beta);
@@ -85,7 +87,7 @@ impl Density {
         let mut seen = [false; BINS];
         for &place in group {
             let angle = beta[place];
-            self.count_fine(ball, &[angle]);
+            self.count_fine(ball, &[angle], false);
             if !std::mem::replace(&mut seen[bin(angle)], true) {
                 *self.counts.entry((ball, vec![bin(angle)])).or_default() += 1;
             }
@@ -94,24 +96,30 @@ impl Density {
 
     fn count(&mut self, ball: usize, bins: Vec<usize>, positions: &[&[f64]]) {
         *self.counts.entry((ball, bins)).or_default() += 1;
-        positions.iter().for_each(|position| self.count_fine(ball, position));
+        let mirrored = positions.len() > 1;
+        positions.iter().for_each(|position| self.count_fine(ball, position, mirrored));
     }
 
-    fn count_fine(&mut self, ball: usize, position: &[f64]) {
-        self.fine.entry(ball).or_insert_with(|| FineCounts::new(position.len())).add(position);
+    fn count_fine(&mut self, ball: usize, position: &[f64], mirrored: bool) {
+        let none = || FineCounts::new(position.len(), mirrored);
+        self.fine.entry(ball).or_insert_with(none).add(position);
     }
 
     /// The bins in which balls came to rest, in ascending order.
     pub fn bins(&self) -> Vec<DensityBin> {
-        let estimates: BTreeMap<usize, Vec<f64>> =
-            self.fine.iter().map(|(&ball, fine)| (ball, fine.density(self.equilibria))).collect();
+        let estimate = |(&ball, fine): (&usize, &FineCounts)| {
+            let width = fine.width_rad();
+            (ball, (width, fine.density(width)))
+        };
+        let estimates: BTreeMap<usize, (f64, Vec<f64>)> = self.fine.iter().map(estimate).collect();
         let row = |((ball, bins), &runs): (&(usize, Vec<usize>), &u64)| DensityBin {
             ball: *ball,
             bins: bins.clone(),
             runs,
             share: runs as f64 / self.equilibria as f64,
             interval: wilson(runs, self.equilibria, Z_95),
-            density: estimates[ball][bins.iter().fold(0, |place, bin| place * BINS + bin)],
+            density: estimates[ball].1[bins.iter().fold(0, |place, bin| place * BINS + bin)],
+            kernel_width_rad: estimates[ball].0,
         };
         self.counts.iter().map(row).collect()
     }
@@ -162,7 +170,7 @@ mod tests {
                 }
                 for fine in density.fine.values() {
                     let width = TAU / BINS as f64;
-                    let all = fine.density(500).iter().sum::<f64>()
+                    let all = fine.density(fine.width_rad()).iter().sum::<f64>()
                         * width.powi(if balls == 2 { 2 } else { 1 });
                     assert!((all - 1.0).abs() < 1e-6, "{balls} balls: {all}");
                 }
@@ -193,7 +201,7 @@ mod tests {
         };
         let forward = of(&mut positions.iter().cloned().map(sorted));
         assert_eq!(forward, of(&mut positions.iter().rev().cloned().map(sorted)));
-        let density = forward.fine[&0].density(300);
+        let density = forward.fine[&0].density(0.2);
         for (i, j) in (0..BINS).flat_map(|i| (0..BINS).map(move |j| (i, j))) {
             let [one, other] = [density[i * BINS + j], density[j * BINS + i]];
             assert!((one - other).abs() <= 1e-12 * one, "{i} {j}: {one} {other}");

@@ -1,37 +1,29 @@
 //! A density on the torus of one angle or two, at the centres of bins: a kernel estimate with products
 //! of von Mises densities.
 //!
-//! The standard deviation of the kernels is
-//!
-//! ```text
-//! h = n^(-1/(d + 4)) / 2 rad, at least 0.05 rad, for n equilibria and d angles
-//! ```
-//!
-//! which is Scott's rule (D. W. Scott, Multivariate Density Estimation, 2nd ed., Wiley 2015, section 6.3,
-//! doi:10.1002/9781118575574) for features half a radian wide: the same at all points, so that they can be
-//! compared. It is computed from counts in bins of 1°, so that it takes no more memory for more runs and
-//! does not depend on their order.
+//! The standard deviation of the kernels follows the runs (`kernel_width`). The estimate is computed from
+//! counts in bins of 1°, so that it takes no more memory for more runs and does not depend on their order.
 
 use std::f64::consts::TAU;
 
 use super::density::{BINS, place};
+use super::kernel_width::width_rad;
 
 /// Fine bins per angle.
 const FINE: usize = 360;
-/// The least standard deviation of a kernel, rad: fine bins are not seen.
-const LEAST_WIDTH_RAD: f64 = 0.05;
 
 /// Counts in fine bins.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct FineCounts {
     angles: usize,
+    mirrored: bool,
     counts: Vec<u64>,
 }
 
 impl FineCounts {
-    /// None yet, of positions of one angle or two.
-    pub fn new(angles: usize) -> Self {
-        FineCounts { angles, counts: vec![0; FINE.pow(angles as u32)] }
+    /// None yet, of positions of one angle or two; `mirrored` ones are counted in both orders.
+    pub fn new(angles: usize, mirrored: bool) -> Self {
+        FineCounts { angles, mirrored, counts: vec![0; FINE.pow(angles as u32)] }
     }
 
     /// Counts a position.
@@ -40,13 +32,14 @@ impl FineCounts {
         self.counts[cell] += 1;
     }
 
-    /// The density at the centres of all bins, the last angle's changing fastest, with kernels for so
-    /// many equilibria.
-    pub fn density(&self, equilibria: u64) -> Vec<f64> {
-        self.estimate(width_rad(equilibria, self.angles))
+    /// The standard deviation of kernels that fits.
+    pub fn width_rad(&self) -> f64 {
+        width_rad(&self.counts, self.angles, self.mirrored)
     }
 
-    fn estimate(&self, width_rad: f64) -> Vec<f64> {
+    /// The density at the centres of all bins, the last angle's changing fastest, with kernels of this
+    /// standard deviation.
+    pub fn density(&self, width_rad: f64) -> Vec<f64> {
         let kernel = kernel(width_rad);
         let total = self.counts.iter().sum::<u64>() as f64;
         // The last angle first: rows of fine bins become rows of bins.
@@ -67,12 +60,6 @@ impl FineCounts {
         }
         density
     }
-}
-
-/// The standard deviation of a kernel.
-fn width_rad(equilibria: u64, angles: usize) -> f64 {
-    let width = 0.5 * libm::pow(equilibria as f64, -1.0 / (angles as f64 + 4.0));
-    width.max(LEAST_WIDTH_RAD)
 }
 
 /// Sums of kernels about the fine bins, at the centre of each bin.
@@ -106,7 +93,7 @@ mod tests {
 
     use statrs::distribution::{ContinuousCDF, Normal};
 
-    use super::{BINS, FineCounts, kernel, width_rad};
+    use super::{BINS, FineCounts, kernel};
     use crate::analysis::draws::Draws;
 
     /// The kernel is the von Mises density, with its Bessel function from another rule of quadrature.
@@ -137,7 +124,7 @@ mod tests {
         let mut draws = Draws::new(12);
         let (centres, concentrations) = ([2.0, 5.0], [2.0, 4.0]);
         let runs = 20_000;
-        let mut counts = FineCounts::new(2);
+        let mut counts = FineCounts::new(2, false);
         for _ in 0..runs {
             let beta = [0, 1].map(|i| draws.von_mises(centres[i], concentrations[i]));
             counts.add(&beta);
@@ -151,7 +138,7 @@ mod tests {
             let all: f64 = (0..points).map(|point| weight(at(point))).sum();
             (0..points).map(|point| weight(at(point)) / all).collect::<Vec<f64>>()
         });
-        let width = width_rad(runs as u64, 2);
+        let width = counts.width_rad();
         let concentration = 1.0 / (width * width);
         let smoothed = |i: usize, bin: usize| -> [f64; 2] {
             let centre = (bin as f64 + 0.5) * TAU / BINS as f64;
@@ -165,7 +152,7 @@ mod tests {
             [mean(1), mean(2)]
         };
         let limit = Normal::new(0.0, 1.0).unwrap().inverse_cdf(1.0 - 0.0005 / 1296.0);
-        let estimate = counts.estimate(width);
+        let estimate = counts.density(width);
         let sides = [0, 1].map(|i| (0..BINS).map(|bin| smoothed(i, bin)).collect::<Vec<_>>());
         let mut checked = 0;
         for (a, b) in (0..BINS).flat_map(|a| (0..BINS).map(move |b| (a, b))) {

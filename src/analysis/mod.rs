@@ -18,6 +18,7 @@ mod escape;
 mod frictionless;
 mod interval;
 mod kernel_density;
+mod kernel_width;
 mod linearised;
 mod nearest;
 mod point_summary;

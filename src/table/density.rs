@@ -93,9 +93,16 @@ pub fn density_columns(study: &Study) -> Vec<Column<DensityRow>> {
     columns.push(Column::number(
         name,
         unit,
-        "density of equilibria at the bin's centre (von Mises kernels, Scott's rule); of balls that are \
-         alike the same whatever their order; integrates to 1 over all angles from 0 to 2π",
+        "density of equilibria at the bin's centre (von Mises kernels); of balls that are alike the same \
+         whatever their order; integrates to 1 over all angles from 0 to 2π",
         |row: &DensityRow| Some(row.bin.density),
+    ));
+    columns.push(Column::number(
+        "kernel_width_rad",
+        "rad",
+        "standard deviation of the kernels, of some widths the one under which each run is most likely \
+         by all others",
+        |row: &DensityRow| Some(row.bin.kernel_width_rad),
     ));
     columns
 }

@@ -40,6 +40,7 @@ fn bins_count_the_equilibria() {
         "ci_low n 1",
         "ci_high n 1",
         "density_1_rad2 n 1/rad²",
+        "kernel_width_rad n rad",
     ];
     assert_eq!(columns(&density), expected);
     let key = |table: &RecordBatch| -> Vec<[u64; 3]> {
@@ -123,6 +124,7 @@ fn other_numbers_of_balls() {
         "ci_low n 1",
         "ci_high n 1",
         "density_1_rad n 1/rad",
+        "kernel_width_rad n rad",
     ];
     assert_eq!(columns(&density), expected);
     let bins = [1, 2, 3].map(|ball| counts(&equilibria, &format!("bin_{ball}")));
