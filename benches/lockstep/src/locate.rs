@@ -1,0 +1,165 @@
+//! Where in a step a condition fails, found by the length of the step: a lane in which one has failed
+//! takes the same step again, shorter, until it ends where the condition has just failed. No dense
+//! output is needed, and the state at the event has the full order of the method.
+
+/// Values and slopes in time of the four conditions (two of each ball) at a point of a step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Conditions {
+    pub values: [f64; 4],
+    pub slopes: [f64; 4],
+}
+
+/// An event is located when its condition is below zero by no more than this.
+pub const WIDTH: f64 = 1e-11;
+/// Aim for the middle of that.
+const AIM: f64 = 0.5 * WIDTH;
+const MOST_TRIALS: u32 = 60;
+
+/// A search in progress: `low` and `high` are lengths of steps.
+#[derive(Clone, Copy, Debug)]
+pub enum Search {
+    /// A look at where a condition may have dipped below zero.
+    Dip,
+    /// All conditions hold at `low`, one fails at `high`.
+    Bracket { low: (f64, Conditions), high: (f64, Conditions), trials: u32 },
+}
+
+/// What to do with a step that has been tried.
+#[derive(Clone, Copy, Debug)]
+pub enum Verdict {
+    /// It stands.
+    Commit,
+    /// It ends at an event.
+    Event,
+    /// Try another length.
+    Retry(f64, Search),
+    /// Not to be decided here.
+    GiveUp,
+}
+
+/// Judges a step of `length` from `start` to `end`.
+pub fn judge(search: Option<Search>, start: &Conditions, length: f64, end: &Conditions) -> Verdict {
+    let fails = end.values.iter().any(|value| *value < 0.0);
+    let (low, high, trials) = match search {
+        None | Some(Search::Dip) => {
+            if !fails {
+                let dip = if search.is_none() { first_dip(start, length, end) } else { None };
+                return match dip {
+                    Some(theta) => Verdict::Retry(theta * length, Search::Dip),
+                    None => Verdict::Commit,
+                };
+            }
+            ((0.0, *start), (length, *end), 0)
+        }
+        Some(Search::Bracket { low, trials, .. }) if fails => (low, (length, *end), trials),
+        Some(Search::Bracket { high, trials, .. }) => ((length, *end), high, trials),
+    };
+    if fails && end.values.iter().all(|value| *value >= -WIDTH) {
+        return Verdict::Event;
+    }
+    if trials > MOST_TRIALS || high.0 <= 1e-14 {
+        return Verdict::GiveUp;
+    }
+    if high.0 - low.0 <= 1e-15 {
+        // Nothing between: the failing end is taken, if that is where this trial was.
+        return if fails { Verdict::Event } else { Verdict::GiveUp };
+    }
+    let span = high.0 - low.0;
+    let mut theta: f64 = 1.0;
+    for i in 0..4 {
+        let [from, to] = [low.1.values[i] + AIM, high.1.values[i] + AIM];
+        if to < 0.0 {
+            let cubic = Cubic::new([from, to], [low.1.slopes[i], high.1.slopes[i]], span);
+            match cubic.fall() {
+                Some(fall) => theta = theta.min(fall),
+                None => return Verdict::GiveUp,
+            }
+        }
+    }
+    if trials > 8 || theta >= 1.0 {
+        theta = 0.5;
+    }
+    let trial = low.0 + theta * span;
+    Verdict::Retry(trial, Search::Bracket { low, high, trials: trials + 1 })
+}
+
+/// The least place of the first condition that seems to dip below zero in a step.
+fn first_dip(start: &Conditions, length: f64, end: &Conditions) -> Option<f64> {
+    let dip = |i: usize| {
+        let change = length * start.slopes[i].abs().max(end.slopes[i].abs());
+        if start.values[i].min(end.values[i]) >= 0.5 * change {
+            return None;
+        }
+        Cubic::new([start.values[i], end.values[i]], [start.slopes[i], end.slopes[i]], length).dip()
+    };
+    (0..4).filter_map(dip).min_by(f64::total_cmp)
+}
+
+/// A cubic polynomial on [0, 1] by its values and slopes at the ends.
+struct Cubic([f64; 4]);
+
+impl Cubic {
+    fn new([a, b]: [f64; 2], slopes: [f64; 2], length: f64) -> Self {
+        let [p, q] = slopes.map(|slope| slope * length);
+        Cubic([a, p, 3.0 * (b - a) - 2.0 * p - q, 2.0 * (a - b) + p + q])
+    }
+
+    fn at(&self, t: f64) -> f64 {
+        let [a, b, c, d] = self.0;
+        ((d * t + c) * t + b) * t + a
+    }
+
+    fn slope(&self, t: f64) -> f64 {
+        let [_, b, c, d] = self.0;
+        (3.0 * d * t + 2.0 * c) * t + b
+    }
+
+    /// Where it is least in the inside, if it is below zero there.
+    fn dip(&self) -> Option<f64> {
+        let [_, b, c, d] = self.0;
+        let discriminant = c * c - 3.0 * b * d;
+        if discriminant <= 0.0 {
+            return None;
+        }
+        let root = discriminant.sqrt();
+        // The minimum is where the curvature 2c + 6dt = 2 root.
+        let t = if c > 0.0 { -b / (c + root) } else { (root - c) / (3.0 * d) };
+        (t > 1e-6 && t < 1.0 - 1e-6 && self.at(t) < 0.0).then_some(t)
+    }
+
+    /// Where it first falls through zero, its end being below.
+    fn fall(&self) -> Option<f64> {
+        let mut low = 0.0;
+        let mut high = 1.0;
+        if self.0[0] <= AIM {
+            // It starts at zero and rises: the fall comes after.
+            let mut t = 0.5;
+            while self.at(t) <= 0.0 {
+                high = t;
+                t *= 0.5;
+                if t < 1e-9 {
+                    return None;
+                }
+            }
+            low = t;
+        }
+        let mut t = self.0[0] / (self.0[0] - self.at(1.0));
+        if !(t > low && t < high) {
+            t = 0.5 * (low + high);
+        }
+        for _ in 0..40 {
+            let value = self.at(t);
+            if value > 0.0 {
+                low = t;
+            } else {
+                high = t;
+            }
+            let newton = t - value / self.slope(t);
+            if (newton - t).abs() < 1e-9 * t && newton > 0.0 && newton < 1.0 {
+                return Some(newton);
+            }
+            t = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
+        }
+        Some(t)
+    }
+}
