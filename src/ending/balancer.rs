@@ -10,9 +10,43 @@ use super::orbit::OrbitWatch;
 use super::outcome::{Evidence, LyapunovExponent, Outcome};
 use super::settled::SettledWatch;
 use super::simulate::{WINDOW, effort_limit, stiff_pace};
-use super::window::{Moment, Window};
-use crate::model::{Balancer, Machine, RestPoint, Simulation, Start, System};
+use super::window::{Moment, Window, angles};
+use crate::model::{Balancer, Machine, RestPoint, Simulation, Start, State, System};
 use crate::motion::{Failure, Motion, Settings};
+
+/// All that a run begins with.
+pub(super) struct Prepared<const N: usize> {
+    pub(super) balancer: Balancer<N>,
+    pub(super) state: State<N>,
+    pub(super) settings: Settings,
+    pub(super) units: Units,
+    pub(super) horizons: Horizons<Late<N>>,
+}
+
+impl<const N: usize> Prepared<N> {
+    /// What a run of a machine begins with; none where machine or start state have another number of
+    /// balls.
+    pub(super) fn new(machine: &Machine, start: &Start, simulation: &Simulation) -> Option<Self> {
+        let (balancer, state) = (Balancer::<N>::new(machine)?, start.of_balls()?);
+        let natural = machine.natural_frequency_rad_s();
+        let horizons = Horizons::new(simulation, natural, Late::until);
+        let weight = balancer.speed * balancer.speed;
+        let rates = balancer.balls.iter().map(|ball| ball.friction.damping_rate(weight));
+        let stiff = stiff_pace(rates.fold(0.0, f64::max));
+        let pace = 1.0 + balancer.speed.abs() + balancer.damping_ratio + stiff;
+        // An explicit method takes some tenth of the rate at which the table is damped.
+        let least = 1.0 / balancer.longest_step() + 0.2 * balancer.damping_ratio;
+        let settings = Settings::new(simulation, effort_limit(horizons.latest_end(), pace, least));
+        let units = Units { natural, radius: machine.ring_radius_m };
+        Some(Prepared { balancer, state, settings, units, horizons })
+    }
+}
+
+/// The outcome of a case whose start state does not go with its machine.
+pub(super) fn other_number_of_balls() -> Outcome {
+    let error = "the start state has another number of balls than the machine";
+    Outcome::failed(Evidence::InvalidParameters, error.to_owned())
+}
 
 /// Simulates a balancer with `N` balls until its ending is known.
 pub(super) fn simulate_balancer<const N: usize>(
@@ -20,20 +54,10 @@ pub(super) fn simulate_balancer<const N: usize>(
     start: &Start,
     simulation: &Simulation,
 ) -> Outcome {
-    let (Some(balancer), Some(state)) = (Balancer::<N>::new(machine), start.of_balls()) else {
-        let error = "the start state has another number of balls than the machine";
-        return Outcome::failed(Evidence::InvalidParameters, error.to_owned());
+    let Some(prepared) = Prepared::<N>::new(machine, start, simulation) else {
+        return other_number_of_balls();
     };
-    let natural = machine.natural_frequency_rad_s();
-    let horizons = Horizons::new(simulation, natural, Late::until);
-    let weight = balancer.speed * balancer.speed;
-    let rates = balancer.balls.iter().map(|ball| ball.friction.damping_rate(weight));
-    let stiff = stiff_pace(rates.fold(0.0, f64::max));
-    let pace = 1.0 + balancer.speed.abs() + balancer.damping_ratio + stiff;
-    // An explicit method takes some tenth of the rate at which the table is damped.
-    let least = 1.0 / balancer.longest_step() + 0.2 * balancer.damping_ratio;
-    let settings = Settings::new(simulation, effort_limit(horizons.latest_end(), pace, least));
-    let units = Units { natural, radius: machine.ring_radius_m };
+    let Prepared { balancer, state, settings, units, horizons } = prepared;
     match Motion::new(&balancer, settings, state) {
         Ok(motion) => {
             let run = BalancerRun {
@@ -58,29 +82,30 @@ fn latest(times: &[f64]) -> f64 {
 }
 
 /// What turns non-dimensional values into SI units.
-#[derive(Clone, Copy)]
-struct Units {
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Units {
     natural: f64,
     radius: f64,
 }
 
+/// A run in progress.
 #[derive(Clone)]
-struct BalancerRun<'a, const N: usize> {
-    balancer: &'a Balancer<N>,
-    settings: Settings,
-    units: Units,
-    motion: Motion<'a, Balancer<N>, N>,
-    horizons: Horizons<Late<N>>,
-    watch: OrbitWatch<N>,
-    settled: SettledWatch,
-    rest: Option<RestPoint<N>>,
+pub(super) struct BalancerRun<'a, const N: usize> {
+    pub(super) balancer: &'a Balancer<N>,
+    pub(super) settings: Settings,
+    pub(super) units: Units,
+    pub(super) motion: Motion<'a, Balancer<N>, N>,
+    pub(super) horizons: Horizons<Late<N>>,
+    pub(super) watch: OrbitWatch<N>,
+    pub(super) settled: SettledWatch,
+    pub(super) rest: Option<RestPoint<N>>,
 }
 
 /// What is gathered over the last part of the time.
-#[derive(Clone)]
-struct Late<const N: usize> {
-    means: Window<N>,
-    separation: Separation<N, 2>,
+#[derive(Clone, Debug)]
+pub(super) struct Late<const N: usize> {
+    pub(super) means: Window<N>,
+    pub(super) separation: Separation<N, 2>,
 }
 
 impl<const N: usize> Late<N> {
@@ -93,13 +118,13 @@ impl<const N: usize> Late<N> {
     }
 
     fn take_in(&mut self, before: Moment, motion: &Motion<Balancer<N>, N>) {
-        self.means.take_in(before, motion);
+        self.means.take_in(before, Moment::of(motion), || angles(motion));
         self.separation.follow(motion);
     }
 }
 
 /// How the loop came to its end.
-enum Ending<const N: usize> {
+pub(super) enum Ending<const N: usize> {
     Rest(RestPoint<N>),
     Settled,
     Cycle(Orbit<N>),
@@ -117,7 +142,8 @@ impl<const N: usize> BalancerRun<'_, N> {
         Some(*self.rest.get_or_insert_with(|| self.balancer.rest_point(&state.beta)))
     }
 
-    fn at_end_time(&mut self) -> Ending<N> {
+    /// How it has come to its end where nothing else has ended it before.
+    pub(super) fn at_end_time(&mut self) -> Ending<N> {
         match self.rest_point() {
             Some(rest) if certified_by_closed_form(self.balancer, &rest, self.motion.state()) => {
                 Ending::Rest(rest)

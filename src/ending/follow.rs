@@ -53,7 +53,8 @@ fn to_the_end<R: Run>(mut run: R) -> Outcome {
     }
 }
 
-fn continues(extend: Extend, label: Label) -> bool {
+/// Whether a run with a label is continued.
+pub(super) fn continues(extend: Extend, label: Label) -> bool {
     match label {
         Label::Undecided => extend.undecided,
         Label::Irregular => extend.irregular,
@@ -100,6 +101,16 @@ impl<W> Horizons<W> {
     /// What has been gathered for the end time.
     pub(super) fn window(&self) -> &W {
         &self.now.window
+    }
+
+    /// The same, to be added to.
+    pub(super) fn window_mut(&mut self) -> &mut W {
+        &mut self.now.window
+    }
+
+    /// What is to be gathered for the later end time, where there is one.
+    pub(super) fn later_window(&self) -> Option<&W> {
+        self.later.as_ref().map(|later| &later.window)
     }
 
     /// What is gathered for each end time.

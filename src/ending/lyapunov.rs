@@ -93,23 +93,12 @@ impl<const N: usize, const FREE: usize> Separation<N, FREE> {
             // The first step reaches into the window and is left out.
             self.normalise();
             self.growth = 0.0;
-            self.mark(motion);
+            self.mark(time, courses(motion));
             return;
         }
         self.variation.follow(motion);
         self.normalise();
-        let batch = (self.end - self.start) / BATCHES as f64;
-        if time >= self.start + batch * self.marks.len() as f64 || time >= self.end {
-            self.mark(motion);
-            self.given_up = self.marks.len() == PILOT + 1 && self.growth < 0.0;
-        }
-    }
-
-    fn mark<S: System<N, FREE>>(&mut self, motion: &Motion<S, N, FREE>) {
-        let turns = |ball: usize| (motion.unwrapped_angle(ball) / std::f64::consts::TAU).abs();
-        let turns: f64 = if S::ANGULAR { (0..N).map(turns).sum() } else { 0.0 };
-        let courses = turns + motion.effort().switches as f64;
-        self.marks.push(Mark { time: motion.time(), growth: self.growth, courses });
+        self.mark_if_due(time, || courses(motion));
     }
 
     fn normalise(&mut self) {
@@ -123,6 +112,56 @@ impl<const N: usize, const FREE: usize> Separation<N, FREE> {
             unit.add_scaled(1.0 / size, direction);
             *direction = unit;
         }
+    }
+
+    /// When it begins.
+    pub(super) fn start(&self) -> f64 {
+        self.start
+    }
+
+    /// Whether neighbours are followed at a time: it has come, and they have not been given up.
+    pub(super) fn follows(&self, time: f64) -> bool {
+        time > self.start && !self.given_up
+    }
+
+    /// Whether it has begun.
+    pub(super) fn has_begun(&self) -> bool {
+        !self.marks.is_empty()
+    }
+
+    /// Begins at the end of the first step that reaches into the window, where a displacement that is
+    /// kept elsewhere has the size 1. `courses` are turns of balls and switches since the start.
+    pub(super) fn begin(&mut self, time: f64, courses: f64) {
+        self.growth = 0.0;
+        self.mark(time, courses);
+    }
+
+    /// Takes in by how much that displacement has grown since it was last told.
+    pub(super) fn grow(&mut self, time: f64, factor: f64, grazed: bool, courses: f64) {
+        self.growth += factor.ln();
+        self.variation.grazed |= grazed;
+        self.mark_if_due(time, || courses);
+        self.given_up |= !self.growth.is_finite();
+    }
+
+    /// When the growth is to be told next.
+    pub(super) fn next_mark(&self) -> f64 {
+        (self.start + self.batch() * self.marks.len() as f64).min(self.end)
+    }
+
+    fn batch(&self) -> f64 {
+        (self.end - self.start) / BATCHES as f64
+    }
+
+    fn mark_if_due(&mut self, time: f64, courses: impl FnOnce() -> f64) {
+        if time >= self.start + self.batch() * self.marks.len() as f64 || time >= self.end {
+            self.mark(time, courses());
+            self.given_up = self.marks.len() == PILOT + 1 && self.growth < 0.0;
+        }
+    }
+
+    fn mark(&mut self, time: f64, courses: f64) {
+        self.marks.push(Mark { time, growth: self.growth, courses });
     }
 
     /// The exponent, here per unit of non-dimensional time, with its interval, and the length of the
@@ -160,4 +199,13 @@ impl<const N: usize, const FREE: usize> Separation<N, FREE> {
             && last.growth - half.growth >= SEPARATED.ln()
             && last.courses - half.courses >= COURSES
     }
+}
+
+/// Turns of balls and switches since the start of a motion.
+fn courses<S: System<N, FREE>, const N: usize, const FREE: usize>(
+    motion: &Motion<S, N, FREE>,
+) -> f64 {
+    let turns = |ball: usize| (motion.unwrapped_angle(ball) / std::f64::consts::TAU).abs();
+    let turns: f64 = if S::ANGULAR { (0..N).map(turns).sum() } else { 0.0 };
+    turns + motion.effort().switches as f64
 }

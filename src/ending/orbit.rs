@@ -92,20 +92,37 @@ impl<const N: usize> OrbitWatch<N> {
         settings: &Settings,
         motion: &mut Motion<Balancer<N>, N>,
     ) -> Option<Orbit<N>> {
-        let beta_dot = motion.state().beta_dot;
+        let reference = self.goes_round(motion.phases(), motion.state())?;
+        self.take_in(balancer, settings, motion, reference)
+    }
+
+    /// The ball that has gone round in a step, if it marks the section, or may; `phases` and `state`
+    /// are those at the step's end, angles not yet brought back into one turn.
+    pub(super) fn goes_round(&mut self, phases: &[Phase; N], state: &State<N>) -> Option<usize> {
+        let State { beta, beta_dot, .. } = state;
         let has_stopped = |(ball, direction): (usize, f64)| {
-            motion.phases()[ball].in_band() || direction * beta_dot[ball] <= 0.0
+            phases[ball].in_band() || direction * beta_dot[ball] <= 0.0
         };
         if self.ball.is_some_and(has_stopped) {
             self.restart();
         }
         let gone_round = |angle: f64| !(0.0..std::f64::consts::TAU).contains(&angle);
-        let beta = motion.state().beta;
-        let reference = match self.ball {
-            Some((ball, _)) if gone_round(beta[ball]) => ball,
-            Some(_) => return None,
-            None => (0..N).find(|&ball| gone_round(beta[ball]))?,
-        };
+        match self.ball {
+            Some((ball, _)) => gone_round(beta[ball]).then_some(ball),
+            None => (0..N).find(|&ball| gone_round(beta[ball])),
+        }
+    }
+
+    /// Takes in the latest step of a motion, in which a ball has gone round; the limit cycle that the
+    /// run has been shown to be on.
+    pub(super) fn take_in(
+        &mut self,
+        balancer: &Balancer<N>,
+        settings: &Settings,
+        motion: &mut Motion<Balancer<N>, N>,
+        reference: usize,
+    ) -> Option<Orbit<N>> {
+        let beta_dot = motion.state().beta_dot;
         let Some((time, state)) = motion.passage(reference) else {
             self.restart();
             return None;

@@ -2,14 +2,40 @@
 
 use super::balancer::simulate_balancer;
 use super::block::simulate_block;
+use super::lockstep::{Runs, simulate_in_lockstep};
 use super::outcome::{Evidence, Outcome};
 use crate::model::{Case, Machine, Model, Simulation, Start};
+use crate::motion::VectorLevel;
 
 /// The part of the time at the end of a run over which means are taken.
 pub(super) const WINDOW: f64 = 0.1;
 
-/// Simulates a case until its ending is known. A pure function: equal cases give equal outcomes.
+/// Simulates a case until its ending is known. A pure function: equal cases give equal outcomes, here
+/// and among others in [`super::simulate_in_lockstep`].
 pub fn simulate(case: &Case) -> Outcome {
+    let mut runs = Single { case: Some(case.clone()), outcome: None };
+    simulate_in_lockstep(VectorLevel::best(), &mut runs);
+    runs.outcome.unwrap_or_else(|| simulate_one_by_one(case))
+}
+
+struct Single {
+    case: Option<Case>,
+    outcome: Option<Outcome>,
+}
+
+impl Runs for Single {
+    fn next(&mut self) -> Option<(u64, Case)> {
+        self.case.take().map(|case| (0, case))
+    }
+
+    fn ended(&mut self, _: u64, outcome: Outcome) {
+        self.outcome = Some(outcome);
+    }
+}
+
+/// Simulates a case by itself, with other code than in lockstep: the cross-check of that, and for models
+/// that it does not know. Motions agree within their tolerances.
+pub fn simulate_one_by_one(case: &Case) -> Outcome {
     if let Err(invalid) = case.model.validate() {
         return Outcome::failed(Evidence::InvalidParameters, invalid.to_string());
     }

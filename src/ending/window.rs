@@ -1,6 +1,6 @@
 //! Means over the last part of a balancer's run.
 
-use crate::model::Balancer;
+use crate::model::{Balancer, State};
 use crate::motion::Motion;
 
 /// What is gathered for the means. It opens with the end of the first step that begins at or after
@@ -38,12 +38,18 @@ pub(super) struct Moment {
 impl Moment {
     /// Where a motion is now.
     pub(super) fn of<const N: usize>(motion: &Motion<Balancer<N>, N>) -> Self {
-        let [x, y] = motion.state().position;
-        Moment { time: motion.time(), square: x * x + y * y }
+        Moment::at(motion.time(), motion.state())
+    }
+
+    /// A state at a time.
+    pub(super) fn at<const N: usize>(time: f64, state: &State<N>) -> Self {
+        let [x, y] = state.position;
+        Moment { time, square: x * x + y * y }
     }
 }
 
-fn angles<const N: usize>(motion: &Motion<Balancer<N>, N>) -> [f64; N] {
+/// The angles of a motion's balls, whole turns included.
+pub(super) fn angles<const N: usize>(motion: &Motion<Balancer<N>, N>) -> [f64; N] {
     std::array::from_fn(|ball| motion.unwrapped_angle(ball))
 }
 
@@ -53,19 +59,33 @@ impl<const N: usize> Window<N> {
         Window { start, opened: None }
     }
 
-    /// Takes in the motion's latest step, which began at `before`.
-    pub(super) fn take_in(&mut self, before: Moment, motion: &Motion<Balancer<N>, N>) {
-        if before.time < self.start {
+    /// Whether a step that began at a time is to be taken in.
+    pub(super) fn takes(&self, began: f64) -> bool {
+        began >= self.start
+    }
+
+    /// When it starts.
+    pub(super) fn start(&self) -> f64 {
+        self.start
+    }
+
+    /// Takes in a step from `before` to `now`, where the balls are at these angles, whole turns
+    /// included.
+    pub(super) fn take_in(
+        &mut self,
+        before: Moment,
+        now: Moment,
+        angles: impl FnOnce() -> [f64; N],
+    ) {
+        if !self.takes(before.time) {
             return;
         }
-        let now = Moment::of(motion);
         match &mut self.opened {
             Some(opened) => {
                 opened.square_time += 0.5 * (now.time - before.time) * (before.square + now.square);
             }
             None => {
-                let angles = angles(motion);
-                self.opened = Some(Opened { time: now.time, angles, square_time: 0.0 });
+                self.opened = Some(Opened { time: now.time, angles: angles(), square_time: 0.0 });
             }
         }
     }

@@ -49,6 +49,11 @@ impl FrictionLaw {
         matches!(self, FrictionLaw::Coulomb | FrictionLaw::Stribeck { .. })
     }
 
+    /// Whether friction in slip is a part of the normal force and a drag in proportion to speed.
+    pub fn is_linear(&self) -> bool {
+        matches!(self, FrictionLaw::Coulomb | FrictionLaw::Viscous { .. })
+    }
+
     /// The most friction over normal force, at rest or at any speed, of a contact with this
     /// (kinetic) coefficient.
     pub fn largest_ratio(&self, friction_coefficient: f64) -> f64 {

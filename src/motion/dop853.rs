@@ -27,7 +27,7 @@ pub struct Step<const N: usize, T = f64, const FREE: usize = 2> {
     pub end: State<N, T, FREE>,
     /// Its length, non-dimensional time.
     pub length: T,
-    stages: [State<N, T, FREE>; 12],
+    pub(super) stages: [State<N, T, FREE>; 12],
 }
 
 #[inline]

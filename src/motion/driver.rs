@@ -36,8 +36,21 @@ pub struct Motion<'a, S, const N: usize, const FREE: usize = 2> {
     last: Option<LastStep<N, FREE>>,
 }
 
+/// Where a motion is, to be resumed from there.
+#[derive(Clone, Debug)]
+pub(super) struct Course<const N: usize, const FREE: usize> {
+    pub(super) time: f64,
+    pub(super) state: State<N, f64, FREE>,
+    pub(super) turns: [i64; N],
+    pub(super) phases: [Phase; N],
+    pub(super) next_length: f64,
+    pub(super) last_switches: [f64; N],
+    pub(super) slow_since: [f64; N],
+    pub(super) effort: Effort,
+}
+
 /// The shortest step, over the time that has passed, that still moves the clock.
-const SHORTEST: f64 = 1e-14;
+pub(super) const SHORTEST: f64 = 1e-14;
 
 impl<'a, S: System<N, FREE>, const N: usize, const FREE: usize> Motion<'a, S, N, FREE> {
     /// A motion that starts from `state` at time 0.
@@ -50,12 +63,7 @@ impl<'a, S: System<N, FREE>, const N: usize, const FREE: usize> Motion<'a, S, N,
         state: State<N, f64, FREE>,
     ) -> Result<Self, Failure> {
         let Settings { method, band, .. } = settings;
-        let (margins, slow) = match method {
-            Method::Switch => (Margins { band, slack: switch_model::SLACK }, SLOW.max(band)),
-            Method::Event => {
-                (Margins { band: 0.0, slack: event_driven::release_slack(system) }, SLOW)
-            }
-        };
+        let (margins, slow) = margins(system, &settings);
         let mut phases = std::array::from_fn(|ball| {
             let (can_stick, speed) = (system.friction(ball).can_stick(), state.beta_dot[ball]);
             match method {
@@ -93,6 +101,38 @@ impl<'a, S: System<N, FREE>, const N: usize, const FREE: usize> Motion<'a, S, N,
         motion.wrap_angles();
         motion.turns = [0; N];
         Ok(motion)
+    }
+
+    /// A motion that goes on from where it was, with its latest step for looking into.
+    pub(super) fn resume(
+        system: &'a S,
+        settings: Settings,
+        course: Course<N, FREE>,
+        last: Option<LastStep<N, FREE>>,
+    ) -> Self {
+        let Course { time, state, turns, phases, next_length, last_switches, slow_since, effort } =
+            course;
+        let (margins, slow) = margins(system, &settings);
+        let phase = SmoothPhase::new(system, &phases);
+        let forces = phase.forces(&state);
+        Motion {
+            system,
+            settings,
+            margins,
+            slow,
+            time,
+            state,
+            turns,
+            phases,
+            derivative: phase.derivative_with(&state, &forces),
+            forces,
+            next_length,
+            longest: system.longest_step(),
+            last_switches,
+            slow_since,
+            effort,
+            last,
+        }
     }
 
     /// Non-dimensional time.
@@ -147,6 +187,14 @@ impl<'a, S: System<N, FREE>, const N: usize, const FREE: usize> Motion<'a, S, N,
 
     pub(super) fn margins(&self) -> Margins {
         self.margins
+    }
+
+    pub(super) fn slow(&self) -> f64 {
+        self.slow
+    }
+
+    pub(super) fn next_length(&self) -> f64 {
+        self.next_length
     }
 
     /// The latest step; none before the first.
@@ -362,5 +410,17 @@ impl<'a, S: System<N, FREE>, const N: usize, const FREE: usize> Motion<'a, S, N,
                 self.turns[ball] += turns as i64;
             }
         }
+    }
+}
+
+/// By how much conditions may fail, and what speed counts as slow.
+fn margins<S: System<N, FREE>, const N: usize, const FREE: usize>(
+    system: &S,
+    settings: &Settings,
+) -> (Margins, f64) {
+    let Settings { method, band, .. } = *settings;
+    match method {
+        Method::Switch => (Margins { band, slack: switch_model::SLACK }, SLOW.max(band)),
+        Method::Event => (Margins { band: 0.0, slack: event_driven::release_slack(system) }, SLOW),
     }
 }

@@ -57,6 +57,19 @@ impl Guard {
         })
     }
 
+    /// One condition of a ball in a phase: its first, its second, or that the ring presses on it.
+    pub(super) fn of(ball: usize, phase: Phase, which: usize) -> Guard {
+        let kind = match (phase, which) {
+            (Phase::Slip(direction), 0) => Kind::OutOfBand(direction),
+            (Phase::Stick, 0) => Kind::Held(1.0),
+            (Phase::Stick, 1) => Kind::Held(-1.0),
+            (Phase::Transition(direction), 0) => Kind::InBand(direction),
+            (Phase::Transition(direction), 1) => Kind::Accelerating(direction),
+            _ => Kind::Pressed,
+        };
+        Guard { ball, kind }
+    }
+
     /// The condition's value.
     #[inline]
     pub(super) fn value<S: System<N, FREE>, T: Number, const N: usize, const FREE: usize>(

@@ -23,6 +23,7 @@
 use super::contact::SmoothPhase;
 use super::dop853::Step;
 use super::driver::Motion;
+use super::guard::{Guard, Margins};
 use crate::model::{Dual, Number, State, System};
 
 /// Conditions that fail slower than this, as a part of the largest rate at which they could, are
@@ -57,25 +58,12 @@ impl<const N: usize, const FREE: usize> Variation<N, FREE> {
         let Some(guard) = last.ended_by.filter(|_| last.phases != *motion.phases()) else {
             return;
         };
-        let state = motion.state();
-        let rate_before = before.derivative(state);
-        let margins = motion.margins();
-        let change_of_condition = |direction: &State<N, f64, FREE>| {
-            let state = state.along(direction);
-            let (forces, _) = before.along(&state);
-            guard.value(system, margins, (&state, &forces)).slope
-        };
-        let rate = change_of_condition(&rate_before);
-        let mut jump = *motion.derivative();
-        jump.add_scaled(-1.0, &rate_before);
-        if !has_any(&jump) {
-            return;
-        }
-        self.grazed |= rate.is_nan() || rate.abs() <= GRAZING * motion.system().force_scale();
-        for direction in &mut self.directions {
-            let factor = change_of_condition(direction) / rate;
-            direction.add_scaled(factor, &jump);
-        }
+        self.grazed |= saltation(
+            (system, motion.margins()),
+            (&before, guard),
+            (motion.state(), motion.derivative()),
+            &mut self.directions,
+        );
     }
 
     /// The displacements at a time within the latest step, which the motion has taken and this has
@@ -107,6 +95,34 @@ impl<const N: usize, const FREE: usize> Variation<N, FREE> {
             *direction = step.end.slope();
         }
     }
+}
+
+/// Takes displacements over a switch at which the phase `before` ended, as this condition of it
+/// failed; `state` and `rate` are those with which the next phase begins. Whether the switch was met by
+/// grazing.
+pub(super) fn saltation<S: System<N, FREE>, const N: usize, const FREE: usize>(
+    (system, margins): (&S, Margins),
+    (before, guard): (&SmoothPhase<S, N, FREE>, Guard),
+    (state, rate): (&State<N, f64, FREE>, &State<N, f64, FREE>),
+    directions: &mut [State<N, f64, FREE>],
+) -> bool {
+    let rate_before = before.derivative(state);
+    let mut jump = *rate;
+    jump.add_scaled(-1.0, &rate_before);
+    if !has_any(&jump) {
+        return false;
+    }
+    let change_of_condition = |direction: &State<N, f64, FREE>| {
+        let state = state.along(direction);
+        let (forces, _) = before.along(&state);
+        guard.value(system, margins, (&state, &forces)).slope
+    };
+    let rate = change_of_condition(&rate_before);
+    for direction in directions {
+        let factor = change_of_condition(direction) / rate;
+        direction.add_scaled(factor, &jump);
+    }
+    rate.is_nan() || rate.abs() <= GRAZING * system.force_scale()
 }
 
 fn has_any<const N: usize, const FREE: usize>(state: &State<N, f64, FREE>) -> bool {

@@ -1,0 +1,208 @@
+//! Many runs in lockstep: a lane whose run has ended takes the next one.
+//!
+//! Two groups of lanes go on in turn, one with displacements (for Lyapunov exponents) and one without,
+//! and runs move between them; what a run is like depends neither on its lane nor on its neighbours, so
+//! that the order of the work changes nothing.
+
+use std::collections::VecDeque;
+
+use fearless_simd::Simd;
+
+use super::balancer::{Prepared, other_number_of_balls};
+use super::lane_run::{LaneRun, Next};
+use super::outcome::{Evidence, Outcome};
+use super::simulate::simulate_one_by_one;
+use crate::model::{Case, Model};
+use crate::motion::VectorLevel;
+use crate::motion::lockstep::{Group, LANES, Room, Saved, advance, at_level};
+
+/// Where runs come from and outcomes go to.
+pub trait Runs {
+    /// The next run to be computed: a number, by which its outcome is told, and its case.
+    fn next(&mut self) -> Option<(u64, Case)>;
+
+    /// A run has ended. Runs end in any order.
+    fn ended(&mut self, number: u64, outcome: Outcome);
+}
+
+/// Simulates runs until there are no more, in lockstep where their models allow it: balancers with
+/// Coulomb friction or viscous drag. Each outcome is that of [`super::simulate`], to the last bit.
+pub fn simulate_in_lockstep(level: VectorLevel, runs: &mut dyn Runs) {
+    let mut upcoming = runs.next();
+    while let Some((number, case)) = upcoming.take() {
+        upcoming = match lanes_for(&case) {
+            0 => {
+                let outcome = simulate_one_by_one(&case);
+                runs.ended(number, outcome);
+                runs.next()
+            }
+            1 => at::<1>(level, runs, (number, case)),
+            2 => at::<2>(level, runs, (number, case)),
+            3 => at::<3>(level, runs, (number, case)),
+            4 => at::<4>(level, runs, (number, case)),
+            5 => at::<5>(level, runs, (number, case)),
+            6 => at::<6>(level, runs, (number, case)),
+            7 => at::<7>(level, runs, (number, case)),
+            _ => at::<8>(level, runs, (number, case)),
+        };
+    }
+}
+
+/// How many balls the lanes for a case have; 0 where it is computed by itself.
+fn lanes_for(case: &Case) -> usize {
+    let Model::BallBalancer(machine) = &case.model else { return 0 };
+    if case.model.validate().is_ok() && machine.friction.is_linear() { machine.balls.len() } else { 0 }
+}
+
+fn at<const N: usize>(
+    level: VectorLevel,
+    runs: &mut dyn Runs,
+    first: (u64, Case),
+) -> Option<(u64, Case)> {
+    at_level!(level, simd => Lockstep::<_, N>::new(simd, runs, first).go(), else {
+        let (number, case) = first;
+        runs.ended(number, simulate_one_by_one(&case));
+        runs.next()
+    })
+}
+
+/// Runs with `N` balls in progress.
+struct Lockstep<'a, S: Simd, const N: usize> {
+    simd: S,
+    runs: &'a mut dyn Runs,
+    /// The next run, of this number of balls or not.
+    upcoming: Option<(u64, Case)>,
+    /// Without displacements and with them.
+    teams: [Team<S, N>; 2],
+    room: Box<Room<S, N>>,
+}
+
+/// A group of lanes with what is looked for in each.
+struct Team<S: Simd, const N: usize> {
+    group: Box<Group<S, N>>,
+    members: [Option<Box<LaneRun<N>>>; LANES],
+    cases: [Option<Case>; LANES],
+    waiting: VecDeque<Waiting<N>>,
+}
+
+/// A run that waits for a lane.
+struct Waiting<const N: usize> {
+    saved: Saved<N>,
+    run: Box<LaneRun<N>>,
+    case: Case,
+}
+
+impl<'a, S: Simd, const N: usize> Lockstep<'a, S, N> {
+    fn new(simd: S, runs: &'a mut dyn Runs, first: (u64, Case)) -> Self {
+        let team = || Team {
+            group: Box::new(Group::new(simd)),
+            members: std::array::from_fn(|_| None),
+            cases: std::array::from_fn(|_| None),
+            waiting: VecDeque::new(),
+        };
+        Lockstep {
+            simd,
+            runs,
+            upcoming: Some(first),
+            teams: [team(), team()],
+            room: Box::new(Room::new(simd)),
+        }
+    }
+
+    /// Computes runs until there are none with this number of balls; the next one after those.
+    fn go(mut self) -> Option<(u64, Case)> {
+        loop {
+            self.fill(0);
+            self.fill(1);
+            let [plain, displaced] = self.teams.each_ref().map(|team| team.group.runs());
+            if plain + displaced == 0 {
+                return self.upcoming;
+            }
+            self.step(usize::from(displaced >= plain));
+        }
+    }
+
+    /// Puts runs into empty lanes.
+    fn fill(&mut self, team: usize) {
+        while let Some(lane) = self.teams[team].group.empty_lane() {
+            let next = self.teams[team].waiting.pop_front();
+            let next = if team == 0 { next.or_else(|| self.start_next()) } else { next };
+            let Some(Waiting { saved, run, case }) = next else { return };
+            let Team { group, members, cases, .. } = &mut self.teams[team];
+            group.put(lane, &saved, run.end());
+            let number = run.number;
+            let (next, run) = run.begins(group, lane);
+            (members[lane], cases[lane]) = (run, Some(case));
+            self.goes_on(team, lane, number, next);
+        }
+    }
+
+    /// The next run of this number of balls that can be started.
+    fn start_next(&mut self) -> Option<Waiting<N>> {
+        loop {
+            let (number, case) = self.upcoming.take()?;
+            if lanes_for(&case) != N {
+                self.upcoming = Some((number, case));
+                return None;
+            }
+            self.upcoming = self.runs.next();
+            let Model::BallBalancer(machine) = &case.model else { continue };
+            let Some(prepared) = Prepared::<N>::new(machine, &case.start, &case.simulation) else {
+                self.runs.ended(number, other_number_of_balls());
+                continue;
+            };
+            match LaneRun::start(number, prepared, &case.simulation) {
+                Ok((saved, run)) => return Some(Waiting { saved, run: Box::new(run), case }),
+                Err(failure) => {
+                    let evidence = Evidence::Failure(failure);
+                    self.runs.ended(number, Outcome::failed(evidence, failure.to_string()));
+                }
+            }
+        }
+    }
+
+    /// Takes a step in all lanes of a team.
+    fn step(&mut self, team: usize) {
+        let group = &mut self.teams[team].group;
+        let happened = match team {
+            0 => advance::<S, N, false>(self.simd, group, &mut self.room),
+            _ => advance::<S, N, true>(self.simd, group, &mut self.room),
+        };
+        let mut lanes = happened.any();
+        while lanes != 0 {
+            let lane = lanes.trailing_zeros() as usize;
+            lanes &= lanes - 1;
+            let Team { group, members, .. } = &mut self.teams[team];
+            let Some(run) = &mut members[lane] else { continue };
+            let number = run.number;
+            let next = run.look(group, &self.room, lane, &happened);
+            self.goes_on(team, lane, number, next);
+        }
+    }
+
+    /// Does with a run in a lane what is to come next.
+    fn goes_on(&mut self, team: usize, lane: usize, number: u64, next: Next<N>) {
+        if matches!(next, Next::Stay) {
+            return;
+        }
+        let Team { group, members, cases, .. } = &mut self.teams[team];
+        let saved = group.take(lane);
+        let (run, case) = (members[lane].take(), cases[lane].take());
+        match (next, case) {
+            (Next::Done(outcome), _) => self.runs.ended(number, *outcome),
+            (Next::Continue(kept), Some(case)) => {
+                let (saved, run) = *kept;
+                let team = usize::from(run.is_displaced(saved.time()));
+                let waiting = Waiting { saved, run: Box::new(run), case };
+                self.teams[team].waiting.push_back(waiting);
+            }
+            (Next::Move, Some(case)) => {
+                if let (Some(saved), Some(run)) = (saved, run) {
+                    self.teams[1 - team].waiting.push_back(Waiting { saved, run, case });
+                }
+            }
+            (_, Some(case)) => self.runs.ended(number, simulate_one_by_one(&case)),
+            (_, None) => {}
+        }
+    }
+}

@@ -1,0 +1,145 @@
+//! One run of those in lockstep: what of it is not in vectors, and all of it when it is taken out.
+
+use super::conditions::of_one;
+use super::locate::{Conditions, Search};
+use crate::model::{Balancer, Method, RestPoint, State};
+use crate::motion::contact::Phase;
+use crate::motion::driver::Motion;
+use crate::motion::guard::Margins;
+use crate::motion::{Failure, Settings};
+
+/// What of a run is dealt with by itself.
+#[derive(Clone, Debug)]
+pub(crate) struct Lane<const N: usize> {
+    pub(crate) balancer: Balancer<N>,
+    pub(crate) settings: Settings,
+    pub(super) margins: Margins,
+    pub(super) slow: f64,
+    pub(super) phases: [Phase; N],
+    /// What the balls did in the latest step, if an event has ended it.
+    pub(super) during: [Phase; N],
+    pub(super) last_switches: [f64; N],
+    pub(super) switches: u64,
+    pub(super) not_taken: u64,
+    pub(super) search: Option<Search<N>>,
+    /// Whether a displacement met a switch by grazing.
+    pub(super) grazed: bool,
+}
+
+/// Why a run cannot go on in lockstep.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Trouble {
+    /// It cannot go on at all.
+    Failure(Failure),
+    /// An event could not be located: it is computed by itself instead, from its start.
+    GiveUp,
+}
+
+impl From<Failure> for Trouble {
+    fn from(failure: Failure) -> Self {
+        Trouble::Failure(failure)
+    }
+}
+
+/// A run taken out of its lane, to be put into any lane again.
+#[derive(Clone, Debug)]
+pub(crate) struct Saved<const N: usize> {
+    pub(super) lane: Lane<N>,
+    pub(super) time: f64,
+    pub(super) state: State<N>,
+    pub(super) rate: State<N>,
+    pub(super) turns: [f64; N],
+    pub(super) slow_since: [f64; N],
+    pub(super) next: f64,
+    pub(super) trial: f64,
+    pub(super) tried: f64,
+    pub(super) conditions: Conditions<N>,
+    pub(super) displacement: State<N>,
+}
+
+impl<const N: usize> Saved<N> {
+    /// A run at its start.
+    ///
+    /// # Errors
+    /// [`Failure`] where the start state itself cannot be continued.
+    pub(crate) fn start(
+        balancer: &Balancer<N>,
+        settings: Settings,
+        state: State<N>,
+    ) -> Result<Self, Failure> {
+        let motion = Motion::new(balancer, settings, state)?;
+        let margins = motion.margins();
+        let (state, rate) = (*motion.state(), *motion.derivative());
+        let phases = *motion.phases();
+        let conditions =
+            of_one(balancer, &phases, [margins.band, margins.slack], (&state, &rate, motion.forces()));
+        let lane = Lane {
+            balancer: *balancer,
+            settings,
+            margins,
+            slow: motion.slow(),
+            phases,
+            during: phases,
+            last_switches: [0.0; N],
+            switches: 0,
+            not_taken: 0,
+            search: None,
+            grazed: false,
+        };
+        Ok(Saved {
+            lane,
+            time: 0.0,
+            state,
+            rate,
+            turns: [0.0; N],
+            slow_since: [0.0; N],
+            next: motion.next_length(),
+            trial: f64::INFINITY,
+            tried: 0.0,
+            conditions,
+            displacement: State::zero(),
+        })
+    }
+}
+
+impl<const N: usize> Saved<N> {
+    /// Its time.
+    pub(crate) fn time(&self) -> f64 {
+        self.time
+    }
+}
+
+/// The square of the distance from rest below which, but for what speeds the switch model has left to
+/// balls that stick, no ball can break loose; negative where none.
+pub(super) fn rest_radius_squared<const N: usize>(
+    balancer: &Balancer<N>,
+    rest: &RestPoint<N>,
+) -> f64 {
+    let mut least = f64::INFINITY;
+    for (i, ball) in balancer.balls.iter().enumerate() {
+        let limit = ball.friction.limit;
+        least = least.min((limit * rest.normal[i] - rest.friction[i].abs()) / (1.0 + limit));
+    }
+    if least < 0.0 || least.is_nan() {
+        return -1.0;
+    }
+    // A little more, so that rounding leaves the decision to the certificate itself.
+    let radius = least / balancer.acceleration_bound(1.0) * (1.0 + 1e-9);
+    radius * radius
+}
+
+/// What comes after an event, by the run's method.
+pub(super) fn next_phases<const N: usize>(
+    lane: &Lane<N>,
+    state: &mut State<N>,
+    phases: &mut [Phase; N],
+) -> Result<crate::model::Forces<N>, Failure> {
+    match lane.settings.method {
+        Method::Switch => {
+            crate::motion::switch_model::switch(&lane.balancer, lane.settings.band, state, phases)
+        }
+        Method::Event => {
+            crate::motion::event_driven::switch(&lane.balancer, state, phases, None)
+        }
+    }
+}

@@ -1,0 +1,80 @@
+//! Motions in lockstep: eight runs side by side in the lanes of SIMD vectors.
+//!
+//! Each lane has its own parameters, time, step and phases. All eight take a step of the same method
+//! at once; a lane whose step was not good enough, or in which a condition has failed, takes it again,
+//! shorter, while the others go on: an event ends a step that is as long as it takes, so that nothing
+//! needs to leave the vectors but what is rare (deciding stick and slip at an event, endings), which is
+//! done lane by lane.
+//!
+//! What a lane computes depends on its own values only: no operation mixes lanes, and all of them are
+//! correctly rounded (`+ - * /`, square root, fused multiply-add). So a run is the same to the last bit
+//! in any lane, beside any neighbours, and in vectors of any width.
+
+mod advance;
+mod conditions;
+mod displacement;
+mod equations;
+mod group;
+mod lane;
+mod level;
+mod locate;
+mod step;
+mod trigonometry;
+
+pub(crate) use advance::{Happened, advance};
+pub(crate) use group::{Group, Room};
+pub(crate) use lane::{Saved, Trouble};
+pub(crate) use level::at_level;
+pub use level::VectorLevel;
+
+use fearless_simd::f64x8;
+
+/// Runs side by side.
+pub(crate) const LANES: usize = 8;
+
+/// One number of each run.
+pub(crate) type Lanes<S> = f64x8<S>;
+
+/// The components of a state, or of its rate of change, of each run.
+#[derive(Clone, Copy)]
+pub(crate) struct Flow<S: fearless_simd::Simd, const N: usize> {
+    /// x, y, ẋ, ẏ.
+    pub(crate) table: [Lanes<S>; 4],
+    /// Angles of the balls.
+    pub(crate) angle: [Lanes<S>; N],
+    /// Their speeds.
+    pub(crate) speed: [Lanes<S>; N],
+}
+
+impl<S: fearless_simd::Simd, const N: usize> Flow<S, N> {
+    /// Zero in all lanes.
+    #[inline(always)]
+    pub(crate) fn zero(simd: S) -> Self {
+        use fearless_simd::SimdBase;
+        let zero = Lanes::splat(simd, 0.0);
+        Flow { table: [zero; 4], angle: [zero; N], speed: [zero; N] }
+    }
+
+    /// One run's.
+    pub(crate) fn lane(&self, lane: usize) -> crate::model::State<N> {
+        let [x, y, x_dot, y_dot] = self.table.each_ref().map(|of_all| of_all[lane]);
+        crate::model::State {
+            position: [x, y],
+            velocity: [x_dot, y_dot],
+            beta: self.angle.each_ref().map(|of_all| of_all[lane]),
+            beta_dot: self.speed.each_ref().map(|of_all| of_all[lane]),
+        }
+    }
+
+    /// Sets one run's.
+    pub(crate) fn set_lane(&mut self, lane: usize, state: &crate::model::State<N>) {
+        for axis in 0..2 {
+            self.table[axis][lane] = state.position[axis];
+            self.table[2 + axis][lane] = state.velocity[axis];
+        }
+        for ball in 0..N {
+            self.angle[ball][lane] = state.beta[ball];
+            self.speed[ball][lane] = state.beta_dot[ball];
+        }
+    }
+}
