@@ -13,8 +13,8 @@ use super::exit::{CliError, End};
 use super::output::print;
 use super::points_table::PointsTable;
 use crate::analysis::PointDetail;
-use crate::ending::{Label, simulate};
-use crate::farm::{Progress, Sink, Tally, farm, say, stop_on_signals};
+use crate::ending::Label;
+use crate::farm::{Progress, Sink, Tally, farm_in_lockstep, say, stop_on_signals};
 use crate::study::Study;
 use crate::table::{
     Circumstances, Destination, PointRow, Results, ResultsError, RunRecord, inspect,
@@ -217,7 +217,7 @@ pub fn farm_study(
         Some(_) => Progress::at_most(runs_planned, arguments.quiet),
     };
     let mut collector = Collector { take, table: PointsTable::new(study, arguments.json) };
-    let farmed = farm(study, options, simulate, &stop, &progress, &mut collector);
+    let farmed = farm_in_lockstep(study, options, &stop, &progress, &mut collector);
     let wall = progress.close();
     let tally = farmed?;
     Ok(Ran {

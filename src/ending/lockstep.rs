@@ -14,7 +14,7 @@ use super::outcome::{Evidence, Outcome};
 use super::simulate::simulate_one_by_one;
 use crate::model::{Case, Model};
 use crate::motion::VectorLevel;
-use crate::motion::lockstep::{Group, LANES, Room, Saved, advance, at_level};
+use crate::motion::lockstep::{Group, LANES, Room, Saved, advance};
 
 /// Where runs come from and outcomes go to.
 pub trait Runs {
@@ -37,7 +37,7 @@ pub fn simulate_in_lockstep(level: VectorLevel, runs: &mut dyn Runs) {
                 runs.next()
             }
             1 => at::<1>(level, runs, (number, case)),
-            2 => at::<2>(level, runs, (number, case)),
+            2 => two_balls(level, runs, (number, case)),
             3 => at::<3>(level, runs, (number, case)),
             4 => at::<4>(level, runs, (number, case)),
             5 => at::<5>(level, runs, (number, case)),
@@ -54,16 +54,36 @@ fn lanes_for(case: &Case) -> usize {
     if case.model.validate().is_ok() && machine.friction.is_linear() { machine.balls.len() } else { 0 }
 }
 
+/// Two balls are what most machines have. Only for them the widest vectors are used: each number of balls
+/// at each level takes the compiler seconds. Results do not depend on it.
+fn two_balls(
+    level: VectorLevel,
+    runs: &mut dyn Runs,
+    first: (u64, Case),
+) -> Option<(u64, Case)> {
+    #[cfg(target_arch = "x86_64")]
+    if let Some(simd) = level.avx512() {
+        return Lockstep::<_, 2>::new(simd, runs, first).go();
+    }
+    at::<2>(level, runs, first)
+}
+
 fn at<const N: usize>(
     level: VectorLevel,
     runs: &mut dyn Runs,
     first: (u64, Case),
 ) -> Option<(u64, Case)> {
-    at_level!(level, simd => Lockstep::<_, N>::new(simd, runs, first).go(), else {
-        let (number, case) = first;
-        runs.ended(number, simulate_one_by_one(&case));
-        runs.next()
-    })
+    #[cfg(target_arch = "x86_64")]
+    if let Some(simd) = level.avx2() {
+        return Lockstep::<_, N>::new(simd, runs, first).go();
+    }
+    #[cfg(target_arch = "aarch64")]
+    if let Some(simd) = level.neon() {
+        return Lockstep::<_, N>::new(simd, runs, first).go();
+    }
+    let (number, case) = first;
+    runs.ended(number, simulate_one_by_one(&case));
+    runs.next()
 }
 
 /// Runs with `N` balls in progress.
@@ -164,10 +184,7 @@ impl<'a, S: Simd, const N: usize> Lockstep<'a, S, N> {
     /// Takes a step in all lanes of a team.
     fn step(&mut self, team: usize) {
         let group = &mut self.teams[team].group;
-        let happened = match team {
-            0 => advance::<S, N, false>(self.simd, group, &mut self.room),
-            _ => advance::<S, N, true>(self.simd, group, &mut self.room),
-        };
+        let happened = advance(self.simd, group, &mut self.room, team == 1);
         let mut lanes = happened.any();
         while lanes != 0 {
             let lane = lanes.trailing_zeros() as usize;

@@ -1,12 +1,14 @@
-//! One run by its number, whatever happens in it.
+//! What computes runs: by themselves, or many in lockstep; whatever happens in one of them.
 
 use std::any::Any;
 use std::cell::Cell;
+use std::collections::HashMap;
 use std::panic::{self, AssertUnwindSafe};
 use std::sync::Once;
 
-use crate::ending::{Evidence, Outcome};
+use crate::ending::{Evidence, Outcome, Runs, simulate_in_lockstep, simulate_one_by_one};
 use crate::model::Case;
+use crate::motion::VectorLevel;
 use crate::study::Study;
 use crate::table::RunRecord;
 
@@ -14,9 +16,73 @@ thread_local! {
     static IN_A_RUN: Cell<bool> = const { Cell::new(false) };
 }
 
+/// Computes runs until there are no more. A panic is one run's failure and nobody else's.
+pub(super) trait Engine: Sync {
+    fn compute(&self, runs: &mut dyn Runs);
+}
+
+/// Runs by themselves, one after another.
+pub(super) struct OneByOne<F>(pub(super) F);
+
+impl<F: Fn(&Case) -> Outcome + Sync> Engine for OneByOne<F> {
+    fn compute(&self, runs: &mut dyn Runs) {
+        quieten_panics_in_runs();
+        while let Some((number, case)) = runs.next() {
+            let outcome = guarded(&case, &self.0);
+            runs.ended(number, outcome);
+        }
+    }
+}
+
+/// Runs in lockstep.
+pub(super) struct InLockstep(pub(super) VectorLevel);
+
+impl Engine for InLockstep {
+    fn compute(&self, runs: &mut dyn Runs) {
+        quieten_panics_in_runs();
+        let mut tracked = Tracked { runs, begun: HashMap::new() };
+        loop {
+            IN_A_RUN.set(true);
+            // What outlives the unwinding are cases and outcomes, plain values, each whole or absent.
+            let computed = panic::catch_unwind(AssertUnwindSafe(|| {
+                simulate_in_lockstep(self.0, &mut tracked);
+            }));
+            IN_A_RUN.set(false);
+            if computed.is_ok() {
+                return;
+            }
+            // One of the runs in progress is to blame; by themselves they show which.
+            let mut begun: Vec<(u64, Case)> = tracked.begun.drain().collect();
+            begun.sort_by_key(|(number, _)| *number);
+            for (number, case) in begun {
+                let outcome = guarded(&case, &simulate_one_by_one);
+                tracked.runs.ended(number, outcome);
+            }
+        }
+    }
+}
+
+/// Keeps the cases of runs in progress.
+struct Tracked<'a> {
+    runs: &'a mut dyn Runs,
+    begun: HashMap<u64, Case>,
+}
+
+impl Runs for Tracked<'_> {
+    fn next(&mut self) -> Option<(u64, Case)> {
+        let (number, case) = self.runs.next()?;
+        self.begun.insert(number, case.clone());
+        Some((number, case))
+    }
+
+    fn ended(&mut self, number: u64, outcome: Outcome) {
+        self.begun.remove(&number);
+        self.runs.ended(number, outcome);
+    }
+}
+
 /// Plans and simulates one run, an audited one twice; what is nearest to where it ended is left open.
-/// Parameters without physical sense and panics are outcomes, not
-/// ends of the program.
+/// Parameters without physical sense and panics are outcomes, not ends of the program.
 pub fn compute(study: &Study, run_id: u64, simulate: impl Fn(&Case) -> Outcome) -> RunRecord {
     quieten_panics_in_runs();
     let planned = study.planned_run(run_id);
@@ -37,7 +103,7 @@ pub fn compute(study: &Study, run_id: u64, simulate: impl Fn(&Case) -> Outcome) 
 }
 
 /// Simulates a case; a panic is its outcome.
-fn guarded(case: &Case, simulate: impl Fn(&Case) -> Outcome) -> Outcome {
+fn guarded(case: &Case, simulate: &impl Fn(&Case) -> Outcome) -> Outcome {
     IN_A_RUN.set(true);
     // Nothing outlives a run that unwinds: case and outcome are plain values.
     let result = panic::catch_unwind(AssertUnwindSafe(|| simulate(case)));

@@ -10,21 +10,25 @@ mod interrupt;
 mod progress;
 mod rounds;
 mod shard;
+mod work;
 
 pub use compute::compute;
 pub use interrupt::stop_on_signals;
 pub use progress::{Progress, say};
 pub use shard::{Shard, ShardError};
 
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use rayon::prelude::*;
 use thiserror::Error;
 
+use self::compute::{Engine, InLockstep, OneByOne};
 use self::rounds::{Round, Rounds};
+use self::work::{Chunk, Work};
 use crate::analysis::{LabelCounts, NearestFinder, PointAccumulator, PointDetail};
 use crate::ending::Outcome;
 use crate::model::Case;
+use crate::motion::VectorLevel;
 use crate::study::Study;
 use crate::table::{PointRow, RunRecord};
 
@@ -77,13 +81,27 @@ pub struct Tally {
     pub interrupted: bool,
 }
 
-/// Computes the runs of a study's shard with `simulate` and hands runs and points to `sink`.
+/// Computes the runs of a study's shard in lockstep and hands runs and points to `sink`.
 ///
 /// When `stop` becomes true, runs in progress are finished, all finished runs are handed on, and
-/// the farm returns. A panic in `simulate` is that run's failure and nobody else's.
+/// the farm returns. A panic in a run is that run's failure and nobody else's.
 ///
 /// # Errors
 /// Where threads cannot be started or the sink refuses.
+pub fn farm_in_lockstep<S: Sink>(
+    study: &Study,
+    options: FarmOptions,
+    stop: &AtomicBool,
+    progress: &Progress,
+    sink: &mut S,
+) -> Result<Tally, FarmError<S::Error>> {
+    farm_with(&InLockstep(VectorLevel::best()), study, options, stop, progress, sink)
+}
+
+/// The same with a function that simulates one case.
+///
+/// # Errors
+/// As for [`farm_in_lockstep`].
 pub fn farm<S: Sink>(
     study: &Study,
     options: FarmOptions,
@@ -92,27 +110,37 @@ pub fn farm<S: Sink>(
     progress: &Progress,
     sink: &mut S,
 ) -> Result<Tally, FarmError<S::Error>> {
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(options.threads.max(1)).build()?;
-    let chunk = options.chunk.max(1) as u64;
+    farm_with(&OneByOne(simulate), study, options, stop, progress, sink)
+}
+
+fn farm_with<S: Sink>(
+    engine: &impl Engine,
+    study: &Study,
+    options: FarmOptions,
+    stop: &AtomicBool,
+    progress: &Progress,
+    sink: &mut S,
+) -> Result<Tally, FarmError<S::Error>> {
+    let threads = options.threads.max(1);
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
+    let size = options.chunk.max(1) as u64;
     let finder = NearestFinder::new(!study.uncertain().is_empty());
     let compute_all = |round: Round, first: u64| -> Vec<RunRecord> {
-        let runs = chunk.min(round.runs - first);
-        (0..runs as usize)
+        let runs = size.min(round.runs - first);
+        let begun = AtomicU64::new(0);
+        let finder = &finder;
+        let chunk = Chunk { study, round, first, runs, begun, finder, stop, progress };
+        let mut finished: Vec<(u64, RunRecord)> = (0..threads)
             .into_par_iter()
             .with_max_len(1)
-            .filter_map(|index| {
-                if stop.load(Ordering::Relaxed) {
-                    return None;
-                }
-                let run_id = round.run_id(first + index as u64);
-                let mut record = compute(study, run_id, &simulate);
-                if let Ok(case) = &record.planned.case {
-                    record.nearest = finder.nearest(case, &record.outcome);
-                }
-                progress.finished(record.outcome.label());
-                Some(record)
+            .flat_map_iter(|_| {
+                let mut work = Work::new(&chunk);
+                engine.compute(&mut work);
+                work.finished
             })
-            .collect()
+            .collect();
+        finished.sort_unstable_by_key(|(place, _)| *place);
+        finished.into_iter().map(|(_, record)| record).collect()
     };
     let mut intake = Intake { study, sink, point: None, counts: LabelCounts::default() };
     let mut rounds = Rounds::new(study, options.shard);
@@ -128,7 +156,7 @@ pub fn farm<S: Sink>(
                 .install(|| rayon::join(|| compute_all(round, first), || intake.take_all(waiting)));
             taken.map_err(FarmError::Sink)?;
             finished = computed;
-            first += chunk;
+            first += size;
         }
         intake.take_all(finished).map_err(FarmError::Sink)?;
         if intake.counts.total() < due {

@@ -47,23 +47,25 @@ impl Happened {
     }
 }
 
-/// Takes a step in all lanes of a group. Where `DISPLACED`, a displacement of each is carried along.
-pub(crate) fn advance<S: Simd, const N: usize, const DISPLACED: bool>(
+/// Takes a step in all lanes of a group. Where `displaced`, a displacement of each is carried along.
+pub(crate) fn advance<S: Simd, const N: usize>(
     simd: S,
     group: &mut Group<S, N>,
     room: &mut Room<S, N>,
+    displaced: bool,
 ) -> Happened {
     simd.vectorize(
         #[inline(always)]
-        || step::<S, N, DISPLACED>(simd, group, room),
+        || step(simd, group, room, displaced),
     )
 }
 
 #[inline(always)]
-fn step<S: Simd, const N: usize, const DISPLACED: bool>(
+fn step<S: Simd, const N: usize>(
     simd: S,
     group: &mut Group<S, N>,
     room: &mut Room<S, N>,
+    displaced: bool,
 ) -> Happened {
     macro_rules! c {
         ($value:expr) => {
@@ -73,13 +75,13 @@ fn step<S: Simd, const N: usize, const DISPLACED: bool>(
     let g = group;
     let left = g.until - g.time;
     let length = g.next.min(g.longest).min(g.trial).min(left);
-    attempt::<S, N, DISPLACED>(
+    attempt(
         g.tolerance,
         &g.equations,
         (&g.state, &g.rate),
         length,
         &mut room.stages,
-        &mut room.linearised,
+        if displaced { Some(&mut room.linearised) } else { None },
         &mut room.tried,
     );
     room.length = length;
@@ -158,7 +160,7 @@ fn step<S: Simd, const N: usize, const DISPLACED: bool>(
         }
     }
     happened.round = round.to_bitmask();
-    if DISPLACED {
+    if displaced {
         let moved =
             carry(&g.equations, &g.displacement, length, &room.linearised, &mut room.rates);
         let mut size = c!(0.0);
@@ -179,7 +181,7 @@ fn step<S: Simd, const N: usize, const DISPLACED: bool>(
     while events != 0 {
         let lane = events.trailing_zeros() as usize;
         events &= events - 1;
-        if let Err(trouble) = switch(g, lane, failed[lane], DISPLACED) {
+        if let Err(trouble) = switch(g, lane, failed[lane], displaced) {
             happened.trouble[lane] = Some(trouble);
         }
     }

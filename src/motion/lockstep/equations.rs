@@ -100,7 +100,7 @@ impl<S: Simd, const N: usize> Equations<S, N> {
 
     /// Rate of change of a state. One function for all stages of a step: they are large, and so would
     /// be the time to compile them.
-    #[inline(always)]
+    #[inline(never)]
     pub(super) fn rate(&self, state: &Flow<S, N>, rate: &mut Flow<S, N>) {
         self.speed.simd.vectorize(
             #[inline(always)]
@@ -109,7 +109,7 @@ impl<S: Simd, const N: usize> Equations<S, N> {
     }
 
     /// The same with what a displacement needs.
-    #[inline(always)]
+    #[inline(never)]
     pub(super) fn rate_and_linearised(
         &self,
         state: &Flow<S, N>,
@@ -224,7 +224,7 @@ impl<S: Simd, const N: usize> Equations<S, N> {
     }
 
     /// Rate of change of a small displacement from a state.
-    #[inline(always)]
+    #[inline(never)]
     pub(super) fn displacement_rate(
         &self,
         at: &Linearised<S, N>,

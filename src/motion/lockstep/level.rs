@@ -4,7 +4,7 @@ use fearless_simd::Level;
 
 /// The vector instructions that runs in lockstep are computed with. Results do not depend on it.
 #[derive(Clone, Copy, Debug)]
-pub struct VectorLevel(pub(crate) Level);
+pub struct VectorLevel(Level);
 
 impl VectorLevel {
     /// The best that this processor has.
@@ -14,10 +14,10 @@ impl VectorLevel {
 
     /// All that this processor has, the best first; for comparing them.
     pub fn all() -> Vec<Self> {
-        let best = Level::new();
-        let mut levels = vec![VectorLevel(best)];
+        let best = Self::best();
+        let mut levels = vec![best];
         #[cfg(target_arch = "x86_64")]
-        if let (Level::Avx512(_), Some(avx2)) = (best, best.as_avx2()) {
+        if let (Some(_), Some(avx2)) = (best.avx512(), best.avx2()) {
             levels.push(VectorLevel(Level::Avx2(avx2)));
         }
         levels
@@ -37,25 +37,24 @@ impl VectorLevel {
         }
     }
 
-    /// Whether runs can be computed in lockstep.
-    pub fn is_sufficient(self) -> bool {
-        self.name() != "none"
+    /// The instructions with vectors of eight numbers, where they are at hand.
+    #[cfg(target_arch = "x86_64")]
+    pub(crate) fn avx512(self) -> Option<fearless_simd::Avx512> {
+        match self.0 {
+            Level::Avx512(simd) => Some(simd),
+            _ => None,
+        }
+    }
+
+    /// The instructions with vectors of four numbers, where they are at hand.
+    #[cfg(target_arch = "x86_64")]
+    pub(crate) fn avx2(self) -> Option<fearless_simd::Avx2> {
+        self.0.as_avx2()
+    }
+
+    /// The instructions with vectors of two numbers, where they are at hand.
+    #[cfg(target_arch = "aarch64")]
+    pub(crate) fn neon(self) -> Option<fearless_simd::Neon> {
+        self.0.as_neon()
     }
 }
-
-/// Evaluates an expression with the token of a level as `$simd`; another one where the level is not
-/// sufficient.
-macro_rules! at_level {
-    ($level:expr, $simd:ident => $op:expr, else $other:expr) => {
-        match $level.0 {
-            #[cfg(target_arch = "x86_64")]
-            fearless_simd::Level::Avx512($simd) => $op,
-            #[cfg(target_arch = "x86_64")]
-            fearless_simd::Level::Avx2($simd) => $op,
-            #[cfg(target_arch = "aarch64")]
-            fearless_simd::Level::Neon($simd) => $op,
-            _ => $other,
-        }
-    };
-}
-pub(crate) use at_level;

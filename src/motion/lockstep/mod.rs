@@ -24,7 +24,6 @@ mod trigonometry;
 pub(crate) use advance::{Happened, advance};
 pub(crate) use group::{Group, Room};
 pub(crate) use lane::{Saved, Trouble};
-pub(crate) use level::at_level;
 pub use level::VectorLevel;
 
 use fearless_simd::f64x8;

@@ -50,28 +50,29 @@ macro_rules! moved {
     };
 }
 
-/// Tries a step. `stages` is left with the rates of change at its stages; where `LINEARISED`,
-/// `linearised` with what a displacement needs at all but the first.
+/// Tries a step. `stages` is left with the rates of change at its stages; `linearised`, where it is
+/// given, with what a displacement needs there.
 #[inline(always)]
-pub(super) fn attempt<S: Simd, const N: usize, const LINEARISED: bool>(
+pub(super) fn attempt<S: Simd, const N: usize>(
     [relative, absolute]: [Lanes<S>; 2],
     equations: &Equations<S, N>,
     (start, rate): (&Flow<S, N>, &Flow<S, N>),
     length: Lanes<S>,
     stages: &mut [Flow<S, N>; 12],
-    linearised: &mut [Linearised<S, N>; 12],
+    mut linearised: Option<&mut [Linearised<S, N>; 12]>,
     tried: &mut Tried<S, N>,
 ) {
     let simd = length.simd;
     stages[0] = *rate;
     let mut state = *start;
-    if LINEARISED {
-        linearised[0] = equations.evaluate(start).2;
+    if let Some(linearised) = &mut linearised {
+        equations.rate_and_linearised(start, &mut stages[0], &mut linearised[0]);
+        stages[0] = *rate;
     }
     macro_rules! stages {
         ($($index:literal)*) => {$(
             moved!(state, start, length, STAGES[$index], stages);
-            if LINEARISED {
+            if let Some(linearised) = &mut linearised {
                 equations.rate_and_linearised(
                     &state,
                     &mut stages[$index + 1],
