@@ -154,4 +154,15 @@ impl<const N: usize, const FREE: usize> Interpolant<N, FREE> {
         sum.add_scaled(1.0, &self.start);
         sum
     }
+
+    /// The position of one contact there, for looking for a place by it alone.
+    pub(super) fn position_at(&self, contact: usize, theta: f64) -> f64 {
+        let mut sum = 0.0;
+        for (index, coefficient) in self.coefficients.iter().rev().enumerate() {
+            sum += coefficient.beta[contact];
+            let factor = if index % 2 == 0 { theta } else { 1.0 - theta };
+            sum *= factor;
+        }
+        sum + self.start.beta[contact]
+    }
 }

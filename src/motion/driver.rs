@@ -374,7 +374,7 @@ impl<'a, S: System<N, FREE>, const N: usize, const FREE: usize> Motion<'a, S, N,
         } else {
             return None;
         };
-        self.falls_through_zero(|state| sign * (mark - state.beta[ball]))
+        self.last.as_mut()?.passes(self.system, ball, end, (mark, sign))
     }
 
     /// The state at a time within the latest step; none at any other time.

@@ -66,6 +66,31 @@ impl<const N: usize, const FREE: usize> LastStep<N, FREE> {
         Some((start_time + theta * length, interpolant.at(theta)))
     }
 
+    /// Where a contact passes a position in the direction `sign`: time and state there, if it does from the
+    /// step's start to `end`, its position where the use of the step ended.
+    pub(super) fn passes<S: System<N, FREE>>(
+        &mut self,
+        system: &S,
+        contact: usize,
+        end: f64,
+        (mark, sign): (f64, f64),
+    ) -> Option<(f64, State<N, f64, FREE>)> {
+        let before = |position: f64| sign * (mark - position);
+        let (start, end) = (before(self.step.start.beta[contact]), before(end));
+        if !(start > 0.0 && end <= 0.0) {
+            return None;
+        }
+        let (used, start_time, length) = (self.used, self.start_time, self.step.length);
+        let interpolant = self.interpolant(system);
+        let theta = fall_through_zero(
+            |theta| before(interpolant.position_at(contact, theta)),
+            (0.0, start),
+            (used, end),
+            1e-13,
+        );
+        Some((start_time + theta * length, interpolant.at(theta)))
+    }
+
     /// The condition that fails first, `after` a fraction of the step; none where all hold to its
     /// end. `start` is where the step starts, with the derivative there.
     pub(super) fn first_switch<S: System<N, FREE>>(
