@@ -15,6 +15,7 @@ use stickslip::motion::{Motion, Phase as Doing, Settings};
 
 use crate::equations::{Ball, Contact, N, Phase, Vector};
 use crate::locate::{Conditions, Search, Verdict, judge};
+use crate::modal::{self, Modes};
 use crate::step::{Tolerance, Tried, attempt};
 
 pub const LANES: usize = 8;
@@ -68,6 +69,7 @@ struct Group<S: Simd> {
     next: f64x8<S>,
     trial: f64x8<S>,
     phase: Phase<S>,
+    modes: Modes<S>,
     limit: [f64x8<S>; 2],
     /// 1 where a ball sticks, else 0.
     stuck: [f64x8<S>; 2],
@@ -118,6 +120,7 @@ impl<S: Simd> Group<S> {
                 imbalance: c!(0.0),
                 balls: [ball; 2],
             },
+            modes: Modes::blank(simd),
             limit: [c!(0.0); 2],
             stuck: [c!(0.0); 2],
             direction: [c!(1.0); 2],
@@ -141,6 +144,7 @@ impl<S: Simd> Group<S> {
         p.drag[lane] = 2.0 * b.damping_ratio;
         p.drag_omega[lane] = 2.0 * b.damping_ratio * b.speed;
         p.imbalance[lane] = b.imbalance * b.speed * b.speed;
+        self.modes.set(lane, b.speed, b.damping_ratio, b.imbalance);
         for (i, ball) in b.balls.iter().enumerate() {
             p.balls[i].mass[lane] = ball.mass;
             p.balls[i].rolling_linear[lane] = -ball.rolling_linear;
@@ -149,7 +153,7 @@ impl<S: Simd> Group<S> {
         }
         self.time[lane] = 0.0;
         self.end_time[lane] = task.end_time;
-        let longest = longest_factor() * 0.5 * std::f64::consts::PI / (b.speed.abs() + 1.0);
+        let longest = KNOBS.get()[1] * 0.5 * std::f64::consts::PI / (b.speed.abs() + 1.0);
         self.longest[lane] = longest;
         self.next[lane] = 0.1 * longest;
         self.steps[lane] = 0.0;
@@ -333,17 +337,18 @@ fn suspicious<S: Simd>(
 }
 
 /// Computes all tasks, `8 M` at a time.
-pub fn simulate<const M: usize>(
+/// `COORDINATES`: 0 the turning frame, 1 modal (S), 2 modal without the balls' shaking (F).
+pub fn simulate<const M: usize, const COORDINATES: usize>(
     level: Level,
     tasks: &[Task],
     settings: Settings,
 ) -> (Vec<Option<Done>>, Totals) {
     assert!(settings.method == Method::Event);
-    crate::at_level!(level, simd => run::<_, M>(simd, tasks, settings))
+    crate::at_level!(level, simd => run::<_, M, COORDINATES>(simd, tasks, settings))
 }
 
 #[inline(always)]
-fn run<S: Simd, const M: usize>(
+fn run<S: Simd, const M: usize, const COORDINATES: usize>(
     simd: S,
     tasks: &[Task],
     settings: Settings,
@@ -359,6 +364,7 @@ fn run<S: Simd, const M: usize>(
             refill(group, lane, tasks, settings, &mut upcoming, &mut done);
         }
     }
+    let safety = KNOBS.get()[0];
     macro_rules! c {
         ($value:expr) => {
             f64x8::splat(simd, $value)
@@ -379,7 +385,23 @@ fn run<S: Simd, const M: usize>(
         for m in 0..M {
             let g = &mut groups[m];
             let length = g.next.min(g.longest).min(g.trial).min(g.end_time - g.time);
-            attempt(tolerance, &g.phase, &g.state, &g.derivative, length, &mut stages, &mut tried);
+            match COORDINATES {
+                0 => attempt(
+                    tolerance,
+                    &g.phase,
+                    &g.state,
+                    &g.derivative,
+                    length,
+                    &mut stages,
+                    &mut tried,
+                ),
+                1 => modal::attempt::<S, false>(
+                    tolerance, &g.phase, &g.modes, &g.state, length, &mut stages, &mut tried,
+                ),
+                _ => modal::attempt::<S, true>(
+                    tolerance, &g.phase, &g.modes, &g.state, length, &mut stages, &mut tried,
+                ),
+            }
             let (values, slopes, lost) = conditions(g, &tried);
             let alive = (0..LANES)
                 .fold(0_u64, |bits, lane| bits | u64::from(g.task[lane].is_some()) << lane);
@@ -421,7 +443,7 @@ fn run<S: Simd, const M: usize>(
             }
             // Step control of DOP853: order 8, safety 0.9, change between 1/3 and 6.
             let e = tried.error_squared.max(c!(1e-100));
-            let change = c!(0.9) / e.sqrt().sqrt().sqrt().sqrt();
+            let change = c!(safety) / e.sqrt().sqrt().sqrt().sqrt();
             let finite = e.simd_lt(c!(1e200));
             let grown = length * change.max(c!(0.333)).min(c!(6.0));
             let shrunk = length * finite.select(change.max(c!(0.333)).min(one), c!(0.1));
@@ -556,7 +578,17 @@ fn refill<S: Simd>(
     group.trial[lane] = 0.0;
 }
 
-/// For trials only: how much longer than stickslip's the longest step may be.
-fn longest_factor() -> f64 {
-    std::env::var("LONGEST").map_or(1.0, |text| text.parse().unwrap_or(1.0))
+/// For trials only: a setting by the environment.
+pub fn knob(name: &str, default: f64) -> f64 {
+    std::env::var(name).map_or(default, |text| text.parse().unwrap_or(default))
+}
+
+thread_local! {
+    static KNOBS: std::cell::Cell<[f64; 2]> = const { std::cell::Cell::new([0.9, 1.0]) };
+}
+
+/// For trials only: safety factor of the step control, and how much longer than stickslip's the
+/// longest step may be.
+pub fn set_knobs(safety: f64, longest: f64) {
+    KNOBS.set([safety, longest]);
 }

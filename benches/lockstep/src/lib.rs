@@ -24,6 +24,7 @@ pub mod array;
 pub mod driver;
 pub mod equations;
 pub mod locate;
+pub mod modal;
 pub mod sincos;
 pub mod step;
 pub mod tableau;

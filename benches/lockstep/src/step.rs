@@ -23,7 +23,7 @@ pub struct Tried<S: Simd> {
 }
 
 #[inline(always)]
-fn combine<S: Simd>(terms: &[Term], component: usize, stages: &[Vector<S>; 12]) -> f64x8<S> {
+pub fn combine<S: Simd>(terms: &[Term], component: usize, stages: &[Vector<S>; 12]) -> f64x8<S> {
     let simd = stages[0][0].simd;
     let (first, coefficient) = terms[0];
     let mut sum = stages[first][component] * f64x8::splat(simd, coefficient);

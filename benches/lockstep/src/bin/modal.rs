@@ -1,0 +1,195 @@
+#![forbid(unsafe_code)]
+//! W1 in the turning frame and in modal coordinates: time, counts, labels and errors.
+//! modal SAMPLES SEED ROUNDS "coordinates,tolerance,safety,longest" ...
+//! Reference labels and angles (event, 1e-10) are kept in a file named by the first two.
+use fearless_simd::Level;
+use lockstep_prototype::driver::{Done, Ending, Task, Totals, knob, simulate};
+use std::path::Path;
+use stickslip::ending::{certified, certified_by_closed_form};
+use stickslip::model::{Balancer, Case, Method, Model};
+use stickslip::motion::{Motion, Settings};
+use stickslip::study::Study;
+
+fn cpu_ns() -> f64 {
+    let text = std::fs::read_to_string("/proc/thread-self/schedstat").unwrap();
+    text.split(' ').next().unwrap().parse().unwrap()
+}
+
+fn cases(samples: usize, seed: u64) -> Vec<Case> {
+    let speed = std::env::var("SPEED").unwrap_or("-216.3772".to_owned());
+    let text = format!("
+schema: 1
+name: w1
+seed: {seed}
+model: {{kind: ball_balancer, parameters: {{speed_rad_s: {speed}, friction_coefficient: 2.75e-3}}}}
+initial_conditions: {{design: {{stratified: {{parts_per_axis: 2, samples_per_cell: {samples}}}}}}}
+simulation: {{end_time_s: 16.5, tolerance: {{relative: 1.0e-6, absolute: 1.0e-8}}}}
+");
+    let study = Study::parse(Path::new("w1.yaml"), text).unwrap();
+    (0..study.run_count())
+        .map(|i| {
+            let mut case = study.planned_run(i).case.unwrap();
+            case.simulation.method = Method::Event;
+            case
+        })
+        .collect()
+}
+
+fn task(case: &Case) -> Task {
+    let Model::BallBalancer(machine) = &case.model else { panic!() };
+    Task {
+        balancer: Balancer::new(machine).unwrap(),
+        start: case.start.of_balls().unwrap(),
+        end_time: case.simulation.end_time_s * machine.natural_frequency_rad_s(),
+    }
+}
+
+/// Whether it comes to rest, and where.
+fn bare(case: &Case, relative: f64) -> (bool, [f64; 2]) {
+    let mut case = case.clone();
+    case.simulation.relative_tolerance = relative;
+    case.simulation.absolute_tolerance = 0.01 * relative;
+    let t = task(&case);
+    let settings = Settings::new(&case.simulation, 100_000_000);
+    let mut motion = Motion::new(&t.balancer, settings, t.start).unwrap();
+    let mut rest = None;
+    while motion.time() < t.end_time {
+        if motion.all_stick() {
+            let rest = rest.get_or_insert_with(|| t.balancer.rest_point(&motion.state().beta));
+            if certified(&t.balancer, rest, motion.state()) {
+                return (true, motion.state().beta);
+            }
+        }
+        if motion.advance(t.end_time).unwrap() {
+            rest = None;
+        }
+    }
+    let point = t.balancer.rest_point(&motion.state().beta);
+    let r = motion.all_stick()
+        && certified_by_closed_form(&t.balancer, &point, motion.state());
+    (r, motion.state().beta)
+}
+
+fn lock(which: usize, tasks: &[Task], settings: Settings) -> (Vec<Option<Done>>, Totals) {
+    let level = Level::new();
+    match which {
+        0 => simulate::<1, 0>(level, tasks, settings),
+        1 => simulate::<1, 1>(level, tasks, settings),
+        _ => simulate::<1, 2>(level, tasks, settings),
+    }
+}
+
+fn errors(name: &str, ends: &[(bool, [f64; 2])], exact: &[(bool, [f64; 2])]) -> String {
+    let flips = ends.iter().zip(exact).filter(|(a, b)| a.0 != b.0).count();
+    let turn = |x: f64| (x - (x / std::f64::consts::TAU).round() * std::f64::consts::TAU).abs();
+    let mut e: Vec<f64> = ends
+        .iter()
+        .zip(exact)
+        .filter(|(a, b)| a.0 && b.0)
+        .map(|(a, b)| turn(a.1[0] - b.1[0]).max(turn(a.1[1] - b.1[1])))
+        .collect();
+    e.sort_by(f64::total_cmp);
+    let at = |q: f64| e[(q * (e.len() - 1) as f64) as usize];
+    format!(
+        "{name} flips {flips} of {} error median {:.1e} 90 % {:.1e} 99 % {:.1e}",
+        ends.len(),
+        at(0.5),
+        at(0.9),
+        at(0.99)
+    )
+}
+
+fn main() {
+    let arguments: Vec<String> = std::env::args().collect();
+    let samples: usize = arguments[1].parse().unwrap();
+    let seed: u64 = arguments[2].parse().unwrap();
+    let rounds: usize = arguments[3].parse().unwrap();
+    let cases = cases(samples, seed);
+    let tasks: Vec<Task> = cases.iter().map(task).collect();
+    let n = cases.len() as f64;
+    let store = format!(
+        "{}/exact-{samples}-{seed}-{}.txt",
+        std::env::temp_dir().display(),
+        std::env::var("SPEED").unwrap_or("-216.3772".to_owned())
+    );
+    type Ends = Vec<(bool, [f64; 2])>;
+    let both: Vec<Ends> = match std::fs::read_to_string(&store) {
+        Ok(text) => {
+            let mut out = vec![Vec::new(), Vec::new()];
+            for line in text.lines() {
+                let v: Vec<f64> = line.split(' ').map(|x| x.parse().unwrap()).collect();
+                out[0].push((v[0] > 0.5, [v[1], v[2]]));
+                out[1].push((v[3] > 0.5, [v[4], v[5]]));
+            }
+            out
+        }
+        Err(_) => {
+            let out: Vec<Ends> = [1e-10, 1e-6]
+                .iter()
+                .map(|tolerance| cases.iter().map(|c| bare(c, *tolerance)).collect())
+                .collect();
+            let text: String = out[0]
+                .iter()
+                .zip(&out[1])
+                .map(|(a, b)| {
+                    format!(
+                        "{} {} {} {} {} {}\n",
+                        a.0 as u8, a.1[0], a.1[1], b.0 as u8, b.1[0], b.1[1]
+                    )
+                })
+                .collect();
+            std::fs::write(&store, text).unwrap();
+            out
+        }
+    };
+    println!("{}", errors("scalar event 1e-6:", &both[1], &both[0]));
+    let settings_of = |tolerance: f64| {
+        let mut s = cases[0].simulation.clone();
+        s.relative_tolerance = tolerance;
+        s.absolute_tolerance = tolerance * knob("ABSOLUTE", 0.03);
+        Settings::new(&s, 100_000_000)
+    };
+    let mut times: Vec<Vec<f64>> = vec![Vec::new(); arguments.len() - 4];
+    for round in 0..rounds.max(1) {
+        for (k, text) in arguments[4..].iter().enumerate() {
+            let v: Vec<f64> = text.split(',').map(|x| x.parse().unwrap()).collect();
+            // Single-threaded, and no other thread reads the environment.
+            let settings = settings_of(v[1]);
+            lockstep_prototype::driver::set_knobs(v[2], v[3]);
+            let t = cpu_ns();
+            let (done, totals) = lock(v[0] as usize, &tasks, settings);
+            times[k].push((cpu_ns() - t) / n / 1e3);
+            if round > 0 {
+                continue;
+            }
+            let done: Vec<Done> = done.iter().map(|d| d.unwrap()).collect();
+            let mean = |f: &dyn Fn(&Done) -> f64| done.iter().map(f).sum::<f64>() / n;
+            let ends: Ends = done
+                .iter()
+                .map(|d| (d.ending == Ending::Rest, [d.state[4], d.state[5]]))
+                .collect();
+            println!(
+                "{text}: steps {:.0} rejected {:.1} trials {:.1} events {:.1} looks {:.1} rhs {:.0} time {:.0} given up {} occupancy {:.3} bare {:.0}",
+                mean(&|d| d.steps),
+                mean(&|d| d.rejected as f64),
+                mean(&|d| d.trials as f64),
+                mean(&|d| d.events as f64),
+                mean(&|d| d.looks as f64),
+                mean(&|d| d.steps) * if v[0] == 0.0 { 12.0 } else { 13.0 },
+                mean(&|d| d.time),
+                done.iter().filter(|d| d.ending == Ending::GivenUp).count(),
+                totals.lane_steps as f64 / (8.0 * totals.vector_steps as f64),
+                times[k][0],
+            );
+            println!("    {}", errors("", &ends, &both[0]));
+        }
+    }
+    for (k, text) in arguments[4..].iter().enumerate() {
+        times[k].sort_by(f64::total_cmp);
+        println!(
+            "{text}: median {:.1} least {:.1} us per run",
+            times[k][times[k].len() / 2],
+            times[k][0]
+        );
+    }
+}

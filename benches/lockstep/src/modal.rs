@@ -1,0 +1,459 @@
+//! One step of DOP853 in modal coordinates: the same interface as `step::attempt`, start and end in the
+//! turning frame.
+//!
+//! With z the table's place and Y = z + Σ m e^{iβ} the centre of mass, the table is two complex modes
+//! y± with eigenvalues λ± = -ζ ± iν, forced by the balls' places and speeds only:
+//! ẏ± = (λ± - iω) y± ± Σ m (1 + 2ζ i w) e^{iβ} / 2iν (turning frame, w = ω + β̇). ν has the sign against ω,
+//! so that + is the mode that turns against the balls and - the one that turns with them, slow in the
+//! turning frame. From y+ its quasi-static answer S(w) e^{iβ} to each ball is taken off; what is left,
+//! r+, is carried as R+ = e^{-i(ν - ω)τ} r+ and so changes slowly as well (S). With `SHAKEN` the
+//! shaking of the balls by r+ is taken off too: β = B + Re(K D² u), β̇ = V + Re(K D u), u = r+ e^{-iB},
+//! K = (p + i) λ+² / (1 + 4J), D = 1 / (λ+ - i w₀) with w₀ the ball's at the step's start (F).
+
+use fearless_simd::{Simd, f64x8, prelude::*};
+
+use crate::equations::{N, Phase, Vector};
+use crate::sincos::{sin_cos, sin_cos_small};
+use crate::step::{Tolerance, Tried, combine};
+use crate::tableau::{ERROR_FIFTH, ERROR_THIRD, NODES, SOLUTION, STAGES};
+
+/// A complex number in each lane: real and imaginary part.
+type Complex<S> = (f64x8<S>, f64x8<S>);
+
+#[inline(always)]
+fn times<S: Simd>(a: Complex<S>, b: Complex<S>) -> Complex<S> {
+    (a.0.mul_add_precise(b.0, -(a.1 * b.1)), a.0.mul_add_precise(b.1, a.1 * b.0))
+}
+/// a conj(b)
+#[inline(always)]
+fn times_conjugate<S: Simd>(a: Complex<S>, b: Complex<S>) -> Complex<S> {
+    (a.0.mul_add_precise(b.0, a.1 * b.1), a.1.mul_add_precise(b.0, -(a.0 * b.1)))
+}
+/// Re(a b)
+#[inline(always)]
+fn real<S: Simd>(a: Complex<S>, b: Complex<S>) -> f64x8<S> {
+    a.0.mul_add_precise(b.0, -(a.1 * b.1))
+}
+/// Im(a b)
+#[inline(always)]
+fn imaginary<S: Simd>(a: Complex<S>, b: Complex<S>) -> f64x8<S> {
+    a.0.mul_add_precise(b.1, a.1 * b.0)
+}
+#[inline(always)]
+fn plus<S: Simd>(a: Complex<S>, b: Complex<S>) -> Complex<S> {
+    (a.0 + b.0, a.1 + b.1)
+}
+#[inline(always)]
+fn minus<S: Simd>(a: Complex<S>, b: Complex<S>) -> Complex<S> {
+    (a.0 - b.0, a.1 - b.1)
+}
+#[inline(always)]
+fn scaled<S: Simd>(a: f64x8<S>, b: Complex<S>) -> Complex<S> {
+    (a * b.0, a * b.1)
+}
+
+/// What a machine's modes are, in each lane another machine's.
+#[derive(Clone, Copy)]
+pub struct Modes<S: Simd> {
+    pub zeta: f64x8<S>,
+    /// ν, with the sign against ω's.
+    pub nu: f64x8<S>,
+    /// ζ / ν and 1 / 2ν.
+    pub zeta_over_nu: f64x8<S>,
+    pub half_over_nu: f64x8<S>,
+    /// λ+², λ-²
+    pub plus_squared: Complex<S>,
+    pub minus_squared: Complex<S>,
+    /// ν - ω: how fast the mode + turns in the frame, and -ν - ω for the mode -.
+    pub plus_turn: f64x8<S>,
+    pub minus_turn: f64x8<S>,
+    /// Answers to the imbalance.
+    pub plus_rest: Complex<S>,
+    pub minus_rest: Complex<S>,
+    /// Force by the imbalance and its answers.
+    pub force: Complex<S>,
+    /// S = m (s₁ + s₂ D'), D' = 1 / (iw - λ+)
+    pub s1: Complex<S>,
+    pub s2: Complex<S>,
+    /// λ+² S = m (k₁ + k₂ D'), with 1 added to k₁.
+    pub k1: Complex<S>,
+    pub k2: Complex<S>,
+    /// -S' = m t D'²
+    pub t: Complex<S>,
+}
+
+impl<S: Simd> Modes<S> {
+    #[inline(always)]
+    pub fn blank(simd: S) -> Self {
+        let o = f64x8::splat(simd, 0.0);
+        let c = (o, o);
+        Modes {
+            zeta: f64x8::splat(simd, 0.1),
+            nu: f64x8::splat(simd, 1.0),
+            zeta_over_nu: o,
+            half_over_nu: f64x8::splat(simd, 0.5),
+            plus_squared: c,
+            minus_squared: c,
+            plus_turn: o,
+            minus_turn: o,
+            plus_rest: c,
+            minus_rest: c,
+            force: c,
+            s1: c,
+            s2: c,
+            k1: c,
+            k2: c,
+            t: c,
+        }
+    }
+
+    /// Sets one lane. The damping ratio has to be below 1.
+    pub fn set(&mut self, lane: usize, omega: f64, zeta: f64, imbalance: f64) {
+        type C = (f64, f64);
+        let mul = |a: C, b: C| (a.0 * b.0 - a.1 * b.1, a.0 * b.1 + a.1 * b.0);
+        let div = |a: C, b: C| {
+            let n = 1.0 / (b.0 * b.0 + b.1 * b.1);
+            (((a.0 * b.0) + (a.1 * b.1)) * n, (a.1 * b.0 - a.0 * b.1) * n)
+        };
+        let nu = -(1.0 - zeta * zeta).sqrt().copysign(omega);
+        let (lp, lm) = ((-zeta, nu), (-zeta, -nu));
+        let (lp2, lm2) = (mul(lp, lp), mul(lm, lm));
+        let f = (imbalance * omega * omega, 0.0);
+        let two_i_nu = (0.0, 2.0 * nu);
+        let pp = div(div(f, two_i_nu), (-lp.0, omega - lp.1));
+        let pm = div(div((-f.0, 0.0), two_i_nu), (-lm.0, omega - lm.1));
+        let s1 = div((2.0 * zeta, 0.0), two_i_nu);
+        let s2 = div((-lp2.0, -lp2.1), two_i_nu);
+        let (k1, k2) = (mul(lp2, s1), mul(lp2, s2));
+        let (a, b) = (mul(lp2, pp), mul(lm2, pm));
+        let put = |to: &mut Complex<S>, v: C| {
+            to.0[lane] = v.0;
+            to.1[lane] = v.1;
+        };
+        self.zeta[lane] = zeta;
+        self.nu[lane] = nu;
+        self.zeta_over_nu[lane] = zeta / nu;
+        self.half_over_nu[lane] = 0.5 / nu;
+        self.plus_turn[lane] = nu - omega;
+        self.minus_turn[lane] = -nu - omega;
+        put(&mut self.plus_squared, lp2);
+        put(&mut self.minus_squared, lm2);
+        put(&mut self.plus_rest, pp);
+        put(&mut self.minus_rest, pm);
+        put(&mut self.force, (f.0 + a.0 + b.0, a.1 + b.1));
+        put(&mut self.s1, s1);
+        put(&mut self.s2, s2);
+        put(&mut self.k1, (1.0 + k1.0, k1.1));
+        put(&mut self.k2, k2);
+        put(&mut self.t, (-lp2.0 * 0.5 / nu, -lp2.1 * 0.5 / nu));
+    }
+}
+
+/// What is frozen over a step for F, of one ball.
+#[derive(Clone, Copy)]
+pub struct Frozen<S: Simd> {
+    /// K D
+    kd: Complex<S>,
+    /// K D²
+    kdd: Complex<S>,
+    /// β̇ at which D is taken.
+    speed: f64x8<S>,
+}
+
+/// D' = 1 / (iw - λ+) = (ζ - i(w - ν)) / n of two balls, by one division.
+#[inline(always)]
+fn poles<S: Simd>(modes: &Modes<S>, w: [f64x8<S>; 2]) -> [Complex<S>; 2] {
+    let one = f64x8::splat(w[0].simd, 1.0);
+    let zz = modes.zeta * modes.zeta;
+    let d = [w[0] - modes.nu, w[1] - modes.nu];
+    let n = [d[0].mul_add_precise(d[0], zz), d[1].mul_add_precise(d[1], zz)];
+    let inverse = one / (n[0] * n[1]);
+    let i = [inverse * n[1], inverse * n[0]];
+    [0, 1].map(
+        #[inline(always)]
+        |k| (modes.zeta * i[k], -(d[k] * i[k])),
+    )
+}
+
+/// Derivative in modal coordinates at one stage. `turn` is e^{i(ν - ω)τ}.
+#[inline]
+fn derivative<S: Simd, const SHAKEN: bool>(
+    phase: &Phase<S>,
+    modes: &Modes<S>,
+    frozen: &[Frozen<S>; 2],
+    turn: Complex<S>,
+    state: &Vector<S>,
+    out: &mut Vector<S>,
+) {
+    phase.omega.simd.vectorize(
+        #[inline(always)]
+        || {
+            let [r_x, r_y, ym_x, ym_y, b1, b2, v1, v2] = *state;
+            let r = times(turn, (r_x, r_y));
+            let ym = (ym_x, ym_y);
+            let (sn1, cs1) = sin_cos(b1);
+            let (sn2, cs2) = sin_cos(b2);
+            // e^{iB}, and e^{iβ}
+            let base = [(cs1, sn1), (cs2, sn2)];
+            let mut e = base;
+            let mut speeds = [v1, v2];
+            let mut u = base;
+            if SHAKEN {
+                macro_rules! shake {
+                    ($($i:literal)*) => {$(
+                        u[$i] = times_conjugate(r, base[$i]);
+                        let (s, c) = sin_cos_small(real(frozen[$i].kdd, u[$i]));
+                        e[$i] = times(base[$i], (c, s));
+                        speeds[$i] = speeds[$i] + real(frozen[$i].kd, u[$i]);
+                    )*};
+                }
+                shake!(0 1);
+            }
+            let w = [phase.omega + speeds[0], phase.omega + speeds[1]];
+            let pole = poles(modes, w);
+            // Force on the table but for the balls' accelerations.
+            let mut force = plus(times(modes.plus_squared, r), times(modes.minus_squared, ym));
+            force = plus(force, modes.force);
+            let mut forcing = ym;
+            macro_rules! ball {
+                ($i:literal) => {{
+                    let m = phase.balls[$i].mass;
+                    let k = plus(times(modes.k2, pole[$i]), modes.k1);
+                    let k = (k.0, phase.drag.mul_add_precise(w[$i], k.1));
+                    let f = (modes.zeta_over_nu * w[$i], -modes.half_over_nu);
+                    (scaled(m, times(k, e[$i])), scaled(m, times(f, e[$i])))
+                }};
+            }
+            let (k1, f1) = ball!(0);
+            let (k2, f2) = ball!(1);
+            force = plus(force, plus(k1, k2));
+            forcing.0 = f1.0 + f2.0;
+            forcing.1 = f1.1 + f2.1;
+            let (_, alpha, _) = phase.accelerations(
+                [force.0, force.1],
+                [(e[0].1, e[0].0), (e[1].1, e[1].0)],
+                speeds,
+            );
+            // Mode -: (λ- - iω) ym - forcing.
+            out[2] = -(modes.zeta * ym.0 + modes.minus_turn * ym.1) - forcing.0;
+            out[3] = modes.minus_turn * ym.0 - modes.zeta * ym.1 - forcing.1;
+            // Mode +: -Σ α S' e.
+            macro_rules! residue {
+                ($i:literal) => {{
+                    let dd = times(pole[$i], pole[$i]);
+                    scaled(phase.balls[$i].mass * alpha[$i], times(dd, e[$i]))
+                }};
+            }
+            let chi = times(modes.t, plus(residue!(0), residue!(1)));
+            let back = times_conjugate(chi, turn);
+            out[0] = back.0 - modes.zeta * r_x;
+            out[1] = back.1 - modes.zeta * r_y;
+            if SHAKEN {
+                let one = f64x8::splat(r_x.simd, 1.0);
+                let q = [imaginary(frozen[0].kdd, u[0]), imaginary(frozen[1].kdd, u[1])];
+                let (g, h) = (one + q[0], one + q[1]);
+                let inverse = one / (g * h);
+                let i = [inverse * h, inverse * g];
+                macro_rules! shaken {
+                    ($($i:literal)*) => {$(
+                        let v = state[6 + $i];
+                        let x = times_conjugate(chi, base[$i]);
+                        let e = -((v - frozen[$i].speed).mul_add_precise(q[$i], real(frozen[$i].kdd, x)));
+                        let b_dot = e.mul_add_precise(i[$i], v);
+                        let t = modes.plus_turn - b_dot;
+                        let u_dot = (
+                            x.0 - modes.zeta.mul_add_precise(u[$i].0, t * u[$i].1),
+                            x.1 + t.mul_add_precise(u[$i].0, -(modes.zeta * u[$i].1)),
+                        );
+                        out[4 + $i] = b_dot;
+                        out[6 + $i] = alpha[$i] - real(frozen[$i].kd, u_dot);
+                    )*};
+                }
+                shaken!(0 1);
+            } else {
+                out[4] = v1;
+                out[5] = v2;
+                out[6] = alpha[0];
+                out[7] = alpha[1];
+            }
+        },
+    );
+}
+
+/// Tries a step, as `step::attempt`.
+#[inline(always)]
+#[expect(clippy::too_many_arguments)]
+pub fn attempt<S: Simd, const SHAKEN: bool>(
+    tolerance: Tolerance,
+    phase: &Phase<S>,
+    modes: &Modes<S>,
+    start: &Vector<S>,
+    length: f64x8<S>,
+    stages: &mut [Vector<S>; 12],
+    tried: &mut Tried<S>,
+) {
+    let simd = length.simd;
+    macro_rules! c {
+        ($value:expr) => {
+            f64x8::splat(simd, $value)
+        };
+    }
+    let one = c!(1.0);
+    // To modal coordinates.
+    let w = [phase.omega + start[6], phase.omega + start[7]];
+    let trigonometry = [sin_cos(start[4]), sin_cos(start[5])];
+    let e = [(trigonometry[0].1, trigonometry[0].0), (trigonometry[1].1, trigonometry[1].0)];
+    let m = [phase.balls[0].mass, phase.balls[1].mass];
+    let centre = (
+        start[0] + (m[0] * e[0].0 + m[1] * e[1].0),
+        start[1] + (m[0] * e[0].1 + m[1] * e[1].1),
+    );
+    let velocity = (
+        start[2] - phase.omega * start[1] - (m[0] * w[0] * e[0].1 + m[1] * w[1] * e[1].1),
+        start[3] + phase.omega * start[0] + (m[0] * w[0] * e[0].0 + m[1] * w[1] * e[1].0),
+    );
+    let pole = poles(modes, w);
+    // (V - λ∓ Y) / 2iν
+    let sum = plus(velocity, scaled(modes.zeta, centre));
+    let half = modes.half_over_nu;
+    let other = scaled(c!(0.5), centre);
+    let turned = (half * sum.1, -(half * sum.0));
+    let mut r = minus(plus(other, turned), modes.plus_rest);
+    let ym = minus(minus(other, turned), modes.minus_rest);
+    r = minus(r, {
+        let a = scaled(m[0], times(plus(times(modes.s2, pole[0]), modes.s1), e[0]));
+        let b = scaled(m[1], times(plus(times(modes.s2, pole[1]), modes.s1), e[1]));
+        plus(a, b)
+    });
+    let zero = c!(0.0);
+    let mut base = [r.0, r.1, ym.0, ym.1, start[4], start[5], start[6], start[7]];
+    let mut frozen = [Frozen { kd: (zero, zero), kdd: (zero, zero), speed: zero }; 2];
+    if SHAKEN {
+        macro_rules! freeze {
+            ($($i:literal)*) => {$(
+                let d = (-pole[$i].0, -pole[$i].1);
+                let mobility = phase.balls[$i].mobility;
+                let k = times((phase.balls[$i].friction * mobility, mobility), modes.plus_squared);
+                let kd = times(k, d);
+                let kdd = times(kd, d);
+                frozen[$i] = Frozen { kd, kdd, speed: start[6 + $i] };
+                // B + Re(K D² r e^{-iB}) = β by Newton's method.
+                let u0 = times_conjugate(r, e[$i]);
+                let mut u = u0;
+                let mut shift = zero; // β - B
+                for _ in 0..3 {
+                    let slope = one + imaginary(kdd, u);
+                    shift = shift + (real(kdd, u) - shift) / slope;
+                    let (s, c) = sin_cos_small(shift);
+                    u = times(u0, (c, s));
+                }
+                base[4 + $i] = start[4 + $i] - shift;
+                base[6 + $i] = start[6 + $i] - real(kd, u);
+            )*};
+        }
+        freeze!(0 1);
+    }
+    derivative::<S, SHAKEN>(phase, modes, &frozen, (one, zero), &base, &mut stages[0]);
+    let mut state = base;
+    let turning = modes.plus_turn * length;
+    let mut turn = (one, zero);
+    macro_rules! stage {
+        ($($index:literal)*) => {$(
+            for i in 0..N {
+                let slope = combine(STAGES[$index], i, stages);
+                state[i] = length.mul_add_precise(slope, base[i]);
+            }
+            if $index < 10 {
+                let (s, c) = sin_cos(turning * c!(NODES[$index]));
+                turn = (c, s);
+            }
+            derivative::<S, SHAKEN>(phase, modes, &frozen, turn, &state, &mut stages[$index + 1]);
+        )*};
+    }
+    stage!(0 1 2 3 4 5 6 7 8 9 10);
+    let mut modal = base;
+    for i in 0..N {
+        let slope = combine(SOLUTION, i, stages);
+        modal[i] = length.mul_add_precise(slope, base[i]);
+    }
+    // Back to the turning frame.
+    let r = times(turn, (modal[0], modal[1]));
+    let mut angles = [modal[4], modal[5]];
+    let mut speeds = [modal[6], modal[7]];
+    if SHAKEN {
+        macro_rules! drop {
+            ($($i:literal)*) => {$(
+                let (s, c) = sin_cos(angles[$i]);
+                let u = times_conjugate(r, (c, s));
+                angles[$i] = angles[$i] + real(frozen[$i].kdd, u);
+                speeds[$i] = speeds[$i] + real(frozen[$i].kd, u);
+            )*};
+        }
+        drop!(0 1);
+    }
+    let trigonometry = [sin_cos(angles[0]), sin_cos(angles[1])];
+    let e = [(trigonometry[0].1, trigonometry[0].0), (trigonometry[1].1, trigonometry[1].0)];
+    let w = [phase.omega + speeds[0], phase.omega + speeds[1]];
+    let pole = poles(modes, w);
+    let yp = plus(plus(r, modes.plus_rest), {
+        let a = scaled(m[0], times(plus(times(modes.s2, pole[0]), modes.s1), e[0]));
+        let b = scaled(m[1], times(plus(times(modes.s2, pole[1]), modes.s1), e[1]));
+        plus(a, b)
+    });
+    let ym = plus((modal[2], modal[3]), modes.minus_rest);
+    let centre = plus(yp, ym);
+    // V = -ζ Y + iν (y+ - y-)
+    let difference = scaled(modes.nu, minus(yp, ym));
+    let x = centre.0 - (m[0] * e[0].0 + m[1] * e[1].0);
+    let y = centre.1 - (m[0] * e[0].1 + m[1] * e[1].1);
+    let v_x = -(modes.zeta * centre.0 + difference.1)
+        + (m[0] * w[0] * e[0].1 + m[1] * w[1] * e[1].1)
+        + phase.omega * y;
+    let v_y = difference.0
+        - modes.zeta * centre.1
+        - (m[0] * w[0] * e[0].0 + m[1] * w[1] * e[1].0)
+        - phase.omega * x;
+    let end = [x, y, v_x, v_y, angles[0], angles[1], speeds[0], speeds[1]];
+    (tried.derivative, tried.contacts) = phase.with_trigonometry(&end, trigonometry);
+    tried.end = end;
+    // Errors: both modes to the scale of the table's whole motion, speeds with a floor.
+    let relative = c!(tolerance.relative);
+    let absolute = c!(tolerance.absolute);
+    let from = base[0] * base[0] + base[1] * base[1] + (base[2] * base[2] + base[3] * base[3]);
+    let to = modal[0] * modal[0] + modal[1] * modal[1] + (modal[2] * modal[2] + modal[3] * modal[3]);
+    let motion = from.max(to).max(c!(1e-6)).sqrt();
+    let table = relative.mul_add_precise(motion, absolute);
+    let angle = relative + absolute;
+    let floor = c!(0.3);
+    let speed_1 = relative.mul_add_precise(base[6].abs().max(modal[6].abs()).max(floor), absolute);
+    let speed_2 = relative.mul_add_precise(base[7].abs().max(modal[7].abs()).max(floor), absolute);
+    let scale_1 = speed_1 * speed_1;
+    let scale_2 = speed_2 * speed_2;
+    macro_rules! weighted {
+        ($terms:ident) => {{
+            let e = [
+                combine($terms, 0, stages),
+                combine($terms, 1, stages),
+                combine($terms, 2, stages),
+                combine($terms, 3, stages),
+                combine($terms, 4, stages),
+                combine($terms, 5, stages),
+                combine($terms, 6, stages),
+                combine($terms, 7, stages),
+            ];
+            (
+                e[0] * e[0] + e[1] * e[1] + (e[2] * e[2] + e[3] * e[3]),
+                e[4] * e[4] + e[5] * e[5],
+                e[6] * e[6] * scale_2 + e[7] * e[7] * scale_1,
+            )
+        }};
+    }
+    let fifth = weighted!(ERROR_FIFTH);
+    let third = weighted!(ERROR_THIRD);
+    let [a, b, d] = [one / (table * table), one / (angle * angle), one / (scale_1 * scale_2)];
+    let fifth = fifth.0 * a + (fifth.1 * b + fifth.2 * d);
+    let third = third.0 * a + (third.1 * b + third.2 * d);
+    let weight = third.mul_add_precise(c!(0.01), fifth + c!(1e-60));
+    let scaled = length * fifth;
+    tried.error_squared = scaled * scaled / (weight * c!(N as f64));
+}
