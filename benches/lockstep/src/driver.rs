@@ -16,7 +16,7 @@ use stickslip::motion::{Motion, Phase as Doing, Settings};
 use crate::equations::{Ball, Contact, N, Phase, Vector};
 use crate::locate::{Conditions, Search, Verdict, judge};
 use crate::modal::{self, Modes};
-use crate::step::{Tolerance, Tried, attempt};
+use crate::step::{INNER, Tolerance, Tried, attempt};
 
 pub const LANES: usize = 8;
 
@@ -66,6 +66,7 @@ struct Group<S: Simd> {
     time: f64x8<S>,
     end_time: f64x8<S>,
     longest: f64x8<S>,
+    longest_sticking: f64x8<S>,
     next: f64x8<S>,
     trial: f64x8<S>,
     phase: Phase<S>,
@@ -109,6 +110,7 @@ impl<S: Simd> Group<S> {
             time: c!(0.0),
             end_time: c!(1.0),
             longest: c!(0.0),
+            longest_sticking: c!(0.0),
             next: c!(0.0),
             trial: c!(0.0),
             phase: Phase {
@@ -153,8 +155,10 @@ impl<S: Simd> Group<S> {
         }
         self.time[lane] = 0.0;
         self.end_time[lane] = task.end_time;
-        let longest = KNOBS.get()[1] * 0.5 * std::f64::consts::PI / (b.speed.abs() + 1.0);
+        let unit = 0.5 * std::f64::consts::PI / (b.speed.abs() + 1.0);
+        let longest = KNOBS.get()[1] * unit;
         self.longest[lane] = longest;
+        self.longest_sticking[lane] = KNOBS.get()[2] * unit;
         self.next[lane] = 0.1 * longest;
         self.steps[lane] = 0.0;
         self.task[lane] = Some(number);
@@ -336,6 +340,46 @@ fn suspicious<S: Simd>(
     suspects
 }
 
+/// Whether the speed of a ball that slips may have dipped below zero between two places inside.
+#[inline(always)]
+fn suspicious_inside<S: Simd>(
+    group: &Group<S>,
+    tried: &Tried<S>,
+    length: f64x8<S>,
+    values: &[f64x8<S>; 4],
+    slopes: &[f64x8<S>; 4],
+) -> mask64x8<S> {
+    let zero = f64x8::splat(length.simd, 0.0);
+    let mut suspects = length.simd_lt(zero);
+    macro_rules! piece {
+        ($span:expr, $from:expr, $to:expr) => {{
+            let half = f64x8::splat(length.simd, 0.5 * $span) * length;
+            let ((a, p), (b, q)) = ($from, $to);
+            let hump = p.simd_ge(zero) & q.simd_le(zero);
+            let near = a.min(b).simd_lt(half * p.abs().max(q.abs())) & !hump;
+            near | b.simd_lt(zero)
+        }};
+    }
+    macro_rules! ball {
+        ($($i:literal)*) => {$(
+            let d = group.direction[$i];
+            let t = &tried.inner;
+            let start = (group.values[2 * $i], group.slopes[2 * $i]);
+            let a = (d * t[0][$i], d * t[0][2 + $i]);
+            let b = (d * t[1][$i], d * t[1][2 + $i]);
+            let c = (d * t[2][$i], d * t[2][2 + $i]);
+            let end = (values[2 * $i], slopes[2 * $i]);
+            let found = piece!(INNER[0], start, a)
+                | piece!(INNER[1] - INNER[0], a, b)
+                | piece!(INNER[2] - INNER[1], b, c)
+                | piece!(1.0 - INNER[2], c, end);
+            suspects = suspects | (found & group.stuck[$i].simd_eq(zero));
+        )*};
+    }
+    ball!(0 1);
+    suspects
+}
+
 /// Computes all tasks, `8 M` at a time.
 /// `COORDINATES`: 0 the turning frame, 1 modal (S), 2 modal without the balls' shaking (F).
 pub fn simulate<const M: usize, const COORDINATES: usize>(
@@ -376,6 +420,7 @@ fn run<S: Simd, const M: usize, const COORDINATES: usize>(
         derivative: [c!(0.0); N],
         contacts: [nothing; 2],
         error_squared: c!(0.0),
+        inner: [[c!(0.0); 4]; 3],
     };
     let mut tried = blank;
     let mut stages = [[c!(0.0); N]; 12];
@@ -384,7 +429,9 @@ fn run<S: Simd, const M: usize, const COORDINATES: usize>(
         totals.vector_steps += M as u64;
         for m in 0..M {
             let g = &mut groups[m];
-            let length = g.next.min(g.longest).min(g.trial).min(g.end_time - g.time);
+            let sticking = (g.stuck[0] + g.stuck[1]).simd_gt(c!(0.0));
+            let longest = sticking.select(g.longest.min(g.longest_sticking), g.longest);
+            let length = g.next.min(longest).min(g.trial).min(g.end_time - g.time);
             match COORDINATES {
                 0 => attempt(
                     tolerance,
@@ -409,7 +456,8 @@ fn run<S: Simd, const M: usize, const COORDINATES: usize>(
                 .fold(0_u64, |bits, lane| bits | u64::from(g.search[lane].is_some()) << lane);
             totals.lane_steps += u64::from(alive.count_ones());
             let good = tried.error_squared.simd_le(one);
-            let suspects = suspicious(length, (&g.values, &g.slopes), (&values, &slopes));
+            let suspects = suspicious(length, (&g.values, &g.slopes), (&values, &slopes))
+                | suspicious_inside(g, &tried, length, &values, &slopes);
             let good_bits = good.to_bitmask() & alive;
             let mut looks = (suspects.to_bitmask() | searching) & good_bits;
             let mut commit = good_bits & !looks;
@@ -422,7 +470,19 @@ fn run<S: Simd, const M: usize, const COORDINATES: usize>(
                 let at = |v: &[f64x8<S>; 4]| [v[0][lane], v[1][lane], v[2][lane], v[3][lane]];
                 let start = Conditions { values: at(&g.values), slopes: at(&g.slopes) };
                 let end = Conditions { values: at(&values), slopes: at(&slopes) };
-                let verdict = judge(g.search[lane], &start, length[lane], &end);
+                let mut inner = [end; 3];
+                for (point, at) in inner.iter_mut().zip(&tried.inner) {
+                    for i in 0..2 {
+                        let d = if g.stuck[i][lane] > 0.0 { 0.0 } else { g.direction[i][lane] };
+                        // Of a ball that sticks nothing is known inside.
+                        point.values[2 * i] = if d == 0.0 { f64::NAN } else { d * at[i][lane] };
+                        point.slopes[2 * i] = d * at[2 + i][lane];
+                        if d == 0.0 {
+                            point.values[2 * i + 1] = f64::NAN;
+                        }
+                    }
+                }
+                let verdict = judge(g.search[lane], &start, length[lane], &end, &inner);
                 match verdict {
                     Verdict::Commit => commit |= 1 << lane,
                     Verdict::Event => {
@@ -584,11 +644,11 @@ pub fn knob(name: &str, default: f64) -> f64 {
 }
 
 thread_local! {
-    static KNOBS: std::cell::Cell<[f64; 2]> = const { std::cell::Cell::new([0.9, 1.0]) };
+    static KNOBS: std::cell::Cell<[f64; 3]> = const { std::cell::Cell::new([0.9, 1.0, 1.0]) };
 }
 
 /// For trials only: safety factor of the step control, and how much longer than stickslip's the
-/// longest step may be.
-pub fn set_knobs(safety: f64, longest: f64) {
-    KNOBS.set([safety, longest]);
+/// longest step may be, altogether and while a ball sticks.
+pub fn set_knobs(safety: f64, longest: f64, sticking: f64) {
+    KNOBS.set([safety, longest, sticking]);
 }

@@ -2,6 +2,8 @@
 //! takes the same step again, shorter, until it ends where the condition has just failed. No dense
 //! output is needed, and the state at the event has the full order of the method.
 
+use crate::step::INNER;
+
 /// Values and slopes in time of the four conditions (two of each ball) at a point of a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Conditions {
@@ -38,12 +40,20 @@ pub enum Verdict {
 }
 
 /// Judges a step of `length` from `start` to `end`.
-pub fn judge(search: Option<Search>, start: &Conditions, length: f64, end: &Conditions) -> Verdict {
+/// `inner` has what is known of the conditions at `INNER`, NaN where nothing is.
+pub fn judge(
+    search: Option<Search>,
+    start: &Conditions,
+    length: f64,
+    end: &Conditions,
+    inner: &[Conditions; 3],
+) -> Verdict {
     let fails = end.values.iter().any(|value| *value < 0.0);
     let (low, high, trials) = match search {
         None | Some(Search::Dip) => {
             if !fails {
-                let dip = if search.is_none() { first_dip(start, length, end) } else { None };
+                let dip =
+                    if search.is_none() { first_dip(start, length, end, inner) } else { None };
                 return match dip {
                     Some(theta) => Verdict::Retry(theta * length, Search::Dip),
                     None => Verdict::Commit,
@@ -84,13 +94,36 @@ pub fn judge(search: Option<Search>, start: &Conditions, length: f64, end: &Cond
 }
 
 /// The least place of the first condition that seems to dip below zero in a step.
-fn first_dip(start: &Conditions, length: f64, end: &Conditions) -> Option<f64> {
-    let dip = |i: usize| {
-        let change = length * start.slopes[i].abs().max(end.slopes[i].abs());
-        if start.values[i].min(end.values[i]) >= 0.5 * change {
+fn first_dip(
+    start: &Conditions,
+    length: f64,
+    end: &Conditions,
+    inner: &[Conditions; 3],
+) -> Option<f64> {
+    let piece = |i: usize, (t, from): (f64, &Conditions), (u, to): (f64, &Conditions)| {
+        let span = (u - t) * length;
+        let change = span * from.slopes[i].abs().max(to.slopes[i].abs());
+        if from.values[i].min(to.values[i]) >= 0.5 * change {
             return None;
         }
-        Cubic::new([start.values[i], end.values[i]], [start.slopes[i], end.slopes[i]], length).dip()
+        let dip =
+            Cubic::new([from.values[i], to.values[i]], [from.slopes[i], to.slopes[i]], span).dip();
+        dip.map(|theta| t + theta * (u - t))
+    };
+    let dip = |i: usize| {
+        if inner[0].values[i].is_nan() {
+            return piece(i, (0.0, start), (1.0, end));
+        }
+        let points = [
+            (0.0, start),
+            (INNER[0], &inner[0]),
+            (INNER[1], &inner[1]),
+            (INNER[2], &inner[2]),
+            (1.0, end),
+        ];
+        points.windows(2).find_map(|pair| {
+            piece(i, pair[0], pair[1]).or_else(|| (pair[1].1.values[i] < 0.0).then_some(pair[1].0))
+        })
     };
     (0..4).filter_map(dip).min_by(f64::total_cmp)
 }

@@ -169,13 +169,10 @@ fn poles<S: Simd>(modes: &Modes<S>, w: [f64x8<S>; 2]) -> [Complex<S>; 2] {
     let n = [d[0].mul_add_precise(d[0], zz), d[1].mul_add_precise(d[1], zz)];
     let inverse = one / (n[0] * n[1]);
     let i = [inverse * n[1], inverse * n[0]];
-    [0, 1].map(
-        #[inline(always)]
-        |k| (modes.zeta * i[k], -(d[k] * i[k])),
-    )
+    [(modes.zeta * i[0], -(d[0] * i[0])), (modes.zeta * i[1], -(d[1] * i[1]))]
 }
 
-/// Derivative in modal coordinates at one stage. `turn` is e^{i(ν - ω)τ}.
+/// Derivative in modal coordinates at one stage, with the balls' own speeds and accelerations. `turn` is e^{i(ν - ω)τ}.
 #[inline]
 fn derivative<S: Simd, const SHAKEN: bool>(
     phase: &Phase<S>,
@@ -184,6 +181,7 @@ fn derivative<S: Simd, const SHAKEN: bool>(
     turn: Complex<S>,
     state: &Vector<S>,
     out: &mut Vector<S>,
+    look: &mut [f64x8<S>; 4],
 ) {
     phase.omega.simd.vectorize(
         #[inline(always)]
@@ -234,6 +232,7 @@ fn derivative<S: Simd, const SHAKEN: bool>(
                 [(e[0].1, e[0].0), (e[1].1, e[1].0)],
                 speeds,
             );
+            *look = [speeds[0], speeds[1], alpha[0], alpha[1]];
             // Mode -: (λ- - iω) ym - forcing.
             out[2] = -(modes.zeta * ym.0 + modes.minus_turn * ym.1) - forcing.0;
             out[3] = modes.minus_turn * ym.0 - modes.zeta * ym.1 - forcing.1;
@@ -353,24 +352,33 @@ pub fn attempt<S: Simd, const SHAKEN: bool>(
         }
         freeze!(0 1);
     }
-    derivative::<S, SHAKEN>(phase, modes, &frozen, (one, zero), &base, &mut stages[0]);
+    let mut look = [zero; 4];
+    derivative::<S, SHAKEN>(
+        phase, modes, &frozen, (one, zero), &base, &mut stages[0], &mut look,
+    );
     let mut state = base;
     let turning = modes.plus_turn * length;
-    let mut turn = (one, zero);
+    let mut turn;
     macro_rules! stage {
         ($($index:literal)*) => {$(
             for i in 0..N {
                 let slope = combine(STAGES[$index], i, stages);
                 state[i] = length.mul_add_precise(slope, base[i]);
             }
-            if $index < 10 {
-                let (s, c) = sin_cos(turning * c!(NODES[$index]));
-                turn = (c, s);
-            }
-            derivative::<S, SHAKEN>(phase, modes, &frozen, turn, &state, &mut stages[$index + 1]);
+            let (s, c) = sin_cos(turning * c!(NODES[$index]));
+            turn = (c, s);
+            derivative::<S, SHAKEN>(
+                phase, modes, &frozen, turn, &state, &mut stages[$index + 1], &mut look,
+            );
         )*};
     }
-    stage!(0 1 2 3 4 5 6 7 8 9 10);
+    stage!(0 1 2 3 4);
+    tried.inner[0] = look;
+    stage!(5 6 7);
+    tried.inner[1] = look;
+    stage!(8 9);
+    tried.inner[2] = look;
+    stage!(10);
     let mut modal = base;
     for i in 0..N {
         let slope = combine(SOLUTION, i, stages);

@@ -12,6 +12,9 @@ pub struct Tolerance {
     pub absolute: f64,
 }
 
+/// Where in a step the balls' speeds and accelerations are kept: at three stages.
+pub const INNER: [f64; 3] = [1.0 / 3.0, 127.0 / 195.0, 6.0 / 7.0];
+
 /// What came of a step in eight lanes.
 #[derive(Clone, Copy)]
 pub struct Tried<S: Simd> {
@@ -20,6 +23,8 @@ pub struct Tried<S: Simd> {
     pub contacts: [Contact<S>; 2],
     /// Square of the estimated error over what is allowed.
     pub error_squared: f64x8<S>,
+    /// Both speeds and both accelerations at `INNER`.
+    pub inner: [[f64x8<S>; 4]; 3],
 }
 
 #[inline(always)]
@@ -56,7 +61,18 @@ pub fn attempt<S: Simd>(
             phase.derivative(&state, &mut stages[$index + 1]);
         )*};
     }
-    stage!(0 1 2 3 4 5 6 7 8 9 10);
+    macro_rules! look {
+        ($to:literal $stage:literal) => {
+            tried.inner[$to] = [state[6], state[7], stages[$stage][6], stages[$stage][7]];
+        };
+    }
+    stage!(0 1 2 3 4);
+    look!(0 5);
+    stage!(5 6 7);
+    look!(1 8);
+    stage!(8 9);
+    look!(2 10);
+    stage!(10);
     {
         let mut end = *start;
         for i in 0..N {

@@ -1,6 +1,6 @@
 #![forbid(unsafe_code)]
 //! W1 in the turning frame and in modal coordinates: time, counts, labels and errors.
-//! modal SAMPLES SEED ROUNDS "coordinates,tolerance,safety,longest" ...
+//! modal SAMPLES SEED ROUNDS "coordinates,tolerance,safety,longest,longest while sticking" ...
 //! Reference labels and angles (event, 1e-10) are kept in a file named by the first two.
 use fearless_simd::Level;
 use lockstep_prototype::driver::{Done, Ending, Task, Totals, knob, simulate};
@@ -155,7 +155,7 @@ fn main() {
             let v: Vec<f64> = text.split(',').map(|x| x.parse().unwrap()).collect();
             // Single-threaded, and no other thread reads the environment.
             let settings = settings_of(v[1]);
-            lockstep_prototype::driver::set_knobs(v[2], v[3]);
+            lockstep_prototype::driver::set_knobs(v[2], v[3], v[4]);
             let t = cpu_ns();
             let (done, totals) = lock(v[0] as usize, &tasks, settings);
             times[k].push((cpu_ns() - t) / n / 1e3);
