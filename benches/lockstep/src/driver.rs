@@ -443,10 +443,10 @@ fn run<S: Simd, const M: usize, const COORDINATES: usize>(
                     &mut tried,
                 ),
                 1 => modal::attempt::<S, false>(
-                    tolerance, &g.phase, &g.modes, &g.state, length, &mut stages, &mut tried,
+                    tolerance, &g.phase, &g.modes, &g.state, &g.derivative, length, &mut stages, &mut tried,
                 ),
                 _ => modal::attempt::<S, true>(
-                    tolerance, &g.phase, &g.modes, &g.state, length, &mut stages, &mut tried,
+                    tolerance, &g.phase, &g.modes, &g.state, &g.derivative, length, &mut stages, &mut tried,
                 ),
             }
             let (values, slopes, lost) = conditions(g, &tried);

@@ -75,9 +75,6 @@ pub struct Modes<S: Simd> {
     /// S = m (s₁ + s₂ D'), D' = 1 / (iw - λ+)
     pub s1: Complex<S>,
     pub s2: Complex<S>,
-    /// λ+² S = m (k₁ + k₂ D'), with 1 added to k₁.
-    pub k1: Complex<S>,
-    pub k2: Complex<S>,
     /// -S' = m t D'²
     pub t: Complex<S>,
 }
@@ -101,8 +98,6 @@ impl<S: Simd> Modes<S> {
             force: c,
             s1: c,
             s2: c,
-            k1: c,
-            k2: c,
             t: c,
         }
     }
@@ -124,7 +119,6 @@ impl<S: Simd> Modes<S> {
         let pm = div(div((-f.0, 0.0), two_i_nu), (-lm.0, omega - lm.1));
         let s1 = div((2.0 * zeta, 0.0), two_i_nu);
         let s2 = div((-lp2.0, -lp2.1), two_i_nu);
-        let (k1, k2) = (mul(lp2, s1), mul(lp2, s2));
         let (a, b) = (mul(lp2, pp), mul(lm2, pm));
         let put = |to: &mut Complex<S>, v: C| {
             to.0[lane] = v.0;
@@ -143,21 +137,26 @@ impl<S: Simd> Modes<S> {
         put(&mut self.force, (f.0 + a.0 + b.0, a.1 + b.1));
         put(&mut self.s1, s1);
         put(&mut self.s2, s2);
-        put(&mut self.k1, (1.0 + k1.0, k1.1));
-        put(&mut self.k2, k2);
         put(&mut self.t, (-lp2.0 * 0.5 / nu, -lp2.1 * 0.5 / nu));
     }
 }
 
-/// What is frozen over a step for F, of one ball.
+/// What is frozen over a step, of one ball: S(w) as the line S₀ + S₁ δ, δ = w - w₀.
 #[derive(Clone, Copy)]
 pub struct Frozen<S: Simd> {
-    /// K D
-    kd: Complex<S>,
-    /// K D²
-    kdd: Complex<S>,
-    /// β̇ at which D is taken.
+    /// β̇ at w₀: about that in the middle of the step.
     speed: f64x8<S>,
+    s0: Complex<S>,
+    s1: Complex<S>,
+    /// Force on the table per e^{iβ}, beside m w²: q₀ + q₁ δ.
+    q0: Complex<S>,
+    q1: Complex<S>,
+    /// Forcing of the mode -: f₀ w + i f₁
+    f0: f64x8<S>,
+    f1: f64x8<S>,
+    /// K D and K D² (F only).
+    kd: Complex<S>,
+    kdd: Complex<S>,
 }
 
 /// D' = 1 / (iw - λ+) = (ζ - i(w - ν)) / n of two balls, by one division.
@@ -207,26 +206,25 @@ fn derivative<S: Simd, const SHAKEN: bool>(
                 }
                 shake!(0 1);
             }
-            let w = [phase.omega + speeds[0], phase.omega + speeds[1]];
-            let pole = poles(modes, w);
+            let delta = [speeds[0] - frozen[0].speed, speeds[1] - frozen[1].speed];
             // Force on the table but for the balls' accelerations.
             let mut force = plus(times(modes.plus_squared, r), times(modes.minus_squared, ym));
             force = plus(force, modes.force);
-            let mut forcing = ym;
             macro_rules! ball {
                 ($i:literal) => {{
-                    let m = phase.balls[$i].mass;
-                    let k = plus(times(modes.k2, pole[$i]), modes.k1);
-                    let k = (k.0, phase.drag.mul_add_precise(w[$i], k.1));
-                    let f = (modes.zeta_over_nu * w[$i], -modes.half_over_nu);
-                    (scaled(m, times(k, e[$i])), scaled(m, times(f, e[$i])))
+                    let b = &frozen[$i];
+                    let k = (
+                        b.q1.0.mul_add_precise(delta[$i], b.q0.0),
+                        b.q1.1.mul_add_precise(delta[$i], b.q0.1),
+                    );
+                    let f = (b.f0 * (phase.omega + speeds[$i]), b.f1);
+                    (times(k, e[$i]), times(f, e[$i]))
                 }};
             }
             let (k1, f1) = ball!(0);
             let (k2, f2) = ball!(1);
             force = plus(force, plus(k1, k2));
-            forcing.0 = f1.0 + f2.0;
-            forcing.1 = f1.1 + f2.1;
+            let forcing = plus(f1, f2);
             let (_, alpha, _) = phase.accelerations(
                 [force.0, force.1],
                 [(e[0].1, e[0].0), (e[1].1, e[1].0)],
@@ -236,14 +234,14 @@ fn derivative<S: Simd, const SHAKEN: bool>(
             // Mode -: (λ- - iω) ym - forcing.
             out[2] = -(modes.zeta * ym.0 + modes.minus_turn * ym.1) - forcing.0;
             out[3] = modes.minus_turn * ym.0 - modes.zeta * ym.1 - forcing.1;
-            // Mode +: -Σ α S' e.
+            // Mode +: -Σ S₁ (α + iδ²) e.
             macro_rules! residue {
-                ($i:literal) => {{
-                    let dd = times(pole[$i], pole[$i]);
-                    scaled(phase.balls[$i].mass * alpha[$i], times(dd, e[$i]))
-                }};
+                ($i:literal) => {
+                    times(times(frozen[$i].s1, (alpha[$i], delta[$i] * delta[$i])), e[$i])
+                };
             }
-            let chi = times(modes.t, plus(residue!(0), residue!(1)));
+            let sum = plus(residue!(0), residue!(1));
+            let chi = (-sum.0, -sum.1);
             let back = times_conjugate(chi, turn);
             out[0] = back.0 - modes.zeta * r_x;
             out[1] = back.1 - modes.zeta * r_y;
@@ -287,6 +285,7 @@ pub fn attempt<S: Simd, const SHAKEN: bool>(
     phase: &Phase<S>,
     modes: &Modes<S>,
     start: &Vector<S>,
+    slope: &Vector<S>,
     length: f64x8<S>,
     stages: &mut [Vector<S>; 12],
     tried: &mut Tried<S>,
@@ -311,7 +310,55 @@ pub fn attempt<S: Simd, const SHAKEN: bool>(
         start[2] - phase.omega * start[1] - (m[0] * w[0] * e[0].1 + m[1] * w[1] * e[1].1),
         start[3] + phase.omega * start[0] + (m[0] * w[0] * e[0].0 + m[1] * w[1] * e[1].0),
     );
-    let pole = poles(modes, w);
+    let zero = c!(0.0);
+    let blank = (zero, zero);
+    let mut frozen = [Frozen {
+        speed: zero,
+        s0: blank,
+        s1: blank,
+        q0: blank,
+        q1: blank,
+        f0: zero,
+        f1: zero,
+        kd: blank,
+        kdd: blank,
+    }; 2];
+    let ahead = c!(0.5) * length;
+    let middle = [
+        ahead.mul_add_precise(slope[6], start[6]),
+        ahead.mul_add_precise(slope[7], start[7]),
+    ];
+    let pole = poles(modes, [phase.omega + middle[0], phase.omega + middle[1]]);
+    macro_rules! line {
+        ($($i:literal)*) => {$(
+            let f = &mut frozen[$i];
+            let unit = m[$i];
+            f.speed = middle[$i];
+            f.s0 = scaled(unit, plus(times(modes.s2, pole[$i]), modes.s1));
+            f.s1 = scaled(-unit, times(modes.t, times(pole[$i], pole[$i])));
+            let drag = unit * phase.drag;
+            f.q0 = times(modes.plus_squared, f.s0);
+            f.q0.0 = f.q0.0 + unit;
+            f.q0.1 = drag.mul_add_precise(phase.omega + middle[$i], f.q0.1);
+            f.q1 = times(modes.plus_squared, f.s1);
+            f.q1.1 = f.q1.1 + drag;
+            f.f0 = unit * modes.zeta_over_nu;
+            f.f1 = -(unit * modes.half_over_nu);
+        )*};
+    }
+    line!(0 1);
+    macro_rules! answer {
+        ($i:literal, $speed:expr) => {{
+            let delta = $speed - frozen[$i].speed;
+            times(
+                (
+                    frozen[$i].s1.0.mul_add_precise(delta, frozen[$i].s0.0),
+                    frozen[$i].s1.1.mul_add_precise(delta, frozen[$i].s0.1),
+                ),
+                e[$i],
+            )
+        }};
+    }
     // (V - λ∓ Y) / 2iν
     let sum = plus(velocity, scaled(modes.zeta, centre));
     let half = modes.half_over_nu;
@@ -319,14 +366,8 @@ pub fn attempt<S: Simd, const SHAKEN: bool>(
     let turned = (half * sum.1, -(half * sum.0));
     let mut r = minus(plus(other, turned), modes.plus_rest);
     let ym = minus(minus(other, turned), modes.minus_rest);
-    r = minus(r, {
-        let a = scaled(m[0], times(plus(times(modes.s2, pole[0]), modes.s1), e[0]));
-        let b = scaled(m[1], times(plus(times(modes.s2, pole[1]), modes.s1), e[1]));
-        plus(a, b)
-    });
-    let zero = c!(0.0);
+    r = minus(r, plus(answer!(0, start[6]), answer!(1, start[7])));
     let mut base = [r.0, r.1, ym.0, ym.1, start[4], start[5], start[6], start[7]];
-    let mut frozen = [Frozen { kd: (zero, zero), kdd: (zero, zero), speed: zero }; 2];
     if SHAKEN {
         macro_rules! freeze {
             ($($i:literal)*) => {$(
@@ -335,7 +376,8 @@ pub fn attempt<S: Simd, const SHAKEN: bool>(
                 let k = times((phase.balls[$i].friction * mobility, mobility), modes.plus_squared);
                 let kd = times(k, d);
                 let kdd = times(kd, d);
-                frozen[$i] = Frozen { kd, kdd, speed: start[6 + $i] };
+                frozen[$i].kd = kd;
+                frozen[$i].kdd = kdd;
                 // B + Re(K D² r e^{-iB}) = β by Newton's method.
                 let u0 = times_conjugate(r, e[$i]);
                 let mut u = u0;
@@ -402,12 +444,19 @@ pub fn attempt<S: Simd, const SHAKEN: bool>(
     let trigonometry = [sin_cos(angles[0]), sin_cos(angles[1])];
     let e = [(trigonometry[0].1, trigonometry[0].0), (trigonometry[1].1, trigonometry[1].0)];
     let w = [phase.omega + speeds[0], phase.omega + speeds[1]];
-    let pole = poles(modes, w);
-    let yp = plus(plus(r, modes.plus_rest), {
-        let a = scaled(m[0], times(plus(times(modes.s2, pole[0]), modes.s1), e[0]));
-        let b = scaled(m[1], times(plus(times(modes.s2, pole[1]), modes.s1), e[1]));
-        plus(a, b)
-    });
+    macro_rules! answer {
+        ($i:literal) => {{
+            let delta = speeds[$i] - frozen[$i].speed;
+            times(
+                (
+                    frozen[$i].s1.0.mul_add_precise(delta, frozen[$i].s0.0),
+                    frozen[$i].s1.1.mul_add_precise(delta, frozen[$i].s0.1),
+                ),
+                e[$i],
+            )
+        }};
+    }
+    let yp = plus(plus(r, modes.plus_rest), plus(answer!(0), answer!(1)));
     let ym = plus((modal[2], modal[3]), modes.minus_rest);
     let centre = plus(yp, ym);
     // V = -ζ Y + iν (y+ - y-)
