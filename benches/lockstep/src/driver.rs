@@ -15,6 +15,7 @@ use stickslip::motion::{Motion, Phase as Doing, Settings};
 
 use crate::equations::{Ball, Contact, N, Phase, Vector};
 use crate::locate::{Conditions, Search, Verdict, judge};
+use crate::inertial;
 use crate::modal::{self, Modes};
 use crate::step::{INNER, Tolerance, Tried, attempt};
 
@@ -381,7 +382,8 @@ fn suspicious_inside<S: Simd>(
 }
 
 /// Computes all tasks, `8 M` at a time.
-/// `COORDINATES`: 0 the turning frame, 1 modal (S), 2 modal without the balls' shaking (F).
+/// `COORDINATES`: 0 the turning frame, 1 modal (S), 2 modal without the balls' shaking (F),
+/// 3 a frame at rest.
 pub fn simulate<const M: usize, const COORDINATES: usize>(
     level: Level,
     tasks: &[Task],
@@ -444,6 +446,15 @@ fn run<S: Simd, const M: usize, const COORDINATES: usize>(
                 ),
                 1 => modal::attempt::<S, false>(
                     tolerance, &g.phase, &g.modes, &g.state, &g.derivative, length, &mut stages, &mut tried,
+                ),
+                3 => inertial::attempt(
+                    tolerance,
+                    &g.phase,
+                    &g.state,
+                    &g.derivative,
+                    length,
+                    &mut stages,
+                    &mut tried,
                 ),
                 _ => modal::attempt::<S, true>(
                     tolerance, &g.phase, &g.modes, &g.state, &g.derivative, length, &mut stages, &mut tried,

@@ -395,9 +395,35 @@ pub fn attempt<S: Simd, const SHAKEN: bool>(
         freeze!(0 1);
     }
     let mut look = [zero; 4];
-    derivative::<S, SHAKEN>(
-        phase, modes, &frozen, (one, zero), &base, &mut stages[0], &mut look,
-    );
+    if SHAKEN {
+        derivative::<S, SHAKEN>(
+            phase, modes, &frozen, (one, zero), &base, &mut stages[0], &mut look,
+        );
+    } else {
+        // The accelerations are known.
+        macro_rules! known {
+            ($i:literal) => {{
+                let b = &frozen[$i];
+                let delta = start[6 + $i] - b.speed;
+                (
+                    times((b.f0 * w[$i], b.f1), e[$i]),
+                    times(times(b.s1, (slope[6 + $i], delta * delta)), e[$i]),
+                )
+            }};
+        }
+        let (f1, c1) = known!(0);
+        let (f2, c2) = known!(1);
+        stages[0] = [
+            -(c1.0 + c2.0) - modes.zeta * r.0,
+            -(c1.1 + c2.1) - modes.zeta * r.1,
+            -(modes.zeta * ym.0 + modes.minus_turn * ym.1) - (f1.0 + f2.0),
+            modes.minus_turn * ym.0 - modes.zeta * ym.1 - (f1.1 + f2.1),
+            start[6],
+            start[7],
+            slope[6],
+            slope[7],
+        ];
+    }
     let mut state = base;
     let turning = modes.plus_turn * length;
     let mut turn;

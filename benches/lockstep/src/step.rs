@@ -49,7 +49,6 @@ pub fn attempt<S: Simd>(
     stages: &mut [Vector<S>; 12],
     tried: &mut Tried<S>,
 ) {
-    let simd = length.simd;
     stages[0] = *derivative;
     let mut state = *start;
     macro_rules! stage {
@@ -81,6 +80,21 @@ pub fn attempt<S: Simd>(
         }
         (tried.derivative, tried.contacts) = phase.full(&end);
         tried.end = end;
+    }
+    tried.error_squared = error_squared(tolerance, length, start, &tried.end, stages);
+}
+
+/// Square of the estimated error over what is allowed.
+#[inline(always)]
+pub fn error_squared<S: Simd>(
+    tolerance: Tolerance,
+    length: f64x8<S>,
+    start: &Vector<S>,
+    end: &Vector<S>,
+    stages: &[Vector<S>; 12],
+) -> f64x8<S> {
+    let simd = length.simd;
+    {
         let relative = f64x8::splat(simd, tolerance.relative);
         let absolute = f64x8::splat(simd, tolerance.absolute);
         // Σ (e_i / s_i)² as fractions with one denominator for two components: half the divisions.
@@ -109,6 +123,6 @@ pub fn attempt<S: Simd>(
         let tiny = f64x8::splat(simd, 1e-60);
         let weight = third.mul_add_precise(f64x8::splat(simd, 0.01), fifth + tiny);
         let scaled = length * fifth;
-        tried.error_squared = scaled * scaled / (weight * f64x8::splat(simd, N as f64));
+        scaled * scaled / (weight * f64x8::splat(simd, N as f64))
     }
 }

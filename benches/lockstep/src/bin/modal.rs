@@ -2,7 +2,11 @@
 //! W1 in the turning frame and in modal coordinates: time, counts, labels and errors.
 //! modal SAMPLES SEED ROUNDS "coordinates,tolerance,safety,longest,longest while sticking" ...
 //! Reference labels and angles (event, 1e-10) are kept in a file named by the first two.
-use fearless_simd::Level;
+use fearless_simd::{Level, Simd, f64x8, prelude::*};
+use lockstep_prototype::equations::{Ball, Phase, Vector};
+use lockstep_prototype::modal::{self, Modes};
+use lockstep_prototype::step::{self, Tolerance, Tried};
+use lockstep_prototype::inertial;
 use lockstep_prototype::driver::{Done, Ending, Task, Totals, knob, simulate};
 use std::path::Path;
 use stickslip::ending::{certified, certified_by_closed_form};
@@ -75,7 +79,8 @@ fn lock(which: usize, tasks: &[Task], settings: Settings) -> (Vec<Option<Done>>,
     match which {
         0 => simulate::<1, 0>(level, tasks, settings),
         1 => simulate::<1, 1>(level, tasks, settings),
-        _ => simulate::<1, 2>(level, tasks, settings),
+        2 => simulate::<1, 2>(level, tasks, settings),
+        _ => simulate::<1, 3>(level, tasks, settings),
     }
 }
 
@@ -99,6 +104,93 @@ fn errors(name: &str, ends: &[(bool, [f64; 2])], exact: &[(bool, [f64; 2])]) -> 
     )
 }
 
+/// ns per run and step of 8 lanes, steps from one real state over and over.
+#[inline(always)]
+fn steps_chain<S: Simd, const COORDINATES: usize>(simd: S, balancer: &Balancer<2>, n: usize) -> f64 {
+    let c = |v: f64| f64x8::splat(simd, v);
+    let o = balancer.speed;
+    let ball = |i: usize, d: f64| {
+        let ball = &balancer.balls[i];
+        Ball {
+            mass: c(ball.mass),
+            mobility: c(ball.mobility),
+            mobile_mass: c(ball.mass * ball.mobility),
+            friction: c(ball.friction.coefficient * d),
+            rolling_linear: c(-ball.rolling_linear),
+            rolling_quadratic: c(-ball.rolling_quadratic),
+        }
+    };
+    let phase = Phase {
+        omega: c(o),
+        two_omega: c(2.0 * o),
+        omega_squared: c(o * o),
+        drag: c(2.0 * balancer.damping_ratio),
+        drag_omega: c(2.0 * balancer.damping_ratio * o),
+        imbalance: c(balancer.imbalance * o * o),
+        balls: [ball(0, 1.0), ball(1, -1.0)],
+    };
+    let mut modes = Modes::blank(simd);
+    for lane in 0..8 {
+        modes.set(lane, o, balancer.damping_ratio, balancer.imbalance);
+    }
+    let start: Vector<S> = [
+        c(0.01), c(-0.02), c(0.01), c(-0.02), c(0.7), c(3.0), c(0.3), c(-0.4),
+    ];
+    let (k, contacts) = phase.full(&start);
+    let mut y = start;
+    let mut dy = k;
+    let mut tried = Tried {
+        end: start, derivative: k, contacts, error_squared: c(0.0), inner: [[c(0.0); 4]; 3],
+    };
+    let mut stages = [start; 12];
+    let h = c(0.3);
+    let tolerance = Tolerance { relative: 1e-6, absolute: 1e-8 };
+    for _ in 0..n {
+        match COORDINATES {
+            0 => step::attempt(tolerance, &phase, &y, &dy, h, &mut stages, &mut tried),
+            1 => modal::attempt::<S, false>(
+                tolerance, &phase, &modes, &y, &dy, h, &mut stages, &mut tried,
+            ),
+            2 => modal::attempt::<S, true>(
+                tolerance, &phase, &modes, &y, &dy, h, &mut stages, &mut tried,
+            ),
+            _ => inertial::attempt(tolerance, &phase, &y, &dy, h, &mut stages, &mut tried),
+        }
+        let good = tried.error_squared.simd_le(c(1.0));
+        for i in 0..8 {
+            y[i] = good.select(tried.end[i], y[i]);
+            dy[i] = good.select(tried.derivative[i], dy[i]);
+        }
+    }
+    let mut sum = 0.0;
+    for v in y {
+        sum += v[0];
+    }
+    sum
+}
+
+fn micro(balancer: &Balancer<2>) {
+    let level = Level::new();
+    let n = 20_000;
+    let mut times: [Vec<f64>; 4] = Default::default();
+    for _ in 0..15 {
+        macro_rules! one {
+            ($($k:literal)*) => {$(
+                let t = cpu_ns();
+                std::hint::black_box(lockstep_prototype::at_level!(
+                    level, simd => steps_chain::<_, $k>(simd, balancer, n)
+                ));
+                times[$k].push((cpu_ns() - t) / (8 * n) as f64);
+            )*};
+        }
+        one!(0 1 2 3);
+    }
+    for (name, mut t) in ["turning frame", "S", "F", "at rest"].iter().zip(times) {
+        t.sort_by(f64::total_cmp);
+        println!("step in {name}: median {:.1} least {:.1} ns per run", t[7], t[0]);
+    }
+}
+
 fn main() {
     let arguments: Vec<String> = std::env::args().collect();
     let samples: usize = arguments[1].parse().unwrap();
@@ -107,6 +199,10 @@ fn main() {
     let cases = cases(samples, seed);
     let tasks: Vec<Task> = cases.iter().map(task).collect();
     let n = cases.len() as f64;
+    if arguments.len() == 4 {
+        micro(&tasks[0].balancer);
+        return;
+    }
     let store = format!(
         "{}/exact-{samples}-{seed}-{}.txt",
         std::env::temp_dir().display(),
@@ -175,7 +271,7 @@ fn main() {
                 mean(&|d| d.trials as f64),
                 mean(&|d| d.events as f64),
                 mean(&|d| d.looks as f64),
-                mean(&|d| d.steps) * if v[0] == 0.0 { 12.0 } else { 13.0 },
+                mean(&|d| d.steps) * if v[0] == 2.0 { 13.0 } else { 12.0 },
                 mean(&|d| d.time),
                 done.iter().filter(|d| d.ending == Ending::GivenUp).count(),
                 totals.lane_steps as f64 / (8.0 * totals.vector_steps as f64),
