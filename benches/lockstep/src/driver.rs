@@ -411,6 +411,8 @@ fn run<S: Simd, const M: usize, const COORDINATES: usize>(
         }
     }
     let safety = KNOBS.get()[0];
+    let weights =
+        [knob("EARLY", 300.0), knob("WEIGHT_EARLY", 1.0), knob("WEIGHT_LATE", 1.0)];
     macro_rules! c {
         ($value:expr) => {
             f64x8::splat(simd, $value)
@@ -466,6 +468,9 @@ fn run<S: Simd, const M: usize, const COORDINATES: usize>(
             let searching = (0..LANES)
                 .fold(0_u64, |bits, lane| bits | u64::from(g.search[lane].is_some()) << lane);
             totals.lane_steps += u64::from(alive.count_ones());
+            let early = g.time.simd_lt(c!(weights[0]));
+            tried.error_squared =
+                tried.error_squared * early.select(c!(weights[1]), c!(weights[2]));
             let good = tried.error_squared.simd_le(one);
             let suspects = suspicious(length, (&g.values, &g.slopes), (&values, &slopes))
                 | suspicious_inside(g, &tried, length, &values, &slopes);
@@ -481,19 +486,23 @@ fn run<S: Simd, const M: usize, const COORDINATES: usize>(
                 let at = |v: &[f64x8<S>; 4]| [v[0][lane], v[1][lane], v[2][lane], v[3][lane]];
                 let start = Conditions { values: at(&g.values), slopes: at(&g.slopes) };
                 let end = Conditions { values: at(&values), slopes: at(&slopes) };
-                let mut inner = [end; 3];
-                for (point, at) in inner.iter_mut().zip(&tried.inner) {
-                    for i in 0..2 {
-                        let d = if g.stuck[i][lane] > 0.0 { 0.0 } else { g.direction[i][lane] };
-                        // Of a ball that sticks nothing is known inside.
-                        point.values[2 * i] = if d == 0.0 { f64::NAN } else { d * at[i][lane] };
-                        point.slopes[2 * i] = d * at[2 + i][lane];
-                        if d == 0.0 {
-                            point.values[2 * i + 1] = f64::NAN;
+                let inner = || {
+                    let mut inner = [end; 3];
+                    for (point, at) in inner.iter_mut().zip(&tried.inner) {
+                        for i in 0..2 {
+                            let stuck = g.stuck[i][lane] > 0.0;
+                            // Of a ball that sticks nothing is known inside.
+                            let d = if stuck { f64::NAN } else { g.direction[i][lane] };
+                            point.values[2 * i] = d * at[i][lane];
+                            point.slopes[2 * i] = d * at[2 + i][lane];
+                            if stuck {
+                                point.values[2 * i + 1] = f64::NAN;
+                            }
                         }
                     }
-                }
-                let verdict = judge(g.search[lane], &start, length[lane], &end, &inner);
+                    inner
+                };
+                let verdict = judge(g.search[lane], &start, length[lane], &end, inner);
                 match verdict {
                     Verdict::Commit => commit |= 1 << lane,
                     Verdict::Event => {

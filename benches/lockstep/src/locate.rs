@@ -46,14 +46,14 @@ pub fn judge(
     start: &Conditions,
     length: f64,
     end: &Conditions,
-    inner: &[Conditions; 3],
+    inner: impl FnOnce() -> [Conditions; 3],
 ) -> Verdict {
     let fails = end.values.iter().any(|value| *value < 0.0);
     let (low, high, trials) = match search {
         None | Some(Search::Dip) => {
             if !fails {
                 let dip =
-                    if search.is_none() { first_dip(start, length, end, inner) } else { None };
+                    if search.is_none() { first_dip(start, length, end, &inner()) } else { None };
                 return match dip {
                     Some(theta) => Verdict::Retry(theta * length, Search::Dip),
                     None => Verdict::Commit,

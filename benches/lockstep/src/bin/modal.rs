@@ -245,6 +245,11 @@ fn main() {
         s.absolute_tolerance = tolerance * knob("ABSOLUTE", 0.03);
         Settings::new(&s, 100_000_000)
     };
+    // Numbers of events with short steps and a strict tolerance.
+    lockstep_prototype::driver::set_knobs(0.9, 0.5, 0.25);
+    let events: Vec<u32> =
+        lock(0, &tasks, settings_of(1e-10)).0.iter().map(|d| d.unwrap().events).collect();
+    println!("events per run {:.3}", events.iter().sum::<u32>() as f64 / n);
     let mut times: Vec<Vec<f64>> = vec![Vec::new(); arguments.len() - 4];
     for round in 0..rounds.max(1) {
         for (k, text) in arguments[4..].iter().enumerate() {
@@ -265,12 +270,27 @@ fn main() {
             }
             let done: Vec<Done> = done.iter().map(|d| d.unwrap()).collect();
             let mean = |f: &dyn Fn(&Done) -> f64| done.iter().map(f).sum::<f64>() / n;
+            // What is given up is left to the scalar code.
             let ends: Ends = done
                 .iter()
-                .map(|d| (d.ending == Ending::Rest, [d.state[4], d.state[5]]))
+                .zip(&both[1])
+                .map(|(d, scalar)| match d.ending {
+                    Ending::GivenUp => *scalar,
+                    ending => (ending == Ending::Rest, [d.state[4], d.state[5]]),
+                })
                 .collect();
+            let other = done.iter().zip(&events).filter(|(d, e)| d.events != **e).count();
+            let near = done
+                .iter()
+                .zip(&events)
+                .zip(ends.iter().zip(&both[0]))
+                .filter(|((d, e), (a, b))| {
+                    d.events != **e && a.0 && b.0 && (a.1[0] - b.1[0]).abs() < 1e-2
+                })
+                .count();
+            println!("    runs with other numbers of events {other}, ending at the same place {near}");
             println!(
-                "{text}: steps {:.0} rejected {:.1} trials {:.1} events {:.1} looks {:.1} rhs {:.0} time {:.0} given up {} occupancy {:.3} bare {:.0}",
+                "{text}: steps {:.0} rejected {:.1} trials {:.1} events {:.3} looks {:.1} rhs {:.0} time {:.0} given up {} occupancy {:.3} bare {:.0}",
                 mean(&|d| d.steps),
                 mean(&|d| d.rejected as f64),
                 mean(&|d| d.trials as f64),
