@@ -12,7 +12,7 @@ pub struct Conditions {
 }
 
 /// An event is located when its condition is below zero by no more than this.
-pub const WIDTH: f64 = 1e-11;
+pub const WIDTH: f64 = 1e-9;
 /// Aim for the middle of that.
 const AIM: f64 = 0.5 * WIDTH;
 const MOST_TRIALS: u32 = 60;
@@ -49,11 +49,13 @@ pub fn judge(
     inner: impl FnOnce() -> [Conditions; 3],
 ) -> Verdict {
     let fails = end.values.iter().any(|value| *value < 0.0);
+    let first = !matches!(search, Some(Search::Bracket { .. }));
+    let mut inner = Some(inner);
     let (low, high, trials) = match search {
         None | Some(Search::Dip) => {
             if !fails {
                 let dip =
-                    if search.is_none() { first_dip(start, length, end, &inner()) } else { None };
+                    if search.is_none() { inner.take().and_then(|inner| first_dip(start, length, end, &inner())) } else { None };
                 return match dip {
                     Some(theta) => Verdict::Retry(theta * length, Search::Dip),
                     None => Verdict::Commit,
@@ -76,7 +78,13 @@ pub fn judge(
     }
     let span = high.0 - low.0;
     let mut theta: f64 = 1.0;
+    let inner = if first { inner.map(|inner| inner()) } else { None };
     for i in 0..4 {
+        if let Some(fall) = inner.as_ref().and_then(|inner| fall_inside(i, start, length, end, inner))
+        {
+            theta = theta.min(fall);
+            continue;
+        }
         let [from, to] = [low.1.values[i] + AIM, high.1.values[i] + AIM];
         if to < 0.0 {
             let cubic = Cubic::new([from, to], [low.1.slopes[i], high.1.slopes[i]], span);
@@ -91,6 +99,36 @@ pub fn judge(
     }
     let trial = low.0 + theta * span;
     Verdict::Retry(trial, Search::Bracket { low, high, trials: trials + 1 })
+}
+
+/// Where a condition falls through zero by the piece between two stages in which it does.
+fn fall_inside(
+    i: usize,
+    start: &Conditions,
+    length: f64,
+    end: &Conditions,
+    inner: &[Conditions; 3],
+) -> Option<f64> {
+    if inner[0].values[i].is_nan() || end.values[i] >= 0.0 {
+        return None;
+    }
+    let points = [
+        (0.0, start),
+        (INNER[0], &inner[0]),
+        (INNER[1], &inner[1]),
+        (INNER[2], &inner[2]),
+        (1.0, end),
+    ];
+    let pair = points.windows(2).find(|pair| pair[1].1.values[i] < 0.0)?;
+    let ((t, from), (u, to)) = (pair[0], pair[1]);
+    let span = (u - t) * length;
+    let fall = Cubic::new(
+        [from.values[i] + AIM, to.values[i] + AIM],
+        [from.slopes[i], to.slopes[i]],
+        span,
+    )
+    .fall()?;
+    Some(t + fall * (u - t))
 }
 
 /// The least place of the first condition that seems to dip below zero in a step.
