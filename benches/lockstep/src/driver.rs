@@ -411,8 +411,8 @@ fn run<S: Simd, const M: usize, const COORDINATES: usize>(
         }
     }
     let safety = KNOBS.get()[0];
-    let weights =
-        [knob("EARLY", 300.0), knob("WEIGHT_EARLY", 1.0), knob("WEIGHT_LATE", 1.0)];
+    // Errors before this time count more (squared).
+    let weights = [300.0, KNOBS.get()[3] * KNOBS.get()[3]];
     macro_rules! c {
         ($value:expr) => {
             f64x8::splat(simd, $value)
@@ -470,7 +470,7 @@ fn run<S: Simd, const M: usize, const COORDINATES: usize>(
             totals.lane_steps += u64::from(alive.count_ones());
             let early = g.time.simd_lt(c!(weights[0]));
             tried.error_squared =
-                tried.error_squared * early.select(c!(weights[1]), c!(weights[2]));
+                tried.error_squared * early.select(c!(weights[1]), one);
             let good = tried.error_squared.simd_le(one);
             let suspects = suspicious(length, (&g.values, &g.slopes), (&values, &slopes))
                 | suspicious_inside(g, &tried, length, &values, &slopes);
@@ -664,11 +664,12 @@ pub fn knob(name: &str, default: f64) -> f64 {
 }
 
 thread_local! {
-    static KNOBS: std::cell::Cell<[f64; 3]> = const { std::cell::Cell::new([0.9, 1.0, 1.0]) };
+    static KNOBS: std::cell::Cell<[f64; 4]> = const { std::cell::Cell::new([0.9, 1.0, 1.0, 1.0]) };
 }
 
 /// For trials only: safety factor of the step control, and how much longer than stickslip's the
-/// longest step may be, altogether and while a ball sticks.
-pub fn set_knobs(safety: f64, longest: f64, sticking: f64) {
-    KNOBS.set([safety, longest, sticking]);
+/// longest step may be, altogether and while a ball sticks; by how much the tolerance is stricter in
+/// the first 300 units of time.
+pub fn set_knobs(safety: f64, longest: f64, sticking: f64, stricter: f64) {
+    KNOBS.set([safety, longest, sticking, stricter]);
 }

@@ -1,6 +1,6 @@
 #![forbid(unsafe_code)]
 //! W1 in the turning frame and in modal coordinates: time, counts, labels and errors.
-//! modal SAMPLES SEED ROUNDS "coordinates,tolerance,safety,longest,longest while sticking" ...
+//! modal SAMPLES SEED ROUNDS "coordinates,tolerance,safety,longest,longest while sticking,stricter early" ...
 //! Reference labels and angles (event, 1e-10) are kept in a file named by the first two.
 use fearless_simd::{Level, Simd, f64x8, prelude::*};
 use lockstep_prototype::equations::{Ball, Phase, Vector};
@@ -246,7 +246,7 @@ fn main() {
         Settings::new(&s, 100_000_000)
     };
     // Numbers of events with short steps and a strict tolerance.
-    lockstep_prototype::driver::set_knobs(0.9, 0.5, 0.25);
+    lockstep_prototype::driver::set_knobs(0.9, 0.5, 0.25, 1.0);
     let events: Vec<u32> =
         lock(0, &tasks, settings_of(1e-10)).0.iter().map(|d| d.unwrap().events).collect();
     println!("events per run {:.3}", events.iter().sum::<u32>() as f64 / n);
@@ -256,7 +256,7 @@ fn main() {
             let v: Vec<f64> = text.split(',').map(|x| x.parse().unwrap()).collect();
             // Single-threaded, and no other thread reads the environment.
             let settings = settings_of(v[1]);
-            lockstep_prototype::driver::set_knobs(v[2], v[3], v[4]);
+            lockstep_prototype::driver::set_knobs(v[2], v[3], v[4], v.get(5).map_or(1.0, |x| *x));
             let t = cpu_ns();
             let (done, totals) = lock(v[0] as usize, &tasks, settings);
             // The clock is coarse.
