@@ -14,8 +14,8 @@ use stickslip::model::{Balancer, Method, RestPoint, State};
 use stickslip::motion::{Motion, Phase as Doing, Settings};
 
 use crate::equations::{Ball, Contact, N, Phase, Vector};
-use crate::locate::{Conditions, Search, Verdict, judge};
 use crate::inertial;
+use crate::locate::{Conditions, Search, Verdict, judge};
 use crate::modal::{self, Modes};
 use crate::step::{INNER, Tolerance, Tried, attempt};
 
@@ -447,7 +447,14 @@ fn run<S: Simd, const M: usize, const COORDINATES: usize>(
                     &mut tried,
                 ),
                 1 => modal::attempt::<S, false>(
-                    tolerance, &g.phase, &g.modes, &g.state, &g.derivative, length, &mut stages, &mut tried,
+                    tolerance,
+                    &g.phase,
+                    &g.modes,
+                    &g.state,
+                    &g.derivative,
+                    length,
+                    &mut stages,
+                    &mut tried,
                 ),
                 3 => inertial::attempt(
                     tolerance,
@@ -459,7 +466,14 @@ fn run<S: Simd, const M: usize, const COORDINATES: usize>(
                     &mut tried,
                 ),
                 _ => modal::attempt::<S, true>(
-                    tolerance, &g.phase, &g.modes, &g.state, &g.derivative, length, &mut stages, &mut tried,
+                    tolerance,
+                    &g.phase,
+                    &g.modes,
+                    &g.state,
+                    &g.derivative,
+                    length,
+                    &mut stages,
+                    &mut tried,
                 ),
             }
             let (values, slopes, lost) = conditions(g, &tried);
@@ -469,11 +483,12 @@ fn run<S: Simd, const M: usize, const COORDINATES: usize>(
                 .fold(0_u64, |bits, lane| bits | u64::from(g.search[lane].is_some()) << lane);
             totals.lane_steps += u64::from(alive.count_ones());
             let early = g.time.simd_lt(c!(weights[0]));
-            tried.error_squared =
-                tried.error_squared * early.select(c!(weights[1]), one);
+            tried.error_squared = tried.error_squared * early.select(c!(weights[1]), one);
             let good = tried.error_squared.simd_le(one);
-            let suspects = suspicious(length, (&g.values, &g.slopes), (&values, &slopes))
-                | suspicious_inside(g, &tried, length, &values, &slopes);
+            let mut suspects = suspicious(length, (&g.values, &g.slopes), (&values, &slopes));
+            if COORDINATES != 0 {
+                suspects = suspects | suspicious_inside(g, &tried, length, &values, &slopes);
+            }
             let good_bits = good.to_bitmask() & alive;
             let mut looks = (suspects.to_bitmask() | searching) & good_bits;
             let mut commit = good_bits & !looks;

@@ -14,12 +14,7 @@ use crate::tableau::{NODES, SOLUTION, STAGES};
 
 /// Derivative at one stage; `turned` is ωτ.
 #[inline]
-fn derivative<S: Simd>(
-    phase: &Phase<S>,
-    turned: f64x8<S>,
-    state: &Vector<S>,
-    out: &mut Vector<S>,
-) {
+fn derivative<S: Simd>(phase: &Phase<S>, turned: f64x8<S>, state: &Vector<S>, out: &mut Vector<S>) {
     phase.omega.simd.vectorize(
         #[inline(always)]
         || {
@@ -29,11 +24,8 @@ fn derivative<S: Simd>(
                 (-phase.drag).mul_add_precise(v_x, phase.imbalance.mul_add_precise(cosine, -x)),
                 (-phase.drag).mul_add_precise(v_y, phase.imbalance.mul_add_precise(sine, -y)),
             ];
-            let (a, alpha, _) = phase.accelerations(
-                force,
-                [sin_cos(b1 + turned), sin_cos(b2 + turned)],
-                [w1, w2],
-            );
+            let (a, alpha, _) =
+                phase.accelerations(force, [sin_cos(b1 + turned), sin_cos(b2 + turned)], [w1, w2]);
             *out = [v_x, v_y, a[0], a[1], w1, w2, alpha[0], alpha[1]];
         },
     );

@@ -54,8 +54,11 @@ pub fn judge(
     let (low, high, trials) = match search {
         None | Some(Search::Dip) => {
             if !fails {
-                let dip =
-                    if search.is_none() { inner.take().and_then(|inner| first_dip(start, length, end, &inner())) } else { None };
+                let dip = if search.is_none() {
+                    inner.take().and_then(|inner| first_dip(start, length, end, &inner()))
+                } else {
+                    None
+                };
                 return match dip {
                     Some(theta) => Verdict::Retry(theta * length, Search::Dip),
                     None => Verdict::Commit,
@@ -80,7 +83,8 @@ pub fn judge(
     let mut theta: f64 = 1.0;
     let inner = if first { inner.map(|inner| inner()) } else { None };
     for i in 0..4 {
-        if let Some(fall) = inner.as_ref().and_then(|inner| fall_inside(i, start, length, end, inner))
+        if let Some(fall) =
+            inner.as_ref().and_then(|inner| fall_inside(i, start, length, end, inner))
         {
             theta = theta.min(fall);
             continue;

@@ -302,10 +302,8 @@ pub fn attempt<S: Simd, const SHAKEN: bool>(
     let trigonometry = [sin_cos(start[4]), sin_cos(start[5])];
     let e = [(trigonometry[0].1, trigonometry[0].0), (trigonometry[1].1, trigonometry[1].0)];
     let m = [phase.balls[0].mass, phase.balls[1].mass];
-    let centre = (
-        start[0] + (m[0] * e[0].0 + m[1] * e[1].0),
-        start[1] + (m[0] * e[0].1 + m[1] * e[1].1),
-    );
+    let centre =
+        (start[0] + (m[0] * e[0].0 + m[1] * e[1].0), start[1] + (m[0] * e[0].1 + m[1] * e[1].1));
     let velocity = (
         start[2] - phase.omega * start[1] - (m[0] * w[0] * e[0].1 + m[1] * w[1] * e[1].1),
         start[3] + phase.omega * start[0] + (m[0] * w[0] * e[0].0 + m[1] * w[1] * e[1].0),
@@ -324,10 +322,8 @@ pub fn attempt<S: Simd, const SHAKEN: bool>(
         kdd: blank,
     }; 2];
     let ahead = c!(0.5) * length;
-    let middle = [
-        ahead.mul_add_precise(slope[6], start[6]),
-        ahead.mul_add_precise(slope[7], start[7]),
-    ];
+    let middle =
+        [ahead.mul_add_precise(slope[6], start[6]), ahead.mul_add_precise(slope[7], start[7])];
     let pole = poles(modes, [phase.omega + middle[0], phase.omega + middle[1]]);
     macro_rules! line {
         ($($i:literal)*) => {$(
@@ -397,7 +393,13 @@ pub fn attempt<S: Simd, const SHAKEN: bool>(
     let mut look = [zero; 4];
     if SHAKEN {
         derivative::<S, SHAKEN>(
-            phase, modes, &frozen, (one, zero), &base, &mut stages[0], &mut look,
+            phase,
+            modes,
+            &frozen,
+            (one, zero),
+            &base,
+            &mut stages[0],
+            &mut look,
         );
     } else {
         // The accelerations are known.
@@ -503,7 +505,8 @@ pub fn attempt<S: Simd, const SHAKEN: bool>(
     let relative = c!(tolerance.relative);
     let absolute = c!(tolerance.absolute);
     let from = base[0] * base[0] + base[1] * base[1] + (base[2] * base[2] + base[3] * base[3]);
-    let to = modal[0] * modal[0] + modal[1] * modal[1] + (modal[2] * modal[2] + modal[3] * modal[3]);
+    let to =
+        modal[0] * modal[0] + modal[1] * modal[1] + (modal[2] * modal[2] + modal[3] * modal[3]);
     let motion = from.max(to).max(c!(1e-6)).sqrt();
     let table = relative.mul_add_precise(motion, absolute);
     let angle = relative + absolute;

@@ -3,11 +3,11 @@
 //! modal SAMPLES SEED ROUNDS "coordinates,tolerance,safety,longest,longest while sticking,stricter early" ...
 //! Reference labels and angles (event, 1e-10) are kept in a file named by the first two.
 use fearless_simd::{Level, Simd, f64x8, prelude::*};
+use lockstep_prototype::driver::{Done, Ending, Task, Totals, knob, simulate};
 use lockstep_prototype::equations::{Ball, Phase, Vector};
+use lockstep_prototype::inertial;
 use lockstep_prototype::modal::{self, Modes};
 use lockstep_prototype::step::{self, Tolerance, Tried};
-use lockstep_prototype::inertial;
-use lockstep_prototype::driver::{Done, Ending, Task, Totals, knob, simulate};
 use std::path::Path;
 use stickslip::ending::{certified, certified_by_closed_form};
 use stickslip::model::{Balancer, Case, Method, Model};
@@ -21,14 +21,16 @@ fn cpu_ns() -> f64 {
 
 fn cases(samples: usize, seed: u64) -> Vec<Case> {
     let speed = std::env::var("SPEED").unwrap_or("-216.3772".to_owned());
-    let text = format!("
+    let text = format!(
+        "
 schema: 1
 name: w1
 seed: {seed}
 model: {{kind: ball_balancer, parameters: {{speed_rad_s: {speed}, friction_coefficient: 2.75e-3}}}}
 initial_conditions: {{design: {{stratified: {{parts_per_axis: 2, samples_per_cell: {samples}}}}}}}
 simulation: {{end_time_s: 16.5, tolerance: {{relative: 1.0e-6, absolute: 1.0e-8}}}}
-");
+"
+    );
     let study = Study::parse(Path::new("w1.yaml"), text).unwrap();
     (0..study.run_count())
         .map(|i| {
@@ -69,8 +71,7 @@ fn bare(case: &Case, relative: f64) -> (bool, [f64; 2]) {
         }
     }
     let point = t.balancer.rest_point(&motion.state().beta);
-    let r = motion.all_stick()
-        && certified_by_closed_form(&t.balancer, &point, motion.state());
+    let r = motion.all_stick() && certified_by_closed_form(&t.balancer, &point, motion.state());
     (r, motion.state().beta)
 }
 
@@ -106,7 +107,11 @@ fn errors(name: &str, ends: &[(bool, [f64; 2])], exact: &[(bool, [f64; 2])]) -> 
 
 /// ns per run and step of 8 lanes, steps from one real state over and over.
 #[inline(always)]
-fn steps_chain<S: Simd, const COORDINATES: usize>(simd: S, balancer: &Balancer<2>, n: usize) -> f64 {
+fn steps_chain<S: Simd, const COORDINATES: usize>(
+    simd: S,
+    balancer: &Balancer<2>,
+    n: usize,
+) -> f64 {
     let c = |v: f64| f64x8::splat(simd, v);
     let o = balancer.speed;
     let ball = |i: usize, d: f64| {
@@ -133,14 +138,16 @@ fn steps_chain<S: Simd, const COORDINATES: usize>(simd: S, balancer: &Balancer<2
     for lane in 0..8 {
         modes.set(lane, o, balancer.damping_ratio, balancer.imbalance);
     }
-    let start: Vector<S> = [
-        c(0.01), c(-0.02), c(0.01), c(-0.02), c(0.7), c(3.0), c(0.3), c(-0.4),
-    ];
+    let start: Vector<S> = [c(0.01), c(-0.02), c(0.01), c(-0.02), c(0.7), c(3.0), c(0.3), c(-0.4)];
     let (k, contacts) = phase.full(&start);
     let mut y = start;
     let mut dy = k;
     let mut tried = Tried {
-        end: start, derivative: k, contacts, error_squared: c(0.0), inner: [[c(0.0); 4]; 3],
+        end: start,
+        derivative: k,
+        contacts,
+        error_squared: c(0.0),
+        inner: [[c(0.0); 4]; 3],
     };
     let mut stages = [start; 12];
     let h = c(0.3);
@@ -149,10 +156,24 @@ fn steps_chain<S: Simd, const COORDINATES: usize>(simd: S, balancer: &Balancer<2
         match COORDINATES {
             0 => step::attempt(tolerance, &phase, &y, &dy, h, &mut stages, &mut tried),
             1 => modal::attempt::<S, false>(
-                tolerance, &phase, &modes, &y, &dy, h, &mut stages, &mut tried,
+                tolerance,
+                &phase,
+                &modes,
+                &y,
+                &dy,
+                h,
+                &mut stages,
+                &mut tried,
             ),
             2 => modal::attempt::<S, true>(
-                tolerance, &phase, &modes, &y, &dy, h, &mut stages, &mut tried,
+                tolerance,
+                &phase,
+                &modes,
+                &y,
+                &dy,
+                h,
+                &mut stages,
+                &mut tried,
             ),
             _ => inertial::attempt(tolerance, &phase, &y, &dy, h, &mut stages, &mut tried),
         }
@@ -200,6 +221,23 @@ fn main() {
     let tasks: Vec<Task> = cases.iter().map(task).collect();
     let n = cases.len() as f64;
     if arguments.len() == 4 {
+        // Bits do not depend on width.
+        lockstep_prototype::driver::set_knobs(0.7, 4.0, 1.0, 1.0);
+        let settings = Settings::new(&cases[0].simulation, 100_000_000);
+        let level = Level::new();
+        let few = &tasks[..tasks.len().min(100)];
+        macro_rules! alike {
+            ($($k:literal)*) => {$(
+                let a = simulate::<1, $k>(level, few, settings).0;
+                let wide = simulate::<2, $k>(level, few, settings).0;
+                let narrow = level.as_avx2().map(|l| simulate::<2, $k>(Level::Avx2(l), few, settings).0);
+                println!(
+                    "coordinates {}: 8 and 16 lanes alike {}, AVX2 alike {:?}",
+                    $k, a == wide, narrow.map(|n| n == a)
+                );
+            )*};
+        }
+        alike!(0 1 2 3);
         micro(&tasks[0].balancer);
         return;
     }
@@ -248,8 +286,19 @@ fn main() {
     // Numbers of events with short steps and a strict tolerance.
     lockstep_prototype::driver::set_knobs(0.9, 0.5, 0.25, 1.0);
     let events: Vec<u32> =
-        lock(0, &tasks, settings_of(1e-10)).0.iter().map(|d| d.unwrap().events).collect();
+        lock(0, &tasks, settings_of(1e-10)).0.iter().map(|d| d.map_or(0, |d| d.events)).collect();
     println!("events per run {:.3}", events.iter().sum::<u32>() as f64 / n);
+    let left = Done {
+        ending: Ending::GivenUp,
+        time: 0.0,
+        state: [0.0; 8],
+        steps: 0.0,
+        rejected: 0,
+        trials: 0,
+        events: 0,
+        looks: 0,
+        all_stick_steps: 0,
+    };
     let mut times: Vec<Vec<f64>> = vec![Vec::new(); arguments.len() - 4];
     for round in 0..rounds.max(1) {
         for (k, text) in arguments[4..].iter().enumerate() {
@@ -268,7 +317,7 @@ fn main() {
             if round > 0 {
                 continue;
             }
-            let done: Vec<Done> = done.iter().map(|d| d.unwrap()).collect();
+            let done: Vec<Done> = done.iter().map(|d| d.unwrap_or(left)).collect();
             let mean = |f: &dyn Fn(&Done) -> f64| done.iter().map(f).sum::<f64>() / n;
             // What is given up is left to the scalar code.
             let ends: Ends = done
@@ -288,7 +337,9 @@ fn main() {
                     d.events != **e && a.0 && b.0 && (a.1[0] - b.1[0]).abs() < 1e-2
                 })
                 .count();
-            println!("    runs with other numbers of events {other}, ending at the same place {near}");
+            println!(
+                "    runs with other numbers of events {other}, ending at the same place {near}"
+            );
             println!(
                 "{text}: steps {:.0} rejected {:.1} trials {:.1} events {:.3} looks {:.1} rhs {:.0} time {:.0} given up {} occupancy {:.3} bare {:.0}",
                 mean(&|d| d.steps),
