@@ -14,8 +14,10 @@ use stickslip::model::{Balancer, Method, RestPoint, State};
 use stickslip::motion::{Motion, Phase as Doing, Settings};
 
 use crate::equations::{Ball, Contact, N, Phase, Vector};
+use crate::inertial;
 use crate::locate::{Conditions, Search, Verdict, judge};
-use crate::step::{Tolerance, Tried, attempt};
+use crate::modal::{self, Modes};
+use crate::step::{INNER, Tolerance, Tried, attempt};
 
 pub const LANES: usize = 8;
 
@@ -65,9 +67,11 @@ struct Group<S: Simd> {
     time: f64x8<S>,
     end_time: f64x8<S>,
     longest: f64x8<S>,
+    longest_sticking: f64x8<S>,
     next: f64x8<S>,
     trial: f64x8<S>,
     phase: Phase<S>,
+    modes: Modes<S>,
     limit: [f64x8<S>; 2],
     /// 1 where a ball sticks, else 0.
     stuck: [f64x8<S>; 2],
@@ -107,6 +111,7 @@ impl<S: Simd> Group<S> {
             time: c!(0.0),
             end_time: c!(1.0),
             longest: c!(0.0),
+            longest_sticking: c!(0.0),
             next: c!(0.0),
             trial: c!(0.0),
             phase: Phase {
@@ -118,6 +123,7 @@ impl<S: Simd> Group<S> {
                 imbalance: c!(0.0),
                 balls: [ball; 2],
             },
+            modes: Modes::blank(simd),
             limit: [c!(0.0); 2],
             stuck: [c!(0.0); 2],
             direction: [c!(1.0); 2],
@@ -141,6 +147,7 @@ impl<S: Simd> Group<S> {
         p.drag[lane] = 2.0 * b.damping_ratio;
         p.drag_omega[lane] = 2.0 * b.damping_ratio * b.speed;
         p.imbalance[lane] = b.imbalance * b.speed * b.speed;
+        self.modes.set(lane, b.speed, b.damping_ratio, b.imbalance);
         for (i, ball) in b.balls.iter().enumerate() {
             p.balls[i].mass[lane] = ball.mass;
             p.balls[i].rolling_linear[lane] = -ball.rolling_linear;
@@ -149,8 +156,10 @@ impl<S: Simd> Group<S> {
         }
         self.time[lane] = 0.0;
         self.end_time[lane] = task.end_time;
-        let longest = longest_factor() * 0.5 * std::f64::consts::PI / (b.speed.abs() + 1.0);
+        let unit = 0.5 * std::f64::consts::PI / (b.speed.abs() + 1.0);
+        let longest = KNOBS.get()[1] * unit;
         self.longest[lane] = longest;
+        self.longest_sticking[lane] = KNOBS.get()[2] * unit;
         self.next[lane] = 0.1 * longest;
         self.steps[lane] = 0.0;
         self.task[lane] = Some(number);
@@ -332,18 +341,60 @@ fn suspicious<S: Simd>(
     suspects
 }
 
+/// Whether the speed of a ball that slips may have dipped below zero between two places inside.
+#[inline(always)]
+fn suspicious_inside<S: Simd>(
+    group: &Group<S>,
+    tried: &Tried<S>,
+    length: f64x8<S>,
+    values: &[f64x8<S>; 4],
+    slopes: &[f64x8<S>; 4],
+) -> mask64x8<S> {
+    let zero = f64x8::splat(length.simd, 0.0);
+    let mut suspects = length.simd_lt(zero);
+    macro_rules! piece {
+        ($span:expr, $from:expr, $to:expr) => {{
+            let half = f64x8::splat(length.simd, 0.5 * $span) * length;
+            let ((a, p), (b, q)) = ($from, $to);
+            let hump = p.simd_ge(zero) & q.simd_le(zero);
+            let near = a.min(b).simd_lt(half * p.abs().max(q.abs())) & !hump;
+            near | b.simd_lt(zero)
+        }};
+    }
+    macro_rules! ball {
+        ($($i:literal)*) => {$(
+            let d = group.direction[$i];
+            let t = &tried.inner;
+            let start = (group.values[2 * $i], group.slopes[2 * $i]);
+            let a = (d * t[0][$i], d * t[0][2 + $i]);
+            let b = (d * t[1][$i], d * t[1][2 + $i]);
+            let c = (d * t[2][$i], d * t[2][2 + $i]);
+            let end = (values[2 * $i], slopes[2 * $i]);
+            let found = piece!(INNER[0], start, a)
+                | piece!(INNER[1] - INNER[0], a, b)
+                | piece!(INNER[2] - INNER[1], b, c)
+                | piece!(1.0 - INNER[2], c, end);
+            suspects = suspects | (found & group.stuck[$i].simd_eq(zero));
+        )*};
+    }
+    ball!(0 1);
+    suspects
+}
+
 /// Computes all tasks, `8 M` at a time.
-pub fn simulate<const M: usize>(
+/// `COORDINATES`: 0 the turning frame, 1 modal (S), 2 modal without the balls' shaking (F),
+/// 3 a frame at rest.
+pub fn simulate<const M: usize, const COORDINATES: usize>(
     level: Level,
     tasks: &[Task],
     settings: Settings,
 ) -> (Vec<Option<Done>>, Totals) {
     assert!(settings.method == Method::Event);
-    crate::at_level!(level, simd => run::<_, M>(simd, tasks, settings))
+    crate::at_level!(level, simd => run::<_, M, COORDINATES>(simd, tasks, settings))
 }
 
 #[inline(always)]
-fn run<S: Simd, const M: usize>(
+fn run<S: Simd, const M: usize, const COORDINATES: usize>(
     simd: S,
     tasks: &[Task],
     settings: Settings,
@@ -359,6 +410,9 @@ fn run<S: Simd, const M: usize>(
             refill(group, lane, tasks, settings, &mut upcoming, &mut done);
         }
     }
+    let safety = KNOBS.get()[0];
+    // Errors before this time count more (squared).
+    let weights = [300.0, KNOBS.get()[3] * KNOBS.get()[3]];
     macro_rules! c {
         ($value:expr) => {
             f64x8::splat(simd, $value)
@@ -370,6 +424,7 @@ fn run<S: Simd, const M: usize>(
         derivative: [c!(0.0); N],
         contacts: [nothing; 2],
         error_squared: c!(0.0),
+        inner: [[c!(0.0); 4]; 3],
     };
     let mut tried = blank;
     let mut stages = [[c!(0.0); N]; 12];
@@ -378,16 +433,62 @@ fn run<S: Simd, const M: usize>(
         totals.vector_steps += M as u64;
         for m in 0..M {
             let g = &mut groups[m];
-            let length = g.next.min(g.longest).min(g.trial).min(g.end_time - g.time);
-            attempt(tolerance, &g.phase, &g.state, &g.derivative, length, &mut stages, &mut tried);
+            let sticking = (g.stuck[0] + g.stuck[1]).simd_gt(c!(0.0));
+            let longest = sticking.select(g.longest.min(g.longest_sticking), g.longest);
+            let length = g.next.min(longest).min(g.trial).min(g.end_time - g.time);
+            match COORDINATES {
+                0 => attempt(
+                    tolerance,
+                    &g.phase,
+                    &g.state,
+                    &g.derivative,
+                    length,
+                    &mut stages,
+                    &mut tried,
+                ),
+                1 => modal::attempt::<S, false>(
+                    tolerance,
+                    &g.phase,
+                    &g.modes,
+                    &g.state,
+                    &g.derivative,
+                    length,
+                    &mut stages,
+                    &mut tried,
+                ),
+                3 => inertial::attempt(
+                    tolerance,
+                    &g.phase,
+                    &g.state,
+                    &g.derivative,
+                    length,
+                    &mut stages,
+                    &mut tried,
+                ),
+                _ => modal::attempt::<S, true>(
+                    tolerance,
+                    &g.phase,
+                    &g.modes,
+                    &g.state,
+                    &g.derivative,
+                    length,
+                    &mut stages,
+                    &mut tried,
+                ),
+            }
             let (values, slopes, lost) = conditions(g, &tried);
             let alive = (0..LANES)
                 .fold(0_u64, |bits, lane| bits | u64::from(g.task[lane].is_some()) << lane);
             let searching = (0..LANES)
                 .fold(0_u64, |bits, lane| bits | u64::from(g.search[lane].is_some()) << lane);
             totals.lane_steps += u64::from(alive.count_ones());
+            let early = g.time.simd_lt(c!(weights[0]));
+            tried.error_squared = tried.error_squared * early.select(c!(weights[1]), one);
             let good = tried.error_squared.simd_le(one);
-            let suspects = suspicious(length, (&g.values, &g.slopes), (&values, &slopes));
+            let mut suspects = suspicious(length, (&g.values, &g.slopes), (&values, &slopes));
+            if COORDINATES != 0 {
+                suspects = suspects | suspicious_inside(g, &tried, length, &values, &slopes);
+            }
             let good_bits = good.to_bitmask() & alive;
             let mut looks = (suspects.to_bitmask() | searching) & good_bits;
             let mut commit = good_bits & !looks;
@@ -400,7 +501,23 @@ fn run<S: Simd, const M: usize>(
                 let at = |v: &[f64x8<S>; 4]| [v[0][lane], v[1][lane], v[2][lane], v[3][lane]];
                 let start = Conditions { values: at(&g.values), slopes: at(&g.slopes) };
                 let end = Conditions { values: at(&values), slopes: at(&slopes) };
-                let verdict = judge(g.search[lane], &start, length[lane], &end);
+                let inner = || {
+                    let mut inner = [end; 3];
+                    for (point, at) in inner.iter_mut().zip(&tried.inner) {
+                        for i in 0..2 {
+                            let stuck = g.stuck[i][lane] > 0.0;
+                            // Of a ball that sticks nothing is known inside.
+                            let d = if stuck { f64::NAN } else { g.direction[i][lane] };
+                            point.values[2 * i] = d * at[i][lane];
+                            point.slopes[2 * i] = d * at[2 + i][lane];
+                            if stuck {
+                                point.values[2 * i + 1] = f64::NAN;
+                            }
+                        }
+                    }
+                    inner
+                };
+                let verdict = judge(g.search[lane], &start, length[lane], &end, inner);
                 match verdict {
                     Verdict::Commit => commit |= 1 << lane,
                     Verdict::Event => {
@@ -421,7 +538,7 @@ fn run<S: Simd, const M: usize>(
             }
             // Step control of DOP853: order 8, safety 0.9, change between 1/3 and 6.
             let e = tried.error_squared.max(c!(1e-100));
-            let change = c!(0.9) / e.sqrt().sqrt().sqrt().sqrt();
+            let change = c!(safety) / e.sqrt().sqrt().sqrt().sqrt();
             let finite = e.simd_lt(c!(1e200));
             let grown = length * change.max(c!(0.333)).min(c!(6.0));
             let shrunk = length * finite.select(change.max(c!(0.333)).min(one), c!(0.1));
@@ -556,7 +673,18 @@ fn refill<S: Simd>(
     group.trial[lane] = 0.0;
 }
 
-/// For trials only: how much longer than stickslip's the longest step may be.
-fn longest_factor() -> f64 {
-    std::env::var("LONGEST").map_or(1.0, |text| text.parse().unwrap_or(1.0))
+/// For trials only: a setting by the environment.
+pub fn knob(name: &str, default: f64) -> f64 {
+    std::env::var(name).map_or(default, |text| text.parse().unwrap_or(default))
+}
+
+thread_local! {
+    static KNOBS: std::cell::Cell<[f64; 4]> = const { std::cell::Cell::new([0.9, 1.0, 1.0, 1.0]) };
+}
+
+/// For trials only: safety factor of the step control, and how much longer than stickslip's the
+/// longest step may be, altogether and while a ball sticks; by how much the tolerance is stricter in
+/// the first 300 units of time.
+pub fn set_knobs(safety: f64, longest: f64, sticking: f64, stricter: f64) {
+    KNOBS.set([safety, longest, sticking, stricter]);
 }

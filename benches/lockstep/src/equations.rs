@@ -100,7 +100,6 @@ impl<S: Simd> Phase<S> {
         trigonometry: [(f64x8<S>, f64x8<S>); 2],
     ) -> (Vector<S>, [Contact<S>; 2]) {
         let [x, y, x_dot, y_dot, _, _, beta_dot_1, beta_dot_2] = *state;
-        let one = f64x8::splat(x.simd, 1.0);
         // The table's own forces, and frame terms.
         let mut force_x = self.drag_omega.mul_add_precise(y, self.imbalance - x);
         force_x = (-self.drag).mul_add_precise(x_dot, force_x);
@@ -108,8 +107,34 @@ impl<S: Simd> Phase<S> {
         force_y = (-self.drag).mul_add_precise(y_dot, force_y);
         let frame_x = self.two_omega.mul_add_precise(y_dot, self.omega_squared * x);
         let frame_y = (-self.two_omega).mul_add_precise(x_dot, self.omega_squared * y);
-        let one_ball_1 = self.one_ball(0, trigonometry[0], beta_dot_1);
-        let one_ball_2 = self.one_ball(1, trigonometry[1], beta_dot_2);
+        let (a, balls, contacts) =
+            self.accelerations([force_x, force_y], trigonometry, [beta_dot_1, beta_dot_2]);
+        let derivative = [
+            x_dot,
+            y_dot,
+            a[0] + frame_x,
+            a[1] + frame_y,
+            beta_dot_1,
+            beta_dot_2,
+            balls[0],
+            balls[1],
+        ];
+        (derivative, contacts)
+    }
+
+    /// Absolute acceleration of the table, accelerations of the balls and forces on them, where the
+    /// table's own forces (all but the balls') are known.
+    #[inline(always)]
+    #[expect(clippy::type_complexity)]
+    pub fn accelerations(
+        &self,
+        [mut force_x, mut force_y]: [f64x8<S>; 2],
+        trigonometry: [(f64x8<S>, f64x8<S>); 2],
+        speeds: [f64x8<S>; 2],
+    ) -> ([f64x8<S>; 2], [f64x8<S>; 2], [Contact<S>; 2]) {
+        let one = f64x8::splat(force_x.simd, 1.0);
+        let one_ball_1 = self.one_ball(0, trigonometry[0], speeds[0]);
+        let one_ball_2 = self.one_ball(1, trigonometry[1], speeds[1]);
         let [(s1, c1), (s2, c2)] = trigonometry;
         let (u1, v1, held_1, pressed_1, along_1, push_1) = one_ball_1;
         let (u2, v2, held_2, pressed_2, along_2, push_2) = one_ball_2;
@@ -126,18 +151,12 @@ impl<S: Simd> Phase<S> {
         let inverse = one / determinant;
         let a_x = d.mul_add_precise(force_x, m_xy * force_y) * inverse;
         let a_y = a.mul_add_precise(force_y, -(m_yx * force_x)) * inverse;
-        let derivative = [
-            x_dot,
-            y_dot,
-            a_x + frame_x,
-            a_y + frame_y,
-            beta_dot_1,
-            beta_dot_2,
-            self.balls[0].mobility * u1.mul_add_precise(a_x, v1.mul_add_precise(a_y, -held_1)),
-            self.balls[1].mobility * u2.mul_add_precise(a_x, v2.mul_add_precise(a_y, -held_2)),
-        ];
         (
-            derivative,
+            [a_x, a_y],
+            [
+                self.balls[0].mobility * u1.mul_add_precise(a_x, v1.mul_add_precise(a_y, -held_1)),
+                self.balls[1].mobility * u2.mul_add_precise(a_x, v2.mul_add_precise(a_y, -held_2)),
+            ],
             [contact((s1, c1), pressed_1, a_x, a_y), contact((s2, c2), pressed_2, a_x, a_y)],
         )
     }

@@ -23,7 +23,9 @@ macro_rules! at_level {
 pub mod array;
 pub mod driver;
 pub mod equations;
+pub mod inertial;
 pub mod locate;
+pub mod modal;
 pub mod sincos;
 pub mod step;
 pub mod tableau;

@@ -2,6 +2,8 @@
 //! takes the same step again, shorter, until it ends where the condition has just failed. No dense
 //! output is needed, and the state at the event has the full order of the method.
 
+use crate::step::INNER;
+
 /// Values and slopes in time of the four conditions (two of each ball) at a point of a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Conditions {
@@ -10,7 +12,7 @@ pub struct Conditions {
 }
 
 /// An event is located when its condition is below zero by no more than this.
-pub const WIDTH: f64 = 1e-11;
+pub const WIDTH: f64 = 1e-9;
 /// Aim for the middle of that.
 const AIM: f64 = 0.5 * WIDTH;
 const MOST_TRIALS: u32 = 60;
@@ -38,12 +40,25 @@ pub enum Verdict {
 }
 
 /// Judges a step of `length` from `start` to `end`.
-pub fn judge(search: Option<Search>, start: &Conditions, length: f64, end: &Conditions) -> Verdict {
+/// `inner` has what is known of the conditions at `INNER`, NaN where nothing is.
+pub fn judge(
+    search: Option<Search>,
+    start: &Conditions,
+    length: f64,
+    end: &Conditions,
+    inner: impl FnOnce() -> [Conditions; 3],
+) -> Verdict {
     let fails = end.values.iter().any(|value| *value < 0.0);
+    let first = !matches!(search, Some(Search::Bracket { .. }));
+    let mut inner = Some(inner);
     let (low, high, trials) = match search {
         None | Some(Search::Dip) => {
             if !fails {
-                let dip = if search.is_none() { first_dip(start, length, end) } else { None };
+                let dip = if search.is_none() {
+                    inner.take().and_then(|inner| first_dip(start, length, end, &inner()))
+                } else {
+                    None
+                };
                 return match dip {
                     Some(theta) => Verdict::Retry(theta * length, Search::Dip),
                     None => Verdict::Commit,
@@ -66,7 +81,14 @@ pub fn judge(search: Option<Search>, start: &Conditions, length: f64, end: &Cond
     }
     let span = high.0 - low.0;
     let mut theta: f64 = 1.0;
+    let inner = if first { inner.map(|inner| inner()) } else { None };
     for i in 0..4 {
+        if let Some(fall) =
+            inner.as_ref().and_then(|inner| fall_inside(i, start, length, end, inner))
+        {
+            theta = theta.min(fall);
+            continue;
+        }
         let [from, to] = [low.1.values[i] + AIM, high.1.values[i] + AIM];
         if to < 0.0 {
             let cubic = Cubic::new([from, to], [low.1.slopes[i], high.1.slopes[i]], span);
@@ -83,14 +105,67 @@ pub fn judge(search: Option<Search>, start: &Conditions, length: f64, end: &Cond
     Verdict::Retry(trial, Search::Bracket { low, high, trials: trials + 1 })
 }
 
+/// Where a condition falls through zero by the piece between two stages in which it does.
+fn fall_inside(
+    i: usize,
+    start: &Conditions,
+    length: f64,
+    end: &Conditions,
+    inner: &[Conditions; 3],
+) -> Option<f64> {
+    if inner[0].values[i].is_nan() || end.values[i] >= 0.0 {
+        return None;
+    }
+    let points = [
+        (0.0, start),
+        (INNER[0], &inner[0]),
+        (INNER[1], &inner[1]),
+        (INNER[2], &inner[2]),
+        (1.0, end),
+    ];
+    let pair = points.windows(2).find(|pair| pair[1].1.values[i] < 0.0)?;
+    let ((t, from), (u, to)) = (pair[0], pair[1]);
+    let span = (u - t) * length;
+    let fall = Cubic::new(
+        [from.values[i] + AIM, to.values[i] + AIM],
+        [from.slopes[i], to.slopes[i]],
+        span,
+    )
+    .fall()?;
+    Some(t + fall * (u - t))
+}
+
 /// The least place of the first condition that seems to dip below zero in a step.
-fn first_dip(start: &Conditions, length: f64, end: &Conditions) -> Option<f64> {
-    let dip = |i: usize| {
-        let change = length * start.slopes[i].abs().max(end.slopes[i].abs());
-        if start.values[i].min(end.values[i]) >= 0.5 * change {
+fn first_dip(
+    start: &Conditions,
+    length: f64,
+    end: &Conditions,
+    inner: &[Conditions; 3],
+) -> Option<f64> {
+    let piece = |i: usize, (t, from): (f64, &Conditions), (u, to): (f64, &Conditions)| {
+        let span = (u - t) * length;
+        let change = span * from.slopes[i].abs().max(to.slopes[i].abs());
+        if from.values[i].min(to.values[i]) >= 0.5 * change {
             return None;
         }
-        Cubic::new([start.values[i], end.values[i]], [start.slopes[i], end.slopes[i]], length).dip()
+        let dip =
+            Cubic::new([from.values[i], to.values[i]], [from.slopes[i], to.slopes[i]], span).dip();
+        dip.map(|theta| t + theta * (u - t))
+    };
+    let dip = |i: usize| {
+        if inner[0].values[i].is_nan() {
+            return piece(i, (0.0, start), (1.0, end));
+        }
+        let points = [
+            (0.0, start),
+            (INNER[0], &inner[0]),
+            (INNER[1], &inner[1]),
+            (INNER[2], &inner[2]),
+            (1.0, end),
+        ];
+        points.windows(2).find_map(|pair| {
+            piece(i, pair[0], pair[1]).or_else(|| (pair[1].1.values[i] < 0.0).then_some(pair[1].0))
+        })
     };
     (0..4).filter_map(dip).min_by(f64::total_cmp)
 }

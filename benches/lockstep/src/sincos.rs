@@ -74,3 +74,26 @@ fn flip<S: Simd>(value: f64x8<S>, sign: fearless_simd::u64x8<S>) -> f64x8<S> {
     let bits: fearless_simd::u64x8<S> = value.bitcast();
     (bits ^ sign).bitcast()
 }
+
+/// Sine and cosine of angles that are small in every lane (below π/4): no reduction.
+#[inline(always)]
+pub fn sin_cos_small<S: Simd>(r: f64x8<S>) -> (f64x8<S>, f64x8<S>) {
+    let simd = r.simd;
+    macro_rules! c {
+        ($value:expr) => {
+            f64x8::splat(simd, $value)
+        };
+    }
+    let z = r * r;
+    let z2 = z * z;
+    let z4 = z2 * z2;
+    let s01 = z.mul_add_precise(c!(SINE[1]), c!(SINE[0]));
+    let s23 = z.mul_add_precise(c!(SINE[3]), c!(SINE[2]));
+    let s45 = z.mul_add_precise(c!(SINE[5]), c!(SINE[4]));
+    let s = z4.mul_add_precise(s45, z2.mul_add_precise(s23, s01));
+    let c01 = z.mul_add_precise(c!(COSINE[1]), c!(COSINE[0]));
+    let c23 = z.mul_add_precise(c!(COSINE[3]), c!(COSINE[2]));
+    let c45 = z.mul_add_precise(c!(COSINE[5]), c!(COSINE[4]));
+    let k = z4.mul_add_precise(c45, z2.mul_add_precise(c23, c01));
+    ((r * z).mul_add_precise(s, r), z2.mul_add_precise(k, z.mul_add_precise(c!(-0.5), c!(1.0))))
+}

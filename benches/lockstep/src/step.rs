@@ -12,6 +12,9 @@ pub struct Tolerance {
     pub absolute: f64,
 }
 
+/// Where in a step the balls' speeds and accelerations are kept: at three stages.
+pub const INNER: [f64; 3] = [1.0 / 3.0, 127.0 / 195.0, 6.0 / 7.0];
+
 /// What came of a step in eight lanes.
 #[derive(Clone, Copy)]
 pub struct Tried<S: Simd> {
@@ -20,10 +23,12 @@ pub struct Tried<S: Simd> {
     pub contacts: [Contact<S>; 2],
     /// Square of the estimated error over what is allowed.
     pub error_squared: f64x8<S>,
+    /// Both speeds and both accelerations at `INNER`.
+    pub inner: [[f64x8<S>; 4]; 3],
 }
 
 #[inline(always)]
-fn combine<S: Simd>(terms: &[Term], component: usize, stages: &[Vector<S>; 12]) -> f64x8<S> {
+pub fn combine<S: Simd>(terms: &[Term], component: usize, stages: &[Vector<S>; 12]) -> f64x8<S> {
     let simd = stages[0][0].simd;
     let (first, coefficient) = terms[0];
     let mut sum = stages[first][component] * f64x8::splat(simd, coefficient);
@@ -44,7 +49,6 @@ pub fn attempt<S: Simd>(
     stages: &mut [Vector<S>; 12],
     tried: &mut Tried<S>,
 ) {
-    let simd = length.simd;
     stages[0] = *derivative;
     let mut state = *start;
     macro_rules! stage {
@@ -56,7 +60,18 @@ pub fn attempt<S: Simd>(
             phase.derivative(&state, &mut stages[$index + 1]);
         )*};
     }
-    stage!(0 1 2 3 4 5 6 7 8 9 10);
+    macro_rules! look {
+        ($to:literal $stage:literal) => {
+            tried.inner[$to] = [state[6], state[7], stages[$stage][6], stages[$stage][7]];
+        };
+    }
+    stage!(0 1 2 3 4);
+    look!(0 5);
+    stage!(5 6 7);
+    look!(1 8);
+    stage!(8 9);
+    look!(2 10);
+    stage!(10);
     {
         let mut end = *start;
         for i in 0..N {
@@ -65,6 +80,21 @@ pub fn attempt<S: Simd>(
         }
         (tried.derivative, tried.contacts) = phase.full(&end);
         tried.end = end;
+    }
+    tried.error_squared = error_squared(tolerance, length, start, &tried.end, stages);
+}
+
+/// Square of the estimated error over what is allowed.
+#[inline(always)]
+pub fn error_squared<S: Simd>(
+    tolerance: Tolerance,
+    length: f64x8<S>,
+    start: &Vector<S>,
+    end: &Vector<S>,
+    stages: &[Vector<S>; 12],
+) -> f64x8<S> {
+    let simd = length.simd;
+    {
         let relative = f64x8::splat(simd, tolerance.relative);
         let absolute = f64x8::splat(simd, tolerance.absolute);
         // Σ (e_i / s_i)² as fractions with one denominator for two components: half the divisions.
@@ -93,6 +123,6 @@ pub fn attempt<S: Simd>(
         let tiny = f64x8::splat(simd, 1e-60);
         let weight = third.mul_add_precise(f64x8::splat(simd, 0.01), fifth + tiny);
         let scaled = length * fifth;
-        tried.error_squared = scaled * scaled / (weight * f64x8::splat(simd, N as f64));
+        scaled * scaled / (weight * f64x8::splat(simd, N as f64))
     }
 }

@@ -2,8 +2,7 @@
 //! embedded error estimates of orders 5 and 3 and dense output of order 7.
 //!
 //! Source: E. Hairer, S. P. Nørsett, G. Wanner, *Solving Ordinary Differential Equations I*,
-//! 2nd ed., Springer 1993, section II.5 and II.10, and their code DOP853. The system here is
-//! autonomous, so the nodes are not needed. Rows hold only the entries that are not zero.
+//! 2nd ed., Springer 1993, section II.5 and II.10, and their code DOP853. Rows hold only the entries that are not zero.
 
 /// One term of a linear combination: stage index from 0, coefficient.
 pub type Term = (usize, f64);
@@ -61,6 +60,21 @@ pub const STAGES: [&[Term]; 11] = [
         (9, 12.360567175794303),
         (10, 0.6433927460157636),
     ],
+];
+
+/// Where the stages 2 to 12 are in the step.
+pub const NODES: [f64; 11] = [
+    0.05260015195876773,
+    0.0789002279381516,
+    0.1183503419072274,
+    0.2816496580927726,
+    0.3333333333333333,
+    0.25,
+    0.3076923076923077,
+    0.6512820512820513,
+    0.6,
+    0.8571428571428571,
+    1.0,
 ];
 
 /// Weights of the solution of order 8.

@@ -73,7 +73,13 @@ fn step_chain<S: Simd, const M: usize>(
     let (k, c) = phases[0].full(&start);
     let mut y = [start; M];
     let mut ks = [k; M];
-    let mut tried = [Tried { end: start, derivative: k, contacts: c, error_squared: start[0] }; M];
+    let mut tried = [Tried {
+        end: start,
+        derivative: k,
+        contacts: c,
+        error_squared: start[0],
+        inner: [[start[0]; 4]; 3],
+    }; M];
     let mut stages = [start; 12];
     let h = [f64x8::splat(simd, 0.3); M];
     let tolerance = Tolerance { relative: 1e-6, absolute: 1e-8 };

@@ -76,16 +76,16 @@ fn main() {
     let level = Level::new();
     if std::env::args().nth(3).is_some() {
         for _ in 0..20 {
-            simulate::<1>(level, &tasks, settings);
+            simulate::<1, 0>(level, &tasks, settings);
         }
         return;
     }
     // bits do not depend on width
-    let (a, totals) = simulate::<1>(level, &tasks, settings);
-    let (b, totals2) = simulate::<2>(level, &tasks, settings);
+    let (a, totals) = simulate::<1, 0>(level, &tasks, settings);
+    let (b, totals2) = simulate::<2, 0>(level, &tasks, settings);
     println!("M=1 and M=2 alike: {}", a == b);
     if let Some(l) = level.as_avx2() {
-        let (c, _) = simulate::<2>(Level::Avx2(l), &tasks, settings);
+        let (c, _) = simulate::<2, 0>(Level::Avx2(l), &tasks, settings);
         println!("AVX-512 and AVX2 alike: {}", a == c);
     }
     let done: Vec<Done> = a.iter().map(|d| d.unwrap()).collect();
@@ -141,14 +141,14 @@ fn main() {
             put(&format!("{name} ratio to bare"), scalar / v);
         };
         one("lock M=1", &|| {
-            simulate::<1>(level, &tasks, settings);
+            simulate::<1, 0>(level, &tasks, settings);
         });
         one("lock M=2", &|| {
-            simulate::<2>(level, &tasks, settings);
+            simulate::<2, 0>(level, &tasks, settings);
         });
         if let Some(l) = level.as_avx2() {
             one("lock avx2 M=2", &|| {
-                simulate::<2>(Level::Avx2(l), &tasks, settings);
+                simulate::<2, 0>(Level::Avx2(l), &tasks, settings);
             });
         }
     }
