@@ -17,6 +17,9 @@ use crate::model::{Balancer, Extend, Simulation};
 use crate::motion::lockstep::{Group, Happened, Room, Saved, Trouble};
 use crate::motion::{Failure, Settings};
 
+/// Sizes of a displacement that need not be brought back to 1.
+const HANDY: std::ops::Range<f64> = 1e-99..1e99;
+
 /// A run in a lane.
 #[derive(Clone, Debug)]
 pub(super) struct LaneRun<const N: usize> {
@@ -89,7 +92,11 @@ impl<const N: usize> LaneRun<N> {
     }
 
     /// To be called when the run has been put into a lane: it may be at rest already.
-    pub(super) fn begins<S: Simd>(mut self: Box<Self>, group: &mut Group<S, N>, lane: usize) -> (Next<N>, Option<Box<Self>>) {
+    pub(super) fn begins<S: Simd>(
+        mut self: Box<Self>,
+        group: &mut Group<S, N>,
+        lane: usize,
+    ) -> (Next<N>, Option<Box<Self>>) {
         if let Some(ending) = self.rests(group, lane) {
             return (self.ends(group, lane, ending), None);
         }
@@ -153,9 +160,14 @@ impl<const N: usize> LaneRun<N> {
         if self.is_displaced(time) == displaced { Next::Stay } else { Next::Move }
     }
 
-    /// Tells by how much the displacement has grown.
+    /// Tells by how much the displacement has grown, when that is due or its size gets out of hand:
+    /// whatever else the run is looked at for changes nothing.
     fn separate<S: Simd>(&mut self, group: &mut Group<S, N>, lane: usize, time: f64) {
         let displaced = group.displaced(lane);
+        let due = time >= self.horizons.window().separation.next_mark();
+        if !due && HANDY.contains(&displaced.size) {
+            return;
+        }
         group.normalise(lane, displaced.size);
         let courses = group.courses(lane);
         let separation = &mut self.horizons.window_mut().separation;
@@ -199,7 +211,8 @@ impl<const N: usize> LaneRun<N> {
         if let Some(later) = self.horizons.later_window()
             && self.kept.is_none()
         {
-            let depends = later.separation.start().min(later.means.start()).min(self.horizons.end());
+            let depends =
+                later.separation.start().min(later.means.start()).min(self.horizons.end());
             if group.reaches(lane, depends) {
                 let run = self.clone();
                 self.kept = group.copy(lane).map(|saved| Box::new((saved, run)));

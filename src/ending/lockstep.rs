@@ -12,7 +12,7 @@ use super::balancer::{Prepared, other_number_of_balls};
 use super::lane_run::{LaneRun, Next};
 use super::outcome::{Evidence, Outcome};
 use super::simulate::simulate_one_by_one;
-use crate::model::{Case, Model};
+use crate::model::{Ball, Case, Model};
 use crate::motion::VectorLevel;
 use crate::motion::lockstep::{Group, LANES, Room, Saved, advance};
 
@@ -25,8 +25,8 @@ pub trait Runs {
     fn ended(&mut self, number: u64, outcome: Outcome);
 }
 
-/// Simulates runs until there are no more, in lockstep where their models allow it: balancers with
-/// Coulomb friction or viscous drag. Each outcome is that of [`super::simulate`], to the last bit.
+/// Simulates runs until there are no more, in lockstep where their models allow it: balancers whose
+/// friction does not depend on speed, or in proportion only (Coulomb, viscous). Each outcome is that of [`super::simulate`], to the last bit.
 pub fn simulate_in_lockstep(level: VectorLevel, runs: &mut dyn Runs) {
     let mut upcoming = runs.next();
     while let Some((number, case)) = upcoming.take() {
@@ -51,16 +51,14 @@ pub fn simulate_in_lockstep(level: VectorLevel, runs: &mut dyn Runs) {
 /// How many balls the lanes for a case have; 0 where it is computed by itself.
 fn lanes_for(case: &Case) -> usize {
     let Model::BallBalancer(machine) = &case.model else { return 0 };
-    if case.model.validate().is_ok() && machine.friction.is_linear() { machine.balls.len() } else { 0 }
+    let is_linear = |ball: &Ball| machine.friction.is_linear(ball.friction_coefficient);
+    let sound = case.model.validate().is_ok() && machine.balls.iter().all(is_linear);
+    if sound { machine.balls.len() } else { 0 }
 }
 
 /// Two balls are what most machines have. Only for them the widest vectors are used: each number of balls
 /// at each level takes the compiler seconds. Results do not depend on it.
-fn two_balls(
-    level: VectorLevel,
-    runs: &mut dyn Runs,
-    first: (u64, Case),
-) -> Option<(u64, Case)> {
+fn two_balls(level: VectorLevel, runs: &mut dyn Runs, first: (u64, Case)) -> Option<(u64, Case)> {
     #[cfg(target_arch = "x86_64")]
     if let Some(simd) = level.avx512() {
         return Lockstep::<_, 2>::new(simd, runs, first).go();

@@ -39,7 +39,7 @@ mod window;
 pub use certificate::{certified, certified_by_closed_form};
 pub use closed_orbit::Orbit;
 pub use cycle::{Cycle, Doing};
+pub use lockstep::{Runs, simulate_in_lockstep};
 pub use orbit::OrbitWatch;
 pub use outcome::{Evidence, Label, LyapunovExponent, Outcome};
-pub use lockstep::{Runs, simulate_in_lockstep};
 pub use simulate::{simulate, simulate_one_by_one};

@@ -49,9 +49,16 @@ impl FrictionLaw {
         matches!(self, FrictionLaw::Coulomb | FrictionLaw::Stribeck { .. })
     }
 
-    /// Whether friction in slip is a part of the normal force and a drag in proportion to speed.
-    pub fn is_linear(&self) -> bool {
-        matches!(self, FrictionLaw::Coulomb | FrictionLaw::Viscous { .. })
+    /// Whether friction in slip is a fixed part of the normal force and a drag in proportion to speed, for
+    /// a contact with this (kinetic) coefficient.
+    pub fn is_linear(&self, friction_coefficient: f64) -> bool {
+        match *self {
+            FrictionLaw::Coulomb | FrictionLaw::Viscous { .. } => true,
+            FrictionLaw::Stribeck { static_friction_coefficient, stribeck_speed } => {
+                stribeck_speed == 0.0 || static_friction_coefficient == friction_coefficient
+            }
+            FrictionLaw::Smooth { .. } => false,
+        }
     }
 
     /// The most friction over normal force, at rest or at any speed, of a contact with this

@@ -155,14 +155,16 @@ impl<const N: usize, const FREE: usize> Interpolant<N, FREE> {
         sum
     }
 
-    /// The position of one contact there, for looking for a place by it alone.
-    pub(super) fn position_at(&self, contact: usize, theta: f64) -> f64 {
-        let mut sum = 0.0;
+    /// The position of one contact there and its slope over the step, for looking for a place by it
+    /// alone.
+    pub(super) fn position_at(&self, contact: usize, theta: f64) -> (f64, f64) {
+        let (mut sum, mut slope) = (0.0, 0.0);
         for (index, coefficient) in self.coefficients.iter().rev().enumerate() {
             sum += coefficient.beta[contact];
-            let factor = if index % 2 == 0 { theta } else { 1.0 - theta };
+            let (factor, sign) = if index % 2 == 0 { (theta, 1.0) } else { (1.0 - theta, -1.0) };
+            slope = slope * factor + sum * sign;
             sum *= factor;
         }
-        sum + self.start.beta[contact]
+        (sum + self.start.beta[contact], slope)
     }
 }

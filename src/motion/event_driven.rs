@@ -64,8 +64,11 @@ pub(super) fn decide<S: System<N, FREE>, const N: usize, const FREE: usize>(
     let choices = [Phase::Stick, Phase::Slip(1.0), Phase::Slip(-1.0)];
     settle(system, state, phases, at_rest, choices, |forces, phases, ball| match phases[ball] {
         Phase::Transition(_) | Phase::Free => None,
-        Phase::Stick => (!rests(system, state, phases, ball, tie))
-            .then(|| Phase::Slip(forces.friction[ball].signum())),
+        Phase::Stick => {
+            let reserve = stick_reserve(system, forces, ball);
+            (!rests_with(system, state, phases, ball, (reserve, tie)))
+                .then(|| Phase::Slip(forces.friction[ball].signum()))
+        }
         Phase::Slip(direction) => {
             let acceleration = direction * forces.beta_ddot[ball];
             // Where it neither accelerates nor decelerates but for rounding, rest decides.
@@ -87,15 +90,24 @@ fn rests<S: System<N, FREE>, const N: usize, const FREE: usize>(
 ) -> bool {
     let mut stuck = *phases;
     stuck[ball] = Phase::Stick;
-    let reserve =
-        |state: &State<N, f64, FREE>| stick_reserve(system, &forces(system, &stuck, state), ball);
-    let value = reserve(state);
+    let reserve = stick_reserve(system, &forces(system, &stuck, state), ball);
+    rests_with(system, state, &stuck, ball, (reserve, tie))
+}
+
+/// The same of a contact that sticks, where what is left of its friction limit is known.
+fn rests_with<S: System<N, FREE>, const N: usize, const FREE: usize>(
+    system: &S,
+    state: &State<N, f64, FREE>,
+    phases: &[Phase; N],
+    ball: usize,
+    (value, tie): (f64, f64),
+) -> bool {
     if value.abs() > tie {
         return value > 0.0;
     }
     let mut ahead = *state;
-    ahead.add_scaled(AHEAD, &derivative(system, &stuck, state));
-    reserve(&ahead) - value >= -tie
+    ahead.add_scaled(AHEAD, &derivative(system, phases, state));
+    stick_reserve(system, &forces(system, phases, &ahead), ball) - value >= -tie
 }
 
 /// What comes after an event in this state. `stopped_at_once` is a contact that came to rest at the

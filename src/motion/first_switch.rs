@@ -3,7 +3,7 @@
 use super::contact::{Phase, SmoothPhase};
 use super::dop853::{Interpolant, Step};
 use super::guard::{Guard, Margins, Point};
-use super::root::fall_through_zero;
+use super::root::{fall_of_smooth, fall_through_zero};
 use crate::model::{Forces, State, System};
 
 /// A step as it was computed, for looking inside.
@@ -82,8 +82,11 @@ impl<const N: usize, const FREE: usize> LastStep<N, FREE> {
         }
         let (used, start_time, length) = (self.used, self.start_time, self.step.length);
         let interpolant = self.interpolant(system);
-        let theta = fall_through_zero(
-            |theta| before(interpolant.position_at(contact, theta)),
+        let theta = fall_of_smooth(
+            |theta| {
+                let (position, slope) = interpolant.position_at(contact, theta);
+                (before(position), -sign * slope)
+            },
             (0.0, start),
             (used, end),
             1e-13,

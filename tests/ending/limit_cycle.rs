@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use rayon::prelude::*;
-use stickslip::ending::{Evidence, Label, certified, simulate};
+use stickslip::ending::{Evidence, Label, certified, simulate, simulate_one_by_one};
 use stickslip::model::{Balancer, Case, Machine, Method, Simulation, Start};
 use stickslip::motion::{Motion, Settings, Tolerance};
 use stickslip::study::Study;
@@ -199,7 +199,8 @@ initial_conditions: {{design: {{latin_hypercube: {{samples: 64}}}}}}
     );
     let mut places = Vec::new();
     for case in cases(&text) {
-        let outcome = simulate(&case);
+        // By the same code as the motion below, so that bits can be compared.
+        let outcome = simulate_one_by_one(&case);
         let Some(cycle) = outcome.cycle.filter(|_| outcome.evidence == Evidence::ClosedOrbit)
         else {
             continue;

@@ -8,6 +8,7 @@ mod effort;
 mod extend;
 mod friction_laws;
 mod limit_cycle;
+mod lockstep;
 mod lyapunov;
 mod multipliers;
 pub mod reference;

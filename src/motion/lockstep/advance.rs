@@ -161,8 +161,7 @@ fn step<S: Simd, const N: usize>(
     }
     happened.round = round.to_bitmask();
     if displaced {
-        let moved =
-            carry(&g.equations, &g.displacement, length, &room.linearised, &mut room.rates);
+        let moved = carry(&g.equations, &g.displacement, length, &room.linearised, &mut room.rates);
         let mut size = c!(0.0);
         for i in 0..4 {
             g.displacement.table[i] = commits.select(moved.table[i], g.displacement.table[i]);
@@ -230,7 +229,7 @@ fn look<S: Simd, const N: usize>(
 ) -> Looked {
     let (start, end) = (g.conditions.lane(lane), found.lane(lane));
     let Some(own) = &mut g.lanes[lane] else { return Looked::Stands };
-    let verdict = judge(own.search.as_ref(), &start, length, &end);
+    let verdict = judge(own.search.as_ref(), own.width, &start, length, &end);
     own.search = None;
     g.searching &= !(1 << lane);
     match verdict {

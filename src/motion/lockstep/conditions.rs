@@ -91,8 +91,8 @@ pub(super) fn conditions<S: Simd, const N: usize>(
     let [_, _, x_ddot, y_ddot] = rate.table;
     // The rate of change of the table's absolute acceleration, but for what the rates of change of the
     // balls' accelerations add: their share is small, and slopes only lead to where to look.
-    let mut jerk_x = -x_dot - (equations.drag * x_ddot - equations.drag_speed * y_dot);
-    let mut jerk_y = -y_dot - (equations.drag * y_ddot + equations.drag_speed * x_dot);
+    // The balls' shares are summed apart, so that two balls exchanged give the same to the last bit.
+    let (mut balls_x, mut balls_y) = (zero, zero);
     for i in 0..N {
         let Force { sine, cosine, .. } = forces[i];
         let (speed, acceleration) = (state.speed[i], rate.speed[i]);
@@ -100,9 +100,11 @@ pub(super) fn conditions<S: Simd, const N: usize>(
         let w = equations.speed + speed;
         let along = ball.mass * (acceleration * w.mul_add_precise(two, speed));
         let across = ball.mass * (speed * (w * w));
-        jerk_x = jerk_x + (cosine * along - sine * across);
-        jerk_y = jerk_y + (sine * along + cosine * across);
+        balls_x = balls_x + (cosine * along - sine * across);
+        balls_y = balls_y + (sine * along + cosine * across);
     }
+    let jerk_x = balls_x - x_dot - (equations.drag * x_ddot - equations.drag_speed * y_dot);
+    let jerk_y = balls_y - y_dot - (equations.drag * y_ddot + equations.drag_speed * x_dot);
     let mut found = InLanes::met(simd);
     for i in 0..N {
         let Force { sine, cosine, normal, tangential } = forces[i];
@@ -127,10 +129,7 @@ pub(super) fn conditions<S: Simd, const N: usize>(
         let accelerates = transition.mul_add_precise(acceleration, watched.slack);
         found.values[i] = [
             stuck.select(reserve - tangential, speeds),
-            stuck.select(
-                reserve + tangential,
-                in_transition.select(accelerates, one),
-            ),
+            stuck.select(reserve + tangential, in_transition.select(accelerates, one)),
             normal,
         ];
         found.slopes[i] = [
@@ -157,8 +156,8 @@ pub(super) fn suspicious<S: Simd, const N: usize>(
         for which in 0..3 {
             let values = [start.values[ball][which], end.values[ball][which]];
             let least = values[0].min(values[1]);
-            let changes = [start.slopes[ball][which], end.slopes[ball][which]]
-                .map(|slope| slope * length);
+            let changes =
+                [start.slopes[ball][which], end.slopes[ball][which]].map(|slope| slope * length);
             let risen = (values[1] - values[0]) * three;
             let up = changes[0].simd_ge(zero);
             let (up_end, down_end) = (changes[1].simd_ge(zero), changes[1].simd_le(zero));
@@ -188,9 +187,8 @@ pub(super) fn of_one<const N: usize>(
     let drag = 2.0 * balancer.damping_ratio;
     let [x_dot, y_dot] = state.velocity;
     let [x_ddot, y_ddot] = rate.velocity;
-    let mut jerk_x = -x_dot - drag * (x_ddot - balancer.speed * y_dot);
-    let mut jerk_y = -y_dot - drag * (y_ddot + balancer.speed * x_dot);
     let trigonometry = state.beta.map(libm::sincos);
+    let (mut balls_x, mut balls_y) = (0.0, 0.0);
     for i in 0..N {
         let (sine, cosine) = trigonometry[i];
         let (speed, acceleration) = (state.beta_dot[i], rate.beta_dot[i]);
@@ -198,9 +196,11 @@ pub(super) fn of_one<const N: usize>(
         let w = balancer.speed + speed;
         let along = mass * (acceleration * (2.0 * w + speed));
         let across = mass * (speed * (w * w));
-        jerk_x += cosine * along - sine * across;
-        jerk_y += sine * along + cosine * across;
+        balls_x += cosine * along - sine * across;
+        balls_y += sine * along + cosine * across;
     }
+    let jerk_x = balls_x - x_dot - drag * (x_ddot - balancer.speed * y_dot);
+    let jerk_y = balls_y - y_dot - drag * (y_ddot + balancer.speed * x_dot);
     let mut found = Conditions { values: [[1.0; 3]; N], slopes: [[0.0; 3]; N] };
     for i in 0..N {
         let ball = &balancer.balls[i];
@@ -230,8 +230,8 @@ pub(super) fn of_one<const N: usize>(
             }
             Phase::Transition(direction) => {
                 let friction = ball.friction.slip(direction, speed);
-                let changing = ball.mobility
-                    * (tangential_rate - friction.signed_friction * normal_rate);
+                let changing =
+                    ball.mobility * (tangential_rate - friction.signed_friction * normal_rate);
                 (
                     [sign * speed + offset, transition * acceleration + slack, normal],
                     [sign * acceleration, transition * changing, normal_rate],

@@ -33,7 +33,8 @@ impl<S: Simd, const N: usize> Group<S, N> {
     pub(crate) fn displaced(&self, lane: usize) -> Displaced {
         let State { position, velocity, beta, beta_dot } = self.displacement.lane(lane);
         let square = |values: &[f64]| values.iter().map(|value| value * value).sum::<f64>();
-        let size = (square(&position) + square(&velocity) + square(&beta) + square(&beta_dot)).sqrt();
+        let size =
+            (square(&position) + square(&velocity) + square(&beta) + square(&beta_dot)).sqrt();
         let grazed = self.lanes[lane].as_ref().is_some_and(|own| own.grazed);
         Displaced { size, grazed }
     }

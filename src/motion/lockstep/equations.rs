@@ -200,8 +200,8 @@ impl<S: Simd, const N: usize> Equations<S, N> {
             let ball = &self.balls[i];
             let (s, c) = trigonometry[i];
             let speed = state.speed[i];
-            acceleration[i] = ball.mobility
-                * u[i].mul_add_precise(a_x, v[i].mul_add_precise(a_y, -held[i]));
+            acceleration[i] =
+                ball.mobility * u[i].mul_add_precise(a_x, v[i].mul_add_precise(a_y, -held[i]));
             // A ball that sticks keeps its angle, and what is left of its speed dies out.
             rate.angle[i] = ball.free * speed;
             rate.speed[i] = acceleration[i] + (rate.angle[i] - speed);
@@ -258,13 +258,12 @@ impl<S: Simd, const N: usize> Equations<S, N> {
             let w = self.speed + at.speed[i];
             u[i] = ball.friction.mul_add_precise(c, s);
             v[i] = ball.friction.mul_add_precise(s, -c);
-            let rolling = (ball.rolling_quadratic * two)
-                .mul_add_precise(at.speed[i], ball.rolling_linear);
+            let rolling =
+                (ball.rolling_quadratic * two).mul_add_precise(at.speed[i], ball.rolling_linear);
             let pressed = two.mul_add_precise(w, rolling);
             let held = ball.friction.mul_add_precise(pressed, ball.drag);
-            own[i] = u[i]
-                .mul_add_precise(a_y, -(v[i] * a_x))
-                .mul_add_precise(turned, -(held * speed));
+            own[i] =
+                u[i].mul_add_precise(a_y, -(v[i] * a_x)).mul_add_precise(turned, -(held * speed));
             let w_squared = w * w;
             let pulled = ball.mobile_mass * own[i];
             let acceleration = at.acceleration[i];

@@ -311,8 +311,9 @@ impl<S: Simd, const N: usize> Group<S, N> {
 
     /// Turns of balls, both ways, and switches since the start of the run.
     pub(crate) fn courses(&self, lane: usize) -> f64 {
-        let angle =
-            |ball: usize| self.turns[ball][lane] + self.state.angle[ball][lane] / std::f64::consts::TAU;
+        let angle = |ball: usize| {
+            self.turns[ball][lane] + self.state.angle[ball][lane] / std::f64::consts::TAU
+        };
         let turns: f64 = (0..N).map(|ball| angle(ball).abs()).sum();
         turns + self.lanes[lane].as_ref().map_or(0.0, |own| own.switches as f64)
     }
@@ -385,7 +386,8 @@ impl<S: Simd, const N: usize> Group<S, N> {
         let mut course = self.course(lane)?;
         let end = room.tried.end.lane(lane);
         for ball in 0..N {
-            let turns = ((end.beta[ball] - course.state.beta[ball]) / std::f64::consts::TAU).round();
+            let turns =
+                ((end.beta[ball] - course.state.beta[ball]) / std::f64::consts::TAU).round();
             course.turns[ball] -= turns as i64;
             course.state.beta[ball] = end.beta[ball];
         }

@@ -1,7 +1,7 @@
 //! One run of those in lockstep: what of it is not in vectors, and all of it when it is taken out.
 
 use super::conditions::of_one;
-use super::locate::{Conditions, Search};
+use super::locate::{Conditions, Search, width};
 use crate::model::{Balancer, Method, RestPoint, State};
 use crate::motion::contact::Phase;
 use crate::motion::driver::Motion;
@@ -15,6 +15,8 @@ pub(crate) struct Lane<const N: usize> {
     pub(crate) settings: Settings,
     pub(super) margins: Margins,
     pub(super) slow: f64,
+    /// How closely events are located.
+    pub(super) width: f64,
     pub(super) phases: [Phase; N],
     /// What the balls did in the latest step, if an event has ended it.
     pub(super) during: [Phase; N],
@@ -71,13 +73,18 @@ impl<const N: usize> Saved<N> {
         let margins = motion.margins();
         let (state, rate) = (*motion.state(), *motion.derivative());
         let phases = *motion.phases();
-        let conditions =
-            of_one(balancer, &phases, [margins.band, margins.slack], (&state, &rate, motion.forces()));
+        let conditions = of_one(
+            balancer,
+            &phases,
+            [margins.band, margins.slack],
+            (&state, &rate, motion.forces()),
+        );
         let lane = Lane {
             balancer: *balancer,
             settings,
             margins,
             slow: motion.slow(),
+            width: width(settings.tolerance.relative),
             phases,
             during: phases,
             last_switches: [0.0; N],
@@ -138,8 +145,6 @@ pub(super) fn next_phases<const N: usize>(
         Method::Switch => {
             crate::motion::switch_model::switch(&lane.balancer, lane.settings.band, state, phases)
         }
-        Method::Event => {
-            crate::motion::event_driven::switch(&lane.balancer, state, phases, None)
-        }
+        Method::Event => crate::motion::event_driven::switch(&lane.balancer, state, phases, None),
     }
 }

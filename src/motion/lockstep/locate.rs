@@ -9,11 +9,17 @@ pub(super) struct Conditions<const N: usize> {
     pub(super) slopes: [[f64; 3]; N],
 }
 
-/// An event is located when its condition is below zero by no more than this. It also keeps an event
-/// that is met to rounding only from being met twice.
-const WIDTH: f64 = 1e-11;
-/// Aim for the middle of that.
-const AIM: f64 = 0.5 * WIDTH;
+/// An event is located when its condition is below zero by no more than the width: a part of the relative
+/// tolerance, within these bounds. It also keeps an event that is met to rounding only from being met
+/// twice. The search aims for the middle of it.
+const WIDTH_OVER_TOLERANCE: f64 = 1e-3;
+const WIDTHS: (f64, f64) = (1e-12, 1e-9);
+
+/// The width within which events are located.
+pub(super) fn width(relative_tolerance: f64) -> f64 {
+    (WIDTH_OVER_TOLERANCE * relative_tolerance).clamp(WIDTHS.0, WIDTHS.1)
+}
+
 const MOST_TRIALS: u32 = 80;
 /// Trials that follow the curve; the others halve.
 const CURVED_TRIALS: u32 = 10;
@@ -43,10 +49,12 @@ pub(super) enum Verdict<const N: usize> {
 /// Judges a step of `length` from `start` to `end`.
 pub(super) fn judge<const N: usize>(
     search: Option<&Search<N>>,
+    width: f64,
     start: &Conditions<N>,
     length: f64,
     end: &Conditions<N>,
 ) -> Verdict<N> {
+    let aim = 0.5 * width;
     let fails = end.values.iter().flatten().any(|value| *value < 0.0);
     let (low, high, trials) = match search {
         None | Some(Search::Dip) => {
@@ -62,7 +70,7 @@ pub(super) fn judge<const N: usize>(
         Some(Search::Bracket { low, trials, .. }) if fails => (*low, (length, *end), *trials),
         Some(Search::Bracket { high, trials, .. }) => ((length, *end), *high, *trials),
     };
-    if fails && end.values.iter().flatten().all(|value| *value >= -WIDTH) {
+    if fails && end.values.iter().flatten().all(|value| *value >= -width) {
         return lowest(end);
     }
     if trials > MOST_TRIALS {
@@ -76,10 +84,10 @@ pub(super) fn judge<const N: usize>(
     let mut theta: f64 = 1.0;
     for ball in 0..N {
         for which in 0..3 {
-            let [from, to] = [low.1, high.1].map(|at| at.values[ball][which] + AIM);
+            let [from, to] = [low.1, high.1].map(|at| at.values[ball][which] + aim);
             if to < 0.0 {
                 let slopes = [low.1, high.1].map(|at| at.slopes[ball][which]);
-                match Cubic::new([from, to], slopes, span).fall() {
+                match Cubic::new([from, to], slopes, span).fall(aim) {
                     Some(fall) => theta = theta.min(fall),
                     None => return Verdict::GiveUp,
                 }
@@ -163,15 +171,15 @@ impl Cubic {
         (t > 1e-6 && t < 1.0 - 1e-6 && self.at(t) < 0.0).then_some(t)
     }
 
-    /// Where it first falls through zero, its end being below.
-    fn fall(&self) -> Option<f64> {
+    /// Where it first falls through zero, its end being below; a start up to `aim` counts as on it.
+    fn fall(&self, aim: f64) -> Option<f64> {
         const MOST_HALVINGS: u32 = 30;
         let (mut low, mut high) = (0.0, 1.0);
-        if self.0[0] <= AIM {
+        if self.0[0] <= aim {
             // It starts on the boundary. If it rises, the fall comes after; if not, at once.
             let rise = (1..MOST_HALVINGS)
                 .map(|halvings| 0.5_f64.powi(halvings as i32))
-                .find(|t| self.at(*t) > AIM.max(2.0 * self.0[0]));
+                .find(|t| self.at(*t) > aim.max(2.0 * self.0[0]));
             match rise {
                 Some(t) => (low, high) = (t, (2.0 * t).min(1.0)),
                 None if self.0[0] > 0.0 && self.0[1] < 0.0 => {
@@ -207,7 +215,7 @@ impl Cubic {
 
 #[cfg(test)]
 mod tests {
-    use super::{Conditions, Search, Verdict, judge};
+    use super::{Conditions, Search, Verdict, judge, width};
 
     /// Locates the fall of a function of time in a step of length 1 as the lanes do, in how many
     /// trials; `None` where the step stands.
@@ -219,7 +227,7 @@ mod tests {
         let (mut search, mut length, mut tried): (Option<Search<1>>, f64, u32) = (None, 1.0, 0);
         loop {
             tried += 1;
-            match judge(search.as_ref(), &at(0.0), length, &at(length)) {
+            match judge(search.as_ref(), width(1e-8), &at(0.0), length, &at(length)) {
                 Verdict::Commit if length == 1.0 => return None,
                 // A look at a dip showed nothing: the step goes on from there.
                 Verdict::Commit => return None,
