@@ -10,8 +10,7 @@ use super::balanced_family::distance_to_balance;
 use super::frictionless::{FrictionlessKind, frictionless_equilibria};
 use super::linearised::Stability;
 use super::rest_form::RestForm;
-use super::set_samples::{REPLICATES, sample};
-use super::tally::Tally;
+use super::set_samples::held_positions;
 use super::torus_distance::torus_distance;
 use crate::ending::{Label, Outcome};
 use crate::model::{Case, Machine};
@@ -87,15 +86,18 @@ impl StableEquilibria {
     pub fn median_of_even_spread(&self) -> Option<f64> {
         let balls = self.form.mass.len();
         let most = if balls > 2 { 256 } else { 4096 };
-        let positions = (0..1 << 12).flat_map(|index| {
-            (0..REPLICATES).map(move |replicate| sample(balls, replicate, index))
-        });
-        let mut distances = Tally::default();
-        for beta in positions.filter(|beta| self.form.at_rest(beta).in_set()).take(most) {
-            distances.add(self.nearest(&beta)?.distance_rad, 0);
-        }
-        distances.quantile(0.5)
+        let positions = held_positions(&self.form).take(most);
+        let distances = positions.map(|beta| Some(self.nearest(beta)?.distance_rad));
+        median(distances.collect::<Option<Vec<f64>>>()?)
     }
+}
+
+/// The value in the middle, or the mean of the two there; `None` of nothing.
+fn median(mut values: Vec<f64>) -> Option<f64> {
+    let last = values.len().checked_sub(1)?;
+    let (_, low, above) = values.select_nth_unstable_by(last / 2, f64::total_cmp);
+    let high = if last % 2 == 0 { None } else { above.iter().copied().reduce(f64::min) };
+    Some(high.map_or(*low, |high| *low + 0.5 * (high - *low)))
 }
 
 /// Finds the nearest for one run after the other, keeping what is known of the last machine: one for
