@@ -57,8 +57,8 @@ pub struct DensityBin {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Density {
     equilibria: u64,
-    /// Equilibria by ball and bins.
-    counts: BTreeMap<(usize, Vec<usize>), u64>,
+    /// Equilibria by ball and bins; of one angle the second bin is 0.
+    counts: BTreeMap<(usize, [usize; 2]), u64>,
     /// By ball.
     fine: BTreeMap<usize, FineCounts>,
 }
@@ -69,11 +69,11 @@ impl Density {
     pub fn add(&mut self, beta: &[f64], groups: &[Vec<usize>]) {
         self.equilibria += 1;
         match *beta {
-            [angle] => self.count(0, vec![bin(angle)], &[&[angle]]),
+            [angle] => self.count(0, [bin(angle), 0], &[&[angle]]),
             [a, b] if groups.len() == 1 => {
-                self.count(0, vec![bin(a), bin(b)], &[&[a, b], &[b, a]]);
+                self.count(0, [bin(a), bin(b)], &[&[a, b], &[b, a]]);
             }
-            [a, b] => self.count(0, vec![bin(a), bin(b)], &[&[a, b]]),
+            [a, b] => self.count(0, [bin(a), bin(b)], &[&[a, b]]),
             _ => {
                 for group in groups {
                     self.add_group(group, beta);
@@ -89,12 +89,12 @@ impl Density {
             let angle = beta[place];
             self.count_fine(ball, &[angle], false);
             if !std::mem::replace(&mut seen[bin(angle)], true) {
-                *self.counts.entry((ball, vec![bin(angle)])).or_default() += 1;
+                *self.counts.entry((ball, [bin(angle), 0])).or_default() += 1;
             }
         }
     }
 
-    fn count(&mut self, ball: usize, bins: Vec<usize>, positions: &[&[f64]]) {
+    fn count(&mut self, ball: usize, bins: [usize; 2], positions: &[&[f64]]) {
         *self.counts.entry((ball, bins)).or_default() += 1;
         let mirrored = positions.len() > 1;
         positions.iter().for_each(|position| self.count_fine(ball, position, mirrored));
@@ -109,14 +109,14 @@ impl Density {
     pub fn bins(&self) -> Vec<DensityBin> {
         let estimates: BTreeMap<usize, Estimate> =
             self.fine.iter().map(|(&ball, fine)| (ball, fine.estimate())).collect();
-        let row = |((ball, bins), &runs): (&(usize, Vec<usize>), &u64)| DensityBin {
-            ball: *ball,
-            bins: bins.clone(),
+        let row = |(&(ball, bins), &runs): (&(usize, [usize; 2]), &u64)| DensityBin {
+            ball,
+            bins: bins[..estimates[&ball].angles].to_vec(),
             runs,
             share: runs as f64 / self.equilibria as f64,
             interval: wilson(runs, self.equilibria, Z_95),
-            density: estimates[ball].at(bins),
-            kernel_width_rad: estimates[ball].width_rad,
+            density: estimates[&ball].at(&bins),
+            kernel_width_rad: estimates[&ball].width_rad,
         };
         self.counts.iter().map(row).collect()
     }

@@ -80,7 +80,8 @@ pub(super) struct Estimate {
     /// Rows of fine bins that are occupied, by the first angle where there are two, each with the sums
     /// of kernels along the last angle at the centres of bins.
     rows: Vec<(usize, [f64; BINS])>,
-    angles: usize,
+    /// How many angles a position has.
+    pub angles: usize,
 }
 
 impl Estimate {
@@ -92,8 +93,9 @@ impl Estimate {
         Estimate { width_rad, kernel, total, rows, angles }
     }
 
-    /// The density at the centre of a bin of each angle, 1/rad or 1/rad².
-    pub fn at(&self, bins: &[usize]) -> f64 {
+    /// The density at the centre of a bin of each angle, 1/rad or 1/rad²; of one angle the second bin
+    /// is not looked at.
+    pub fn at(&self, bins: &[usize; 2]) -> f64 {
         let last = bins[self.angles - 1];
         if self.angles == 1 {
             return self.rows.first().map_or(0.0, |(_, sums)| sums[last] / self.total);
