@@ -161,7 +161,8 @@ pub(super) fn is_held([x, y]: [f64; 2], [c, s]: [f64; 2], coefficient: f64) -> b
     let tangential = (y * c - x * s).abs();
     let limit = coefficient * normal;
     let nothing_needed = (tangential == 0.0) & (normal >= 0.0);
-    (limit > 0.0) & (tangential <= limit) | !(limit > 0.0) & nothing_needed
+    let within = (tangential <= limit) & (tangential < f64::INFINITY);
+    (limit > 0.0) & within | !(limit > 0.0) & nothing_needed
 }
 
 /// The larger of two numbers of which none is NaN.
