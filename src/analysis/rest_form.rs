@@ -162,7 +162,7 @@ pub(super) fn is_held([x, y]: [f64; 2], [c, s]: [f64; 2], coefficient: f64) -> b
     let limit = coefficient * normal;
     let nothing_needed = (tangential == 0.0) & (normal >= 0.0);
     let within = (tangential <= limit) & (tangential < f64::INFINITY);
-    (limit > 0.0) & within | !(limit > 0.0) & nothing_needed
+    (limit > 0.0) & within | nothing_needed
 }
 
 /// The larger of two numbers of which none is NaN.

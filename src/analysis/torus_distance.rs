@@ -21,12 +21,14 @@ pub(super) fn turn(from: f64, to: f64) -> f64 {
 }
 
 /// The root mean square over the balls of the angles between two positions, the least over all
-/// exchanges of balls within the groups of those that are alike, rad. The groups have every ball once;
-/// a machine has no more than [`MAX_BALLS`].
+/// exchanges of balls within the groups of those that are alike, rad. The groups have every ball once.
 ///
 /// Of a group only the cyclic shifts of both orders round the ring need be looked at: the cost
 /// of a way is convex, so that ways which cross are never shorter than those which do not (J. Delon,
 /// J. Salomon, A. Sobolevski, SIAM J. Appl. Math. 70 (2010) 2239, doi:10.1137/090772708).
+///
+/// # Panics
+/// For a group of more than [`MAX_BALLS`].
 pub fn torus_distance(beta: &[f64], other: &[f64], groups: &[Vec<usize>]) -> f64 {
     let squares: f64 = groups.iter().map(|group| least_squares(beta, other, group)).sum();
     (squares / beta.len() as f64).sqrt()
