@@ -14,11 +14,9 @@ pub fn groups_of_alike(balls: &[Ball]) -> Vec<Vec<usize>> {
 /// `beta` has one angle per ball.
 pub fn sorted_where_alike(beta: &[f64], balls: &[Ball]) -> Vec<f64> {
     let mut sorted = beta.to_vec();
-    for places in groups_of_alike(balls) {
-        let mut angles: Vec<f64> = places.iter().map(|&place| beta[place]).collect();
-        angles.sort_by(f64::total_cmp);
-        for (place, angle) in places.into_iter().zip(angles) {
-            sorted[place] = angle;
+    for (place, later) in (0..balls.len()).flat_map(|i| (i + 1..balls.len()).map(move |j| (i, j))) {
+        if balls[place] == balls[later] && sorted[later].total_cmp(&sorted[place]).is_lt() {
+            sorted.swap(place, later);
         }
     }
     sorted

@@ -13,7 +13,7 @@ use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
 use super::interval::{Z_95, wilson};
-use super::kernel_density::FineCounts;
+use super::kernel_density::{Estimate, FineCounts};
 
 /// Bins per angle.
 pub const BINS: usize = 36;
@@ -57,8 +57,8 @@ pub struct DensityBin {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Density {
     equilibria: u64,
-    /// Equilibria by ball and bins.
-    counts: BTreeMap<(usize, Vec<usize>), u64>,
+    /// Equilibria by ball and bins; of one angle the second bin is 0.
+    counts: BTreeMap<(usize, [usize; 2]), u64>,
     /// By ball.
     fine: BTreeMap<usize, FineCounts>,
 }
@@ -69,11 +69,11 @@ impl Density {
     pub fn add(&mut self, beta: &[f64], groups: &[Vec<usize>]) {
         self.equilibria += 1;
         match *beta {
-            [angle] => self.count(0, vec![bin(angle)], &[&[angle]]),
+            [angle] => self.count(0, [bin(angle), 0], &[&[angle]]),
             [a, b] if groups.len() == 1 => {
-                self.count(0, vec![bin(a), bin(b)], &[&[a, b], &[b, a]]);
+                self.count(0, [bin(a), bin(b)], &[&[a, b], &[b, a]]);
             }
-            [a, b] => self.count(0, vec![bin(a), bin(b)], &[&[a, b]]),
+            [a, b] => self.count(0, [bin(a), bin(b)], &[&[a, b]]),
             _ => {
                 for group in groups {
                     self.add_group(group, beta);
@@ -89,12 +89,12 @@ impl Density {
             let angle = beta[place];
             self.count_fine(ball, &[angle], false);
             if !std::mem::replace(&mut seen[bin(angle)], true) {
-                *self.counts.entry((ball, vec![bin(angle)])).or_default() += 1;
+                *self.counts.entry((ball, [bin(angle), 0])).or_default() += 1;
             }
         }
     }
 
-    fn count(&mut self, ball: usize, bins: Vec<usize>, positions: &[&[f64]]) {
+    fn count(&mut self, ball: usize, bins: [usize; 2], positions: &[&[f64]]) {
         *self.counts.entry((ball, bins)).or_default() += 1;
         let mirrored = positions.len() > 1;
         positions.iter().for_each(|position| self.count_fine(ball, position, mirrored));
@@ -107,19 +107,16 @@ impl Density {
 
     /// The bins in which balls came to rest, in ascending order.
     pub fn bins(&self) -> Vec<DensityBin> {
-        let estimate = |(&ball, fine): (&usize, &FineCounts)| {
-            let width = fine.width_rad();
-            (ball, (width, fine.density(width)))
-        };
-        let estimates: BTreeMap<usize, (f64, Vec<f64>)> = self.fine.iter().map(estimate).collect();
-        let row = |((ball, bins), &runs): (&(usize, Vec<usize>), &u64)| DensityBin {
-            ball: *ball,
-            bins: bins.clone(),
+        let estimates: BTreeMap<usize, Estimate> =
+            self.fine.iter().map(|(&ball, fine)| (ball, fine.estimate())).collect();
+        let row = |(&(ball, bins), &runs): (&(usize, [usize; 2]), &u64)| DensityBin {
+            ball,
+            bins: bins[..estimates[&ball].angles].to_vec(),
             runs,
             share: runs as f64 / self.equilibria as f64,
             interval: wilson(runs, self.equilibria, Z_95),
-            density: estimates[ball].1[bins.iter().fold(0, |place, bin| place * BINS + bin)],
-            kernel_width_rad: estimates[ball].0,
+            density: estimates[&ball].at(&bins),
+            kernel_width_rad: estimates[&ball].width_rad,
         };
         self.counts.iter().map(row).collect()
     }
@@ -170,7 +167,12 @@ mod tests {
                 }
                 for fine in density.fine.values() {
                     let width = TAU / BINS as f64;
-                    let all = fine.density(fine.width_rad()).iter().sum::<f64>()
+                    let estimate = fine.estimate();
+                    let bins: Vec<[usize; 2]> = match balls {
+                        2 => (0..BINS).flat_map(|i| (0..BINS).map(move |j| [i, j])).collect(),
+                        _ => (0..BINS).map(|i| [i, 0]).collect(),
+                    };
+                    let all = bins.iter().map(|bins| estimate.at(bins)).sum::<f64>()
                         * width.powi(if balls == 2 { 2 } else { 1 });
                     assert!((all - 1.0).abs() < 1e-6, "{balls} balls: {all}");
                 }
@@ -201,9 +203,9 @@ mod tests {
         };
         let forward = of(&mut positions.iter().cloned().map(sorted));
         assert_eq!(forward, of(&mut positions.iter().rev().cloned().map(sorted)));
-        let density = forward.fine[&0].density(0.2);
+        let density = forward.fine[&0].estimate();
         for (i, j) in (0..BINS).flat_map(|i| (0..BINS).map(move |j| (i, j))) {
-            let [one, other] = [density[i * BINS + j], density[j * BINS + i]];
+            let [one, other] = [density.at(&[i, j]), density.at(&[j, i])];
             assert!((one - other).abs() <= 1e-12 * one, "{i} {j}: {one} {other}");
         }
         assert!(forward.bins().iter().all(|row| row.bins[0] <= row.bins[1]));

@@ -192,9 +192,6 @@ impl Sampled {
 
 /// Points per axis for one ball, and for two.
 const SHARE_GRIDS: [usize; 2] = [16_384, 256];
-/// Samples per scramble for more balls.
-const SHARE_SAMPLES: u32 = 1024;
-
 /// The share of all ball positions that are equilibria, quickly and on the calling thread: on a
 /// grid of 16384 points for one ball, of 256 × 256 for two, at 16384 quasi-random points for more.
 /// Good to about 0.001 for one ball and two, and to 0.005 for more. `None` for a machine without
@@ -204,6 +201,5 @@ pub fn set_fraction(machine: &Machine) -> Option<f64> {
     if let Some(points) = SHARE_GRIDS.get(form.mass.len() - 1) {
         return Some(SetGrid::new(&form, *points)?.share());
     }
-    let share = |replicate| set_samples::share(&form, replicate, SHARE_SAMPLES);
-    Some((0..REPLICATES).map(share).sum::<f64>() / f64::from(REPLICATES))
+    Some(set_samples::share(&form))
 }

@@ -126,10 +126,12 @@ pub fn frictionless_equilibria(
 
 /// Where there is an equilibrium without friction.
 pub(super) struct Place {
-    kind: FrictionlessKind,
+    /// What it looks like.
+    pub kind: FrictionlessKind,
     /// Angle of each ball, in [0, 2π).
     pub beta: Vec<f64>,
-    family_dimension: usize,
+    /// Dimensions of the family that it belongs to.
+    pub family_dimension: usize,
 }
 
 /// All places at a speed other than 0, in the order of their kinds.

@@ -8,6 +8,7 @@
 //! run less likely than a thousandth of an even spread: one run far from all others decides nothing.
 
 use std::f64::consts::TAU;
+use std::sync::LazyLock;
 
 /// The standard deviations to choose from, rad.
 pub(super) const WIDTHS_RAD: [f64; 8] = [0.05, 0.07, 0.1, 0.14, 0.2, 0.28, 0.4, 0.56];
@@ -16,23 +17,33 @@ const CELLS: usize = 120;
 /// Of the greatest weight of a kernel, what is left out.
 const LEFT_OUT: f64 = 1e-9;
 
-/// The width for counts in fine bins of one angle, or of two (the last changing fastest); `mirrored`
-/// pairs are counted in both orders.
-pub(super) fn width_rad(fine: &[u64], angles: usize, mirrored: bool) -> f64 {
-    let per_angle = if angles == 1 { fine.len() } else { fine.len().isqrt() };
+/// The width for counts in fine bins, those of one angle or of two (the last changing fastest) in
+/// ascending order; `mirrored` pairs are counted in both orders.
+pub(super) fn width_rad(
+    fine: &[(usize, u64)],
+    per_angle: usize,
+    angles: usize,
+    mirrored: bool,
+) -> f64 {
+    static KERNELS: LazyLock<[Kernel; 8]> = LazyLock::new(|| WIDTHS_RAD.map(Kernel::new));
     let cell = |place: usize| place * CELLS / per_angle;
-    let mut counts = vec![0; CELLS.pow(angles as u32)];
-    for (place, &count) in fine.iter().enumerate().filter(|(_, count)| **count > 0) {
-        let index = match angles {
-            1 => cell(place),
-            _ => cell(place / per_angle) * CELLS + cell(place % per_angle),
-        };
-        counts[index] += count;
-    }
+    let mut cells: Vec<Occupied> = fine
+        .iter()
+        .map(|&(place, count)| {
+            let row = if angles == 1 { 0 } else { cell(place / per_angle) };
+            Occupied { row, column: cell(place % per_angle), count }
+        })
+        .collect();
+    cells.sort_unstable_by_key(|cell| (cell.row, cell.column));
+    cells.dedup_by(|next, kept| {
+        let same = (next.row, next.column) == (kept.row, kept.column);
+        kept.count += if same { next.count } else { 0 };
+        same
+    });
     // Where all are equally likely, the widest.
     let mut best = (f64::NEG_INFINITY, WIDTHS_RAD[WIDTHS_RAD.len() - 1]);
-    for width in WIDTHS_RAD.into_iter().rev() {
-        let likelihood = log_likelihood(&counts, angles, mirrored, width);
+    for (width, kernel) in WIDTHS_RAD.into_iter().zip(&*KERNELS).rev() {
+        let likelihood = log_likelihood(&cells, angles, mirrored, kernel);
         if likelihood > best.0 {
             best = (likelihood, width);
         }
@@ -40,66 +51,100 @@ pub(super) fn width_rad(fine: &[u64], angles: usize, mirrored: bool) -> f64 {
     best.1
 }
 
-/// The logarithm of the likelihood of all runs, each under the estimate without it.
-fn log_likelihood(counts: &[u64], angles: usize, mirrored: bool, width_rad: f64) -> f64 {
-    let kernel = kernel(width_rad);
+/// A cell that runs are in; of one angle the row is 0.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Occupied {
+    row: usize,
+    column: usize,
+    count: u64,
+}
+
+/// The logarithm of the likelihood of all runs, each under the estimate without it. The cells are
+/// those that are occupied, in ascending order: the estimate is needed nowhere else.
+fn log_likelihood(cells: &[Occupied], angles: usize, mirrored: bool, kernel: &Kernel) -> f64 {
     let own = if mirrored { 2 } else { 1 };
-    let others = counts.iter().sum::<u64>().saturating_sub(own) as f64;
-    let sums = match angles {
-        1 => round(&kernel, counts.iter().map(|&count| count as f64)),
-        _ => {
-            let rows = counts.chunks(CELLS);
-            let rows = rows.map(|row| round(&kernel, row.iter().map(|&count| count as f64)));
-            let rows: Vec<Vec<f64>> = rows.collect();
-            let columns =
-                (0..CELLS).map(|column| round(&kernel, rows.iter().map(|row| row[column])));
-            let columns: Vec<Vec<f64>> = columns.collect();
-            (0..CELLS * CELLS).map(|cell| columns[cell % CELLS][cell / CELLS]).collect()
-        }
-    };
+    let others = cells.iter().map(|cell| cell.count).sum::<u64>().saturating_sub(own) as f64;
     let floor = 1e-3 / TAU.powi(angles as i32);
+    let rows: Vec<&[Occupied]> = cells.chunk_by(|a, b| a.row == b.row).collect();
+    let smoothed: Vec<[f64; CELLS]> = rows.iter().map(|row| kernel.round(row)).collect();
     let mut sum = 0.0;
-    for (cell, &count) in counts.iter().enumerate().filter(|(_, count)| **count > 0) {
-        let (first, second) = (cell / CELLS, cell % CELLS);
-        let mut itself = kernel[0].powi(angles as i32);
-        if mirrored {
-            itself += kernel[first.abs_diff(second)].powi(2);
+    let mut estimates = [0.0; CELLS];
+    for (at, row) in rows.iter().enumerate() {
+        let estimates = &mut estimates[..row.len()];
+        if angles == 1 {
+            estimates.iter_mut().zip(*row).for_each(|(sum, cell)| *sum = smoothed[at][cell.column]);
+        } else {
+            estimates.fill(0.0);
+            for (other, smoothed) in rows.iter().zip(&smoothed) {
+                let weight = kernel.between(other[0].row, row[0].row);
+                if weight > 0.0 {
+                    let pairs = estimates.iter_mut().zip(*row);
+                    pairs.for_each(|(sum, cell)| *sum += smoothed[cell.column] * weight);
+                }
+            }
         }
-        let density = if others > 0.0 { (sums[cell] - itself) / others } else { 0.0 };
-        sum += count as f64 * libm::log(density.max(floor));
+        for (estimate, cell) in estimates.iter().zip(*row) {
+            let mut itself = kernel.apart[0].powi(angles as i32);
+            if mirrored {
+                itself += kernel.apart[cell.row.abs_diff(cell.column)].powi(2);
+            }
+            let density = if others > 0.0 { (estimate - itself) / others } else { 0.0 };
+            sum += cell.count as f64 * libm::log(density.max(floor));
+        }
     }
     sum
 }
 
-/// The von Mises density between cells so many apart.
-fn kernel(width_rad: f64) -> Vec<f64> {
-    let concentration = 1.0 / (width_rad * width_rad);
-    let step = TAU / CELLS as f64;
-    let weight = |apart: usize| libm::exp(concentration * (libm::cos(step * apart as f64) - 1.0));
-    let whole: f64 = (0..CELLS).map(|apart| weight(apart) * step).sum();
-    (0..CELLS).map(|apart| weight(apart) / whole).collect()
+/// A kernel round a circle of cells.
+struct Kernel {
+    /// The von Mises density between cells so many apart.
+    apart: [f64; CELLS],
+    /// The same from `CELLS` cells before to as many after, without what is left out.
+    about: [f64; 2 * CELLS],
 }
 
-/// Sums of kernels about cells round a circle, at each cell.
-fn round(kernel: &[f64], counts: impl Iterator<Item = f64>) -> Vec<f64> {
-    let reach = kernel.iter().take(CELLS / 2).take_while(|weight| **weight > LEFT_OUT * kernel[0]);
-    let reach = reach.count();
-    let mut sums = vec![0.0; CELLS];
-    for (cell, count) in counts.enumerate().filter(|(_, count)| *count > 0.0) {
-        sums[cell] += count * kernel[0];
-        for apart in 1..reach {
-            let weight = count * kernel[apart];
-            sums[(cell + apart) % CELLS] += weight;
-            sums[(cell + CELLS - apart) % CELLS] += weight;
-        }
+impl Kernel {
+    fn new(width_rad: f64) -> Self {
+        let concentration = 1.0 / (width_rad * width_rad);
+        let step = TAU / CELLS as f64;
+        let weight =
+            |apart: usize| libm::exp(concentration * (libm::cos(step * apart as f64) - 1.0));
+        let whole: f64 = (0..CELLS).map(|apart| weight(apart) * step).sum();
+        let apart = std::array::from_fn(|apart| weight(apart) / whole);
+        let far = apart[..CELLS / 2].iter().position(|weight| *weight <= LEFT_OUT * apart[0]);
+        let reach = far.unwrap_or(CELLS / 2);
+        let about = std::array::from_fn(|place| {
+            let way = place % CELLS;
+            let way = way.min(CELLS - way);
+            if way < reach { apart[way] } else { 0.0 }
+        });
+        Kernel { apart, about }
     }
-    sums
+
+    fn between(&self, from: usize, to: usize) -> f64 {
+        self.about[CELLS + to - from]
+    }
+
+    /// Sums of kernels about the cells of a row, at each cell.
+    fn round(&self, row: &[Occupied]) -> [f64; CELLS] {
+        let mut sums = [0.0; CELLS];
+        for cell in row {
+            let count = cell.count as f64;
+            let weights = &self.about[CELLS - cell.column..][..CELLS];
+            sums.iter_mut().zip(weights).for_each(|(sum, weight)| *sum += count * weight);
+        }
+        sums
+    }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{CELLS, WIDTHS_RAD, kernel, log_likelihood, width_rad};
+    use super::{CELLS, Kernel, Occupied, WIDTHS_RAD, log_likelihood, width_rad};
     use crate::analysis::draws::Draws;
+
+    fn sparse(counts: &[u64]) -> Vec<(usize, u64)> {
+        counts.iter().copied().enumerate().filter(|(_, count)| *count > 0).collect()
+    }
 
     /// Against the definition, run by run, for one angle, two, and two that are alike.
     #[test]
@@ -119,8 +164,8 @@ mod tests {
                 places(run).into_iter().for_each(|place| counts[place] += 1);
             }
             for width in WIDTHS_RAD {
-                let kernel = kernel(width);
-                let apart = |a: usize, b: usize| kernel[a.abs_diff(b)];
+                let kernel = Kernel::new(width);
+                let apart = |a: usize, b: usize| kernel.apart[a.abs_diff(b)];
                 let between = |a: usize, b: usize| match angles {
                     1 => apart(a, b),
                     _ => apart(a / CELLS, b / CELLS) * apart(a % CELLS, b % CELLS),
@@ -136,7 +181,12 @@ mod tests {
                         expected += (sum / others.len() as f64).max(floor).ln();
                     }
                 }
-                let found = log_likelihood(&counts, angles, mirrored, width);
+                let occupied = |&(cell, count): &(usize, u64)| {
+                    let (row, column) = (cell / CELLS, cell % CELLS);
+                    Occupied { row, column, count }
+                };
+                let cells: Vec<Occupied> = sparse(&counts).iter().map(occupied).collect();
+                let found = log_likelihood(&cells, angles, mirrored, &kernel);
                 assert!((found / expected - 1.0).abs() < 1e-6, "{angles} {width}: {found}");
             }
         }
@@ -156,12 +206,12 @@ mod tests {
                 });
                 fine[a * 360 + b] += 1;
             }
-            width_rad(&fine, 2, false)
+            width_rad(&sparse(&fine), 360, 2, false)
         };
         assert_eq!(width(2000.0), 0.05);
         assert!((0.14..=0.4).contains(&width(4.0)));
         assert!(width(0.01) >= 0.4);
-        assert_eq!(width_rad(&[0; 360], 1, false), 0.56);
-        assert_eq!(width_rad(&[1; 1], 1, false), 0.56);
+        assert_eq!(width_rad(&[], 360, 1, false), 0.56);
+        assert_eq!(width_rad(&[(0, 1)], 360, 1, false), 0.56);
     }
 }

@@ -7,11 +7,10 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use super::alike::groups_of_alike;
 use super::balanced_family::distance_to_balance;
-use super::frictionless::{FrictionlessKind, frictionless_equilibria};
-use super::linearised::Stability;
+use super::frictionless::{FrictionlessKind, Place, frictionless_equilibria, places};
+use super::linearised::{SmallMotions, Stability};
 use super::rest_form::RestForm;
-use super::set_samples::{REPLICATES, sample};
-use super::tally::Tally;
+use super::set_samples::held_positions;
 use super::torus_distance::torus_distance;
 use crate::ending::{Label, Outcome};
 use crate::model::{Case, Machine};
@@ -36,11 +35,11 @@ pub struct Nearest {
 pub struct StableEquilibria {
     form: RestForm,
     groups: Vec<Vec<usize>>,
-    places: Vec<(FrictionlessKind, Place)>,
+    places: Vec<(FrictionlessKind, Rests)>,
 }
 
 #[derive(Clone, Debug, PartialEq)]
-enum Place {
+enum Rests {
     At(Vec<f64>),
     /// All balanced positions of three balls, stable where the one looked at is.
     Balanced,
@@ -60,8 +59,8 @@ impl StableEquilibria {
                 Stability::Unstable | Stability::Marginal => continue,
             }
             let place = match (equilibrium.family_dimension, form.mass.len()) {
-                (0, _) => Place::At(equilibrium.beta_rad?),
-                (_, 3) => Place::Balanced,
+                (0, _) => Rests::At(equilibrium.beta_rad?),
+                (_, 3) => Rests::Balanced,
                 _ => return None,
             };
             places.push((equilibrium.kind, place));
@@ -74,8 +73,8 @@ impl StableEquilibria {
     pub fn nearest(&self, beta: &[f64]) -> Option<Nearest> {
         let all = self.places.iter().filter_map(|(kind, place)| {
             let distance_rad = match place {
-                Place::At(other) => torus_distance(beta, other, &self.groups),
-                Place::Balanced => distance_to_balance(&self.form, beta)?,
+                Rests::At(other) => torus_distance(beta, other, &self.groups),
+                Rests::Balanced => distance_to_balance(&self.form, beta)?,
             };
             Some(Nearest { kind: *kind, distance_rad })
         });
@@ -87,15 +86,46 @@ impl StableEquilibria {
     pub fn median_of_even_spread(&self) -> Option<f64> {
         let balls = self.form.mass.len();
         let most = if balls > 2 { 256 } else { 4096 };
-        let positions = (0..1 << 12).flat_map(|index| {
-            (0..REPLICATES).map(move |replicate| sample(balls, replicate, index))
-        });
-        let mut distances = Tally::default();
-        for beta in positions.filter(|beta| self.form.at_rest(beta).in_set()).take(most) {
-            distances.add(self.nearest(&beta)?.distance_rad, 0);
-        }
-        distances.quantile(0.5)
+        let positions = held_positions(&self.form).take(most);
+        let distances = positions.map(|beta| Some(self.nearest(beta)?.distance_rad));
+        median(distances.collect::<Option<Vec<f64>>>()?)
     }
+}
+
+/// The value in the middle, or the mean of the two there; `None` of nothing.
+fn median(mut values: Vec<f64>) -> Option<f64> {
+    let last = values.len().checked_sub(1)?;
+    let (_, low, above) = values.select_nth_unstable_by(last / 2, f64::total_cmp);
+    let high = if last % 2 == 0 { None } else { above.iter().copied().reduce(f64::min) };
+    Some(high.map_or(*low, |high| *low + 0.5 * (high - *low)))
+}
+
+/// The same as [`StableEquilibria::nearest`], for a single position of a machine with up to three balls:
+/// whether an equilibrium is stable is asked from the nearest on, until one is. (Of so few balls that is
+/// always known. Of four that differ it may not be, and then nothing is said of any.)
+fn nearest_of_one(machine: &Machine, beta: &[f64], groups: &[Vec<usize>]) -> Option<Nearest> {
+    let form = RestForm::new(machine)?;
+    if form.speed == 0.0 {
+        return None;
+    }
+    let of_place = |place: Place| {
+        let distance_rad = match place.family_dimension {
+            0 => torus_distance(beta, &place.beta, groups),
+            _ => distance_to_balance(&form, beta)?,
+        };
+        Some((distance_rad, place))
+    };
+    let mut all: Vec<(f64, Place)> = places(&form).into_iter().filter_map(of_place).collect();
+    all.sort_by(|(a, _), (b, _)| a.total_cmp(b));
+    for (distance_rad, place) in all {
+        let Place { kind, beta, family_dimension } = place;
+        match SmallMotions::about(&form, &beta, HIGH_DRAG, family_dimension).stability {
+            Stability::Stable => return Some(Nearest { kind, distance_rad }),
+            Stability::Unknown => return None,
+            Stability::Unstable | Stability::Marginal => {}
+        }
+    }
+    None
 }
 
 /// Finds the nearest for one run after the other, keeping what is known of the last machine: one for
@@ -125,10 +155,14 @@ impl NearestFinder {
         }
         let beta = outcome.position.as_ref()?;
         let machine = case.model.ball_balancer()?;
-        let groups = groups_of_alike(&machine.balls);
-        let ways: usize = groups.iter().map(|group| group.len() + 1).product();
-        if self.drawn && ways > MOST_WAYS {
-            return None;
+        if self.drawn {
+            let groups = groups_of_alike(&machine.balls);
+            let ways: usize = groups.iter().map(|group| group.len() + 1).product();
+            return match (ways <= MOST_WAYS, beta.len()) {
+                (true, ..=3) => nearest_of_one(machine, beta, &groups),
+                (true, _) => StableEquilibria::of(machine)?.nearest(beta),
+                (false, _) => None,
+            };
         }
         self.of(machine).as_ref().as_ref()?.nearest(beta)
     }
@@ -152,7 +186,7 @@ impl NearestFinder {
 mod tests {
     use std::f64::consts::TAU;
 
-    use super::{HIGH_DRAG, NearestFinder, StableEquilibria};
+    use super::{HIGH_DRAG, NearestFinder, StableEquilibria, groups_of_alike, nearest_of_one};
     use crate::analysis::draws::Draws;
     use crate::analysis::{FrictionlessKind, Stability, frictionless_equilibria};
     use crate::ending::{Evidence, Outcome};
@@ -234,6 +268,29 @@ mod tests {
                 }
             }
         }
+    }
+
+    /// Of random machines, at random places, the nearest found by itself is that of all.
+    #[test]
+    fn the_nearest_alone_is_the_nearest_of_all() {
+        let mut draws = Draws::new(77);
+        let mut found = [0; 2];
+        for round in 0..600 {
+            let balls = 1 + round % 3;
+            let alike = draws.uniform() < 0.3;
+            let masses: Vec<f64> = (0..balls)
+                .map(|_| 1.4e-4 * if alike { 1.0 } else { 0.5 + draws.uniform() })
+                .collect();
+            // Every other one near the natural frequency, where nothing may be stable.
+            let speeds = if round % 2 == 0 { [-120.0, -280.0] } else { [-179.0, -183.0] };
+            let machine = machine(speeds[0] + (speeds[1] - speeds[0]) * draws.uniform(), &masses);
+            let beta: Vec<f64> = (0..balls).map(|_| TAU * draws.uniform()).collect();
+            let all = StableEquilibria::of(&machine).and_then(|all| all.nearest(&beta));
+            let groups = groups_of_alike(&machine.balls);
+            assert_eq!(nearest_of_one(&machine, &beta, &groups), all, "{machine:?} {beta:?}");
+            found[usize::from(all.is_some())] += 1;
+        }
+        assert!(found.iter().all(|&count| count > 50), "{found:?}");
     }
 
     /// What has been kept of another machine changes nothing; machines that take long are left out

@@ -12,7 +12,7 @@ use super::stratified::Cells;
 use super::survival::SurvivalCurve;
 use super::tally::Tally;
 use crate::ending::{Label, Outcome};
-use crate::model::Case;
+use crate::model::{Ball, Case};
 
 /// Runs per label, in the order of [`Label::ALL`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -104,6 +104,8 @@ pub struct PointAccumulator {
     /// Distances from the nearest equilibrium without friction, rad (kind 0).
     distances: Tally,
     density: Density,
+    /// The balls of the last equilibrium, and which of them are alike.
+    alike: (Vec<Ball>, Vec<Vec<usize>>),
 }
 
 /// What is known of one point.
@@ -169,7 +171,10 @@ impl PointAccumulator {
         if let (Label::Equilibrium, Some(machine), Some(beta)) = (label, machine, &outcome.position)
         {
             let balls = &machine.balls;
-            self.density.add(&sorted_where_alike(beta, balls), &groups_of_alike(balls));
+            if self.alike.0 != *balls {
+                self.alike = (balls.clone(), groups_of_alike(balls));
+            }
+            self.density.add(&sorted_where_alike(beta, balls), &self.alike.1);
         }
     }
 

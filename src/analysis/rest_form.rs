@@ -94,7 +94,11 @@ impl RestForm {
     /// The imbalance that the table feels with the balls at `beta`, one angle per ball:
     /// `F = m_I e + Σ m e^{iβ}` (thesis equations 5.3, 5.4).
     pub fn imbalance_at(&self, beta: &[f64]) -> Complex<f64> {
-        let balls = self.mass.iter().zip(beta).map(|(&mass, &beta)| direction(beta) * mass);
+        self.imbalance_of(beta.iter().map(|&beta| direction(beta)))
+    }
+
+    fn imbalance_of(&self, directions: impl Iterator<Item = Complex<f64>>) -> Complex<f64> {
+        let balls = self.mass.iter().zip(directions).map(|(&mass, direction)| direction * mass);
         Complex::from(self.imbalance) + balls.sum::<Complex<f64>>()
     }
 
@@ -114,6 +118,16 @@ impl RestForm {
             friction_used = larger(friction_used, used);
         }
         AtRest { amplitude_m: z.norm() * self.ring_radius_m, required_friction, friction_used }
+    }
+
+    /// Whether the balls can rest in these directions, `e^{iβ}` of each: the same as
+    /// [`RestForm::at_rest`] says, and no more.
+    pub(super) fn holds(&self, directions: &[Complex<f64>]) -> bool {
+        let z = self.transfer * self.imbalance_of(directions.iter().copied());
+        let balls = directions.iter().zip(&self.friction_coefficient);
+        balls.fold(true, |held, (e, &coefficient)| {
+            held & is_held([z.re, z.im], [e.re, e.im], coefficient)
+        })
     }
 }
 
@@ -139,8 +153,60 @@ pub(super) fn holding([x, y]: [f64; 2], [c, s]: [f64; 2], coefficient: f64) -> (
     (required, used)
 }
 
+/// Whether the part of its limit that [`holding`] takes is at most 1, without a division: a quotient of
+/// two positive numbers is rounded to more than 1 wherever the first is the greater.
+#[inline]
+pub(super) fn is_held([x, y]: [f64; 2], [c, s]: [f64; 2], coefficient: f64) -> bool {
+    let normal = 1.0 + (x * c + y * s);
+    let tangential = (y * c - x * s).abs();
+    let limit = coefficient * normal;
+    let nothing_needed = (tangential == 0.0) & (normal >= 0.0);
+    let within = (tangential <= limit) & (tangential < f64::INFINITY);
+    (limit > 0.0) & within | nothing_needed
+}
+
 /// The larger of two numbers of which none is NaN.
 #[inline]
 pub(super) fn larger(a: f64, b: f64) -> f64 {
     if b > a { b } else { a }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{holding, is_held};
+    use crate::analysis::draws::Draws;
+
+    /// With and without the division, on and beside the edge and where nothing is a number.
+    #[test]
+    fn held_where_no_more_than_the_limit_is_taken() {
+        let mut draws = Draws::new(8);
+        let (mut held, mut seen) = (0, 0);
+        let mut same = |z: [f64; 2], e: [f64; 2], coefficient: f64| {
+            let (_, used) = holding(z, e, coefficient);
+            assert_eq!(is_held(z, e, coefficient), used <= 1.0, "{z:?} {e:?} {coefficient}");
+            held += u32::from(used <= 1.0);
+            seen += 1;
+        };
+        for _ in 0..20_000 {
+            let z = [0, 1].map(|_| 3.0 * draws.uniform() - 1.5);
+            let (s, c) = libm::sincos(std::f64::consts::TAU * draws.uniform());
+            let normal = 1.0 + (z[0] * c + z[1] * s);
+            // The coefficient at which the limit is just reached, and its neighbours.
+            let edge = (z[1] * c - z[0] * s).abs() / normal;
+            for coefficient in [draws.uniform(), edge, edge.next_up(), edge.next_down(), 0.0] {
+                same(z, [c, s], coefficient.max(0.0));
+            }
+        }
+        let special = [0.0, -0.0, 1.0, -1.0, f64::NAN, f64::INFINITY, f64::MIN_POSITIVE, 5e-324];
+        for [x, y, coefficient] in special
+            .into_iter()
+            .flat_map(|x| special.map(|y| special.map(|coefficient| [x, y, coefficient])))
+            .flatten()
+        {
+            for e in [[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.6, 0.8]] {
+                same([x, y], e, coefficient);
+            }
+        }
+        assert!(held > seen / 10 && held < seen - seen / 10, "{held} of {seen}");
+    }
 }

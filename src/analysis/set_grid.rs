@@ -5,10 +5,11 @@
 //! multiplications per point and turns into vector instructions.
 
 use std::f64::consts::TAU;
+use std::ops::Range;
 
 use rayon::prelude::*;
 
-use super::rest_form::{AtRest, RestForm, direction, holding, larger};
+use super::rest_form::{AtRest, RestForm, direction, holding, is_held, larger};
 use super::set_parts::{Run, SetRuns};
 
 /// A grid over the angles of one ball or two.
@@ -149,12 +150,44 @@ impl<'a> SetGrid<'a> {
 
     /// The share of the grid's points that are in the set, on the calling thread.
     pub fn share(&self) -> f64 {
-        let mut values = GridRow::default();
-        let inside = (0..self.rows()).map(|row| {
-            self.fill(row, &mut values);
-            values.used.iter().filter(|used| **used <= 1.0).count() as u64
+        let inside = match &self.push[..] {
+            [_, _] if self.form.balls[0] == self.form.balls[1] => {
+                // Exchanging the balls gives the same bits: half of the grid is enough.
+                let half = (0..self.rows()).map(|row| {
+                    2 * self.count(row, row + 1..self.points) + self.count(row, row..row + 1)
+                });
+                half.sum::<u64>()
+            }
+            _ => (0..self.rows()).map(|row| self.count(row, 0..self.points)).sum(),
+        };
+        inside as f64 / self.size() as f64
+    }
+
+    /// How many points of some columns of a row are in the set.
+    fn count(&self, row: usize, columns: Range<usize>) -> u64 {
+        let imbalance = self.form.transfer * self.form.imbalance;
+        let last = self.push.len() - 1; // at least one ball, see `RestForm::new`
+        let coefficient = self.form.friction_coefficient[last];
+        let [push_x, push_y] = &self.push[last];
+        let (push_x, push_y) = (&push_x[columns.clone()], &push_y[columns.clone()]);
+        let (cosine, sine) = (&self.cosine[columns.clone()], &self.sine[columns]);
+        let directions = cosine.iter().zip(sine).map(|(&c, &s)| [c, s]);
+        let points = push_x.iter().zip(push_y).zip(directions);
+        if last == 0 {
+            let held = points.map(|((push_x, push_y), direction)| {
+                let z = [imbalance.re + push_x, imbalance.im + push_y];
+                u64::from(is_held(z, direction, coefficient))
+            });
+            return held.sum();
+        }
+        let [first_x, first_y] = [self.push[0][0][row], self.push[0][1][row]];
+        let first = [self.cosine[row], self.sine[row]];
+        let of_first = self.form.friction_coefficient[0];
+        let held = points.map(|((push_x, push_y), direction)| {
+            let z = [imbalance.re + (first_x + push_x), imbalance.im + (first_y + push_y)];
+            u64::from(is_held(z, direction, coefficient) & is_held(z, first, of_first))
         });
-        inside.sum::<u64>() as f64 / self.size() as f64
+        held.sum()
     }
 
     /// The whole set, over the threads of the pool that this is called in.

@@ -4,11 +4,14 @@
 //! several independent scrambles: each gives an unbiased share, and their scatter an interval.
 
 use std::f64::consts::TAU;
+use std::sync::OnceLock;
 
+use nalgebra::Complex;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
 use super::interval::{Z_95, wilson};
-use super::rest_form::RestForm;
+use super::rest_form::{RestForm, direction};
+use crate::model::MAX_BALLS;
 
 /// Independent scrambles.
 pub const REPLICATES: u32 = 16;
@@ -19,12 +22,55 @@ pub fn sample(balls: usize, replicate: u32, index: u32) -> Vec<f64> {
     (0..balls as u32).map(angle).collect()
 }
 
-/// The share of one scramble's samples that are in the set, on the calling thread.
-pub fn share(form: &RestForm, replicate: u32, samples: u32) -> f64 {
-    let balls = form.mass.len();
-    let inside =
-        (0..samples).filter(|&i| form.at_rest(&sample(balls, replicate, i)).in_set()).count();
-    inside as f64 / f64::from(samples.max(1))
+/// Samples per scramble in a block.
+const BLOCK: u32 = 256;
+/// Blocks in all: 65,536 positions.
+const BLOCKS: usize = 16;
+
+/// Positions of the balls, with their directions, which are the same for every machine.
+struct Block {
+    beta: Vec<f64>,
+    directions: Vec<Complex<f64>>,
+}
+
+impl Block {
+    fn new(balls: usize, number: usize) -> Self {
+        let first = number as u32 * BLOCK;
+        let places =
+            (first..first + BLOCK).flat_map(|index| (0..REPLICATES).map(move |r| (r, index)));
+        let beta: Vec<f64> =
+            places.flat_map(|(replicate, index)| sample(balls, replicate, index)).collect();
+        let directions = beta.iter().map(|&beta| direction(beta)).collect();
+        Block { beta, directions }
+    }
+
+    /// Computed when it is first asked for, and kept: a sweep looks at the same positions of one
+    /// machine after another. All blocks take 1.5 MB per ball.
+    fn of(balls: usize, number: usize) -> &'static Self {
+        static KEPT: [[OnceLock<Block>; BLOCKS]; MAX_BALLS] =
+            [const { [const { OnceLock::new() }; BLOCKS] }; MAX_BALLS];
+        KEPT[balls - 1][number].get_or_init(|| Self::new(balls, number))
+    }
+
+    /// The angles of those positions at which the balls can rest.
+    fn held<'a>(&'a self, form: &'a RestForm) -> impl Iterator<Item = &'a [f64]> {
+        let balls = form.mass.len();
+        let positions = self.beta.chunks_exact(balls).zip(self.directions.chunks_exact(balls));
+        positions.filter(|(_, directions)| form.holds(directions)).map(|(beta, _)| beta)
+    }
+}
+
+/// Of the first 65,536 samples, the first ones of all scrambles first, those in the set: the angles of
+/// each ball, rad.
+pub fn held_positions(form: &RestForm) -> impl Iterator<Item = &[f64]> {
+    (0..BLOCKS).flat_map(|number| Block::of(form.mass.len(), number).held(form))
+}
+
+/// The share of the first 16,384 of them that are in the set.
+pub fn share(form: &RestForm) -> f64 {
+    let blocks = 4;
+    let held = |number| Block::of(form.mass.len(), number).held(form).count();
+    (0..blocks).map(held).sum::<usize>() as f64 / (blocks as u32 * BLOCK * REPLICATES) as f64
 }
 
 /// Mean and 95 % interval from the shares of independent scrambles of `samples` each: Student's t.
@@ -46,7 +92,29 @@ pub fn share_with_interval(shares: &[f64], samples: u32) -> (f64, (f64, f64)) {
 
 #[cfg(test)]
 mod tests {
-    use super::share_with_interval;
+    use super::{REPLICATES, held_positions, sample, share, share_with_interval};
+    use crate::analysis::RestForm;
+    use crate::model::{Ball, Machine};
+
+    /// What is kept are the samples that all machines are looked at in, in their order.
+    #[test]
+    fn kept_positions_are_the_samples() {
+        for (balls, friction_coefficient) in [(1, 2.75e-3), (2, 2.75e-4), (3, 2.75e-3), (3, 0.0)] {
+            let ball = Ball { friction_coefficient, ..Ball::default() };
+            let machine = Machine { balls: vec![ball; balls], ..Machine::default() };
+            let form = RestForm::new(&machine).unwrap();
+            let all = (0..4096).flat_map(|index| {
+                (0..REPLICATES).map(move |replicate| sample(balls, replicate, index))
+            });
+            let inside: Vec<(usize, Vec<f64>)> =
+                all.enumerate().filter(|(_, beta)| form.at_rest(beta).in_set()).collect();
+            let found: Vec<&[f64]> = held_positions(&form).collect();
+            assert!(inside.iter().map(|(_, beta)| beta).eq(&found));
+            assert_eq!(found.is_empty(), friction_coefficient == 0.0);
+            let first = inside.iter().filter(|(place, _)| *place < 16_384).count();
+            assert_eq!(share(&form), first as f64 / 16_384.0);
+        }
+    }
 
     /// Student's t for 15 degrees of freedom is 2.131450 in every table.
     #[test]

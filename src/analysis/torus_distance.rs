@@ -3,9 +3,20 @@
 
 use std::f64::consts::{PI, TAU};
 
+use crate::model::MAX_BALLS;
+
+/// An angle in [0, 2π): what `rem_euclid` gives, without a division where there is nothing to divide.
+fn wrapped(angle: f64) -> f64 {
+    if angle.abs() < TAU {
+        if angle < 0.0 { angle + TAU } else { angle }
+    } else {
+        angle.rem_euclid(TAU)
+    }
+}
+
 /// The way from one angle to another, in (-π, π].
 pub(super) fn turn(from: f64, to: f64) -> f64 {
-    let way = (to - from).rem_euclid(TAU);
+    let way = wrapped(to - from);
     if way > PI { way - TAU } else { way }
 }
 
@@ -15,23 +26,31 @@ pub(super) fn turn(from: f64, to: f64) -> f64 {
 /// Of a group only the cyclic shifts of both orders round the ring need be looked at: the cost
 /// of a way is convex, so that ways which cross are never shorter than those which do not (J. Delon,
 /// J. Salomon, A. Sobolevski, SIAM J. Appl. Math. 70 (2010) 2239, doi:10.1137/090772708).
+///
+/// # Panics
+/// For a group of more than [`MAX_BALLS`].
 pub fn torus_distance(beta: &[f64], other: &[f64], groups: &[Vec<usize>]) -> f64 {
     let squares: f64 = groups.iter().map(|group| least_squares(beta, other, group)).sum();
     (squares / beta.len() as f64).sqrt()
 }
 
 fn least_squares(beta: &[f64], other: &[f64], group: &[usize]) -> f64 {
+    if let [ball] = *group {
+        return turn(wrapped(beta[ball]), wrapped(other[ball])).powi(2);
+    }
+    let balls = group.len();
     let in_order = |angles: &[f64]| {
-        let mut sorted: Vec<f64> = group.iter().map(|&ball| angles[ball].rem_euclid(TAU)).collect();
-        sorted.sort_by(f64::total_cmp);
+        let mut sorted = [0.0; MAX_BALLS];
+        sorted.iter_mut().zip(group).for_each(|(angle, &ball)| *angle = wrapped(angles[ball]));
+        sorted[..balls].sort_unstable_by(f64::total_cmp);
         sorted
     };
     let (ours, theirs) = (in_order(beta), in_order(other));
     let shifted = |shift: usize| -> f64 {
-        let pairs = ours.iter().zip(theirs.iter().cycle().skip(shift));
-        pairs.map(|(a, b)| turn(*a, *b).powi(2)).sum()
+        let pairs = (0..balls).map(|i| (ours[i], theirs[(i + shift) % balls]));
+        pairs.map(|(a, b)| turn(a, b).powi(2)).sum()
     };
-    (0..group.len()).map(shifted).fold(f64::INFINITY, f64::min)
+    (0..balls).map(shifted).fold(f64::INFINITY, f64::min)
 }
 
 #[cfg(test)]

@@ -82,6 +82,10 @@ impl FrictionLaw {
         friction_coefficient: f64,
         speed_unit: &str,
     ) -> Result<(), InvalidParameter> {
+        let with_unit = |error: InvalidParameter| InvalidParameter {
+            name: format!("{}_{speed_unit}", error.name),
+            ..error
+        };
         match *self {
             FrictionLaw::Coulomb => Ok(()),
             FrictionLaw::Stribeck { static_friction_coefficient: fixed, stribeck_speed } => {
@@ -93,10 +97,10 @@ impl FrictionLaw {
                         allowed,
                     ));
                 }
-                not_negative(&format!("stribeck_speed_{speed_unit}"), stribeck_speed)
+                not_negative("stribeck_speed", stribeck_speed).map_err(with_unit)
             }
             FrictionLaw::Smooth { smoothing_speed } => {
-                positive(&format!("smoothing_speed_{speed_unit}"), smoothing_speed)
+                positive("smoothing_speed", smoothing_speed).map_err(with_unit)
             }
             FrictionLaw::Viscous { viscous_coefficient_n_s_m } => {
                 not_negative("viscous_coefficient_n_s_m", viscous_coefficient_n_s_m)

@@ -122,10 +122,13 @@ impl Machine {
             return Err(invalid("speed_rad_s", &self.speed_rad_s.to_string(), "a finite number"));
         }
         for (index, ball) in self.balls.iter().enumerate() {
-            let name = |general: &str| ball_parameter_name(general, index + 1);
-            positive(&name("ball_mass_kg"), ball.mass_kg)?;
-            positive(&name("ball_diameter_m"), ball.diameter_m)?;
-            not_negative(&name("friction_coefficient"), ball.friction_coefficient)?;
+            positive("ball_mass_kg", ball.mass_kg)
+                .and_then(|()| positive("ball_diameter_m", ball.diameter_m))
+                .and_then(|()| not_negative("friction_coefficient", ball.friction_coefficient))
+                .map_err(|error| InvalidParameter {
+                    name: ball_parameter_name(&error.name, index + 1),
+                    ..error
+                })?;
         }
         self.balls
             .iter()
