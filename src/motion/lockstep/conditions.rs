@@ -141,7 +141,7 @@ pub(super) fn conditions<S: Simd, const N: usize>(
     found
 }
 
-/// In which lanes a condition has failed at the end of a step, or may have dipped below zero in it.
+/// In which lanes a condition has failed at the end of a step, or seems to have dipped below zero in it.
 #[inline(always)]
 pub(super) fn suspicious<S: Simd, const N: usize>(
     length: Lanes<S>,
@@ -171,10 +171,37 @@ pub(super) fn suspicious<S: Simd, const N: usize>(
                 & changes[1].simd_ge(risen);
             let most = changes[0].abs().max(changes[1].abs());
             let near = least.simd_lt(half * most) & !(hump | rises | falls);
-            suspects = suspects | near | values[1].simd_lt(zero);
+            if near.any_true() {
+                suspects = suspects | (near & dips(values, changes));
+            }
+            suspects = suspects | values[1].simd_lt(zero);
         }
     }
     suspects
+}
+
+/// In which lanes the cubic with these values and changes (slopes times length) at a step's ends goes
+/// below zero inside. The same test, in the same order, as that of one run (`locate`).
+#[inline(always)]
+fn dips<S: Simd>(values: [Lanes<S>; 2], changes: [Lanes<S>; 2]) -> mask64x8<S> {
+    let simd = values[0].simd;
+    macro_rules! c {
+        ($value:expr) => {
+            Lanes::splat(simd, $value)
+        };
+    }
+    let ([a, b], [p, q]) = (values, changes);
+    let c = c!(3.0) * (b - a) - c!(2.0) * p - q;
+    let d = c!(2.0) * (a - b) + p + q;
+    let discriminant = c * c - c!(3.0) * p * d;
+    let root = discriminant.max(c!(0.0)).sqrt();
+    let upwards = c.simd_gt(c!(0.0));
+    let t = upwards.select(-p, root - c) / upwards.select(c + root, c!(3.0) * d);
+    let least = ((d * t + c) * t + p) * t + a;
+    discriminant.simd_gt(c!(0.0))
+        & t.simd_gt(c!(1e-6))
+        & t.simd_lt(c!(1.0 - 1e-6))
+        & least.simd_lt(c!(0.0))
 }
 
 /// The same conditions of one run.

@@ -298,3 +298,95 @@ impl<S: Simd, const N: usize> Equations<S, N> {
         rate
     }
 }
+
+#[cfg(all(test, target_arch = "x86_64"))]
+mod tests {
+    use super::super::{Flow, Group, LANES, Saved, VectorLevel};
+    use crate::model::{Balancer, Dual, FrictionLaw, Machine, Method, State, System};
+    use crate::motion::contact::SmoothPhase;
+    use crate::motion::{Settings, Tolerance};
+
+    fn machine(lane: usize, balls: usize) -> Machine {
+        let mut machine = Machine::default();
+        machine.balls.resize(balls, machine.balls[0].clone());
+        machine.speed_rad_s = -150.0 - 20.0 * lane as f64;
+        for (index, ball) in machine.balls.iter_mut().enumerate() {
+            ball.mass_kg *= 1.0 + 0.3 * index as f64;
+            ball.friction_coefficient *= 1.0 + lane as f64;
+        }
+        if lane == 5 {
+            machine.friction = FrictionLaw::Viscous { viscous_coefficient_n_s_m: 3e-3 };
+        }
+        machine
+    }
+
+    fn state<const N: usize>(lane: usize) -> State<N> {
+        let value = |k: usize| libm::sin((7 * lane + 3 * k) as f64);
+        State {
+            position: [0.02 * value(0), 0.03 * value(1)],
+            velocity: [0.04 * value(2), 0.05 * value(3)],
+            beta: std::array::from_fn(|ball| 3.0 + 3.0 * value(4 + ball)),
+            // Every other ball rests.
+            beta_dot: std::array::from_fn(|ball| {
+                if (ball + lane).is_multiple_of(3) { 0.0 } else { value(9 + ball) }
+            }),
+        }
+    }
+
+    fn largest<const N: usize>(state: &State<N>) -> f64 {
+        let State { position, velocity, beta, beta_dot } = state;
+        let all = position.iter().chain(velocity).chain(beta).chain(beta_dot);
+        all.fold(0.0, |most: f64, value| most.max(value.abs()))
+    }
+
+    /// Rates of change of states and of displacements in lanes against the equations of one run, eight
+    /// different machines side by side.
+    fn against_one_run<const N: usize>() {
+        let Some(simd) = VectorLevel::best().avx2() else { return };
+        let settings = Settings {
+            method: Method::Event,
+            band: 0.0,
+            tolerance: Tolerance { relative: 1e-8, absolute: 1e-10 },
+            effort_limit: 1000,
+        };
+        let mut group = Group::<_, N>::new(simd);
+        let balancers: Vec<Balancer<N>> =
+            (0..LANES).map(|lane| Balancer::new(&machine(lane, N)).unwrap()).collect();
+        for (lane, balancer) in balancers.iter().enumerate() {
+            let saved = Saved::start(balancer, settings, state(lane)).unwrap();
+            group.put(lane, &saved, 1.0);
+            group.displacement.set_lane(lane, &state(lane + 100));
+        }
+        let mut rate = Flow::zero(simd);
+        group.equations.rate(&group.state, &mut rate);
+        let (_, forces, linearised) = group.equations.evaluate(&group.state);
+        let mut displaced = Flow::zero(simd);
+        group.equations.displacement_rate(&linearised, &group.displacement, &mut displaced);
+        for (lane, balancer) in balancers.iter().enumerate() {
+            let saved = group.copy(lane).unwrap();
+            let phase = SmoothPhase::new(balancer, &saved.lane.phases);
+            let mut difference = phase.derivative(&saved.state);
+            difference.add_scaled(-1.0, &rate.lane(lane));
+            assert!(largest(&difference) < 1e-14, "{difference:?} in lane {lane}");
+            let expected = phase.forces(&saved.state);
+            for ball in 0..N {
+                assert!((forces[ball].normal[lane] - expected.normal[ball]).abs() < 1e-14);
+                let stick =
+                    balancer.friction(ball).can_stick() && saved.state.beta_dot[ball] == 0.0;
+                let tangential = forces[ball].tangential[lane];
+                assert!(!stick || (tangential - expected.friction[ball]).abs() < 1e-14);
+            }
+            let along: State<N, Dual> = saved.state.along(&group.displacement.lane(lane));
+            let mut difference = phase.along(&along).1.slope();
+            difference.add_scaled(-1.0, &displaced.lane(lane));
+            assert!(largest(&difference) < 1e-13, "{difference:?} in lane {lane}");
+        }
+    }
+
+    #[test]
+    fn lanes_have_the_equations_of_one_run() {
+        against_one_run::<1>();
+        against_one_run::<2>();
+        against_one_run::<4>();
+    }
+}

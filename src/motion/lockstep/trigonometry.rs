@@ -74,3 +74,36 @@ fn flip<S: Simd>(value: f64x8<S>, sign: fearless_simd::u64x8<S>) -> f64x8<S> {
     let bits: fearless_simd::u64x8<S> = value.bitcast();
     (bits ^ sign).bitcast()
 }
+
+#[cfg(all(test, target_arch = "x86_64"))]
+mod tests {
+    use super::super::{LANES, Lanes, VectorLevel};
+    use super::sin_cos;
+    use fearless_simd::prelude::*;
+
+    /// Against the library's, within two units in the last place, up to angles of a long run.
+    #[test]
+    fn sines_and_cosines() {
+        let Some(simd) = VectorLevel::best().avx2() else { return };
+        let mut worst: f64 = 0.0;
+        for k in 0..20_000 {
+            let angle = |lane: usize| {
+                let share = f64::from(k) * 0.754_877_666_246_693 + lane as f64 * 0.137;
+                (share.fract() - 0.5) * f64::powi(10.0, 1 + k % 5)
+            };
+            let mut angles = Lanes::splat(simd, 0.0);
+            (0..LANES).for_each(|lane| angles[lane] = angle(lane));
+            let (sines, cosines) = simd.vectorize(
+                #[inline(always)]
+                || sin_cos(angles),
+            );
+            for lane in 0..LANES {
+                let (sine, cosine) = libm::sincos(angle(lane));
+                for (found, expected) in [(sines[lane], sine), (cosines[lane], cosine)] {
+                    worst = worst.max((found - expected).abs() / expected.abs().max(1e-3));
+                }
+            }
+        }
+        assert!(worst < 2.0 * f64::EPSILON, "{worst}");
+    }
+}
