@@ -36,7 +36,7 @@ impl Settings {
 pub struct Effort {
     /// Accepted steps.
     pub steps: u64,
-    /// Steps rejected by error control.
+    /// Steps tried and not taken: by error control, or in looking for a switch.
     pub rejected_steps: u64,
     /// Changes of a ball's phase.
     pub switches: u64,

@@ -164,7 +164,7 @@ pub fn run_columns(study: &Study) -> Vec<Column<RunRecord>> {
         Column::count("steps", "accepted integration steps", |row: &RunRecord| {
             Some(row.outcome.effort.steps)
         }),
-        Column::count("rejected_steps", "steps rejected by error control", |row: &RunRecord| {
+        Column::count("rejected_steps", "steps tried and not taken: by error control, or in looking for a switch", |row: &RunRecord| {
             Some(row.outcome.effort.rejected_steps)
         }),
         Column::count(
