@@ -104,7 +104,8 @@ struct Balancer {
             changed = false;
             for (int i = 0; i < 2; i++) {
                 const bool stays = s[i] != 0.0 || (at_once && i == ball);
-                if (!stays && std::abs(forces.friction[i]) > friction * forces.normal[i]) {
+                const double limit = friction * forces.normal[i] + slack;
+                if (!stays && std::abs(forces.friction[i]) > limit) {
                     s[i] = std::copysign(1.0, forces.friction[i]);
                     changed = true;
                 }

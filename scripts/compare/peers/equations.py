@@ -99,11 +99,20 @@ def after_event(y, s, ball, at_once, p, scratch):
         for i in range(2):
             if at_once and i == ball:
                 continue
-            if s[i] == 0.0 and abs(forces[2 + i]) > p[FRICTION] * forces[i]:
+            if s[i] == 0.0 and abs(forces[2 + i]) > p[FRICTION] * forces[i] + SLACK:
                 s[i] = math.copysign(1.0, forces[2 + i])
                 changed = True
         if not changed:
             break
+
+
+@nb.njit
+def set_in_motion(y, s):
+    """Gives balls that set off a speed too small to matter: SciPy and heyoka do not see a guard that
+    starts at exactly zero rise and fall in the same step."""
+    for i in range(2):
+        if s[i] != 0.0 and y[6 + i] == 0.0:
+            y[6 + i] = 1e-16 * s[i]
 
 
 @nb.njit

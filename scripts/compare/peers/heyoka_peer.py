@@ -10,7 +10,7 @@ import numba as nb
 import numpy as np
 from equations import (
     DAMPING, DIAMETER, DRAG, FRICTION, IMBALANCE, INERTIA, MASS, ROLLING, SPEED,
-    after_event, distance_squared, rest,
+    after_event, distance_squared, rest, set_in_motion,
 )  # fmt: skip
 from serve import serve
 
@@ -76,10 +76,7 @@ def on_event(state, lanes, lane, ball, at_once, p, y, s, scratch):
     y[:] = state[:, lane]
     s[:] = lanes[:2, lane]
     after_event(y, s, ball, at_once, p, scratch)
-    for i in range(2):
-        # A guard that starts at exactly zero is not seen to fall later in the same step.
-        if s[i] != 0.0 and y[6 + i] == 0.0:
-            y[6 + i] = 1e-16 * s[i]
+    set_in_motion(y, s)
     state[:, lane] = y
     lanes[:2, lane] = s
     lanes[STUCK, lane] = 0.0
@@ -124,7 +121,8 @@ class Peer:
             reserve = (float(p[FRICTION]) * normals[ball]) ** 2.0 - frictions[ball] ** 2.0
             free = phase * phase
             slips = phase * equations[6 + ball][0]
-            guard = free * slips + (1.0 - free) * (reserve + 1e-15)
+            # The slack of the other peers or a little more, as the squares have it.
+            guard = free * slips + (1.0 - free) * (reserve + 4e-15)
             # No cooldown: what follows an event may be at once another one, and none is found twice,
             # as a ball that sets off speeds up and one that stops has friction to spare.
             callback = changes(ball)

@@ -10,7 +10,7 @@ import sys
 import numba as nb
 import numpy as np
 from equations import (
-    FRICTION, SLACK, SPEED, after_event, derivative, distance_squared, rest, values,
+    FRICTION, SLACK, SPEED, after_event, derivative, distance_squared, rest, set_in_motion, values,
 )  # fmt: skip
 from scipy.integrate import solve_ivp
 from serve import serve
@@ -57,6 +57,7 @@ class Peer:
         right_hand_side(0.0, y, s, self.parameters)
         guard(y, s, 0, self.parameters)
         after_event(y, s, 0, False, self.parameters, np.empty(8))
+        set_in_motion(y, s)
         distance_squared(y, *rest(y, self.parameters)[:2], self.parameters)
 
     def run(self, relative, absolute):
@@ -91,6 +92,7 @@ class Peer:
             self.events += 1
             ball = 0 if len(solution.t_events[0]) else 1
             after_event(y, s, ball, time - last < 1e-12, p, scratch)
+            set_in_motion(y, s)
             last, events, certain = time, self.guards, None
             if not s.any():
                 x0, y0, allowed = rest(y, p)
