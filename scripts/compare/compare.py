@@ -131,9 +131,13 @@ def compared(work, commands, given, folder):
     for round_number in range(1, given.repeat):
         say(f"{work.name}: round {round_number + 1} of {given.repeat}")
         for name, tool in tools.items():
-            if times[name][0] * work.runs < SLOW:
-                relative = tolerances[name]
+            if times[name][0] * work.runs >= SLOW:
+                continue
+            relative = tolerances[name]
+            try:
                 times[name].append(tool.run(relative, 0.01 * relative)["cpu_s"])
+            except PeerFailed as failed:
+                say(f"{name}, fewer rounds: {failed}")
     for name, tool in tools.items():
         rows[name]["cpu_ms_per_run"] = 1e3 * statistics.median(times[name])
         rows[name]["rounds"] = len(times[name])
@@ -168,3 +172,5 @@ if __name__ == "__main__":
     except CalledProcessError as failed:
         command = " ".join(str(word) for word in failed.cmd)
         sys.exit(f"compare: ended with {failed.returncode}: {command}")
+    except KeyboardInterrupt:
+        sys.exit(130)
