@@ -1,0 +1,65 @@
+"""The program itself: what a run costs it and what comes out."""
+
+import os
+import shutil
+import subprocess
+
+import numpy as np
+import yaml
+from pyarrow import parquet
+
+
+class Engine:
+    """The program at work on one work, by one of its methods."""
+
+    def __init__(self, stickslip, work, folder, method):
+        self.stickslip, self.work, self.folder, self.method = stickslip, work, folder, method
+        self.title = f"stickslip, {method}" if method else "stickslip"
+
+    def study(self, source, relative, absolute):
+        """A study of the work with this tolerance and method."""
+        text = yaml.safe_load(source.read_text())
+        text["simulation"]["tolerance"] = {"relative": relative, "absolute": absolute}
+        if self.method:
+            text["simulation"]["method"] = self.method
+        path = self.folder / f"{source.stem}-{self.method}-{relative}.yaml"
+        path.write_text(yaml.safe_dump(text))
+        return path
+
+    def run(self, relative, absolute):
+        """Endings from the tables that the program writes, and CPU time per run."""
+        study = self.study(self.work.study, relative, absolute)
+        one = self.study(self.work.one, relative, absolute)
+        out = self.folder / f"{study.stem}-out"
+        shutil.rmtree(out, ignore_errors=True)
+        command = [self.stickslip, "run", study, "--threads", "1", "--quiet", "--out", out]
+        subprocess.run(command, check=True)
+        runs = parquet.read_table(out / "runs.parquet").to_pydict()
+        state = np.full((self.work.runs, 8), np.nan)
+        state[:, 2], state[:, 3] = runs["beta_1_rad"], runs["beta_2_rad"]
+        return {
+            "cpu_s": self.cpu_s_per_run(study, one),
+            "rest": [label == "equilibrium" for label in runs["label"]],
+            "state": state,
+            "steps": sum(runs["steps"]) + sum(runs["rejected_steps"]),
+            "events": sum(runs["switches"]),
+        }
+
+    def cpu_s_per_run(self, study, one):
+        """CPU time (user and system) of the whole program on one thread, less that with one run."""
+        command = [self.stickslip, "verify", "--threads", "1", "--quiet"]
+        whole, single = cpu_s([*command, study]), cpu_s([*command, one])
+        return (whole - single) / (self.work.runs - 1)
+
+    def close(self):
+        """Nothing stays open."""
+
+
+def cpu_s(command):
+    """CPU time of a command, user and system, s."""
+    process = subprocess.Popen(command)
+    _, status, usage = os.wait4(process.pid, 0)
+    process.returncode = os.waitstatus_to_exitcode(status)
+    if process.returncode not in (0, 4):  # 4: an expectation is not met, with fewer runs
+        raise SystemExit(f"compare: {command[0]} ended with {process.returncode}")
+    return usage.ru_utime + usage.ru_stime

@@ -1,0 +1,70 @@
+"""What a work really comes to, by tight tolerances, and how far a tool is from it."""
+
+import numpy as np
+from engine import Engine
+from peer import TOOLS, Peer
+
+# Of the final state of smooth motion, in any component of any run.
+ERROR_ALLOWED = 1e-8
+# Half decades from here on, coarser while the error is allowed, or finer until it is.
+FIRST_GUESS = -9.0
+
+
+class Reference:
+    """Endings computed with a tight tolerance by the first of two peers that can be had. Where there
+    is friction, the program's exact motion with a tight tolerance is held against them."""
+
+    def __init__(self, work, stickslip, folder):
+        self.smooth = work.smooth
+        relative = 1e-14 if work.smooth else 1e-12
+        names = [name for name in ("numba", "boost") if not TOOLS[name].missing()]
+        if not names:
+            raise SystemExit(
+                "compare: the reference needs numba and scipy, or g++ and libboost-dev"
+            )
+        tool = TOOLS[names[0]]
+        peer = Peer(tool, tool.command(folder), work)
+        result = peer.run(relative, 0.01 * relative)
+        peer.close()
+        self.rest, self.state = np.array(result["rest"]), np.array(result["state"])
+        self.about = f"{tool.title} at {relative:g}"
+        if not work.smooth:
+            program = Engine(stickslip, work, folder, "event").run(1e-10, 1e-12)
+            differ = self.errors(program)["labels_that_differ"]
+            self.about += f"; {differ} labels differ from stickslip's by event at 1e-10"
+
+    def errors(self, result):
+        """Labels that differ and the errors of ball angles at rest; or the largest error of a final
+        state, of the ball angles alone where a tool does not give the rest."""
+        difference = np.array(result["state"]) - self.state
+        turn = 2.0 * np.pi
+        difference[:, 2:4] = (difference[:, 2:4] + np.pi) % turn - np.pi
+        if self.smooth:
+            return {"largest_error": float(np.nanmax(np.abs(difference)))}
+        rest = np.array(result["rest"])
+        both = rest & self.rest
+        angles = np.abs(difference[both, 2:4]).max(axis=1)
+        return {
+            "labels_that_differ": int((rest != self.rest).sum()),
+            "median_angle_error": float(np.median(angles)) if len(angles) else None,
+        }
+
+
+def ladder(tool, work, reference):
+    """The tolerance to use and a result with it: with friction the study's, and in smooth motion the
+    coarsest, by half decades, with which the final states are as near as is asked for."""
+    if not work.smooth:
+        return work.relative, tool.run(work.relative, work.absolute)
+    found, exponent, step = None, FIRST_GUESS, 0.5
+    while -14.0 <= exponent <= -4.0:
+        relative = float(f"{10.0**exponent:.0e}")
+        result = tool.run(relative, 0.01 * relative)
+        allowed = reference.errors(result)["largest_error"] <= ERROR_ALLOWED
+        if allowed:
+            found = relative, result
+        if exponent == FIRST_GUESS and not allowed:
+            step = -0.5
+        elif allowed != (step > 0.0):
+            break
+        exponent += step
+    return found or (relative, result)
