@@ -15,6 +15,8 @@
 //!
 //! One ball at least must go round without stopping; the others may run, rest, or stick and slip.
 
+use std::collections::VecDeque;
+
 use super::closed_orbit::{Orbit, REACH, Verdict, examine};
 use super::return_map::ReturnMap;
 use super::section::{Section, wrapped};
@@ -58,7 +60,7 @@ pub struct OrbitWatch<const N: usize> {
     closure: f64,
     /// The ball whose passages mark the section, and its direction.
     ball: Option<(usize, f64)>,
-    passages: Vec<Passage<N>>,
+    passages: VecDeque<Passage<N>>,
     near_in_a_row: [usize; MOST_TURNS + 1],
     close_in_a_row: [usize; MOST_TURNS + 1],
     attempts: u32,
@@ -75,7 +77,7 @@ impl<const N: usize> OrbitWatch<N> {
         OrbitWatch {
             closure: 100.0 * (relative + absolute),
             ball: None,
-            passages: Vec::with_capacity(MOST_TURNS + 2),
+            passages: VecDeque::with_capacity(MOST_TURNS + 2),
             near_in_a_row: [0; MOST_TURNS + 1],
             close_in_a_row: [0; MOST_TURNS + 1],
             attempts: 0,
@@ -136,7 +138,7 @@ impl<const N: usize> OrbitWatch<N> {
         }
         self.attempts += 1;
         // After a look that showed nothing, give the motion time to settle; longer each time.
-        let looked_at = time - self.passages.first()?.time;
+        let looked_at = time - self.passages.front()?.time;
         self.wait_until = time + f64::from(1 << self.attempts) * looked_at;
         match self.examine(balancer, settings, reference, turns, motion.last_switches()) {
             Verdict::Stable(orbit) => return Some(orbit),
@@ -150,7 +152,7 @@ impl<const N: usize> OrbitWatch<N> {
     /// symmetry, or too little time, has kept it there.
     pub fn unstable_orbit(&self) -> Option<&Orbit<N>> {
         let (turns, orbit) = self.unstable.as_ref()?;
-        let closes = self.passages.last()?.differences[*turns] <= near(*turns);
+        let closes = self.passages.back()?.differences[*turns] <= near(*turns);
         closes.then_some(orbit)
     }
 
@@ -189,9 +191,9 @@ impl<const N: usize> OrbitWatch<N> {
             }
         }
         if self.passages.len() > MOST_TURNS {
-            self.passages.remove(0);
+            self.passages.pop_front();
         }
-        self.passages.push(passage);
+        self.passages.push_back(passage);
         closing
     }
 
@@ -204,7 +206,7 @@ impl<const N: usize> OrbitWatch<N> {
         turns: usize,
         last_switches: &[f64; N],
     ) -> Verdict<N> {
-        let Some(passage) = self.passages.last() else { return Verdict::Open };
+        let Some(passage) = self.passages.back() else { return Verdict::Open };
         let earlier = self.passages[self.passages.len() - 1 - turns].time;
         let map = ReturnMap {
             balancer,

@@ -92,6 +92,19 @@ impl Guard {
         }
     }
 
+    /// How fast the condition's value changes along a direction, where that follows from the direction
+    /// alone: a condition on a speed.
+    pub(super) fn slope_along<const N: usize, const FREE: usize>(
+        self,
+        direction: &State<N, f64, FREE>,
+    ) -> Option<f64> {
+        match self.kind {
+            Kind::OutOfBand(sign) => Some(sign * direction.beta_dot[self.ball]),
+            Kind::InBand(sign) => Some(-sign * direction.beta_dot[self.ball]),
+            Kind::Accelerating(_) | Kind::Held(_) | Kind::Pressed => None,
+        }
+    }
+
     /// Whether the condition may have failed and recovered inside a step of `length`, so that a
     /// look inside is due. `values`, `forces` and `slopes` (which take some computing) are those at
     /// the step's two ends.

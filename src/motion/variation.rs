@@ -30,6 +30,10 @@ use crate::model::{Dual, Number, State, System};
 /// grazed: there the neighbours' motions differ by more than first order.
 const GRAZING: f64 = 1e-12;
 
+/// Jumps of the rate of change up to this, over the size of the forces, are none: a ball breaks loose
+/// against friction that does not jump, within the width in which the instant is located.
+const NO_JUMP: f64 = 1e-8;
+
 /// Small displacements from a motion, each in its own direction.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Variation<const N: usize, const FREE: usize = 2> {
@@ -109,13 +113,15 @@ pub(super) fn saltation<S: System<N, FREE>, const N: usize, const FREE: usize>(
     let rate_before = before.derivative(state);
     let mut jump = *rate;
     jump.add_scaled(-1.0, &rate_before);
-    if !has_any(&jump) {
+    if largest(&jump) <= NO_JUMP * system.force_scale() {
         return false;
     }
     let change_of_condition = |direction: &State<N, f64, FREE>| {
-        let state = state.along(direction);
-        let (forces, _) = before.along(&state);
-        guard.value(system, margins, (&state, &forces)).slope
+        guard.slope_along(direction).unwrap_or_else(|| {
+            let state = state.along(direction);
+            let (forces, _) = before.along(&state);
+            guard.value(system, margins, (&state, &forces)).slope
+        })
     };
     let rate = change_of_condition(&rate_before);
     for direction in directions {
@@ -125,7 +131,8 @@ pub(super) fn saltation<S: System<N, FREE>, const N: usize, const FREE: usize>(
     rate.is_nan() || rate.abs() <= GRAZING * system.force_scale()
 }
 
-fn has_any<const N: usize, const FREE: usize>(state: &State<N, f64, FREE>) -> bool {
+fn largest<const N: usize, const FREE: usize>(state: &State<N, f64, FREE>) -> f64 {
     let State { position, velocity, beta, beta_dot } = state;
-    position.iter().chain(velocity).chain(beta).chain(beta_dot).any(|value| *value != 0.0)
+    let all = position.iter().chain(velocity).chain(beta).chain(beta_dot);
+    all.fold(0.0, |most: f64, value| most.max(value.abs()))
 }
