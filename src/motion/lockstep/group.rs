@@ -13,8 +13,9 @@ use crate::motion::driver::{Course, Motion};
 use crate::motion::first_switch::LastStep;
 use crate::motion::{Effort, Step};
 
-/// How much longer than one by one steps may be: more than twice as long they are of no use, as the
-/// tolerance then keeps them short.
+/// How much longer than one by one steps may be while all balls slip: more than twice as long they are of
+/// no use, as the tolerance then keeps them short. While a ball sticks, the force that holds it ripples
+/// fast, and a short break-away could fall between the ends of a longer step.
 const LONGEST: f64 = 2.0;
 
 /// Eight lanes, some of them empty.
@@ -166,7 +167,6 @@ impl<S: Simd, const N: usize> Group<S, N> {
         self.time[lane] = saved.time;
         self.until[lane] = until;
         self.attention[lane] = f64::INFINITY;
-        self.longest[lane] = LONGEST * balancer.longest_step();
         self.next[lane] = saved.next;
         self.trial[lane] = saved.trial;
         self.slow[lane] = own.slow;
@@ -190,6 +190,8 @@ impl<S: Simd, const N: usize> Group<S, N> {
     fn set_phases(&mut self, lane: usize, phases: &[Phase; N]) {
         let Some(own) = &mut self.lanes[lane] else { return };
         own.phases = *phases;
+        let factor = if phases.contains(&Phase::Stick) { 1.0 } else { LONGEST };
+        self.longest[lane] = factor * own.balancer.longest_step();
         for (i, phase) in phases.iter().enumerate() {
             let ball = &own.balancer.balls[i];
             let free = if *phase == Phase::Stick { 0.0 } else { 1.0 };
@@ -293,9 +295,10 @@ impl<S: Simd, const N: usize> Group<S, N> {
         self.next[lane].min(self.longest[lane]) >= time - self.time[lane]
     }
 
-    /// The longest step that a lane may take.
+    /// The longest step that a lane may ever take.
     pub(crate) fn longest(&self, lane: usize) -> f64 {
-        self.longest[lane]
+        let own = self.lanes[lane].as_ref();
+        own.map_or(f64::INFINITY, |own| LONGEST * own.balancer.longest_step())
     }
 
     /// What the run in a lane has cost.
