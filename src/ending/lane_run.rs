@@ -143,7 +143,7 @@ impl<const N: usize> LaneRun<N> {
                 return self.ends(group, lane, Ending::Settled);
             }
         }
-        if (happened.event | happened.round) & bit != 0
+        if (happened.event | happened.round | happened.turned) & bit != 0
             && let Some(orbit) = self.closes(group, room, lane, happened.event & bit != 0)
         {
             return self.ends(group, lane, Ending::Cycle(orbit));

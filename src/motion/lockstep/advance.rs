@@ -33,6 +33,8 @@ pub(crate) struct Happened {
     pub(crate) rest: u64,
     /// Without dry friction: everything is slow.
     pub(crate) still: u64,
+    /// Without dry friction: a ball has turned back, which no condition tells.
+    pub(crate) turned: u64,
     /// A lane that cannot go on.
     pub(crate) trouble: [Option<Trouble>; LANES],
 }
@@ -43,7 +45,8 @@ impl Happened {
         let troubles = self.trouble.iter().enumerate();
         let troubles = troubles.filter(|(_, trouble)| trouble.is_some());
         let bits = troubles.fold(0, |bits, (lane, _)| bits | 1 << lane);
-        self.event | self.round | self.attention | self.rest | self.still | bits
+        let happened = self.event | self.round | self.turned;
+        happened | self.attention | self.rest | self.still | bits
     }
 }
 
@@ -109,7 +112,7 @@ fn step<S: Simd, const N: usize>(
             }
         }
     }
-    g.tried = g.tried + c!(1.0);
+    g.tried += c!(1.0);
     let mut rejected = g.alive & !good;
     while rejected != 0 {
         let lane = rejected.trailing_zeros() as usize;
@@ -144,8 +147,8 @@ fn step<S: Simd, const N: usize>(
         let beyond = (angle.simd_lt(c!(0.0)) | angle.simd_ge(c!(TAU))) & commits;
         let turns = beyond.select((angle / c!(TAU)).floor(), c!(0.0));
         let within = turns.mul_add_precise(c!(-TAU), angle);
-        g.turns[i] = g.turns[i] + turns;
-        round = round | beyond;
+        g.turns[i] += turns;
+        round |= beyond;
         g.state.angle[i] = commits.select(within, g.state.angle[i]);
         g.state.speed[i] = commits.select(tried.end.speed[i], g.state.speed[i]);
         g.rate.angle[i] = commits.select(tried.rate.angle[i], g.rate.angle[i]);
@@ -202,6 +205,11 @@ fn step<S: Simd, const N: usize>(
             most = most.max(g.rate.angle[i].abs()).max(g.rate.speed[i].abs());
         }
         happened.still = most.simd_le(c!(STILL)).to_bitmask() & commit & g.sliding;
+        let mut turned = g.time.simd_lt(g.time);
+        for i in 0..N {
+            turned |= (g.before.speed[i] * g.state.speed[i]).simd_le(c!(0.0));
+        }
+        happened.turned = turned.to_bitmask() & commit & g.sliding;
     }
     let mut overdone = g.tried.simd_ge(g.most).to_bitmask() & g.alive;
     while overdone != 0 {

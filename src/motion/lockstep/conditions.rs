@@ -93,15 +93,14 @@ pub(super) fn conditions<S: Simd, const N: usize>(
     // balls' accelerations add: their share is small, and slopes only lead to where to look.
     // The balls' shares are summed apart, so that two balls exchanged give the same to the last bit.
     let (mut balls_x, mut balls_y) = (zero, zero);
-    for i in 0..N {
+    for (i, ball) in equations.balls.iter().enumerate() {
         let Force { sine, cosine, .. } = forces[i];
         let (speed, acceleration) = (state.speed[i], rate.speed[i]);
-        let ball = &equations.balls[i];
         let w = equations.speed + speed;
         let along = ball.mass * (acceleration * w.mul_add_precise(two, speed));
         let across = ball.mass * (speed * (w * w));
-        balls_x = balls_x + (cosine * along - sine * across);
-        balls_y = balls_y + (sine * along + cosine * across);
+        balls_x += cosine * along - sine * across;
+        balls_y += sine * along + cosine * across;
     }
     let jerk_x = balls_x - x_dot - (equations.drag * x_ddot - equations.drag_speed * y_dot);
     let jerk_y = balls_y - y_dot - (equations.drag * y_ddot + equations.drag_speed * x_dot);
@@ -172,9 +171,9 @@ pub(super) fn suspicious<S: Simd, const N: usize>(
             let most = changes[0].abs().max(changes[1].abs());
             let near = least.simd_lt(half * most) & !(hump | rises | falls);
             if near.any_true() {
-                suspects = suspects | (near & dips(values, changes));
+                suspects |= near & dips(values, changes);
             }
-            suspects = suspects | values[1].simd_lt(zero);
+            suspects |= values[1].simd_lt(zero);
         }
     }
     suspects
@@ -216,8 +215,7 @@ pub(super) fn of_one<const N: usize>(
     let [x_ddot, y_ddot] = rate.velocity;
     let trigonometry = state.beta.map(libm::sincos);
     let (mut balls_x, mut balls_y) = (0.0, 0.0);
-    for i in 0..N {
-        let (sine, cosine) = trigonometry[i];
+    for (i, &(sine, cosine)) in trigonometry.iter().enumerate() {
         let (speed, acceleration) = (state.beta_dot[i], rate.beta_dot[i]);
         let mass = balancer.balls[i].mass;
         let w = balancer.speed + speed;

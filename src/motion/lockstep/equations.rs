@@ -171,16 +171,16 @@ impl<S: Simd, const N: usize> Equations<S, N> {
             if i == 0 {
                 [m_xx, m_xy, m_yx, m_yy, push_x, push_y] = terms;
             } else {
-                m_xx = m_xx + terms[0];
-                m_xy = m_xy + terms[1];
-                m_yx = m_yx + terms[2];
-                m_yy = m_yy + terms[3];
-                push_x = push_x + terms[4];
-                push_y = push_y + terms[5];
+                m_xx += terms[0];
+                m_xy += terms[1];
+                m_yx += terms[2];
+                m_yy += terms[3];
+                push_x += terms[4];
+                push_y += terms[5];
             }
         }
-        force_x = force_x + push_x;
-        force_y = force_y + push_y;
+        force_x += push_x;
+        force_y += push_y;
         // a_x = (d F_x + m_xy F_y) / det, a_y = (a F_y - m_yx F_x) / det, det = a d + m_xy m_yx
         let (a, d) = (one - m_xx, one + m_yy);
         let determinant = a.mul_add_precise(d, m_xy * m_yx);
@@ -278,8 +278,8 @@ impl<S: Simd, const N: usize> Equations<S, N> {
                 (push_x, push_y) = (push_x + x, push_y + y);
             }
         }
-        force_x = force_x + push_x;
-        force_y = force_y + push_y;
+        force_x += push_x;
+        force_y += push_y;
         let [a, m_xy, m_yx, d] = at.system;
         let table_x = d.mul_add_precise(force_x, m_xy * force_y) * at.inverse;
         let table_y = a.mul_add_precise(force_y, -(m_yx * force_x)) * at.inverse;
@@ -308,7 +308,7 @@ mod tests {
 
     fn machine(lane: usize, balls: usize) -> Machine {
         let mut machine = Machine::default();
-        machine.balls.resize(balls, machine.balls[0].clone());
+        machine.balls.resize(balls, machine.balls[0]);
         machine.speed_rad_s = -150.0 - 20.0 * lane as f64;
         for (index, ball) in machine.balls.iter_mut().enumerate() {
             ball.mass_kg *= 1.0 + 0.3 * index as f64;
@@ -369,10 +369,10 @@ mod tests {
             difference.add_scaled(-1.0, &rate.lane(lane));
             assert!(largest(&difference) < 1e-14, "{difference:?} in lane {lane}");
             let expected = phase.forces(&saved.state);
-            for ball in 0..N {
-                assert!((forces[ball].normal[lane] - expected.normal[ball]).abs() < 1e-14);
+            for (ball, force) in forces.iter().enumerate() {
+                assert!((force.normal[lane] - expected.normal[ball]).abs() < 1e-14);
                 let sticks = saved.lane.phases[ball] == Phase::Stick;
-                let tangential = forces[ball].tangential[lane];
+                let tangential = force.tangential[lane];
                 assert!(!sticks || (tangential - expected.friction[ball]).abs() < 1e-14);
             }
             let along: State<N, Dual> = saved.state.along(&group.displacement.lane(lane));

@@ -128,8 +128,8 @@ pub(super) fn attempt<S: Simd, const N: usize>(
             (fifth_balls, third_balls) = (fifth_balls + f, third_balls + t);
         }
     }
-    fifth = fifth + fifth_balls;
-    third = third + third_balls;
+    fifth += fifth_balls;
+    third += third_balls;
     let tiny = Lanes::splat(simd, 1e-60);
     let weight = third.mul_add_precise(Lanes::splat(simd, 0.01), fifth + tiny);
     let scaled = length * fifth;
