@@ -1,6 +1,7 @@
 """Small plots on logarithmic axes as plain SVG text, for the scripts beside this file."""
 
 import math
+import re
 from html import escape
 
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7")
@@ -17,12 +18,21 @@ def _ticks(low, high):
 
 
 def _number(logarithm):
+    """A number as short as may be: 0.05, 200, 1e4."""
     value = 10.0**logarithm
-    return f"{value:.3g}" if 1e-3 < value < 1e4 else f"{value:.0e}".replace("e-0", "e-").replace("e+0", "e")
+    if 1e-2 < value < 9e3:
+        return f"{value:.3g}" if value < 1e3 else f"{value:.0f}"
+    digits, power = f"{value:.0e}".split("e")
+    return f"{digits}e{int(power)}"
+
+
+def _style(number, colour=None, dashes="none"):
+    colour = COLOURS[(number if colour is None else colour) % len(COLOURS)]
+    return f'stroke="{colour}" stroke-width="1.5" stroke-dasharray="{dashes}"'
 
 
 def panel(title, x_name, y_name, series):
-    """One plot: `series` are (name, points), or (name, points, colour's number, dashes)."""
+    """One plot: `series` are (name, points), or (name, points, number of the colour, dashes)."""
     points = [(x, y) for _, points, *_ in series for x, y in points if x > 0 and y > 0]
     logs = [[math.log10(value) for value in axis] for axis in zip(*points)]
     (x_low, x_high), (y_low, y_high) = ((min(axis), max(axis)) for axis in logs)
@@ -52,30 +62,38 @@ def panel(title, x_name, y_name, series):
         _, y = place(10**x_low, 10**tick)
         lines.append(f'<path d="M{LEFT} {y:.1f}h{across}" stroke="#ddd"/>')
         lines.append(f'<text x="{LEFT - 5}" y="{y + 4:.1f}" text-anchor="end">{_number(tick)}</text>')
-    for number, (name, of_series, *style) in enumerate(series):
-        colour, dashes = (*style, number, "")[:2] if len(style) == 2 else (number, "")
-        stroke = f'stroke="{COLOURS[colour % len(COLOURS)]}" fill="none" stroke-dasharray="{dashes}"'
+    for number, (_, of_series, *style) in enumerate(series):
+        style = _style(number, *style)
         places = [place(x, y) for x, y in of_series if x > 0 and y > 0]
         path = "L".join(f"{x:.1f} {y:.1f}" for x, y in places)
-        lines.append(f'<path d="M{path}" {stroke} stroke-width="1.5"/>')
-        lines += [f'<circle cx="{x:.1f}" cy="{y:.1f}" r="2.5" {stroke}/>' for x, y in places]
-        if len(series) > 1:
-            y = TOP + 14 + 14 * number
-            lines.append(f'<path d="M{LEFT + 8} {y - 4}h18" {stroke} stroke-width="1.5"/>')
-            lines.append(f'<text x="{LEFT + 30}" y="{y}">{escape(name)}</text>')
+        lines.append(f'<path d="M{path}" fill="none" {style}/>')
+        for x, y in places:
+            circle = f'<circle cx="{x:.1f}" cy="{y:.1f}" r="2.5" fill="white" {style}/>'
+            lines.append(re.sub('stroke-dasharray="[^"]*"', "", circle))
     return "\n".join(lines)
 
 
-def figure(path, panels, columns):
-    """Writes panels side by side, `columns` in a row."""
-    rows = math.ceil(len(panels) / columns)
-    width, height = columns * WIDTH, rows * HEIGHT
-    placed = (
+def _legend(series, top):
+    lines = []
+    for number, (name, _, *style) in enumerate(series):
+        x = LEFT + number * 140
+        lines.append(f'<path d="M{x} {top}h24" {_style(number, *style)}/>')
+        lines.append(f'<text x="{x + 30}" y="{top + 4}">{escape(name)}</text>')
+    return "\n".join(lines)
+
+
+def figure(path, panels, columns, legend=()):
+    """Writes panels side by side, `columns` in a row, and what the series of one, `legend`, are called."""
+    rows = -(-len(panels) // columns)
+    width, height = columns * WIDTH, rows * HEIGHT + (24 if legend else 0)
+    placed = [
         f'<g transform="translate({number % columns * WIDTH} {number // columns * HEIGHT})">\n{inside}\n</g>'
         for number, inside in enumerate(panels)
-    )
+    ]
     path.write_text(
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" width="{width}" '
         f'height="{height}" font-family="sans-serif" font-size="11">\n'
-        f'<rect width="{width}" height="{height}" fill="white"/>\n' + "\n".join(placed) + "\n</svg>\n"
+        f'<rect width="{width}" height="{height}" fill="white"/>\n'
+        + "\n".join([*placed, _legend(legend, rows * HEIGHT + 8)])
+        + "\n</svg>\n"
     )
