@@ -14,6 +14,9 @@ use stickslip::model::{Case, Method, Simulation};
 use stickslip::motion::VectorLevel;
 use stickslip::study::Study;
 
+/// A way to compute runs.
+type Compute = fn(&[Case]) -> Vec<Outcome>;
+
 fn main() {
     // Beside `--bench`, which cargo adds, the number of runs per speed: without it nothing is to be done,
     // so that `cargo bench` alone does not take minutes here.
@@ -40,7 +43,7 @@ fn main() {
         for (method, name) in [(Method::Switch, "switch"), (Method::Event, "event")] {
             for tolerance in [1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9] {
                 let cases = with(method, tolerance);
-                let ways: [(&str, fn(&[Case]) -> Vec<Outcome>, usize); 2] =
+                let ways: [(&str, Compute, usize); 2] =
                     [("lockstep", in_lockstep, 3), ("one by one", one_by_one, 1)];
                 for (way, compute, times) in ways {
                     let (mut outcomes, mut spent) = (Vec::new(), Vec::new());
