@@ -5,6 +5,7 @@ mod blocks;
 mod certificate;
 pub mod convergence;
 mod effort;
+mod effort_pinned;
 mod extend;
 mod friction_laws;
 mod limit_cycle;

@@ -1,0 +1,144 @@
+//! What the motion of runs costs, one by one and in lockstep.
+//!
+//! `cargo bench --bench motion`, or `-- --quick` in a few minutes, or `-- NAME` for some of it.
+//! W1 are 256 runs at -216.3772 rad/s with a tolerance of 1e-6 (`w1.yaml`), most of them long transients;
+//! W2 are 256 runs at -160.8103 rad/s with the default one, 1e-8, all of which come to rest.
+
+use std::convert::Infallible;
+use std::hint::black_box;
+use std::path::Path;
+use std::sync::atomic::AtomicBool;
+
+use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use stickslip::analysis::PointDetail;
+use stickslip::ending::{Outcome, Runs, simulate_in_lockstep, simulate_one_by_one};
+use stickslip::farm::{FarmOptions, Progress, Shard, Sink, farm_in_lockstep};
+use stickslip::model::{Balancer, Case, Machine, State};
+use stickslip::motion::{Phase, Step, Tolerance, VectorLevel, derivative};
+use stickslip::study::Study;
+use stickslip::table::{PointRow, RunRecord};
+
+fn study(text: &str) -> Study {
+    let text = format!("schema: 1\nname: motion\nseed: 1\n{text}");
+    Study::parse(Path::new("motion.yaml"), text).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// Runs with so many balls at this speed of the disc, a power of ten as relative tolerance.
+fn cases(balls: usize, speed_rad_s: f64, tolerance: i32, samples: u32) -> Vec<Case> {
+    let study = study(&format!(
+        "model: {{kind: ball_balancer, parameters: {{balls: {balls}, speed_rad_s: {speed_rad_s}}}}}\n\
+         initial_conditions: {{design: {{latin_hypercube: {{samples: {samples}}}}}}}\n\
+         simulation: {{tolerance: {{relative: 1.0e{tolerance}, absolute: 1.0e{}}}}}\n",
+        tolerance - 2
+    ));
+    (0..study.run_count()).map(|run| study.planned_run(run).case.expect("sound")).collect()
+}
+
+/// Cases in their order; outcomes go nowhere.
+struct Listed<'a> {
+    cases: std::iter::Enumerate<std::slice::Iter<'a, Case>>,
+}
+
+impl Runs for Listed<'_> {
+    fn next(&mut self) -> Option<(u64, Case)> {
+        self.cases.next().map(|(number, case)| (number as u64, case.clone()))
+    }
+
+    fn ended(&mut self, _: u64, outcome: Outcome) {
+        black_box(outcome);
+    }
+}
+
+fn in_lockstep(level: VectorLevel, cases: &[Case]) {
+    simulate_in_lockstep(level, &mut Listed { cases: cases.iter().enumerate() });
+}
+
+/// What one-by-one integration is made of, two balls.
+fn pieces(criterion: &mut Criterion) {
+    let balancer = Balancer::<2>::new(&Machine::default()).expect("two balls");
+    let state = State {
+        position: [0.01, -0.02],
+        velocity: [0.0, 0.02],
+        beta: [1.0, 4.0],
+        beta_dot: [0.5, -0.3],
+    };
+    let phases = [Phase::Slip(1.0), Phase::Slip(-1.0)];
+    let tolerance = Tolerance { relative: 1e-6, absolute: 1e-8 };
+    let mut group = criterion.benchmark_group("one by one");
+    group.bench_function("right-hand side", |bencher| {
+        bencher.iter(|| derivative(&balancer, &phases, black_box(&state)));
+    });
+    group.bench_function("step with its error", |bencher| {
+        let first = derivative(&balancer, &phases, &state);
+        let right_hand_side = |state: &State<2>| derivative(&balancer, &phases, state);
+        bencher.iter(|| {
+            let step = Step::attempt(right_hand_side, black_box(&state), &first, 0.5);
+            (step.error(tolerance, true), step)
+        });
+    });
+}
+
+/// Runs to their endings; throughput is in runs.
+fn runs(criterion: &mut Criterion) {
+    let one_thread = |name: &str, cases: &[Case], criterion: &mut Criterion| {
+        let mut group = criterion.benchmark_group(name);
+        group.sample_size(10).throughput(Throughput::Elements(cases.len() as u64));
+        for level in VectorLevel::all() {
+            group.bench_function(format!("lockstep, {}", level.name()), |bencher| {
+                bencher.iter(|| in_lockstep(level, cases));
+            });
+        }
+        group.bench_function("one by one", |bencher| {
+            bencher.iter(|| {
+                cases.iter().for_each(|case| drop(black_box(simulate_one_by_one(case))));
+            });
+        });
+    };
+    one_thread("W1", &cases(2, -216.3772, -6, 256), criterion);
+    one_thread("W2", &cases(2, -160.8103, -8, 256), criterion);
+    for balls in [1, 2, 4, 8] {
+        let name = format!("64 runs, balls: {balls}");
+        one_thread(&name, &cases(balls, -216.3772, -6, 64), criterion);
+    }
+}
+
+struct Nowhere;
+
+impl Sink for Nowhere {
+    type Error = Infallible;
+
+    fn run(&mut self, record: RunRecord) -> Result<(), Self::Error> {
+        black_box(record);
+        Ok(())
+    }
+
+    fn point(&mut self, row: PointRow, detail: PointDetail) -> Result<(), Self::Error> {
+        black_box((row, detail));
+        Ok(())
+    }
+}
+
+/// The thesis's six points with 128 runs each, with all but the tables.
+fn thesis(criterion: &mut Criterion) {
+    let study = study(
+        "model: {kind: ball_balancer}\n\
+         sweep:\n  - grid: {speed_rad_s: [-160.8103, -173.1803, -179.2671, -191.6372, -216.3772]}\n  \
+         - zip: {speed_rad_s: [-216.3772], friction_coefficient: [2.75e-4]}\n\
+         initial_conditions: {design: {latin_hypercube: {samples: 128}}}\n",
+    );
+    let mut group = criterion.benchmark_group("thesis study, 128 runs per point");
+    group.sample_size(10).throughput(Throughput::Elements(study.run_count()));
+    for threads in [1, 2] {
+        let options = FarmOptions { threads, chunk: 1024, shard: Shard::WHOLE };
+        let stop = AtomicBool::new(false);
+        group.bench_function(format!("threads: {threads}"), |bencher| {
+            bencher.iter(|| {
+                let progress = Progress::new(study.run_count(), true);
+                farm_in_lockstep(&study, options, &stop, &progress, &mut Nowhere)
+            });
+        });
+    }
+}
+
+criterion_group!(motion, pieces, runs, thesis);
+criterion_main!(motion);
