@@ -112,3 +112,24 @@ fn endings_are_those_of_runs_by_themselves() {
         assert!(at_rest > 40, "{at_rest}");
     }
 }
+
+/// Without dry friction no condition tells that a ball turns back; an orbit on which it does is no cycle
+/// of a running ball, in lockstep as by itself.
+#[test]
+fn balls_that_turn_back_without_a_switch_are_seen() {
+    let mut cases = cases(24, "{end_time_s: 16.5, method: event}", 1, "");
+    let (mut cycles, mut others) = (0, 0);
+    for case in &mut cases {
+        let machine = case.model.ball_balancer_mut().unwrap();
+        machine.speed_rad_s = -191.6372;
+        machine.friction =
+            stickslip::model::FrictionLaw::Viscous { viscous_coefficient_n_s_m: 2e-4 };
+        let (lanes, alone) = (simulate(case), simulate_one_by_one(case));
+        assert_eq!(lanes.evidence, alone.evidence, "{case:?}");
+        match lanes.label() {
+            Label::LimitCycle => cycles += 1,
+            _ => others += 1,
+        }
+    }
+    assert!(cycles > 0 && others > 0, "{cycles} {others}: the runs show too little");
+}
