@@ -1,8 +1,8 @@
 //! What the motion of runs costs, one by one and in lockstep.
 //!
 //! `cargo bench --bench motion`, or `-- --quick` in a few minutes, or `-- NAME` for some of it.
-//! W1 are 256 runs at -216.3772 rad/s with a tolerance of 1e-6 (`w1.yaml`), most of them long transients;
-//! W2 are 256 runs at -160.8103 rad/s with the default one, 1e-8, all of which come to rest.
+//! W1 (`w1.yaml`) and W2 (`w2.yaml`) are those of `scripts/compare`; beside them 256 runs at -160.8103
+//! rad/s with the default tolerance, all of which come to rest.
 
 use std::convert::Infallible;
 use std::hint::black_box;
@@ -21,6 +21,13 @@ use stickslip::table::{PointRow, RunRecord};
 fn study(text: &str) -> Study {
     let text = format!("schema: 1\nname: motion\nseed: 1\n{text}");
     Study::parse(Path::new("motion.yaml"), text).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// The runs of a study beside this file.
+fn of_file(name: &str) -> Vec<Case> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("benches").join(name);
+    let study = Study::load(&path).unwrap_or_else(|error| panic!("{error}"));
+    (0..study.run_count()).map(|run| study.planned_run(run).case.expect("sound")).collect()
 }
 
 /// Runs with so many balls at this speed of the disc, a power of ten as relative tolerance.
@@ -94,8 +101,9 @@ fn runs(criterion: &mut Criterion) {
             });
         });
     };
-    one_thread("W1", &cases(2, -216.3772, -6, 256), criterion);
-    one_thread("W2", &cases(2, -160.8103, -8, 256), criterion);
+    one_thread("W1", &of_file("w1.yaml"), criterion);
+    one_thread("W2", &of_file("w2.yaml"), criterion);
+    one_thread("below the natural frequency", &cases(2, -160.8103, -8, 256), criterion);
     for balls in [1, 2, 4, 8] {
         let name = format!("64 runs, balls: {balls}");
         one_thread(&name, &cases(balls, -216.3772, -6, 64), criterion);
