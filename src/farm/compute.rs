@@ -6,7 +6,7 @@ use std::collections::HashMap;
 use std::panic::{self, AssertUnwindSafe};
 use std::sync::Once;
 
-use crate::ending::{Evidence, Outcome, Runs, simulate_in_lockstep, simulate_one_by_one};
+use crate::ending::{Evidence, Outcome, Runs, simulate, simulate_in_lockstep};
 use crate::model::Case;
 use crate::motion::VectorLevel;
 use crate::study::Study;
@@ -39,25 +39,30 @@ pub(super) struct InLockstep(pub(super) VectorLevel);
 
 impl Engine for InLockstep {
     fn compute(&self, runs: &mut dyn Runs) {
-        quieten_panics_in_runs();
-        let mut tracked = Tracked { runs, begun: HashMap::new() };
-        loop {
-            IN_A_RUN.set(true);
-            // What outlives the unwinding are cases and outcomes, plain values, each whole or absent.
-            let computed = panic::catch_unwind(AssertUnwindSafe(|| {
-                simulate_in_lockstep(self.0, &mut tracked);
-            }));
-            IN_A_RUN.set(false);
-            if computed.is_ok() {
-                return;
-            }
-            // One of the runs in progress is to blame; by themselves they show which.
-            let mut begun: Vec<(u64, Case)> = tracked.begun.drain().collect();
-            begun.sort_by_key(|(number, _)| *number);
-            for (number, case) in begun {
-                let outcome = guarded(&case, &simulate_one_by_one);
-                tracked.runs.ended(number, outcome);
-            }
+        together(runs, |runs| simulate_in_lockstep(self.0, runs), simulate);
+    }
+}
+
+/// Computes runs with `all`. Where that panics, one of the runs in progress is to blame: each of them is
+/// computed `alone`, which shows which one, and gives the others the outcome that they would have had.
+fn together(runs: &mut dyn Runs, all: impl Fn(&mut dyn Runs), alone: impl Fn(&Case) -> Outcome) {
+    quieten_panics_in_runs();
+    let mut tracked = Tracked { runs, begun: HashMap::new() };
+    loop {
+        IN_A_RUN.set(true);
+        // What outlives the unwinding are cases and outcomes, plain values, each whole or absent.
+        let computed = panic::catch_unwind(AssertUnwindSafe(|| all(&mut tracked)));
+        IN_A_RUN.set(false);
+        let Err(payload) = computed else { return };
+        if tracked.begun.is_empty() {
+            // No run is to blame, and nothing would be different the next time.
+            panic::resume_unwind(payload);
+        }
+        let mut begun: Vec<(u64, Case)> = tracked.begun.drain().collect();
+        begun.sort_by_key(|(number, _)| *number);
+        for (number, case) in begun {
+            let outcome = guarded(&case, &alone);
+            tracked.runs.ended(number, outcome);
         }
     }
 }
@@ -129,4 +134,67 @@ fn quieten_panics_in_runs() {
             }
         }));
     });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::together;
+    use crate::ending::{Evidence, Outcome, Runs};
+    use crate::model::{Case, Machine, Simulation, Start};
+
+    /// Twenty cases that are told apart by where they start.
+    struct Twenty {
+        next: u64,
+        ended: Vec<(u64, Outcome)>,
+    }
+
+    impl Runs for Twenty {
+        fn next(&mut self) -> Option<(u64, Case)> {
+            let number = self.next;
+            self.next += 1;
+            let start = Start(vec![number as f64]);
+            let model = Machine::default().into();
+            let case = Case { model, start, simulation: Simulation::default() };
+            (number < 20).then_some((number, case))
+        }
+
+        fn ended(&mut self, number: u64, outcome: Outcome) {
+            self.ended.push((number, outcome));
+        }
+    }
+
+    fn sound(case: &Case) -> Outcome {
+        Outcome::failed(Evidence::EndTime, format!("from {}", case.start.0[0]))
+    }
+
+    fn unless_bad(case: &Case) -> Outcome {
+        assert!(case.start.0[0] % 9.0 != 5.0, "bad");
+        sound(case)
+    }
+
+    /// Three runs side by side, of which two are bad: every run ends once, the bad ones in a panic, all
+    /// others as they would have without them.
+    #[test]
+    fn a_panic_is_nobody_elses() {
+        let three_at_once = |runs: &mut dyn Runs| loop {
+            let batch: Vec<_> = (0..3).map_while(|_| runs.next()).collect();
+            if batch.is_empty() {
+                return;
+            }
+            for (number, case) in batch {
+                runs.ended(number, unless_bad(&case));
+            }
+        };
+        let mut runs = Twenty { next: 0, ended: Vec::new() };
+        together(&mut runs, three_at_once, unless_bad);
+        runs.ended.sort_by_key(|(number, _)| *number);
+        assert!(runs.ended.iter().map(|(number, _)| *number).eq(0..20));
+        for (number, outcome) in runs.ended {
+            if number % 9 == 5 {
+                assert_eq!(outcome.evidence, Evidence::Panic, "run {number}");
+            } else {
+                assert_eq!(outcome.error, Some(format!("from {number}")));
+            }
+        }
+    }
 }
