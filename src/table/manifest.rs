@@ -1,8 +1,9 @@
 //! `manifest.json`: what an output directory holds, and when, where and how it was made.
 
 use std::collections::BTreeMap;
+use std::ffi::OsStr;
 use std::fs;
-use std::io;
+use std::io::{self, Read};
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
@@ -10,6 +11,9 @@ use sha2::{Digest, Sha256};
 
 /// Name of the manifest in an output directory.
 pub const MANIFEST: &str = "manifest.json";
+
+/// The largest manifest that is read, bytes.
+const MAX_BYTES: u64 = 4 * 1024 * 1024;
 
 /// The manifest. Times and host are here and nowhere else.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -94,10 +98,27 @@ impl Manifest {
     /// # Errors
     /// Where there is one that cannot be read or is not a manifest.
     pub fn read(directory: &Path) -> io::Result<Option<Self>> {
-        match fs::read_to_string(directory.join(MANIFEST)) {
-            Ok(text) => Ok(Some(serde_json::from_str(&text).map_err(io::Error::other)?)),
+        match read_bounded(&directory.join(MANIFEST)) {
+            Ok(text) => {
+                let manifest: Self = serde_json::from_str(&text).map_err(io::Error::other)?;
+                manifest.check_names()?;
+                Ok(Some(manifest))
+            }
             Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
             Err(error) => Err(error),
+        }
+    }
+
+    /// Whether every file is one of the directory itself.
+    fn check_names(&self) -> io::Result<()> {
+        let plain = |name: &str| Path::new(name).file_name() == Some(OsStr::new(name));
+        match self.files.keys().find(|name| !plain(name)) {
+            None => Ok(()),
+            Some(name) => {
+                let found: String = name.escape_debug().take(100).collect();
+                let problem = format!("{MANIFEST} names a file outside of its directory: {found}");
+                Err(io::Error::other(problem))
+            }
         }
     }
 
@@ -109,6 +130,20 @@ impl Manifest {
         let text = serde_json::to_string_pretty(self).map_err(io::Error::other)? + "\n";
         write_atomically(&directory.join(MANIFEST), text.as_bytes())
     }
+}
+
+/// Reads a text file that is as small as a manifest is.
+fn read_bounded(path: &Path) -> io::Result<String> {
+    // Asked before it is opened: opening a named pipe would wait for a writer.
+    if !fs::metadata(path)?.is_file() {
+        return Err(io::Error::other(format!("{MANIFEST} is not a regular file")));
+    }
+    let mut text = String::new();
+    fs::File::open(path)?.take(MAX_BYTES + 1).read_to_string(&mut text)?;
+    if text.len() as u64 > MAX_BYTES {
+        return Err(io::Error::other(format!("{MANIFEST} is larger than {MAX_BYTES} bytes")));
+    }
+    Ok(text)
 }
 
 /// Writes a file under a temporary name, syncs it and renames it.

@@ -1,6 +1,6 @@
 //! Results as files: Parquet tables with units and provenance, and the manifest beside them.
 //!
-//! The only room that knows Arrow and Parquet.
+//! The only room that knows Arrow, and that writes Parquet (`study` reads tables in it).
 
 pub mod column;
 mod cycles;

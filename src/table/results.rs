@@ -72,7 +72,8 @@ pub fn inspect(directory: &Path, study: &Study, shard: &str) -> Result<Destinati
     let occupied = |reason: &str, found: String, allowed: &str| ResultsError::Occupied {
         path: directory.to_owned(),
         reason: reason.to_owned(),
-        found,
+        // What a manifest says comes from a file: no control characters, not too long.
+        found: found.replace(char::is_control, " ").chars().take(400).collect(),
         allowed: allowed.to_owned(),
     };
     let another = "another directory, with --out DIR, or this one removed or renamed first";
@@ -109,7 +110,12 @@ pub fn inspect(directory: &Path, study: &Study, shard: &str) -> Result<Destinati
         return Err(occupied("an interrupted run of this study is here", found, another));
     }
     for (name, entry) in &manifest.files {
-        let bytes = fs::metadata(directory.join(name)).map(|file| file.len());
+        // The file itself: a link may lead anywhere.
+        let file = fs::symlink_metadata(directory.join(name));
+        let bytes = file.and_then(|file| {
+            let other = || io::Error::other("not a regular file");
+            file.is_file().then(|| file.len()).ok_or_else(other)
+        });
         if bytes.as_ref().ok() != Some(&entry.bytes) {
             let found = match bytes {
                 Ok(bytes) => format!("{name} of {bytes} bytes, {} in the manifest", entry.bytes),
