@@ -13,6 +13,7 @@ mod designs;
 mod distributions;
 mod fuzz;
 mod models;
+mod parquet_tables;
 mod plan;
 mod precision;
 mod resolved;
