@@ -27,6 +27,7 @@ mod audit;
 mod csv_table;
 mod decode;
 mod design;
+mod difference;
 mod distribution;
 mod draw;
 mod error;
@@ -61,6 +62,7 @@ mod thrift;
 mod thrift_shape;
 
 pub use audit::Audit;
+pub use difference::difference;
 pub use error::StudyError;
 pub use expectation::Expectation;
 pub use parameter::{ParameterKind, ParameterValue, VariedParameter};
