@@ -11,7 +11,6 @@ mod bad_tables;
 mod bad_values;
 mod designs;
 mod distributions;
-mod fuzz;
 mod models;
 mod parquet_tables;
 mod plan;

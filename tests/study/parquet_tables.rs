@@ -80,10 +80,7 @@ fn a_right_table_is_the_same_however_it_is_written() {
     let words = || -> [ArrayRef; 2] {
         let mut coded = StringDictionaryBuilder::<Int32Type>::new();
         (0..count).for_each(|row| coded.append_value(word(row)));
-        [
-            Arc::new(StringArray::from_iter_values((0..count).map(word))),
-            Arc::new(coded.finish()),
-        ]
+        [Arc::new(StringArray::from_iter_values((0..count).map(word))), Arc::new(coded.finish())]
     };
     for version in [WriterVersion::PARQUET_1_0, WriterVersion::PARQUET_2_0] {
         for compression in [Compression::UNCOMPRESSED, Compression::SNAPPY] {
@@ -148,7 +145,12 @@ fn wrong_cells_are_named_by_row_and_column() {
     refused(&text(&"a".repeat(1000)), key, "too long a text", "1000 bytes");
     let table = plain(vec![("speed_rad_s", Arc::new(StringArray::from(vec!["fast"])))]);
     refused(&table, "row 1, column speed_rad_s", "not a number", "fast");
-    refused(&plain(vec![("ball_mass_kg", numbers([-1.0]))]), "row 1, column ball_mass_kg", "", "-1");
+    refused(
+        &plain(vec![("ball_mass_kg", numbers([-1.0]))]),
+        "row 1, column ball_mass_kg",
+        "",
+        "-1",
+    );
     // In the second group of rows, rows are counted on.
     let groups = WriterProperties::builder().set_max_row_group_row_count(Some(2)).build();
     let values = Float64Array::from(vec![Some(1.0), Some(2.0), Some(3.0), None]);
@@ -164,9 +166,8 @@ fn wrong_columns() {
     refused(&plain(vec![("speed_rad_s", truths)]), column, "wrong type", "BOOLEAN");
     let dates: ArrayRef = Arc::new(Date32Array::from(vec![1]));
     refused(&plain(vec![("speed_rad_s", dates)]), column, "wrong type", "Date");
-    let lists: ArrayRef = Arc::new(ListArray::from_iter_primitive::<Float64Type, _, _>([Some([
-        Some(1.0),
-    ])]));
+    let lists: ArrayRef =
+        Arc::new(ListArray::from_iter_primitive::<Float64Type, _, _>([Some([Some(1.0)])]));
     refused(&plain(vec![("speed_rad_s", lists)]), "", "wrong type", "lists");
     refused(&plain(vec![("speed_rad_s", numbers([]))]), "", "a table without rows", "0 rows");
     let two = vec![("speed_rad_s", numbers([1.0])), ("speed_rad_s", numbers([1.0]))];
