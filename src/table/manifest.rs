@@ -134,10 +134,13 @@ impl Manifest {
     /// Reads the manifest of a directory; none where there is no such file.
     ///
     /// # Errors
-    /// Where there is one that cannot be read or is not a manifest.
+    /// Where there is one that cannot be read; of the kind `InvalidData` where it is not a manifest.
     pub fn read(directory: &Path) -> io::Result<Option<Self>> {
         match fs::read_to_string(directory.join(MANIFEST)) {
-            Ok(text) => Ok(Some(serde_json::from_str(&text).map_err(io::Error::other)?)),
+            Ok(text) => match serde_json::from_str(&text) {
+                Ok(manifest) => Ok(Some(manifest)),
+                Err(error) => Err(io::Error::new(io::ErrorKind::InvalidData, error)),
+            },
             Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
             Err(error) => Err(error),
         }
