@@ -10,6 +10,8 @@ mod docs;
 mod ending;
 /// Threads, chunks, failures: what the farm must not change and must keep.
 mod farm;
+/// What may happen on a bad day: kills, full disks, damaged files.
+mod faults;
 /// Equations of motion and closed forms.
 mod model;
 /// Integration, switches and symmetries.

@@ -52,7 +52,7 @@ pub struct FarmArguments {
     #[arg(long, value_name = "N", value_parser = threads, allow_negative_numbers = true)]
     threads: Option<NonZeroUsize>,
 
-    /// Runs computed before they are handed to the tables; bounds the memory
+    /// Runs computed before they are handed to the tables and put on disk; bounds the memory
     #[arg(long, value_name = "RUNS", default_value = "1024", value_parser = positive)]
     #[arg(allow_negative_numbers = true)]
     chunk: NonZeroUsize,

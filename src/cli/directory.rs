@@ -61,7 +61,9 @@ impl Place<'_> {
             Destination::Free | Destination::Begun(_) => {
                 (Store::open(self.directory, study)?, false)
             }
-            Destination::Complete(_) => (Store::open(self.directory, study)?, true),
+            Destination::Complete(_) | Destination::Loose => {
+                (Store::open(self.directory, study)?, true)
+            }
             Destination::Changed(_, difference) => {
                 let store = Store::open(self.directory, study)?;
                 tell(format!(

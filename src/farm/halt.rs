@@ -42,9 +42,14 @@ impl<'a> Halt<'a> {
         self.broken.store(true, Ordering::Relaxed);
     }
 
-    /// Whether to stop.
+    /// Whether to compute no further run.
     pub(super) fn now(&self) -> bool {
         self.broken.load(Ordering::Relaxed) || self.reason().is_some()
+    }
+
+    /// Whether not even to go on with runs that are on disk, which takes no time worth the name.
+    pub(super) fn at_once(&self) -> bool {
+        self.broken.load(Ordering::Relaxed) || self.asked.load(Ordering::Relaxed)
     }
 
     /// Why to stop.

@@ -7,25 +7,25 @@ use std::time::{Duration, Instant};
 use super::halt::Halt;
 use super::store::{Fresh, Keeper, StoreError};
 
-/// Runs in a chunk, unless time is up before.
-const CHUNK: usize = 1024;
 /// How long a finished run waits at most before it is written.
 const LONGEST: Duration = Duration::from_secs(3);
 /// Runs that may wait for the disk; then workers wait, too.
-const WAITING: usize = 16 * CHUNK;
+const WAITING: usize = 16_384;
 
 /// Where workers put finished runs, and where they are taken from.
 pub(super) fn outbox() -> (SyncSender<Fresh>, Receiver<Fresh>) {
     sync_channel(WAITING)
 }
 
-/// Writes what comes until nobody is left who could send.
+/// Writes what comes, so many runs in a chunk if that does not take too long, until nobody is left who
+/// could send.
 ///
 /// # Errors
 /// Where a chunk cannot be written; the farm is then broken off.
 pub(super) fn keep(
     keeper: &mut Keeper,
     finished: &Receiver<Fresh>,
+    chunk: usize,
     halt: &Halt<'_>,
 ) -> Result<(), StoreError> {
     let mut written = Ok(());
@@ -33,7 +33,7 @@ pub(super) fn keep(
     while open {
         let mut runs = Vec::new();
         let mut due = None;
-        while runs.len() < CHUNK {
+        while runs.len() < chunk.max(1) {
             let left = due.map_or(Duration::MAX, |due: Instant| {
                 due.saturating_duration_since(Instant::now())
             });

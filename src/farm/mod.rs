@@ -49,7 +49,7 @@ use crate::table::{PointRow, RunRecord};
 pub struct FarmOptions {
     /// Worker threads; at least one is used.
     pub threads: usize,
-    /// Runs computed before they are handed on; at least one.
+    /// Runs computed before they are handed on, and kept in one file; at least one.
     pub chunk: usize,
     /// The part of the study to compute.
     pub shard: Shard,
@@ -189,9 +189,9 @@ impl Farm<'_> {
             return self.compute_all(engine, None, sink);
         };
         let (outbox, finished) = outbox();
-        let halt = &self.halt;
+        let (halt, chunk) = (&self.halt, self.options.chunk);
         thread::scope(|scope| {
-            let keeping = scope.spawn(move || keep(keeper, &finished, halt));
+            let keeping = scope.spawn(move || keep(keeper, &finished, chunk, halt));
             let tally = self.compute_all(engine, Some(Reading { shelves, reuse, outbox }), sink);
             // It has nothing to panic about; if it does, that is a failure of the program.
             keeping
@@ -221,7 +221,11 @@ impl Farm<'_> {
             due += round.runs;
             let mut finished: Vec<RunRecord> = Vec::new();
             let mut first = 0;
-            while first < round.runs && !halt.now() {
+            let more_on_disk = |disk: &Option<Reading<'_>>, first| {
+                let reaches = |disk: &Reading<'_>| disk.shelves.reach(round.run_id(first));
+                !halt.at_once() && disk.as_ref().is_some_and(reaches)
+            };
+            while first < round.runs && (!halt.now() || more_on_disk(&disk, first)) {
                 let end = round.runs.min(first.saturating_add(size));
                 let run_ids: Vec<u64> = (first..end).map(|index| round.run_id(index)).collect();
                 first = end;

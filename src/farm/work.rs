@@ -129,13 +129,16 @@ impl Runs for Work<'_> {
             return Some(again);
         }
         loop {
-            if self.batch.halt.now() {
+            if self.batch.halt.at_once() {
                 return None;
             }
             let place = self.batch.begun.fetch_add(1, Ordering::Relaxed);
             let run_id = *self.batch.run_ids.get(usize::try_from(place).ok()?)?;
             let planned = self.batch.study.planned_run(run_id);
             let Some(planned) = self.take_kept(planned) else { continue };
+            if self.batch.halt.now() {
+                continue;
+            }
             match &planned.case {
                 Ok(case) => {
                     let case = case.clone();

@@ -89,7 +89,6 @@ impl Rows {
     ) -> Result<Rows, StudyError> {
         let (file, bytes) = folders.read(name).map_err(|mut fault| {
             fault.problem = format!("the table cannot be read: {}", fault.problem);
-            fault.found.get_or_insert_with(|| shorten(name));
             locate.refuse_value(path, fault)
         })?;
         let extension = file.extension().and_then(|extension| extension.to_str());

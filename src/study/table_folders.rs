@@ -67,7 +67,7 @@ impl TableFolders {
             let allowed = format!("at most {MAX_FILES}, or tables put together");
             return Err(Fault::new("too many tables", format!("{files} of them"), allowed));
         }
-        let content = read_bytes(&real)?;
+        let content = read_bytes(&real).map_err(|fault| unreadable_table(name, fault))?;
         let bytes = self.bytes.get() + content.len() as u64;
         if bytes > MAX_FILE_BYTES {
             let allowed = format!("at most {MAX_FILE_BYTES} bytes in all tables of a study");
@@ -97,8 +97,10 @@ impl TableFolders {
         if self.named.is_empty() && leads_out(Path::new(name)) {
             return Err(self.outside(name, None));
         }
-        let real = fs::canonicalize(path).map_err(|error| unreadable(&error))?;
-        let own = fs::canonicalize(&self.own).map_err(|error| unreadable(&error))?;
+        let real = |path: &Path| {
+            fs::canonicalize(path).map_err(|error| unreadable_table(name, unreadable(&error)))
+        };
+        let (real, own) = (real(path)?, real(&self.own)?);
         if real.starts_with(own) || self.named.iter().any(|folder| real.starts_with(folder)) {
             return Ok(real);
         }
@@ -120,6 +122,11 @@ impl TableFolders {
                        with the directory that holds the table";
         Fault::new(problem, found, allowed)
     }
+}
+
+/// What the system says of a file, as a fault of the table's name.
+fn unreadable_table(name: &str, fault: Fault) -> Fault {
+    Fault { found: Some(shorten(name)), ..fault }
 }
 
 /// Whether a path, links aside, leads out of the directory that it is relative to.

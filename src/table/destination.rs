@@ -18,6 +18,8 @@ pub const EARLIER: &str = "earlier";
 pub enum Destination {
     /// Nothing: the study can be run.
     Free,
+    /// Tables of which nothing says whose they are, the manifest being gone.
+    Loose,
     /// A part of the results of this very study and shard: it can go on.
     Begun(Box<Manifest>),
     /// All results of this very study and shard.
@@ -49,16 +51,30 @@ pub fn inspect(
         allowed: "another directory, with --out DIR, or this one removed or renamed first"
             .to_owned(),
     };
-    let Some(manifest) = Manifest::read(directory).map_err(unusable)? else {
+    let manifest = Manifest::read(directory).map_err(|cause| match cause.kind() {
+        io::ErrorKind::InvalidData => ResultsError::Occupied {
+            path: directory.to_owned(),
+            reason: format!("{MANIFEST} is damaged, or no manifest of ours"),
+            found: cause.to_string(),
+            allowed: format!(
+                "another directory, with --out DIR; or, if these are results of this study, {MANIFEST} \
+                 removed: finished runs are then found again"
+            ),
+        },
+        _ => unusable(cause),
+    })?;
+    let Some(manifest) = manifest else {
         let entries = match fs::read_dir(directory) {
             Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Destination::Free),
             entries => entries.map_err(unusable)?,
         };
+        let mut loose = false;
         for entry in entries {
             // What a run that was killed at its very start may have left.
             let name = entry.map_err(unusable)?.file_name();
             let name = name.to_string_lossy();
             let file = name.strip_suffix(".partial").unwrap_or(&name);
+            loose |= DATA_FILES.contains(&&*name);
             let of_results = DATA_FILES.contains(&file) || file == MANIFEST || ours.contains(&file);
             if !of_results {
                 let reason = "this directory is not empty and holds no finished study";
@@ -68,7 +84,7 @@ pub fn inspect(
                 ));
             }
         }
-        return Ok(Destination::Free);
+        return Ok(if loose { Destination::Loose } else { Destination::Free });
     };
     let another = |manifest: &Manifest| {
         format!(

@@ -138,11 +138,12 @@ impl Manifest {
     /// Reads the manifest of a directory; none where there is no such file.
     ///
     /// # Errors
-    /// Where there is one that cannot be read or is not a manifest.
+    /// Where there is one that cannot be read; of the kind `InvalidData` where it is not a manifest.
     pub fn read(directory: &Path) -> io::Result<Option<Self>> {
-        match read_bounded(&directory.join(MANIFEST)) {
-            Ok(text) => {
-                let manifest: Self = serde_json::from_str(&text).map_err(io::Error::other)?;
+        match read_regular(&directory.join(MANIFEST), MAX_BYTES) {
+            Ok(bytes) => {
+                let invalid = |error| io::Error::new(io::ErrorKind::InvalidData, error);
+                let manifest: Self = serde_json::from_slice(&bytes).map_err(invalid)?;
                 manifest.check_names()?;
                 Ok(Some(manifest))
             }
@@ -159,7 +160,7 @@ impl Manifest {
             Some(name) => {
                 let found: String = name.escape_debug().take(100).collect();
                 let problem = format!("{MANIFEST} names a file outside of its directory: {found}");
-                Err(io::Error::other(problem))
+                Err(io::Error::new(io::ErrorKind::InvalidData, problem))
             }
         }
     }
@@ -174,18 +175,21 @@ impl Manifest {
     }
 }
 
-/// Reads a text file that is as small as a manifest is.
-fn read_bounded(path: &Path) -> io::Result<String> {
+/// Reads a regular file of at most so many bytes.
+///
+/// # Errors
+/// Where it is another thing, larger, or cannot be read.
+pub(crate) fn read_regular(path: &Path, most: u64) -> io::Result<Vec<u8>> {
     // Asked before it is opened: opening a named pipe would wait for a writer.
     if !fs::metadata(path)?.is_file() {
-        return Err(io::Error::other(format!("{MANIFEST} is not a regular file")));
+        return Err(io::Error::other("not a regular file"));
     }
-    let mut text = String::new();
-    fs::File::open(path)?.take(MAX_BYTES + 1).read_to_string(&mut text)?;
-    if text.len() as u64 > MAX_BYTES {
-        return Err(io::Error::other(format!("{MANIFEST} is larger than {MAX_BYTES} bytes")));
+    let mut bytes = Vec::new();
+    fs::File::open(path)?.take(most + 1).read_to_end(&mut bytes)?;
+    if bytes.len() as u64 > most {
+        return Err(io::Error::other(format!("larger than {most} bytes")));
     }
-    Ok(text)
+    Ok(bytes)
 }
 
 /// Writes a file under a temporary name, syncs it and renames it.

@@ -25,6 +25,7 @@ pub use destination::{Destination, EARLIER, inspect, put_aside};
 pub use equilibria::{EquilibriumRow, equilibrium_columns};
 pub use equilibrium_files::{EquilibriumFiles, EquilibriumTables};
 pub use frictionless::{FrictionlessRow, frictionless_columns};
+pub(crate) use manifest::read_regular;
 pub use manifest::{FileEntry, MANIFEST, Manifest, sync_directory};
 pub use points::{PointRow, point_columns};
 pub use provenance::{COMMIT, FORMAT, VERSION, provenance, provenance_with};

@@ -1,4 +1,4 @@
-//! Output directories: filled once, never changed again, and only by the study that is theirs.
+//! Output directories: filled once, nothing in them ever lost, and only by studies that are theirs.
 
 use std::fs;
 
@@ -27,7 +27,7 @@ fn a_study_fills_its_directory_once() {
         .collect();
     names.sort();
     let mut expected = DATA_FILES.to_vec();
-    expected.push("manifest.json");
+    expected.extend(["manifest.json", "chunks"]);
     expected.sort_unstable();
     assert_eq!(names, expected);
 
@@ -66,13 +66,12 @@ fn another_study_is_refused() {
     scratch.write("other.yaml", small("seed: 6\n").replace("small", "other"));
     scratch.well("run a.yaml --out out");
     let refused = [
-        "out: this directory holds the results of another study",
-        "\n  found:   study small, hash ",
-        "(this one: other, hash ",
+        "out: this directory holds the results of another study, of which no run can be used",
+        "\n  found:   study small; it differs in\n    name: \"small\" -> \"other\"\n    seed: 5 -> 6",
         "\n  allowed: another directory, with --out DIR",
     ];
     scratch.refused("run other.yaml --out out", &refused);
-    let part = ["another study", "shard 1/1 (this one", "shard 1/2)", "allowed: "];
+    let part = ["another shard", "shard 1/1 (this one", "shard 1/2)", "allowed: "];
     scratch.refused("run a.yaml --out out --shard 1/2", &part);
 }
 
@@ -86,21 +85,10 @@ fn foreign_files_are_left_alone() {
     scratch.refused("run a.yaml --out home", &foreign);
     scratch.refused("verify smoke.yaml --out home", &["smoke.yaml"]);
     scratch.write("home/manifest.json", "{\"name\": \"a web application\"}");
-    scratch.refused("run a.yaml --out home", &["home: cannot be used", "found: ", "allowed: "]);
-}
-
-#[test]
-fn results_that_have_been_changed_are_not_called_complete() {
-    let scratch = Scratch::new();
-    scratch.write("a.yaml", small("seed: 5\n"));
-    scratch.well("run a.yaml --out out");
-    let runs = scratch.path("out/runs.parquet");
-    let content = fs::read(&runs).unwrap();
-    fs::write(&runs, &content[..100]).unwrap();
-    let changed = ["results have been changed since", "found:   runs.parquet of 100 bytes, "];
-    scratch.refused("run a.yaml --out out", &changed);
-    fs::remove_file(&runs).unwrap();
-    scratch.refused("run a.yaml --out out", &["changed since", "found:   runs.parquet: "]);
+    scratch.refused(
+        "run a.yaml --out home",
+        &["home: manifest.json is damaged, or no manifest of ours", "found: ", "allowed: "],
+    );
 }
 
 /// Tests may run as root, whom no permission stops: a path below a file cannot be made by anyone.

@@ -87,12 +87,16 @@ fn csv_parquet_plan_and_run_agree() {
 }
 
 #[test]
-fn a_shard_is_every_nth_case() {
+fn a_shard_has_one_case_of_each_n() {
     let scratch = Scratch::new();
     scratch.write("a.yaml", study());
     scratch.well("expand a.yaml --shard 2/7 --out part.parquet");
     let ids = counts(&scratch.table(".", "part"), "run_id");
-    assert_eq!(ids, (1..1500).step_by(7).collect::<Vec<u64>>());
+    assert!(ids.iter().map(|id| id / 7).eq(0..ids.len() as u64), "{ids:?}");
+    assert!([214, 215].contains(&ids.len()), "{}", ids.len());
+    // Not always the same place, as a shard would have the same cells of a stratified design.
+    let places: std::collections::BTreeSet<u64> = ids.iter().map(|id| id % 7).collect();
+    assert_eq!(places.len(), 7);
     let text = scratch.well("expand a.yaml --shard 2/7");
     assert_eq!(text.lines().count(), ids.len() + 1);
 }

@@ -17,7 +17,7 @@ use stickslip::farm::compute;
 use stickslip::table::column::batch;
 use stickslip::table::{RunRecord, run_columns};
 
-use super::support::{Ended, Scratch, counts, parse, study_text};
+use super::support::{Ended, Scratch, assert_has, counts, parse, study_text};
 
 /// Hours of work, in runs of milliseconds.
 fn long() -> String {
@@ -118,13 +118,21 @@ fn stopped_by(signal: &str, number: u32) {
         }
     }
 
-    let refused = [
-        "out: an interrupted run of this study is here".to_owned(),
-        format!("found:   {finished} of 4000000 runs"),
-        "allowed: another directory, with --out DIR".to_owned(),
-    ];
-    let refused: Vec<&str> = refused.iter().map(String::as_str).collect();
-    scratch.refused("run long.yaml --out out", &refused);
+    // The same command goes on: what was finished is there before anything else is.
+    let again = scratch.stickslip("run long.yaml --out out --threads 2 --max-seconds 0");
+    assert_eq!(again.code, Some(130), "{}", again.err);
+    let going_on =
+        format!("out: going on with this study, of which up to {finished} runs are finished");
+    assert_has(
+        &again.err,
+        &[&going_on, &format!("out of time (--max-seconds) after {finished} of 4000000 runs")],
+    );
+    let lists =
+        fs::read_dir(scratch.path("out/chunks")).unwrap().map(|entry| entry.unwrap().path());
+    let lists: Vec<_> = lists.filter(|path| path.is_dir()).collect();
+    let list = fs::read_to_string(lists[0].join("manifest.jsonl")).unwrap();
+    let runs = |line| serde_json::from_str::<serde_json::Value>(line).unwrap()["runs"].as_u64();
+    assert_eq!(list.lines().map(|line| runs(line).unwrap()).sum::<u64>(), finished);
 }
 
 #[test]

@@ -4,10 +4,14 @@ pub mod support;
 
 mod commands;
 mod directories;
+mod edited;
 mod equilibria;
 mod existence;
 mod expand;
 mod interrupt;
+mod limits;
 mod memory;
+mod merged;
+mod resume;
 mod streams;
 mod usage;

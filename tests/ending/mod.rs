@@ -11,6 +11,7 @@ mod friction_laws;
 mod limit_cycle;
 mod lockstep;
 mod lyapunov;
+mod model_version;
 mod multipliers;
 pub mod reference;
 mod settled;

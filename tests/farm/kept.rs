@@ -4,7 +4,7 @@ use std::sync::atomic::AtomicBool;
 
 use stickslip::analysis::PointDetail;
 use stickslip::ending::Outcome;
-use stickslip::farm::{FarmError, FarmOptions, Progress, Shard, Sink, Tally, farm};
+use stickslip::farm::{FarmError, FarmOptions, Progress, Sink, Tally, farm};
 use stickslip::model::Case;
 use stickslip::study::Study;
 use stickslip::table::{PointRow, RunRecord};

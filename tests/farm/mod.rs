@@ -4,7 +4,7 @@ mod audit;
 mod continued;
 mod exchanged_balls;
 mod failures;
-mod kept;
+pub mod kept;
 mod kept_rows;
 mod precision;
 mod same_bytes;

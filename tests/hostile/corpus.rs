@@ -16,10 +16,15 @@ fn folder(target: &str) -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("fuzz/corpus").join(target)
 }
 
-/// The files for a target, in the order of their names.
+/// The files for a target, in the order of their names; for studies, also those that are shipped.
 pub fn read(target: &str) -> Vec<Vec<u8>> {
-    let entries = fs::read_dir(folder(target)).unwrap();
+    let mut folders = vec![folder(target)];
+    if target == "study" {
+        folders.push(PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("studies"));
+    }
+    let entries = folders.iter().flat_map(|folder| fs::read_dir(folder).unwrap());
     let mut paths: Vec<PathBuf> = entries.map(|entry| entry.unwrap().path()).collect();
+    paths.retain(|path| path.is_file());
     paths.sort();
     assert!(!paths.is_empty(), "no corpus for {target}");
     paths.iter().map(|path| fs::read(path).unwrap()).collect()

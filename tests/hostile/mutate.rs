@@ -102,8 +102,14 @@ pub fn input(corpus: &[Vec<u8>], seed: u64, number: u64) -> Vec<u8> {
         return (0..length).map(|_| dice.below(256) as u8).collect();
     }
     let mut bytes = dice.of(corpus).clone();
-    for _ in 0..=dice.below(4) {
-        dice.damage(&mut bytes, corpus);
+    let text = std::str::from_utf8(&bytes).is_ok();
+    for _ in 0..=dice.below(4) * dice.below(2) {
+        // A text that is damaged anywhere is mostly none any more, and nobody looks further.
+        if text && dice.below(4) > 0 {
+            dice.edit(&mut bytes);
+        } else {
+            dice.damage(&mut bytes, corpus);
+        }
     }
     bytes.truncate(LONGEST);
     bytes
@@ -131,7 +137,7 @@ impl Dice {
     fn damage(&mut self, bytes: &mut Vec<u8>, corpus: &[Vec<u8>]) {
         let range = self.range(bytes);
         let at = range.start;
-        match self.below(12) {
+        match self.below(11) {
             // A bit flipped, a byte replaced.
             0 | 1 if at < bytes.len() => bytes[at] ^= 1 << self.below(8),
             2 if at < bytes.len() => bytes[at] = self.below(256) as u8,
@@ -173,23 +179,65 @@ impl Dice {
                 varint.push(number as u8);
                 drop(bytes.splice(at..(at + 1).min(bytes.len()), varint));
             }
-            // A piece of text instead of some characters, or of a number.
-            10 => {
+            // A piece of text instead of some characters.
+            _ => {
                 let piece = self.of(&PIECES).bytes();
                 drop(bytes.splice(range, piece));
             }
-            _ => {
-                let digit = |byte: &u8| byte.is_ascii_digit() || b".-+e".contains(byte);
-                let starts: Vec<usize> =
-                    (0..bytes.len()).filter(|&at| bytes[at].is_ascii_digit()).collect();
-                if starts.is_empty() {
+        }
+    }
+
+    /// Damages a text as a text: numbers, words and lines.
+    fn edit(&mut self, bytes: &mut Vec<u8>) {
+        let number = |byte: u8| byte.is_ascii_digit() || b".-+e".contains(&byte);
+        let word = |byte: u8| byte.is_ascii_alphanumeric() || byte == b'_';
+        match self.below(8) {
+            // Another number, at the edges or near.
+            0..4 => {
+                let Some(range) = self.run(bytes, number) else { return };
+                let piece = match self.below(3) {
+                    0 => self.of(&PIECES[..20]).to_string(),
+                    1 => self.below(1000).to_string(),
+                    _ => format!("{}e{}", self.below(20), self.below(8)),
+                };
+                drop(bytes.splice(range, piece.into_bytes()));
+            }
+            // A word of the same file instead of another.
+            4 => {
+                let (Some(range), Some(other)) = (self.run(bytes, word), self.run(bytes, word))
+                else {
+                    return;
+                };
+                let piece = bytes[other].to_vec();
+                drop(bytes.splice(range, piece));
+            }
+            // A line twice, elsewhere, or no more.
+            choice => {
+                let mut lines: Vec<Vec<u8>> =
+                    bytes.split_inclusive(|byte| *byte == b'\n').map(<[u8]>::to_vec).collect();
+                if lines.is_empty() {
                     return;
                 }
-                let start = *self.of(&starts);
-                let length = bytes[start..].iter().take_while(|byte| digit(byte)).count();
-                let piece = self.of(&PIECES).bytes();
-                drop(bytes.splice(start..start + length, piece));
+                let from = self.below(lines.len());
+                let line = if choice == 5 { lines[from].clone() } else { lines.remove(from) };
+                if choice < 7 {
+                    let to = self.below(lines.len() + 1);
+                    lines.insert(to, line);
+                }
+                *bytes = lines.concat();
             }
         }
+    }
+
+    /// One of the longest ranges of such bytes.
+    fn run(&mut self, bytes: &[u8], is: impl Fn(u8) -> bool) -> Option<std::ops::Range<usize>> {
+        let begins = |at: &usize| is(bytes[*at]) && (*at == 0 || !is(bytes[*at - 1]));
+        let starts: Vec<usize> = (0..bytes.len()).filter(begins).collect();
+        if starts.is_empty() {
+            return None;
+        }
+        let start = *self.of(&starts);
+        let length = bytes[start..].iter().take_while(|byte| is(**byte)).count();
+        Some(start..start + length)
     }
 }

@@ -18,6 +18,7 @@ mod precision;
 mod resolved;
 mod shipped;
 mod stability;
+mod table_places;
 
 /// Parses a text as if it stood in `a.yaml`.
 fn parse(text: &str) -> Result<Study, StudyError> {

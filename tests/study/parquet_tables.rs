@@ -205,14 +205,116 @@ fn damaged_files_are_refused() {
     assert!(read > 0 && (read as usize) < right.len());
 }
 
-/// Replaces bytes that occur once by others of the same length.
-#[track_caller]
+/// Replaces these bytes wherever they are, in a part of a file.
 fn replaced(bytes: &[u8], old: &[u8], new: &[u8]) -> Vec<u8> {
-    assert_eq!(old.len(), new.len());
-    let places: Vec<usize> =
-        (0..bytes.len() - old.len()).filter(|&at| bytes[at..].starts_with(old)).collect();
-    assert_eq!(places.len(), 1, "{places:?}");
-    let mut bytes = bytes.to_vec();
-    bytes[places[0]..places[0] + new.len()].copy_from_slice(new);
-    bytes
+    let (mut made, mut rest, mut count) = (Vec::new(), bytes, 0);
+    while let Some((first, others)) = rest.split_first() {
+        if rest.starts_with(old) {
+            made.extend(new);
+            rest = &rest[old.len()..];
+            count += 1;
+        } else {
+            made.push(*first);
+            rest = others;
+        }
+    }
+    assert!(count > 0, "no {old:x?}");
+    made
+}
+
+/// A file with these pages and this footer.
+fn put_together(pages: &[u8], footer: &[u8]) -> Vec<u8> {
+    [pages, footer, &(footer.len() as u32).to_le_bytes(), b"PAR1"].concat()
+}
+
+/// The pages of a file, with what it begins with, and its footer.
+fn taken_apart(file: &[u8]) -> (&[u8], &[u8]) {
+    let (rest, tail) = file.split_at(file.len() - 8);
+    let length: [u8; 4] = tail[..4].try_into().unwrap();
+    rest.split_at(rest.len() - u32::from_le_bytes(length) as usize)
+}
+
+/// In Thrift's compact protocol, the next field as a whole number of 32 or 64 bits: 2, 2^31 - 1, 2^60.
+const INT_2: [u8; 2] = [0x15, 4];
+const INT_MOST: [u8; 6] = [0x15, 0xfe, 0xff, 0xff, 0xff, 0x0f];
+const LONG_2: [u8; 2] = [0x16, 4];
+const LONG_2_TO_60: [u8; 10] = [0x16, 0x80, 0x80, 0x80, 0x80, 0x80, 0x80, 0x80, 0x80, 0x20];
+
+fn two_rows(dictionary: bool) -> Vec<u8> {
+    let properties = WriterProperties::builder()
+        .set_compression(Compression::SNAPPY)
+        .set_dictionary_enabled(dictionary);
+    file(properties.build(), vec![("speed_rad_s", numbers([1.0, 2.0]))])
+}
+
+#[test]
+fn more_rows_than_a_study_may_hold_are_refused_before_they_are_read() {
+    let right = two_rows(false);
+    let (pages, footer) = taken_apart(&right);
+    let table = put_together(pages, &replaced(footer, &LONG_2, &LONG_2_TO_60));
+    assert!(table.len() < 1000);
+    refused(&table, "", "too many values", "1152921504606846976 rows of 1 columns");
+    // And where they are all there.
+    let table = plain(vec![("speed_rad_s", numbers((0..1_000_001).map(|_| -100.0)))]);
+    refused(&table, "", "too many values", "1000001 rows of 1 columns");
+}
+
+#[test]
+fn pages_that_unpack_to_too_much_are_refused_before_they_are_unpacked() {
+    let right = two_rows(false);
+    let (pages, footer) = taken_apart(&right);
+    // Behind the beginning of the file and the kind of page stands the size unpacked, 16 bytes.
+    assert_eq!(pages[4..8], [0x15, 0, 0x15, 32]);
+    let claims = [&pages[..6], &INT_MOST, &pages[8..]].concat();
+    refused(&put_together(&claims, footer), "", "too large when unpacked", "2147483647 bytes");
+    // Texts of a hundred bytes that all refer to one page of a dictionary do take their place.
+    let packed = WriterProperties::builder().set_compression(Compression::SNAPPY);
+    let packed = packed.set_dictionary_enabled(false).build();
+    let texts: ArrayRef = Arc::new(StringArray::from_iter_values(std::iter::repeat_n(
+        "0123456789".repeat(20),
+        400_000,
+    )));
+    let table = file(packed, vec![("normal_force", texts)]);
+    assert!(table.len() < 8_000_000, "{}", table.len());
+    refused(&table, "", "too large when unpacked", "pages");
+}
+
+#[test]
+fn dictionaries_that_claim_more_than_their_page_holds_are_refused() {
+    let right = two_rows(true);
+    let (pages, footer) = taken_apart(&right);
+    let header = [[0x4c].as_slice(), &INT_2].concat();
+    let claim = [[0x4c].as_slice(), &INT_MOST].concat();
+    let table = put_together(&replaced(pages, &header, &claim), footer);
+    refused(&table, "", "not a readable Parquet file", "a dictionary of more values");
+}
+
+/// A footer with this schema, and no rows.
+fn footer(schema: &[u8], more: &[u8]) -> Vec<u8> {
+    [&[0x15, 2, 0x19], schema, &[0x16, 0, 0x19, 0x0c], more, &[0]].concat()
+}
+
+#[test]
+fn footers_that_take_stack_or_time_are_refused() {
+    // Each column within the one before.
+    let element = [0x48, 1, b'a', 0x15, 2, 0];
+    let deep = [[0xfc, 0xa0, 0x8d, 6].as_slice(), &element.repeat(100_000)].concat();
+    let table = put_together(b"PAR1", &footer(&deep, &[]));
+    refused(&table, "", "not a readable Parquet file", "too many parts");
+    let deep = [[0xfc, 0x90, 0x4e].as_slice(), &element.repeat(10_000)].concat();
+    refused(
+        &put_together(b"PAR1", &footer(&deep, &[])),
+        "",
+        "wrong type",
+        "columns within columns",
+    );
+    // Two thousand million truths, which take no bytes, in a field that nobody knows; five columns of one
+    // byte each that are not there.
+    let one = [0x1c, 0x48, 1, b'a', 0x15, 0, 0];
+    let truths = [0x09, 0xc8, 1, 0xf1, 0xff, 0xff, 0xff, 0xff, 7];
+    let table = put_together(b"PAR1", &footer(&one, &truths));
+    refused(&table, "", "not a readable Parquet file", "footer");
+    // A number where a name should be: some read it as one, some as the other.
+    let confused = [0x1c, 0x45, 2, 0x15, 0, 0];
+    refused(&put_together(b"PAR1", &footer(&confused, &[])), "", "not a readable", "footer");
 }

@@ -9,7 +9,7 @@ use arrow::array::{AsArray, RecordBatch};
 use arrow::datatypes::{Float64Type, Int32Type};
 use stickslip::analysis::PointDetail;
 use stickslip::ending::{Cycle, Doing, Evidence, Outcome};
-use stickslip::farm::{FarmOptions, Progress, Shard, Sink, farm};
+use stickslip::farm::{FarmOptions, Progress, Sink, farm};
 use stickslip::model::{Block, Case, FrictionLaw, Ground};
 use stickslip::study::Study;
 use stickslip::table::{Circumstances, PointRow, Results, ResultsError, RunRecord};

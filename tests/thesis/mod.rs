@@ -5,7 +5,7 @@ use std::sync::atomic::AtomicBool;
 
 use stickslip::analysis::PointDetail;
 use stickslip::ending::{Label, simulate};
-use stickslip::farm::{FarmOptions, Progress, Shard, Sink, farm};
+use stickslip::farm::{FarmOptions, Progress, Sink, farm};
 use stickslip::study::Study;
 use stickslip::table::{PointRow, RunRecord};
 

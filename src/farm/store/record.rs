@@ -5,6 +5,7 @@ use sha2::{Digest, Sha256};
 
 use crate::analysis::Nearest;
 use crate::ending::{Evidence, MODEL_VERSION, Outcome};
+use crate::motion::VectorLevel;
 use crate::study::PlannedRun;
 use crate::table::RunRecord;
 
@@ -20,8 +21,11 @@ impl CaseKey {
     /// which decides how far the nearest equilibrium without friction is looked for.
     pub fn of(planned: &PlannedRun, drawn: bool) -> Self {
         let case = planned.case.as_ref().map_err(ToString::to_string);
+        // Last digits differ between runs in lockstep and one by one.
+        let in_lockstep = VectorLevel::best().name() != "none";
         // Numbers and names in memory: there is nothing in them that could not be written.
-        let bytes = postcard::to_stdvec(&(MODEL_VERSION, drawn, case)).unwrap_or_default();
+        let bytes =
+            postcard::to_stdvec(&(MODEL_VERSION, in_lockstep, drawn, case)).unwrap_or_default();
         let digest = Sha256::digest(&bytes);
         let mut key = [0; Self::BYTES];
         key.copy_from_slice(&digest[..Self::BYTES]);

@@ -35,6 +35,12 @@ impl Shelves {
         Shelves { folders: vec![own], loaded: HashMap::new() }
     }
 
+    /// Whether there is a finished run with this number or a later one.
+    pub fn reach(&self, run_id: u64) -> bool {
+        let mut listed = self.folders.iter().flat_map(|folder| &folder.listed);
+        listed.any(|chunk| chunk.last_run >= run_id)
+    }
+
     /// The finished runs from number `first` to `last`; windows ascend. Damaged chunks are told of, and
     /// not read again; our own are put aside.
     pub fn window(&mut self, first: u64, last: u64) -> HashMap<u64, Found> {

@@ -1,0 +1,116 @@
+//! A study that is edited and run again into its directory: what is unchanged is not computed again.
+
+use std::fs;
+
+use super::support::{Scratch, assert_has, study_text};
+
+const DESIGN: &str = "{stratified: {parts_per_axis: 2, samples_per_cell: 1}}";
+
+/// A study over these speeds; `change` edits its text.
+fn study(speeds: &str, change: impl Fn(String) -> String) -> String {
+    let sweep = format!("sweep: [{{grid: {{speed_rad_s: {speeds}}}}}]\n");
+    change(study_text("edited", DESIGN, 0.02, &sweep))
+}
+
+/// Runs a study of 512 runs into `out`, then the edited one, which must use so many of its runs and be the
+/// same as if run alone.
+fn edited(text: String, used: u64, all: u64) {
+    let scratch = Scratch::new();
+    scratch.write("a.yaml", study("[-160.0, -216.0]", |text| text));
+    scratch.well("run a.yaml --out out");
+    let before = scratch.data("out");
+    scratch.write("a.yaml", text);
+    let ended = scratch.stickslip("run a.yaml --out out");
+    assert_eq!(ended.code, Some(0), "{}", ended.err);
+    let runs = format!("{all} runs: {used} were finished before, {} computed", all - used);
+    assert_has(&ended.err, &["earlier results are now in out/earlier/1", &runs]);
+    scratch.well("run a.yaml --out alone");
+    assert_eq!(scratch.data("out"), scratch.data("alone"));
+    // Nothing is lost.
+    let earlier: Vec<Vec<u8>> = super::support::DATA_FILES
+        .map(|name| fs::read(scratch.path("out/earlier/1").join(name)).unwrap())
+        .to_vec();
+    assert_eq!(earlier, before);
+    // And the way back costs nothing.
+    scratch.write("a.yaml", study("[-160.0, -216.0]", |text| text));
+    let back = scratch.stickslip("run a.yaml --out out");
+    assert_has(&back.err, &["512 runs: 512 were finished before, 0 computed"]);
+    assert_eq!(scratch.data("out"), before);
+}
+
+#[test]
+fn a_finer_sweep_costs_the_new_points() {
+    edited(study("[-160.0, -180.0, -216.0, -250.0]", |text| text), 512, 1024);
+}
+
+#[test]
+fn fewer_points_cost_nothing() {
+    edited(study("[-216.0]", |text| text), 256, 256);
+}
+
+#[test]
+fn more_samples_cost_the_new_ones() {
+    let more = |text: String| text.replace("samples_per_cell: 1", "samples_per_cell: 3");
+    edited(study("[-160.0, -216.0]", more), 512, 1536);
+}
+
+#[test]
+fn another_friction_costs_its_points() {
+    let sweep = |text: String| {
+        text.replace("-216.0]}}", "-216.0], friction_coefficient: [2.75e-3, 1.0e-3]}}")
+    };
+    edited(study("[-160.0, -216.0]", sweep), 512, 1024);
+}
+
+/// An audit computes runs a second time: those that it chooses are not finished without.
+#[test]
+fn an_audit_costs_what_it_chooses() {
+    let scratch = Scratch::new();
+    scratch.write("a.yaml", study("[-160.0]", |text| text));
+    scratch.well("run a.yaml --out out");
+    let audited = study("[-160.0]", |text| text + "audit: {fraction: 0.25}\n");
+    scratch.write("a.yaml", audited);
+    let ended = scratch.stickslip("run a.yaml --out out");
+    assert_eq!(ended.code, Some(0), "{}", ended.err);
+    scratch.well("run a.yaml --out alone");
+    assert_eq!(scratch.data("out"), scratch.data("alone"));
+    let kept = scratch.manifest("out")["runs_kept"].as_u64().unwrap();
+    assert!((150..240).contains(&kept), "{kept}");
+}
+
+/// Where no run is the same, nothing is done without being asked for, and what differs is shown.
+#[test]
+fn what_cannot_be_used_again_is_refused_with_the_difference() {
+    let scratch = Scratch::new();
+    scratch.write("a.yaml", study("[-160.0]", |text| text));
+    scratch.well("run a.yaml --out out");
+    let before = scratch.data("out");
+    let other = |text: String| text.replace("seed: 5", "seed: 6").replace("2e-2", "3e-2");
+    scratch.write("b.yaml", study("[-160.0]", other));
+    let refused = [
+        "out: this directory holds the results of another study, of which no run can be used",
+        "study edited; it differs in\n    seed: 5 -> 6\n",
+        "simulation.end_time_s: 0.02 -> 0.03",
+        "allowed: another directory, with --out DIR; or --recompute",
+    ];
+    scratch.refused("run b.yaml --out out", &refused);
+    scratch.well("run b.yaml --out out --recompute");
+    scratch.well("run b.yaml --out alone");
+    assert_eq!(scratch.data("out"), scratch.data("alone"));
+    assert_eq!(fs::read(scratch.path("out/earlier/1/runs.parquet")).unwrap(), before[0]);
+}
+
+/// An edited study that is interrupted goes on as any other.
+#[test]
+fn an_interrupted_edit_goes_on() {
+    let scratch = Scratch::new();
+    scratch.write("a.yaml", study("[-160.0]", |text| text));
+    scratch.well("run a.yaml --out out");
+    scratch.write("a.yaml", study("[-160.0, -216.0]", |text| text));
+    let stopped = scratch.stickslip("run a.yaml --out out --max-seconds 0");
+    assert_eq!(stopped.code, Some(130), "{}", stopped.err);
+    let ended = scratch.stickslip("resume out");
+    assert_has(&ended.err, &["512 runs: 256 were finished before, 256 computed"]);
+    scratch.well("run a.yaml --out alone");
+    assert_eq!(scratch.data("out"), scratch.data("alone"));
+}

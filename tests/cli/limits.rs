@@ -1,0 +1,76 @@
+//! How long, and how many failures: limits stop a study cleanly, and it goes on without them.
+
+use super::support::{Scratch, assert_has, counts, study_text, words};
+
+/// With this normal force some runs lose contact.
+fn failing() -> String {
+    let rest = "model: {kind: ball_balancer, normal_force: newton, \
+                parameters: {speed_rad_s: -160.8103}}\n";
+    study_text("failing", "{monte_carlo: {samples: 60}}", 0.5, rest)
+}
+
+#[test]
+fn no_time_means_no_run() {
+    let scratch = Scratch::new();
+    scratch.write("a.yaml", failing());
+    let stopped = scratch.stickslip("run a.yaml --out out --max-seconds 0");
+    assert_eq!(stopped.code, Some(130), "{}", stopped.err);
+    let said = ["out of time (--max-seconds) after 0 of 60 runs", "the same command goes on"];
+    assert_has(&stopped.err, &said);
+    assert_eq!(scratch.table("out", "runs").num_rows(), 0);
+    let json = scratch.stickslip("run a.yaml --out out --max-seconds 0 --json");
+    let report: serde_json::Value = serde_json::from_str(&json.out).unwrap();
+    assert_eq!((&report["interrupted"], &report["runs_finished"]), (&true.into(), &0.into()));
+    let ended = scratch.stickslip("run a.yaml --out out --max-seconds 3600");
+    assert_eq!(ended.code, Some(3), "{}", ended.err);
+}
+
+#[test]
+fn failures_stop_a_study_that_says_so() {
+    let scratch = Scratch::new();
+    scratch.write("a.yaml", failing());
+    let whole = scratch.stickslip("run a.yaml --out whole");
+    assert_eq!(whole.code, Some(3), "{}", whole.err);
+    let labels = words(&scratch.table("whole", "runs"), "label");
+    let failed = labels.iter().flatten().filter(|label| *label == "failed").count();
+    assert!(failed > 8, "{failed}");
+    for (option, most) in
+        [("--on-failure stop", 0), ("--on-failure limit=3", 3), ("--max-failed 3", 3)]
+    {
+        let out = format!("out{most}{}", option.len());
+        let ended = scratch.stickslip(&format!("run a.yaml --out {out} --threads 1 {option}"));
+        assert_eq!(ended.code, Some(3), "{}", ended.err);
+        assert_has(&ended.err, &["stopped because of failed runs (--on-failure) after "]);
+        // Runs in progress, eight at a time, are finished.
+        let labels = words(&scratch.table(&out, "runs"), "label");
+        let stopped = labels.iter().flatten().filter(|label| *label == "failed").count();
+        assert!((most + 1..=most + 20).contains(&stopped), "{option}: {stopped}");
+        assert_eq!(scratch.manifest(&out)["complete"], labels.len() == 60);
+        let resumed = scratch.stickslip(&format!("resume {out}"));
+        assert_eq!(resumed.code, Some(3), "{}", resumed.err);
+        assert_eq!(scratch.data(&out), scratch.data("whole"));
+    }
+    for (wrong, found) in [
+        ("--on-failure explode", "found \"explode\", allowed: stop, continue, or limit=N"),
+        ("--on-failure limit=-1", "found \"limit=-1\""),
+        ("--max-seconds -1", "found \"-1\", allowed: a number of seconds"),
+        ("--max-seconds nan", "found \"nan\", allowed: a number of seconds"),
+        ("--max-failed 1 --on-failure stop", "cannot be used with"),
+    ] {
+        scratch.refused(&format!("run a.yaml --out new {wrong}"), &[found]);
+    }
+}
+
+/// A retry computes the same cases again: with nothing changed, the same rows.
+#[test]
+fn a_retry_never_draws_anew() {
+    let scratch = Scratch::new();
+    scratch.write("a.yaml", failing());
+    scratch.stickslip("run a.yaml --out out");
+    let before = scratch.data("out");
+    let failed = counts(&scratch.table("out", "points"), "failed_runs")[0];
+    let again = scratch.stickslip("run a.yaml --out out --retry-failed");
+    assert_eq!(again.code, Some(3), "{}", again.err);
+    assert_has(&again.err, &[format!("{} were finished before, {failed} computed", 60 - failed)]);
+    assert_eq!(scratch.data("out"), before);
+}

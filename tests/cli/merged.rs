@@ -1,0 +1,86 @@
+//! Shards of a study, computed apart and merged: the tables of a single run, byte for byte.
+
+use std::fs;
+
+use super::support::{Scratch, assert_has, study_text};
+
+const PRECISE: &str = "precision: {equilibrium_fraction: 0.2, max_runs: 64}\n";
+
+fn study(rest: &str) -> String {
+    let sweep = "sweep: [{grid: {speed_rad_s: [-160.0, -200.0, -216.0]}}]\n";
+    study_text("shards", "{monte_carlo: {samples: 32}}", 0.5, &format!("{sweep}{rest}"))
+}
+
+/// Computes all shards of `a.yaml` in `1`, `2`, ... and returns these names.
+fn shards(scratch: &Scratch, number: usize) -> Vec<String> {
+    let parts: Vec<String> = (1..=number).map(|part| part.to_string()).collect();
+    for part in &parts {
+        scratch.well(&format!("run a.yaml --shard {part}/{number} --out {part} --threads 1"));
+    }
+    parts
+}
+
+#[test]
+fn merged_shards_are_the_single_run() {
+    for (rest, number) in [("", 1), ("", 2), ("", 7), ("", 120), (PRECISE, 2), (PRECISE, 5)] {
+        let scratch = Scratch::new();
+        scratch.write("a.yaml", study(rest));
+        scratch.well("run a.yaml --out whole --chunk 10");
+        let mut parts = shards(&scratch, number);
+        parts.reverse();
+        let ended = scratch.stickslip(&format!("merge {} --out merged", parts.join(" ")));
+        assert_eq!(ended.code, Some(0), "{}", ended.err);
+        assert_has(&ended.err, &[" 0 computed"]);
+        assert_eq!(scratch.data("merged"), scratch.data("whole"), "{number} shards, {rest}");
+        // What has been merged is a directory like any other.
+        let again = scratch.stickslip("run a.yaml --out merged");
+        assert_has(&again.err, &["nothing to do"]);
+    }
+}
+
+#[test]
+fn what_does_not_belong_together_is_named() {
+    let scratch = Scratch::new();
+    scratch.write("a.yaml", study(""));
+    shards(&scratch, 3);
+    let missing = ["shards are missing: 2 of 3", "found:   no directory of 2/3", "allowed: "];
+    scratch.refused("merge 1 3 --out merged", &missing);
+    scratch.refused("merge 1 3 2 3 --out merged", &["3: shard 3/3 is in 3, too", "allowed: "]);
+    scratch.well("run a.yaml --shard 2/4 --out 2of4");
+    let division = ["2of4: shard 2/4, but 1 is shard 1/3", "allowed: "];
+    scratch.refused("merge 1 2of4 3 --out merged", &division);
+    scratch.write("b.yaml", study("").replace("seed: 5", "seed: 6"));
+    scratch.well("run b.yaml --shard 2/3 --out other");
+    let other = ["other: another study than in 1; it differs in\n    seed: 5 -> 6", "allowed: "];
+    scratch.refused("merge 1 other 3 --out merged", &other);
+    let stopped = scratch.stickslip("run a.yaml --shard 2/3 --out stopped --max-seconds 0");
+    assert_eq!(stopped.code, Some(130), "{}", stopped.err);
+    let unfinished = ["stopped: shard 2/3 is not finished", "`stickslip resume stopped`"];
+    scratch.refused("merge 1 stopped 3 --out merged", &unfinished);
+    scratch.refused("merge 1 nowhere 3 --out merged", &["nowhere: this directory holds no study"]);
+    scratch
+        .refused("merge 1 2 3 --out 1", &["1: this directory holds the results of another shard"]);
+    let older =
+        scratch.manifest("3").to_string().replace("\"model_version\":1", "\"model_version\":0");
+    scratch.write("3/manifest.json", older);
+    scratch
+        .refused("merge 1 2 3 --out merged", &["3: these runs were computed by another version"]);
+}
+
+#[test]
+fn a_damaged_chunk_of_a_shard_is_computed_again() {
+    let scratch = Scratch::new();
+    scratch.write("a.yaml", study(""));
+    scratch.well("run a.yaml --out whole");
+    shards(&scratch, 2);
+    let folder = fs::read_dir(scratch.path("2/chunks")).unwrap().map(|entry| entry.unwrap().path());
+    let folder = folder.into_iter().find(|path| path.is_dir()).unwrap();
+    fs::write(folder.join("000000.chunk"), "nothing").unwrap();
+    let ended = scratch.stickslip("merge 1 2 --out merged");
+    assert_eq!(ended.code, Some(0), "{}", ended.err);
+    let said = ["000000.chunk: 7 bytes", "48 were finished before, 48 computed"];
+    assert_has(&ended.err, &said);
+    assert_eq!(scratch.data("merged"), scratch.data("whole"));
+    // A shard's own directory is not touched by whoever merges it.
+    assert!(folder.join("000000.chunk").exists());
+}

@@ -1,0 +1,226 @@
+//! Interrupted studies go on where they were and end in the same bytes.
+
+use std::fs;
+use std::path::PathBuf;
+
+use super::support::{Scratch, assert_has, study_text};
+
+/// Runs of a tenth of a millisecond or so.
+fn study(seed_and_more: &str) -> String {
+    let sweep = "sweep: [{grid: {speed_rad_s: [-160.0, -216.0]}}]\n";
+    study_text("short", "{monte_carlo: {samples: 300}}", 0.1, sweep)
+        .replace("seed: 5\n", seed_and_more)
+}
+
+/// The folder of finished chunks in a directory of results, of which there must be one.
+#[track_caller]
+fn chunks(scratch: &Scratch, directory: &str) -> PathBuf {
+    let folders = fs::read_dir(scratch.path(directory).join("chunks")).unwrap();
+    let mut folders = folders.map(|entry| entry.unwrap().path()).filter(|path| path.is_dir());
+    let folder = folders.next().unwrap();
+    assert!(folders.next().is_none());
+    folder
+}
+
+/// A study that was stopped before its last chunk, and the whole of it in `whole`.
+fn stopped() -> Scratch {
+    let scratch = Scratch::new();
+    scratch.write("a.yaml", study("seed: 5\n"));
+    scratch.well("run a.yaml --out whole --chunk 50");
+    // As a kill leaves it: finished chunks, their list, the manifest of the beginning.
+    scratch.well("run a.yaml --out out --chunk 50 --threads 1");
+    let folder = chunks(&scratch, "out");
+    let list = fs::read_to_string(folder.join("manifest.jsonl")).unwrap();
+    let lines: Vec<&str> = list.lines().collect();
+    assert_eq!(lines.len(), 12);
+    fs::write(folder.join("manifest.jsonl"), lines[..8].join("\n") + "\n").unwrap();
+    for number in 8..12 {
+        fs::remove_file(folder.join(format!("{number:06}.chunk"))).unwrap();
+    }
+    for name in super::support::DATA_FILES.into_iter().filter(|name| *name != "study.yaml") {
+        fs::remove_file(scratch.path("out").join(name)).unwrap();
+    }
+    let mut manifest = scratch.manifest("out");
+    manifest["complete"] = false.into();
+    manifest["files"] = serde_json::json!({});
+    scratch.write("out/manifest.json", manifest.to_string());
+    scratch
+}
+
+#[test]
+fn finished_runs_are_not_computed_again() {
+    for command in [
+        "resume out",
+        "resume out --threads 1 --chunk 7",
+        "resume out --threads 3 --chunk 100000",
+        "run a.yaml --out out",
+    ] {
+        let scratch = stopped();
+        let ended = scratch.stickslip(command);
+        assert_eq!(ended.code, Some(0), "{}", ended.err);
+        let said = ["going on with this study", "400 were finished before, 200 computed"];
+        assert_has(&ended.err, &said);
+        assert_eq!(scratch.data("out"), scratch.data("whole"), "{command}");
+        assert_eq!(scratch.manifest("out")["runs_kept"], 400);
+        let again = scratch.stickslip(command);
+        assert_has(&again.err, &["out already holds all 600 runs of this study: nothing to do"]);
+        assert_eq!(again.code, Some(0));
+    }
+}
+
+/// The study is in the directory: its file may be gone, and the table that it names.
+#[test]
+fn the_directory_is_enough() {
+    let scratch = Scratch::new();
+    let sweep = "sweep: [{table: speeds.csv}]\n";
+    scratch.write("speeds.csv", "speed_rad_s\n-160.0\n-216.0\n");
+    scratch.write("a.yaml", study_text("short", "{monte_carlo: {samples: 20}}", 0.1, sweep));
+    scratch.well("run a.yaml --out whole");
+    assert_eq!(scratch.stickslip("run a.yaml --out out --max-seconds 0").code, Some(130));
+    fs::remove_file(scratch.path("a.yaml")).unwrap();
+    fs::remove_file(scratch.path("speeds.csv")).unwrap();
+    scratch.well("resume out");
+    assert_eq!(scratch.data("out"), scratch.data("whole"));
+}
+
+/// Each way in which a chunk or the list may be damaged: its runs are computed again, nothing else is
+/// lost, the damaged file is kept, and the tables are the same.
+#[test]
+fn what_is_damaged_is_named_and_computed_again() {
+    let changes: [(&str, fn(&PathBuf)); 7] = [
+        ("000003.chunk: its content is not what was written", |folder| {
+            let path = folder.join("000003.chunk");
+            let mut bytes = fs::read(&path).unwrap();
+            let middle = bytes.len() / 2;
+            bytes[middle] ^= 1;
+            fs::write(path, bytes).unwrap();
+        }),
+        ("000003.chunk: 1000 bytes, ", |folder| {
+            let path = folder.join("000003.chunk");
+            let bytes = fs::read(&path).unwrap();
+            fs::write(path, &bytes[..1000]).unwrap();
+        }),
+        ("000003.chunk: 0 bytes, ", |folder| {
+            fs::write(folder.join("000003.chunk"), "").unwrap();
+        }),
+        ("000003.chunk: it is missing", |folder| {
+            fs::remove_file(folder.join("000003.chunk")).unwrap();
+        }),
+        ("000003.chunk: ", |folder| {
+            let [left, right] = ["000003.chunk", "000004.chunk"].map(|name| folder.join(name));
+            let content = fs::read(&left).unwrap();
+            fs::rename(&right, &left).unwrap();
+            fs::write(right, content).unwrap();
+        }),
+        ("manifest.jsonl: line 8 is damaged", |folder| {
+            let path = folder.join("manifest.jsonl");
+            let list = fs::read_to_string(&path).unwrap();
+            fs::write(path, &list[..list.len() - 40]).unwrap();
+        }),
+        ("another chunk than the list says", |folder| {
+            let path = folder.join("manifest.jsonl");
+            let list = fs::read_to_string(&path).unwrap();
+            assert!(list.contains("\"first_run\":150"));
+            fs::write(path, list.replace("\"first_run\":150", "\"first_run\":151")).unwrap();
+        }),
+    ];
+    for (said, change) in changes {
+        let scratch = stopped();
+        let folder = chunks(&scratch, "out");
+        change(&folder);
+        let ended = scratch.stickslip("resume out --threads 2");
+        assert_eq!(ended.code, Some(0), "{}", ended.err);
+        assert_has(&ended.err, &[said, "computed again"]);
+        assert_eq!(scratch.data("out"), scratch.data("whole"), "{said}");
+        let kept = scratch.manifest("out")["runs_kept"].as_u64().unwrap();
+        assert!((300..400).contains(&kept), "{said}: {kept}");
+        let damaged = folder.join("000003.chunk.damaged").exists();
+        assert_eq!(
+            damaged,
+            said.starts_with("0") && !said.contains("missing") || said.starts_with("another"),
+            "{said}"
+        );
+    }
+}
+
+/// A chunk whose list entry is on disk, but that has not got its name yet, as a crash leaves it.
+#[test]
+fn a_chunk_without_its_name_is_found() {
+    let scratch = stopped();
+    let folder = chunks(&scratch, "out");
+    fs::rename(folder.join("000007.chunk"), folder.join("000007.chunk.partial")).unwrap();
+    let ended = scratch.stickslip("resume out");
+    assert_has(&ended.err, &["400 were finished before, 200 computed"]);
+    assert!(folder.join("000007.chunk").exists());
+    assert_eq!(scratch.data("out"), scratch.data("whole"));
+}
+
+/// A chunk that holds another run under a number than the study says, with a hash that fits it.
+#[test]
+fn a_run_of_another_case_is_not_taken() {
+    let scratch = stopped();
+    scratch.write("b.yaml", study("seed: 6\n"));
+    scratch.well("run b.yaml --out other --chunk 50 --threads 1");
+    let [ours, other] = ["out", "other"].map(|directory| chunks(&scratch, directory));
+    // The other study's runs with our study's hash in front.
+    let mut bytes = fs::read(other.join("000000.chunk")).unwrap();
+    let own = fs::read(ours.join("000000.chunk")).unwrap();
+    bytes[..88].copy_from_slice(&own[..88]);
+    fs::write(ours.join("000000.chunk"), &bytes).unwrap();
+    let list = fs::read_to_string(ours.join("manifest.jsonl")).unwrap();
+    let mut lines: Vec<String> = list.lines().map(str::to_owned).collect();
+    let mut entry: serde_json::Value = serde_json::from_str(&lines[0]).unwrap();
+    entry["bytes"] = bytes.len().into();
+    let digest = <sha2::Sha256 as sha2::Digest>::digest(&bytes);
+    entry["sha256"] = digest.iter().map(|byte| format!("{byte:02x}")).collect::<String>().into();
+    lines[0] = entry.to_string();
+    fs::write(ours.join("manifest.jsonl"), lines.join("\n") + "\n").unwrap();
+    let ended = scratch.stickslip("resume out");
+    assert_eq!(ended.code, Some(0), "{}", ended.err);
+    assert_has(&ended.err, &["350 were finished before, 250 computed"]);
+    assert_eq!(scratch.data("out"), scratch.data("whole"));
+}
+
+#[test]
+fn what_cannot_be_resumed_is_refused() {
+    let scratch = stopped();
+    scratch.refused("resume nowhere", &["nowhere: this directory holds no study", "allowed: "]);
+    scratch.refused("resume a.yaml", &["a.yaml: cannot be used", "allowed: "]);
+    let manifest = fs::read_to_string(scratch.path("out/manifest.json")).unwrap();
+    scratch.write("out/manifest.json", &manifest[..200]);
+    scratch.refused("resume out", &["manifest.json", "damaged", "allowed: "]);
+    let damaged = ["out: manifest.json is damaged", "allowed: ", "manifest.json removed"];
+    scratch.refused("run a.yaml --out out", &damaged);
+    // What that says is true.
+    fs::remove_file(scratch.path("out/manifest.json")).unwrap();
+    let ended = scratch.stickslip("run a.yaml --out out");
+    assert_has(&ended.err, &["400 were finished before"]);
+    assert_eq!(scratch.data("out"), scratch.data("whole"));
+
+    let scratch = stopped();
+    scratch.write("out/study.yaml", study("seed: 6\n"));
+    let edited = ["the study has been edited since", "found:   a study.yaml", "allowed: "];
+    scratch.refused("resume out", &edited);
+    let older =
+        scratch.manifest("out").to_string().replace("\"model_version\":1", "\"model_version\":0");
+    scratch.write("out/manifest.json", older);
+    scratch.refused("resume out", &["another version", "version 0 of the model", "allowed: "]);
+}
+
+/// Tables that were changed after a study was complete are made again; the changed ones are kept.
+#[test]
+fn changed_tables_are_made_again() {
+    let scratch = Scratch::new();
+    scratch.write("a.yaml", study("seed: 5\n"));
+    scratch.well("run a.yaml --out out");
+    let before = scratch.data("out");
+    scratch.write("out/runs.parquet", &before[0][..100]);
+    let ended = scratch.stickslip("run a.yaml --out out");
+    assert_eq!(ended.code, Some(0), "{}", ended.err);
+    assert_has(
+        &ended.err,
+        &["changed since", "runs.parquet of 100 bytes", "earlier/1", " 0 computed"],
+    );
+    assert_eq!(scratch.data("out"), before);
+    assert_eq!(fs::read(scratch.path("out/earlier/1/runs.parquet")).unwrap(), before[0][..100]);
+}

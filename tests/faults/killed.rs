@@ -1,0 +1,90 @@
+//! `kill -9` at any moment, again and again until the study is finished.
+
+use std::process::Child;
+use std::thread::{sleep, yield_now};
+use std::time::Duration;
+
+use super::{CHUNKS, chunks, finished, study};
+use crate::cli::support::Scratch;
+
+/// At least so many kills.
+const KILLS: u32 = 50;
+
+/// A fixed sequence that looks like chance (a multiplicative congruential generator).
+struct Chance(u64);
+
+impl Chance {
+    fn below(&mut self, bound: u64) -> u64 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+        (self.0 >> 33) % bound
+    }
+}
+
+/// Waits until the program has ended by itself or `holds`; whether it has ended.
+fn until(child: &mut Child, mut holds: impl FnMut() -> bool) -> bool {
+    loop {
+        if child.try_wait().unwrap().is_some() {
+            return true;
+        }
+        if holds() {
+            return false;
+        }
+        yield_now();
+    }
+}
+
+/// Kills come at any time after the start (also before there is a directory) and at any time after the next
+/// chunk is finished (also while tables are written); every attempt goes on with another number of
+/// threads, by `run` or `resume`.
+#[test]
+fn kills_lose_nothing() {
+    let scratch = Scratch::new();
+    scratch.write("a.yaml", study());
+    scratch.well("run a.yaml --out whole");
+    let out = scratch.path("out");
+    let mut chance = Chance(20_261_121);
+    let (mut kills, mut kept) = (0, Vec::new());
+    loop {
+        let threads = 1 + chance.below(3);
+        let command = match out.join("manifest.json").exists() && chance.below(2) == 0 {
+            true => "resume out",
+            false => "run a.yaml --out out",
+        };
+        let options = format!("{command} --quiet --chunk 64 --threads {threads}");
+        let mut child = scratch.command(&options).spawn().unwrap();
+        let early = kills % 3 == 0 && kills < 2 * KILLS;
+        let ended = if early {
+            sleep(Duration::from_micros(chance.below(12_000)));
+            child.try_wait().unwrap().is_some()
+        } else {
+            let before = kept.len();
+            let ended = until(&mut child, || finished(&out).len() > before);
+            sleep(Duration::from_micros(chance.below(4_000)));
+            ended || child.try_wait().unwrap().is_some()
+        };
+        if !ended {
+            // SIGKILL.
+            child.kill().unwrap();
+            kills += 1;
+        }
+        let status = child.wait_with_output().unwrap();
+        // A chunk that was finished once stays so, and none was ever damaged. The last line may be torn.
+        let now = finished(&out);
+        assert!(now.len() >= kept.len(), "{} finished chunks became {}", kept.len(), now.len());
+        assert_eq!(now[..kept.len()], kept, "finished chunks have changed");
+        kept = now;
+        if ended {
+            let said = String::from_utf8_lossy(&status.stderr).into_owned();
+            assert_eq!(status.status.code(), Some(0), "{said}");
+            break;
+        }
+    }
+    assert!(kills >= KILLS, "finished after {kills} kills only");
+    assert_eq!(scratch.data("out"), scratch.data("whole"));
+    let folder = chunks(&out).unwrap();
+    let damaged = std::fs::read_dir(folder)
+        .unwrap()
+        .filter(|entry| entry.as_ref().unwrap().file_name().to_string_lossy().ends_with("damaged"));
+    assert_eq!(damaged.count(), 0);
+    println!("{kills} kills survived, {} chunks of at least {CHUNKS}, 0 rows lost", kept.len());
+}

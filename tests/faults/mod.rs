@@ -1,0 +1,49 @@
+//! What may happen to a study on a bad day: no finished run is lost, no row is wrong, the bytes at the end
+//! are the same.
+
+#![cfg(target_os = "linux")]
+
+mod disk;
+mod killed;
+mod panics;
+mod trifles;
+mod two_processes;
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use crate::cli::support::{Scratch, study_text};
+
+/// 6400 runs of about a twentieth of a millisecond, in a hundred chunks of 64.
+pub const CHUNKS: u64 = 100;
+
+fn study() -> String {
+    let sweep = "sweep: [{grid: {speed_rad_s: [-160.0, -216.0]}}]\n";
+    study_text("bad-day", "{monte_carlo: {samples: 3200}}", 0.05, sweep)
+}
+
+/// The folder of finished chunks of the one study in a directory of results, if there is one.
+fn chunks(directory: &Path) -> Option<PathBuf> {
+    let entries = fs::read_dir(directory.join("chunks")).ok()?;
+    entries.map(|entry| entry.unwrap().path()).find(|path| path.is_dir())
+}
+
+/// The finished chunks of a directory of results: the lines of their list.
+fn finished(directory: &Path) -> Vec<String> {
+    let list = chunks(directory).map(|folder| folder.join("manifest.jsonl"));
+    let text = list.and_then(|list| fs::read_to_string(list).ok()).unwrap_or_default();
+    text.lines().map(str::to_owned).collect()
+}
+
+/// A study that was stopped in the middle, in `out`, and the whole of it, in `whole`.
+fn halfway(scratch: &Scratch) {
+    scratch.write("a.yaml", study());
+    scratch.well("run a.yaml --out whole --chunk 64");
+    let mut child = scratch.command("run a.yaml --out out --chunk 64").spawn().unwrap();
+    while finished(&scratch.path("out")).len() < 20 {
+        assert!(child.try_wait().unwrap().is_none(), "it has ended before it could be killed");
+        std::thread::yield_now();
+    }
+    child.kill().unwrap();
+    child.wait().unwrap();
+}

@@ -1,0 +1,62 @@
+//! The program itself fails in chosen runs: rows say so, and a later try of them gives what is right.
+
+use std::path::Path;
+use std::sync::atomic::AtomicBool;
+
+use stickslip::ending::{Label, Outcome, simulate};
+use stickslip::farm::{FarmOptions, Progress, Store, farm};
+use stickslip::model::Case;
+use stickslip::study::Study;
+
+use crate::cli::support::{Scratch, parse};
+use crate::farm::kept::Kept;
+
+fn farmed(
+    study: &Study,
+    directory: &Path,
+    retry_failed: bool,
+    simulate: impl Fn(&Case) -> Outcome + Sync,
+) -> Kept {
+    let mut store = Store::open(directory, study).unwrap();
+    let options = FarmOptions { threads: 2, chunk: 50, retry_failed, ..FarmOptions::default() };
+    let mut kept = Kept::default();
+    let stop = AtomicBool::new(false);
+    let progress = Progress::new(study.run_count(), true);
+    farm(study, options, simulate, &stop, &progress, Some(&mut store), &mut kept).unwrap();
+    kept
+}
+
+#[test]
+fn panics_are_rows_that_can_be_tried_again() {
+    let scratch = Scratch::new();
+    let study = parse(&super::study().replace("samples: 3200", "samples: 200"));
+    let whole = farmed(&study, &scratch.path("whole"), false, simulate);
+    let out = scratch.path("out");
+    let bad = |case: &Case| case.start.0[0] > 0.02;
+    let first = farmed(&study, &out, false, |case| {
+        assert!(!bad(case), "injected");
+        simulate(case)
+    });
+    let mut panics = 0;
+    for (run, right) in first.runs.iter().zip(&whole.runs) {
+        assert_eq!(run.planned, right.planned);
+        let failed = run.outcome.label() == Label::Failed;
+        assert_eq!(failed, bad(run.planned.case.as_ref().unwrap()));
+        panics += u32::from(failed);
+        assert!(failed || run == right);
+    }
+    assert!((50..200).contains(&panics), "{panics}");
+    // They are finished: nothing is computed again unless asked for.
+    let again = farmed(&study, &out, false, |_| unreachable!("all runs are finished"));
+    assert_eq!(again.runs, first.runs);
+    // And then only they, from the same start states and parameters.
+    let retried = farmed(&study, &out, true, |case| {
+        assert!(bad(case), "a run that had not failed");
+        simulate(case)
+    });
+    assert_eq!(retried.runs, whole.runs);
+    assert_eq!(retried.points, whole.points);
+    // The better outcome is the one that is kept.
+    let last = farmed(&study, &out, true, |_| unreachable!("no run has failed any more"));
+    assert_eq!(last.runs, whole.runs);
+}

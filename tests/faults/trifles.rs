@@ -1,0 +1,101 @@
+//! Few file handles, a clock that jumps, a byte that changes in any file.
+
+use std::fs;
+use std::process::Command;
+
+use super::{halfway, study};
+use crate::cli::support::{Ended, Scratch};
+
+/// A dozen and a half open files are enough, also to merge more shards than that.
+#[test]
+fn few_file_handles_are_enough() {
+    let scratch = Scratch::new();
+    scratch.write("a.yaml", study().replace("samples: 3200", "samples: 200"));
+    scratch.well("run a.yaml --out whole");
+    let script = format!(
+        "set -e; ulimit -n 24; s={}; parts=; for k in $(seq 1 40); do $s run a.yaml --quiet --shard $k/40 \
+         --out part$k --threads 2; parts=\"$parts part$k\"; done; $s merge $parts --out out --quiet",
+        env!("CARGO_BIN_EXE_stickslip")
+    );
+    let mut command = Command::new("sh");
+    command.args(["-c", &script]).current_dir(scratch.path("."));
+    let ended = Ended::of(command.output().unwrap());
+    assert_eq!(ended.code, Some(0), "{}", ended.err);
+    assert_eq!(scratch.data("out"), scratch.data("whole"));
+    // With too few it says so, and has lost nothing.
+    let script = format!("ulimit -n 7; {} resume part7", env!("CARGO_BIN_EXE_stickslip"));
+    let mut command = Command::new("sh");
+    command.args(["-c", &script]).current_dir(scratch.path("."));
+    let code = command.output().unwrap().status.code();
+    assert!([Some(0), Some(1), Some(2)].contains(&code), "{code:?}");
+    scratch.well("resume part7");
+}
+
+/// Nothing asks what time it is: files from the future, a start in the past or in the future.
+#[test]
+fn clocks_decide_nothing() {
+    for (began, stamp) in [(0.0, "1970-01-02"), (4.0e10, "2170-01-01"), (-1.0, "2001-09-09")] {
+        let scratch = Scratch::new();
+        halfway(&scratch);
+        let mut manifest = scratch.manifest("out");
+        manifest["started_unix_s"] = began.into();
+        scratch.write("out/manifest.json", manifest.to_string());
+        let touch = format!("find out -exec touch -d {stamp} {{}} +");
+        let mut command = Command::new("sh");
+        command.args(["-c", &touch]).current_dir(scratch.path("."));
+        assert!(command.status().unwrap().success());
+        scratch.well("resume out");
+        assert_eq!(scratch.data("out"), scratch.data("whole"));
+        assert!(scratch.manifest("out")["runs_kept"].as_u64().unwrap() >= 20 * 64);
+    }
+}
+
+/// One byte of each file of an interrupted study is changed, at the beginning, in the middle and at the end:
+/// either the program refuses and says which file, or it ends in the same bytes. With the file put back, or
+/// by running the study itself, nothing was lost.
+#[test]
+fn a_changed_byte_is_never_a_wrong_row() {
+    let scratch = Scratch::new();
+    halfway(&scratch);
+    let out = scratch.path("out");
+    let files: Vec<_> = scratch
+        .files()
+        .into_iter()
+        .filter(|(path, content)| path.starts_with(&out) && !content.is_empty())
+        .collect();
+    let kinds = ["manifest.json", "study.yaml", "manifest.jsonl", "000003.chunk", "000019.chunk"];
+    let (mut tried, mut refused) = (0, 0);
+    for (path, content) in files {
+        let name = path.file_name().unwrap().to_string_lossy().into_owned();
+        if !kinds.contains(&name.as_str()) {
+            continue;
+        }
+        for place in [0, content.len() / 3, content.len() / 2, content.len() - 1] {
+            let copy = scratch.path("copy");
+            let status = Command::new("cp")
+                .args(["-r".as_ref(), out.as_os_str(), copy.as_os_str()])
+                .status();
+            assert!(status.unwrap().success());
+            let mut changed = content.clone();
+            changed[place] ^= 0x15;
+            let in_copy = copy.join(path.strip_prefix(&out).unwrap());
+            fs::write(&in_copy, changed).unwrap();
+            let ended = scratch.stickslip("resume copy --quiet");
+            tried += 1;
+            if ended.code != Some(0) {
+                refused += 1;
+                assert_eq!(ended.code, Some(2), "{name} at {place}: {}", ended.err);
+                let named = [name.as_str(), "shard", "study", "version"];
+                assert!(named.iter().any(|part| ended.err.contains(part)), "{}", ended.err);
+                fs::write(&in_copy, &content).unwrap();
+                scratch.well("resume copy");
+            }
+            assert_eq!(scratch.data("copy"), scratch.data("whole"), "{name} at {place}");
+            let kept = scratch.manifest("copy")["runs_kept"].as_u64().unwrap();
+            assert!(kept >= 18 * 64, "{name} at {place}: {kept}");
+            fs::remove_dir_all(copy).unwrap();
+        }
+    }
+    assert_eq!(tried, 4 * kinds.len());
+    assert!(refused > 0 && refused < tried, "{refused} of {tried}");
+}

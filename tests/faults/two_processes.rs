@@ -1,0 +1,32 @@
+//! Two processes on the same directory.
+
+use super::{finished, study};
+use crate::cli::support::Scratch;
+
+#[test]
+fn the_second_process_is_refused() {
+    let scratch = Scratch::new();
+    let long = study().replace("samples: 3200", "samples: 2000000");
+    scratch.write("a.yaml", long);
+    let mut first = scratch.command("run a.yaml --out out --chunk 64").spawn().unwrap();
+    while finished(&scratch.path("out")).len() < 2 {
+        assert!(first.try_wait().unwrap().is_none());
+        std::thread::yield_now();
+    }
+    for command in ["run a.yaml --out out", "resume out"] {
+        let second = scratch.stickslip(command);
+        assert_eq!((second.code, second.out.as_str()), (Some(2), ""), "{}", second.err);
+        let busy = "out: another process is writing into this directory";
+        assert!(
+            second.err.contains(busy) && second.err.contains("allowed: wait"),
+            "{}",
+            second.err
+        );
+    }
+    assert!(first.try_wait().unwrap().is_none());
+    first.kill().unwrap();
+    first.wait().unwrap();
+    // The lock goes with the process, however it ended.
+    let again = scratch.stickslip("resume out --max-seconds 0");
+    assert_eq!(again.code, Some(130), "{}", again.err);
+}
