@@ -14,4 +14,5 @@ mod memory;
 mod merged;
 mod resume;
 mod streams;
+mod tables;
 mod usage;
