@@ -23,7 +23,7 @@ fn every_command_that_reads_a_study_has_the_option() {
     let study = "studies/a.yaml";
     for command in ["run", "check", "expand", "verify", "equilibria"] {
         let outside = [
-            "studies/a.yaml:6:17: `sweep[0].table`: the table cannot be read: the table lies outside of",
+            "studies/a.yaml:7:17: `sweep[0].table`: the table cannot be read: the table lies outside of",
             "\n  found:   ../tables/speeds.csv",
             "\n  allowed: a file in the study file's directory or below it, or the option --tables DIR",
         ];
