@@ -48,7 +48,7 @@ fn load(rest: &str, design: &str, table: &[u8]) -> Result<Study, StudyError> {
 
 #[track_caller]
 fn refused(table: &[u8], key: &str, problem: &str, found: &str) {
-    let error = sweep(table).err().expect("refused");
+    let error = sweep(table).expect_err("refused");
     assert!(error.file().ends_with("designs.parquet"), "{error}");
     assert_eq!((error.line(), error.key()), (None, key), "{error}");
     assert!(error.problem().contains(problem), "{error}");
