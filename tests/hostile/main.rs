@@ -67,6 +67,7 @@ fn main() -> ExitCode {
         }
         _ if words.contains(&"--list") => {
             TARGETS.iter().for_each(|(name, _)| println!("hostile::{name}: test"));
+            println!("hostile::net: test");
             ExitCode::SUCCESS
         }
         _ => parent(&words),
@@ -96,7 +97,37 @@ fn parent(words: &[&str]) -> ExitCode {
         faults.iter().for_each(|fault| println!("{fault}"));
         well &= faults.is_empty();
     }
+    if wanted("net") {
+        print!("test hostile::net ... ");
+        let holes: Vec<&str> =
+            BAD.iter().map(|(name, _)| *name).filter(|name| !caught(name)).collect();
+        println!(
+            "{}",
+            if holes.is_empty() { "ok".to_owned() } else { format!("FAILED: {holes:?}") }
+        );
+        well &= holes.is_empty();
+    }
     if well { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+}
+
+/// What must not go unnoticed: each happens at the second input.
+const BAD: [(&str, fn()); 4] = [
+    ("panics", || panic!("as it should")),
+    ("overflows", || assert_ne!(deeper(u64::MAX), 1)),
+    ("takes memory", || drop(std::hint::black_box(Vec::<u8>::with_capacity(2 * MEMORY)))),
+    ("takes time", || thread::sleep(Duration::from_secs(600))),
+];
+
+/// Calls itself far more often than the stack has room for.
+fn deeper(times: u64) -> u64 {
+    let room = std::hint::black_box([times; 512]);
+    if times == 0 { 0 } else { deeper(times - 1).wrapping_add(room[511]) }
+}
+
+/// Whether the parent notices what a bad target does, and at which input.
+fn caught(name: &str) -> bool {
+    let (read, died) = one_child(name, 0, 0, 3, Duration::from_secs(5));
+    died.is_some_and(|(number, _)| number == 1) && read == 1
 }
 
 /// Runs children until all inputs have been tried. Returns how many could be used, and what went wrong.
@@ -104,7 +135,7 @@ fn faults(name: &str, seed: u64, end: u64) -> (u64, Vec<String>) {
     let mut faults = Vec::new();
     let (mut first, mut all_read) = (0, 0);
     while first < end && faults.len() < MOST_FAULTS {
-        let (read, died) = one_child(name, seed, first, end);
+        let (read, died) = one_child(name, seed, first, end, TIME);
         all_read += read;
         let Some((number, what)) = died else { break };
         let file = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("{name}-{seed}-{number}"));
@@ -120,7 +151,13 @@ fn faults(name: &str, seed: u64, end: u64) -> (u64, Vec<String>) {
 
 /// Runs one child. Returns how many inputs it could use, and the input that it died of, if it did, with
 /// its last words.
-fn one_child(name: &str, seed: u64, first: u64, end: u64) -> (u64, Option<(u64, String)>) {
+fn one_child(
+    name: &str,
+    seed: u64,
+    first: u64,
+    end: u64,
+    time: Duration,
+) -> (u64, Option<(u64, String)>) {
     let said = tempfile::NamedTempFile::new().unwrap();
     let mut child = Command::new(env::current_exe().unwrap())
         .args(["--child", name, &seed.to_string(), &first.to_string(), &end.to_string()])
@@ -140,7 +177,7 @@ fn one_child(name: &str, seed: u64, first: u64, end: u64) -> (u64, Option<(u64, 
     });
     let (mut current, mut read) = (first, 0);
     let late = loop {
-        match receiver.recv_timeout(TIME) {
+        match receiver.recv_timeout(time) {
             Ok(line) if line == READ => read += 1,
             Ok(line) => current = line.parse().unwrap_or(current),
             Err(mpsc::RecvTimeoutError::Disconnected) => break false,
@@ -157,12 +194,17 @@ fn one_child(name: &str, seed: u64, first: u64, end: u64) -> (u64, Option<(u64, 
     }
     let words = fs::read(said.path()).unwrap_or_default();
     let words = String::from_utf8_lossy(&words[words.len().saturating_sub(2000)..]).into_owned();
-    let how = if late { format!("more than {TIME:?}") } else { status.to_string() };
+    let how = if late { format!("more than {time:?}") } else { status.to_string() };
     (read, Some((current, format!("{how}\n{words}"))))
 }
 
 /// Works through inputs and says before each one which it is.
 fn child(name: &str, seed: u64, numbers: std::ops::Range<u64>) {
+    if let Some((_, bad)) = BAD.iter().find(|(other, _)| *other == name) {
+        ALLOCATOR.set_limit(ALLOCATOR.allocated() + MEMORY).unwrap();
+        println!("0\n{READ}\n1");
+        return bad();
+    }
     let (target, corpus) = (target(name), corpus::read(name));
     let folder = tempfile::tempdir().unwrap();
     let folder: PathBuf = folder.path().canonicalize().unwrap();
