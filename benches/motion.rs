@@ -137,12 +137,12 @@ fn thesis(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("thesis study, 128 runs per point");
     group.sample_size(10).throughput(Throughput::Elements(study.run_count()));
     for threads in [1, 2] {
-        let options = FarmOptions { threads, chunk: 1024, shard: Shard::WHOLE };
+        let options = FarmOptions { threads, chunk: 1024, ..FarmOptions::default() };
         let stop = AtomicBool::new(false);
         group.bench_function(format!("threads: {threads}"), |bencher| {
             bencher.iter(|| {
                 let progress = Progress::new(study.run_count(), true);
-                farm_in_lockstep(&study, options, &stop, &progress, &mut Nowhere)
+                farm_in_lockstep(&study, options, &stop, &progress, None, &mut Nowhere)
             });
         });
     }

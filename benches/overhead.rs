@@ -108,13 +108,13 @@ fn farming(criterion: &mut Criterion) {
     for (name, design, more) in cases {
         let study = study(design, more);
         let stored = Stored::of(&study);
-        let options = FarmOptions { threads: 1, chunk: 1024, shard: Shard::WHOLE };
+        let options = FarmOptions { threads: 1, chunk: 1024, ..FarmOptions::default() };
         let stop = AtomicBool::new(false);
         group.bench_function(name, |bencher| {
             bencher.iter(|| {
                 let progress = Progress::new(study.run_count(), true);
                 let outcome = |case: &Case| stored.outcome(case);
-                farm(&study, options, outcome, &stop, &progress, &mut Nowhere)
+                farm(&study, options, outcome, &stop, &progress, None, &mut Nowhere)
             });
         });
     }

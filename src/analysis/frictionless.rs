@@ -16,6 +16,7 @@
 use std::f64::consts::PI;
 
 use nalgebra::Complex;
+use serde::{Deserialize, Serialize};
 
 use super::alike::{groups_of_alike, sorted_where_alike};
 use super::balance::{Balance, wrapped};
@@ -24,7 +25,7 @@ use super::rest_form::RestForm;
 use crate::model::Machine;
 
 /// What an equilibrium without friction looks like.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum FrictionlessKind {
     /// All balls together, on the branch `θ - γ = arcsin(...)`: below the natural frequency the
     /// one with the larger amplitude.

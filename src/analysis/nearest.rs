@@ -5,6 +5,8 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
+use serde::{Deserialize, Serialize};
+
 use super::alike::groups_of_alike;
 use super::balanced_family::distance_to_balance;
 use super::frictionless::{FrictionlessKind, Place, frictionless_equilibria, places};
@@ -21,7 +23,7 @@ use crate::model::{Case, Machine};
 pub const HIGH_DRAG: f64 = 1e4;
 
 /// The stable equilibrium without friction that is nearest to a position.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Nearest {
     /// What it looks like.
     pub kind: FrictionlessKind,

@@ -2,6 +2,7 @@
 
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
+use std::time::{Duration, Instant};
 
 use clap::Args;
 
@@ -15,6 +16,17 @@ pub struct StudyArgument {
     pub study: PathBuf,
 }
 
+/// The part of a study.
+#[derive(Clone, Debug, Args)]
+pub struct ShardArgument {
+    /// Compute part K of N of the runs only
+    ///
+    /// One of each N runs, so that parts cost about the same. In a study with `precision`, one of each N
+    /// points with all its runs: a part of a point's runs could not decide how many it needs.
+    #[arg(long, value_name = "K/N", default_value = "1/1")]
+    pub shard: Shard,
+}
+
 /// How the runs are farmed. None of it changes a result.
 #[derive(Clone, Debug, Args)]
 pub struct FarmArguments {
@@ -22,17 +34,27 @@ pub struct FarmArguments {
     #[arg(long, value_name = "N", value_parser = threads, allow_negative_numbers = true)]
     threads: Option<NonZeroUsize>,
 
-    /// Compute part K of N of the runs only
-    ///
-    /// Every N-th run, so that parts cost about the same. In a study with `precision`, every N-th point
-    /// with all its runs: a part of a point's runs could not decide how many it needs.
-    #[arg(long, value_name = "K/N", default_value = "1/1")]
-    pub shard: Shard,
-
     /// Runs computed before they are handed to the tables; bounds the memory
     #[arg(long, value_name = "RUNS", default_value = "1024", value_parser = positive)]
     #[arg(allow_negative_numbers = true)]
     chunk: NonZeroUsize,
+
+    /// Begin no further run after so many seconds; exit code 130, and the same command goes on
+    #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
+    max_seconds: Option<Duration>,
+
+    /// What to do when runs fail: continue; stop at the first; or stop when more than N have failed
+    #[arg(long, value_name = "stop|continue|limit=N", default_value = "continue")]
+    #[arg(value_parser = on_failure, hide_possible_values = true)]
+    on_failure: OnFailure,
+
+    /// The same as --on-failure limit=N
+    #[arg(long, value_name = "N", conflicts_with = "on_failure")]
+    max_failed: Option<u64>,
+
+    /// Compute finished runs that failed again, each from the same start state and parameters
+    #[arg(long)]
+    pub retry_failed: bool,
 
     /// No progress and no table on the terminal
     #[arg(long, short)]
@@ -43,15 +65,39 @@ pub struct FarmArguments {
     pub json: bool,
 }
 
+/// How many runs may fail; any number if none.
+#[derive(Clone, Copy, Debug)]
+struct OnFailure(Option<u64>);
+
 impl FarmArguments {
-    /// As the farm wants them.
-    pub fn options(&self) -> FarmOptions {
+    /// As the farm wants them; time counts from now.
+    pub fn options(&self, shard: Shard) -> FarmOptions {
         let cores = || std::thread::available_parallelism().unwrap_or(NonZeroUsize::MIN);
         FarmOptions {
             threads: self.threads.unwrap_or_else(cores).get(),
             chunk: self.chunk.get(),
-            shard: self.shard,
+            shard,
+            deadline: self.max_seconds.and_then(|time| Instant::now().checked_add(time)),
+            most_failed: self.max_failed.or(self.on_failure.0),
+            retry_failed: self.retry_failed,
         }
+    }
+}
+
+/// A time span.
+fn seconds(text: &str) -> Result<Duration, String> {
+    let seconds = text.parse().ok().and_then(|number| Duration::try_from_secs_f64(number).ok());
+    seconds.ok_or_else(|| format!("found {text:?}, allowed: a number of seconds, 0 or more"))
+}
+
+fn on_failure(text: &str) -> Result<OnFailure, String> {
+    let limit = || text.strip_prefix("limit=")?.parse().ok();
+    match text {
+        "stop" => Ok(OnFailure(Some(0))),
+        "continue" => Ok(OnFailure(None)),
+        _ => limit().map(|limit| OnFailure(Some(limit))).ok_or_else(|| {
+            format!("found {text:?}, allowed: stop, continue, or limit=N with a whole number N")
+        }),
     }
 }
 

@@ -5,7 +5,7 @@ use std::process::ExitCode;
 
 use thiserror::Error;
 
-use crate::farm::FarmError;
+use crate::farm::{FarmError, StoreError};
 use crate::study::StudyError;
 use crate::table::{ResultsError, WriteError};
 
@@ -14,7 +14,7 @@ use crate::table::{ResultsError, WriteError};
 pub enum End {
     /// All well.
     Well,
-    /// Finished, but some runs failed.
+    /// Finished, or stopped for it: some runs failed.
     RunsFailed,
     /// An expectation of the study is not met.
     ExpectationNotMet,
@@ -46,6 +46,9 @@ pub enum CliError {
     /// The output directory cannot be used, or a table not be written.
     #[error(transparent)]
     Results(#[from] ResultsError),
+    /// Finished runs cannot be kept or read.
+    #[error(transparent)]
+    Store(#[from] StoreError),
     /// A table cannot be written.
     #[error(transparent)]
     Write(#[from] WriteError),
@@ -62,6 +65,7 @@ impl From<FarmError<ResultsError>> for CliError {
         match error {
             FarmError::Threads(error) => CliError::Threads(error),
             FarmError::Sink(error) => CliError::Results(error),
+            FarmError::Store(error) => CliError::Store(error),
         }
     }
 }
@@ -72,7 +76,9 @@ impl CliError {
         ExitCode::from(match self {
             CliError::Study(_) | CliError::Usage(_) => 2,
             CliError::Results(ResultsError::Occupied { .. } | ResultsError::Unusable { .. }) => 2,
+            CliError::Store(StoreError::Busy { .. } | StoreError::Unusable { .. }) => 2,
             CliError::Results(ResultsError::Write(_))
+            | CliError::Store(StoreError::Unwritten { .. })
             | CliError::Write(_)
             | CliError::Threads(_)
             | CliError::Output(_) => 1,

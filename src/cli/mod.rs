@@ -3,13 +3,18 @@
 mod arguments;
 mod check;
 mod completions;
+mod directory;
 mod equilibria;
 mod equilibria_report;
 mod existence;
 mod exit;
 mod expand;
+mod farming;
+mod merge;
 mod output;
 mod points_table;
+mod results_study;
+mod resume;
 mod run;
 mod schema;
 mod speeds;
@@ -26,12 +31,13 @@ Examples:
   stickslip check studies/preferred-equilibria.yaml     is the study right, what will it cost?
   stickslip run studies/preferred-equilibria.yaml       run it; tables in results/<study>
   stickslip run study.yaml --out results/night --threads 8
+  stickslip resume results/night                        go on after an interruption
   stickslip verify studies/smoke.yaml                   run it and check what it expects
 
 Exit codes:
-  0  all well                         3    finished, but some runs failed
+  0  all well                         3    some runs failed
   1  could not run                    4    verify: an expectation is not met
-  2  wrong usage, study or directory  130  interrupted; everything finished is kept";
+  2  wrong usage, study or directory  130  interrupted or out of time; what is finished is kept";
 
 /// Parallel parameter studies and Monte Carlo for mechanical systems with dry friction.
 #[derive(Debug, Parser)]
@@ -44,6 +50,8 @@ struct Cli {
 #[derive(Debug, Subcommand)]
 enum Command {
     Run(run::RunArguments),
+    Resume(resume::ResumeArguments),
+    Merge(merge::MergeArguments),
     Check(check::CheckArguments),
     Expand(expand::ExpandArguments),
     Verify(verify::VerifyArguments),
@@ -57,6 +65,8 @@ pub fn main() -> ExitCode {
     // clap prints help and wrong usage itself, with exit codes 0 and 2.
     let result = match Cli::parse().command {
         Command::Run(arguments) => run::run(&arguments),
+        Command::Resume(arguments) => resume::resume(&arguments),
+        Command::Merge(arguments) => merge::merge(&arguments),
         Command::Check(arguments) => check::check(&arguments),
         Command::Expand(arguments) => expand::expand(&arguments),
         Command::Verify(arguments) => verify::verify(&arguments),

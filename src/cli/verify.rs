@@ -6,13 +6,14 @@ use clap::Args;
 use serde_json::{Value, json};
 
 use super::arguments::{FarmArguments, StudyArgument};
+use super::directory::{Place, Ready};
 use super::exit::{CliError, End};
+use super::farming::farm_study;
 use super::output::print;
-use super::run::farm_study;
 use crate::ending::Label;
 use crate::farm::{Shard, say};
 use crate::study::Study;
-use crate::table::{Destination, PointRow, Results, inspect};
+use crate::table::PointRow;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -50,26 +51,37 @@ pub fn verify(arguments: &VerifyArguments) -> Result<End, CliError> {
             arguments.study.study.display()
         )));
     }
-    if arguments.farm.shard != Shard::WHOLE {
-        let message = "--shard: verify needs all runs\n  allowed: run without --shard";
-        return Err(CliError::Usage(message.to_owned()));
-    }
-    let mut results = match &arguments.out {
+    let options = arguments.farm.options(Shard::WHOLE);
+    let mut ready = match &arguments.out {
         Some(directory) => {
-            if let Destination::Complete(_) = inspect(directory, &study, "1/1")? {
-                let message = format!(
-                    "{}: holds results of this study already\n  allowed: another directory, or \
-                     none to verify without tables",
-                    directory.display()
-                );
-                return Err(CliError::Usage(message));
+            let place = Place {
+                directory,
+                shard: options.shard,
+                retry_failed: options.retry_failed,
+                recompute: false,
+                shards: &[],
+                quiet: arguments.farm.quiet,
+            };
+            match place.prepare(&study)? {
+                Ready::Complete(_) => {
+                    let message = format!(
+                        "{}: holds results of this study already\n  allowed: another directory, or \
+                         none to verify without tables",
+                        directory.display()
+                    );
+                    return Err(CliError::Usage(message));
+                }
+                Ready::Open(store, results) => Some((store, results)),
             }
-            Some(Results::create(directory, &study)?)
         }
         None => None,
     };
+    let (store, mut results) = match &mut ready {
+        Some((store, results)) => (Some(&mut **store), Some(results)),
+        None => (None, None),
+    };
     let mut findings = Findings::default();
-    let ran = farm_study(&study, &arguments.farm, |record, point| {
+    let ran = farm_study(&study, options, &arguments.farm, store, |record, point| {
         if let Some((point, _)) = &point {
             findings.check(&study, point);
         }
@@ -79,13 +91,13 @@ pub fn verify(arguments: &VerifyArguments) -> Result<End, CliError> {
             _ => Ok(()),
         }
     })?;
-    if let Some(results) = results {
+    if let Some((_, results)) = ready {
         results.finish(&study, ran.circumstances.clone())?;
     }
-    let expectations = (!ran.tally.interrupted).then(|| Value::from(findings.json));
+    let expectations = (!ran.tally.interrupted()).then(|| Value::from(findings.json));
     ran.report(&study, &arguments.farm, arguments.out.as_deref(), expectations)?;
-    if ran.tally.interrupted {
-        return Ok(End::Interrupted);
+    if ran.tally.interrupted() {
+        return Ok(ran.end());
     }
     if !arguments.farm.json && !arguments.farm.quiet {
         print(&findings.lines)?;

@@ -1,9 +1,11 @@
 //! What is known of a limit cycle beside the numbers that every outcome has.
 
+use serde::{Deserialize, Serialize};
+
 use crate::motion::Phase;
 
 /// What a contact does at one time in a cycle.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub enum Doing {
     /// It rests on what it lies on.
     Stick,
@@ -29,7 +31,7 @@ impl Doing {
 }
 
 /// A limit cycle that a run has been shown to be on. Contacts are in their own order.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Cycle {
     /// Whole turns of each ball relative to the ring in one period, with sign; 0 of a block.
     pub turns: Vec<i32>,
@@ -52,6 +54,13 @@ pub struct Cycle {
 }
 
 impl Cycle {
+    /// Whether it is of a system with so many contacts.
+    pub fn is_of(&self, contacts: usize) -> bool {
+        let lengths = [self.turns.len(), self.speed_extremes.len(), self.angle_extremes.len()];
+        lengths == [contacts; 3]
+            && self.configurations.iter().all(|configuration| configuration.len() == contacts)
+    }
+
     /// Whether a contact rests all along the cycle.
     pub fn rests(&self, contact: usize) -> bool {
         self.configurations.iter().all(|configuration| configuration[contact] == Doing::Stick)

@@ -1,5 +1,7 @@
 //! What is known about a run when it has ended.
 
+use serde::{Deserialize, Serialize};
+
 use super::cycle::Cycle;
 use crate::motion::{Effort, Failure};
 
@@ -36,7 +38,7 @@ impl Label {
 }
 
 /// Why a run has its label.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Evidence {
     /// All balls stick and the closed form excludes that any ever breaks loose.
     RestCertified,
@@ -110,7 +112,7 @@ impl Evidence {
 }
 
 /// A finite-time Lyapunov exponent: the mean rate at which a neighbouring motion separates.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LyapunovExponent {
     /// The exponent, 1/s.
     pub exponent_1_s: f64,
@@ -121,7 +123,7 @@ pub struct LyapunovExponent {
 }
 
 /// One run's result. Per-ball values are in the order of the balls.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Outcome {
     /// Why it ended as it did; the label follows from it.
     pub evidence: Evidence,
@@ -163,6 +165,14 @@ impl Outcome {
     /// How the run ended.
     pub fn label(&self) -> Label {
         self.evidence.label()
+    }
+
+    /// Whether it is of a system with so many contacts: as many values where there is one for each.
+    pub fn is_of(&self, contacts: usize) -> bool {
+        let of_each =
+            |values: &Option<Vec<f64>>| values.as_ref().is_none_or(|v| v.len() == contacts);
+        let cycle = self.cycle.as_ref().is_none_or(|cycle| cycle.is_of(contacts));
+        of_each(&self.position) && of_each(&self.mean_speed) && cycle
     }
 
     /// A run of which nothing is known but why it failed.

@@ -6,25 +6,37 @@
 //! written.
 
 mod compute;
+mod halt;
 mod interrupt;
+mod keeping;
 mod progress;
 mod rounds;
 mod shard;
+mod store;
 mod work;
 
 pub use compute::compute;
+pub use halt::StopReason;
 pub use interrupt::stop_on_signals;
 pub use progress::{Progress, say};
 pub use shard::{Shard, ShardError};
+pub use store::{CHUNKS, Chunk, ChunkFault, Listed, Store, StoreError};
 
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::collections::HashMap;
+use std::sync::atomic::{AtomicBool, AtomicU64};
+use std::sync::mpsc::SyncSender;
+use std::thread;
+use std::time::Instant;
 
 use rayon::prelude::*;
 use thiserror::Error;
 
 use self::compute::{Engine, InLockstep, OneByOne};
-use self::rounds::{Round, Rounds};
-use self::work::{Chunk, Work};
+use self::halt::Halt;
+use self::keeping::{keep, outbox};
+use self::rounds::Rounds;
+use self::store::{Fresh, Reuse, Shelves};
+use self::work::{Disk, Work};
 use crate::analysis::{LabelCounts, NearestFinder, PointAccumulator, PointDetail};
 use crate::ending::Outcome;
 use crate::model::Case;
@@ -41,6 +53,27 @@ pub struct FarmOptions {
     pub chunk: usize,
     /// The part of the study to compute.
     pub shard: Shard,
+    /// When to begin no further run.
+    pub deadline: Option<Instant>,
+    /// How many runs may fail before no further run is begun; any number if none.
+    pub most_failed: Option<u64>,
+    /// Whether finished runs that failed are computed again, from the same case.
+    pub retry_failed: bool,
+}
+
+impl Default for FarmOptions {
+    /// The whole study on one thread, to its end.
+    fn default() -> Self {
+        let (deadline, most_failed, retry_failed) = (None, None, false);
+        FarmOptions {
+            threads: 1,
+            chunk: 1024,
+            shard: Shard::WHOLE,
+            deadline,
+            most_failed,
+            retry_failed,
+        }
+    }
 }
 
 /// Takes in runs and points, in the order of the study.
@@ -70,6 +103,9 @@ pub enum FarmError<E> {
     /// The sink refused.
     #[error("{0}")]
     Sink(E),
+    /// Finished runs could not be kept.
+    #[error(transparent)]
+    Store(StoreError),
 }
 
 /// What a farm has done.
@@ -77,25 +113,37 @@ pub enum FarmError<E> {
 pub struct Tally {
     /// Finished runs per label.
     pub counts: LabelCounts,
-    /// Whether `stop` cut it short.
-    pub interrupted: bool,
+    /// Why it was cut short, if it was.
+    pub stopped: Option<StopReason>,
+    /// How many of the finished runs did not have to be computed.
+    pub kept: u64,
 }
 
-/// Computes the runs of a study's shard in lockstep and hands runs and points to `sink`.
+impl Tally {
+    /// Whether it was cut short.
+    pub fn interrupted(&self) -> bool {
+        self.stopped.is_some()
+    }
+}
+
+/// Computes the runs of a study's shard in lockstep and hands runs and points to `sink`. Runs that are in
+/// `store` are not computed; all others go there.
 ///
 /// When `stop` becomes true, runs in progress are finished, all finished runs are handed on, and
 /// the farm returns. A panic in a run is that run's failure and nobody else's.
 ///
 /// # Errors
-/// Where threads cannot be started or the sink refuses.
+/// Where threads cannot be started, the sink refuses or the store cannot be written.
 pub fn farm_in_lockstep<S: Sink>(
     study: &Study,
     options: FarmOptions,
     stop: &AtomicBool,
     progress: &Progress,
+    store: Option<&mut Store>,
     sink: &mut S,
 ) -> Result<Tally, FarmError<S::Error>> {
-    farm_with(&InLockstep(VectorLevel::best()), study, options, stop, progress, sink)
+    let farm = Farm { study, options, halt: Halt::new(stop, &options), progress };
+    farm.run(&InLockstep(VectorLevel::best()), store, sink)
 }
 
 /// The same with a function that simulates one case.
@@ -108,63 +156,120 @@ pub fn farm<S: Sink>(
     simulate: impl Fn(&Case) -> Outcome + Sync,
     stop: &AtomicBool,
     progress: &Progress,
+    store: Option<&mut Store>,
     sink: &mut S,
 ) -> Result<Tally, FarmError<S::Error>> {
-    farm_with(&OneByOne(simulate), study, options, stop, progress, sink)
+    let farm = Farm { study, options, halt: Halt::new(stop, &options), progress };
+    farm.run(&OneByOne(simulate), store, sink)
 }
 
-fn farm_with<S: Sink>(
-    engine: &impl Engine,
-    study: &Study,
+/// A study on its way.
+struct Farm<'a> {
+    study: &'a Study,
     options: FarmOptions,
-    stop: &AtomicBool,
-    progress: &Progress,
-    sink: &mut S,
-) -> Result<Tally, FarmError<S::Error>> {
-    let threads = options.threads.max(1);
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
-    let size = options.chunk.max(1) as u64;
-    let finder = NearestFinder::new(!study.uncertain().is_empty());
-    let compute_all = |round: Round, first: u64| -> Vec<RunRecord> {
-        let runs = size.min(round.runs - first);
-        let begun = AtomicU64::new(0);
-        let finder = &finder;
-        let chunk = Chunk { study, round, first, runs, begun, finder, stop, progress };
-        let mut finished: Vec<(u64, RunRecord)> = (0..threads)
-            .into_par_iter()
-            .with_max_len(1)
-            .flat_map_iter(|_| {
-                let mut work = Work::new(&chunk);
-                engine.compute(&mut work);
-                work.finished
-            })
-            .collect();
-        finished.sort_unstable_by_key(|(place, _)| *place);
-        finished.into_iter().map(|(_, record)| record).collect()
-    };
-    let mut intake = Intake { study, sink, point: None, counts: LabelCounts::default() };
-    let mut rounds = Rounds::new(study, options.shard);
-    let mut due = 0;
-    while let Some(round) = rounds.next(intake.so_far()) {
-        progress.expect(rounds.most_runs());
-        due += round.runs;
-        let mut finished: Vec<RunRecord> = Vec::new();
-        let mut first = 0;
-        while first < round.runs && !stop.load(Ordering::Relaxed) {
-            let waiting = std::mem::take(&mut finished);
-            let (computed, taken) = pool
-                .install(|| rayon::join(|| compute_all(round, first), || intake.take_all(waiting)));
-            taken.map_err(FarmError::Sink)?;
-            finished = computed;
-            first += size;
-        }
-        intake.take_all(finished).map_err(FarmError::Sink)?;
-        if intake.counts.total() < due {
-            break;
-        }
+    halt: Halt<'a>,
+    progress: &'a Progress,
+}
+
+/// What is needed of a store while runs are computed.
+struct Reading<'a> {
+    shelves: &'a mut Shelves,
+    reuse: &'a Reuse,
+    outbox: SyncSender<Fresh>,
+}
+
+impl Farm<'_> {
+    fn run<S: Sink>(
+        &self,
+        engine: &impl Engine,
+        store: Option<&mut Store>,
+        sink: &mut S,
+    ) -> Result<Tally, FarmError<S::Error>> {
+        let Some(Store { keeper, shelves, reuse, .. }) = store else {
+            return self.compute_all(engine, None, sink);
+        };
+        let (outbox, finished) = outbox();
+        let halt = &self.halt;
+        thread::scope(|scope| {
+            let keeping = scope.spawn(move || keep(keeper, &finished, halt));
+            let tally = self.compute_all(engine, Some(Reading { shelves, reuse, outbox }), sink);
+            // It has nothing to panic about; if it does, that is a failure of the program.
+            keeping
+                .join()
+                .unwrap_or_else(|panic| std::panic::resume_unwind(panic))
+                .map_err(FarmError::Store)?;
+            tally
+        })
     }
-    let counts = intake.finish().map_err(FarmError::Sink)?;
-    Ok(Tally { counts, interrupted: counts.total() < due })
+
+    fn compute_all<S: Sink>(
+        &self,
+        engine: &impl Engine,
+        mut disk: Option<Reading<'_>>,
+        sink: &mut S,
+    ) -> Result<Tally, FarmError<S::Error>> {
+        let Farm { study, ref options, ref halt, progress } = *self;
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(options.threads.max(1)).build()?;
+        let size = options.chunk.max(1) as u64;
+        let finder = NearestFinder::new(!study.uncertain().is_empty());
+        let kept = AtomicU64::new(0);
+        let mut intake = Intake { study, sink, point: None, counts: LabelCounts::default() };
+        let mut rounds = Rounds::new(study, options.shard);
+        let mut due = 0;
+        while let Some(round) = rounds.next(intake.so_far()) {
+            progress.expect(rounds.most_runs());
+            due += round.runs;
+            let mut finished: Vec<RunRecord> = Vec::new();
+            let mut first = 0;
+            while first < round.runs && !halt.now() {
+                let end = round.runs.min(first.saturating_add(size));
+                let run_ids: Vec<u64> = (first..end).map(|index| round.run_id(index)).collect();
+                first = end;
+                let found = match (&mut disk, run_ids.first(), run_ids.last()) {
+                    (Some(disk), Some(&first), Some(&last)) => disk.shelves.window(first, last),
+                    _ => HashMap::new(),
+                };
+                let disk = disk.as_ref().map(|Reading { reuse, outbox, .. }| Disk {
+                    found: &found,
+                    reuse,
+                    retry_failed: options.retry_failed,
+                    outbox: outbox.clone(),
+                    kept: &kept,
+                });
+                let begun = AtomicU64::new(0);
+                let batch =
+                    work::Batch { study, run_ids, begun, finder: &finder, halt, progress, disk };
+                let waiting = std::mem::take(&mut finished);
+                let compute = || compute_batch(engine, options.threads.max(1), &batch);
+                let (computed, taken) =
+                    pool.install(|| rayon::join(compute, || intake.take_all(waiting)));
+                taken.map_err(FarmError::Sink)?;
+                finished = computed;
+            }
+            intake.take_all(finished).map_err(FarmError::Sink)?;
+            if intake.counts.total() < due {
+                break;
+            }
+        }
+        let counts = intake.finish().map_err(FarmError::Sink)?;
+        let stopped = (counts.total() < due).then(|| halt.reason().unwrap_or(StopReason::Asked));
+        Ok(Tally { counts, stopped, kept: kept.into_inner() })
+    }
+}
+
+/// The finished runs of a batch, in the order of their numbers.
+fn compute_batch(engine: &impl Engine, threads: usize, batch: &work::Batch<'_>) -> Vec<RunRecord> {
+    let mut finished: Vec<RunRecord> = (0..threads)
+        .into_par_iter()
+        .with_max_len(1)
+        .flat_map_iter(|_| {
+            let mut work = Work::new(batch);
+            engine.compute(&mut work);
+            work.finished
+        })
+        .collect();
+    finished.sort_unstable_by_key(|record| record.planned.run_id);
+    finished
 }
 
 /// Hands runs to the sink and collects them point by point.

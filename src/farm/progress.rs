@@ -25,6 +25,8 @@ pub struct Progress {
 struct Counts {
     runs: AtomicU64,
     equilibria: AtomicU64,
+    /// Runs that were finished before.
+    found: AtomicU64,
     /// Seconds after which the next line is due.
     next_line: AtomicU64,
 }
@@ -112,6 +114,12 @@ impl Progress {
         }
     }
 
+    /// Counts a run that was finished before.
+    pub fn found(&self, label: Label) {
+        self.counts.found.fetch_add(1, Ordering::Relaxed);
+        self.finished(label);
+    }
+
     /// Counts a finished run.
     pub fn finished(&self, label: Label) {
         let runs = self.counts.runs.fetch_add(1, Ordering::Relaxed) + 1;
@@ -134,15 +142,17 @@ impl Progress {
         if elapsed.as_secs() < due || claim(&self.counts).is_err() {
             return;
         }
-        let rate = runs as f64 / elapsed.as_secs_f64();
+        let found = self.counts.found.load(Ordering::Relaxed);
+        let rate = runs.saturating_sub(found) as f64 / elapsed.as_secs_f64();
         let planned = self.planned.load(Ordering::Relaxed);
-        let left = Duration::from_secs_f64(planned.saturating_sub(runs) as f64 / rate);
+        // Where nothing has been computed yet, nothing is known.
+        let left = Duration::try_from_secs_f64(planned.saturating_sub(runs) as f64 / rate);
+        let left = left.map_or_else(|_| "?".to_owned(), |left| left.as_secs().to_string());
         let bound = self.bound;
         let about = if bound.is_empty() { "about " } else { bound };
         say(&format!(
-            "{runs} of {bound}{planned} runs, {rate:.0} runs/s, equilibria {}, {about}{} s left",
+            "{runs} of {bound}{planned} runs, {rate:.0} runs/s, equilibria {}, {about}{left} s left",
             self.counts.fraction(),
-            left.as_secs(),
         ));
     }
 

@@ -4,19 +4,29 @@ use super::Shard;
 use crate::analysis::{PointAccumulator, StoppingRule};
 use crate::study::{Point, Study};
 
-/// Runs at equal distances of their numbers.
+/// Runs that are computed together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Round {
-    first_run: u64,
-    step: u64,
+    which: Which,
     /// How many they are.
     pub runs: u64,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Which {
+    /// Those of a shard.
+    Of(Shard),
+    /// Those that follow one another from this one.
+    From(u64),
 }
 
 impl Round {
     /// The number of a run of the round, counted from zero.
     pub fn run_id(&self, index: u64) -> u64 {
-        self.first_run + index * self.step
+        match self.which {
+            Which::Of(shard) => shard.number(index),
+            Which::From(first) => first + index,
+        }
     }
 }
 
@@ -46,11 +56,7 @@ impl<'a> Rounds<'a> {
     /// The next round, if there is one; `so_far` has all runs of the last round's point.
     pub fn next(&mut self, so_far: Option<&PointAccumulator>) -> Option<Round> {
         let Some(precision) = self.study.precision() else {
-            let round = Round {
-                first_run: self.shard.number(0),
-                step: self.shard.parts(),
-                runs: self.most,
-            };
+            let round = Round { which: Which::Of(self.shard), runs: self.most };
             self.begun += 1;
             return (self.begun == 1).then_some(round);
         };
@@ -61,7 +67,7 @@ impl<'a> Rounds<'a> {
                 most: point.sampling.most,
             };
             if let Some(more) = rule.more(*runs, so_far.equilibrium_interval().ends()) {
-                let round = Round { first_run: point.first_run + *runs, step: 1, runs: more };
+                let round = Round { which: Which::From(point.first_run + *runs), runs: more };
                 *runs += more;
                 return Some(round);
             }
@@ -72,7 +78,7 @@ impl<'a> Rounds<'a> {
         }
         let point = self.study.point(self.shard.number(self.begun));
         self.begun += 1;
-        let round = Round { first_run: point.first_run, step: 1, runs: point.sampling.first };
+        let round = Round { which: Which::From(point.first_run), runs: point.sampling.first };
         self.point = Some((point, round.runs));
         Some(round)
     }

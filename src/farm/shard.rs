@@ -1,5 +1,5 @@
-//! A part of a study: every `N`-th run, so that parts cost about the same; or every `N`-th point, where
-//! all runs of a point are needed to decide how many there should be.
+//! A part of a study: one run of each `N`, so that parts cost about the same; or one point of each `N`,
+//! where all runs of a point are needed to decide how many there should be.
 
 use std::fmt;
 use std::ops::Range;
@@ -7,10 +7,14 @@ use std::str::FromStr;
 
 use thiserror::Error;
 
-use crate::study::Study;
+use crate::study::{Sampling, Study};
 
-/// Part `K` of `N`: the runs whose number leaves the remainder `K - 1` when divided by `N`; in a study
-/// with a precision, the points.
+/// Part `K` of `N`: of every `N` runs that follow one another one, in a study with a precision of every
+/// `N` points.
+///
+/// Which one it is differs from one such block to the next, by a fixed rule that looks like chance:
+/// were it always the same, parts would have the same cells of a stratified design again and again, whose
+/// runs may take longer than others.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Shard {
     part: u64,
@@ -28,13 +32,27 @@ impl Shard {
 
     /// How many of so many runs, or points, it has.
     pub fn share(self, all: u64) -> u64 {
-        let before = self.part - 1;
-        if all <= before { 0 } else { (all - before).div_ceil(self.parts) }
+        let blocks = all / self.parts;
+        blocks + u64::from(self.place_in(blocks) < all % self.parts)
     }
 
     /// The number of its run, or point, `index`; `index` below [`Shard::share`].
     pub fn number(self, index: u64) -> u64 {
-        index * self.parts + self.part - 1
+        index * self.parts + self.place_in(index)
+    }
+
+    /// Its place in a block.
+    fn place_in(self, block: u64) -> u64 {
+        let turn = mixed(block) % self.parts;
+        // Both are below the number of parts, which may be anything: no sum of them.
+        let before = self.part - 1;
+        let room = self.parts - turn;
+        if before < room { before + turn } else { before - room }
+    }
+
+    /// Which part it is, from 1.
+    pub fn part(self) -> u64 {
+        self.part
     }
 
     /// How many parts there are.
@@ -53,8 +71,21 @@ impl Shard {
         study.stretches().map(of_stretch).sum()
     }
 
-    /// The numbers of these runs, in ascending order.
+    /// The numbers of all these runs, in ascending order.
     pub fn run_ids(self, study: &Study) -> impl Iterator<Item = u64> {
+        self.run_ids_with(study, |sampling| sampling.most)
+    }
+
+    /// The numbers of those runs that are computed in any case, in ascending order.
+    pub fn first_run_ids(self, study: &Study) -> impl Iterator<Item = u64> {
+        self.run_ids_with(study, |sampling| sampling.first)
+    }
+
+    fn run_ids_with(
+        self,
+        study: &Study,
+        runs: impl Fn(Sampling) -> u64,
+    ) -> impl Iterator<Item = u64> {
         let whole_points = study.precision().is_some();
         let all = if whole_points { study.point_count() } else { study.run_count() };
         (0..self.share(all)).flat_map(move |index| {
@@ -63,9 +94,18 @@ impl Shard {
                 return number..number + 1;
             }
             let point = study.point(number);
-            point.first_run..point.first_run + point.sampling.most
+            point.first_run..point.first_run + runs(point.sampling)
         })
     }
+}
+
+/// A number as good as drawn by chance, the same for the same number (SplitMix64's finaliser, G. L. Steele,
+/// D. Lea and C. H. Flood, OOPSLA 2014, doi:10.1145/2660193.2660195).
+fn mixed(number: u64) -> u64 {
+    let mut bits = number.wrapping_add(0x9e37_79b9_7f4a_7c15);
+    bits = (bits ^ (bits >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    bits = (bits ^ (bits >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    bits ^ (bits >> 31)
 }
 
 impl FromStr for Shard {

@@ -1,39 +1,55 @@
-//! The runs of one worker: taken from what is left of a chunk, planned, and finished.
+//! The runs of one worker: taken from what is left of a batch, planned, and finished.
 
-use std::collections::HashMap;
-use std::collections::VecDeque;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::collections::{HashMap, VecDeque};
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::mpsc::SyncSender;
 
 use super::Progress;
-use super::rounds::Round;
+use super::halt::Halt;
+use super::store::{CaseKey, Finished, Found, Fresh, Reuse};
 use crate::analysis::NearestFinder;
-use crate::ending::{Evidence, Outcome, Runs};
+use crate::ending::{Evidence, Label, Outcome, Runs};
 use crate::model::Case;
 use crate::study::{PlannedRun, Study};
 use crate::table::RunRecord;
 
-/// A chunk of runs that workers share.
-pub(super) struct Chunk<'a> {
+/// A batch of runs that workers share.
+pub(super) struct Batch<'a> {
     pub(super) study: &'a Study,
-    pub(super) round: Round,
-    /// Its first run in the round.
-    pub(super) first: u64,
-    pub(super) runs: u64,
+    /// The numbers of its runs, ascending.
+    pub(super) run_ids: Vec<u64>,
     /// How many of its runs have been begun.
     pub(super) begun: AtomicU64,
     pub(super) finder: &'a NearestFinder,
-    pub(super) stop: &'a AtomicBool,
+    pub(super) halt: &'a Halt<'a>,
     pub(super) progress: &'a Progress,
+    pub(super) disk: Option<Disk<'a>>,
 }
 
-/// What one worker does of a chunk.
+/// What is known of finished runs, and where new ones go.
+#[derive(Clone)]
+pub(super) struct Disk<'a> {
+    /// Runs of this study, by number.
+    pub(super) found: &'a HashMap<u64, Found>,
+    /// Runs of other studies, by case.
+    pub(super) reuse: &'a Reuse,
+    /// Whether runs that failed are computed again.
+    pub(super) retry_failed: bool,
+    /// Takes runs that are not in the output directory.
+    pub(super) outbox: SyncSender<Fresh>,
+    /// How many runs did not have to be computed.
+    pub(super) kept: &'a AtomicU64,
+}
+
+/// What one worker does of a batch.
 pub(super) struct Work<'a> {
-    chunk: &'a Chunk<'a>,
+    batch: &'a Batch<'a>,
+    disk: Option<Disk<'a>>,
     /// Second computations of audited runs that are still to be begun.
     again: VecDeque<(u64, Case)>,
     open: HashMap<u64, Open>,
-    /// Finished runs by their place in the chunk, in any order.
-    pub(super) finished: Vec<(u64, RunRecord)>,
+    /// Finished runs, in any order.
+    pub(super) finished: Vec<RunRecord>,
 }
 
 /// A run of which something is still to come.
@@ -44,8 +60,49 @@ struct Open {
 }
 
 impl<'a> Work<'a> {
-    pub(super) fn new(chunk: &'a Chunk<'a>) -> Self {
-        Work { chunk, again: VecDeque::new(), open: HashMap::new(), finished: Vec::new() }
+    pub(super) fn new(batch: &'a Batch<'a>) -> Self {
+        let disk = batch.disk.clone();
+        Work { batch, disk, again: VecDeque::new(), open: HashMap::new(), finished: Vec::new() }
+    }
+
+    fn key(&self, planned: &PlannedRun) -> CaseKey {
+        CaseKey::of(planned, !self.batch.study.uncertain().is_empty())
+    }
+
+    /// Takes a run from disk if it is there, with all that its plan asks for; gives it back if not.
+    fn take_kept(&mut self, planned: PlannedRun) -> Option<PlannedRun> {
+        let Some(disk) = &self.disk else { return Some(planned) };
+        let key = self.key(&planned);
+        let found = disk.found.get(&planned.run_id).filter(|found| found.key == key);
+        let own = found.is_some_and(|found| found.own);
+        let content = found.map(|found| found.content.clone()).or_else(|| disk.reuse.find(key));
+        let contacts = self.batch.study.model().balls().max(1);
+        let finished = content.and_then(|content| Finished::decode(&content, contacts));
+        let usable = finished.filter(|finished| {
+            let retry = disk.retry_failed && finished.outcome.label() == Label::Failed;
+            !retry && (!planned.audited || finished.audit.is_some())
+        });
+        let Some(Finished { outcome, audit, nearest }) = usable else { return Some(planned) };
+        let audit = audit.filter(|_| planned.audited);
+        disk.kept.fetch_add(1, Ordering::Relaxed);
+        self.batch.progress.found(outcome.label());
+        let record = RunRecord { planned, outcome, audit, nearest };
+        self.finish(record, (!own).then_some(key));
+        None
+    }
+
+    /// Hands a finished run on; to the disk, too, where there is a key.
+    fn finish(&mut self, record: RunRecord, key: Option<CaseKey>) {
+        if record.outcome.label() == Label::Failed {
+            self.batch.halt.failed();
+        }
+        if let (Some(disk), Some(key)) = (&self.disk, key) {
+            let fresh =
+                Fresh { run_id: record.planned.run_id, key, content: Finished::encode(&record) };
+            // Where nobody takes it any more, the disk has failed, which is told of at the end.
+            let _ = disk.outbox.send(fresh);
+        }
+        self.finished.push(record);
     }
 
     /// Takes in what is known of a run; it is finished when all of it is.
@@ -57,29 +114,28 @@ impl<'a> Work<'a> {
             return;
         };
         let nearest =
-            planned.case.as_ref().ok().and_then(|case| self.chunk.finder.nearest(case, outcome));
-        self.chunk.progress.finished(outcome.label());
+            planned.case.as_ref().ok().and_then(|case| self.batch.finder.nearest(case, outcome));
+        self.batch.progress.finished(outcome.label());
         let record = RunRecord { planned, outcome: outcome.clone(), audit: again, nearest };
-        self.finished.push((place, record));
+        let key = self.disk.is_some().then(|| self.key(&record.planned));
+        self.finish(record, key);
     }
 }
 
-/// Of each place in the chunk there are two numbers: the run itself and its second computation.
+/// Of each place in the batch there are two numbers: the run itself and its second computation.
 impl Runs for Work<'_> {
     fn next(&mut self) -> Option<(u64, Case)> {
         if let Some(again) = self.again.pop_front() {
             return Some(again);
         }
         loop {
-            if self.chunk.stop.load(Ordering::Relaxed) {
+            if self.batch.halt.now() {
                 return None;
             }
-            let place = self.chunk.begun.fetch_add(1, Ordering::Relaxed);
-            if place >= self.chunk.runs {
-                return None;
-            }
-            let run_id = self.chunk.round.run_id(self.chunk.first + place);
-            let planned = self.chunk.study.planned_run(run_id);
+            let place = self.batch.begun.fetch_add(1, Ordering::Relaxed);
+            let run_id = *self.batch.run_ids.get(usize::try_from(place).ok()?)?;
+            let planned = self.batch.study.planned_run(run_id);
+            let Some(planned) = self.take_kept(planned) else { continue };
             match &planned.case {
                 Ok(case) => {
                     let case = case.clone();

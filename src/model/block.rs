@@ -12,13 +12,15 @@
 //! Without dimensions: lengths over `F_n / k`, time times `ω_n = sqrt(k / m)`; then
 //! `ẍ = -x - f_w` with normal force 1.
 
+use serde::Serialize;
+
 use super::machine::{not_negative, positive};
 use super::{
     Contact, Dual, Forces, Friction, FrictionLaw, InvalidParameter, Number, State, System,
 };
 
 /// What a block lies on.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub enum Ground {
     /// Rigid ground.
     Fixed,
@@ -30,7 +32,7 @@ pub enum Ground {
 }
 
 /// A block on a spring in SI units.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Block {
     /// Mass, kg.
     pub mass_kg: f64,

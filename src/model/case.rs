@@ -1,12 +1,14 @@
 //! One case: everything that decides one run. An outcome is a pure function of this value.
 
+use serde::Serialize;
+
 use super::{Model, State};
 
 /// A start state: one value for each of [`Model::coordinates`], in that order.
 ///
 /// The balancer's are non-dimensional as in the thesis (lengths over `L`, time times `ω_n`), in the
 /// frame that turns with the disc; a block's are in m and m/s.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Start(pub Vec<f64>);
 
 impl Start {
@@ -38,7 +40,7 @@ impl Start {
 }
 
 /// How stick and slip are computed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub enum Method {
     /// The switch model with a band of finite width (thesis section 4.2, after Leine).
     Switch,
@@ -48,7 +50,7 @@ pub enum Method {
 
 /// Which runs are continued past the end time, and how far: those of which, at the end time, no
 /// ending is known. Equilibria and limit cycles are over, and failures cannot be continued.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Extend {
     /// The time to which they are continued, over the end time.
     pub factor: f64,
@@ -59,7 +61,7 @@ pub struct Extend {
 }
 
 /// How a case is integrated and for how long.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Simulation {
     /// Switch model or its limit.
     pub method: Method,
@@ -126,7 +128,7 @@ impl Simulation {
 }
 
 /// Parameters, start state and settings of one run.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Case {
     /// The system with all parameters in SI units.
     pub model: Model,

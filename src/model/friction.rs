@@ -4,12 +4,14 @@
 //! static to a kinetic value with speed (thesis figure 3.3); a smooth law that cannot stick (thesis
 //! section 3.3.1, the earlier work); viscous drag without dry friction (thesis section 5.1).
 
+use serde::Serialize;
+
 use super::machine::{invalid, not_negative, positive};
 use super::{Contact, InvalidParameter};
 
 /// A friction law in SI units. Speeds are sliding speeds: rad/s for a ball relative to the ring,
 /// m/s for a block.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub enum FrictionLaw {
     /// Dry friction with one coefficient `μ`: in slip `μ f_n`, in stick at most that.
     Coulomb,

@@ -4,6 +4,7 @@
 //! Balancing Unit with Dry Friction", table 3.2; the powers of ten that its scan lost are restored
 //! so that the natural frequency, the balancing angles and the amplitudes it prints come out).
 
+use serde::Serialize;
 use thiserror::Error;
 
 use super::FrictionLaw;
@@ -12,7 +13,7 @@ use super::FrictionLaw;
 pub const MAX_BALLS: usize = 8;
 
 /// One ball in the ring: a homogeneous sphere that rolls with dry friction.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Ball {
     /// Mass, kg.
     pub mass_kg: f64,
@@ -24,7 +25,7 @@ pub struct Ball {
 }
 
 /// How the normal force between ball and ring is derived.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub enum NormalForce {
     /// The thesis: the rolling constraint is put in before Lagrange's equations are formed, so the
     /// normal force carries `2 J d ω β̇ - 4 J β̇²` (its equation 3.5).
@@ -36,7 +37,7 @@ pub enum NormalForce {
 /// A machine: table on springs, turning disc with an imbalance, and balls in a ring.
 ///
 /// Any finite number can stand in a field; [`Machine::validate`] says whether the whole makes sense.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Machine {
     /// Mass of table, motor, ring and disc, without imbalance and balls, kg.
     pub table_mass_kg: f64,

@@ -1,9 +1,11 @@
 //! What a study can be about: one of the mechanical systems, in SI units.
 
+use serde::Serialize;
+
 use super::{Block, FrictionLaw, Ground, InvalidParameter, Machine};
 
 /// One of the mechanical systems with its parameters.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub enum Model {
     /// The automatic ball balancer.
     BallBalancer(Machine),

@@ -23,10 +23,11 @@ pub use settings::{Effort, Settings};
 pub use switch_model::{SLACK, decide};
 pub use variation::Variation;
 
+use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 /// Why a motion could not be continued.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error, Serialize, Deserialize)]
 pub enum Failure {
     /// A state or force is infinite or not a number.
     #[error("the state is no longer finite")]

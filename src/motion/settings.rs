@@ -1,5 +1,7 @@
 //! How a motion is computed, and what it has cost.
 
+use serde::{Deserialize, Serialize};
+
 use super::dop853::Tolerance;
 use crate::model::{Method, Simulation};
 
@@ -32,7 +34,7 @@ impl Settings {
 }
 
 /// What a motion has cost so far.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Effort {
     /// Accepted steps.
     pub steps: u64,

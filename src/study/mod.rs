@@ -27,6 +27,7 @@ mod audit;
 mod csv_table;
 mod decode;
 mod design;
+mod difference;
 mod distribution;
 mod draw;
 mod error;
@@ -54,6 +55,7 @@ mod start_box;
 mod sweep;
 
 pub use audit::Audit;
+pub use difference::difference;
 pub use error::StudyError;
 pub use expectation::Expectation;
 pub use parameter::{ParameterKind, ParameterValue, VariedParameter};

@@ -30,7 +30,7 @@ impl Study {
 }
 
 /// The file as plain values; its types hold nothing that could not be written.
-fn to_value(file: &StudyFile) -> Value {
+pub(super) fn to_value(file: &StudyFile) -> Value {
     serde_json::to_value(file).unwrap_or_default()
 }
 

@@ -8,6 +8,12 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
+use super::provenance::{COMMIT, FORMAT, VERSION};
+use super::results::Circumstances;
+use crate::analysis::LabelCounts;
+use crate::ending::{Label, MODEL_VERSION};
+use crate::study::Study;
+
 /// Name of the manifest in an output directory.
 pub const MANIFEST: &str = "manifest.json";
 
@@ -24,12 +30,18 @@ pub struct Manifest {
     pub version: String,
     /// Commit that the program was built from.
     pub commit: String,
+    /// Version of what decides outcomes; results of another are not used again.
+    #[serde(default)]
+    pub model_version: u32,
     /// Part of the study that was run, as `K/N`.
     pub shard: String,
     /// Runs planned in this part; with a precision, the most.
     pub runs_planned: u64,
     /// Runs finished, failed ones included.
     pub runs_finished: u64,
+    /// Finished runs that did not have to be computed: they were on disk already.
+    #[serde(default)]
+    pub runs_kept: u64,
     /// Runs per label.
     pub labels: BTreeMap<String, u64>,
     /// Whether all planned runs are finished; with a precision, all that it needs.
@@ -89,6 +101,36 @@ impl io::Write for HashWriter {
 }
 
 impl Manifest {
+    /// The manifest of what has been done of a study.
+    pub fn new(
+        study: &Study,
+        circumstances: Circumstances,
+        counts: LabelCounts,
+        files: BTreeMap<String, FileEntry>,
+    ) -> Self {
+        let Circumstances { shard, runs_planned, runs_kept, complete, .. } = circumstances;
+        let label = |label: Label| (label.name().to_owned(), counts.of(label));
+        Manifest {
+            format: FORMAT,
+            study: study.name().to_owned(),
+            study_hash: study.hash(),
+            version: VERSION.to_owned(),
+            commit: COMMIT.to_owned(),
+            model_version: MODEL_VERSION,
+            shard,
+            runs_planned,
+            runs_finished: counts.total(),
+            runs_kept,
+            labels: Label::ALL.into_iter().map(label).collect(),
+            complete,
+            started_unix_s: circumstances.started_unix_s,
+            wall_s: circumstances.wall_s,
+            threads: circumstances.threads,
+            host: gethostname::gethostname().to_string_lossy().into_owned(),
+            files,
+        }
+    }
+
     /// Reads the manifest of a directory; none where there is no such file.
     ///
     /// # Errors
@@ -121,5 +163,21 @@ pub fn write_atomically(path: &Path, content: &[u8]) -> io::Result<()> {
     let mut file = fs::File::create(&temporary)?;
     file.write_all(content)?;
     file.sync_all()?;
-    fs::rename(&temporary, path)
+    fs::rename(&temporary, path)?;
+    sync_directory(path.parent().unwrap_or(Path::new("")))
+}
+
+/// Makes what has been made and renamed in a directory last through a power cut.
+///
+/// # Errors
+/// Where it cannot be done. File systems that know of no such thing are left alone.
+pub fn sync_directory(directory: &Path) -> io::Result<()> {
+    if !cfg!(unix) {
+        return Ok(());
+    }
+    let here = if directory.as_os_str().is_empty() { Path::new(".") } else { directory };
+    match fs::File::open(here)?.sync_all() {
+        Err(error) if error.kind() == io::ErrorKind::InvalidInput => Ok(()),
+        other => other,
+    }
 }

@@ -5,6 +5,7 @@
 pub mod column;
 mod cycles;
 mod density;
+mod destination;
 mod equilibria;
 mod equilibrium_files;
 mod frictionless;
@@ -20,15 +21,16 @@ mod writer;
 
 pub use cycles::{CycleRow, cycle_columns};
 pub use density::{DensityRow, density_columns};
+pub use destination::{Destination, EARLIER, inspect, put_aside};
 pub use equilibria::{EquilibriumRow, equilibrium_columns};
 pub use equilibrium_files::{EquilibriumFiles, EquilibriumTables};
 pub use frictionless::{FrictionlessRow, frictionless_columns};
-pub use manifest::{FileEntry, MANIFEST, Manifest};
+pub use manifest::{FileEntry, MANIFEST, Manifest, sync_directory};
 pub use points::{PointRow, point_columns};
 pub use provenance::{COMMIT, FORMAT, VERSION, provenance, provenance_with};
 pub use record::RunRecord;
 pub use rest::{RestRow, rest_columns};
-pub use results::{Circumstances, Destination, Results, ResultsError, inspect};
+pub use results::{Circumstances, Results, ResultsError};
 pub use runs::{planned_columns, run_columns};
 pub use set::{PointKey, SetRow, SetSummaryRow, set_columns, set_summary_columns};
 pub use writer::{TableWriter, WriteCause, WriteError};

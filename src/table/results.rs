@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
+use std::time::{SystemTime, UNIX_EPOCH};
 
 use thiserror::Error;
 
@@ -12,13 +13,12 @@ use super::density::{DensityRow, density_columns};
 use super::equilibria::{EquilibriumRow, equilibrium_columns};
 use super::manifest::{FileEntry, Manifest, write_atomically};
 use super::points::{PointRow, point_columns};
-use super::provenance::{COMMIT, FORMAT, VERSION, provenance};
+use super::provenance::provenance;
 use super::record::RunRecord;
 use super::rest::{RestRow, rest_columns};
 use super::runs::run_columns;
 use super::writer::{TableWriter, WriteError};
 use crate::analysis::{LabelCounts, PointDetail};
-use crate::ending::Label;
 use crate::study::Study;
 
 /// Why an output directory cannot be used or written.
@@ -53,74 +53,6 @@ pub enum ResultsError {
     Write(#[from] WriteError),
 }
 
-/// What an output directory holds before a study is run.
-#[derive(Debug)]
-pub enum Destination {
-    /// Nothing: the study can be run.
-    Free,
-    /// All results of this very study.
-    Complete(Box<Manifest>),
-}
-
-/// Looks at an output directory and refuses one that holds anything but this study's results.
-/// Changes nothing.
-///
-/// # Errors
-/// [`ResultsError::Occupied`] or [`ResultsError::Unusable`].
-pub fn inspect(directory: &Path, study: &Study, shard: &str) -> Result<Destination, ResultsError> {
-    let unusable = |cause| ResultsError::Unusable { path: directory.to_owned(), cause };
-    let occupied = |reason: &str, found: String, allowed: &str| ResultsError::Occupied {
-        path: directory.to_owned(),
-        reason: reason.to_owned(),
-        found,
-        allowed: allowed.to_owned(),
-    };
-    let another = "another directory, with --out DIR, or this one removed or renamed first";
-    let mut entries = match fs::read_dir(directory) {
-        Ok(entries) => entries,
-        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Destination::Free),
-        Err(error) => return Err(unusable(error)),
-    };
-    if entries.next().is_none() {
-        return Ok(Destination::Free);
-    }
-    let Some(manifest) = Manifest::read(directory).map_err(unusable)? else {
-        let reason = "this directory is not empty and holds no finished study";
-        let found = "files without a manifest.json";
-        return Err(occupied(reason, found.to_owned(), another));
-    };
-    if manifest.study_hash != study.hash() || manifest.shard != shard {
-        let found = format!(
-            "study {}, hash {}, shard {} (this one: {}, hash {}, shard {shard})",
-            manifest.study,
-            &manifest.study_hash.chars().take(12).collect::<String>(),
-            manifest.shard,
-            study.name(),
-            &study.hash()[..12],
-        );
-        return Err(occupied("this directory holds the results of another study", found, another));
-    }
-    if manifest.version != VERSION || manifest.format != FORMAT {
-        let found = format!("stickslip {} (this is {VERSION})", manifest.version);
-        return Err(occupied("these results are another version's", found, another));
-    }
-    if !manifest.complete {
-        let found = format!("{} of {} runs", manifest.runs_finished, manifest.runs_planned);
-        return Err(occupied("an interrupted run of this study is here", found, another));
-    }
-    for (name, entry) in &manifest.files {
-        let bytes = fs::metadata(directory.join(name)).map(|file| file.len());
-        if bytes.as_ref().ok() != Some(&entry.bytes) {
-            let found = match bytes {
-                Ok(bytes) => format!("{name} of {bytes} bytes, {} in the manifest", entry.bytes),
-                Err(error) => format!("{name}: {error}"),
-            };
-            return Err(occupied("these results have been changed since", found, another));
-        }
-    }
-    Ok(Destination::Complete(Box::new(manifest)))
-}
-
 /// Facts about a run of the program that only it knows.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Circumstances {
@@ -128,6 +60,8 @@ pub struct Circumstances {
     pub shard: String,
     /// Runs planned in this part; with a precision, the most.
     pub runs_planned: u64,
+    /// Finished runs that did not have to be computed: they were on disk already.
+    pub runs_kept: u64,
     /// Whether all runs that are needed have finished.
     pub complete: bool,
     /// When it started, seconds since 1970-01-01 UTC.
@@ -136,6 +70,17 @@ pub struct Circumstances {
     pub wall_s: f64,
     /// Worker threads.
     pub threads: usize,
+}
+
+impl Circumstances {
+    /// Those of a part of a study that is about to begin.
+    pub fn begin(shard: String, runs_planned: u64) -> Self {
+        // A clock before 1970 is a clock that is wrong.
+        let started = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
+        let started_unix_s = started.as_secs_f64();
+        let (runs_kept, complete, wall_s, threads) = (0, false, 0.0, 0);
+        Circumstances { shard, runs_planned, runs_kept, complete, started_unix_s, wall_s, threads }
+    }
 }
 
 /// The tables of a study, open for writing.
@@ -150,13 +95,16 @@ pub struct Results {
     counts: LabelCounts,
 }
 
+/// The data files of an output directory.
+pub(super) const DATA_FILES: [&str; 7] = [RUNS, POINTS, REST, CYCLES, EQUILIBRIA, DENSITY, STUDY];
+
 const RUNS: &str = "runs.parquet";
 const POINTS: &str = "points.parquet";
 const REST: &str = "rest.parquet";
 const CYCLES: &str = "cycles.parquet";
 const EQUILIBRIA: &str = "equilibria.parquet";
 const DENSITY: &str = "density.parquet";
-const STUDY: &str = "study.yaml";
+pub(super) const STUDY: &str = "study.yaml";
 
 impl Results {
     /// Makes the directory, if need be, and starts the tables.
@@ -202,6 +150,20 @@ impl Results {
             directory: directory.to_owned(),
             counts: LabelCounts::default(),
         })
+    }
+
+    /// Says in the manifest whose results the directory will hold, before there are any.
+    ///
+    /// # Errors
+    /// Where it cannot be written.
+    pub fn announce(
+        &self,
+        study: &Study,
+        circumstances: Circumstances,
+    ) -> Result<(), ResultsError> {
+        let manifest = Manifest::new(study, circumstances, self.counts, BTreeMap::new());
+        let path = &self.directory;
+        manifest.write(path).map_err(|cause| ResultsError::Unusable { path: path.clone(), cause })
     }
 
     /// Adds a run.
@@ -258,29 +220,7 @@ impl Results {
             let entry = FileEntry::of(&directory.join(name), rows).map_err(unusable)?;
             files.insert(name.to_owned(), entry);
         }
-        let Circumstances { shard, runs_planned, complete, started_unix_s, wall_s, threads } =
-            circumstances;
-        let counts = self.counts;
-        let manifest = Manifest {
-            format: FORMAT,
-            study: study.name().to_owned(),
-            study_hash: study.hash(),
-            version: VERSION.to_owned(),
-            commit: COMMIT.to_owned(),
-            shard,
-            runs_planned,
-            runs_finished: counts.total(),
-            labels: Label::ALL
-                .into_iter()
-                .map(|label| (label.name().to_owned(), counts.of(label)))
-                .collect(),
-            complete,
-            started_unix_s,
-            wall_s,
-            threads,
-            host: gethostname::gethostname().to_string_lossy().into_owned(),
-            files,
-        };
+        let manifest = Manifest::new(study, circumstances, self.counts, files);
         manifest.write(&directory).map_err(unusable)?;
         Ok(manifest)
     }

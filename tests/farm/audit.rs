@@ -105,7 +105,7 @@ fn failures_on_one_side_are_flips() {
         simulate(case)
     })
     .unwrap();
-    assert!(!tally.interrupted);
+    assert!(!tally.interrupted());
     let (mut flips, mut both) = (0, 0);
     for record in &kept.runs {
         let start = &record.planned.start.0;

@@ -27,7 +27,7 @@ fn a_panic_is_a_row() {
         simulate(case)
     })
     .unwrap();
-    assert!(!tally.interrupted);
+    assert!(!tally.interrupted());
     assert_eq!(kept.runs.len(), 40);
     let mut panics = 0;
     for (record, sound) in kept.runs.iter().zip(&sound.runs) {
@@ -74,7 +74,7 @@ fn stop_finishes_what_runs_and_begins_nothing() {
         simulate(case)
     })
     .unwrap();
-    assert!(tally.interrupted);
+    assert!(tally.interrupted());
     // One for each of three threads at most.
     assert!((1..=3).contains(&kept.runs.len()), "{}", kept.runs.len());
     assert_eq!(tally.counts.total(), kept.runs.len() as u64);

@@ -41,6 +41,6 @@ pub fn farmed(
     stop: &AtomicBool,
     simulate: impl Fn(&Case) -> Outcome + Sync,
 ) -> Result<Tally, FarmError<&'static str>> {
-    let options = FarmOptions { threads: 3, chunk: 4, shard: Shard::WHOLE };
-    farm(study, options, simulate, stop, &Progress::new(study.run_count(), true), sink)
+    let options = FarmOptions { threads: 3, chunk: 4, ..FarmOptions::default() };
+    farm(study, options, simulate, stop, &Progress::new(study.run_count(), true), None, sink)
 }

@@ -42,7 +42,7 @@ fn by_place(case: &Case) -> Outcome {
 fn sampled(study: &Study) -> Kept {
     let mut kept = Kept::default();
     let tally = farmed(study, &mut kept, &AtomicBool::new(false), by_place).unwrap();
-    assert!(!tally.interrupted);
+    assert!(!tally.interrupted());
     assert_eq!(tally.counts.total(), kept.runs.len() as u64);
     kept
 }
@@ -160,7 +160,7 @@ fn an_interruption_keeps_what_is_finished() {
         by_place(case)
     })
     .unwrap();
-    assert!(tally.interrupted);
+    assert!(tally.interrupted());
     assert_eq!(tally.counts.total(), kept.runs.len() as u64);
     assert_eq!((kept.points.len(), &kept.points[0]), (2, &whole.points[0]));
     let finished = kept.runs.len() as u64;
@@ -181,7 +181,7 @@ fn an_interruption_keeps_what_is_finished() {
     })
     .unwrap();
     assert_eq!(kept.runs.len(), 15);
-    assert!(tally.interrupted);
+    assert!(tally.interrupted());
 }
 
 /// What is finished is complete, though there might have been more runs.

@@ -167,11 +167,13 @@ fn constructed(case: &Case) -> Outcome {
 }
 
 fn farmed(study: &Study, folder: &Path, threads: usize, chunk: usize) -> Vec<u8> {
-    let options = FarmOptions { threads, chunk, shard: Shard::WHOLE };
+    let options = FarmOptions { threads, chunk, ..FarmOptions::default() };
     let mut tables = Tables(Results::create(folder, study).unwrap());
     let progress = Progress::new(study.run_count(), true);
-    farm(study, options, constructed, &AtomicBool::new(false), &progress, &mut tables).unwrap();
+    farm(study, options, constructed, &AtomicBool::new(false), &progress, None, &mut tables)
+        .unwrap();
     let circumstances = Circumstances {
+        runs_kept: 0,
         shard: "1/1".to_owned(),
         runs_planned: study.run_count(),
         complete: true,

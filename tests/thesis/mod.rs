@@ -29,10 +29,10 @@ impl Sink for Points {
 fn points(study: &str) -> Vec<PointRow> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies").join(study);
     let study = Study::load(&path).expect("a sound study");
-    let options = FarmOptions { threads: 2, chunk: 512, shard: Shard::WHOLE };
+    let options = FarmOptions { threads: 2, chunk: 512, ..FarmOptions::default() };
     let progress = Progress::new(study.run_count(), true);
     let mut points = Points::default();
-    farm(&study, options, simulate, &AtomicBool::new(false), &progress, &mut points)
+    farm(&study, options, simulate, &AtomicBool::new(false), &progress, None, &mut points)
         .expect("the study runs");
     for point in &points.0 {
         let counts = &point.summary.counts;

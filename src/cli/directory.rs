@@ -1,0 +1,141 @@
+//! An output directory made ready for a study: what is there is gone on with, used again, or refused.
+
+use std::path::{Path, PathBuf};
+
+use super::exit::CliError;
+use crate::ending::MODEL_VERSION;
+use crate::farm::{CHUNKS, Shard, Store, say};
+use crate::study::{Study, difference};
+use crate::table::{
+    Circumstances, Destination, EARLIER, Manifest, Results, ResultsError, inspect, put_aside,
+};
+
+/// Lines of a difference that are shown.
+const MOST_LINES: usize = 12;
+
+/// What a study is to be run in.
+pub struct Place<'a> {
+    /// The directory.
+    pub directory: &'a Path,
+    /// The part of the study.
+    pub shard: Shard,
+    /// Whether finished runs that failed are computed again.
+    pub retry_failed: bool,
+    /// Whether a study goes into a directory of whose finished runs it can use none.
+    pub recompute: bool,
+    /// Directories of the study's shards, whose runs are used.
+    pub shards: &'a [PathBuf],
+    /// No words but warnings.
+    pub quiet: bool,
+}
+
+/// A directory that is ready.
+pub enum Ready {
+    /// There is nothing to do: all results are there.
+    Complete(Box<Manifest>),
+    /// The study can be farmed.
+    Open(Box<Store>, Box<Results>),
+}
+
+impl Place<'_> {
+    /// Makes the directory ready for a study.
+    ///
+    /// # Errors
+    /// Where its files are not results, are another shard's or those of a study that shares no run with
+    /// this one; where another process writes there; where it cannot be written to. Nothing is
+    /// changed then.
+    pub fn prepare(&self, study: &Study) -> Result<Ready, CliError> {
+        let shard = self.shard.to_string();
+        let found = inspect(self.directory, study, &shard, &[CHUNKS, EARLIER])?;
+        let tell = |line: String| {
+            if !self.quiet {
+                say(&line);
+            }
+        };
+        let directory = self.directory.display();
+        let failed = |manifest: &Manifest| manifest.labels.get("failed").is_some_and(|&n| n > 0);
+        let (mut store, put_them_aside) = match &found {
+            Destination::Complete(manifest) if !(self.retry_failed && failed(manifest)) => {
+                return Ok(Ready::Complete(manifest.clone()));
+            }
+            Destination::Free | Destination::Begun(_) => {
+                (Store::open(self.directory, study)?, false)
+            }
+            Destination::Complete(_) => (Store::open(self.directory, study)?, true),
+            Destination::Changed(_, difference) => {
+                let store = Store::open(self.directory, study)?;
+                tell(format!(
+                    "{directory}: these results have been changed since they were written: {difference}; \
+                     they are made again from the finished runs"
+                ));
+                (store, true)
+            }
+            Destination::Another(manifest) => (self.reopen(study, manifest)?, true),
+        };
+        self.shards.iter().try_for_each(|shard| store.add_shard(shard))?;
+        if let (Destination::Begun(_), true) = (&found, self.shards.is_empty()) {
+            tell(format!(
+                "{directory}: going on with this study, of which up to {} runs are finished",
+                store.listed_runs(),
+            ));
+        }
+        if put_them_aside {
+            let place = put_aside(self.directory)?;
+            tell(format!("earlier results are now in {}", place.display()));
+        }
+        let results = Results::create(self.directory, study)?;
+        if !matches!(found, Destination::Begun(_)) {
+            results.announce(study, Circumstances::begin(shard, self.shard.most_runs(study)))?;
+        }
+        Ok(Ready::Open(Box::new(store), Box::new(results)))
+    }
+
+    /// Opens the store of a directory with results of another study, if this one can use any of its runs.
+    fn reopen(&self, study: &Study, manifest: &Manifest) -> Result<Store, CliError> {
+        let store = match self.directory.join(CHUNKS).is_dir() || self.recompute {
+            true => Some(Store::open(self.directory, study)?),
+            false => None,
+        };
+        let shared = |store: &Store| {
+            store.listed_runs() > 0
+                || store.has_others()
+                    && self.shard.first_run_ids(study).any(|run_id| store.can_reuse(study, run_id))
+        };
+        match store {
+            Some(store) if self.recompute || shared(&store) => Ok(store),
+            _ => Err(self.refusal(study, manifest).into()),
+        }
+    }
+
+    fn refusal(&self, study: &Study, manifest: &Manifest) -> ResultsError {
+        let mut lines = Vec::new();
+        if manifest.model_version != MODEL_VERSION {
+            lines.push(format!(
+                "version of the model: {} -> {MODEL_VERSION} (stickslip {} -> {})",
+                manifest.model_version,
+                manifest.version,
+                env!("CARGO_PKG_VERSION")
+            ));
+        }
+        match Study::load(&self.directory.join("study.yaml")) {
+            Ok(before) => lines.extend(difference(&before, study)),
+            Err(_) => lines.push("its study.yaml cannot be read any more".to_owned()),
+        }
+        let more = lines.len().saturating_sub(MOST_LINES);
+        lines.truncate(MOST_LINES);
+        if more > 0 {
+            lines.push(format!("and {more} more"));
+        }
+        ResultsError::Occupied {
+            path: self.directory.to_owned(),
+            reason:
+                "this directory holds the results of another study, of which no run can be used"
+                    .to_owned(),
+            found: format!("study {}; it differs in\n    {}", manifest.study, lines.join("\n    ")),
+            allowed: format!(
+                "another directory, with --out DIR; or --recompute, which moves those results to \
+                 {EARLIER}/ and computes all runs"
+            ),
+        }
+    }
+}

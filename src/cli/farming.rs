@@ -1,0 +1,186 @@
+//! Farms a study with progress, and says on the terminal what came out.
+
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+use std::time::{SystemTime, UNIX_EPOCH};
+
+use serde_json::{Value, json};
+
+use super::arguments::FarmArguments;
+use super::exit::{CliError, End};
+use super::output::print;
+use super::points_table::PointsTable;
+use crate::analysis::PointDetail;
+use crate::ending::Label;
+use crate::farm::{
+    FarmOptions, Progress, Sink, StopReason, Store, Tally, farm_in_lockstep, say, stop_on_signals,
+};
+use crate::study::Study;
+use crate::table::{Circumstances, PointRow, ResultsError, RunRecord};
+
+/// A study that has been farmed.
+pub struct Ran {
+    /// What has been done.
+    pub tally: Tally,
+    /// For the manifest.
+    pub circumstances: Circumstances,
+    table: PointsTable,
+}
+
+impl Ran {
+    /// How it ended.
+    pub fn end(&self) -> End {
+        match self.tally.stopped {
+            Some(StopReason::Asked | StopReason::Time) => End::Interrupted,
+            Some(StopReason::Failures) => End::RunsFailed,
+            None if self.tally.counts.of(Label::Failed) > 0 => End::RunsFailed,
+            None => End::Well,
+        }
+    }
+
+    /// Says on the terminal what came out; `expectations` is added to the JSON.
+    ///
+    /// # Errors
+    /// Where standard output cannot be written to.
+    pub fn report(
+        &self,
+        study: &Study,
+        arguments: &FarmArguments,
+        directory: Option<&Path>,
+        expectations: Option<Value>,
+    ) -> Result<(), CliError> {
+        let runs = self.tally.counts.total();
+        if arguments.json {
+            let mut report = json!({
+                "study": study.name(),
+                "out": directory.map(|directory| directory.display().to_string()),
+                "runs_planned": self.circumstances.runs_planned,
+                "runs_finished": runs,
+                "runs_kept": self.tally.kept,
+                "interrupted": self.tally.interrupted(),
+                "already_complete": false,
+                "wall_s": self.circumstances.wall_s,
+                "points": self.table.json(),
+            });
+            if study.precision().is_some() {
+                report["points_not_precise"] = self.table.not_precise().into();
+            }
+            if let Some(expectations) = expectations {
+                report["expectations"] = expectations;
+            }
+            print(&format!("{report:#}\n"))?;
+        } else if !arguments.quiet {
+            print(&self.table.text())?;
+        }
+        if !arguments.quiet {
+            say(&self.speed_line());
+            let failed = self.tally.counts.of(Label::Failed);
+            if failed > 0 {
+                say(&format!(
+                    "{failed} runs failed: see the columns evidence and error of runs.parquet"
+                ));
+            }
+            self.table.precision_line().iter().for_each(|line| say(line));
+            if let Some(directory) = directory {
+                say(&format!("tables in {}", directory.display()));
+            }
+            self.stopped_line(study).iter().for_each(|line| say(line));
+        }
+        Ok(())
+    }
+
+    fn speed_line(&self) -> String {
+        let Circumstances { wall_s, threads, .. } = self.circumstances;
+        let (runs, kept) = (self.tally.counts.total(), self.tally.kept);
+        let computed = runs.saturating_sub(kept);
+        let rate = computed as f64 / wall_s.max(1e-9);
+        let speed = format!("in {wall_s:.1} s on {threads} threads: {rate:.0} runs/s");
+        if kept == 0 {
+            format!("{runs} runs {speed}")
+        } else {
+            format!("{runs} runs: {kept} were finished before, {computed} computed {speed}")
+        }
+    }
+
+    fn stopped_line(&self, study: &Study) -> Option<String> {
+        let cause = match self.tally.stopped? {
+            StopReason::Asked => "interrupted",
+            StopReason::Time => "out of time (--max-seconds)",
+            StopReason::Failures => "stopped because of failed runs (--on-failure)",
+        };
+        let runs = self.tally.counts.total();
+        let planned = self.circumstances.runs_planned;
+        let bound = if study.precision().is_some() { "at most " } else { "" };
+        Some(format!(
+            "{cause} after {runs} of {bound}{planned} runs; what is finished is kept, and the same \
+             command goes on"
+        ))
+    }
+}
+
+/// A point and what goes into its own tables.
+pub type PointWithDetail<'a> = (&'a PointRow, PointDetail);
+
+/// Hands runs and points to a function and collects the points for the terminal.
+struct Collector<F> {
+    take: F,
+    table: PointsTable,
+}
+
+impl<F> Sink for Collector<F>
+where
+    F: FnMut(Option<RunRecord>, Option<PointWithDetail<'_>>) -> Result<(), ResultsError> + Send,
+{
+    type Error = ResultsError;
+
+    fn run(&mut self, record: RunRecord) -> Result<(), ResultsError> {
+        (self.take)(Some(record), None)
+    }
+
+    fn point(&mut self, point: PointRow, detail: PointDetail) -> Result<(), ResultsError> {
+        self.table.push(&point);
+        (self.take)(None, Some((&point, detail)))
+    }
+}
+
+/// Farms a study with progress; `take` gets each run and each point.
+///
+/// # Errors
+/// Where threads cannot be started, `take` refuses, or finished runs cannot be kept.
+pub fn farm_study(
+    study: &Study,
+    options: FarmOptions,
+    arguments: &FarmArguments,
+    store: Option<&mut Store>,
+    take: impl FnMut(Option<RunRecord>, Option<PointWithDetail<'_>>) -> Result<(), ResultsError> + Send,
+) -> Result<Ran, CliError> {
+    let runs_planned = options.shard.most_runs(study);
+    let stop = stop_on_signals().unwrap_or_else(|error| {
+        say(&format!("warning: Ctrl-C will not be clean: {error}"));
+        Arc::new(AtomicBool::new(false))
+    });
+    // A clock before 1970 is a clock that is wrong: the manifest then says 0.
+    let started = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
+    let progress = match study.precision() {
+        None => Progress::new(runs_planned, arguments.quiet),
+        Some(_) => Progress::at_most(runs_planned, arguments.quiet),
+    };
+    let mut collector = Collector { take, table: PointsTable::new(study, arguments.json) };
+    let farmed = farm_in_lockstep(study, options, &stop, &progress, store, &mut collector);
+    let wall = progress.close();
+    let tally = farmed?;
+    Ok(Ran {
+        tally,
+        circumstances: Circumstances {
+            shard: options.shard.to_string(),
+            runs_planned,
+            runs_kept: tally.kept,
+            started_unix_s: started.as_secs_f64(),
+            wall_s: wall.as_secs_f64(),
+            threads: options.threads,
+            complete: !tally.interrupted(),
+        },
+        table: collector.table,
+    })
+}

@@ -1,0 +1,132 @@
+//! `stickslip merge`: the results of all shards of a study as the tables of the whole.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+
+use super::arguments::FarmArguments;
+use super::directory::Place;
+use super::exit::{CliError, End};
+use super::results_study::results_study;
+use super::run::carry_out;
+use crate::farm::Shard;
+use crate::study::Study;
+
+const EXAMPLES: &str = "\
+Examples:
+  stickslip run study.yaml --shard 1/2 --out results/part-1
+  stickslip run study.yaml --shard 2/2 --out results/part-2
+  stickslip merge results/part-1 results/part-2 --out results/whole
+
+The tables are those of a single run, byte for byte. No shard may be missing, there twice or
+unfinished; all must be of the same study and the same version of the program. Nothing is computed, but
+for runs whose chunk is damaged, which is named.";
+
+/// The most runs at a time: more would take more memory than it saves reading.
+const MOST_AT_A_TIME: usize = 1 << 17;
+/// Runs at a time for each shard: a chunk.
+const AT_A_TIME: usize = 1024;
+
+/// Merge the results of all shards of a study
+#[derive(Clone, Debug, Args)]
+#[command(after_help = EXAMPLES)]
+pub struct MergeArguments {
+    /// Directories of all shards, in any order
+    #[arg(value_name = "PART", required = true)]
+    parts: Vec<PathBuf>,
+
+    /// Directory for the results of the whole [default: results/<name of the study>]
+    #[arg(long, short, value_name = "DIR")]
+    out: Option<PathBuf>,
+
+    #[command(flatten)]
+    farm: FarmArguments,
+}
+
+/// Merges the shards.
+///
+/// # Errors
+/// Where a shard is missing, there twice, unfinished or of another study; where a directory cannot be
+/// used.
+pub fn merge(arguments: &MergeArguments) -> Result<End, CliError> {
+    let study = whole(&arguments.parts)?;
+    let directory =
+        arguments.out.clone().unwrap_or_else(|| Path::new("results").join(study.name()));
+    let mut options = arguments.farm.options(Shard::WHOLE);
+    options.chunk = AT_A_TIME.saturating_mul(arguments.parts.len()).min(MOST_AT_A_TIME);
+    let place = Place {
+        directory: &directory,
+        shard: Shard::WHOLE,
+        retry_failed: options.retry_failed,
+        recompute: false,
+        shards: &arguments.parts,
+        quiet: arguments.farm.quiet,
+    };
+    carry_out(&study, &place, options, &arguments.farm)
+}
+
+/// The study of which these are all shards, each once and finished.
+fn whole(parts: &[PathBuf]) -> Result<Study, CliError> {
+    let refuse = |part: &Path, reason: String, allowed: &str| {
+        Err(CliError::Usage(format!("{}: {reason}\n  allowed: {allowed}", part.display())))
+    };
+    let text = |part: &Path| {
+        fs::read_to_string(part.join("study.yaml"))
+            .map_err(|cause| CliError::Usage(format!("{}: study.yaml: {cause}", part.display())))
+    };
+    let mut first: Option<(Study, Shard, String, &Path)> = None;
+    let mut places: Vec<(u64, &Path)> = Vec::new();
+    for part in parts {
+        let (study, manifest) = results_study(part)?;
+        let shard: Shard = match manifest.shard.parse() {
+            Ok(shard) => shard,
+            Err(error) => return refuse(part, format!("`shard`: {error}"), "a shard's results"),
+        };
+        let text = text(part)?;
+        if let Some((other, whole, other_text, place)) = &first {
+            let place = place.display();
+            if study.hash() != other.hash() || text != *other_text {
+                let differs = crate::study::difference(other, &study).join("\n    ");
+                let reason = format!("another study than in {place}; it differs in\n    {differs}");
+                return refuse(part, reason, "shards of one study");
+            }
+            if shard.parts() != whole.parts() {
+                let reason = format!("shard {shard}, but {place} is shard {whole}");
+                return refuse(part, reason, "shards of the same division");
+            }
+        }
+        if let Some((_, twice)) = places.iter().find(|(number, _)| *number == shard.part()) {
+            let reason = format!("shard {shard} is in {}, too", twice.display());
+            return refuse(part, reason, "each shard once");
+        }
+        if !manifest.complete {
+            let reason = format!(
+                "shard {shard} is not finished: {} of {} runs when it was last stopped",
+                manifest.runs_finished, manifest.runs_planned
+            );
+            let allowed = format!("finished shards; `stickslip resume {}`", part.display());
+            return refuse(part, reason, &allowed);
+        }
+        places.push((shard.part(), part));
+        first.get_or_insert((study, shard, text, part));
+    }
+    let Some((study, shard, ..)) = first else {
+        return Err(CliError::Usage("no shard given".to_owned()));
+    };
+    let missing: Vec<String> = (1..=shard.parts())
+        .filter(|number| !places.iter().any(|(part, _)| part == number))
+        .take(20)
+        .map(|number| format!("{number}/{}", shard.parts()))
+        .collect();
+    if !missing.is_empty() {
+        return Err(CliError::Usage(format!(
+            "shards are missing: {} of {} are there\n  found:   no directory of {}\n  allowed: the \
+             directories of all shards",
+            places.len(),
+            shard.parts(),
+            missing.join(", "),
+        )));
+    }
+    Ok(study)
+}

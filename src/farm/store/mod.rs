@@ -1,0 +1,176 @@
+//! What is on disk of finished runs, so that none is computed twice.
+//!
+//! A directory of results has a folder `chunks/` with a folder for each study that has been run there,
+//! named after its hash. Runs of the same study are found by their numbers, there and in the
+//! directories of its shards; runs of other studies by their cases. Whatever is found is checked: the chunk
+//! by its hash, the run by its case. What is not found is computed and kept.
+
+mod chunk;
+mod folder;
+mod lock;
+mod record;
+mod reuse;
+mod shelves;
+
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use thiserror::Error;
+
+pub use chunk::{Chunk, ChunkFault};
+pub use folder::Listed;
+pub(super) use record::{CaseKey, Finished};
+pub(super) use reuse::Reuse;
+pub(super) use shelves::{Found, Shelves};
+
+use self::chunk::ChunkWriter;
+use self::folder::Folder;
+use self::lock::Lock;
+use crate::study::Study;
+
+/// Folder of the chunks in an output directory.
+pub const CHUNKS: &str = "chunks";
+const LOCK: &str = "lock";
+/// How many digits of a study's hash name its folder.
+const DIGITS: usize = 16;
+/// Why finished runs could not be kept or read.
+#[derive(Debug, Error)]
+pub enum StoreError {
+    /// A folder or file cannot be used.
+    #[error(
+        "{}: cannot be used as output directory\n  found:   {cause}\n  allowed: a directory that can \
+         be made, read and written to",
+        path.display()
+    )]
+    Unusable {
+        /// It.
+        path: PathBuf,
+        /// What the operating system says.
+        cause: io::Error,
+    },
+    /// Another process writes into the directory.
+    #[error(
+        "{}: another process is writing into this directory\n  found:   its lock on {CHUNKS}/{LOCK}\n  \
+         allowed: wait until it has ended, or another directory, with --out DIR",
+        path.display()
+    )]
+    Busy {
+        /// The directory.
+        path: PathBuf,
+    },
+    /// A chunk could not be written.
+    #[error(
+        "cannot write {}: {cause}\n  what was finished before is kept; with the cause removed, the same \
+         command goes on",
+        path.display()
+    )]
+    Unwritten {
+        /// The chunk.
+        path: PathBuf,
+        /// What the operating system says.
+        cause: io::Error,
+    },
+}
+
+/// The finished runs in an output directory, ours alone as long as this value lives.
+#[derive(Debug)]
+pub struct Store {
+    pub(super) keeper: Keeper,
+    pub(super) shelves: Shelves,
+    pub(super) reuse: Reuse,
+    _lock: Lock,
+}
+
+impl Store {
+    /// Opens, or makes, the store of an output directory for a study; runs of other studies there are used
+    /// again.
+    ///
+    /// # Errors
+    /// [`StoreError::Busy`] where another process has it, [`StoreError::Unusable`].
+    pub fn open(directory: &Path, study: &Study) -> Result<Self, StoreError> {
+        let chunks = directory.join(CHUNKS);
+        let unusable = |path: &Path| {
+            let path = path.to_owned();
+            move |cause| StoreError::Unusable { path, cause }
+        };
+        fs::create_dir_all(&chunks).map_err(unusable(directory))?;
+        let lock = Lock::take(chunks.join(LOCK), directory)?;
+        let study_hash = study.hash();
+        let own = chunks.join(&study_hash[..DIGITS]);
+        let mut others = Vec::new();
+        for entry in fs::read_dir(&chunks).map_err(unusable(&chunks))? {
+            let path = entry.map_err(unusable(&chunks))?.path();
+            if path != own && path.is_dir() {
+                others.push(path);
+            }
+        }
+        others.sort();
+        let open = |path: PathBuf| {
+            let hash = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+            Folder::open(path, &hash)
+        };
+        let others: Result<Vec<Folder>, StoreError> = others.into_iter().map(open).collect();
+        Ok(Store {
+            shelves: Shelves::new(Folder::open(own.clone(), &study_hash)?),
+            keeper: Keeper { folder: Folder::open(own, &study_hash)?, study_hash },
+            reuse: Reuse::of(others?),
+            _lock: lock,
+        })
+    }
+
+    /// Also finds runs of the same study in another directory, that of a shard.
+    ///
+    /// # Errors
+    /// [`StoreError::Unusable`].
+    pub fn add_shard(&mut self, directory: &Path) -> Result<(), StoreError> {
+        let hash = &self.keeper.study_hash;
+        let folder = Folder::open(directory.join(CHUNKS).join(&hash[..DIGITS]), hash)?;
+        self.shelves.folders.push(folder);
+        Ok(())
+    }
+
+    /// How many finished runs of this study are on lists, here and in its shards.
+    pub fn listed_runs(&self) -> u64 {
+        self.shelves.folders.iter().map(Folder::runs).fold(0, u64::saturating_add)
+    }
+
+    /// Whether there are finished runs of other studies.
+    pub fn has_others(&self) -> bool {
+        !self.reuse.is_empty()
+    }
+
+    /// Whether another study has finished this very run, so that it need not be computed.
+    pub fn can_reuse(&self, study: &Study, run_id: u64) -> bool {
+        let drawn = !study.uncertain().is_empty();
+        self.reuse.find(CaseKey::of(&study.planned_run(run_id), drawn)).is_some()
+    }
+}
+
+/// A run that has been finished and is not on disk yet.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Fresh {
+    pub run_id: u64,
+    pub key: CaseKey,
+    pub content: Vec<u8>,
+}
+
+/// Writes chunks of a study.
+#[derive(Debug)]
+pub(super) struct Keeper {
+    folder: Folder,
+    study_hash: String,
+}
+
+impl Keeper {
+    /// Writes these runs, which ascend, as a chunk; they are finished when this returns.
+    ///
+    /// # Errors
+    /// [`StoreError::Unwritten`].
+    pub fn keep(&mut self, runs: &[Fresh]) -> Result<(), StoreError> {
+        let mut chunk = ChunkWriter::new(&self.study_hash);
+        runs.iter().for_each(|run| chunk.push(run.run_id, run.key, &run.content));
+        let run_ids: Vec<u64> = runs.iter().map(|run| run.run_id).collect();
+        self.folder.add(&chunk.bytes, &run_ids)
+    }
+}
