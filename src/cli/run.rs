@@ -29,9 +29,10 @@ Examples:
 The directory holds runs.parquet (a row per run), points.parquet (a row per point of the sweep),
 rest.parquet (the probability of being at rest over time, per point), equilibria.parquet (where runs
 came to rest), density.parquet (how often in which part of the ring), cycles.parquet (the limit cycles
-by class, per point), study.yaml (with all defaults
-filled in) and manifest.json. Ctrl-C finishes the runs in progress, keeps everything and exits with
-130; a second Ctrl-C stops at once.";
+by class, per point), study.yaml (with all defaults filled in) and manifest.json. A table of more than
+524,288 rows is a directory of that name, with files of as many rows each: part-00000.parquet and so
+on. Ctrl-C finishes the runs in progress, keeps everything and exits with 130; a second Ctrl-C stops at
+once.";
 
 /// Run a study: thousands of simulations, their endings as Parquet tables
 #[derive(Clone, Debug, Args)]

@@ -16,6 +16,7 @@ mod rest;
 mod results;
 mod runs;
 mod set;
+mod staging;
 mod writer;
 
 pub use cycles::{CycleRow, cycle_columns};
