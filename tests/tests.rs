@@ -14,6 +14,8 @@ mod farm;
 mod model;
 /// Integration, switches and symmetries.
 mod motion;
+/// What the project depends on.
+mod policy;
 /// Study files, sampling designs, uncertain parameters and plans.
 mod study;
 /// Columns, metadata and contents of the tables.

@@ -9,5 +9,6 @@ mod existence;
 mod expand;
 mod interrupt;
 mod memory;
+mod network;
 mod streams;
 mod usage;
