@@ -33,16 +33,22 @@ fn locked() -> Vec<Locked> {
 }
 
 /// All packages that are built for the program, its tests and its benches: on this platform or, where
-/// `STICKSLIP_ALL_PLATFORMS` is set and all packages have been fetched, on all of them.
+/// `STICKSLIP_ALL_PLATFORMS` is set and all packages have been fetched, on those of `deny.toml`.
 fn built() -> BTreeSet<Built> {
+    match std::env::var_os("STICKSLIP_ALL_PLATFORMS") {
+        None => built_with(&[]),
+        Some(_) => {
+            policy().targets().iter().flat_map(|target| built_with(&["--target", target])).collect()
+        }
+    }
+}
+
+fn built_with(target: &[&str]) -> BTreeSet<Built> {
     let mut cargo = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
     cargo.current_dir(env!("CARGO_MANIFEST_DIR"));
     cargo.args(["tree", "--locked", "--offline", "--all-features", "--edges", "normal,build,dev"]);
-    cargo.args(["--prefix", "none", "--format", "{p}|{l}"]);
-    if std::env::var_os("STICKSLIP_ALL_PLATFORMS").is_some() {
-        cargo.args(["--target", "all"]);
-    }
-    let output = cargo.output().unwrap();
+    let output = cargo.args(["--prefix", "none", "--format", "{p}|{l}"]).args(target).output();
+    let output = output.unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let text = String::from_utf8(output.stdout).unwrap();
     text.lines().filter(|line| !line.is_empty()).map(package).collect()

@@ -8,9 +8,15 @@ use spdx::{Expression, Licensee, ParseMode};
 /// `deny.toml`, as far as it is enforced here; the rest is for cargo-deny itself.
 #[derive(Debug, Deserialize)]
 pub struct Policy {
+    graph: Graph,
     licenses: Licenses,
     bans: Bans,
     sources: Sources,
+}
+
+#[derive(Debug, Deserialize)]
+struct Graph {
+    targets: Vec<String>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -72,6 +78,11 @@ impl Policy {
             assert_eq!(level, "deny", "deny.toml: {key}");
         }
         policy
+    }
+
+    /// The platforms that count.
+    pub fn targets(&self) -> &[String] {
+        &self.graph.targets
     }
 
     /// Packages whose licence does not let them be used.
