@@ -54,7 +54,7 @@ pub struct Manifest {
     pub threads: usize,
     /// Name of the machine.
     pub host: String,
-    /// The data files.
+    /// The data files; of a table that is a directory, each of its parts.
     pub files: BTreeMap<String, FileEntry>,
 }
 

@@ -17,6 +17,7 @@ mod rest;
 mod results;
 mod runs;
 mod set;
+mod staging;
 mod writer;
 
 pub use cycles::{CycleRow, cycle_columns};

@@ -13,5 +13,6 @@ mod limits;
 mod memory;
 mod merged;
 mod resume;
+mod network;
 mod streams;
 mod usage;
