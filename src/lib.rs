@@ -13,7 +13,7 @@
 //! - [`ending`]: how a run ends, on evidence.
 //! - [`farm`]: runs over the cores, in order, whatever happens in one of them.
 //! - [`analysis`]: intervals, times to rest, what is known of a point; equilibrium sets.
-//! - [`table`]: Parquet files with units and provenance; the only room that knows Arrow.
+//! - [`table`]: Parquet files with units and provenance; the only room that writes them, and that knows Arrow.
 //! - [`cli`]: the commands.
 //!
 //! A case is a pure function of the study and the run's number, an outcome a pure function of the

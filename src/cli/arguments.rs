@@ -7,6 +7,7 @@ use std::time::{Duration, Instant};
 use clap::Args;
 
 use crate::farm::{FarmOptions, Shard};
+use crate::study::{Study, StudyError};
 
 /// The study file.
 #[derive(Clone, Debug, Args)]
@@ -14,6 +15,23 @@ pub struct StudyArgument {
     /// Study file, YAML (`stickslip schema` describes it)
     #[arg(value_name = "STUDY")]
     pub study: PathBuf,
+
+    /// Directory in which tables of the study may lie as well as beside the study file; may be repeated
+    ///
+    /// Without it, a `table:` that leads out of the study file's directory is refused. It allows files
+    /// and finds none: paths of tables stay relative to the study file, and results the same.
+    #[arg(long, value_name = "DIR")]
+    tables: Vec<PathBuf>,
+}
+
+impl StudyArgument {
+    /// Reads the study and the tables that it names.
+    ///
+    /// # Errors
+    /// The first thing that is wrong, with its place.
+    pub fn load(&self) -> Result<Study, StudyError> {
+        Study::load_with_tables(&self.study, &self.tables)
+    }
 }
 
 /// The part of a study.

@@ -37,7 +37,7 @@ pub struct CheckArguments {
 /// # Errors
 /// Where it cannot be used.
 pub fn check(arguments: &CheckArguments) -> Result<End, CliError> {
-    let study = Study::load(&arguments.study.study)?;
+    let study = arguments.study.load()?;
     let names = |columns: &[VariedParameter]| -> Vec<String> {
         columns.iter().map(|column| column.name.clone()).collect()
     };

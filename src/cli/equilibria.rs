@@ -122,7 +122,7 @@ fn ball_damping(text: &str) -> Result<f64, String> {
 /// # Errors
 /// Where the study, the options or the output directory cannot be used, or a table not be written.
 pub fn equilibria(arguments: &EquilibriaArguments) -> Result<End, CliError> {
-    let study = Study::load(&arguments.study.study)?;
+    let study = arguments.study.load()?;
     check_model(&study)?;
     let resolution = resolution(arguments, &study)?;
     let directory = arguments

@@ -10,7 +10,7 @@ use super::arguments::StudyArgument;
 use super::exit::{CliError, End};
 use super::output::{Reader, print};
 use crate::farm::Shard;
-use crate::study::{PlannedRun, Study};
+use crate::study::PlannedRun;
 use crate::table::column::{Column, batch, schema};
 use crate::table::{TableWriter, planned_columns, provenance};
 
@@ -46,7 +46,7 @@ const PIECE: usize = 1024;
 /// # Errors
 /// Where the study cannot be used, the file exists, or it cannot be written.
 pub fn expand(arguments: &ExpandArguments) -> Result<End, CliError> {
-    let study = Study::load(&arguments.study.study)?;
+    let study = arguments.study.load()?;
     let mut columns = planned_columns::<PlannedRun>(&study, |planned| planned);
     columns.push(Column::text("error", "why the case cannot be computed", |row: &PlannedRun| {
         row.case.as_ref().err().map(ToString::to_string)

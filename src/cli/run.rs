@@ -62,7 +62,7 @@ pub struct RunArguments {
 /// # Errors
 /// Where the study or the output directory cannot be used, or a table not be written.
 pub fn run(arguments: &RunArguments) -> Result<End, CliError> {
-    let study = Study::load(&arguments.study.study)?;
+    let study = arguments.study.load()?;
     let directory =
         arguments.out.clone().unwrap_or_else(|| Path::new("results").join(study.name()));
     let options = arguments.farm.options(arguments.shard.shard);

@@ -43,7 +43,7 @@ pub struct VerifyArguments {
 /// # Errors
 /// As for `run`, and where the study expects nothing or only a part of it would be run.
 pub fn verify(arguments: &VerifyArguments) -> Result<End, CliError> {
-    let study = Study::load(&arguments.study.study)?;
+    let study = arguments.study.load()?;
     if study.expectations().is_empty() {
         return Err(CliError::Usage(format!(
             "{}: `expect`: missing key\n  found:   a study that expects nothing\n  allowed: a list \

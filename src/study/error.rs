@@ -175,6 +175,9 @@ pub(crate) trait Locate {
 
 /// The names that are allowed, the nearest to `found` first and marked.
 pub(crate) fn list_names<S: AsRef<str>>(found: &str, names: &[S]) -> String {
+    // Comparing takes time and memory in proportion to both lengths.
+    let found: String = found.chars().take(LONGEST).collect();
+    let found = found.as_str();
     let likeness = |name: &str| {
         let edits = strsim::normalized_damerau_levenshtein(found, name);
         let beginning = strsim::jaro_winkler(found, name);
@@ -194,9 +197,11 @@ pub(crate) fn list_names<S: AsRef<str>>(found: &str, names: &[S]) -> String {
     parts.join(", ")
 }
 
+/// The most characters of a file that a message quotes at a time.
+const LONGEST: usize = 96;
+
 /// Text as it is quoted in a message: one line, not too long, no control characters.
 pub(crate) fn shorten(text: &str) -> String {
-    const LONGEST: usize = 96;
     let clean = |character: char| if character.is_control() { ' ' } else { character };
     let mut short: String = text.trim_end().chars().take(LONGEST).map(clean).collect();
     if text.trim_end().chars().count() > LONGEST {

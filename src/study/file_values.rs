@@ -257,11 +257,11 @@ impl JsonSchema for Balls {
     }
 }
 
-/// A table: the path of a CSV file, relative to the study file, or its columns and rows.
+/// A table: the path of a CSV or Parquet file, relative to the study file, or its columns and rows.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(untagged)]
 pub enum Table {
-    /// A CSV file with one header line.
+    /// A CSV file with one header line, or a Parquet file, by the ending of its name.
     File(String),
     /// The table itself.
     Inline(InlineTable),
@@ -284,7 +284,9 @@ impl<'de> Deserialize<'de> for Table {
             type Value = Table;
 
             fn expecting(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-                out.write_str("the path of a CSV file, or {columns: [...], rows: [[...], ...]}")
+                out.write_str(
+                    "the path of a CSV or Parquet file, or {columns: [...], rows: [[...], ...]}",
+                )
             }
 
             fn visit_str<E>(self, value: &str) -> Result<Table, E> {
@@ -308,7 +310,8 @@ impl JsonSchema for Table {
     fn json_schema(generator: &mut SchemaGenerator) -> Schema {
         let inline = generator.subschema_for::<InlineTable>();
         json_schema!({
-            "description": "Path of a CSV file relative to the study file, or the table itself.",
+            "description": "Path of a .csv or .parquet file relative to the study file, in its directory or \
+                            below (or in one that --tables allows), or the table itself.",
             "anyOf": [{ "type": "string" }, inline]
         })
     }

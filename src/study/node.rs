@@ -107,11 +107,6 @@ impl Source {
         }
     }
 
-    /// The file's name.
-    pub fn file(&self) -> &Path {
-        &self.file
-    }
-
     fn check_top(&self) -> Result<(), StudyError> {
         match self.root.content {
             Content::Map(_) => Ok(()),

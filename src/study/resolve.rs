@@ -1,9 +1,8 @@
 //! From a study file to a resolved study: everything is checked and counted here, once.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use super::audit::Audit;
-use super::csv_table::read_text;
 use super::decode::decode;
 use super::error::{Fault, Locate, StudyError, shorten};
 use super::expectation::resolve_expectations;
@@ -14,6 +13,7 @@ use super::node::{Content, Source};
 use super::parameter::{Parameter, VariedParameter};
 use super::plan::Study;
 use super::precision::Precision;
+use super::read_file::read_text;
 use super::resolve_design::{ResolvedDesign, resolve_design};
 use super::resolve_model::Base;
 use super::resolve_points::check_points;
@@ -22,23 +22,33 @@ use super::resolve_simulation::{resolve_simulation, simulation_to_file};
 use super::resolve_sweep::{ResolvedBlock, resolve_block};
 use super::resolve_uncertain::resolve_uncertain;
 use super::resolved_file::ResolvedFile;
+use super::rows::MAX_VALUES;
 use super::start_box::StartBox;
 use super::sweep::Listing;
+use super::table_folders::TableFolders;
 
 /// The version of the study file's format that this program reads.
 const SCHEMA: u64 = 1;
 
-/// The most values that all sweeps and tables of a study may hold together.
-const MAX_VALUES: usize = 1_000_000;
-
 impl Study {
-    /// Reads a study file and the tables that it names, and checks everything.
+    /// Reads a study file and the tables that it names, and checks everything. Tables lie in the
+    /// study file's directory or below it.
     ///
     /// # Errors
     /// The first thing that is wrong, with its place.
     pub fn load(path: &Path) -> Result<Study, StudyError> {
+        Study::load_with_tables(path, &[])
+    }
+
+    /// As [`Study::load`], with tables that may lie in these directories, or below them, as well. Their
+    /// paths are relative to the study file all the same: a study that can be used means the same tables
+    /// whatever directories are allowed.
+    ///
+    /// # Errors
+    /// The first thing that is wrong, with its place.
+    pub fn load_with_tables(path: &Path, directories: &[PathBuf]) -> Result<Study, StudyError> {
         let text = read_text(path).map_err(|fault| StudyError::about_file(path, fault))?;
-        Study::parse(path, text)
+        Study::parse_with_tables(path, text, directories)
     }
 
     /// Reads a study from the text of a file of this name, relative to which tables are found.
@@ -46,10 +56,19 @@ impl Study {
     /// # Errors
     /// The first thing that is wrong, with its place.
     pub fn parse(file: &Path, text: String) -> Result<Study, StudyError> {
+        Study::parse_with_tables(file, text, &[])
+    }
+
+    fn parse_with_tables(
+        file: &Path,
+        text: String,
+        directories: &[PathBuf],
+    ) -> Result<Study, StudyError> {
+        let folders = TableFolders::new(file, directories)?;
         let source = Source::new(file, text)?;
         check_schema(&source)?;
         let written: StudyFile = decode(&source)?;
-        resolve(&source, &written)
+        resolve(&source, &written, &folders)
     }
 }
 
@@ -69,7 +88,11 @@ fn check_schema(source: &Source) -> Result<(), StudyError> {
     }
 }
 
-fn resolve(source: &Source, written: &StudyFile) -> Result<Study, StudyError> {
+fn resolve(
+    source: &Source,
+    written: &StudyFile,
+    folders: &TableFolders,
+) -> Result<Study, StudyError> {
     check_name(source, &written.name)?;
     let base = Base::resolve(source, &written.model)?;
     let simulation = resolve_simulation(source, written.simulation.as_ref())?;
@@ -86,11 +109,11 @@ fn resolve(source: &Source, written: &StudyFile) -> Result<Study, StudyError> {
         None => None,
         Some(design) => {
             let path = conditions.key("design");
-            Some(resolve_design(source, source.file(), &path, design, &base.model)?)
+            Some(resolve_design(source, folders, &path, design, &base.model)?)
         }
     };
-    let mut blocks = resolve_blocks(source, written, &base)?;
-    let designs = designs(source, written, &base, &mut blocks, common.as_ref())?;
+    let mut blocks = resolve_blocks(source, written, folders, &base)?;
+    let designs = designs(source, written, folders, &base, &mut blocks, common.as_ref())?;
     check_values(source, &blocks, common.as_ref())?;
     let mut swept_parameters: Vec<Parameter> = Vec::new();
     for (parameter, _) in blocks.iter().flat_map(|block| &block.columns) {
@@ -168,6 +191,7 @@ fn check_name(source: &Source, name: &str) -> Result<(), StudyError> {
 fn resolve_blocks(
     source: &Source,
     written: &StudyFile,
+    folders: &TableFolders,
     base: &Base,
 ) -> Result<Vec<ResolvedBlock>, StudyError> {
     let path = KeyPath::of("sweep");
@@ -185,9 +209,7 @@ fn resolve_blocks(
         Some(blocks) => blocks
             .iter()
             .enumerate()
-            .map(|(index, block)| {
-                resolve_block(source, source.file(), &path.item(index), block, base)
-            })
+            .map(|(index, block)| resolve_block(source, folders, &path.item(index), block, base))
             .collect(),
     }
 }
@@ -214,6 +236,7 @@ fn check_values(
 fn designs(
     source: &Source,
     written: &StudyFile,
+    folders: &TableFolders,
     base: &Base,
     blocks: &mut [ResolvedBlock],
     common: Option<&ResolvedDesign>,
@@ -222,7 +245,7 @@ fn designs(
     let resolve = |(index, block): (usize, &mut ResolvedBlock)| {
         if let Some(design) = own.get(index).and_then(|block| block.design.as_ref()) {
             let path = KeyPath::of("sweep").item(index).key("design");
-            let design = resolve_design(source, source.file(), &path, design, &base.model)?;
+            let design = resolve_design(source, folders, &path, design, &base.model)?;
             block.file.design = Some(design.file.clone());
             return Ok(design);
         }

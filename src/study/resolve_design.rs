@@ -1,15 +1,15 @@
 //! From a sampling design as written to a checked layout, with tables read in.
 
-use std::path::Path;
 use std::sync::Arc;
 
-use super::csv_table::Rows;
 use super::design::{Layout, MAX_SOBOL_SAMPLES};
-use super::error::{Fault, Locate, StudyError};
+use super::error::{Fault, Locate, StudyError, shorten};
 use super::file::DesignFile;
 use super::file_values::{Entry, InlineTable, Table};
 use super::key_path::KeyPath;
+use super::rows::Rows;
 use super::start_box::axis_names;
+use super::table_folders::TableFolders;
 use crate::model::Model;
 
 /// A checked layout and the design as a self-contained study file writes it.
@@ -29,7 +29,7 @@ pub(crate) struct ResolvedDesign {
 /// Too many samples of a Sobol' sequence, or a table of start states that does not fit.
 pub(crate) fn resolve_design(
     locate: &dyn Locate,
-    study_file: &Path,
+    folders: &TableFolders,
     path: &KeyPath,
     written: &DesignFile,
     model: &Model,
@@ -50,7 +50,7 @@ pub(crate) fn resolve_design(
         DesignFile::MonteCarlo { samples } => Layout::MonteCarlo { samples: samples.0 },
         DesignFile::Grid { points_per_axis } => Layout::Grid { points: points_per_axis.0 },
         DesignFile::Table(table) => {
-            return resolve_starts(locate, study_file, path, table, model);
+            return resolve_starts(locate, folders, path, table, model);
         }
     };
     Ok(ResolvedDesign { layout, file: written.clone(), path: path.clone() })
@@ -58,14 +58,14 @@ pub(crate) fn resolve_design(
 
 fn resolve_starts(
     locate: &dyn Locate,
-    study_file: &Path,
+    folders: &TableFolders,
     path: &KeyPath,
     table: &Table,
     model: &Model,
 ) -> Result<ResolvedDesign, StudyError> {
     let names = axis_names(model);
     let table_path = path.key("table");
-    let read = Rows::read(locate, study_file, &table_path, table, &names)?;
+    let read = Rows::read(locate, folders, &table_path, table, &names)?;
     let mut order = Vec::with_capacity(names.len());
     for name in &names {
         let Some(column) = read.columns.iter().position(|column| column == name) else {
@@ -82,7 +82,8 @@ fn resolve_starts(
             match values.get(column) {
                 Some(Entry::Number(number)) => coordinates.push(*number),
                 Some(Entry::Text(text)) => {
-                    let fault = Fault::new("not a number", format!("text {text:?}"), "a number");
+                    let fault =
+                        Fault::new("not a number", format!("text {:?}", shorten(text)), "a number");
                     return Err(read.refuse(locate, Some(row), Some(column), fault));
                 }
                 None => {}

@@ -1,8 +1,5 @@
 //! From the blocks of a sweep as written to checked columns of values.
 
-use std::path::Path;
-
-use super::csv_table::Rows;
 use super::error::{Fault, Locate, StudyError, list_names, shorten};
 use super::file::BlockFile;
 use super::file_values::{Entry, InlineTable, Listed, Named, Table};
@@ -10,7 +7,9 @@ use super::key_path::KeyPath;
 use super::node::describe_number;
 use super::parameter::{NORMAL_FORCES, Parameter, ParameterValue};
 use super::resolve_model::Base;
+use super::rows::Rows;
 use super::sweep::Listing;
+use super::table_folders::TableFolders;
 use crate::model::Model;
 
 /// Swept parameters and their values, and the block as a self-contained study file writes it.
@@ -30,7 +29,7 @@ pub(crate) struct ResolvedBlock {
 /// makes no sense; lists that are empty or, in a zip, of unequal length; a wrong table.
 pub(crate) fn resolve_block(
     locate: &dyn Locate,
-    study_file: &Path,
+    folders: &TableFolders,
     path: &KeyPath,
     written: &BlockFile,
     base: &Base,
@@ -49,7 +48,7 @@ pub(crate) fn resolve_block(
             Ok(ResolvedBlock { listing: Listing::Rows, columns, file })
         }
         (None, None, Some(table)) => {
-            resolve_table(locate, study_file, &path.key("table"), table, base)
+            resolve_table(locate, folders, &path.key("table"), table, base)
         }
         (grid, zip, table) => {
             let given = [("grid", grid.is_some()), ("zip", zip.is_some())];
@@ -113,13 +112,13 @@ fn check_equal_lengths(
 
 fn resolve_table(
     locate: &dyn Locate,
-    study_file: &Path,
+    folders: &TableFolders,
     path: &KeyPath,
     table: &Table,
     base: &Base,
 ) -> Result<ResolvedBlock, StudyError> {
     let names: Vec<String> = Parameter::all(&base.model).into_iter().map(Parameter::name).collect();
-    let read = Rows::read(locate, study_file, path, table, &names)?;
+    let read = Rows::read(locate, folders, path, table, &names)?;
     let mut columns = Vec::with_capacity(read.columns.len());
     for (column, name) in read.columns.iter().enumerate() {
         let parameter = find_swept(name, base)

@@ -23,6 +23,11 @@ impl ResolvedFile {
     pub(super) fn new(file: StudyFile) -> Self {
         ResolvedFile { file, yaml: OnceLock::new(), hash: OnceLock::new() }
     }
+
+    /// The file as plain values.
+    pub(super) fn to_value(&self) -> Value {
+        to_value(&self.file)
+    }
 }
 
 impl Study {
@@ -53,7 +58,7 @@ impl Study {
 }
 
 /// The file as plain values; its types hold nothing that could not be written.
-pub(super) fn to_value(file: &StudyFile) -> Value {
+fn to_value(file: &StudyFile) -> Value {
     serde_json::to_value(file).unwrap_or_default()
 }
 

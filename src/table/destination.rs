@@ -65,7 +65,8 @@ pub fn inspect(
     let occupied = |reason: &str, found: String| ResultsError::Occupied {
         path: directory.to_owned(),
         reason: reason.to_owned(),
-        found,
+        // What a manifest says comes from a file: no control characters, not too long.
+        found: found.replace(char::is_control, " ").chars().take(400).collect(),
         allowed: "another directory, with --out DIR, or this one removed or renamed first"
             .to_owned(),
     };
@@ -120,7 +121,11 @@ pub fn inspect(
         return Ok(Destination::Changed(manifest, found));
     }
     for (name, entry) in &manifest.files {
-        let bytes = fs::metadata(directory.join(name)).map(|file| file.len());
+        // The file itself: a link may lead anywhere.
+        let bytes = fs::symlink_metadata(directory.join(name)).and_then(|file| {
+            let other = || io::Error::other("not a regular file");
+            file.is_file().then(|| file.len()).ok_or_else(other)
+        });
         if bytes.as_ref().ok() != Some(&entry.bytes) {
             let found = match bytes {
                 Ok(bytes) => format!("{name} of {bytes} bytes, {} in the manifest", entry.bytes),

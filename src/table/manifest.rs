@@ -1,8 +1,9 @@
 //! `manifest.json`: what an output directory holds, and when, where and how it was made.
 
 use std::collections::BTreeMap;
+use std::ffi::OsStr;
 use std::fs;
-use std::io;
+use std::io::{self, Read};
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
@@ -16,6 +17,9 @@ use crate::study::Study;
 
 /// Name of the manifest in an output directory.
 pub const MANIFEST: &str = "manifest.json";
+
+/// The largest manifest that is read, bytes.
+const MAX_BYTES: u64 = 4 * 1024 * 1024;
 
 /// The manifest. Times and host are here and nowhere else.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -136,13 +140,28 @@ impl Manifest {
     /// # Errors
     /// Where there is one that cannot be read; of the kind `InvalidData` where it is not a manifest.
     pub fn read(directory: &Path) -> io::Result<Option<Self>> {
-        match fs::read_to_string(directory.join(MANIFEST)) {
-            Ok(text) => match serde_json::from_str(&text) {
-                Ok(manifest) => Ok(Some(manifest)),
-                Err(error) => Err(io::Error::new(io::ErrorKind::InvalidData, error)),
-            },
+        match read_regular(&directory.join(MANIFEST), MAX_BYTES) {
+            Ok(bytes) => {
+                let invalid = |error| io::Error::new(io::ErrorKind::InvalidData, error);
+                let manifest: Self = serde_json::from_slice(&bytes).map_err(invalid)?;
+                manifest.check_names()?;
+                Ok(Some(manifest))
+            }
             Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
             Err(error) => Err(error),
+        }
+    }
+
+    /// Whether every file is one of the directory itself.
+    fn check_names(&self) -> io::Result<()> {
+        let plain = |name: &str| Path::new(name).file_name() == Some(OsStr::new(name));
+        match self.files.keys().find(|name| !plain(name)) {
+            None => Ok(()),
+            Some(name) => {
+                let found: String = name.escape_debug().take(100).collect();
+                let problem = format!("{MANIFEST} names a file outside of its directory: {found}");
+                Err(io::Error::new(io::ErrorKind::InvalidData, problem))
+            }
         }
     }
 
@@ -154,6 +173,23 @@ impl Manifest {
         let text = serde_json::to_string_pretty(self).map_err(io::Error::other)? + "\n";
         write_atomically(&directory.join(MANIFEST), text.as_bytes())
     }
+}
+
+/// Reads a regular file of at most so many bytes.
+///
+/// # Errors
+/// Where it is another thing, larger, or cannot be read.
+pub(crate) fn read_regular(path: &Path, most: u64) -> io::Result<Vec<u8>> {
+    // Asked before it is opened: opening a named pipe would wait for a writer.
+    if !fs::metadata(path)?.is_file() {
+        return Err(io::Error::other("not a regular file"));
+    }
+    let mut bytes = Vec::new();
+    fs::File::open(path)?.take(most + 1).read_to_end(&mut bytes)?;
+    if bytes.len() as u64 > most {
+        return Err(io::Error::other(format!("larger than {most} bytes")));
+    }
+    Ok(bytes)
 }
 
 /// Writes a file under a temporary name, syncs it and renames it.

@@ -1,6 +1,6 @@
 //! Results as files: Parquet tables with units and provenance, and the manifest beside them.
 //!
-//! The only room that knows Arrow and Parquet.
+//! The only room that knows Arrow, and that writes Parquet (`study` reads tables in it).
 
 pub mod column;
 mod cycles;
@@ -26,6 +26,7 @@ pub use destination::{Destination, EARLIER, inspect, manifest_of, put_aside};
 pub use equilibria::{EquilibriumRow, equilibrium_columns};
 pub use equilibrium_files::{EquilibriumFiles, EquilibriumTables};
 pub use frictionless::{FrictionlessRow, frictionless_columns};
+pub(crate) use manifest::read_regular;
 pub use manifest::{FileEntry, MANIFEST, Manifest, sync_directory};
 pub use points::{PointRow, point_columns};
 pub use provenance::{COMMIT, FORMAT, VERSION, provenance, provenance_with};

@@ -12,7 +12,7 @@ mod interrupt;
 mod limits;
 mod memory;
 mod merged;
-mod resume;
 mod network;
+mod resume;
 mod streams;
 mod usage;

@@ -64,6 +64,20 @@ fn alias_bombs_are_refused() {
     refused(&bomb, Some(5), "too many aliases");
 }
 
+/// The nearest name is looked for in time and memory that do not grow with the wrong one.
+#[test]
+fn names_of_megabytes_are_unknown_names() {
+    let word = "newton".repeat(4_000_000);
+    for sweep in [
+        format!("grid: {{normal_force: [{word}]}}"),
+        format!("table: {{columns: [{word}], rows: [[1]]}}"),
+    ] {
+        let error = parse(&format!("{}sweep: [{{{sweep}}}]\n", good())).unwrap_err();
+        assert!(error.problem().starts_with("unknown"), "{}", error.problem());
+        assert!(error.to_string().len() < 5000, "{} bytes", error.to_string().len());
+    }
+}
+
 #[test]
 fn a_small_alias_is_fine() {
     let text = good().replace("seed: 5", "seed: &five 5");

@@ -11,13 +11,14 @@ mod bad_tables;
 mod bad_values;
 mod designs;
 mod distributions;
-mod fuzz;
 mod models;
+mod parquet_tables;
 mod plan;
 mod precision;
 mod resolved;
 mod shipped;
 mod stability;
+mod table_places;
 
 /// Parses a text as if it stood in `a.yaml`.
 fn parse(text: &str) -> Result<Study, StudyError> {

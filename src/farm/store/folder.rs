@@ -14,12 +14,18 @@ use sha2::{Digest, Sha256};
 use super::StoreError;
 use super::chunk::Chunk;
 use crate::farm::say;
-use crate::table::sync_directory;
+use crate::table::{read_regular, sync_directory};
 
 /// The list of finished chunks, a line of JSON each.
 pub(super) const LIST: &str = "manifest.jsonl";
-/// More than ten thousand times what the list of the largest study takes, bytes.
-const LONGEST_LIST: u64 = 1 << 32;
+/// Many times what the list of the largest study takes, bytes.
+const LONGEST_LIST: u64 = 1 << 27;
+/// Many times the largest chunk, bytes.
+const LARGEST_CHUNK: u64 = 1 << 30;
+/// Chunks have numbers below this one.
+const MOST_CHUNKS: u64 = 1 << 48;
+/// How many damaged lines of a list are told of.
+const MOST_TOLD: usize = 10;
 
 /// A finished chunk, as the list has it.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -65,32 +71,32 @@ impl Folder {
     pub fn open(path: PathBuf, study_hash: &str) -> Result<Self, StoreError> {
         let list = path.join(LIST);
         let unusable = |cause| StoreError::Unusable { path: list.clone(), cause };
-        let content = match File::open(&list) {
-            Ok(file) => {
-                if file.metadata().map_err(unusable)?.len() > LONGEST_LIST {
-                    return Err(unusable(io::Error::other("far too long a list of chunks")));
-                }
-                io::read_to_string(file).or_else(|error| match error.kind() {
-                    io::ErrorKind::InvalidData => {
-                        fs::read(&list).map(|bytes| String::from_utf8_lossy(&bytes).into_owned())
-                    }
-                    _ => Err(error),
-                })
-            }
-            Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(String::new()),
-            Err(error) => Err(error),
+        let content = match read_regular(&list, LONGEST_LIST) {
+            Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(Vec::new()),
+            other => other,
         };
         let content = content.map_err(unusable)?;
         let mut listed: Vec<Listed> = Vec::new();
-        for (index, line) in content.lines().enumerate() {
+        let mut damaged = 0_usize;
+        for (index, line) in String::from_utf8_lossy(&content).lines().enumerate() {
             match serde_json::from_str::<Listed>(line) {
-                Ok(entry) if entry.first_run <= entry.last_run => listed.push(entry),
-                _ => say(&format!(
-                    "{}: line {} is damaged: the runs of its chunk are computed again",
-                    list.display(),
-                    index + 1
-                )),
+                Ok(entry) if entry.first_run <= entry.last_run && entry.chunk < MOST_CHUNKS => {
+                    listed.push(entry);
+                }
+                _ => {
+                    damaged += 1;
+                    if damaged <= MOST_TOLD {
+                        say(&format!(
+                            "{}: line {} is damaged: the runs of its chunk are computed again",
+                            list.display(),
+                            index + 1
+                        ));
+                    }
+                }
             }
+        }
+        if damaged > MOST_TOLD {
+            say(&format!("{}: {damaged} lines are damaged in all", list.display()));
         }
         let next = Self::next_number(&path, &listed);
         Ok(Folder { path, study_hash: study_hash.to_owned(), listed, next })
@@ -104,7 +110,8 @@ impl Folder {
             name.split_once('.').and_then(|(number, _)| number.parse::<u64>().ok())
         });
         let on_list = listed.iter().map(|entry| entry.chunk);
-        numbered.chain(on_list).max().map_or(0, |most| most.saturating_add(1))
+        let ours = numbered.chain(on_list).filter(|number| *number < MOST_CHUNKS);
+        ours.max().map_or(0, |most| most + 1)
     }
 
     fn file(&self, chunk: u64) -> PathBuf {
@@ -229,7 +236,7 @@ fn read_exactly(path: &Path, entry: &Listed) -> io::Result<Vec<u8>> {
     if found != entry.bytes {
         return Err(io::Error::other(format!("{found} bytes, {} on the list", entry.bytes)));
     }
-    let bytes = fs::read(path)?;
+    let bytes = read_regular(path, LARGEST_CHUNK)?;
     if hexadecimal(&bytes) != entry.sha256 {
         return Err(io::Error::other("its content is not what was written"));
     }

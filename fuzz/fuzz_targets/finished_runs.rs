@@ -1,0 +1,17 @@
+//! `targets::finished_runs` for cargo-fuzz.
+#![no_main]
+
+#[allow(dead_code)] // Each fuzz target uses one of them.
+#[path = "../../tests/hostile/targets.rs"]
+mod targets;
+
+use std::sync::LazyLock;
+
+use libfuzzer_sys::fuzz_target;
+use tempfile::TempDir;
+
+static FOLDER: LazyLock<TempDir> = LazyLock::new(|| TempDir::new().expect("a scratch folder"));
+
+fuzz_target!(|bytes: &[u8]| {
+    targets::finished_runs(FOLDER.path(), bytes);
+});
