@@ -3,11 +3,17 @@
 //! All that is unfinished is in one directory beside the table, `NAME.partial`: in `table` the parts
 //! that are being written, in `replaced` for an instant what had the name before. The name is given by
 //! one renaming, so that it never belongs to a part of a table; a table that is one part is that file,
-//! one of several is the directory. What an interrupted program leaves, the next one clears away.
+//! one of several is the directory. What an interrupted program leaves, the next one clears away, and
+//! nothing else.
 
 use std::fs::{self, File};
 use std::io;
 use std::path::{Path, PathBuf};
+
+/// In the directory: the parts.
+const TABLE: &str = "table";
+/// In the directory: what had the name before.
+const REPLACED: &str = "replaced";
 
 /// The directory of an unfinished table.
 pub(super) struct Staging {
@@ -21,9 +27,16 @@ pub(super) fn part_name(number: usize) -> String {
 }
 
 impl Staging {
-    /// Makes the directory for the table `target`, without what an interrupted program left in it.
+    /// Makes the directory for the table `target`, without what an interrupted program left in it; one
+    /// that holds anything else is not ours to clear away.
     pub(super) fn create(target: &Path) -> io::Result<Self> {
         let directory = target.with_added_extension("partial");
+        if let Some(foreign) = foreign(&directory)? {
+            return Err(io::Error::other(format!(
+                "{} is in the way: it holds {foreign}, which is not part of a table",
+                directory.display()
+            )));
+        }
         remove(&directory)?;
         fs::create_dir(&directory)?;
         let staging = Staging { target: target.to_owned(), directory };
@@ -32,7 +45,7 @@ impl Staging {
     }
 
     fn table(&self) -> PathBuf {
-        self.directory.join("table")
+        self.directory.join(TABLE)
     }
 
     /// Where part `number` is to be written.
@@ -48,7 +61,7 @@ impl Staging {
         // A file gives way to a file in the renaming itself; a directory that is not empty to nothing.
         let old = fs::symlink_metadata(&self.target).ok();
         if old.is_some_and(|old| old.is_dir() || parts > 1) {
-            fs::rename(&self.target, self.directory.join("replaced"))?;
+            fs::rename(&self.target, self.directory.join(REPLACED))?;
         }
         fs::rename(source, &self.target)?;
         sync_directory(parent(&self.target))?;
@@ -59,6 +72,21 @@ impl Staging {
             _ => (0..parts).map(|number| format!("{name}/{}", part_name(number))).collect(),
         })
     }
+}
+
+/// Something in a directory that is not left from an unfinished table; none where there is no such
+/// directory.
+fn foreign(directory: &Path) -> io::Result<Option<String>> {
+    if !fs::symlink_metadata(directory).is_ok_and(|found| found.is_dir()) {
+        return Ok(None);
+    }
+    for entry in fs::read_dir(directory)? {
+        let name = entry?.file_name();
+        if name != TABLE && name != REPLACED {
+            return Ok(Some(name.to_string_lossy().into_owned()));
+        }
+    }
+    Ok(None)
 }
 
 /// Removes a file, or a directory with all that is in it; does not follow links.
@@ -154,5 +182,16 @@ mod tests {
         fs::rename(&target, partial.join("replaced")).unwrap();
         write(&target, &["b", "c"]);
         assert_eq!((read(&target), partial.exists()), (vec!["b".into(), "c".into()], false));
+    }
+
+    #[test]
+    fn a_foreign_directory_is_left_alone() {
+        let scratch = tempdir().unwrap();
+        let partial = scratch.path().join("t.parquet.partial");
+        fs::create_dir(&partial).unwrap();
+        fs::write(partial.join("thesis.tex"), "years of work").unwrap();
+        let error = Staging::create(&scratch.path().join("t.parquet")).err().unwrap().to_string();
+        assert!(error.contains("t.parquet.partial is in the way: it holds thesis.tex"), "{error}");
+        assert_eq!(fs::read_to_string(partial.join("thesis.tex")).unwrap(), "years of work");
     }
 }
