@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use super::manifest::{MANIFEST, Manifest, sync_directory};
 use super::provenance::{FORMAT, VERSION};
-use super::results::{DATA_FILES, ResultsError};
+use super::results::{DATA_FILES, ResultsError, STUDY};
 use crate::ending::MODEL_VERSION;
 use crate::study::Study;
 
@@ -82,7 +82,7 @@ pub fn inspect(
             let name = entry.map_err(unusable)?.file_name();
             let name = name.to_string_lossy();
             let file = name.strip_suffix(".partial").unwrap_or(&name);
-            loose |= DATA_FILES.contains(&&*name);
+            loose |= DATA_FILES.contains(&&*name) && name != STUDY;
             let of_results = DATA_FILES.contains(&file) || file == MANIFEST || ours.contains(&file);
             if !of_results {
                 let reason = "this directory is not empty and holds no finished study";

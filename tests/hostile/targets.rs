@@ -220,6 +220,7 @@ fn farmed(folder: &Path, chunk: &[u8], list: Option<&[u8]>) -> bool {
     let digest = Sha256::digest(chunk).iter().map(|byte| format!("{byte:02x}")).collect();
     let right = Listed {
         chunk: 0,
+        model_version: MODEL_VERSION,
         first_run: 0,
         last_run: short().run_count() - 1,
         runs: short().run_count(),
