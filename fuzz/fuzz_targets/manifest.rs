@@ -1,7 +1,6 @@
-//! `targets::manifest` for cargo-fuzz.
+//! The target `manifest` of `tests/hostile/targets.rs` for cargo-fuzz.
 #![no_main]
 
-#[allow(dead_code)] // Each fuzz target uses one of them.
 #[path = "../../tests/hostile/targets.rs"]
 mod targets;
 
@@ -13,5 +12,5 @@ use tempfile::TempDir;
 static FOLDER: LazyLock<TempDir> = LazyLock::new(|| TempDir::new().expect("a scratch folder"));
 
 fuzz_target!(|bytes: &[u8]| {
-    targets::manifest(FOLDER.path(), bytes);
+    targets::target("manifest")(FOLDER.path(), bytes);
 });

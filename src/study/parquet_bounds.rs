@@ -111,7 +111,7 @@ impl Walk<'_> {
         let packed = column.compression();
         if !matches!(packed, Compression::UNCOMPRESSED | Compression::SNAPPY) {
             let found = format!("compression {packed}");
-            let allowed = "SNAPPY, or no compression";
+            let allowed = "SNAPPY, which is `compression=\"snappy\"` in many programs, or none";
             return Err(Fault::new("a compression that is not supported", found, allowed));
         }
         let start = column.dictionary_page_offset().unwrap_or(column.data_page_offset());

@@ -124,7 +124,7 @@ pub fn inspect(
         // The file itself: a link may lead anywhere.
         let bytes = fs::symlink_metadata(directory.join(name)).and_then(|file| {
             let other = || io::Error::other("not a regular file");
-            file.is_file().then(|| file.len()).ok_or_else(other)
+            file.is_file().then_some(file.len()).ok_or_else(other)
         });
         if bytes.as_ref().ok() != Some(&entry.bytes) {
             let found = match bytes {

@@ -15,4 +15,5 @@ mod merged;
 mod network;
 mod resume;
 mod streams;
+mod tables;
 mod usage;

@@ -10,7 +10,7 @@ use parquet::arrow::ArrowWriter;
 use parquet::basic::Compression;
 use parquet::file::properties::{WriterProperties, WriterVersion};
 
-use crate::targets::{genuine, pieces};
+use crate::targets::{HEAD, RUN_HEAD, genuine};
 
 fn folder(target: &str) -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("fuzz/corpus").join(target)
@@ -45,6 +45,19 @@ pub fn write() {
     put("finished_runs", "chunk", with(0, &chunk));
     put("finished_runs", "list", with(1, b"RIGHT\nRIGHT\n"));
     put("finished_runs", "undecided", with(2, &pieces(&chunk).join([255, 255].as_slice())));
+}
+
+/// The outcomes of the runs in a chunk.
+fn pieces(chunk: &[u8]) -> Vec<Vec<u8>> {
+    let mut runs = &chunk[HEAD..];
+    let mut pieces = Vec::new();
+    while let Some(run_head) = runs.first_chunk::<RUN_HEAD>() {
+        let length: [u8; 4] = run_head[24..].try_into().expect("four bytes");
+        let end = RUN_HEAD + u32::from_le_bytes(length) as usize;
+        pieces.push(runs[RUN_HEAD..end].to_vec());
+        runs = &runs[end..];
+    }
+    pieces
 }
 
 fn tables() -> Vec<(&'static str, Vec<u8>)> {

@@ -26,7 +26,7 @@ use std::thread;
 use std::time::Duration;
 
 use cap::Cap;
-use targets::{TARGETS, Target};
+use targets::{TARGETS, target};
 
 /// Counts all memory, and has no more than the limit.
 #[global_allocator]
@@ -75,11 +75,6 @@ fn main() -> ExitCode {
 
 fn number(text: &str) -> u64 {
     text.parse().unwrap_or_else(|_| panic!("not a number: {text}"))
-}
-
-fn target(name: &str) -> Target {
-    let found = TARGETS.iter().find(|(other, _)| *other == name);
-    found.unwrap_or_else(|| panic!("no kind of file {name:?}")).1
 }
 
 fn parent(words: &[&str]) -> ExitCode {

@@ -31,12 +31,23 @@ pub const TARGETS: [(&str, Target); 5] = [
     ("finished_runs", finished_runs),
 ];
 
+/// The function for a kind of file.
+pub fn target(name: &str) -> Target {
+    let found = TARGETS.iter().find(|(other, _)| *other == name);
+    found.unwrap_or_else(|| panic!("no kind of file {name:?}")).1
+}
+
 /// Studies with more values than this are not written out and read again.
 const MOST_CHARACTERS: usize = 200_000;
 
 /// A study file.
-pub fn study(folder: &Path, bytes: &[u8]) -> bool {
+fn study(folder: &Path, bytes: &[u8]) -> bool {
     let file = folder.join("study.yaml");
+    // For studies that name it.
+    let table = folder.join("table.csv");
+    if !table.exists() {
+        fs::write(table, "speed_rad_s\n-160\n-200\n").expect("a scratch folder");
+    }
     match std::str::from_utf8(bytes) {
         Ok(text) => check(Study::parse(&file, text.to_owned()), folder),
         Err(_) => {
@@ -47,12 +58,12 @@ pub fn study(folder: &Path, bytes: &[u8]) -> bool {
 }
 
 /// A CSV file, as a sweep and as start states.
-pub fn csv_table(folder: &Path, bytes: &[u8]) -> bool {
+fn csv_table(folder: &Path, bytes: &[u8]) -> bool {
     table(folder, "table.csv", bytes)
 }
 
 /// A Parquet file, as a sweep and as start states.
-pub fn parquet_table(folder: &Path, bytes: &[u8]) -> bool {
+fn parquet_table(folder: &Path, bytes: &[u8]) -> bool {
     table(folder, "table.parquet", bytes)
 }
 
@@ -100,7 +111,7 @@ fn check(study: Result<Study, StudyError>, folder: &Path) -> bool {
 }
 
 /// The manifest of a directory of results. `STUDY-HASH` and `VERSION` in it stand for the right ones.
-pub fn manifest(folder: &Path, bytes: &[u8]) -> bool {
+fn manifest(folder: &Path, bytes: &[u8]) -> bool {
     let bytes = match std::str::from_utf8(bytes) {
         Ok(text) => {
             text.replace("STUDY-HASH", &short().hash()).replace("VERSION", VERSION).into_bytes()
@@ -126,7 +137,7 @@ pub fn manifest(folder: &Path, bytes: &[u8]) -> bool {
 }
 
 /// A study of a few runs that are over at once.
-pub fn short() -> &'static Study {
+fn short() -> &'static Study {
     static SHORT: OnceLock<Study> = OnceLock::new();
     SHORT.get_or_init(|| {
         let text = "schema: 1\nname: a\nseed: 5\nmodel: {kind: ball_balancer}\n\
@@ -139,7 +150,7 @@ pub fn short() -> &'static Study {
 
 /// What lies on disk of finished runs: the first byte says whether the rest is a whole chunk, the list
 /// of chunks, or what a chunk holds of its runs.
-pub fn finished_runs(folder: &Path, bytes: &[u8]) -> bool {
+fn finished_runs(folder: &Path, bytes: &[u8]) -> bool {
     let Some((first, rest)) = bytes.split_first() else { return false };
     match first % 3 {
         0 => whole_chunk(rest),
@@ -156,8 +167,8 @@ fn whole_chunk(bytes: &[u8]) -> bool {
 }
 
 /// Length of what a chunk begins with, and of what comes before each outcome.
-const HEAD: usize = 16 + 4 + 4 + 64;
-const RUN_HEAD: usize = 8 + 16 + 4;
+pub const HEAD: usize = 16 + 4 + 4 + 64;
+pub const RUN_HEAD: usize = 8 + 16 + 4;
 
 /// The chunk of the short study, as the program writes it.
 pub fn genuine(folder: &Path) -> Vec<u8> {
@@ -193,19 +204,6 @@ fn outcomes(chunk: &[u8], bytes: &[u8]) -> Vec<u8> {
         runs = &runs[RUN_HEAD + u32::from_le_bytes(length) as usize..];
     }
     made
-}
-
-/// The outcomes in a chunk, as `outcomes` takes them.
-pub fn pieces(chunk: &[u8]) -> Vec<Vec<u8>> {
-    let mut runs = &chunk[HEAD..];
-    let mut pieces = Vec::new();
-    while let Some(run_head) = runs.first_chunk::<RUN_HEAD>() {
-        let length: [u8; 4] = run_head[24..].try_into().expect("four bytes");
-        let end = RUN_HEAD + u32::from_le_bytes(length) as usize;
-        pieces.push(runs[RUN_HEAD..end].to_vec());
-        runs = &runs[end..];
-    }
-    pieces
 }
 
 /// Goes on from this chunk and a list of chunks, the right one if none is given.

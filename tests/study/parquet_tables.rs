@@ -1,6 +1,7 @@
 //! Tables in Parquet files: right ones, wrong ones, and files that claim more than they hold.
 
 use std::fs;
+use std::path::Path;
 use std::sync::Arc;
 
 use arrow::array::{
@@ -48,7 +49,7 @@ fn load(rest: &str, design: &str, table: &[u8]) -> Result<Study, StudyError> {
 
 #[track_caller]
 fn refused(table: &[u8], key: &str, problem: &str, found: &str) {
-    let error = sweep(table).err().expect("refused");
+    let error = sweep(table).expect_err("refused");
     assert!(error.file().ends_with("designs.parquet"), "{error}");
     assert_eq!((error.line(), error.key()), (None, key), "{error}");
     assert!(error.problem().contains(problem), "{error}");
@@ -113,6 +114,24 @@ fn a_right_table_is_the_same_however_it_is_written() {
 
 fn word(row: i32) -> &'static str {
     if row % 2 == 0 { "newton" } else { "lagrange" }
+}
+
+/// Files as others write them by default (of Polars, with `compression="snappy"`).
+#[test]
+fn files_of_pandas_polars_and_duckdb_are_read() {
+    let rows: Vec<String> =
+        (0..20).map(|row| format!("[{}.5, {}, {}]", -100 - row, 1 + row % 3, word(row))).collect();
+    let inline = format!(
+        "sweep: [{{table: {{columns: [speed_rad_s, damping_n_s_m, normal_force], rows: [{}]}}}}]\n",
+        rows.join(", ")
+    );
+    let expected = load(&inline, "{monte_carlo: {samples: 10}}", b"").unwrap();
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("fuzz/corpus/parquet_table");
+    for name in ["pandas", "polars", "duckdb"] {
+        let table = fs::read(folder.join(name).with_extension("parquet")).unwrap();
+        let study = sweep(&table).unwrap_or_else(|error| panic!("{name}: {error}"));
+        assert_eq!(study.resolved_yaml(), expected.resolved_yaml(), "{name}");
+    }
 }
 
 #[test]

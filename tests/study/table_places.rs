@@ -37,7 +37,7 @@ impl Place {
 
     #[track_caller]
     fn refused(&self, table: &str, problem: &str, found: &str) {
-        let error = self.load(table, &[]).err().expect("refused");
+        let error = self.load(table, &[]).expect_err("refused");
         assert!(error.file().ends_with("inside/study.yaml"), "{error}");
         assert_eq!((error.line(), error.key()), (Some(7), "sweep[0].table"), "{error}");
         assert!(error.problem().contains(problem), "{error}");
