@@ -157,7 +157,7 @@ fn write(path: &Path, study: &Study, records: &[RunRecord], rows: u64) -> u64 {
     for record in records.iter().cycle().take(rows as usize) {
         table.push(record.clone()).expect("a row");
     }
-    table.finish().expect("a file")
+    table.finish().expect("a file").iter().filter_map(|(_, file)| file.rows).sum()
 }
 
 /// An equilibrium set with its parts.

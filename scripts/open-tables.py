@@ -58,7 +58,8 @@ def with_duckdb(directory):
     connection = duckdb.connect()
 
     def ask(table, columns, rest=""):
-        path = str(directory / f"{table}.parquet")
+        path = directory / f"{table}.parquet"
+        path = str(path / "*.parquet" if path.is_dir() else path)
         question = f"select {columns} from read_parquet($path) {rest}"
         return connection.execute(question, {"path": path}).fetchall()
 
@@ -95,7 +96,7 @@ def main(arguments):
         print(__doc__.strip(), file=sys.stderr)
         return 2
     directory = Path(arguments[0])
-    missing = [name for name in TABLES if not (directory / f"{name}.parquet").is_file()]
+    missing = [name for name in TABLES if not (directory / f"{name}.parquet").exists()]
     if missing:
         print(f"{directory}: holds no {missing[0]}.parquet", file=sys.stderr)
         return 2

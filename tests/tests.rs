@@ -16,6 +16,8 @@ mod faults;
 mod model;
 /// Integration, switches and symmetries.
 mod motion;
+/// What the project depends on.
+mod policy;
 /// Study files, sampling designs, uncertain parameters and plans.
 mod study;
 /// Columns, metadata and contents of the tables.

@@ -76,9 +76,9 @@ impl CliError {
         ExitCode::from(match self {
             CliError::Study(_) | CliError::Usage(_) => 2,
             CliError::Results(ResultsError::Occupied { .. } | ResultsError::Unusable { .. }) => 2,
-            CliError::Store(StoreError::Busy { .. } | StoreError::Unusable { .. }) => 2,
+            CliError::Store(StoreError::Unusable { .. }) => 2,
             CliError::Results(ResultsError::Write(_))
-            | CliError::Store(StoreError::Unwritten { .. })
+            | CliError::Store(StoreError::Unwritten { .. } | StoreError::Busy { .. })
             | CliError::Write(_)
             | CliError::Threads(_)
             | CliError::Output(_) => 1,

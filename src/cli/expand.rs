@@ -28,7 +28,8 @@ pub struct ExpandArguments {
     #[command(flatten)]
     study: StudyArgument,
 
-    /// Parquet file to write; without it the cases go to standard output as CSV
+    /// Parquet file to write, above 524,288 cases a directory of files; without it the cases go to
+    /// standard output as CSV
     #[arg(long, short, value_name = "FILE")]
     out: Option<PathBuf>,
 

@@ -5,7 +5,7 @@ use std::path::Path;
 use super::exit::CliError;
 use crate::ending::MODEL_VERSION;
 use crate::study::Study;
-use crate::table::{Manifest, ResultsError, VERSION};
+use crate::table::{Manifest, ResultsError, VERSION, manifest_of};
 
 /// The study and the manifest of a directory with results, finished or not.
 ///
@@ -18,8 +18,7 @@ pub fn results_study(directory: &Path) -> Result<(Study, Manifest), CliError> {
         found,
         allowed,
     };
-    let unusable = |cause| ResultsError::Unusable { path: directory.to_owned(), cause };
-    let Some(manifest) = Manifest::read(directory).map_err(unusable)? else {
+    let Some(manifest) = manifest_of(directory)? else {
         let reason = "this directory holds no study";
         let found = "no manifest.json".to_owned();
         let allowed = "a directory that `stickslip run` has begun to fill";

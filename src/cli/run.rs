@@ -25,7 +25,8 @@ The directory holds runs.parquet (a row per run), points.parquet (a row per poin
 rest.parquet (the probability of being at rest over time, per point), equilibria.parquet (where runs
 came to rest), density.parquet (how often in which part of the ring), cycles.parquet (the limit cycles
 by class, per point), study.yaml (with all defaults filled in), manifest.json, and in chunks/ the
-finished runs, which are written as they come.
+finished runs, which are written as they come. A table of more than 524,288 rows is a directory of that
+name, with files of as many rows each: part-00000.parquet and so on.
 
 Whatever ends it (Ctrl-C, a kill, a power cut, a full disk), the same command goes on where it was and
 ends in the same bytes. Ctrl-C finishes the runs in progress, keeps everything and exits with 130; a

@@ -3,7 +3,6 @@
 use serde_json::Value;
 
 use super::plan::Study;
-use super::resolved_file::to_value;
 
 /// Longest value that is shown whole, characters.
 const LONGEST: usize = 60;
@@ -12,7 +11,7 @@ const LONGEST: usize = 60;
 /// `simulation.end_time_s: 16.5 -> 33.0`; in the order of the file.
 pub fn difference(before: &Study, after: &Study) -> Vec<String> {
     let mut found = Vec::new();
-    collect("", &to_value(&before.resolved), &to_value(&after.resolved), &mut found);
+    collect("", &before.resolved.to_value(), &after.resolved.to_value(), &mut found);
     found
 }
 

@@ -5,11 +5,11 @@ use std::ops::Range;
 use super::audit::Audit;
 use super::design::SampleId;
 use super::expectation::{Expectation, same};
-use super::file::StudyFile;
 use super::parameter::{Parameter, ParameterValue, VariedParameter};
 use super::precision::{Precision, Sampling};
 use super::resolve_model::Base;
 use super::resolve_uncertain::Uncertain;
+use super::resolved_file::ResolvedFile;
 use super::sweep::{Block, Listing};
 use crate::model::{Case, InvalidParameter, Model, Simulation, Start};
 
@@ -31,7 +31,7 @@ pub struct Study {
     pub(super) uncertain_parameters: Vec<Uncertain>,
     pub(super) uncertain: Vec<VariedParameter>,
     pub(super) expectations: Vec<Expectation>,
-    pub(super) resolved: StudyFile,
+    pub(super) resolved: ResolvedFile,
 }
 
 /// One point of the sweep.

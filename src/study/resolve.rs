@@ -21,6 +21,7 @@ use super::resolve_runs::number_runs;
 use super::resolve_simulation::{resolve_simulation, simulation_to_file};
 use super::resolve_sweep::{ResolvedBlock, resolve_block};
 use super::resolve_uncertain::resolve_uncertain;
+use super::resolved_file::ResolvedFile;
 use super::rows::MAX_VALUES;
 use super::start_box::StartBox;
 use super::sweep::Listing;
@@ -169,7 +170,7 @@ fn resolve(
         uncertain,
         uncertain_parameters,
         expectations: Vec::new(),
-        resolved,
+        resolved: ResolvedFile::new(resolved),
     };
     check_points(source, written, &study)?;
     let expected = written.expect.as_deref().unwrap_or_default();

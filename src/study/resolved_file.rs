@@ -1,5 +1,7 @@
 //! A resolved study written as a study file again, and its hash.
 
+use std::sync::OnceLock;
+
 use serde_json::Value;
 use sha2::{Digest, Sha256};
 
@@ -9,28 +11,54 @@ use super::plan::Study;
 /// Words that some readers of YAML do not take for text.
 const NOT_TEXT: [&str; 9] = ["true", "false", "yes", "no", "on", "off", "null", "nan", "inf"];
 
+/// A resolved study file, and what is made of it once and then asked for with every table.
+#[derive(Clone, Debug)]
+pub(super) struct ResolvedFile {
+    file: StudyFile,
+    yaml: OnceLock<String>,
+    hash: OnceLock<String>,
+}
+
+impl ResolvedFile {
+    pub(super) fn new(file: StudyFile) -> Self {
+        ResolvedFile { file, yaml: OnceLock::new(), hash: OnceLock::new() }
+    }
+
+    /// The file as plain values.
+    pub(super) fn to_value(&self) -> Value {
+        to_value(&self.file)
+    }
+}
+
 impl Study {
     /// The complete study file: all defaults filled in, tables written out, in a fixed form.
     /// Loading it gives the same study with the same hash.
     pub fn resolved_yaml(&self) -> String {
-        let mut out = String::new();
-        write_block(&to_value(&self.resolved), 0, &mut out);
-        out
+        let write = || {
+            let mut out = String::new();
+            write_block(&to_value(&self.resolved.file), 0, &mut out);
+            out
+        };
+        self.resolved.yaml.get_or_init(write).clone()
     }
 
     /// SHA-256, in hexadecimal, of what determines the runs: not the file's name, form and
     /// comments, nor `name` and `expect`.
     pub fn hash(&self) -> String {
-        let determining = StudyFile { name: String::new(), expect: None, ..self.resolved.clone() };
-        let mut digest = Sha256::new();
-        digest.update(b"stickslip study 1\n");
-        digest.update(to_value(&determining).to_string());
-        digest.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
+        let compute = || {
+            let file = self.resolved.file.clone();
+            let determining = StudyFile { name: String::new(), expect: None, ..file };
+            let mut digest = Sha256::new();
+            digest.update(b"stickslip study 1\n");
+            digest.update(to_value(&determining).to_string());
+            digest.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
+        };
+        self.resolved.hash.get_or_init(compute).clone()
     }
 }
 
 /// The file as plain values; its types hold nothing that could not be written.
-pub(super) fn to_value(file: &StudyFile) -> Value {
+fn to_value(file: &StudyFile) -> Value {
     serde_json::to_value(file).unwrap_or_default()
 }
 

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use super::manifest::{MANIFEST, Manifest, sync_directory};
 use super::provenance::{FORMAT, VERSION};
-use super::results::{DATA_FILES, ResultsError};
+use super::results::{DATA_FILES, ResultsError, STUDY};
 use crate::ending::MODEL_VERSION;
 use crate::study::Study;
 
@@ -31,6 +31,25 @@ pub enum Destination {
     Another(Box<Manifest>),
 }
 
+/// The manifest of an output directory, if there is one.
+///
+/// # Errors
+/// [`ResultsError::Occupied`] where it is damaged or none of ours, [`ResultsError::Unusable`].
+pub fn manifest_of(directory: &Path) -> Result<Option<Manifest>, ResultsError> {
+    Manifest::read(directory).map_err(|cause| match cause.kind() {
+        io::ErrorKind::InvalidData => ResultsError::Occupied {
+            path: directory.to_owned(),
+            reason: format!("{MANIFEST} is damaged, or no manifest of ours"),
+            found: cause.to_string(),
+            allowed: format!(
+                "another directory, with --out DIR; or, if these are results of a study, {MANIFEST} \
+                 removed and the study run again: finished runs are found without it"
+            ),
+        },
+        _ => ResultsError::Unusable { path: directory.to_owned(), cause },
+    })
+}
+
 /// Looks at an output directory and refuses one whose files are not results, or are those of another
 /// shard. `ours` are names of folders that results may have beside their tables. Changes nothing.
 ///
@@ -51,18 +70,7 @@ pub fn inspect(
         allowed: "another directory, with --out DIR, or this one removed or renamed first"
             .to_owned(),
     };
-    let manifest = Manifest::read(directory).map_err(|cause| match cause.kind() {
-        io::ErrorKind::InvalidData => ResultsError::Occupied {
-            path: directory.to_owned(),
-            reason: format!("{MANIFEST} is damaged, or no manifest of ours"),
-            found: cause.to_string(),
-            allowed: format!(
-                "another directory, with --out DIR; or, if these are results of this study, {MANIFEST} \
-                 removed: finished runs are then found again"
-            ),
-        },
-        _ => unusable(cause),
-    })?;
+    let manifest = manifest_of(directory)?;
     let Some(manifest) = manifest else {
         let entries = match fs::read_dir(directory) {
             Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Destination::Free),
@@ -74,7 +82,7 @@ pub fn inspect(
             let name = entry.map_err(unusable)?.file_name();
             let name = name.to_string_lossy();
             let file = name.strip_suffix(".partial").unwrap_or(&name);
-            loose |= DATA_FILES.contains(&&*name);
+            loose |= DATA_FILES.contains(&&*name) && name != STUDY;
             let of_results = DATA_FILES.contains(&file) || file == MANIFEST || ours.contains(&file);
             if !of_results {
                 let reason = "this directory is not empty and holds no finished study";

@@ -1,10 +1,9 @@
 //! `manifest.json`: what an output directory holds, and when, where and how it was made.
 
 use std::collections::BTreeMap;
-use std::ffi::OsStr;
 use std::fs;
 use std::io::{self, Read};
-use std::path::Path;
+use std::path::{Component, Path};
 
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
@@ -58,7 +57,7 @@ pub struct Manifest {
     pub threads: usize,
     /// Name of the machine.
     pub host: String,
-    /// The data files.
+    /// The data files; of a table that is a directory, each of its parts.
     pub files: BTreeMap<String, FileEntry>,
 }
 
@@ -154,7 +153,8 @@ impl Manifest {
 
     /// Whether every file is one of the directory itself.
     fn check_names(&self) -> io::Result<()> {
-        let plain = |name: &str| Path::new(name).file_name() == Some(OsStr::new(name));
+        let inside = |part: Component<'_>| matches!(part, Component::Normal(_));
+        let plain = |name: &str| !name.is_empty() && Path::new(name).components().all(inside);
         match self.files.keys().find(|name| !plain(name)) {
             None => Ok(()),
             Some(name) => {

@@ -17,11 +17,12 @@ mod rest;
 mod results;
 mod runs;
 mod set;
+mod staging;
 mod writer;
 
 pub use cycles::{CycleRow, cycle_columns};
 pub use density::{DensityRow, density_columns};
-pub use destination::{Destination, EARLIER, inspect, put_aside};
+pub use destination::{Destination, EARLIER, inspect, manifest_of, put_aside};
 pub use equilibria::{EquilibriumRow, equilibrium_columns};
 pub use equilibrium_files::{EquilibriumFiles, EquilibriumTables};
 pub use frictionless::{FrictionlessRow, frictionless_columns};

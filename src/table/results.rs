@@ -204,22 +204,19 @@ impl Results {
         study: &Study,
         circumstances: Circumstances,
     ) -> Result<Manifest, ResultsError> {
-        let rows = [
-            (RUNS, Some(self.runs.finish()?)),
-            (POINTS, Some(self.points.finish()?)),
-            (REST, Some(self.rest.finish()?)),
-            (CYCLES, Some(self.cycles.finish()?)),
-            (EQUILIBRIA, Some(self.equilibria.finish()?)),
-            (DENSITY, Some(self.density.finish()?)),
-            (STUDY, None),
+        let tables = [
+            self.runs.finish()?,
+            self.points.finish()?,
+            self.rest.finish()?,
+            self.cycles.finish()?,
+            self.equilibria.finish()?,
+            self.density.finish()?,
         ];
+        let mut files: BTreeMap<String, FileEntry> = tables.into_iter().flatten().collect();
         let directory = self.directory;
         let unusable = |cause| ResultsError::Unusable { path: directory.clone(), cause };
-        let mut files = BTreeMap::new();
-        for (name, rows) in rows {
-            let entry = FileEntry::of(&directory.join(name), rows).map_err(unusable)?;
-            files.insert(name.to_owned(), entry);
-        }
+        let study_file = FileEntry::of(&directory.join(STUDY), None).map_err(unusable)?;
+        files.insert(STUDY.to_owned(), study_file);
         let manifest = Manifest::new(study, circumstances, self.counts, files);
         manifest.write(&directory).map_err(unusable)?;
         Ok(manifest)

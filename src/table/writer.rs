@@ -1,7 +1,8 @@
-//! Writes one table to a Parquet file, in rows as they come, with memory that does not grow.
+//! Writes one table as Parquet, in rows as they come, with memory that does not grow.
 
-use std::fs::{self, File};
+use std::fs::File;
 use std::io;
+use std::mem;
 use std::path::{Path, PathBuf};
 
 use arrow::error::ArrowError;
@@ -13,12 +14,19 @@ use parquet::file::properties::WriterProperties;
 use thiserror::Error;
 
 use super::column::{Column, batch, schema};
+use super::manifest::FileEntry;
+use super::staging::Staging;
 
 /// Rows per write. Pages and row groups begin where they do because of this number alone, so that
 /// the bytes do not depend on how many runs were farmed at a time.
 const BLOCK: usize = 4096;
 /// Rows per row group.
 const ROW_GROUP: usize = 2 * BLOCK;
+/// Rows per file: 64 row groups. A table of more rows is a directory of files, `part-00000.parquet` and
+/// so on. Until a file is closed, its writer holds the footer, up to 40 KiB for each row group, which
+/// would grow with the table (50 MB for 10^7 rows); so does every reader that opens it. Parts are of
+/// some 30 to 100 MB, which readers share out over cores, and a copy that broke off goes on with the next.
+const PART: u64 = 64 * ROW_GROUP as u64;
 
 /// Why a table could not be written.
 #[derive(Debug, Error)]
@@ -44,14 +52,25 @@ pub enum WriteCause {
     Arrow(#[from] ArrowError),
 }
 
-/// A table being written under a temporary name.
+/// A table being written; it gets its name when it is finished.
+///
+/// Up to 2^19 rows it becomes a file, above a directory of files of as many rows, the last of fewer.
+/// How rows are divided depends on their number alone.
 pub struct TableWriter<R> {
     columns: Vec<Column<R>>,
+    provenance: String,
     path: PathBuf,
-    temporary: PathBuf,
-    writer: ArrowWriter<File>,
+    staging: Staging,
     rows: Vec<R>,
-    count: u64,
+    part: Part,
+    finished: Vec<FileEntry>,
+    most_rows: u64,
+}
+
+/// The file that is being written.
+struct Part {
+    writer: ArrowWriter<File>,
+    rows: u64,
 }
 
 impl<R> TableWriter<R> {
@@ -64,23 +83,32 @@ impl<R> TableWriter<R> {
         columns: Vec<Column<R>>,
         provenance: &str,
     ) -> Result<Self, WriteError> {
-        let temporary = path.with_added_extension("partial");
-        let start = || -> Result<ArrowWriter<File>, WriteCause> {
-            let properties = WriterProperties::builder()
-                .set_compression(Compression::SNAPPY)
-                .set_max_row_group_row_count(Some(ROW_GROUP))
-                .set_created_by(concat!("stickslip ", env!("CARGO_PKG_VERSION")).to_owned())
-                .set_key_value_metadata(Some(vec![KeyValue::new(
-                    "stickslip".to_owned(),
-                    provenance.to_owned(),
-                )]))
-                .build();
-            let file = File::create(&temporary)?;
-            Ok(ArrowWriter::try_new(file, schema(&columns), Some(properties))?)
+        Self::with_parts_of(PART, path, columns, provenance)
+    }
+
+    fn with_parts_of(
+        most_rows: u64,
+        path: &Path,
+        columns: Vec<Column<R>>,
+        provenance: &str,
+    ) -> Result<Self, WriteError> {
+        let start = || -> Result<(Staging, Part), WriteCause> {
+            let staging = Staging::create(path)?;
+            let part = Part::create(&staging.part(0), &columns, provenance)?;
+            Ok((staging, part))
         };
-        let writer = start().map_err(|cause| WriteError { path: path.to_owned(), cause })?;
-        let rows = Vec::with_capacity(BLOCK);
-        Ok(TableWriter { path: path.to_owned(), columns, temporary, writer, rows, count: 0 })
+        let (staging, part) =
+            start().map_err(|cause| WriteError { path: path.to_owned(), cause })?;
+        Ok(TableWriter {
+            columns,
+            provenance: provenance.to_owned(),
+            path: path.to_owned(),
+            staging,
+            rows: Vec::with_capacity(BLOCK),
+            part,
+            finished: Vec::new(),
+            most_rows,
+        })
     }
 
     /// Adds a row.
@@ -88,35 +116,179 @@ impl<R> TableWriter<R> {
     /// # Errors
     /// Where the file cannot be written.
     pub fn push(&mut self, row: R) -> Result<(), WriteError> {
+        if self.part.rows + self.rows.len() as u64 == self.most_rows {
+            self.flush().and_then(|()| self.next_part()).map_err(|cause| self.error(cause))?;
+        }
         self.rows.push(row);
-        self.count += 1;
-        if self.rows.len() == BLOCK { self.flush() } else { Ok(()) }
+        if self.rows.len() < BLOCK {
+            return Ok(());
+        }
+        self.flush().map_err(|cause| self.error(cause))
     }
 
-    fn flush(&mut self) -> Result<(), WriteError> {
-        let write = |columns: &[Column<R>], rows: &[R], writer: &mut ArrowWriter<File>| {
-            writer.write(&batch(columns, rows)?)?;
-            Ok(())
-        };
-        write(&self.columns, &self.rows, &mut self.writer)
-            .map_err(|cause| WriteError { path: self.path.clone(), cause })?;
+    fn error(&self, cause: WriteCause) -> WriteError {
+        WriteError { path: self.path.clone(), cause }
+    }
+
+    fn flush(&mut self) -> Result<(), WriteCause> {
+        self.part.writer.write(&batch(&self.columns, &self.rows)?)?;
+        self.part.rows += self.rows.len() as u64;
         self.rows.clear();
         Ok(())
     }
 
-    /// Writes what is left, syncs the file and gives it its name. Returns the number of rows.
+    fn next_part(&mut self) -> Result<(), WriteCause> {
+        let number = self.finished.len();
+        let next = Part::create(&self.staging.part(number + 1), &self.columns, &self.provenance)?;
+        let full = mem::replace(&mut self.part, next);
+        self.finished.push(full.close(&self.staging.part(number))?);
+        Ok(())
+    }
+
+    /// Writes what is left and gives the table its name. Returns its files: names from the table's
+    /// directory on, and what the manifest says of them.
     ///
     /// # Errors
-    /// Where the file cannot be written or renamed.
-    pub fn finish(mut self) -> Result<u64, WriteError> {
-        self.flush()?;
-        let TableWriter { path, temporary, writer, count, .. } = self;
-        let close = || -> Result<(), WriteCause> {
-            writer.into_inner()?.sync_all()?;
-            fs::rename(&temporary, &path)?;
-            Ok(())
+    /// Where a file cannot be written or renamed.
+    pub fn finish(mut self) -> Result<Vec<(String, FileEntry)>, WriteError> {
+        self.flush().map_err(|cause| self.error(cause))?;
+        let TableWriter { path, staging, part, mut finished, .. } = self;
+        let settle = || -> Result<_, WriteCause> {
+            finished.push(part.close(&staging.part(finished.len()))?);
+            let names = staging.settle(finished.len())?;
+            Ok(names.into_iter().zip(finished).collect())
         };
-        close().map_err(|cause| WriteError { path, cause })?;
-        Ok(count)
+        settle().map_err(|cause| WriteError { path, cause })
+    }
+}
+
+impl Part {
+    fn create<R>(path: &Path, columns: &[Column<R>], provenance: &str) -> Result<Self, WriteCause> {
+        let properties = WriterProperties::builder()
+            .set_compression(Compression::SNAPPY)
+            .set_max_row_group_row_count(Some(ROW_GROUP))
+            .set_created_by(concat!("stickslip ", env!("CARGO_PKG_VERSION")).to_owned())
+            .set_key_value_metadata(Some(vec![KeyValue::new(
+                "stickslip".to_owned(),
+                provenance.to_owned(),
+            )]))
+            .build();
+        let file = File::create(path)?;
+        Ok(Part { writer: ArrowWriter::try_new(file, schema(columns), Some(properties))?, rows: 0 })
+    }
+
+    /// Writes the footer and syncs the file.
+    fn close(self, path: &Path) -> Result<FileEntry, WriteCause> {
+        self.writer.into_inner()?.sync_all()?;
+        Ok(FileEntry::of(path, Some(self.rows))?)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fs::{self, File};
+    use std::path::{Path, PathBuf};
+
+    use arrow::array::AsArray;
+    use arrow::datatypes::UInt64Type;
+    use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
+    use tempfile::tempdir;
+
+    use super::{BLOCK, Column, FileEntry, PART, ROW_GROUP, TableWriter};
+
+    fn columns() -> Vec<Column<u64>> {
+        vec![Column::count("row", "number of the row", |row: &u64| Some(*row))]
+    }
+
+    /// Writes a table of the rows `0..rows` in parts of at most `most` rows.
+    fn write(path: &Path, most: u64, rows: u64) -> Vec<(String, FileEntry)> {
+        let mut table = TableWriter::with_parts_of(most, path, columns(), "here").unwrap();
+        (0..rows).for_each(|row| table.push(row).unwrap());
+        table.finish().unwrap()
+    }
+
+    /// The rows of a file, and how many are in each row group.
+    fn read(path: &Path) -> (Vec<u64>, Vec<i64>) {
+        let reader = ParquetRecordBatchReaderBuilder::try_new(File::open(path).unwrap()).unwrap();
+        let groups = reader.metadata().row_groups().iter().map(|group| group.num_rows()).collect();
+        let rows = reader.build().unwrap().flat_map(|batch| {
+            batch.unwrap().column(0).as_primitive::<UInt64Type>().values().to_vec()
+        });
+        (rows.collect(), groups)
+    }
+
+    /// The files below a directory.
+    fn files(directory: &Path) -> Vec<PathBuf> {
+        let entries = fs::read_dir(directory).unwrap().map(|entry| entry.unwrap().path());
+        let mut files: Vec<PathBuf> = entries
+            .flat_map(|path| if path.is_dir() { files(&path) } else { vec![path] })
+            .collect();
+        files.sort();
+        files
+    }
+
+    #[test]
+    fn rows_are_divided_by_their_number_alone() {
+        for (most, rows, expected) in [
+            (10, 0, vec![0]),
+            (10, 1, vec![1]),
+            (10, 10, vec![10]),
+            (10, 11, vec![10, 1]),
+            (10, 30, vec![10, 10, 10]),
+            (10, 31, vec![10, 10, 10, 1]),
+            (2 * BLOCK as u64, 2 * BLOCK as u64, vec![2 * BLOCK as u64]),
+            (2 * BLOCK as u64, 2 * BLOCK as u64 + 1, vec![2 * BLOCK as u64, 1]),
+            (BLOCK as u64 + 5, 3 * BLOCK as u64, vec![4101, 4101, 4086]),
+        ] {
+            let scratch = tempdir().unwrap();
+            let path = scratch.path().join("t.parquet");
+            let found = write(&path, most, rows);
+            let counts: Vec<u64> = found.iter().map(|(_, entry)| entry.rows.unwrap()).collect();
+            assert_eq!(counts, expected, "{rows} rows in parts of {most}");
+            assert_eq!(path.is_file(), rows <= most, "{rows} rows in parts of {most}");
+            let mut all = Vec::new();
+            for (name, entry) in &found {
+                let part = scratch.path().join(name);
+                assert_eq!(&FileEntry::of(&part, entry.rows).unwrap(), entry);
+                all.extend(read(&part).0);
+            }
+            assert_eq!(all, (0..rows).collect::<Vec<_>>());
+            let named: Vec<PathBuf> =
+                found.iter().map(|(name, _)| scratch.path().join(name)).collect();
+            assert_eq!(files(scratch.path()), named, "these files, in this order, and no others");
+        }
+    }
+
+    /// What is in a part is what a table of these rows alone would be, to the byte.
+    #[test]
+    fn a_part_is_a_table() {
+        let scratch = tempdir().unwrap();
+        let (most, path) = (ROW_GROUP as u64 + 7, scratch.path().join("t.parquet"));
+        write(&path, most, 2 * most);
+        let alone = scratch.path().join("alone.parquet");
+        write(&alone, PART, most);
+        let part = path.join("part-00000.parquet");
+        assert_eq!(fs::read(&part).unwrap(), fs::read(alone).unwrap());
+        assert_eq!(read(&part).1, [ROW_GROUP as i64, 7]);
+    }
+
+    /// A table of more rows than a part takes place of one that an earlier run left, and the reverse.
+    #[test]
+    fn nothing_of_an_earlier_table_is_left() {
+        let scratch = tempdir().unwrap();
+        let path = scratch.path().join("t.parquet");
+        for rows in [35, 12, 7, 41, 0] {
+            // One that is never finished, with more parts than the next one.
+            let mut broken = TableWriter::with_parts_of(10, &path, columns(), "here").unwrap();
+            (0..99).for_each(|row| broken.push(row).unwrap());
+            drop(broken);
+            let found = write(&path, 10, rows);
+            assert_eq!(found.len(), files(scratch.path()).len(), "{rows} rows");
+        }
+    }
+
+    #[test]
+    fn a_part_is_half_a_million_rows_in_whole_row_groups() {
+        assert_eq!((PART, PART % ROW_GROUP as u64), (524_288, 0));
     }
 }

@@ -1,6 +1,7 @@
 //! `equilibria`: its tables, what it says, and what it refuses.
 
 use std::collections::BTreeSet;
+use std::path::Path;
 
 use arrow::array::{AsArray, RecordBatch};
 use parquet::file::reader::{FileReader, SerializedFileReader};
@@ -29,9 +30,12 @@ fn names(table: &RecordBatch) -> Vec<String> {
     table.schema().fields().iter().map(|field| field.name().clone()).collect()
 }
 
+/// The files below a directory, by their names from it on.
 fn files(scratch: &Scratch, directory: &str) -> BTreeSet<String> {
-    let entries = std::fs::read_dir(scratch.path(directory)).unwrap();
-    entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect()
+    let directory = scratch.path(directory);
+    let all = scratch.files().into_keys().filter(|path| path.is_file());
+    let below = all.filter_map(|path| path.strip_prefix(&directory).map(Path::to_owned).ok());
+    below.map(|path| path.to_str().unwrap().to_owned()).collect()
 }
 
 #[test]

@@ -12,6 +12,7 @@ mod interrupt;
 mod limits;
 mod memory;
 mod merged;
+mod network;
 mod resume;
 mod streams;
 mod tables;

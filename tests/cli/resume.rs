@@ -224,3 +224,31 @@ fn changed_tables_are_made_again() {
     assert_eq!(scratch.data("out"), before);
     assert_eq!(fs::read(scratch.path("out/earlier/1/runs.parquet")).unwrap(), before[0][..100]);
 }
+
+/// Runs that another version of the model has computed are not mixed with those of this one.
+#[test]
+fn runs_of_another_version_are_not_used() {
+    let scratch = stopped();
+    let folder = chunks(&scratch, "out");
+    let change = |path: PathBuf, from: &str, to: &str| {
+        let text = fs::read_to_string(&path).unwrap();
+        assert!(text.contains(from), "{text}");
+        fs::write(path, text.replace(from, to)).unwrap();
+    };
+    let list = folder.join("manifest.jsonl");
+    change(list.clone(), "\"model_version\":1", "\"model_version\":0");
+    change(scratch.path("out/manifest.json"), "\"model_version\":1", "\"model_version\":0");
+    let version = ["of which no run can be used", "version of the model: 0 -> 1", "--recompute"];
+    scratch.refused("run a.yaml --out out", &version);
+    let ended = scratch.stickslip("run a.yaml --out out --recompute --chunk 50");
+    assert_eq!(ended.code, Some(0), "{}", ended.err);
+    assert!(
+        !ended.err.contains("damaged") && ended.err.contains("\n600 runs in "),
+        "{}",
+        ended.err
+    );
+    assert_eq!(scratch.data("out"), scratch.data("whole"));
+    // They are kept, as is all else.
+    assert_eq!(fs::read_to_string(list).unwrap().lines().count(), 8 + 12);
+    assert!(folder.join("000007.chunk").exists());
+}

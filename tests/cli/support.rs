@@ -1,6 +1,6 @@
 //! A scratch directory, the built program in it, and its tables as record batches.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Display;
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
@@ -146,9 +146,15 @@ pub fn parse(text: &str) -> Study {
     Study::parse(Path::new("a.yaml"), text.to_owned()).unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// A Parquet file as one batch.
+/// A table as one batch: a Parquet file, or a directory of its parts.
 #[track_caller]
 pub fn table(path: &Path) -> RecordBatch {
+    if path.is_dir() {
+        let entries = fs::read_dir(path).unwrap().map(|entry| entry.unwrap().path());
+        let parts: BTreeSet<PathBuf> = entries.collect();
+        let parts: Vec<RecordBatch> = parts.iter().map(|part| table(part)).collect();
+        return concat_batches(&parts[0].schema(), &parts).unwrap();
+    }
     let file = File::open(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
     let reader = ParquetRecordBatchReaderBuilder::try_new(file).unwrap();
     let schema = reader.schema().clone();

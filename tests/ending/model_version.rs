@@ -48,11 +48,11 @@ fn studies() -> Vec<(&'static str, Study)> {
             "stribeck",
             balancer(
                 "stribeck",
-                ", friction: {stribeck: {static_friction_coefficient: 4.0e-3, stribeck_speed: 0.1}}",
+                ", friction: {stribeck: {static_friction_coefficient: 4.0e-3, stribeck_speed_rad_s: 1.0}}",
                 balls,
             ),
         ),
-        ("smooth", balancer("smooth", ", friction: {smooth: {smoothing_speed: 1.0}}", balls)),
+        ("smooth", balancer("smooth", ", friction: {smooth: {smoothing_speed_rad_s: 1.0}}", balls)),
         (
             "viscous",
             balancer(

@@ -15,7 +15,7 @@ fn the_second_process_is_refused() {
     }
     for command in ["run a.yaml --out out", "resume out"] {
         let second = scratch.stickslip(command);
-        assert_eq!((second.code, second.out.as_str()), (Some(2), ""), "{}", second.err);
+        assert_eq!((second.code, second.out.as_str()), (Some(1), ""), "{}", second.err);
         let busy = "out: another process is writing into this directory";
         assert!(
             second.err.contains(busy) && second.err.contains("allowed: wait"),

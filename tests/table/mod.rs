@@ -3,5 +3,6 @@
 mod contract;
 mod cycles;
 mod intervals;
+mod parts;
 mod preferred;
 mod provenance;

@@ -13,6 +13,7 @@ use sha2::{Digest, Sha256};
 
 use super::StoreError;
 use super::chunk::Chunk;
+use crate::ending::MODEL_VERSION;
 use crate::farm::say;
 use crate::table::{read_regular, sync_directory};
 
@@ -33,6 +34,8 @@ const MOST_TOLD: usize = 10;
 pub struct Listed {
     /// Its number, which is its file's name.
     pub chunk: u64,
+    /// Version of the model that its outcomes are of.
+    pub model_version: u32,
     /// The number of its first run.
     pub first_run: u64,
     /// The number of its last run.
@@ -46,7 +49,7 @@ pub struct Listed {
 }
 
 /// The chunks of one study in one directory.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Folder {
     path: PathBuf,
     /// The hash of their study, or its first digits.
@@ -80,6 +83,8 @@ impl Folder {
         let mut damaged = 0_usize;
         for (index, line) in String::from_utf8_lossy(&content).lines().enumerate() {
             match serde_json::from_str::<Listed>(line) {
+                // Outcomes of another version are no outcomes of this one.
+                Ok(entry) if entry.model_version != MODEL_VERSION => {}
                 Ok(entry) if entry.first_run <= entry.last_run && entry.chunk < MOST_CHUNKS => {
                     listed.push(entry);
                 }
@@ -179,6 +184,7 @@ impl Folder {
         let path = self.file(chunk);
         let listed = Listed {
             chunk,
+            model_version: MODEL_VERSION,
             first_run,
             last_run,
             runs: run_ids.len() as u64,

@@ -111,9 +111,10 @@ impl Store {
             Folder::open(path, &hash)
         };
         let others: Result<Vec<Folder>, StoreError> = others.into_iter().map(open).collect();
+        let own = Folder::open(own, &study_hash)?;
         Ok(Store {
-            shelves: Shelves::new(Folder::open(own.clone(), &study_hash)?),
-            keeper: Keeper { folder: Folder::open(own, &study_hash)?, study_hash },
+            shelves: Shelves::new(own.clone()),
+            keeper: Keeper { folder: own, study_hash },
             reuse: Reuse::of(others?),
             _lock: lock,
         })
