@@ -87,7 +87,8 @@ fn the_directory_is_enough() {
 /// lost, the damaged file is kept, and the tables are the same.
 #[test]
 fn what_is_damaged_is_named_and_computed_again() {
-    let changes: [(&str, fn(&PathBuf)); 7] = [
+    type Change = (&'static str, fn(&PathBuf));
+    let changes: [Change; 7] = [
         ("000003.chunk: its content is not what was written", |folder| {
             let path = folder.join("000003.chunk");
             let mut bytes = fs::read(&path).unwrap();

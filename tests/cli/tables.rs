@@ -59,9 +59,7 @@ fn manifests_do_not_lead_out_of_their_directory() {
     scratch.write("secret.parquet", "a file elsewhere");
     let right = fs::read_to_string(scratch.path("out/manifest.json")).unwrap();
     let absolute = scratch.path("secret.parquet").display().to_string();
-    for name in
-        ["../secret.parquet", "..", ".", "", "runs.parquet/", "deeper/runs.parquet", &absolute]
-    {
+    for name in ["../secret.parquet", "..", ".", "", "a/../../secret.parquet", &absolute] {
         let wrong = right.replace("\"runs.parquet\"", &format!("{name:?}"));
         assert_ne!(wrong, right);
         scratch.write("out/manifest.json", wrong);
