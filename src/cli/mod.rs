@@ -14,6 +14,7 @@ mod merge;
 mod output;
 mod points_table;
 mod replay;
+mod replay_pictures;
 mod replay_times;
 mod results_study;
 mod resume;

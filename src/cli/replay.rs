@@ -9,6 +9,7 @@ use serde_json::{Value, json};
 
 use super::exit::{CliError, End};
 use super::output::print;
+use super::replay_pictures::draw;
 use super::replay_times::{MOST_TIMES, Times};
 use super::results_study::results_study;
 use crate::ending::{Instants, Recorder, Recording, Switch, simulate, simulate_recorded};
@@ -30,7 +31,8 @@ Examples:
 The run is computed again, by the engine that computed it, and compared with its row in runs.parquet:
 all columns, to the last bit. What differs (on another kind of processor, perhaps) is shown, and the exit
 code is 1. trajectory.parquet has the motion: table, angles, speeds, what each ball does, friction and
-its limit; switches.parquet, and standard output, each change between stick and slip.";
+its limit; switches.parquet, and standard output, each change between stick and slip; replay.svg a figure
+of it, and replay.html, for any browser, disc and balls as they move.";
 
 /// Compute one run of a study's results again, and write its motion
 #[derive(Clone, Debug, Args)]
@@ -51,7 +53,7 @@ pub struct ReplayArguments {
     #[arg(long, short, value_name = "DIR2")]
     out: Option<PathBuf>,
 
-    /// The motion at N times from FROM to TO, both included, in s
+    /// The motion at N times from FROM to TO, both included, in s; pictures show that part of it
     #[arg(long, value_name = "FROM:TO:N", conflicts_with = "every_step")]
     #[arg(allow_hyphen_values = true)]
     times: Option<Times>,
@@ -91,7 +93,10 @@ pub fn replay(arguments: &ReplayArguments) -> Result<End, CliError> {
         None => None,
     };
     write(&out, &study, arguments, &record, &recording)?;
-    let report = Report { directory, out: &out, study: &study, record, recording, differences };
+    let mut files = vec!["trajectory.parquet", "switches.parquet"];
+    files.extend(draw(&out, &study, &record, arguments.times)?);
+    let (out, study) = (&*out, &study);
+    let report = Report { directory, out, study, record, recording, differences, files };
     let manifest = stored.is_none().then_some(&manifest);
     report.say(arguments.times, stored.as_ref().map_or(0, StoredRun::columns), manifest);
     print(&if arguments.json { format!("{:#}\n", report.json()) } else { report.text() })?;
@@ -213,6 +218,8 @@ struct Report<'a> {
     recording: Recording,
     /// None where there is no row to compare with.
     differences: Option<Vec<Difference>>,
+    /// What has been written.
+    files: Vec<&'static str>,
 }
 
 impl Report<'_> {
@@ -284,7 +291,7 @@ impl Report<'_> {
     }
 
     fn json(&self) -> Value {
-        let Report { directory, out, study, record, recording, differences } = self;
+        let Report { directory, out, study, record, recording, differences, files } = self;
         let differences = differences.as_ref();
         json!({
             "study": study.name(),
@@ -305,7 +312,7 @@ impl Report<'_> {
             "rows": recording.samples.len(),
             "switches": recording.switches.len(),
             "out": out.display().to_string(),
-            "files": ["trajectory.parquet", "switches.parquet"],
+            "files": files,
         })
     }
 }

@@ -14,6 +14,11 @@ pub struct Times {
 pub const MOST_TIMES: u32 = 1_000_000;
 
 impl Times {
+    /// The first and the last, s.
+    pub fn ends(&self) -> [f64; 2] {
+        [self.from_s, self.to_s]
+    }
+
     /// All times, s, ascending.
     pub fn values(&self) -> impl Iterator<Item = f64> + use<> {
         let Times { from_s, to_s, count } = *self;
