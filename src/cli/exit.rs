@@ -18,6 +18,8 @@ pub enum End {
     RunsFailed,
     /// An expectation of the study is not met.
     ExpectationNotMet,
+    /// A run computed again is not what its row says.
+    NotReproduced,
     /// Interrupted; everything finished is kept.
     Interrupted,
 }
@@ -27,6 +29,7 @@ impl End {
     pub fn code(self) -> ExitCode {
         ExitCode::from(match self {
             End::Well => 0,
+            End::NotReproduced => 1,
             End::RunsFailed => 3,
             End::ExpectationNotMet => 4,
             End::Interrupted => 130,

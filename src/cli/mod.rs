@@ -13,6 +13,9 @@ mod farming;
 mod merge;
 mod output;
 mod points_table;
+mod replay;
+mod replay_pictures;
+mod replay_times;
 mod results_study;
 mod resume;
 mod run;
@@ -32,11 +35,12 @@ Examples:
   stickslip run studies/preferred-equilibria.yaml       run it; tables in results/<study>
   stickslip run study.yaml --out results/night --threads 8
   stickslip resume results/night                        go on after an interruption
+  stickslip replay results/night 17                     the motion of one run
   stickslip verify studies/smoke.yaml                   run it and check what it expects
 
 Exit codes:
   0  all well                         3    some runs failed
-  1  could not run                    4    verify: an expectation is not met
+  1  could not run, or replay differs 4    verify: an expectation is not met
   2  wrong usage, study or directory  130  interrupted or out of time; what is finished is kept";
 
 /// Parallel parameter studies and Monte Carlo for mechanical systems with dry friction.
@@ -52,6 +56,7 @@ enum Command {
     Run(run::RunArguments),
     Resume(resume::ResumeArguments),
     Merge(merge::MergeArguments),
+    Replay(replay::ReplayArguments),
     Check(check::CheckArguments),
     Expand(expand::ExpandArguments),
     Verify(verify::VerifyArguments),
@@ -67,6 +72,7 @@ pub fn main() -> ExitCode {
         Command::Run(arguments) => run::run(&arguments),
         Command::Resume(arguments) => resume::resume(&arguments),
         Command::Merge(arguments) => merge::merge(&arguments),
+        Command::Replay(arguments) => replay::replay(&arguments),
         Command::Check(arguments) => check::check(&arguments),
         Command::Expand(arguments) => expand::expand(&arguments),
         Command::Verify(arguments) => verify::verify(&arguments),

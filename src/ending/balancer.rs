@@ -8,6 +8,7 @@ use super::follow::{Horizons, Run, follow};
 use super::lyapunov::{SEPARATION_WINDOW, Separation};
 use super::orbit::OrbitWatch;
 use super::outcome::{Evidence, LyapunovExponent, Outcome};
+use super::recorder::Recorder;
 use super::settled::SettledWatch;
 use super::simulate::{WINDOW, effort_limit, stiff_pace};
 use super::window::{Moment, Window, angles};
@@ -53,6 +54,7 @@ pub(super) fn simulate_balancer<const N: usize>(
     machine: &Machine,
     start: &Start,
     simulation: &Simulation,
+    recorder: Option<&mut Recorder>,
 ) -> Outcome {
     let Some(prepared) = Prepared::<N>::new(machine, start, simulation) else {
         return other_number_of_balls();
@@ -70,7 +72,7 @@ pub(super) fn simulate_balancer<const N: usize>(
                 settled: SettledWatch::default(),
                 rest: None,
             };
-            follow(run, simulation.extend)
+            follow(run, simulation.extend, recorder)
         }
         Err(failure) => Outcome::failed(Evidence::Failure(failure), failure.to_string()),
     }
@@ -186,6 +188,14 @@ impl<const N: usize> Run for BalancerRun<'_, N> {
 
     fn extend(&mut self) {
         self.horizons.extend();
+    }
+
+    fn show(&mut self, recorder: &mut Recorder) {
+        recorder.take_in(self.balancer, &mut self.motion);
+    }
+
+    fn goes_on(&self, recorder: &mut Recorder) {
+        recorder.rewind(self.motion.time(), self.motion.effort());
     }
 
     fn outcome(&self, ending: Ending<N>) -> Outcome {

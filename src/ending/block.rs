@@ -14,13 +14,19 @@ use super::cycle::Cycle;
 use super::extremes::{Extremes, Passed};
 use super::follow::{Horizons, Run, follow};
 use super::outcome::{Evidence, Outcome};
+use super::recorder::Recorder;
 use super::settled::SettledWatch;
 use super::simulate::{WINDOW, effort_limit, stiff_pace};
 use crate::model::{Block, Simulation, Slider, SliderState, Start, System};
 use crate::motion::{Failure, Motion, Settings};
 
 /// Simulates a block until its ending is known.
-pub(super) fn simulate_block(block: &Block, start: &Start, simulation: &Simulation) -> Outcome {
+pub(super) fn simulate_block(
+    block: &Block,
+    start: &Start,
+    simulation: &Simulation,
+    recorder: Option<&mut Recorder>,
+) -> Outcome {
     let [position_m, velocity_m_s] = start.0[..] else {
         let error = "the start state of a block is its position and its velocity";
         return Outcome::failed(Evidence::InvalidParameters, error.to_owned());
@@ -49,7 +55,7 @@ pub(super) fn simulate_block(block: &Block, start: &Start, simulation: &Simulati
                 last_break_away: None,
                 settled: SettledWatch::default(),
             };
-            follow(run, simulation.extend)
+            follow(run, simulation.extend, recorder)
         }
         Err(failure) => Outcome::failed(Evidence::Failure(failure), failure.to_string()),
     }
@@ -157,6 +163,14 @@ impl Run for BlockRun<'_> {
 
     fn extend(&mut self) {
         self.horizons.extend();
+    }
+
+    fn show(&mut self, recorder: &mut Recorder) {
+        recorder.take_in(self.slider, &mut self.motion);
+    }
+
+    fn goes_on(&self, recorder: &mut Recorder) {
+        recorder.rewind(self.motion.time(), self.motion.effort());
     }
 
     fn outcome(&self, ending: Ending) -> Outcome {

@@ -7,6 +7,7 @@
 //! each from its own start. The limit of effort is the longer run's all along.
 
 use super::outcome::{Label, Outcome};
+use super::recorder::Recorder;
 use crate::model::{Extend, Simulation};
 
 /// A run in progress.
@@ -26,30 +27,56 @@ pub(super) trait Run: Clone {
 
     /// What is known when it has ended.
     fn outcome(&self, ending: Self::Ending) -> Outcome;
+
+    /// Shows the latest step to a recorder.
+    fn show(&mut self, recorder: &mut Recorder);
+
+    /// Tells a recorder that it goes on from here.
+    fn goes_on(&self, recorder: &mut Recorder);
 }
 
-/// Follows a run until it ends.
-pub(super) fn follow<R: Run>(mut run: R, extend: Option<Extend>) -> Outcome {
-    let Some(extend) = extend else { return to_the_end(run) };
+/// Follows a run until it ends; a recorder, if there is one, sees every step.
+pub(super) fn follow<R: Run>(
+    mut run: R,
+    extend: Option<Extend>,
+    mut recorder: Option<&mut Recorder>,
+) -> Outcome {
+    show(&mut run, &mut recorder);
+    let Some(extend) = extend else { return to_the_end(run, &mut recorder) };
     while !run.reaches_end() {
-        if let Some(ending) = run.advance() {
+        if let Some(ending) = advance(&mut run, &mut recorder) {
             return run.outcome(ending);
         }
     }
     let mut kept = run.clone();
-    let outcome = to_the_end(run);
+    let outcome = to_the_end(run, &mut recorder);
     if !continues(extend, outcome.label()) {
         return outcome;
     }
     kept.extend();
-    Outcome { extended: true, ..to_the_end(kept) }
+    if let Some(recorder) = &mut recorder {
+        kept.goes_on(recorder);
+    }
+    Outcome { extended: true, ..to_the_end(kept, &mut recorder) }
 }
 
-fn to_the_end<R: Run>(mut run: R) -> Outcome {
+fn to_the_end<R: Run>(mut run: R, recorder: &mut Option<&mut Recorder>) -> Outcome {
     loop {
-        if let Some(ending) = run.advance() {
+        if let Some(ending) = advance(&mut run, recorder) {
             return run.outcome(ending);
         }
+    }
+}
+
+fn advance<R: Run>(run: &mut R, recorder: &mut Option<&mut Recorder>) -> Option<R::Ending> {
+    let ending = run.advance();
+    show(run, recorder);
+    ending
+}
+
+fn show<R: Run>(run: &mut R, recorder: &mut Option<&mut Recorder>) {
+    if let Some(recorder) = recorder {
+        run.show(recorder);
     }
 }
 

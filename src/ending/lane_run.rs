@@ -11,6 +11,7 @@ use super::certificate::certified;
 use super::follow::{Horizons, Run, continues};
 use super::orbit::OrbitWatch;
 use super::outcome::Outcome;
+use super::recorder::Recorder;
 use super::settled::SettledWatch;
 use super::window::Moment;
 use crate::model::{Balancer, Extend, Simulation};
@@ -102,6 +103,32 @@ impl<const N: usize> LaneRun<N> {
         }
         self.plan(group, lane);
         (Next::Stay, Some(self))
+    }
+
+    /// Shows the start of the run to a recorder.
+    pub(super) fn show_start<S: Simd>(
+        &self,
+        recorder: &mut Recorder,
+        group: &Group<S, N>,
+        lane: usize,
+    ) {
+        if let Some(mut motion) = group.motion(lane, &self.balancer) {
+            recorder.take_in(&self.balancer, &mut motion);
+        }
+    }
+
+    /// Shows the latest step to a recorder.
+    pub(super) fn show<S: Simd>(
+        &self,
+        recorder: &mut Recorder,
+        group: &Group<S, N>,
+        room: &Room<S, N>,
+        lane: usize,
+        had_event: bool,
+    ) {
+        if let Some(mut motion) = group.motion_with_step(room, lane, had_event, &self.balancer) {
+            recorder.take_in(&self.balancer, &mut motion);
+        }
     }
 
     /// Looks at what has happened in the latest step.

@@ -11,10 +11,11 @@ use fearless_simd::Simd;
 use super::balancer::{Prepared, other_number_of_balls};
 use super::lane_run::{LaneRun, Next};
 use super::outcome::{Evidence, Outcome};
-use super::simulate::simulate_one_by_one;
+use super::recorder::Recorder;
+use super::simulate::one_by_one;
 use crate::model::{Ball, Case, Model};
 use crate::motion::VectorLevel;
-use crate::motion::lockstep::{Group, LANES, Room, Saved, advance};
+use crate::motion::lockstep::{Group, Happened, LANES, Room, Saved, advance};
 
 /// Where runs come from and outcomes go to.
 pub trait Runs {
@@ -23,6 +24,11 @@ pub trait Runs {
 
     /// A run has ended. Runs end in any order.
     fn ended(&mut self, number: u64, outcome: Outcome);
+
+    /// What records the run, where there is only one and that is to be recorded.
+    fn recorder(&mut self) -> Option<&mut Recorder> {
+        None
+    }
 }
 
 /// Simulates runs until there are no more, in lockstep where their models allow it: balancers whose
@@ -32,7 +38,7 @@ pub fn simulate_in_lockstep(level: VectorLevel, runs: &mut dyn Runs) {
     while let Some((number, case)) = upcoming.take() {
         upcoming = match lanes_for(&case) {
             0 => {
-                let outcome = simulate_one_by_one(&case);
+                let outcome = one_by_one(&case, runs.recorder());
                 runs.ended(number, outcome);
                 runs.next()
             }
@@ -80,7 +86,8 @@ fn at<const N: usize>(
         return Lockstep::<_, N>::new(simd, runs, first).go();
     }
     let (number, case) = first;
-    runs.ended(number, simulate_one_by_one(&case));
+    let outcome = one_by_one(&case, runs.recorder());
+    runs.ended(number, outcome);
     runs.next()
 }
 
@@ -93,6 +100,8 @@ struct Lockstep<'a, S: Simd, const N: usize> {
     /// Without displacements and with them.
     teams: [Team<S, N>; 2],
     room: Box<Room<S, N>>,
+    /// Whether steps are recorded.
+    recorded: bool,
 }
 
 /// A group of lanes with what is looked for in each.
@@ -120,6 +129,7 @@ impl<'a, S: Simd, const N: usize> Lockstep<'a, S, N> {
         };
         Lockstep {
             simd,
+            recorded: runs.recorder().is_some(),
             runs,
             upcoming: Some(first),
             teams: [team(), team()],
@@ -148,6 +158,9 @@ impl<'a, S: Simd, const N: usize> Lockstep<'a, S, N> {
             let Some(Waiting { saved, run, case }) = next else { return };
             let Team { group, members, cases, .. } = &mut self.teams[team];
             group.put(lane, &saved, run.end());
+            if let Some(recorder) = self.runs.recorder() {
+                run.show_start(recorder, group, lane);
+            }
             let number = run.number;
             let (next, run) = run.begins(group, lane);
             (members[lane], cases[lane]) = (run, Some(case));
@@ -183,6 +196,9 @@ impl<'a, S: Simd, const N: usize> Lockstep<'a, S, N> {
     fn step(&mut self, team: usize) {
         let group = &mut self.teams[team].group;
         let happened = advance(self.simd, group, &mut self.room, team == 1);
+        if self.recorded {
+            self.record(team, &happened);
+        }
         let mut lanes = happened.any();
         while lanes != 0 {
             let lane = lanes.trailing_zeros() as usize;
@@ -192,6 +208,21 @@ impl<'a, S: Simd, const N: usize> Lockstep<'a, S, N> {
             let number = run.number;
             let next = run.look(group, &self.room, lane, &happened);
             self.goes_on(team, lane, number, next);
+        }
+    }
+
+    /// Shows the step that has just been taken to the recorder.
+    #[inline(never)]
+    fn record(&mut self, team: usize, happened: &Happened) {
+        let Team { group, members, .. } = &self.teams[team];
+        let Some(recorder) = self.runs.recorder() else { return };
+        for (lane, run) in members.iter().enumerate() {
+            let bit = 1 << lane;
+            if let Some(run) = run
+                && happened.taken & bit != 0
+            {
+                run.show(recorder, group, &self.room, lane, happened.event & bit != 0);
+            }
         }
     }
 
@@ -207,6 +238,9 @@ impl<'a, S: Simd, const N: usize> Lockstep<'a, S, N> {
             (Next::Done(outcome), _) => self.runs.ended(number, *outcome),
             (Next::Continue(kept), Some(case)) => {
                 let (saved, run) = *kept;
+                if let Some(recorder) = self.runs.recorder() {
+                    recorder.rewind(saved.time(), saved.effort());
+                }
                 let team = usize::from(run.is_displaced(saved.time()));
                 let waiting = Waiting { saved, run: Box::new(run), case };
                 self.teams[team].waiting.push_back(waiting);
@@ -216,7 +250,10 @@ impl<'a, S: Simd, const N: usize> Lockstep<'a, S, N> {
                     self.teams[1 - team].waiting.push_back(Waiting { saved, run, case });
                 }
             }
-            (_, Some(case)) => self.runs.ended(number, simulate_one_by_one(&case)),
+            (_, Some(case)) => {
+                let outcome = one_by_one(&case, self.runs.recorder());
+                self.runs.ended(number, outcome);
+            }
             (_, None) => {}
         }
     }

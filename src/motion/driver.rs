@@ -150,6 +150,11 @@ impl<'a, S: System<N, FREE>, const N: usize, const FREE: usize> Motion<'a, S, N,
         self.state.beta[ball] + self.turns[ball] as f64 * std::f64::consts::TAU
     }
 
+    /// Whole turns that each ball has made since the start.
+    pub(super) fn turns(&self) -> &[i64; N] {
+        &self.turns
+    }
+
     /// What each ball does.
     pub fn phases(&self) -> &[Phase; N] {
         &self.phases
@@ -232,6 +237,8 @@ impl<'a, S: System<N, FREE>, const N: usize, const FREE: usize> Motion<'a, S, N,
         self.wrap_angles();
         let system = self.system;
         let phases = self.phases;
+        // Where this one fails, there is none to look into.
+        self.last = None;
         let (step, suggestion) = self.sound_step(until)?;
         let phase = SmoothPhase::new(system, &phases);
         let end_forces = phase.forces(&step.end);

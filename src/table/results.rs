@@ -98,7 +98,7 @@ pub struct Results {
 /// The data files of an output directory.
 pub(super) const DATA_FILES: [&str; 7] = [RUNS, POINTS, REST, CYCLES, EQUILIBRIA, DENSITY, STUDY];
 
-const RUNS: &str = "runs.parquet";
+pub(super) const RUNS: &str = "runs.parquet";
 const POINTS: &str = "points.parquet";
 const REST: &str = "rest.parquet";
 const CYCLES: &str = "cycles.parquet";

@@ -13,6 +13,7 @@ mod limits;
 mod memory;
 mod merged;
 mod network;
+mod replay;
 mod resume;
 mod streams;
 mod tables;

@@ -14,4 +14,5 @@ mod lyapunov;
 mod model_version;
 mod multipliers;
 pub mod reference;
+mod recorder;
 mod settled;

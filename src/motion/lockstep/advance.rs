@@ -23,6 +23,8 @@ const LARGE: f64 = 1e200;
 /// What has happened in a step, as bit masks of lanes.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Happened {
+    /// The lane's step has been taken.
+    pub(crate) taken: u64,
     /// A ball changed what it does, or came to rest.
     pub(crate) event: u64,
     /// A ball has gone through the angle 0.
@@ -119,6 +121,7 @@ fn step<S: Simd, const N: usize>(
         rejected &= rejected - 1;
         reject(g, lane, length[lane], room.tried.error_squared[lane], &mut happened);
     }
+    happened.taken = commit;
     if commit == 0 {
         return happened;
     }

@@ -303,13 +303,8 @@ impl<S: Simd, const N: usize> Group<S, N> {
 
     /// What the run in a lane has cost.
     pub(super) fn effort(&self, lane: usize) -> Effort {
-        let Some(own) = &self.lanes[lane] else { return Effort::default() };
-        let tried = self.tried[lane] as u64;
-        Effort {
-            steps: tried.saturating_sub(own.not_taken),
-            rejected_steps: own.not_taken,
-            switches: own.switches,
-        }
+        let own = self.lanes[lane].as_ref();
+        own.map_or_else(Effort::default, |own| own.effort(self.tried[lane]))
     }
 
     /// Turns of balls, both ways, and switches since the start of the run.

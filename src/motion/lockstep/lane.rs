@@ -6,7 +6,7 @@ use crate::model::{Balancer, Method, RestPoint, State};
 use crate::motion::contact::Phase;
 use crate::motion::driver::Motion;
 use crate::motion::guard::Margins;
-use crate::motion::{Failure, Settings};
+use crate::motion::{Effort, Failure, Settings};
 
 /// What of a run is dealt with by itself.
 #[derive(Clone, Debug)]
@@ -26,6 +26,17 @@ pub(crate) struct Lane<const N: usize> {
     pub(super) search: Option<Search<N>>,
     /// Whether a displacement met a switch by grazing.
     pub(super) grazed: bool,
+}
+
+impl<const N: usize> Lane<N> {
+    /// What the run has cost in so many steps tried.
+    pub(super) fn effort(&self, tried: f64) -> Effort {
+        Effort {
+            steps: (tried as u64).saturating_sub(self.not_taken),
+            rejected_steps: self.not_taken,
+            switches: self.switches,
+        }
+    }
 }
 
 /// Why a run cannot go on in lockstep.
@@ -113,6 +124,11 @@ impl<const N: usize> Saved<N> {
     /// Its time.
     pub(crate) fn time(&self) -> f64 {
         self.time
+    }
+
+    /// What it has cost.
+    pub(crate) fn effort(&self) -> Effort {
+        self.lane.effort(self.tried)
     }
 }
 

@@ -1,0 +1,318 @@
+//! `stickslip replay`: the run behind a row.
+
+use std::cell::RefCell;
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use serde_json::{Value, json};
+
+use super::exit::{CliError, End};
+use super::output::print;
+use super::replay_pictures::draw;
+use super::replay_times::{MOST_TIMES, Times};
+use super::results_study::results_study;
+use crate::ending::{Instants, Recorder, Recording, Switch, simulate, simulate_recorded};
+use crate::farm::{compute, say};
+use crate::model::Case;
+use crate::study::Study;
+use crate::table::column::Column;
+use crate::table::{
+    Difference, EquilibriumFiles, Manifest, ResultsError, RunRecord, StoredRun, TableWriter, Units,
+    phase_name, provenance_with, switch_columns, trajectory_columns,
+};
+
+const EXAMPLES: &str = "\
+Examples:
+  stickslip replay results/night 17
+  stickslip replay results/night 17 --times 0:5:2001 --out figure-3
+  stickslip replay results/night 17 | head
+
+The run is computed again, by the engine that computed it, and compared with its row in runs.parquet:
+all columns, to the last bit. What differs (on another kind of processor, perhaps) is shown, and the exit
+code is 1. trajectory.parquet has the motion: table, angles, speeds, what each ball does, friction and
+its limit; switches.parquet, and standard output, each change between stick and slip; replay.svg a figure
+of it, and replay.html, for any browser, disc and balls as they move.";
+
+/// Compute one run of a study's results again, and write its motion
+#[derive(Clone, Debug, Args)]
+#[command(after_help = EXAMPLES)]
+pub struct ReplayArguments {
+    /// Directory with the results of a study, finished or not
+    #[arg(value_name = "DIR")]
+    directory: PathBuf,
+
+    /// Number of the run: column run_id of runs.parquet
+    #[arg(value_name = "RUN_ID")]
+    run_id: u64,
+
+    /// Directory for the motion; never overwritten [default: DIR-replay-RUN_ID]
+    ///
+    /// Beside the results and not in them: what is in DIR is what the study makes, and its manifest names
+    /// all of it.
+    #[arg(long, short, value_name = "DIR2")]
+    out: Option<PathBuf>,
+
+    /// The motion at N times from FROM to TO, both included, in s; pictures show that part of it
+    #[arg(long, value_name = "FROM:TO:N", conflicts_with = "every_step")]
+    #[arg(allow_hyphen_values = true)]
+    times: Option<Times>,
+
+    /// The motion at the end of every integration step, and just before and after each switch; the
+    /// default
+    ///
+    /// What was computed, and no aliasing: steps are as short as the motion needs, evenly spaced times may
+    /// miss what happens between them.
+    #[arg(long)]
+    every_step: bool,
+
+    /// Print the result as JSON
+    #[arg(long)]
+    json: bool,
+}
+
+/// Computes the run again and writes its motion.
+///
+/// # Errors
+/// Where the directory holds no results or not of this run, or a table cannot be written.
+pub fn replay(arguments: &ReplayArguments) -> Result<End, CliError> {
+    let ReplayArguments { directory, run_id, .. } = arguments;
+    let (study, manifest) = results_study(directory)?;
+    let stored = stored_run(directory, &study, &manifest, *run_id)?;
+    let out = arguments.out.clone().map_or_else(|| beside(directory, *run_id), Ok)?;
+    EquilibriumFiles::inspect(&out)?;
+    let (record, recording) = record(&study, *run_id, arguments.times);
+    if recording.cut_off {
+        return Err(CliError::Usage(format!(
+            "the motion of run {run_id} is too long\n  found:   more than {MOST_TIMES} steps, or switches\n  \
+             allowed: fewer; a part of it with --times FROM:TO:N"
+        )));
+    }
+    let differences = match &stored {
+        Some(stored) => Some(stored.differences(&study, &record)?),
+        None => None,
+    };
+    write(&out, &study, arguments, &record, &recording)?;
+    let mut files = vec!["trajectory.parquet", "switches.parquet"];
+    files.extend(draw(&out, &study, &record, arguments.times)?);
+    let (out, study) = (&*out, &study);
+    let report = Report { directory, out, study, record, recording, differences, files };
+    let manifest = stored.is_none().then_some(&manifest);
+    report.say(arguments.times, stored.as_ref().map_or(0, StoredRun::columns), manifest);
+    print(&if arguments.json { format!("{:#}\n", report.json()) } else { report.text() })?;
+    let same = report.differences.is_none_or(|differences| differences.is_empty());
+    Ok(if same { End::Well } else { End::NotReproduced })
+}
+
+/// The row of a run; none in results that are not complete.
+fn stored_run(
+    directory: &Path,
+    study: &Study,
+    manifest: &Manifest,
+    run_id: u64,
+) -> Result<Option<StoredRun>, CliError> {
+    let runs = study.run_count();
+    let refused = |found: String, allowed: String| {
+        Err(CliError::Usage(format!(
+            "{}: there is no such run\n  found:   {found}\n  allowed: {allowed}",
+            directory.display()
+        )))
+    };
+    if run_id >= runs {
+        let allowed = match runs {
+            0 => "nothing: this study has no runs".to_owned(),
+            _ => format!("run numbers from 0 to {}", runs - 1),
+        };
+        return refused(format!("run {run_id} of a study with {runs} runs"), allowed);
+    }
+    let stored = StoredRun::find(directory, run_id)?;
+    if stored.is_none() && manifest.complete {
+        let found = format!(
+            "run {run_id}, which is not among the {} runs of these results (shard {})",
+            manifest.runs_finished, manifest.shard
+        );
+        let allowed = "a run_id of runs.parquet; other runs are in other shards, or were not needed for \
+                       the precision asked for";
+        return refused(found, allowed.to_owned());
+    }
+    Ok(stored)
+}
+
+/// The directory for the motion, where none is named.
+fn beside(directory: &Path, run_id: u64) -> Result<PathBuf, ResultsError> {
+    let unusable = |cause| ResultsError::Unusable { path: directory.to_owned(), cause };
+    let named = match directory.file_name() {
+        Some(_) => directory.to_owned(),
+        // `.` and `..` get their names.
+        None => directory.canonicalize().map_err(unusable)?,
+    };
+    let mut name = named.file_name().unwrap_or_default().to_owned();
+    name.push(format!("-replay-{run_id}"));
+    Ok(named.with_file_name(name))
+}
+
+/// Computes the run with its motion, and what else its row has.
+fn record(study: &Study, run_id: u64, times: Option<Times>) -> (RunRecord, Recording) {
+    let natural = |case: &Case| case.model.natural_frequency_rad_s();
+    // An audited run is simulated twice; the first time is the run itself.
+    let recorder: RefCell<Option<Recorder>> = RefCell::new(None);
+    let simulated = |case: &Case| {
+        if recorder.borrow().is_some() {
+            return simulate(case);
+        }
+        let instants = match times {
+            None => Instants::EveryStep { inside: 0 },
+            Some(times) => Instants::At(times.values().map(|time| time * natural(case)).collect()),
+        };
+        let mut slot = recorder.borrow_mut();
+        simulate_recorded(case, slot.insert(Recorder::new(instants, MOST_TIMES as usize)))
+    };
+    let record = compute(study, run_id, simulated);
+    let recording = recorder.into_inner().map(Recorder::finish).unwrap_or_default();
+    (record, recording)
+}
+
+fn write(
+    out: &Path,
+    study: &Study,
+    arguments: &ReplayArguments,
+    record: &RunRecord,
+    recording: &Recording,
+) -> Result<(), CliError> {
+    let unusable = |cause| ResultsError::Unusable { path: out.to_owned(), cause };
+    std::fs::create_dir_all(out).map_err(unusable)?;
+    let times = arguments.times.map(|times| times.values().collect::<Vec<f64>>());
+    let options = json!({
+        "run_id": arguments.run_id,
+        "times": times.as_ref().map(|times| json!([times.first(), times.last(), times.len()])),
+    });
+    // Parameters without physical sense have no units either: the table is empty then.
+    let model = record.planned.case.as_ref().map_or(study.model(), |case| &case.model);
+    table(out, study, "trajectory", &options, trajectory_columns(model), &recording.samples)?;
+    table(out, study, "switches", &options, switch_columns(model), &recording.switches)
+}
+
+fn table<R: Clone>(
+    out: &Path,
+    study: &Study,
+    name: &str,
+    options: &Value,
+    columns: Vec<Column<R>>,
+    rows: &[R],
+) -> Result<(), CliError> {
+    let path = out.join(format!("{name}.parquet"));
+    let mut table = TableWriter::create(&path, columns, &provenance_with(study, name, options))?;
+    for row in rows {
+        table.push(row.clone())?;
+    }
+    table.finish()?;
+    Ok(())
+}
+
+/// What is told of a replay.
+struct Report<'a> {
+    directory: &'a Path,
+    out: &'a Path,
+    study: &'a Study,
+    record: RunRecord,
+    recording: Recording,
+    /// None where there is no row to compare with.
+    differences: Option<Vec<Difference>>,
+    /// What has been written.
+    files: Vec<&'static str>,
+}
+
+impl Report<'_> {
+    /// The messages, on standard error; `unfinished` are results without a row of this run.
+    fn say(&self, times: Option<Times>, columns: usize, unfinished: Option<&Manifest>) {
+        let Report { directory, out, record, recording, differences, .. } = self;
+        let run_id = record.planned.run_id;
+        let (label, evidence) = (record.outcome.label().name(), record.outcome.evidence.name());
+        let end = record.outcome.end_time_s.map(|end| format!(" at {end:.4} s"));
+        let end = end.unwrap_or_default();
+        say(&format!("run {run_id}: {label} ({evidence}){end}"));
+        if let Some(error) = &record.outcome.error {
+            say(&format!("  {}", error.replace(char::is_control, " ")));
+        }
+        if let Some(Manifest { runs_finished, runs_planned, .. }) = unfinished {
+            say(&format!(
+                "warning: nothing to compare it with: {} has {runs_finished} of {runs_planned} runs, and \
+                 no row of this one",
+                directory.display()
+            ));
+        }
+        match differences.as_deref() {
+            Some([]) => {
+                say(&format!("the same as its row in all {columns} columns, to the last bit"))
+            }
+            Some(differences) => {
+                say(&format!(
+                    "NOT the same as its row, in {} of {columns} columns:",
+                    differences.len()
+                ));
+                for Difference { column, stored, replayed } in differences {
+                    say(&format!("  {column}: {stored} in the row, {replayed} now"));
+                }
+            }
+            None => {}
+        }
+        let asked = times.map_or(0, |times| times.values().count());
+        let rows = recording.samples.len();
+        if rows < asked {
+            say(&format!("{rows} of {asked} times: the others are after the end of the run"));
+        }
+        say(&format!("motion in {}", out.display()));
+    }
+
+    /// The switches as a table.
+    fn text(&self) -> String {
+        let Report { study, record, recording, .. } = self;
+        let model = record.planned.case.as_ref().map_or(study.model(), |case| &case.model);
+        let units = Units::of(model);
+        let mut text = String::from(
+            "        time_s  ball  from                 to                     friction_n  friction_limit_n      normal_n\n",
+        );
+        for Switch { time, contact, before, after } in &recording.switches {
+            let newtons = |force| units.newtons(*contact, force).unwrap_or(f64::NAN);
+            let ball = if model.balls() > 0 { format!("{}", contact + 1) } else { "-".to_owned() };
+            // Writing into a string cannot fail.
+            let _ = writeln!(
+                text,
+                "{:>14.9}  {ball:>4}  {:<19}  {:<19}  {:>13.6e}  {:>16.6e}  {:>12.6e}",
+                units.seconds(*time),
+                phase_name(before.phase),
+                phase_name(after.phase),
+                newtons(before.friction),
+                newtons(before.limit),
+                newtons(before.normal),
+            );
+        }
+        text
+    }
+
+    fn json(&self) -> Value {
+        let Report { directory, out, study, record, recording, differences, files } = self;
+        let differences = differences.as_ref();
+        json!({
+            "study": study.name(),
+            "directory": directory.display().to_string(),
+            "run_id": record.planned.run_id,
+            "point_id": record.planned.point_id,
+            "label": record.outcome.label().name(),
+            "evidence": record.outcome.evidence.name(),
+            "time_to_rest_s": record.outcome.time_to_rest_s,
+            "end_time_s": record.outcome.end_time_s,
+            "error": record.outcome.error,
+            "same_as_row": differences.map(Vec::is_empty),
+            "differences": differences.map(|differences| differences.iter().map(|one| json!({
+                "column": one.column,
+                "row": one.stored,
+                "replay": one.replayed,
+            })).collect::<Vec<Value>>()),
+            "rows": recording.samples.len(),
+            "switches": recording.switches.len(),
+            "out": out.display().to_string(),
+            "files": files,
+        })
+    }
+}

@@ -1,0 +1,70 @@
+//! What a motion is like at an instant of its latest step, with the forces: for recording it.
+
+use super::contact::{Phase, SmoothPhase};
+use super::driver::Motion;
+use crate::model::{Forces, State, System};
+
+/// A motion at an instant.
+#[derive(Clone, Debug)]
+pub struct Instant<const N: usize, const FREE: usize = 2> {
+    /// Non-dimensional time.
+    pub time: f64,
+    /// The state. Angles lie within a step of [0, 2π).
+    pub state: State<N, f64, FREE>,
+    /// Angles with the whole turns made since the start, rad; positions of blocks.
+    pub unwrapped: [f64; N],
+    /// What each contact does.
+    pub phases: [Phase; N],
+    /// Accelerations and forces.
+    pub forces: Forces<N, f64, FREE>,
+}
+
+impl<S: System<N, FREE>, const N: usize, const FREE: usize> Motion<'_, S, N, FREE> {
+    /// Now: where the latest step has ended in a switch, after it.
+    pub fn now(&self) -> Instant<N, FREE> {
+        Instant {
+            time: self.time(),
+            state: *self.state(),
+            unwrapped: self.unwrapped(self.state()),
+            phases: *self.phases(),
+            forces: *self.forces(),
+        }
+    }
+
+    /// Now, but before the switch in which the latest step has ended; none where it has not.
+    pub fn before_switch(&self) -> Option<Instant<N, FREE>> {
+        let phases = self.last_step()?.phases;
+        (phases != *self.phases()).then(|| self.instant(self.time(), *self.state(), phases))
+    }
+
+    /// At a time within the latest step, from its start to before its end; none at any other time.
+    pub fn inside_last_step(&mut self, time: f64) -> Option<Instant<N, FREE>> {
+        let start = self.last_step()?.start_time;
+        if time < start || time >= self.time() {
+            return None;
+        }
+        let phases = self.last_step()?.phases;
+        let state = self.within_last_step(time)?;
+        Some(self.instant(time, state, phases))
+    }
+
+    /// When the latest step began; none before the first.
+    pub fn last_step_began(&self) -> Option<f64> {
+        self.last_step().map(|last| last.start_time)
+    }
+
+    fn instant(
+        &self,
+        time: f64,
+        state: State<N, f64, FREE>,
+        phases: [Phase; N],
+    ) -> Instant<N, FREE> {
+        let forces = SmoothPhase::new(self.system(), &phases).forces(&state);
+        Instant { time, unwrapped: self.unwrapped(&state), state, phases, forces }
+    }
+
+    fn unwrapped(&self, state: &State<N, f64, FREE>) -> [f64; N] {
+        let turns = self.turns();
+        std::array::from_fn(|ball| state.beta[ball] + turns[ball] as f64 * std::f64::consts::TAU)
+    }
+}

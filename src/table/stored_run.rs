@@ -1,0 +1,172 @@
+//! A run's row in `runs.parquet`, and whether a run that has been computed again is the same.
+
+use std::fs::{self, File};
+use std::panic::{self, AssertUnwindSafe};
+use std::path::{Path, PathBuf};
+
+use arrow::array::{Array, AsArray, RecordBatch};
+use arrow::datatypes::UInt64Type;
+use arrow::error::ArrowError;
+use arrow::util::display::{ArrayFormatter, FormatOptions};
+use parquet::arrow::ProjectionMask;
+use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
+
+use super::column::batch;
+use super::record::RunRecord;
+use super::results::{RUNS, ResultsError};
+use super::runs::run_columns;
+use crate::study::Study;
+
+/// A column in which two rows of one run differ.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Difference {
+    /// Name of the column.
+    pub column: String,
+    /// Its value in the table.
+    pub stored: String,
+    /// Its value in the run computed again.
+    pub replayed: String,
+}
+
+/// The row of a run.
+pub struct StoredRun {
+    path: PathBuf,
+    row: RecordBatch,
+}
+
+/// Why a table cannot be used.
+fn unusable(path: &Path, reason: &str, found: String) -> ResultsError {
+    ResultsError::Occupied {
+        path: path.to_owned(),
+        reason: reason.to_owned(),
+        found: found.replace(char::is_control, " ").chars().take(400).collect(),
+        allowed:
+            "the tables that `stickslip run` has written; it writes them again from chunks/, with \
+                  the same command"
+                .to_owned(),
+    }
+}
+
+impl StoredRun {
+    /// The row of a run in a results directory; none where there is no table yet, or no row of this run
+    /// in it.
+    ///
+    /// # Errors
+    /// Where the table cannot be read or has no run numbers.
+    pub fn find(directory: &Path, run_id: u64) -> Result<Option<Self>, ResultsError> {
+        for path in parts(&directory.join(RUNS))? {
+            // The library has assertions that damaged files fail. Nothing outlives the unwinding.
+            let found = panic::catch_unwind(AssertUnwindSafe(|| row(&path, run_id)));
+            let found = found.unwrap_or_else(|_| Err("damaged contents".to_owned()));
+            let found = found.map_err(|found| {
+                unusable(&path, "this is no table of runs that can be read", found)
+            })?;
+            if let Some(row) = found {
+                return Ok(Some(StoredRun { path, row }));
+            }
+        }
+        Ok(None)
+    }
+
+    /// In which columns a run computed again differs; empty where it is the same to the last bit.
+    ///
+    /// # Errors
+    /// Where the table lacks a column, or has one of another type.
+    pub fn differences(
+        &self,
+        study: &Study,
+        record: &RunRecord,
+    ) -> Result<Vec<Difference>, ResultsError> {
+        let broken = |error: ArrowError| {
+            unusable(&self.path, "this is no table of runs that can be read", error.to_string())
+        };
+        let columns = run_columns(study);
+        let replayed = batch(&columns, std::slice::from_ref(record)).map_err(broken)?;
+        let schema = replayed.schema();
+        let options = FormatOptions::default().with_null("null");
+        let mut differences = Vec::new();
+        for (field, replayed) in schema.fields().iter().zip(replayed.columns()) {
+            let stored = self.row.column_by_name(field.name()).ok_or_else(|| {
+                let found = format!("no column {}", field.name());
+                unusable(&self.path, "this table of runs lacks a column", found)
+            })?;
+            if stored.data_type() != replayed.data_type() {
+                let found = format!(
+                    "column {} of type {}, not {}",
+                    field.name(),
+                    stored.data_type(),
+                    replayed.data_type()
+                );
+                return Err(unusable(&self.path, "a column of this table has another type", found));
+            }
+            if stored != replayed {
+                let text = |array: &dyn Array| {
+                    ArrayFormatter::try_new(array, &options).map(|cells| cells.value(0).to_string())
+                };
+                differences.push(Difference {
+                    column: field.name().clone(),
+                    stored: text(stored).map_err(broken)?,
+                    replayed: text(replayed).map_err(broken)?,
+                });
+            }
+        }
+        Ok(differences)
+    }
+
+    /// How many columns the row has.
+    pub fn columns(&self) -> usize {
+        self.row.num_columns()
+    }
+}
+
+/// The files of a table, in order; none where there is no table.
+fn parts(table: &Path) -> Result<Vec<PathBuf>, ResultsError> {
+    let refuse = |cause| ResultsError::Unusable { path: table.to_owned(), cause };
+    match fs::metadata(table) {
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(Vec::new()),
+        Err(error) => Err(refuse(error)),
+        Ok(found) if found.is_file() => Ok(vec![table.to_owned()]),
+        Ok(found) if found.is_dir() => {
+            let entries = fs::read_dir(table).map_err(refuse)?;
+            let mut parts = Vec::new();
+            for entry in entries {
+                let path = entry.map_err(refuse)?.path();
+                if path.extension().is_some_and(|extension| extension == "parquet")
+                    && path.is_file()
+                {
+                    parts.push(path);
+                }
+            }
+            parts.sort();
+            Ok(parts)
+        }
+        Ok(_) => {
+            let found = "neither a file nor a directory".to_owned();
+            Err(unusable(table, "this is no table of runs that can be read", found))
+        }
+    }
+}
+
+fn row(path: &Path, run_id: u64) -> Result<Option<RecordBatch>, String> {
+    let open = || {
+        let file = File::open(path).map_err(|error| error.to_string())?;
+        ParquetRecordBatchReaderBuilder::try_new(file).map_err(|error| error.to_string())
+    };
+    let builder = open()?;
+    let column = builder.schema().index_of("run_id").map_err(|_| "no column run_id".to_owned())?;
+    let mask = ProjectionMask::roots(builder.parquet_schema(), [column]);
+    let reader = builder.with_projection(mask).build().map_err(|error| error.to_string())?;
+    let mut before = 0;
+    for batch in reader {
+        let batch = batch.map_err(|error| error.to_string())?;
+        let ids = batch.column(0).as_primitive_opt::<UInt64Type>();
+        let ids = ids.ok_or_else(|| format!("run_id of type {}", batch.column(0).data_type()))?;
+        if let Some(index) = ids.iter().position(|id| id == Some(run_id)) {
+            let reader = open()?.with_offset(before + index).with_limit(1).build();
+            let row = reader.map_err(|error| error.to_string())?.next();
+            return row.transpose().map_err(|error| error.to_string());
+        }
+        before += batch.num_rows();
+    }
+    Ok(None)
+}

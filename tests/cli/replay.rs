@@ -1,0 +1,238 @@
+//! `replay`: the run behind a row, the same as the row, and what is said where it is not.
+
+use std::fs::{self, File};
+use std::path::Path;
+use std::sync::Arc;
+
+use arrow::array::{ArrayRef, RecordBatch, UInt64Array};
+use parquet::arrow::ArrowWriter;
+
+use super::support::{Scratch, assert_has, column, counts, numbers, study_text, words};
+
+/// Studies of all kinds, with the runs to replay: both methods, one ball and three, a law without stick,
+/// audited and continued runs, failures, draws without physical sense, blocks.
+const STUDIES: [(&str, &str, f64, u64); 8] = [
+    (
+        "two",
+        "sweep: [{grid: {speed_rad_s: [-179.2671, -216.3772]}}]\naudit: {fraction: 0.5}\n",
+        3.0,
+        8,
+    ),
+    ("one", "model: {kind: ball_balancer, parameters: {balls: 1}}\n", 1.0, 3),
+    ("three", "model: {kind: ball_balancer, parameters: {balls: 3}}\n", 1.0, 3),
+    (
+        "smooth",
+        "model: {kind: ball_balancer, friction: {smooth: {smoothing_speed_rad_s: 2}}}\n",
+        0.2,
+        3,
+    ),
+    (
+        "failing",
+        "model: {kind: ball_balancer, parameters: {table_mass_kg: 2.0e-2, ball_mass_kg: 1.5e-1, \
+         speed_rad_s: -60, friction_coefficient: 3}}\n",
+        1.0,
+        4,
+    ),
+    ("drawn", "uncertain: {ball_mass_2_kg: {normal: {mean: 1.0e-4, std_dev: 2.0e-4}}}\n", 0.1, 4),
+    ("spring", "model: {kind: block_on_spring}\n", 5.0, 4),
+    (
+        "belt",
+        "model: {kind: block_on_belt, friction: {stribeck: {static_friction_coefficient: 0.2, \
+         stribeck_speed_m_s: 0}}}\n",
+        5.0,
+        4,
+    ),
+];
+
+#[test]
+fn runs_of_all_kinds_are_their_rows() {
+    let scratch = Scratch::new();
+    let mut labels = std::collections::BTreeSet::new();
+    for (name, rest, end_time_s, runs) in STUDIES {
+        let file = format!("{name}.yaml");
+        scratch.write(&file, study_text(name, "{monte_carlo: {samples: 4}}", end_time_s, rest));
+        let ended = scratch.stickslip(&format!("run {file} --out {name}"));
+        assert!([Some(0), Some(3)].contains(&ended.code), "{}", ended.err);
+        let rows = scratch.table(name, "runs");
+        for run in 0..runs {
+            let ended = scratch.stickslip(&format!("replay {name} {run} --json"));
+            assert_eq!(ended.code, Some(0), "{name} {run}\n{}", ended.err);
+            assert_has(&ended.err, &["the same as its row in all "]);
+            let report: serde_json::Value = serde_json::from_str(&ended.out).unwrap();
+            assert_eq!(report["same_as_row"], true);
+            let switches = counts(&rows, "switches")[run as usize];
+            assert_eq!(report["switches"], switches);
+            let out = format!("{name}-replay-{run}");
+            assert_eq!(scratch.table(&out, "switches").num_rows() as u64, switches);
+            let trajectory = scratch.table(&out, "trajectory");
+            assert_eq!(report["rows"], trajectory.num_rows());
+            labels.extend(words(&rows, "label")[run as usize].clone());
+        }
+    }
+    for label in ["equilibrium", "limit_cycle", "undecided", "failed"] {
+        assert!(labels.contains(label), "{label} not in {labels:?}");
+    }
+}
+
+#[test]
+fn the_tables_of_a_motion() {
+    let scratch = Scratch::new();
+    let study = study_text("a", "{monte_carlo: {samples: 2}}", 2.0, "");
+    scratch.write("a.yaml", study);
+    scratch.well("run a.yaml --out a");
+    let text = scratch.well("replay a 1");
+    let switches = scratch.table("a-replay-1", "switches");
+    assert_eq!(text.lines().count(), switches.num_rows() + 1);
+    assert_has(&text, &["time_s", "friction_limit_n", "slip_"]);
+    scratch.well("replay a 1 --times 0.1:0.3:201 --out b");
+    let at = scratch.table("b", "trajectory");
+    let times: Vec<f64> = numbers(&at, "time_s").into_iter().flatten().collect();
+    assert_eq!(times.len(), 201);
+    let natural = 181.633;
+    for (index, time) in times.iter().enumerate() {
+        assert!((time - (0.1 + 0.001 * index as f64)).abs() < 1e-12);
+        let plain = numbers(&at, "time")[index].unwrap();
+        assert!((plain / time / natural - 1.0).abs() < 1e-5);
+    }
+    // The table in space from that in the turning frame, and its velocity from differences.
+    let of = |name: &str| numbers(&at, name).into_iter().flatten().collect::<Vec<f64>>();
+    let speed = -216.3772;
+    let (x, y, there, across) = (of("x_m"), of("y_m"), of("x_inertial_m"), of("y_inertial_m"));
+    for index in 0..201 {
+        let (sine, cosine) = (speed * times[index]).sin_cos();
+        assert!((cosine * x[index] - sine * y[index] - there[index]).abs() < 1e-15);
+        assert!((sine * x[index] + cosine * y[index] - across[index]).abs() < 1e-15);
+    }
+    let velocity = of("x_dot_inertial_m_s");
+    let largest = velocity.iter().fold(0.0_f64, |most, speed| most.max(speed.abs()));
+    for index in 1..200 {
+        let difference = (there[index + 1] - there[index - 1]) / 0.002;
+        assert!((difference - velocity[index]).abs() < 0.02 * largest, "{index}");
+    }
+    // Angles, speeds and forces.
+    let unwrapped = of("beta_unwrapped_2_rad");
+    for (wrapped, unwrapped) in of("beta_2_rad").into_iter().zip(unwrapped) {
+        assert!((0.0..std::f64::consts::TAU).contains(&wrapped));
+        assert!(
+            ((wrapped - unwrapped) / std::f64::consts::TAU).fract().abs() < 1e-9
+                || ((wrapped - unwrapped) / std::f64::consts::TAU).fract().abs() > 1.0 - 1e-9
+        );
+    }
+    // m ω_n² L with the thesis's ball and ring.
+    let (normal, plain) = (of("normal_1_n"), of("normal_1"));
+    let limit = of("friction_limit_1_n");
+    for index in 0..201 {
+        assert!((limit[index] - 2.75e-3 * normal[index]).abs() < 1e-12);
+        assert!((normal[index] / plain[index] / (normal[0] / plain[0]) - 1.0).abs() < 1e-12);
+    }
+    for file in ["trajectory.parquet", "switches.parquet"] {
+        scratch.well("replay a 1 --times 0.1:0.3:201 --out c");
+        assert!(
+            fs::read(scratch.path("b").join(file)).unwrap()
+                == fs::read(scratch.path("c").join(file)).unwrap()
+        );
+        fs::remove_dir_all(scratch.path("c")).unwrap();
+    }
+}
+
+/// The table of runs with a column replaced, or without it.
+fn rewrite(directory: &Path, name: &str, values: Option<ArrayRef>) {
+    let path = directory.join("runs.parquet");
+    let rows = super::support::table(&path);
+    let fields = rows.schema();
+    let columns = fields.fields().iter().zip(rows.columns());
+    let columns = columns.filter_map(|(field, column)| {
+        let replaced = field.name() == name;
+        let column = if replaced { values.clone() } else { Some(column.clone()) };
+        Some((field.name().clone(), column?))
+    });
+    let rows = RecordBatch::try_from_iter_with_nullable(
+        columns.map(|(name, column)| (name, column, true)),
+    )
+    .unwrap();
+    let mut writer =
+        ArrowWriter::try_new(File::create(&path).unwrap(), rows.schema(), None).unwrap();
+    writer.write(&rows).unwrap();
+    writer.close().unwrap();
+}
+
+#[test]
+fn a_row_that_is_not_the_run_is_shown() {
+    let scratch = Scratch::new();
+    scratch.write("a.yaml", study_text("a", "{monte_carlo: {samples: 2}}", 0.05, ""));
+    scratch.well("run a.yaml --out a");
+    let steps = counts(&scratch.table("a", "runs"), "steps");
+    let more: UInt64Array = steps.iter().map(|steps| steps + 1).collect();
+    rewrite(&scratch.path("a"), "steps", Some(Arc::new(more)));
+    let ended = scratch.stickslip("replay a 1 --json");
+    assert_eq!(ended.code, Some(1), "{}", ended.err);
+    let line = format!("steps: {} in the row, {} now", steps[1] + 1, steps[1]);
+    assert_has(&ended.err, &["NOT the same as its row, in 1 of ", &line]);
+    let report: serde_json::Value = serde_json::from_str(&ended.out).unwrap();
+    assert_eq!(report["same_as_row"], false);
+    assert_eq!(report["differences"][0]["column"], "steps");
+
+    rewrite(&scratch.path("a"), "steps", None);
+    let lacks = ["runs.parquet: this table of runs lacks a column", "no column steps", "allowed: "];
+    scratch.refused("replay a 0", &lacks);
+    let words: ArrayRef = Arc::new(arrow::array::StringArray::from(vec!["x", "y"]));
+    rewrite(&scratch.path("a"), "run_id", Some(words));
+    scratch
+        .refused("replay a 0", &["runs.parquet: this is no table of runs", "run_id of type Utf8"]);
+    scratch.write("a/runs.parquet", "PAR1 and no more PAR1");
+    scratch.refused("replay a 0", &["runs.parquet: this is no table of runs", "found: "]);
+}
+
+#[test]
+fn what_cannot_be_replayed() {
+    let scratch = Scratch::new();
+    scratch.write("a.yaml", study_text("a", "{monte_carlo: {samples: 9}}", 0.02, ""));
+    scratch.well("run a.yaml --out a");
+    scratch.well("run a.yaml --out part --shard 1/3");
+    let of_part = counts(&scratch.table("part", "runs"), "run_id");
+    let other = (0..9).find(|run| !of_part.contains(run)).unwrap();
+    let occupied = scratch.path("full");
+    fs::create_dir(&occupied).unwrap();
+    scratch.write("full/mine", "mine");
+    fs::create_dir(scratch.path("empty")).unwrap();
+    let example = "as in 0:5:2001 (FROM:TO:N in s)";
+    for (arguments, parts) in [
+        ("replay nowhere 0".to_owned(), ["nowhere: this directory holds no study", "allowed: "]),
+        ("replay empty 0".to_owned(), ["empty: this directory holds no study", "no manifest.json"]),
+        ("replay a 9".to_owned(), ["run 9 of a study with 9 runs", "run numbers from 0 to 8"]),
+        ("replay a x".to_owned(), ["invalid value 'x'", "RUN_ID"]),
+        ("replay a -- -1".to_owned(), ["invalid value '-1'", "RUN_ID"]),
+        (format!("replay part {other}"), ["which is not among the 3 runs", "shard 1/3"]),
+        ("replay a 0 --out full".to_owned(), ["full: this directory is not empty", "--out DIR"]),
+        ("replay a 0 --times 1:0:5".to_owned(), ["5 times from 1 to 0 s", example]),
+        ("replay a 0 --times 0:1".to_owned(), ["found \"0:1\"", example]),
+        ("replay a 0 --times=-1:1:3".to_owned(), ["the times \"-1\"", example]),
+        ("replay a 0 --times 0:1:0".to_owned(), ["number of times \"0\"", example]),
+        ("replay a 0 --times 0:nan:2".to_owned(), ["the times", example]),
+        (
+            "replay a 0 --times 0:1:3 --every-step".to_owned(),
+            ["cannot be used with", "--every-step"],
+        ),
+    ] {
+        scratch.refused(&arguments, &parts);
+    }
+    let manifest = fs::read_to_string(scratch.path("a/manifest.json")).unwrap();
+    let other = manifest.replace("\"model_version\": ", "\"model_version\": 9");
+    assert_ne!(manifest, other);
+    scratch.write("a/manifest.json", other);
+    scratch.refused("replay a 0", &["computed by another version"]);
+}
+
+/// Results of an interrupted study: a run that is not there yet can be looked at, and is not compared.
+#[test]
+fn a_run_that_is_not_there_yet() {
+    let scratch = Scratch::new();
+    scratch.write("a.yaml", study_text("a", "{monte_carlo: {samples: 9}}", 0.02, ""));
+    assert_eq!(scratch.stickslip("run a.yaml --out a --max-seconds 0").code, Some(130));
+    let ended = scratch.stickslip("replay a 3 --json");
+    assert_eq!(ended.code, Some(0), "{}", ended.err);
+    assert_has(&ended.err, &["nothing to compare it with: a has ", " of 9 runs"]);
+    let report: serde_json::Value = serde_json::from_str(&ended.out).unwrap();
+    assert!(report["same_as_row"].is_null());
+    assert!(column(&scratch.table("a-replay-3", "trajectory"), "x_m").len() > 3);
+}
