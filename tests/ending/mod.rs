@@ -13,6 +13,6 @@ mod lockstep;
 mod lyapunov;
 mod model_version;
 mod multipliers;
-pub mod reference;
 mod recorder;
+pub mod reference;
 mod settled;
