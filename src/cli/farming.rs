@@ -10,7 +10,8 @@ use serde_json::{Value, json};
 use super::arguments::FarmArguments;
 use super::exit::{CliError, End};
 use super::output::print;
-use super::points_table::PointsTable;
+use super::point_line::PointLine;
+use super::points_table::{MOST_LINES, PointsTable};
 use crate::analysis::PointDetail;
 use crate::ending::Label;
 use crate::farm::{
@@ -139,7 +140,7 @@ where
     }
 
     fn point(&mut self, point: PointRow, detail: PointDetail) -> Result<(), ResultsError> {
-        self.table.push(&point);
+        self.table.push(PointLine::of(&point));
         (self.take)(None, Some((&point, detail)))
     }
 }
@@ -166,7 +167,8 @@ pub fn farm_study(
         None => Progress::new(runs_planned, arguments.quiet),
         Some(_) => Progress::at_most(runs_planned, arguments.quiet),
     };
-    let mut collector = Collector { take, table: PointsTable::new(study, arguments.json) };
+    let most = if arguments.json { usize::MAX } else { MOST_LINES };
+    let mut collector = Collector { take, table: PointsTable::new(study, most) };
     let farmed = farm_in_lockstep(study, options, &stop, &progress, store, &mut collector);
     let wall = progress.close();
     let tally = farmed?;

@@ -12,12 +12,14 @@ mod expand;
 mod farming;
 mod merge;
 mod output;
+mod point_line;
 mod points_table;
 mod results_study;
 mod resume;
 mod run;
 mod schema;
 mod speeds;
+mod summary;
 mod verify;
 
 use std::process::ExitCode;
@@ -32,6 +34,7 @@ Examples:
   stickslip run studies/preferred-equilibria.yaml       run it; tables in results/<study>
   stickslip run study.yaml --out results/night --threads 8
   stickslip resume results/night                        go on after an interruption
+  stickslip summary results/night                       the table that run prints, once more
   stickslip verify studies/smoke.yaml                   run it and check what it expects
 
 Exit codes:
@@ -52,6 +55,7 @@ enum Command {
     Run(run::RunArguments),
     Resume(resume::ResumeArguments),
     Merge(merge::MergeArguments),
+    Summary(summary::SummaryArguments),
     Check(check::CheckArguments),
     Expand(expand::ExpandArguments),
     Verify(verify::VerifyArguments),
@@ -67,6 +71,7 @@ pub fn main() -> ExitCode {
         Command::Run(arguments) => run::run(&arguments),
         Command::Resume(arguments) => resume::resume(&arguments),
         Command::Merge(arguments) => merge::merge(&arguments),
+        Command::Summary(arguments) => summary::summary(&arguments),
         Command::Check(arguments) => check::check(&arguments),
         Command::Expand(arguments) => expand::expand(&arguments),
         Command::Verify(arguments) => verify::verify(&arguments),

@@ -20,7 +20,7 @@ pub use halt::StopReason;
 pub use interrupt::stop_on_signals;
 pub use progress::{Progress, say};
 pub use shard::{Shard, ShardError};
-pub use store::{CHUNKS, Chunk, ChunkFault, Listed, Store, StoreError};
+pub use store::{CHUNKS, Chunk, ChunkFault, Listed, Store, StoreError, listed_runs};
 
 use std::collections::HashMap;
 use std::sync::atomic::{AtomicBool, AtomicU64};

@@ -131,6 +131,18 @@ impl Table {
         &self.columns
     }
 
+    /// Reads all of its columns from the first row on.
+    ///
+    /// # Errors
+    /// Where a column holds nothing that tables of results hold.
+    pub fn read_all(&self) -> Result<Batches<'_>, TableError> {
+        // A kind that the column has not makes the message.
+        let kind = |kind: &Option<Kind>| kind.unwrap_or(Kind::Number);
+        let all: Vec<(&str, Kind)> =
+            self.columns.iter().map(|(name, found)| (name.as_str(), kind(found))).collect();
+        self.read(&all)
+    }
+
     /// Reads some of its columns from the first row on.
     ///
     /// # Errors
