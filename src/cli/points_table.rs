@@ -55,6 +55,21 @@ impl PointsTable {
         Ok(points)
     }
 
+    /// A point in a line of words.
+    pub fn sentence(&self, line: &PointLine) -> String {
+        let names = self.names.iter().zip(&line.swept);
+        let place: String = names.map(|(name, (text, _))| format!(" {name}={text}")).collect();
+        let failed = match line.label_runs(Label::Failed) {
+            0 => String::new(),
+            failed => format!(", {failed} failed"),
+        };
+        let (low, high) = line.interval;
+        format!(
+            "point {}{place}: {} runs, equilibria {:.4} ({low:.4} .. {high:.4}){failed}",
+            line.point_id, line.runs, line.equilibrium_fraction
+        )
+    }
+
     /// Adds a point.
     pub fn push(&mut self, line: PointLine) {
         self.points += 1;
@@ -160,37 +175,39 @@ impl PointsTable {
 
     /// The table as JSON.
     pub fn json(&self) -> Value {
-        let row = |row: &PointLine| {
-            let mut object = serde_json::Map::new();
-            object.insert("point_id".to_owned(), json!(row.point_id));
-            for (name, (_, value)) in self.names.iter().zip(&row.swept) {
-                object.insert(name.clone(), value.clone());
-            }
-            object.insert("runs".to_owned(), json!(row.runs));
-            for label in Label::ALL {
-                object.insert(format!("{}_runs", label.name()), json!(row.label_runs(label)));
-            }
-            object.insert("equilibrium_fraction".to_owned(), json!(row.equilibrium_fraction));
-            object.insert("ci_low".to_owned(), json!(row.interval.0));
-            object.insert("ci_high".to_owned(), json!(row.interval.1));
-            object.insert("ci_method".to_owned(), json!(row.ci_method));
-            object.insert("time_to_rest_p50_s".to_owned(), json!(row.time_to_rest_p50_s));
-            if let Some(precise) = self.is_precise(row) {
-                object.insert("precision_reached".to_owned(), json!(precise));
-            }
-            if self.audit {
-                let audit = &row.audit;
-                object.insert("audited_runs".to_owned(), json!(audit.runs));
-                object.insert("audit_flips".to_owned(), json!(audit.flips));
-                object.insert("audit_rest_flips".to_owned(), json!(audit.rest_flips));
-                object.insert("audit_flip_rate".to_owned(), json!(audit.flip_rate()));
-                object.insert("audit_flip_low".to_owned(), json!(audit.interval().0));
-                object.insert("audit_flip_high".to_owned(), json!(audit.interval().1));
-            }
-            object.insert("set_fraction".to_owned(), json!(row.set_fraction));
-            Value::Object(object)
-        };
-        self.rows.iter().map(row).collect()
+        self.rows.iter().map(|row| self.point_json(row)).collect()
+    }
+
+    /// A point as JSON.
+    pub fn point_json(&self, row: &PointLine) -> Value {
+        let mut object = serde_json::Map::new();
+        object.insert("point_id".to_owned(), json!(row.point_id));
+        for (name, (_, value)) in self.names.iter().zip(&row.swept) {
+            object.insert(name.clone(), value.clone());
+        }
+        object.insert("runs".to_owned(), json!(row.runs));
+        for label in Label::ALL {
+            object.insert(format!("{}_runs", label.name()), json!(row.label_runs(label)));
+        }
+        object.insert("equilibrium_fraction".to_owned(), json!(row.equilibrium_fraction));
+        object.insert("ci_low".to_owned(), json!(row.interval.0));
+        object.insert("ci_high".to_owned(), json!(row.interval.1));
+        object.insert("ci_method".to_owned(), json!(row.ci_method));
+        object.insert("time_to_rest_p50_s".to_owned(), json!(row.time_to_rest_p50_s));
+        if let Some(precise) = self.is_precise(row) {
+            object.insert("precision_reached".to_owned(), json!(precise));
+        }
+        if self.audit {
+            let audit = &row.audit;
+            object.insert("audited_runs".to_owned(), json!(audit.runs));
+            object.insert("audit_flips".to_owned(), json!(audit.flips));
+            object.insert("audit_rest_flips".to_owned(), json!(audit.rest_flips));
+            object.insert("audit_flip_rate".to_owned(), json!(audit.flip_rate()));
+            object.insert("audit_flip_low".to_owned(), json!(audit.interval().0));
+            object.insert("audit_flip_high".to_owned(), json!(audit.interval().1));
+        }
+        object.insert("set_fraction".to_owned(), json!(row.set_fraction));
+        Value::Object(object)
     }
 }
 
