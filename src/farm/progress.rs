@@ -325,7 +325,7 @@ fn bar(planned: u64, at_most: bool, counts: &Arc<Counts>) -> ProgressBar {
     let bar = ProgressBar::with_draw_target(Some(planned), target);
     let sign = if at_most { "≤" } else { "" };
     let template = format!(
-        "{{bar:24}} {{human_pos}}/{sign}{{human_len}} runs  {{rate}}/s  equilibria \
+        "{{wide_bar}} {{human_pos}}/{sign}{{human_len}} runs  {{rate}}/s  equilibria \
          {{share}}{{failed}}  {sign}{{left}} left"
     );
     let key = |text: fn(Now) -> String| {

@@ -28,6 +28,8 @@ pub(crate) struct Bounds {
     footer_values: usize,
     /// How deep columns may be nested: 1 for flat ones, 3 for lists of numbers.
     depth: usize,
+    /// The most rows.
+    rows: usize,
     /// The most values of all columns, none if they are not all read at once.
     values: Option<usize>,
     /// The most values in a row of a column.
@@ -45,6 +47,7 @@ impl Bounds {
         footer_bytes: 4 * 1024 * 1024,
         footer_values: 200_000,
         depth: 1,
+        rows: MAX_VALUES,
         values: Some(MAX_VALUES),
         values_in_row: 1,
         pages: 20_000,
@@ -58,6 +61,7 @@ impl Bounds {
         footer_bytes: 96 * 1024 * 1024,
         footer_values: 1_000_000,
         depth: 3,
+        rows: 1 << 20,
         values: None,
         values_in_row: 1024,
         pages: 500_000,
@@ -179,6 +183,10 @@ pub(crate) fn check_pages(
     let values = rows.saturating_mul(columns.len().max(1));
     if bounds.values.is_some_and(|most| values > most) {
         return Err(too_many_values(format!("{rows} rows of {} columns", columns.len())));
+    }
+    if rows > bounds.rows {
+        let allowed = format!("at most {} rows in a file", bounds.rows);
+        return Err(Fault::new("too many rows", format!("{rows} rows"), allowed));
     }
     let mut walk = Walk { bounds, pages: 0, unpacked: 0 };
     for group in metadata.row_groups() {

@@ -11,7 +11,7 @@ use super::read::TableError;
 use crate::study::{Annotation, Fault, next_lists, next_values};
 
 /// The longest text of a cell, bytes.
-const MAX_TEXT_BYTES: usize = 64 * 1024;
+const MAX_TEXT_BYTES: usize = 16 * 1024;
 
 /// What a column holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

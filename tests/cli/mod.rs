@@ -13,6 +13,8 @@ mod limits;
 mod memory;
 mod merged;
 mod network;
+mod progress;
 mod resume;
 mod streams;
+mod summary;
 mod usage;
