@@ -116,12 +116,14 @@ fn csv_and_json_hold_every_column_to_the_last_digit() {
     let mut reader = csv::Reader::from_reader(ended.out.as_bytes());
     let names: Vec<String> = reader.headers().unwrap().iter().map(str::to_owned).collect();
     let records: Vec<csv::StringRecord> = reader.records().map(Result::unwrap).collect();
-    let document: Value = serde_json::from_str(&scratch.well("summary out --format json")).unwrap();
+    let text = scratch.well("summary out --format json");
+    let document: Value = serde_json::from_str(&text).unwrap();
+    let lines: Vec<&str> = text.lines().filter(|line| line.contains("\"point_id\"")).collect();
     let keys = ["study", "seed", "shard", "runs_planned", "runs_finished", "complete"];
     let facts = keys.map(|key| document[key].clone());
     assert_eq!(facts, [json!("short"), 5.into(), "1/1".into(), 60.into(), 60.into(), true.into()]);
     let objects = document["points"].as_array().unwrap();
-    assert_eq!((records.len(), objects.len(), points.num_rows()), (3, 3, 3));
+    assert_eq!((records.len(), objects.len(), lines.len()), (3, 3, 3));
 
     let schema = points.schema();
     let fields: Vec<&String> = schema.fields().iter().map(|field| field.name()).collect();
@@ -134,8 +136,11 @@ fn csv_and_json_hold_every_column_to_the_last_digit() {
             DataType::Boolean => vec![Value::Null; 3],
             _ => words(&points, name).into_iter().map(|text| json!(text)).collect(),
         };
-        for ((cell, record), object) in cells.iter().zip(&records).zip(objects) {
-            assert_eq!(object[name], *cell, "{name}");
+        for ((cell, record), line) in cells.iter().zip(&records).zip(&lines) {
+            // Compared as it is written: this reader of JSON may be off in the last digit.
+            let written = format!("\"{name}\":{cell}");
+            let rest = line.split_once(&written).map(|(_, rest)| rest);
+            assert!(rest.is_some_and(|rest| rest.starts_with([',', '}'])), "{written}\n{line}");
             match cell {
                 Value::Null => assert_eq!(&record[index], "", "{name}"),
                 Value::String(text) => assert_eq!(&record[index], text, "{name}"),
@@ -195,20 +200,33 @@ fn interrupted_results_say_what_is_missing() {
     assert_has(&scratch.well("summary part"), &["seed 5, shard 2/3, all 20 runs finished"]);
     // A part in which there is nothing to do.
     scratch.write("b.yaml", study(1, AT_ONCE, ""));
-    scratch.well("run b.yaml --out none --shard 2/2");
-    assert_has(&scratch.well("summary none"), &["shard 2/2, all 0 runs finished, 0 failed"]);
+    let titles = ["1/2", "2/2"].map(|shard| {
+        scratch.well(&format!("run b.yaml --out {0} --shard {shard}", &shard[..1]));
+        let text = scratch.well(&format!("summary {}", &shard[..1]));
+        text.lines().next().unwrap().split(", ").nth(3).unwrap().to_owned()
+    });
+    assert!(titles.contains(&"all 0 runs finished".to_owned()), "{titles:?}");
+    assert!(titles.contains(&"all 1 runs finished".to_owned()), "{titles:?}");
 }
 
 #[test]
 fn a_study_whose_runs_have_all_failed() {
     let scratch = Scratch::new();
-    let rest = "model: {kind: ball_balancer}\n\
-                uncertain: {ball_mass_kg: {uniform: {min: -2.0e-4, max: -1.0e-4}}}\n";
-    scratch.write("a.yaml", study(5, AT_ONCE, rest));
-    let ended = scratch.stickslip("run a.yaml --out out");
-    assert_eq!(ended.code, Some(3), "{}", ended.err);
+    let rest = "uncertain: {ball_mass_kg: {normal: {mean: 1.4e-4, std_dev: 1.0}}}\n";
+    // About half of the masses are below zero; with one seed out of a few all of them are.
+    let ended = (0..100).find_map(|seed| {
+        let text = study(2, AT_ONCE, rest).replace("seed: 5\n", &format!("seed: {seed}\n"));
+        scratch.write("a.yaml", text);
+        let ended = scratch.stickslip("run a.yaml --out out");
+        if ended.code == Some(3) && ended.err.contains("2 runs failed") {
+            return Some(ended);
+        }
+        fs::remove_dir_all(scratch.path("out")).unwrap();
+        None
+    });
+    let ended = ended.unwrap();
     let text = scratch.well("summary out");
-    assert_has(&text, &["all 5 runs finished, 5 failed", "not reached"]);
+    assert_has(&text, &["all 2 runs finished, 2 failed", "not reached"]);
     assert!(text.ends_with(&ended.out));
 }
 
