@@ -111,7 +111,7 @@ pub(crate) fn check_footer(bounds: Bounds, file: &impl ChunkReader) -> Result<()
     let read = |start, length| file.get_bytes(start, length).map_err(|_| not_ours());
     let (head, tail) = (read(0, 4)?, read(end, 8)?);
     let Some(([a, b, c, d], _)) =
-        tail.split_first_chunk().filter(|(_, magic)| head == &MAGIC[..] && *magic == MAGIC)
+        tail.split_first_chunk().filter(|(_, magic)| head == MAGIC[..] && *magic == MAGIC)
     else {
         return Err(not_ours());
     };

@@ -15,7 +15,7 @@ use thiserror::Error;
 
 use super::manifest::{MANIFEST, Manifest};
 use super::provenance::FORMAT;
-use super::read_values::{Batch, Kind, next};
+use super::read_values::{Batch, Kind, Values, next};
 use crate::study::{Bounds, Fault, check_footer, check_pages, guarded, list_names, said, shorten};
 
 /// Rows of a batch.
@@ -230,6 +230,9 @@ fn find(
     wanted.iter().map(place).collect()
 }
 
+/// How many rows, and their columns by name.
+type Rows = (usize, Vec<(String, Values)>);
+
 /// A file that is being read.
 struct Part {
     path: PathBuf,
@@ -248,11 +251,7 @@ impl Part {
     }
 
     /// The next rows of these columns; none after the last ones.
-    fn next(
-        &mut self,
-        places: &[usize],
-        wanted: &[(String, Kind)],
-    ) -> Result<Option<(usize, Vec<(String, super::read_values::Values)>)>, Fault> {
+    fn next(&mut self, places: &[usize], wanted: &[(String, Kind)]) -> Result<Option<Rows>, Fault> {
         loop {
             if let Some((columns, left)) = &mut self.group {
                 let rows = BATCH.min(*left);
