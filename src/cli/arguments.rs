@@ -4,9 +4,9 @@ use std::num::NonZeroUsize;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 
-use crate::farm::{FarmOptions, Shard};
+use crate::farm::{FarmOptions, Shard, Show};
 use crate::study::{Study, StudyError};
 
 /// The study file.
@@ -81,6 +81,26 @@ pub struct FarmArguments {
     /// Print the result as JSON
     #[arg(long)]
     pub json: bool,
+
+    /// How progress is shown on standard error
+    ///
+    /// auto: a bar where it is a terminal, lines elsewhere, nothing with --quiet. Bar and lines tell of each
+    /// finished point as well, of more than 40 points at most once a second. json: one object per line,
+    /// whose `event` is begun, progress (once a second), point (each one) or ended, with `elapsed_s`
+    /// since the start; with --quiet nothing else is there, without it lines of other messages do
+    /// not begin with a brace.
+    #[arg(long, value_name = "HOW", value_enum, default_value = "auto")]
+    progress: ProgressChoice,
+}
+
+/// How progress is shown.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum ProgressChoice {
+    Auto,
+    Bar,
+    Lines,
+    Json,
+    None,
 }
 
 /// How many runs may fail; any number if none.
@@ -88,6 +108,18 @@ pub struct FarmArguments {
 struct OnFailure(Option<u64>);
 
 impl FarmArguments {
+    /// How progress is shown; what is asked for by name is shown with `--quiet`, too.
+    pub fn show(&self) -> Show {
+        match self.progress {
+            ProgressChoice::Auto if self.quiet => Show::Nothing,
+            ProgressChoice::Auto => Show::auto(),
+            ProgressChoice::Bar => Show::Bar,
+            ProgressChoice::Lines => Show::Lines,
+            ProgressChoice::Json => Show::Json,
+            ProgressChoice::None => Show::Nothing,
+        }
+    }
+
     /// As the farm wants them; time counts from now.
     pub fn options(&self, shard: Shard) -> FarmOptions {
         let cores = || std::thread::available_parallelism().unwrap_or(NonZeroUsize::MIN);

@@ -7,7 +7,7 @@ use thiserror::Error;
 
 use crate::farm::{FarmError, StoreError};
 use crate::study::StudyError;
-use crate::table::{ResultsError, WriteError};
+use crate::table::{ResultsError, TableError, WriteError};
 
 /// A command that did what it was asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -49,6 +49,9 @@ pub enum CliError {
     /// The output directory cannot be used, or a table not be written.
     #[error(transparent)]
     Results(#[from] ResultsError),
+    /// A table cannot be read.
+    #[error(transparent)]
+    Table(#[from] TableError),
     /// Finished runs cannot be kept or read.
     #[error(transparent)]
     Store(#[from] StoreError),
@@ -77,7 +80,7 @@ impl CliError {
     /// The exit code: 2 where the user can mend it in the study or on the command line.
     pub fn code(&self) -> ExitCode {
         ExitCode::from(match self {
-            CliError::Study(_) | CliError::Usage(_) => 2,
+            CliError::Study(_) | CliError::Usage(_) | CliError::Table(_) => 2,
             CliError::Results(ResultsError::Occupied { .. } | ResultsError::Unusable { .. }) => 2,
             CliError::Store(StoreError::Unusable { .. }) => 2,
             CliError::Results(ResultsError::Write(_))

@@ -10,11 +10,13 @@ use serde_json::{Value, json};
 use super::arguments::FarmArguments;
 use super::exit::{CliError, End};
 use super::output::print;
-use super::points_table::PointsTable;
+use super::point_line::PointLine;
+use super::points_table::{MOST_LINES, PointsTable};
 use crate::analysis::PointDetail;
 use crate::ending::Label;
 use crate::farm::{
-    FarmOptions, Progress, Sink, StopReason, Store, Tally, farm_in_lockstep, say, stop_on_signals,
+    FarmOptions, Planned, Progress, Sink, StopReason, Store, Tally, farm_in_lockstep, say,
+    stop_on_signals,
 };
 use crate::study::Study;
 use crate::table::{Circumstances, PointRow, ResultsError, RunRecord};
@@ -123,12 +125,13 @@ impl Ran {
 pub type PointWithDetail<'a> = (&'a PointRow, PointDetail);
 
 /// Hands runs and points to a function and collects the points for the terminal.
-struct Collector<F> {
+struct Collector<'a, F> {
     take: F,
     table: PointsTable,
+    progress: &'a Progress,
 }
 
-impl<F> Sink for Collector<F>
+impl<F> Sink for Collector<'_, F>
 where
     F: FnMut(Option<RunRecord>, Option<PointWithDetail<'_>>) -> Result<(), ResultsError> + Send,
 {
@@ -139,7 +142,10 @@ where
     }
 
     fn point(&mut self, point: PointRow, detail: PointDetail) -> Result<(), ResultsError> {
-        self.table.push(&point);
+        let line = PointLine::of(&point);
+        let (table, progress) = (&self.table, self.progress);
+        progress.point(|| table.sentence(&line), || table.point_json(&line));
+        self.table.push(line);
         (self.take)(None, Some((&point, detail)))
     }
 }
@@ -162,14 +168,20 @@ pub fn farm_study(
     });
     // A clock before 1970 is a clock that is wrong: the manifest then says 0.
     let started = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
-    let progress = match study.precision() {
-        None => Progress::new(runs_planned, arguments.quiet),
-        Some(_) => Progress::at_most(runs_planned, arguments.quiet),
+    let planned = Planned {
+        study: study.name(),
+        runs: runs_planned,
+        at_most: study.precision().is_some(),
+        points: study.point_count(),
     };
-    let mut collector = Collector { take, table: PointsTable::new(study, arguments.json) };
+    let progress = Progress::begin(planned, arguments.show());
+    let most = if arguments.json { usize::MAX } else { MOST_LINES };
+    let table = PointsTable::new(study, most);
+    let mut collector = Collector { take, table, progress: &progress };
     let farmed = farm_in_lockstep(study, options, &stop, &progress, store, &mut collector);
     let wall = progress.close();
     let tally = farmed?;
+    progress.ended(tally.interrupted());
     Ok(Ran {
         tally,
         circumstances: Circumstances {

@@ -12,6 +12,7 @@ mod expand;
 mod farming;
 mod merge;
 mod output;
+mod point_line;
 mod points_table;
 mod replay;
 mod replay_pictures;
@@ -21,6 +22,7 @@ mod resume;
 mod run;
 mod schema;
 mod speeds;
+mod summary;
 mod verify;
 
 use std::process::ExitCode;
@@ -36,6 +38,7 @@ Examples:
   stickslip run study.yaml --out results/night --threads 8
   stickslip resume results/night                        go on after an interruption
   stickslip replay results/night 17                     the motion of one run
+  stickslip summary results/night                       the table that run prints, once more
   stickslip verify studies/smoke.yaml                   run it and check what it expects
 
 Exit codes:
@@ -57,6 +60,7 @@ enum Command {
     Resume(resume::ResumeArguments),
     Merge(merge::MergeArguments),
     Replay(replay::ReplayArguments),
+    Summary(summary::SummaryArguments),
     Check(check::CheckArguments),
     Expand(expand::ExpandArguments),
     Verify(verify::VerifyArguments),
@@ -73,6 +77,7 @@ pub fn main() -> ExitCode {
         Command::Resume(arguments) => resume::resume(&arguments),
         Command::Merge(arguments) => merge::merge(&arguments),
         Command::Replay(arguments) => replay::replay(&arguments),
+        Command::Summary(arguments) => summary::summary(&arguments),
         Command::Check(arguments) => check::check(&arguments),
         Command::Expand(arguments) => expand::expand(&arguments),
         Command::Verify(arguments) => verify::verify(&arguments),

@@ -1,58 +1,96 @@
-//! The result of a study as a table on the terminal, or as JSON.
+//! The result of a study as a table on the terminal, in Markdown, or as JSON.
 
 use serde_json::{Value, json};
 
+use super::point_line::PointLine;
 use crate::analysis::{AuditCounts, is_narrow};
 use crate::ending::Label;
-use crate::study::{ParameterValue, Precision, Study};
-use crate::table::PointRow;
+use crate::study::{Precision, Study};
+use crate::table::{Kind, Table, TableError};
 
-/// Most points that are printed; the rest is in `points.parquet`.
+/// Most points that are printed if nothing else is asked for; the rest is in `points.parquet`.
 pub const MOST_LINES: usize = 40;
 
-/// One point as shown.
+/// Points as shown.
 #[derive(Clone, Debug)]
 pub struct PointsTable {
     names: Vec<String>,
-    rows: Vec<PointRow>,
-    more: u64,
-    keep_all: bool,
+    rows: Vec<PointLine>,
+    most: usize,
     audit: bool,
+    flips: AuditCounts,
     precision: Option<Precision>,
     points: u64,
     not_precise: u64,
 }
 
 impl PointsTable {
-    /// An empty table for a study; `keep_all` keeps rows that would not be printed.
-    pub fn new(study: &Study, keep_all: bool) -> Self {
+    /// An empty table for a study, of so many points at most; others are counted.
+    pub fn new(study: &Study, most: usize) -> Self {
         let names = study.swept().iter().map(|column| column.name.clone()).collect();
         PointsTable {
             names,
             rows: Vec::new(),
-            more: 0,
-            keep_all,
+            most,
             audit: study.audit().is_some(),
+            flips: AuditCounts::default(),
             precision: study.precision(),
             points: 0,
             not_precise: 0,
         }
     }
 
+    /// The table of a study's `points.parquet`.
+    ///
+    /// # Errors
+    /// Where that cannot be read.
+    pub fn read(study: &Study, table: &Table, most: usize) -> Result<Self, TableError> {
+        let mut points = Self::new(study, most);
+        let columns = PointLine::columns(study);
+        let columns: Vec<(&str, Kind)> =
+            columns.iter().map(|(name, kind)| (name.as_str(), *kind)).collect();
+        for batch in table.read(&columns)? {
+            PointLine::read(study, &batch?)?.into_iter().for_each(|line| points.push(line));
+        }
+        Ok(points)
+    }
+
+    /// A point in a line of words.
+    pub fn sentence(&self, line: &PointLine) -> String {
+        let names = self.names.iter().zip(&line.swept);
+        let place: String = names.map(|(name, (text, _))| format!(" {name}={text}")).collect();
+        let failed = match line.label_runs(Label::Failed) {
+            0 => String::new(),
+            failed => format!(", {failed} failed"),
+        };
+        let (low, high) = line.interval;
+        format!(
+            "point {}{place}: {} runs, equilibria {:.4} ({low:.4} .. {high:.4}){failed}",
+            line.point_id, line.runs, line.equilibrium_fraction
+        )
+    }
+
     /// Adds a point.
-    pub fn push(&mut self, row: &PointRow) {
+    pub fn push(&mut self, line: PointLine) {
         self.points += 1;
-        self.not_precise += u64::from(self.is_precise(row) == Some(false));
-        if self.keep_all || self.rows.len() < MOST_LINES {
-            self.rows.push(row.clone());
-        } else {
-            self.more += 1;
+        self.not_precise += u64::from(self.is_precise(&line) == Some(false));
+        let AuditCounts { runs, flips, rest_flips } = line.audit;
+        self.flips.runs = self.flips.runs.saturating_add(runs);
+        self.flips.flips = self.flips.flips.saturating_add(flips);
+        self.flips.rest_flips = self.flips.rest_flips.saturating_add(rest_flips);
+        if self.rows.len() < self.most {
+            self.rows.push(line);
         }
     }
 
-    fn is_precise(&self, row: &PointRow) -> Option<bool> {
+    /// How many runs of all points flipped, in a study with an audit.
+    pub fn flips(&self) -> Option<AuditCounts> {
+        self.audit.then_some(self.flips)
+    }
+
+    fn is_precise(&self, line: &PointLine) -> Option<bool> {
         let widest = self.precision?.equilibrium_fraction;
-        Some(is_narrow(row.summary.interval.ends(), widest))
+        Some(is_narrow(line.interval, widest))
     }
 
     /// How many points are not known as precisely as the study asks for.
@@ -73,6 +111,34 @@ impl PointsTable {
 
     /// The table as text, numbers aligned to the right.
     pub fn text(&self) -> String {
+        aligned(&self.lines()) + &self.more_line("")
+    }
+
+    /// The table in Markdown.
+    pub fn markdown(&self) -> String {
+        let lines = self.lines();
+        let line = |cells: &[String]| {
+            let cells: Vec<String> = cells.iter().map(|cell| cell.replace('|', "\\|")).collect();
+            format!("| {} |\n", cells.join(" | "))
+        };
+        let columns = lines.first().map_or(0, Vec::len);
+        let rule = line(&vec!["--:".to_owned(); columns]);
+        let mut text: String = lines.iter().take(1).map(|cells| line(cells)).collect();
+        text += &rule;
+        text.extend(lines.iter().skip(1).map(|cells| line(cells)));
+        text + &self.more_line("\n")
+    }
+
+    /// What is not shown.
+    fn more_line(&self, before: &str) -> String {
+        match self.points - self.rows.len() as u64 {
+            0 => String::new(),
+            more => format!("{before}... and {more} more points in points.parquet\n"),
+        }
+    }
+
+    /// The header and the points, cell by cell.
+    fn lines(&self) -> Vec<Vec<String>> {
         let mut header: Vec<String> = vec!["point".to_owned()];
         header.extend(self.names.iter().cloned());
         header.extend(
@@ -82,75 +148,66 @@ impl PointsTable {
         let others: Vec<Label> = Label::ALL[1..]
             .iter()
             .copied()
-            .filter(|&label| self.rows.iter().any(|row| row.summary.counts.of(label) > 0))
+            .filter(|&label| self.rows.iter().any(|row| row.label_runs(label) > 0))
             .collect();
         header.extend(others.iter().map(|label| label.name().to_owned()));
         header.extend(self.audit.then(|| "flips".to_owned()));
-        let line = |row: &PointRow| -> Vec<String> {
-            let summary = &row.summary;
+        let line = |row: &PointLine| -> Vec<String> {
             let mut cells = vec![row.point_id.to_string()];
-            cells.extend(row.swept.iter().map(ParameterValue::to_string));
-            cells.push(summary.counts.total().to_string());
-            cells.push(summary.counts.of(Label::Equilibrium).to_string());
-            cells.push(format!("{:.4}", summary.equilibrium_fraction));
-            cells.push(format!("{:.4} .. {:.4}", summary.interval.low, summary.interval.high));
-            cells.push(match summary.time_to_rest_s[1] {
+            cells.extend(row.swept.iter().map(|(text, _)| text.clone()));
+            cells.push(row.runs.to_string());
+            cells.push(row.label_runs(Label::Equilibrium).to_string());
+            cells.push(format!("{:.4}", row.equilibrium_fraction));
+            cells.push(format!("{:.4} .. {:.4}", row.interval.0, row.interval.1));
+            cells.push(match row.time_to_rest_p50_s {
                 Some(median) => format!("{median:.2}"),
                 None => "not reached".to_owned(),
             });
-            cells.extend(others.iter().map(|&label| summary.counts.of(label).to_string()));
-            let AuditCounts { runs, flips, .. } = summary.audit;
+            cells.extend(others.iter().map(|&label| row.label_runs(label).to_string()));
+            let AuditCounts { runs, flips, .. } = row.audit;
             cells.extend(self.audit.then(|| format!("{flips} of {runs}")));
             cells
         };
         let mut lines = vec![header];
-        lines.extend(self.rows.iter().take(MOST_LINES).map(line));
-        let mut text = aligned(&lines);
-        let more = self.more + (self.rows.len().saturating_sub(MOST_LINES)) as u64;
-        if more > 0 {
-            text += &format!("... and {more} more points in points.parquet\n");
-        }
-        text
+        lines.extend(self.rows.iter().map(line));
+        lines
     }
 
     /// The table as JSON.
     pub fn json(&self) -> Value {
-        let row = |row: &PointRow| {
-            let mut object = serde_json::Map::new();
-            object.insert("point_id".to_owned(), json!(row.point_id));
-            for (name, value) in self.names.iter().zip(&row.swept) {
-                let value = match value {
-                    ParameterValue::Number(number) => json!(number),
-                    ParameterValue::Text(text) => json!(text),
-                };
-                object.insert(name.clone(), value);
-            }
-            let summary = &row.summary;
-            object.insert("runs".to_owned(), json!(summary.counts.total()));
-            for label in Label::ALL {
-                object.insert(format!("{}_runs", label.name()), json!(summary.counts.of(label)));
-            }
-            object.insert("equilibrium_fraction".to_owned(), json!(summary.equilibrium_fraction));
-            object.insert("ci_low".to_owned(), json!(summary.interval.low));
-            object.insert("ci_high".to_owned(), json!(summary.interval.high));
-            object.insert("ci_method".to_owned(), json!(summary.interval.method.name()));
-            object.insert("time_to_rest_p50_s".to_owned(), json!(summary.time_to_rest_s[1]));
-            if let Some(precise) = self.is_precise(row) {
-                object.insert("precision_reached".to_owned(), json!(precise));
-            }
-            if self.audit {
-                let audit = &summary.audit;
-                object.insert("audited_runs".to_owned(), json!(audit.runs));
-                object.insert("audit_flips".to_owned(), json!(audit.flips));
-                object.insert("audit_rest_flips".to_owned(), json!(audit.rest_flips));
-                object.insert("audit_flip_rate".to_owned(), json!(audit.flip_rate()));
-                object.insert("audit_flip_low".to_owned(), json!(audit.interval().0));
-                object.insert("audit_flip_high".to_owned(), json!(audit.interval().1));
-            }
-            object.insert("set_fraction".to_owned(), json!(row.set_fraction));
-            Value::Object(object)
-        };
-        self.rows.iter().map(row).collect()
+        self.rows.iter().map(|row| self.point_json(row)).collect()
+    }
+
+    /// A point as JSON.
+    pub fn point_json(&self, row: &PointLine) -> Value {
+        let mut object = serde_json::Map::new();
+        object.insert("point_id".to_owned(), json!(row.point_id));
+        for (name, (_, value)) in self.names.iter().zip(&row.swept) {
+            object.insert(name.clone(), value.clone());
+        }
+        object.insert("runs".to_owned(), json!(row.runs));
+        for label in Label::ALL {
+            object.insert(format!("{}_runs", label.name()), json!(row.label_runs(label)));
+        }
+        object.insert("equilibrium_fraction".to_owned(), json!(row.equilibrium_fraction));
+        object.insert("ci_low".to_owned(), json!(row.interval.0));
+        object.insert("ci_high".to_owned(), json!(row.interval.1));
+        object.insert("ci_method".to_owned(), json!(row.ci_method));
+        object.insert("time_to_rest_p50_s".to_owned(), json!(row.time_to_rest_p50_s));
+        if let Some(precise) = self.is_precise(row) {
+            object.insert("precision_reached".to_owned(), json!(precise));
+        }
+        if self.audit {
+            let audit = &row.audit;
+            object.insert("audited_runs".to_owned(), json!(audit.runs));
+            object.insert("audit_flips".to_owned(), json!(audit.flips));
+            object.insert("audit_rest_flips".to_owned(), json!(audit.rest_flips));
+            object.insert("audit_flip_rate".to_owned(), json!(audit.flip_rate()));
+            object.insert("audit_flip_low".to_owned(), json!(audit.interval().0));
+            object.insert("audit_flip_high".to_owned(), json!(audit.interval().1));
+        }
+        object.insert("set_fraction".to_owned(), json!(row.set_fraction));
+        Value::Object(object)
     }
 }
 

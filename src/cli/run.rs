@@ -10,10 +10,11 @@ use super::directory::{Place, Ready};
 use super::exit::{CliError, End};
 use super::farming::farm_study;
 use super::output::print;
+use super::points_table::{MOST_LINES, PointsTable};
 use crate::ending::Label;
 use crate::farm::{FarmOptions, say};
 use crate::study::Study;
-use crate::table::Manifest;
+use crate::table::{Manifest, Table};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -103,28 +104,41 @@ pub fn carry_out(
     Ok(ran.end())
 }
 
-/// Says that there is nothing to do.
+/// Says that there is nothing to do, and shows what there is.
 fn complete(
     study: &Study,
-    directory: &Path,
+    path: &Path,
     manifest: &Manifest,
     arguments: &FarmArguments,
 ) -> Result<End, CliError> {
-    let directory = directory.display();
+    let directory = path.display();
     if !arguments.quiet {
         let runs = manifest.runs_finished;
         say(&format!("{directory} already holds all {runs} runs of this study: nothing to do"));
     }
-    if arguments.json {
-        let report = json!({
-            "study": study.name(),
-            "out": directory.to_string(),
-            "runs_planned": manifest.runs_planned,
-            "runs_finished": manifest.runs_finished,
-            "interrupted": false,
-            "already_complete": true,
-        });
-        print(&format!("{report:#}\n"))?;
+    if arguments.json || !arguments.quiet {
+        let most = if arguments.json { usize::MAX } else { MOST_LINES };
+        let table = PointsTable::read(study, &Table::open(path, manifest, "points")?, most)?;
+        if arguments.json {
+            let mut report = json!({
+                "study": study.name(),
+                "out": directory.to_string(),
+                "runs_planned": manifest.runs_planned,
+                "runs_finished": manifest.runs_finished,
+                "interrupted": false,
+                "already_complete": true,
+                "points": table.json(),
+            });
+            if study.precision().is_some() {
+                report["points_not_precise"] = table.not_precise().into();
+            }
+            print(&format!("{report:#}\n"))?;
+        } else {
+            print(&table.text())?;
+        }
+        if !arguments.quiet {
+            table.precision_line().iter().for_each(|line| say(line));
+        }
     }
     let failed = manifest.labels.get(Label::Failed.name()).is_some_and(|&failed| failed > 0);
     Ok(if failed { End::RunsFailed } else { End::Well })

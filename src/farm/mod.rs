@@ -18,9 +18,9 @@ mod work;
 pub use compute::compute;
 pub use halt::StopReason;
 pub use interrupt::stop_on_signals;
-pub use progress::{Progress, say};
+pub use progress::{Planned, Progress, Show, say};
 pub use shard::{Shard, ShardError};
-pub use store::{CHUNKS, Chunk, ChunkFault, Listed, Store, StoreError};
+pub use store::{CHUNKS, Chunk, ChunkFault, Listed, Store, StoreError, listed_runs};
 
 use std::collections::HashMap;
 use std::sync::atomic::{AtomicBool, AtomicU64};

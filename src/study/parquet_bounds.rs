@@ -4,8 +4,12 @@
 //! schema so deep that reading it overflows the stack. The Parquet library takes memory as it is told
 //! in some of these places; after these checks there is nothing left that it could be told.
 
+use std::panic::{self, AssertUnwindSafe};
+
+use bytes::Bytes;
 use parquet::basic::{Compression, Type};
 use parquet::file::metadata::{ColumnChunkMetaData, ParquetMetaData, RowGroupMetaData};
+use parquet::file::reader::ChunkReader;
 
 use super::error::Fault;
 use super::node::MAX_FILE_BYTES;
@@ -13,12 +17,69 @@ use super::rows::{MAX_VALUES, too_many_values};
 use super::thrift::Thrift;
 use super::thrift_shape::{FOOTER, PAGE_HEADER};
 
-/// The largest footer and the largest header of a page, bytes.
-const MAX_FOOTER_BYTES: usize = 4 * 1024 * 1024;
+/// The largest header of a page, bytes.
 const MAX_HEADER_BYTES: usize = 16 * 1024;
 
-/// The most pages of a file.
-const MAX_PAGES: usize = 20_000;
+/// How much a file may hold.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Bounds {
+    /// The largest footer, bytes, and the most values in it.
+    footer_bytes: usize,
+    footer_values: usize,
+    /// How deep columns may be nested: 1 for flat ones, 3 for lists of numbers.
+    depth: usize,
+    /// The most rows.
+    rows: usize,
+    /// The most values of all columns, none if they are not all read at once.
+    values: Option<usize>,
+    /// The most values in a row of a column.
+    values_in_row: i64,
+    /// The most pages.
+    pages: usize,
+    /// The most bytes to which one page, and all of them, unpack.
+    page_bytes: u64,
+    unpacked_bytes: u64,
+}
+
+impl Bounds {
+    /// Tables that a study names: flat, and read whole.
+    pub const STUDY: Bounds = Bounds {
+        footer_bytes: 4 * 1024 * 1024,
+        footer_values: 200_000,
+        depth: 1,
+        rows: MAX_VALUES,
+        values: Some(MAX_VALUES),
+        values_in_row: 1,
+        pages: 20_000,
+        page_bytes: MAX_FILE_BYTES,
+        unpacked_bytes: MAX_FILE_BYTES,
+    };
+
+    /// Tables of results, which are read in batches: what a part of half a million rows can need, with a
+    /// study in its footer that is as large as studies may be.
+    pub const RESULTS: Bounds = Bounds {
+        footer_bytes: 96 * 1024 * 1024,
+        footer_values: 1_000_000,
+        depth: 3,
+        rows: 1 << 20,
+        values: None,
+        values_in_row: 1024,
+        pages: 500_000,
+        page_bytes: 16 * 1024 * 1024,
+        unpacked_bytes: 1 << 34,
+    };
+}
+
+/// Calls the Parquet library, which has assertions that damaged files fail, such as a value that refers
+/// to a dictionary's entry that is not there. What `call` changes must not be used after a fault.
+///
+/// # Errors
+/// A fault where the library panics.
+pub(crate) fn guarded<T>(call: impl FnOnce() -> T) -> Result<T, Fault> {
+    // Nothing that is used later outlives the unwinding.
+    panic::catch_unwind(AssertUnwindSafe(call))
+        .map_err(|_| damaged("contents that the Parquet library stumbles over"))
+}
 
 /// At the beginning and at the end of a file.
 const MAGIC: &[u8; 4] = b"PAR1";
@@ -40,71 +101,126 @@ fn refuse_unless(condition: bool, found: &str) -> Result<(), Fault> {
     if condition { Ok(()) } else { Err(damaged(found)) }
 }
 
-/// Checks that a footer is there, that it can be read in one way only, and that columns are flat.
+/// Checks that a footer is there, that it can be read in one way only, and that columns are not too deep.
 ///
 /// # Errors
 /// What is wrong.
-pub(crate) fn check_footer(bytes: &[u8]) -> Result<(), Fault> {
-    let tail = bytes.last_chunk::<8>().filter(|tail| tail.ends_with(MAGIC));
-    let tail = tail.filter(|_| bytes.starts_with(MAGIC) && bytes.len() >= 12);
-    let Some([a, b, c, d, ..]) = tail else {
-        return Err(damaged("a file that does not begin and end with PAR1"));
+pub(crate) fn check_footer(bounds: Bounds, file: &impl ChunkReader) -> Result<(), Fault> {
+    let not_ours = || damaged("a file that does not begin and end with PAR1");
+    let end = file.len().checked_sub(8).filter(|end| *end >= 4).ok_or_else(not_ours)?;
+    let read = |start, length| file.get_bytes(start, length).map_err(|_| not_ours());
+    let (head, tail) = (read(0, 4)?, read(end, 8)?);
+    let Some(([a, b, c, d], _)) =
+        tail.split_first_chunk().filter(|(_, magic)| head == MAGIC[..] && *magic == MAGIC)
+    else {
+        return Err(not_ours());
     };
     let length = u32::from_le_bytes([*a, *b, *c, *d]) as usize;
-    if length > MAX_FOOTER_BYTES {
+    let most = bounds.footer_bytes;
+    if length > most {
         let found = format!("a footer of {length} bytes");
-        let allowed = format!("at most {MAX_FOOTER_BYTES} bytes about the file");
+        let allowed = format!("at most {most} bytes about the file");
         return Err(Fault::new("too large a footer", found, allowed));
     }
-    let end = bytes.len() - 8;
-    let footer = end.checked_sub(length).and_then(|start| bytes.get(start..end));
-    let footer = footer.and_then(Thrift::read).map(|(footer, _)| footer);
+    let bytes = end.checked_sub(length as u64).and_then(|start| read(start, length).ok());
+    let bytes = bytes.unwrap_or_default();
+    let footer = Thrift::read_at_most(&bytes, bounds.footer_values).map(|(footer, _)| footer);
     let Some(footer) = footer.filter(|footer| FOOTER.fits(footer)) else {
         return Err(damaged("a footer that cannot be read, or of too many parts"));
     };
-    let Some((root, columns)) = footer.items(2).split_first() else {
+    if footer.items(2).first().is_none_or(|root| root.integer(5).is_none()) {
         return Err(damaged("a footer without columns"));
-    };
-    let flat = columns.iter().all(|column| column.integer(5).is_none_or(|children| children == 0));
-    if !flat || root.integer(5) != i64::try_from(columns.len()).ok() {
-        let allowed = "columns of numbers or text";
-        return Err(Fault::new("wrong type", "columns within columns, or lists", allowed));
+    }
+    if !tree_fits(footer.items(2), bounds.depth) {
+        let (found, allowed) = match bounds.depth {
+            1 => ("columns within columns, or lists", "columns of numbers or text"),
+            _ => ("columns within columns", "columns of numbers or text, or lists of them"),
+        };
+        return Err(Fault::new("wrong type", found, allowed));
     }
     Ok(())
 }
 
-/// Checks how much there is, and walks over all pages without unpacking them. Returns the number of
-/// rows.
+/// Whether a schema, in which each element is followed by its children, is a tree of columns of at most
+/// this depth below its root.
+fn tree_fits(elements: &[Thrift<'_>], depth: usize) -> bool {
+    // Children still to come of each element that is open.
+    let mut open: Vec<i64> = Vec::new();
+    for (index, element) in elements.iter().enumerate() {
+        match open.last_mut() {
+            Some(left) => *left -= 1,
+            None if index > 0 => return false,
+            None => {}
+        }
+        let children = element.integer(5).unwrap_or(0);
+        if children < 0 || children > 0 && open.len() >= depth {
+            return false;
+        }
+        open.push(children);
+        while open.last() == Some(&0) {
+            open.pop();
+        }
+    }
+    open.is_empty()
+}
+
+/// Checks how much there is in these columns, and walks over all their pages without unpacking them.
+/// Returns the number of rows.
 ///
 /// # Errors
 /// What is wrong.
-pub(crate) fn check_pages(bytes: &[u8], metadata: &ParquetMetaData) -> Result<usize, Fault> {
-    let columns = metadata.file_metadata().schema_descr().num_columns();
+pub(crate) fn check_pages(
+    bounds: Bounds,
+    file: &impl ChunkReader,
+    metadata: &ParquetMetaData,
+    columns: &[usize],
+) -> Result<usize, Fault> {
     let mut rows = 0_usize;
     for group in metadata.row_groups() {
         let more = usize::try_from(group.num_rows()).map_err(|_| damaged("a number below 0"))?;
         rows = rows.saturating_add(more);
     }
-    if rows.saturating_mul(columns.max(1)) > MAX_VALUES {
-        return Err(too_many_values(format!("{rows} rows of {columns} columns")));
+    let values = rows.saturating_mul(columns.len().max(1));
+    if bounds.values.is_some_and(|most| values > most) {
+        return Err(too_many_values(format!("{rows} rows of {} columns", columns.len())));
     }
-    let mut walk = Walk { bytes, pages: 0, unpacked: 0 };
+    if rows > bounds.rows {
+        let allowed = format!("at most {} rows in a file", bounds.rows);
+        return Err(Fault::new("too many rows", format!("{rows} rows"), allowed));
+    }
+    let mut walk = Walk { bounds, pages: 0, unpacked: 0 };
     for group in metadata.row_groups() {
-        group.columns().iter().try_for_each(|column| walk.column(group, column))?;
+        for index in columns {
+            let column = group.columns().get(*index).ok_or_else(|| damaged("a missing column"))?;
+            walk.column(&chunk(file, column)?, group, column)?;
+        }
     }
     Ok(rows)
 }
 
-struct Walk<'a> {
-    bytes: &'a [u8],
+/// The pages of a column in a group of rows.
+fn chunk(file: &impl ChunkReader, column: &ColumnChunkMetaData) -> Result<Bytes, Fault> {
+    let outside = || damaged("a column outside of the file");
+    let start = column.dictionary_page_offset().unwrap_or(column.data_page_offset());
+    let range = u64::try_from(start).ok().zip(u64::try_from(column.compressed_size()).ok());
+    let (start, length) = range
+        .filter(|(start, length)| start.checked_add(*length).is_some_and(|end| end <= file.len()))
+        .ok_or_else(outside)?;
+    let length = usize::try_from(length).map_err(|_| outside())?;
+    file.get_bytes(start, length).map_err(|_| outside())
+}
+
+struct Walk {
+    bounds: Bounds,
     /// Pages so far, and bytes to which they unpack.
     pages: usize,
     unpacked: u64,
 }
 
-impl Walk<'_> {
+impl Walk {
     fn column(
         &mut self,
+        pages: &[u8],
         group: &RowGroupMetaData,
         column: &ColumnChunkMetaData,
     ) -> Result<(), Fault> {
@@ -114,12 +230,10 @@ impl Walk<'_> {
             let allowed = "SNAPPY, which is `compression=\"snappy\"` in many programs, or none";
             return Err(Fault::new("a compression that is not supported", found, allowed));
         }
-        let start = column.dictionary_page_offset().unwrap_or(column.data_page_offset());
-        let range = usize::try_from(start).ok().zip(usize::try_from(column.compressed_size()).ok());
-        let pages = range
-            .and_then(|(start, length)| self.bytes.get(start..)?.get(..length))
-            .ok_or_else(|| damaged("a column outside of the file"))?;
         let rows = group.num_rows();
+        // A row of a list has any number of values, an empty one counted as one.
+        let list = column.column_descr().max_rep_level() > 0;
+        let most = if list { rows.saturating_mul(self.bounds.values_in_row) } else { rows };
         let (mut rest, mut values, mut dictionary) = (pages, 0_i64, false);
         while !rest.is_empty() {
             let header = &rest[..rest.len().min(MAX_HEADER_BYTES)];
@@ -128,14 +242,14 @@ impl Walk<'_> {
             let begins = values == 0 && !dictionary;
             let data = self.page(&header, column.column_type(), begins, dictionary)?;
             dictionary |= data.is_none();
-            values += data.unwrap_or(0);
-            refuse_unless(values <= rows, "more values than rows")?;
+            values = data.unwrap_or(0).saturating_add(values);
+            refuse_unless(values <= most, "more values than rows")?;
             let size = header.integer(3).and_then(|size| usize::try_from(size).ok());
             rest = size
                 .and_then(|size| rest.get(length..)?.get(size..))
                 .ok_or_else(|| damaged("a page that is cut off"))?;
         }
-        refuse_unless(values == rows, "fewer values than rows")
+        refuse_unless(values >= rows, "fewer values than rows")
     }
 
     /// Checks the header of a page. Returns the number of values; none of a dictionary, which must be
@@ -151,10 +265,10 @@ impl Walk<'_> {
         let unpacked = header.integer(2).and_then(|size| u64::try_from(size).ok());
         let unpacked = unpacked.ok_or_else(|| damaged("a page without a size"))?;
         self.unpacked = self.unpacked.saturating_add(unpacked);
-        if self.pages > MAX_PAGES || self.unpacked > MAX_FILE_BYTES {
+        let Bounds { pages, page_bytes, unpacked_bytes, .. } = self.bounds;
+        if unpacked > page_bytes || self.pages > pages || self.unpacked > unpacked_bytes {
             let found = format!("{} pages, unpacked {} bytes and more", self.pages, self.unpacked);
-            let allowed =
-                format!("at most {MAX_PAGES} pages and, unpacked, {MAX_FILE_BYTES} bytes");
+            let allowed = format!("at most {pages} pages and, unpacked, {unpacked_bytes} bytes");
             return Err(Fault::new("the file is too large when unpacked", found, allowed));
         }
         let (about, encoding) = match header.integer(1) {

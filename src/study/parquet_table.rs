@@ -1,19 +1,18 @@
 //! Tables in Parquet files: columns of numbers or text, named as a CSV file's.
 
-use std::panic::{self, AssertUnwindSafe};
 use std::path::Path;
 
 use bytes::Bytes;
-use parquet::basic::{ConvertedType, LogicalType, Type};
+use parquet::basic::Type;
 use parquet::column::reader::{ColumnReader, ColumnReaderImpl};
 use parquet::data_type::{ByteArray, DataType};
-use parquet::errors::ParquetError;
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::schema::types::ColumnDescriptor;
 
-use super::error::{Fault, StudyError, shorten};
+use super::error::{Fault, StudyError};
 use super::file_values::Entry;
-use super::parquet_bounds::{check_footer, check_pages, damaged};
+use super::parquet_bounds::{Bounds, check_footer, check_pages, guarded};
+use super::parquet_values::{Annotation, described, next_values, said};
 use super::rows::{Rows, TableFile, check_number, empty_value};
 
 /// Values of a column that are decoded at a time.
@@ -29,12 +28,8 @@ const MAX_TEXT_BYTES: usize = 256;
 /// twice, or neither of numbers nor of text; a value that is missing or not finite, too many of them.
 pub(crate) fn read(path: &Path, bytes: Vec<u8>, allowed: &[String]) -> Result<Rows, StudyError> {
     let file = TableFile::without_lines(path);
-    // The library has assertions that damaged files fail, such as a value that refers to a dictionary's
-    // entry that is not there. Nothing that is used later outlives the unwinding.
-    let read = panic::catch_unwind(AssertUnwindSafe(|| decode(&file, bytes, allowed)));
-    let unwound =
-        |_| Err(file.refuse_all(damaged("contents that the Parquet library stumbles over")));
-    let (columns, rows) = read.unwrap_or_else(unwound)?;
+    let read = guarded(|| decode(&file, bytes, allowed));
+    let (columns, rows) = read.map_err(|fault| file.refuse_all(fault))??;
     Ok(Rows::in_file(columns, rows, file))
 }
 
@@ -44,8 +39,8 @@ fn decode(
     allowed: &[String],
 ) -> Result<(Vec<String>, Vec<Vec<Entry>>), StudyError> {
     let refuse = |fault| file.refuse_all(fault);
-    check_footer(&bytes).map_err(refuse)?;
     let bytes = Bytes::from(bytes);
+    check_footer(Bounds::STUDY, &bytes).map_err(refuse)?;
     let reader = SerializedFileReader::new(bytes.clone()).map_err(|error| refuse(said(&error)))?;
     let schema = reader.metadata().file_metadata().schema_descr();
     let columns: Vec<String> =
@@ -54,7 +49,8 @@ fn decode(
     for (descriptor, name) in schema.columns().iter().zip(&columns) {
         check_type(descriptor).map_err(|fault| file.refuse(None, Some(name), fault))?;
     }
-    let row_count = check_pages(&bytes, reader.metadata()).map_err(refuse)?;
+    let all: Vec<usize> = (0..columns.len()).collect();
+    let row_count = check_pages(Bounds::STUDY, &bytes, reader.metadata(), &all).map_err(refuse)?;
     let mut rows: Vec<Vec<Entry>> = Vec::with_capacity(row_count);
     rows.resize_with(row_count, || Vec::with_capacity(columns.len()));
     let mut first = 0;
@@ -115,28 +111,20 @@ fn read_values<T: DataType>(
 ) -> Result<(), StudyError> {
     let mut done = 0;
     while done < rows.len() {
-        let (mut levels, mut values) = (Vec::new(), Vec::new());
         let most = BATCH.min(rows.len() - done);
-        let (records, _, _) = column
-            .read_records(most, Some(&mut levels), None, &mut values)
-            .map_err(|error| place.file.refuse_all(said(&error)))?;
-        if records == 0 {
-            return Err(place.file.refuse_all(damaged("fewer values than rows")));
-        }
-        // A column in which none may be missing has no levels; elsewhere 1 says that a value is there.
-        let mut values = values.iter();
-        for index in 0..records {
-            let there = levels.get(index).is_none_or(|level| *level > 0);
-            let value = if there { values.next() } else { None };
+        let values =
+            next_values(&mut column, most).map_err(|fault| place.file.refuse_all(fault))?;
+        for (index, value) in values.iter().enumerate() {
             let row = done + index;
-            let entry = value.map_or_else(|| Err(empty_value()), &entry).map_err(|fault| {
-                place.file.refuse(Some(place.first + row), Some(place.name), fault)
-            })?;
+            let entry =
+                value.as_ref().map_or_else(|| Err(empty_value()), &entry).map_err(|fault| {
+                    place.file.refuse(Some(place.first + row), Some(place.name), fault)
+                })?;
             if let Some(cells) = rows.get_mut(row) {
                 cells.push(entry);
             }
         }
-        done += records;
+        done += values.len();
     }
     Ok(())
 }
@@ -171,47 +159,9 @@ fn check_type(column: &ColumnDescriptor) -> Result<(), Fault> {
     if fits && column.max_rep_level() == 0 && column.max_def_level() <= 1 {
         return Ok(());
     }
-    let found = match (column.logical_type_ref(), column.converted_type()) {
-        (Some(logical), _) => format!("{physical}, {logical:?}"),
-        (None, ConvertedType::NONE) => physical.to_string(),
-        (None, converted) => format!("{physical}, {converted}"),
-    };
-    Err(wrong_type(&shorten(&found)))
-}
-
-/// What a column's values mean beyond their type.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Annotation {
-    None,
-    Signed,
-    Unsigned,
-    Text,
-    Other,
-}
-
-impl Annotation {
-    fn of(column: &ColumnDescriptor) -> Annotation {
-        use ConvertedType as Old;
-        match (column.logical_type_ref(), column.converted_type()) {
-            (Some(LogicalType::Integer(kind)), _) if kind.is_signed => Annotation::Signed,
-            (Some(LogicalType::Integer(_)), _) => Annotation::Unsigned,
-            (Some(LogicalType::String | LogicalType::Enum), _) => Annotation::Text,
-            (Some(_), _) => Annotation::Other,
-            (None, Old::NONE) => Annotation::None,
-            (None, Old::INT_8 | Old::INT_16 | Old::INT_32 | Old::INT_64) => Annotation::Signed,
-            (None, Old::UINT_8 | Old::UINT_16 | Old::UINT_32 | Old::UINT_64) => {
-                Annotation::Unsigned
-            }
-            (None, Old::UTF8 | Old::ENUM) => Annotation::Text,
-            (None, _) => Annotation::Other,
-        }
-    }
+    Err(wrong_type(&described(column)))
 }
 
 fn wrong_type(found: &str) -> Fault {
     Fault::new("wrong type", format!("a column of {found}"), "a column of numbers or of text")
-}
-
-fn said(error: &ParquetError) -> Fault {
-    damaged(shorten(&error.to_string()))
 }

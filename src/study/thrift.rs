@@ -39,7 +39,12 @@ impl<'a> Thrift<'a> {
     /// Nothing for what is no such struct, or holds too many values, or too deep ones, or fields in
     /// disorder, or kinds of values that do not occur in Parquet's footers and page headers.
     pub fn read(bytes: &'a [u8]) -> Option<(Thrift<'a>, usize)> {
-        let mut reader = Reader { bytes, position: 0, left: MAX_VALUES };
+        Self::read_at_most(bytes, MAX_VALUES)
+    }
+
+    /// The same with another bound on the number of values.
+    pub fn read_at_most(bytes: &'a [u8], values: usize) -> Option<(Thrift<'a>, usize)> {
+        let mut reader = Reader { bytes, position: 0, left: values };
         let value = reader.value(STRUCT, MAX_DEPTH)?;
         Some((value, reader.position))
     }

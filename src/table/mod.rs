@@ -1,6 +1,7 @@
 //! Results as files: Parquet tables with units and provenance, and the manifest beside them.
 //!
-//! The only room that knows Arrow, and that writes Parquet (`study` reads tables in it).
+//! The only room that knows Arrow, and that writes Parquet (`study` reads tables in it, behind guards
+//! that the reading of results shares).
 
 pub mod column;
 mod cycles;
@@ -12,6 +13,8 @@ mod frictionless;
 mod manifest;
 mod points;
 mod provenance;
+mod read;
+mod read_values;
 mod record;
 mod replay;
 mod rest;
@@ -32,6 +35,8 @@ pub(crate) use manifest::read_regular;
 pub use manifest::{FileEntry, MANIFEST, Manifest, sync_directory};
 pub use points::{PointRow, point_columns};
 pub use provenance::{COMMIT, FORMAT, VERSION, provenance, provenance_with};
+pub use read::{Batches, Table, TableError};
+pub use read_values::{Batch, Kind, Values};
 pub use record::RunRecord;
 pub use replay::{Units, in_circle, phase_name, switch_columns, trajectory_columns};
 pub use rest::{RestRow, rest_columns};

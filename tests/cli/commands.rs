@@ -10,7 +10,7 @@ use super::support::{AT_ONCE, Scratch, assert_has, study_text};
 #[test]
 fn every_command_shows_examples() {
     let scratch = Scratch::new();
-    for command in ["run", "check", "expand", "verify", "schema", "completions"] {
+    for command in ["run", "summary", "check", "expand", "verify", "schema", "completions"] {
         let help = scratch.well(&format!("{command} --help"));
         let examples = help.split_once("Examples:").map(|(_, examples)| examples).unwrap();
         assert_has(examples, &[format!("  stickslip {command} ")]);

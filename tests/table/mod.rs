@@ -6,3 +6,4 @@ mod intervals;
 mod parts;
 mod preferred;
 mod provenance;
+mod read;

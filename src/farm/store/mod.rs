@@ -73,6 +73,16 @@ pub enum StoreError {
     },
 }
 
+/// How many finished runs of a study are on the list of an output directory, in which others may be
+/// writing; those that are there more than once count as often.
+///
+/// # Errors
+/// [`StoreError::Unusable`].
+pub fn listed_runs(directory: &Path, study: &Study) -> Result<u64, StoreError> {
+    let hash = study.hash();
+    Ok(Folder::open(directory.join(CHUNKS).join(&hash[..DIGITS]), &hash)?.runs())
+}
+
 /// The finished runs in an output directory, ours alone as long as this value lives.
 #[derive(Debug)]
 pub struct Store {

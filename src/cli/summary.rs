@@ -1,0 +1,242 @@
+//! `stickslip summary`: the points of results, as `run` prints them or with all that is known of them.
+
+use std::path::{Path, PathBuf};
+
+use clap::{Args, ValueEnum};
+use serde_json::{Map, Value, json};
+
+use super::exit::{CliError, End};
+use super::output::{Reader, print};
+use super::points_table::{MOST_LINES, PointsTable};
+use super::results_study::results_study;
+use crate::ending::Label;
+use crate::farm::{listed_runs, say};
+use crate::study::{ParameterValue, Study};
+use crate::table::{Batch, Manifest, Table, Values};
+
+const EXAMPLES: &str = "\
+Examples:
+  stickslip summary results/night
+  stickslip summary results/night --points all
+  stickslip summary results/night --format markdown     (for an issue)
+  stickslip summary results/night --format csv > points.csv
+
+A first line says what was run: study, version, seed, how many runs, how many failed and, of an
+audit, how many flipped; with csv it goes to standard error. table and markdown have the columns that
+`run` prints; csv and json have all columns of points.parquet in full precision. Nothing is computed,
+and nothing in the directory is changed. Of interrupted results it says how much is missing.";
+
+/// Print the results of a directory: a line per point
+#[derive(Clone, Debug, Args)]
+#[command(after_help = EXAMPLES)]
+pub struct SummaryArguments {
+    /// Directory with results
+    #[arg(value_name = "DIR")]
+    directory: PathBuf,
+
+    /// What to print
+    #[arg(long, value_name = "FORMAT", value_enum, default_value = "table")]
+    format: Format,
+
+    /// How many points, from the first on [default: 40 in table and markdown, all in csv and json]
+    #[arg(long, value_name = "all|N", value_parser = points, allow_negative_numbers = true)]
+    points: Option<usize>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Format {
+    /// Aligned columns, as `run` prints them
+    Table,
+    /// Comma-separated, all columns of points.parquet
+    Csv,
+    /// One document, all columns of points.parquet
+    Json,
+    /// A table to paste into an issue
+    Markdown,
+}
+
+fn points(text: &str) -> Result<usize, String> {
+    let number = if text == "all" { Some(usize::MAX) } else { text.parse().ok() };
+    number.ok_or_else(|| format!("found {text:?}, allowed: all, or a whole number from 0"))
+}
+
+/// Prints the summary of a directory of results.
+///
+/// # Errors
+/// Where the directory holds no results, has no tables yet, or one of them cannot be read.
+pub fn summary(arguments: &SummaryArguments) -> Result<End, CliError> {
+    let directory = &arguments.directory;
+    let (study, manifest) = results_study(directory)?;
+    if manifest.files.is_empty() {
+        return Err(no_tables(directory, &study, &manifest)?);
+    }
+    let table = Table::open(directory, &manifest, "points")?;
+    let kept = match arguments.format {
+        Format::Table | Format::Markdown => arguments.points.unwrap_or(MOST_LINES),
+        Format::Csv | Format::Json => 0,
+    };
+    let points = PointsTable::read(&study, &table, kept)?;
+    let title = title(&study, &manifest, &points, directory);
+    let most = arguments.points.unwrap_or(usize::MAX);
+    match arguments.format {
+        Format::Table => {
+            print(&format!("{title}\n\n{}", points.text()))?;
+        }
+        Format::Markdown => {
+            print(&format!("{title}\n\n{}", points.markdown()))?;
+        }
+        Format::Csv => {
+            say(&title);
+            print_csv(&table, most)?;
+        }
+        Format::Json => print_json(&facts(&study, &manifest, &points), &table, most)?,
+    }
+    Ok(End::Well)
+}
+
+/// What was run, in a line.
+fn title(study: &Study, manifest: &Manifest, points: &PointsTable, directory: &Path) -> String {
+    let Manifest { version, runs_planned, runs_finished, .. } = manifest;
+    let mut parts = vec![format!("{}: stickslip {version}, seed {}", study.name(), study.seed())];
+    if manifest.shard != "1/1" {
+        parts.push(format!("shard {}", manifest.shard));
+    }
+    parts.push(match manifest.complete {
+        true => format!("all {runs_finished} runs finished"),
+        false => {
+            let missing = runs_planned.saturating_sub(*runs_finished);
+            let bound = if study.precision().is_some() { "at most " } else { "" };
+            format!(
+                "{runs_finished} of {bound}{runs_planned} runs finished, {bound}{missing} are missing \
+                 (`stickslip resume {}` goes on)",
+                directory.display()
+            )
+        }
+    });
+    parts.push(format!("{} failed", failed(manifest)));
+    if let Some(audit) = points.flips() {
+        parts.push(format!("{} of {} audited runs flipped", audit.flips, audit.runs));
+    }
+    parts.join(", ")
+}
+
+fn failed(manifest: &Manifest) -> u64 {
+    manifest.labels.get(Label::Failed.name()).copied().unwrap_or(0)
+}
+
+/// What was run, as JSON.
+fn facts(study: &Study, manifest: &Manifest, points: &PointsTable) -> Value {
+    let mut facts = json!({
+        "study": study.name(),
+        "study_hash": manifest.study_hash,
+        "version": manifest.version,
+        "model_version": manifest.model_version,
+        "seed": study.seed(),
+        "shard": manifest.shard,
+        "runs_planned": manifest.runs_planned,
+        "runs_finished": manifest.runs_finished,
+        "complete": manifest.complete,
+        "failed_runs": failed(manifest),
+    });
+    if let Some(audit) = points.flips() {
+        facts["audited_runs"] = audit.runs.into();
+        facts["audit_flips"] = audit.flips.into();
+        facts["audit_rest_flips"] = audit.rest_flips.into();
+    }
+    if study.precision().is_some() {
+        facts["points_not_precise"] = points.not_precise().into();
+    }
+    facts
+}
+
+/// Results that have no tables: how far they are.
+fn no_tables(directory: &Path, study: &Study, manifest: &Manifest) -> Result<CliError, CliError> {
+    let listed = listed_runs(directory, study)?.min(manifest.runs_planned);
+    let bound = if study.precision().is_some() { "at most " } else { "" };
+    Ok(CliError::Usage(format!(
+        "{0}: there are no tables yet: this study is being run, or was killed\n  found:   {listed} of \
+         {bound}{1} runs finished, in chunks/\n  allowed: results whose tables are written; if nothing is \
+         running there, `stickslip resume {0}` goes on",
+        directory.display(),
+        manifest.runs_planned,
+    )))
+}
+
+/// Prints the rows of a table from the first on, at most so many, batch by batch.
+fn print_rows(
+    table: &Table,
+    most: usize,
+    mut text: impl FnMut(&Batch, usize) -> Result<String, CliError>,
+) -> Result<Reader, CliError> {
+    let mut left = most;
+    let mut batches = table.read_all()?;
+    while let Some(batch) = if left > 0 { batches.next().transpose()? } else { None } {
+        let rows = batch.rows.min(left);
+        let lines: Result<String, CliError> = (0..rows).map(|row| text(&batch, row)).collect();
+        if print(&lines?)? == Reader::Gone {
+            return Ok(Reader::Gone);
+        }
+        left -= rows;
+    }
+    Ok(Reader::Reading)
+}
+
+fn print_csv(table: &Table, most: usize) -> Result<(), CliError> {
+    let record = |cells: &[String]| -> Result<String, CliError> {
+        let mut writer = csv::Writer::from_writer(Vec::new());
+        writer.write_record(cells).map_err(std::io::Error::other)?;
+        let bytes =
+            writer.into_inner().map_err(|error| std::io::Error::other(error.to_string()))?;
+        Ok(String::from_utf8_lossy(&bytes).into_owned())
+    };
+    let names: Vec<String> = table.columns().iter().map(|(name, _)| name.clone()).collect();
+    if print(&record(&names)?)? == Reader::Gone {
+        return Ok(());
+    }
+    print_rows(table, most, |batch, row| {
+        let cells = batch.columns.iter().map(|(_, values)| match cell(values, row) {
+            Value::Null => String::new(),
+            Value::String(text) => text,
+            Value::Number(number) => match number.as_f64().filter(|_| number.is_f64()) {
+                Some(number) => ParameterValue::Number(number).to_string(),
+                None => number.to_string(),
+            },
+            other => other.to_string(),
+        });
+        let cells: Vec<String> = cells.collect();
+        record(&cells)
+    })?;
+    Ok(())
+}
+
+/// One document, written point by point.
+fn print_json(facts: &Value, table: &Table, most: usize) -> Result<(), CliError> {
+    let head = format!("{facts:#}");
+    // An object that is not empty ends in a line break and a brace.
+    let head = head.trim_end_matches(['\n', '}']);
+    if print(&format!("{head},\n  \"points\": ["))? == Reader::Gone {
+        return Ok(());
+    }
+    let mut separator = "\n    ";
+    let reader = print_rows(table, most, |batch, row| {
+        let cells = batch.columns.iter().map(|(name, values)| (name.clone(), cell(values, row)));
+        let object = Value::Object(cells.collect::<Map<String, Value>>());
+        let before = std::mem::replace(&mut separator, ",\n    ");
+        Ok(format!("{before}{object}"))
+    })?;
+    if reader == Reader::Reading {
+        print("\n  ]\n}\n")?;
+    }
+    Ok(())
+}
+
+fn cell(values: &Values, row: usize) -> Value {
+    match values {
+        Values::Number(values) => json!(values.get(row)),
+        Values::Count(values) => json!(values.get(row)),
+        Values::Integer(values) => json!(values.get(row)),
+        Values::Truth(values) => json!(values.get(row)),
+        Values::Text(values) => json!(values.get(row)),
+        Values::Numbers(values) => json!(values.get(row)),
+    }
+}

@@ -1,0 +1,341 @@
+//! Tables of a results directory, read batch by batch.
+//!
+//! Which files a table has is what the manifest says; each is checked against it and by what it says of
+//! itself: its size, its number of rows, the layout and the study under the metadata key `stickslip`. What
+//! is read is guarded as tables of studies are: no file makes the program panic or take memory without
+//! bound, and a batch is the most that is held.
+
+use std::fs::{self, File};
+use std::path::{Path, PathBuf};
+
+use parquet::column::reader::ColumnReader;
+use parquet::file::reader::{FileReader, SerializedFileReader};
+use serde_json::Value;
+use thiserror::Error;
+
+use super::manifest::{MANIFEST, Manifest};
+use super::provenance::FORMAT;
+use super::read_values::{Batch, Kind, Values, next};
+use crate::study::{Bounds, Fault, check_footer, check_pages, guarded, list_names, said, shorten};
+
+/// Rows of a batch.
+const BATCH: usize = 1024;
+
+/// Why a table cannot be read: file, column, what was found and what is allowed.
+#[derive(Clone, Debug, Error, PartialEq, Eq)]
+#[error("{}: {}{problem}\n  found:   {found}\n  allowed: {allowed}", file.display(), place(column))]
+pub struct TableError {
+    /// The file, or the directory where there is no such table.
+    pub file: PathBuf,
+    /// The column, where one is meant.
+    pub column: Option<String>,
+    /// What is wrong.
+    pub problem: String,
+    /// What was found.
+    pub found: String,
+    /// What is allowed, or what to do.
+    pub allowed: String,
+}
+
+fn place(column: &Option<String>) -> String {
+    column.as_ref().map_or_else(String::new, |name| format!("column {}: ", shorten(name)))
+}
+
+impl TableError {
+    pub(super) fn new(file: &Path, column: Option<&str>, fault: Fault) -> Self {
+        TableError {
+            file: file.to_owned(),
+            column: column.map(str::to_owned),
+            problem: fault.problem,
+            found: fault.found.unwrap_or_else(|| "this file".to_owned()),
+            allowed: fault.allowed.unwrap_or_else(|| "the file that was written".to_owned()),
+        }
+    }
+}
+
+/// A table of a results directory: a file, or a directory of parts.
+#[derive(Clone, Debug)]
+pub struct Table {
+    name: String,
+    study_hash: String,
+    /// Its files and how many rows each has.
+    parts: Vec<(PathBuf, u64)>,
+    columns: Vec<(String, Option<Kind>)>,
+}
+
+impl Table {
+    /// Opens a table by its name without `.parquet`, as `points`.
+    ///
+    /// # Errors
+    /// Where the manifest has no such table, a file is missing or not the one that was written, or what
+    /// the first one says of itself is another layout's or study's.
+    pub fn open(directory: &Path, manifest: &Manifest, name: &str) -> Result<Self, TableError> {
+        let file = format!("{name}.parquet");
+        let of_table = |entry: &str| {
+            entry.strip_prefix(&file).is_some_and(|rest| rest.is_empty() || rest.starts_with('/'))
+        };
+        let mut parts = Vec::new();
+        for (entry, expected) in manifest.files.iter().filter(|(entry, _)| of_table(entry)) {
+            let path = directory.join(entry);
+            let changed = |found: String| {
+                let allowed = format!(
+                    "{} bytes, as {MANIFEST} says; `stickslip run {}/study.yaml --out {}` makes it \
+                     again from the finished runs",
+                    expected.bytes,
+                    directory.display(),
+                    directory.display()
+                );
+                let problem = "this is not the file that was written";
+                TableError::new(&path, None, Fault::new(problem, found, allowed))
+            };
+            // Asked before it is opened: opening a named pipe would wait for a writer.
+            let found = fs::metadata(&path).map_err(|error| changed(error.to_string()))?;
+            if !found.is_file() {
+                return Err(changed("not a regular file".to_owned()));
+            }
+            if found.len() != expected.bytes {
+                return Err(changed(format!("{} bytes", found.len())));
+            }
+            parts.push((path, expected.rows.unwrap_or(0)));
+        }
+        let mut table = Table {
+            name: name.to_owned(),
+            study_hash: manifest.study_hash.clone(),
+            parts,
+            columns: Vec::new(),
+        };
+        let Some((path, rows)) = table.parts.first() else {
+            let names: Vec<&str> = manifest.files.keys().map(String::as_str).collect();
+            let found = match names.is_empty() {
+                true => "no tables".to_owned(),
+                false => shorten(&names.join(", ")),
+            };
+            let fault = Fault::new(
+                format!("there is no table {file}"),
+                found,
+                "results whose runs have come to an end; `stickslip resume` goes on",
+            );
+            return Err(TableError::new(directory, None, fault));
+        };
+        table.columns = table.open_part(path, *rows)?.columns();
+        Ok(table)
+    }
+
+    /// How many rows it has.
+    pub fn rows(&self) -> u64 {
+        self.parts.iter().map(|(_, rows)| *rows).fold(0, u64::saturating_add)
+    }
+
+    /// Its columns in order, and what they hold; none where that is nothing that tables of results hold.
+    pub fn columns(&self) -> &[(String, Option<Kind>)] {
+        &self.columns
+    }
+
+    /// Reads all of its columns from the first row on.
+    ///
+    /// # Errors
+    /// Where a column holds nothing that tables of results hold.
+    pub fn read_all(&self) -> Result<Batches<'_>, TableError> {
+        // A kind that the column has not makes the message.
+        let kind = |kind: &Option<Kind>| kind.unwrap_or(Kind::Number);
+        let all: Vec<(&str, Kind)> =
+            self.columns.iter().map(|(name, found)| (name.as_str(), kind(found))).collect();
+        self.read(&all)
+    }
+
+    /// Reads some of its columns from the first row on.
+    ///
+    /// # Errors
+    /// Where a column is missing or holds something else.
+    pub fn read(&self, wanted: &[(&str, Kind)]) -> Result<Batches<'_>, TableError> {
+        let wanted: Vec<(String, Kind)> =
+            wanted.iter().map(|(name, kind)| ((*name).to_owned(), *kind)).collect();
+        let path = self.parts.first().map_or(Path::new(""), |(path, _)| path);
+        find(path, &self.columns, &wanted)?;
+        Ok(Batches { table: self, wanted, next_part: 0, part: None, next_row: 0 })
+    }
+
+    /// Opens a file of the table and checks what it says of itself.
+    fn open_part(&self, path: &Path, rows: u64) -> Result<Part, TableError> {
+        let refuse = |fault| TableError::new(path, None, fault);
+        let file = File::open(path).map_err(|error| {
+            refuse(Fault::new("this file cannot be read", error.to_string(), "a readable file"))
+        })?;
+        check_footer(Bounds::RESULTS, &file).map_err(refuse)?;
+        let reader = guarded(|| SerializedFileReader::new(file)).map_err(refuse)?;
+        let reader = reader.map_err(|error| refuse(said(&error)))?;
+        let about = reader.metadata().file_metadata();
+        let pairs = about.key_value_metadata().into_iter().flatten();
+        let provenance = pairs
+            .filter(|pair| pair.key == "stickslip")
+            .find_map(|pair| serde_json::from_str::<Value>(pair.value.as_deref()?).ok());
+        let facts = |value: &Value| {
+            let text = |key: &str| shorten(value[key].as_str().unwrap_or("none"));
+            format!(
+                "layout {}, table {}, study {}, hash {}",
+                value["format"].as_u64().map_or("none".to_owned(), |format| format.to_string()),
+                text("table"),
+                text("study"),
+                text("study_hash").chars().take(12).collect::<String>(),
+            )
+        };
+        let own = provenance.as_ref().is_some_and(|value| {
+            value["format"] == FORMAT
+                && value["table"] == *self.name
+                && value["study_hash"] == *self.study_hash
+        });
+        if !own {
+            let found = provenance.as_ref().map_or("no key `stickslip`".to_owned(), facts);
+            let hash: String = self.study_hash.chars().take(12).collect();
+            let allowed = format!("layout {FORMAT}, table {}, hash {hash}", self.name);
+            let problem = "this is not a table of these results";
+            return Err(refuse(Fault::new(problem, found, allowed)));
+        }
+        if u64::try_from(about.num_rows()).ok() != Some(rows) {
+            let (found, allowed) = (about.num_rows(), rows);
+            return Err(refuse(Fault::new(
+                "not as many rows as were written",
+                format!("{found} rows"),
+                format!("{allowed}, as {MANIFEST} says"),
+            )));
+        }
+        Ok(Part { path: path.to_owned(), reader, next_group: 0, group: None })
+    }
+}
+
+/// Where columns are that are wanted.
+fn find(
+    path: &Path,
+    columns: &[(String, Option<Kind>)],
+    wanted: &[(String, Kind)],
+) -> Result<Vec<usize>, TableError> {
+    let place = |(name, kind): &(String, Kind)| {
+        let Some(index) = columns.iter().position(|(column, _)| column == name) else {
+            let names: Vec<&str> = columns.iter().map(|(name, _)| name.as_str()).collect();
+            let fault = Fault::new(
+                "there is no such column",
+                format!("columns {}", list_names(name, &names)),
+                format!("a column {name} of {}", kind.name()),
+            );
+            return Err(TableError::new(path, Some(name), fault));
+        };
+        let found = columns.get(index).and_then(|(_, kind)| *kind);
+        if found == Some(*kind) {
+            return Ok(index);
+        }
+        let found = found.map_or("another type", Kind::name);
+        let fault = Fault::new("wrong type", format!("a column of {found}"), kind.name());
+        Err(TableError::new(path, Some(name), fault))
+    };
+    wanted.iter().map(place).collect()
+}
+
+/// How many rows, and their columns by name.
+type Rows = (usize, Vec<(String, Values)>);
+
+/// A file that is being read.
+struct Part {
+    path: PathBuf,
+    reader: SerializedFileReader<File>,
+    next_group: usize,
+    /// The columns of the group of rows that is being read, and how many of its rows are left.
+    group: Option<(Vec<ColumnReader>, usize)>,
+}
+
+impl Part {
+    fn columns(&self) -> Vec<(String, Option<Kind>)> {
+        let schema = self.reader.metadata().file_metadata().schema_descr();
+        let name = |path: &[String]| path.first().cloned().unwrap_or_default();
+        let columns = schema.columns().iter();
+        columns.map(|column| (name(column.path().parts()), Kind::of(column))).collect()
+    }
+
+    /// The next rows of these columns; none after the last ones.
+    fn next(&mut self, places: &[usize], wanted: &[(String, Kind)]) -> Result<Option<Rows>, Fault> {
+        loop {
+            if let Some((columns, left)) = &mut self.group {
+                let rows = BATCH.min(*left);
+                *left -= rows;
+                let values = columns.iter_mut().zip(wanted).map(|(column, (name, kind))| {
+                    Ok((name.clone(), guarded(|| next(column, *kind, rows))??))
+                });
+                let values = values.collect::<Result<_, Fault>>()?;
+                if *left == 0 {
+                    self.group = None;
+                }
+                return Ok(Some((rows, values)));
+            }
+            if self.next_group == self.reader.num_row_groups() {
+                return Ok(None);
+            }
+            let index = self.next_group;
+            self.next_group += 1;
+            let reader = &self.reader;
+            let open = || {
+                let group = reader.get_row_group(index)?;
+                let columns = places.iter().map(|place| group.get_column_reader(*place));
+                columns.collect::<Result<Vec<_>, _>>()
+            };
+            let columns = guarded(open)?.map_err(|error| said(&error))?;
+            // Not below 0: it has been checked.
+            let rows = usize::try_from(self.reader.metadata().row_group(index).num_rows());
+            self.group = rows.ok().filter(|rows| *rows > 0).map(|rows| (columns, rows));
+        }
+    }
+}
+
+/// The rows of some columns, in order.
+pub struct Batches<'a> {
+    table: &'a Table,
+    wanted: Vec<(String, Kind)>,
+    next_part: usize,
+    part: Option<(Part, Vec<usize>)>,
+    next_row: u64,
+}
+
+impl Batches<'_> {
+    fn advance(&mut self) -> Result<Option<Batch>, TableError> {
+        loop {
+            if let Some((part, places)) = &mut self.part {
+                let rows = part
+                    .next(places, &self.wanted)
+                    .map_err(|fault| TableError::new(&part.path, None, fault))?;
+                if let Some((rows, columns)) = rows {
+                    let first_row = self.next_row;
+                    self.next_row += rows as u64;
+                    return Ok(Some(Batch { file: part.path.clone(), first_row, rows, columns }));
+                }
+                self.part = None;
+            }
+            let Some((path, rows)) = self.table.parts.get(self.next_part) else {
+                return Ok(None);
+            };
+            self.next_part += 1;
+            let part = self.table.open_part(path, *rows)?;
+            let places = find(path, &part.columns(), &self.wanted)?;
+            let file = File::open(path);
+            let checked = file
+                .map_err(|error| error.to_string())
+                .map(|file| check_pages(Bounds::RESULTS, &file, part.reader.metadata(), &places));
+            let checked = checked.unwrap_or_else(|error| {
+                Err(Fault::new("this file cannot be read", error, "a readable file"))
+            });
+            checked.map_err(|fault| TableError::new(path, None, fault))?;
+            self.part = Some((part, places));
+        }
+    }
+}
+
+impl Iterator for Batches<'_> {
+    type Item = Result<Batch, TableError>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        let batch = self.advance();
+        if batch.is_err() {
+            // Nothing comes after what is wrong.
+            self.part = None;
+            self.next_part = self.table.parts.len();
+        }
+        batch.transpose()
+    }
+}

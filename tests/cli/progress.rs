@@ -1,0 +1,119 @@
+//! What is said while runs are computed: lines for people, events for programs.
+
+use serde_json::Value;
+
+use super::support::{AT_ONCE, Scratch, assert_has, study_text};
+
+/// A study of so many points with eight runs each.
+fn scratch(points: u32) -> Scratch {
+    let scratch = Scratch::new();
+    let speeds: Vec<String> = (0..points).map(|n| format!("-{}.0", 160 + n)).collect();
+    let sweep = format!(
+        "sweep: [{{grid: {{speed_rad_s: [{}]}}}}]\n\
+         uncertain: {{ball_mass_kg: {{normal: {{mean: 1.4e-4, std_dev: 1.4e-4}}}}}}\n",
+        speeds.join(", ")
+    );
+    scratch.write("a.yaml", study_text("a", "{monte_carlo: {samples: 8}}", AT_ONCE, &sweep));
+    scratch
+}
+
+fn events(text: &str) -> Vec<Value> {
+    text.lines().map(|line| serde_json::from_str(line).unwrap()).collect()
+}
+
+#[test]
+fn events_are_json_line_by_line() {
+    let scratch = scratch(50);
+    let ended = scratch.stickslip("run a.yaml --out out --quiet --json --progress json");
+    assert_eq!(ended.code, Some(3), "{}", ended.err);
+    let report: Value = serde_json::from_str(&ended.out).unwrap();
+    let events = events(&ended.err);
+    let names: Vec<&str> = events.iter().map(|event| event["event"].as_str().unwrap()).collect();
+    let (begun, last) = (&events[0], &events[events.len() - 1]);
+    assert_eq!((names[0], names[names.len() - 1]), ("begun", "ended"));
+    let planned = ["study", "runs_planned", "points_planned", "runs_are_at_most"];
+    let planned = planned.map(|key| begun[key].clone());
+    assert_eq!(planned, ["a".into(), 400.into(), 50.into(), Value::from(false)]);
+    // Every point, in order, with what the report says of it.
+    let points: Vec<&Value> = events.iter().filter(|event| event["event"] == "point").collect();
+    let reported = report["points"].as_array().unwrap();
+    assert_eq!((points.len(), reported.len()), (50, 50));
+    for (point, reported) in points.iter().zip(reported) {
+        for (key, value) in reported.as_object().unwrap() {
+            assert_eq!(point[key], *value, "{key}");
+        }
+    }
+    let failed: u64 = reported.iter().map(|point| point["failed_runs"].as_u64().unwrap()).sum();
+    assert!(failed > 0);
+    assert_eq!((&last["runs_finished"], &last["failed_runs"]), (&400.into(), &failed.into()));
+    assert_eq!((&last["interrupted"], &last["runs_kept"]), (&false.into(), &0.into()));
+    assert_eq!(last["equilibrium_fraction"], 0.0);
+    assert!(last["ci_high"].as_f64().unwrap() > failed as f64 / 400.0);
+    let times: Vec<f64> = events.iter().map(|event| event["elapsed_s"].as_f64().unwrap()).collect();
+    assert!(times[0] == 0.0 && times[times.len() - 1] > 0.0);
+
+    // Without --quiet, messages are there too; they are no objects.
+    let ended = scratch.stickslip("run a.yaml --out more --progress json --max-seconds 0");
+    let (objects, messages): (Vec<&str>, Vec<&str>) =
+        ended.err.lines().partition(|line| line.starts_with('{'));
+    let last: Value = serde_json::from_str(objects[objects.len() - 1]).unwrap();
+    assert_eq!((&last["event"], &last["interrupted"]), (&"ended".into(), &true.into()));
+    assert_eq!((&last["equilibrium_fraction"], &last["left_s"]), (&Value::Null, &Value::Null));
+    assert_has(&messages.join("\n"), &["tables in more", "out of time"]);
+}
+
+#[test]
+fn each_of_a_few_points_has_a_line() {
+    let scratch = scratch(3);
+    for arguments in ["run a.yaml --out auto", "run a.yaml --out lines --progress lines"] {
+        let ended = scratch.stickslip(arguments);
+        let lines: Vec<&str> =
+            ended.err.lines().filter(|line| line.starts_with("point ")).collect();
+        assert_eq!(lines.len(), 3, "{}", ended.err);
+        assert_has(
+            lines[1],
+            &["point 1 speed_rad_s=-161: 8 runs, equilibria 0.0000 (0.0000 .. 0."],
+        );
+        let failed = ended.out.lines().nth(2).unwrap().split_whitespace().last().unwrap();
+        let said = if failed == "0" { ")".to_owned() } else { format!("), {failed} failed") };
+        assert!(lines[1].ends_with(&said), "{said}: {}", lines[1]);
+    }
+    for arguments in
+        ["run a.yaml --out none --progress none", "run a.yaml --out bar --progress bar"]
+    {
+        let ended = scratch.stickslip(arguments);
+        assert!(!ended.err.contains("point "), "{}", ended.err);
+        assert_has(&ended.err, &["24 runs in "]);
+    }
+    // What is asked for by name is no noise.
+    let ended = scratch.stickslip("run a.yaml --out asked --progress lines --quiet");
+    assert_eq!((ended.err.matches("point ").count(), ended.out.as_str()), (3, ""));
+    scratch.refused("run a.yaml --progress dots", &["--progress", "dots", "auto", "json"]);
+}
+
+/// Of many points at most one in a second has a line, and the others are counted.
+#[test]
+fn many_points_share_lines() {
+    let scratch = scratch(60);
+    let ended = scratch.stickslip("run a.yaml --out out");
+    assert_eq!(ended.code, Some(3), "{}", ended.err);
+    let mut told = 0;
+    let mut lines = 0;
+    for line in ended.err.lines() {
+        let number = |before: &str, after: &str| -> u64 {
+            let rest = match before {
+                "" => line,
+                before => line.rsplit_once(before).map_or("", |(_, rest)| rest),
+            };
+            rest.split_once(after).and_then(|(number, _)| number.parse().ok()).unwrap_or(0)
+        };
+        if line.starts_with("point ") {
+            lines += 1;
+            told += 1 + number("(", " before it left out)");
+        } else if line.ends_with(" more points have finished") {
+            told += number("", " more points");
+        }
+    }
+    assert_eq!(told, 60, "{}", ended.err);
+    assert!((1..=60).contains(&lines), "{}", ended.err);
+}

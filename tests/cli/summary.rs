@@ -1,0 +1,302 @@
+//! `stickslip summary`: the points of results as they were printed, and with all that is known of them.
+
+use std::fs::{self, File};
+use std::path::Path;
+
+use arrow::array::RecordBatch;
+use arrow::datatypes::DataType;
+use parquet::arrow::ArrowWriter;
+use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
+use parquet::file::metadata::KeyValue;
+use parquet::file::properties::WriterProperties;
+use serde_json::{Value, json};
+
+use super::support::{AT_ONCE, Scratch, assert_has, counts, numbers, study_text, words};
+
+/// Three points with words among their parameters, an audit and failures.
+const REST: &str = "sweep: [{zip: {speed_rad_s: [-160.0, -200.0, -216.3772], \
+                    friction_coefficient: [2.75e-3, 2.75e-5, 1.0e-3], \
+                    normal_force: [lagrange, newton, lagrange]}}]\n\
+                    audit: {fraction: 0.5}\n\
+                    uncertain: {ball_mass_kg: {normal: {mean: 1.4e-4, std_dev: 1.4e-4}}}\n";
+
+fn study(samples: u32, end_time_s: f64, rest: &str) -> String {
+    study_text("short", &format!("{{monte_carlo: {{samples: {samples}}}}}"), end_time_s, rest)
+}
+
+/// A finished study in `out`, and what `run` printed.
+fn finished() -> (Scratch, String) {
+    let scratch = Scratch::new();
+    scratch.write("a.yaml", study(20, 0.5, REST));
+    let ended = scratch.stickslip("run a.yaml --out out");
+    assert_eq!(ended.code, Some(3), "{}", ended.err);
+    (scratch, ended.out)
+}
+
+#[test]
+fn the_table_is_the_one_that_run_prints() {
+    let (scratch, printed) = finished();
+    let points = scratch.table("out", "points");
+    let sum = |name| counts(&points, name).iter().sum::<u64>();
+    let [failed, flips, audited] = ["failed_runs", "audit_flips", "audited_runs"].map(sum);
+    assert!(failed > 0 && audited > 0);
+    let title = format!(
+        "short: stickslip {}, seed 5, all 60 runs finished, {failed} failed, {flips} of {audited} \
+         audited runs flipped",
+        env!("CARGO_PKG_VERSION")
+    );
+    let before = scratch.files();
+    let ended = scratch.stickslip("summary out");
+    assert_eq!((ended.code, ended.err.as_str()), (Some(0), ""));
+    assert_eq!(ended.out, format!("{title}\n\n{printed}"));
+    // The same cells in Markdown.
+    let markdown = scratch.well("summary out --format markdown");
+    let (first, table) = markdown.split_once("\n\n").unwrap();
+    assert_eq!(first, title);
+    let lines: Vec<&str> = table.lines().collect();
+    assert_eq!(lines.len(), 2 + 3);
+    assert!(lines[1].replace("| --: ", "") == "|", "{}", lines[1]);
+    for (line, printed) in [0, 2, 3, 4].map(|line| lines[line]).iter().zip(printed.lines()) {
+        let cells = line.trim_matches('|').split('|').map(str::trim).collect::<Vec<_>>();
+        assert_eq!(cells.join(" "), printed.split_whitespace().collect::<Vec<_>>().join(" "));
+        assert_eq!(cells.len(), lines[0].trim_matches('|').split('|').count());
+    }
+    assert_eq!(scratch.files(), before);
+}
+
+#[test]
+fn a_complete_study_that_is_run_again_shows_its_points() {
+    let (scratch, printed) = finished();
+    let again = scratch.stickslip("run a.yaml --out out");
+    assert_eq!((again.code, &again.out), (Some(3), &printed));
+    assert_has(&again.err, &["out already holds all 60 runs of this study: nothing to do"]);
+    assert_eq!(scratch.stickslip("resume out").out, printed);
+    let report = |arguments: &str| -> Value {
+        serde_json::from_str(&scratch.stickslip(arguments).out).unwrap()
+    };
+    let fresh = report("run a.yaml --out other --json");
+    let again = report("run a.yaml --out other --json");
+    assert_eq!(fresh["points"].as_array().map(Vec::len), Some(3));
+    assert_eq!(again["points"], fresh["points"]);
+    let flags = ["already_complete", "interrupted"].map(|key| again[key].clone());
+    assert_eq!(flags, [json!(true), json!(false)]);
+    assert_eq!(scratch.stickslip("run a.yaml --out out --quiet").out, "");
+}
+
+/// Blocks have no equilibrium set, and a precision is told of each time.
+#[test]
+fn other_models_and_a_precision() {
+    let scratch = Scratch::new();
+    let rest = "model: {kind: block_on_spring, parameters: {mass_kg: 1, stiffness_n_m: 100, \
+                normal_force_n: 10, friction_coefficient: 0.1}}\n\
+                sweep: [{grid: {stiffness_n_m: [50, 100]}}]\n\
+                precision: {equilibrium_fraction: 0.1, max_runs: 64}\n";
+    let text = study(16, 10.0, rest)
+        .replace("initial_conditions: {", "initial_conditions: {box: {position_m: [-0.1, 0.1]}, ");
+    scratch.write("a.yaml", text);
+    let ended = scratch.stickslip("run a.yaml --out out");
+    assert_eq!(ended.code, Some(0), "{}", ended.err);
+    let again = scratch.stickslip("run a.yaml --out out");
+    assert_eq!(again.out, ended.out);
+    let line = |text: &str| {
+        text.lines().find(|line| line.starts_with("fraction known")).map(str::to_owned)
+    };
+    assert!(line(&ended.err).is_some());
+    assert_eq!(line(&again.err), line(&ended.err));
+    assert!(scratch.well("summary out").ends_with(&ended.out));
+}
+
+#[test]
+fn csv_and_json_hold_every_column_to_the_last_digit() {
+    let (scratch, _) = finished();
+    let points = scratch.table("out", "points");
+    let ended = scratch.stickslip("summary out --format csv");
+    assert_eq!(ended.code, Some(0));
+    assert_has(&ended.err, &["short: stickslip ", "all 60 runs finished"]);
+    let mut reader = csv::Reader::from_reader(ended.out.as_bytes());
+    let names: Vec<String> = reader.headers().unwrap().iter().map(str::to_owned).collect();
+    let records: Vec<csv::StringRecord> = reader.records().map(Result::unwrap).collect();
+    let text = scratch.well("summary out --format json");
+    let document: Value = serde_json::from_str(&text).unwrap();
+    let lines: Vec<&str> = text.lines().filter(|line| line.contains("\"point_id\"")).collect();
+    let keys = ["study", "seed", "shard", "runs_planned", "runs_finished", "complete"];
+    let facts = keys.map(|key| document[key].clone());
+    assert_eq!(facts, [json!("short"), 5.into(), "1/1".into(), 60.into(), 60.into(), true.into()]);
+    let objects = document["points"].as_array().unwrap();
+    assert_eq!((records.len(), objects.len(), lines.len()), (3, 3, 3));
+
+    let schema = points.schema();
+    let fields: Vec<&String> = schema.fields().iter().map(|field| field.name()).collect();
+    assert_eq!(names.iter().collect::<Vec<_>>(), fields);
+    for (index, field) in schema.fields().iter().enumerate() {
+        let name = field.name();
+        let cells: Vec<Value> = match field.data_type() {
+            DataType::Float64 => numbers(&points, name).into_iter().map(|n| json!(n)).collect(),
+            DataType::UInt64 => counts(&points, name).into_iter().map(|n| json!(n)).collect(),
+            DataType::Boolean => vec![Value::Null; 3],
+            _ => words(&points, name).into_iter().map(|text| json!(text)).collect(),
+        };
+        for ((cell, record), line) in cells.iter().zip(&records).zip(&lines) {
+            // Compared as it is written: this reader of JSON may be off in the last digit.
+            let written = format!("\"{name}\":{cell}");
+            let rest = line.split_once(&written).map(|(_, rest)| rest);
+            assert!(rest.is_some_and(|rest| rest.starts_with([',', '}'])), "{written}\n{line}");
+            match cell {
+                Value::Null => assert_eq!(&record[index], "", "{name}"),
+                Value::String(text) => assert_eq!(&record[index], text, "{name}"),
+                Value::Number(number) => {
+                    assert_eq!(record[index].parse().ok(), number.as_f64(), "{name}");
+                }
+                _ => panic!("{name}"),
+            }
+        }
+    }
+}
+
+#[test]
+fn as_many_points_as_are_asked_for() {
+    let scratch = Scratch::new();
+    let speeds: Vec<String> = (0..45).map(|n| format!("-{}.0", 160 + n)).collect();
+    let sweep = format!("sweep: [{{grid: {{speed_rad_s: [{}]}}}}]\n", speeds.join(", "));
+    scratch.write("a.yaml", study(1, AT_ONCE, &sweep));
+    let printed = scratch.well("run a.yaml --out out");
+    assert!(printed.ends_with("\n... and 5 more points in points.parquet\n"));
+    assert!(scratch.well("summary out").ends_with(&format!("\n\n{printed}")));
+    for (points, lines) in [("all", 45), ("45", 45), ("44", 44), ("0", 0)] {
+        for (format, around) in [("table", 3), ("markdown", 4), ("csv", 1)] {
+            let text = scratch.well(&format!("summary out --format {format} --points {points}"));
+            let more = text.contains(&format!("... and {} more points", 45 - lines));
+            assert_eq!(more, lines < 45 && format != "csv", "{format}\n{text}");
+            let note = match (more, format) {
+                (false, _) => 0,
+                (true, "table") => 1,
+                (true, _) => 2,
+            };
+            assert_eq!(text.lines().count(), lines + around + note, "{format}\n{text}");
+        }
+        let document = scratch.well(&format!("summary out --format json --points {points}"));
+        let document: Value = serde_json::from_str(&document).unwrap();
+        assert_eq!(document["points"].as_array().map(Vec::len), Some(lines));
+    }
+    assert_eq!(scratch.well("summary out --format csv").lines().count(), 1 + 45);
+    let wrong = ["--points", "found \"-1\"", "allowed: all, or a whole number from 0"];
+    scratch.refused("summary out --points -1", &wrong);
+    scratch.refused("summary out --format html", &["--format", "csv", "markdown"]);
+}
+
+#[test]
+fn interrupted_results_say_what_is_missing() {
+    let scratch = Scratch::new();
+    scratch.write("a.yaml", study(20, 0.5, REST));
+    assert_eq!(scratch.stickslip("run a.yaml --out out --max-seconds 0").code, Some(130));
+    let text = scratch.well("summary out");
+    let said = "0 of 60 runs finished, 60 are missing (`stickslip resume out` goes on), 0 failed";
+    assert_has(&text, &[said]);
+    assert_eq!(text.lines().count(), 3, "no point has a run: {text}");
+    let document: Value = serde_json::from_str(&scratch.well("summary out --format json")).unwrap();
+    assert_eq!((&document["complete"], &document["points"]), (&json!(false), &json!([])));
+    // A part of a study is called so.
+    scratch.stickslip("run a.yaml --out part --shard 2/3 -q");
+    assert_has(&scratch.well("summary part"), &["seed 5, shard 2/3, all 20 runs finished"]);
+    // A part in which there is nothing to do.
+    scratch.write("b.yaml", study(1, AT_ONCE, ""));
+    let titles = ["1/2", "2/2"].map(|shard| {
+        scratch.well(&format!("run b.yaml --out {0} --shard {shard}", &shard[..1]));
+        let text = scratch.well(&format!("summary {}", &shard[..1]));
+        text.lines().next().unwrap().split(", ").nth(3).unwrap().to_owned()
+    });
+    assert!(titles.contains(&"all 0 runs finished".to_owned()), "{titles:?}");
+    assert!(titles.contains(&"all 1 runs finished".to_owned()), "{titles:?}");
+}
+
+#[test]
+fn a_study_whose_runs_have_all_failed() {
+    let scratch = Scratch::new();
+    let rest = "uncertain: {ball_mass_kg: {normal: {mean: 1.4e-4, std_dev: 1.0}}}\n";
+    // About half of the masses are below zero; with one seed out of a few all of them are.
+    let ended = (0..100).find_map(|seed| {
+        let text = study(2, AT_ONCE, rest).replace("seed: 5\n", &format!("seed: {seed}\n"));
+        scratch.write("a.yaml", text);
+        let ended = scratch.stickslip("run a.yaml --out out");
+        if ended.code == Some(3) && ended.err.contains("2 runs failed") {
+            return Some(ended);
+        }
+        fs::remove_dir_all(scratch.path("out")).unwrap();
+        None
+    });
+    let ended = ended.unwrap();
+    let text = scratch.well("summary out");
+    assert_has(&text, &["all 2 runs finished, 2 failed", "not reached"]);
+    assert!(text.ends_with(&ended.out));
+}
+
+/// Removes the tables and says so in the manifest, as a kill leaves a directory.
+fn kill(scratch: &Scratch) {
+    let mut manifest = scratch.manifest("out");
+    for name in manifest["files"].as_object().unwrap().keys().filter(|name| *name != "study.yaml") {
+        fs::remove_file(scratch.path("out").join(name)).unwrap();
+    }
+    manifest["complete"] = false.into();
+    manifest["files"] = json!({});
+    scratch.write("out/manifest.json", manifest.to_string());
+}
+
+#[test]
+fn what_has_no_tables_is_refused() {
+    let (scratch, printed) = finished();
+    scratch.refused("summary nowhere", &["nowhere: this directory holds no study", "allowed: "]);
+    scratch.refused("summary a.yaml", &["a.yaml", "allowed: "]);
+    kill(&scratch);
+    let said = ["out: there are no tables yet", "60 of 60 runs finished", "`stickslip resume out`"];
+    scratch.refused("summary out", &said);
+    fs::remove_dir_all(scratch.path("out/chunks")).unwrap();
+    scratch.refused("summary out", &["0 of 60 runs finished"]);
+    // What that says is true.
+    assert_eq!(scratch.stickslip("resume out").code, Some(3));
+    assert!(scratch.well("summary out").ends_with(&printed));
+    let other = scratch.manifest("out").to_string();
+    let other = other.replace("\"model_version\":1", "\"model_version\":0");
+    scratch.write("out/manifest.json", other);
+    scratch.refused("summary out", &["another version", "version 0 of the model", "allowed: "]);
+}
+
+/// Writes a table again with other columns, and its size into the manifest.
+fn rewrite(scratch: &Scratch, change: impl Fn(RecordBatch) -> RecordBatch) {
+    let path = scratch.path("out/points.parquet");
+    let reader = ParquetRecordBatchReaderBuilder::try_new(File::open(&path).unwrap()).unwrap();
+    let pairs = reader.metadata().file_metadata().key_value_metadata().unwrap().clone();
+    let kept: Vec<KeyValue> = pairs.into_iter().filter(|pair| pair.key == "stickslip").collect();
+    let batch = change(reader.build().unwrap().next().unwrap().unwrap());
+    let properties = WriterProperties::builder().set_key_value_metadata(Some(kept)).build();
+    let file = File::create(&path).unwrap();
+    let mut writer = ArrowWriter::try_new(file, batch.schema(), Some(properties)).unwrap();
+    writer.write(&batch).unwrap();
+    writer.close().unwrap();
+    let mut manifest = scratch.manifest("out");
+    manifest["files"]["points.parquet"]["bytes"] = size(&path).into();
+    scratch.write("out/manifest.json", manifest.to_string());
+}
+
+fn size(path: &Path) -> u64 {
+    fs::metadata(path).unwrap().len()
+}
+
+#[test]
+fn tables_that_are_not_as_they_should_be_are_refused() {
+    let (scratch, printed) = finished();
+    rewrite(&scratch, |batch| batch);
+    assert!(scratch.well("summary out").ends_with(&printed));
+    let without = |batch: RecordBatch, name: &str| {
+        let index = batch.schema().index_of(name).unwrap();
+        let kept: Vec<usize> = (0..batch.num_columns()).filter(|other| *other != index).collect();
+        batch.project(&kept).unwrap()
+    };
+    rewrite(&scratch, |batch| without(batch, "ci_low"));
+    let said = ["points.parquet: column ci_low: there is no such column", "columns ", "of numbers"];
+    scratch.refused("summary out", &said);
+    let bytes = fs::read(scratch.path("out/points.parquet")).unwrap();
+    scratch.write("out/points.parquet", &bytes[1..]);
+    scratch.refused("summary out", &["points.parquet: this is not the file that was written"]);
+    fs::remove_file(scratch.path("out/points.parquet")).unwrap();
+    scratch.refused("summary out", &["points.parquet: this is not the file", "stickslip run out/"]);
+}

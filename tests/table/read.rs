@@ -1,0 +1,221 @@
+//! Tables of results as the program reads them: every kind of column, and files that are not what they
+//! should be.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+
+use serde_json::json;
+use stickslip::table::column::Column;
+use stickslip::table::{
+    FORMAT, FileEntry, Kind, Manifest, Table, TableError, TableWriter, Values, manifest_of,
+};
+use tempfile::{TempDir, tempdir};
+
+use crate::cli::support::{AT_ONCE, Scratch, study_text};
+
+const HASH: &str = "0123456789abcdef";
+
+/// What is in row `n`; every seventh value is missing.
+fn there(n: u64) -> Option<u64> {
+    (!n.is_multiple_of(7)).then_some(n)
+}
+
+fn number(n: u64) -> Option<f64> {
+    there(n).map(|n| (n as f64).sqrt() / 3.0 - 40.0)
+}
+
+fn list(n: u64) -> Option<Vec<f64>> {
+    there(n).map(|n| (0..n % 4).map(|k| k as f64 + n as f64 * 0.1).collect())
+}
+
+const WORDS: [&str; 3] = ["coulomb", "stribeck", "Reibung ü"];
+
+fn columns() -> Vec<Column<u64>> {
+    vec![
+        Column::number("number", "m", "", |n: &u64| number(*n)),
+        Column::count("count", "", |n: &u64| there(*n).map(|n| u64::MAX - n)),
+        Column::small_count("small_count", "", |n: &u64| there(*n).map(|n| (n % 256) as u8)),
+        Column::integer("integer", "", |n: &u64| there(*n).map(|n| 5 - n as i32)),
+        Column::truth("truth", "", |n: &u64| there(*n).map(|n| n % 3 == 0)),
+        Column::optional_word("word", "", |n: &u64| there(*n).map(|n| WORDS[n as usize % 3])),
+        Column::text("text", "", |n: &u64| there(*n).map(|n| format!("run {n}"))),
+        Column::numbers("list", "rad", "", |n: &u64| list(*n)),
+    ]
+}
+
+fn all_kinds() -> [(&'static str, Kind); 8] {
+    [
+        ("number", Kind::Number),
+        ("count", Kind::Count),
+        ("small_count", Kind::Count),
+        ("integer", Kind::Integer),
+        ("truth", Kind::Truth),
+        ("word", Kind::Text),
+        ("text", Kind::Text),
+        ("list", Kind::Numbers),
+    ]
+}
+
+fn provenance(format: u32, table: &str, hash: &str) -> String {
+    json!({"format": format, "table": table, "study": "s", "study_hash": hash}).to_string()
+}
+
+/// A manifest with these files; all else of it comes from a study that is run.
+fn manifest(files: impl IntoIterator<Item = (String, FileEntry)>) -> Manifest {
+    let scratch = Scratch::new();
+    scratch.write("a.yaml", study_text("a", "{monte_carlo: {samples: 1}}", AT_ONCE, ""));
+    scratch.well("run a.yaml --out out -q");
+    let read = manifest_of(&scratch.path("out")).unwrap().unwrap();
+    Manifest {
+        files: files.into_iter().collect::<BTreeMap<_, _>>(),
+        study_hash: HASH.into(),
+        ..read
+    }
+}
+
+/// A table of these rows under this name, and what a manifest says of it.
+fn write(path: &Path, rows: std::ops::Range<u64>, provenance: &str) -> FileEntry {
+    let mut writer = TableWriter::create(path, columns(), provenance).unwrap();
+    rows.for_each(|n| writer.push(n).unwrap());
+    writer.finish().unwrap().remove(0).1
+}
+
+fn one_table(rows: u64, provenance: &str) -> (TempDir, Manifest) {
+    let folder = tempdir().unwrap();
+    let entry = write(&folder.path().join("t.parquet"), 0..rows, provenance);
+    let manifest = manifest([("t.parquet".to_owned(), entry)]);
+    (folder, manifest)
+}
+
+fn right() -> String {
+    provenance(FORMAT, "t", HASH)
+}
+
+/// Reads all of a table and compares every value; returns the number of rows.
+#[track_caller]
+fn compare(table: &Table) -> u64 {
+    let mut next = 0;
+    for batch in table.read(&all_kinds()).unwrap() {
+        let batch = batch.unwrap();
+        assert_eq!(batch.first_row, next);
+        assert!(batch.rows <= 1024);
+        for row in 0..batch.rows {
+            let n = next + row as u64;
+            assert_eq!(batch.numbers("number").unwrap()[row], number(n));
+            assert_eq!(batch.counts("count").unwrap()[row], there(n).map(|n| u64::MAX - n));
+            assert_eq!(batch.counts("small_count").unwrap()[row], there(n).map(|n| n % 256));
+            assert_eq!(batch.integers("integer").unwrap()[row], there(n).map(|n| 5 - n as i64));
+            assert_eq!(batch.truths("truth").unwrap()[row], there(n).map(|n| n % 3 == 0));
+            let text = |name| batch.texts(name).unwrap()[row].clone();
+            assert_eq!(text("word"), there(n).map(|n| WORDS[n as usize % 3].to_owned()));
+            assert_eq!(text("text"), there(n).map(|n| format!("run {n}")));
+            assert_eq!(batch.lists("list").unwrap()[row], list(n));
+        }
+        next += batch.rows as u64;
+    }
+    assert_eq!(next, table.rows());
+    next
+}
+
+/// Across batches, groups of rows and files.
+#[test]
+fn every_value_of_every_kind_comes_back() {
+    for rows in [0, 1, 1024, 1025, 20_000] {
+        let (folder, manifest) = one_table(rows, &right());
+        let table = Table::open(folder.path(), &manifest, "t").unwrap();
+        assert_eq!(compare(&table), rows);
+        let kinds: Vec<_> =
+            table.columns().iter().map(|(name, kind)| (name.as_str(), kind.unwrap())).collect();
+        assert_eq!(kinds, all_kinds());
+    }
+    let folder = tempdir().unwrap();
+    fs::create_dir(folder.path().join("t.parquet")).unwrap();
+    let parts = [0..9000, 9000..9001, 9001..12_000].into_iter().enumerate().map(|(part, rows)| {
+        let name = format!("t.parquet/part-{part:05}.parquet");
+        let entry = write(&folder.path().join(&name), rows, &right());
+        (name, entry)
+    });
+    let manifest = manifest(parts);
+    assert_eq!(compare(&Table::open(folder.path(), &manifest, "t").unwrap()), 12_000);
+}
+
+#[track_caller]
+fn refused<T>(result: Result<T, TableError>, parts: &[&str]) {
+    let message = result.err().expect("refused").to_string();
+    for part in parts.iter().chain(&["found: ", "allowed: "]) {
+        assert!(message.contains(part), "no {part:?} in\n{message}");
+    }
+}
+
+#[test]
+fn columns_that_are_not_there_are_named() {
+    let (folder, manifest) = one_table(10, &right());
+    let table = Table::open(folder.path(), &manifest, "t").unwrap();
+    let missing = ["t.parquet: column numbr: ", "columns number (did you mean this?)"];
+    refused(table.read(&[("count", Kind::Count), ("numbr", Kind::Number)]), &missing);
+    let wrong = ["t.parquet: column text: wrong type", "a column of text", "allowed: numbers"];
+    refused(table.read(&[("text", Kind::Number)]), &wrong);
+    let batch = table.read(&[("count", Kind::Count)]).unwrap().next().unwrap().unwrap();
+    refused(batch.numbers("count"), &["column count: wrong type", "whole numbers from 0"]);
+    refused(batch.numbers("number"), &["column number: not asked for"]);
+    assert!(matches!(&batch.columns[..], [(name, Values::Count(_))] if name == "count"));
+}
+
+#[test]
+fn files_that_are_not_those_that_were_written_are_named() {
+    for (provenance, found) in [
+        (provenance(FORMAT + 1, "t", HASH), format!("layout {}, table t", FORMAT + 1)),
+        (provenance(FORMAT, "points", HASH), "table points".to_owned()),
+        (provenance(FORMAT, "t", "fedcba987654"), "hash fedcba987654".to_owned()),
+        ("no JSON".to_owned(), "no key `stickslip`".to_owned()),
+    ] {
+        let (folder, manifest) = one_table(10, &provenance);
+        let parts =
+            ["t.parquet: this is not a table of these results", &found, "hash 0123456789ab"];
+        refused(Table::open(folder.path(), &manifest, "t"), &parts);
+    }
+
+    let (folder, manifest) = one_table(10, &right());
+    let open = |manifest: &Manifest| Table::open(folder.path(), manifest, "t");
+    let path = folder.path().join("t.parquet");
+    refused(Table::open(folder.path(), &manifest, "runs"), &["no table runs.parquet", "t.parquet"]);
+    let mut more = manifest.clone();
+    more.files.get_mut("t.parquet").unwrap().rows = Some(11);
+    refused(open(&more), &["not as many rows", "10 rows", "11, as manifest.json says"]);
+    let bytes = fs::read(&path).unwrap();
+    fs::write(&path, &bytes[..bytes.len() - 1]).unwrap();
+    refused(open(&manifest), &["not the file that was written", "stickslip run"]);
+    fs::write(&path, vec![b'x'; bytes.len()]).unwrap();
+    refused(open(&manifest), &["t.parquet: not a readable Parquet file", "PAR1"]);
+    fs::remove_file(&path).unwrap();
+    refused(open(&manifest), &["not the file that was written", "No such file"]);
+    fs::create_dir(&path).unwrap();
+    refused(open(&manifest), &["not a regular file"]);
+}
+
+/// Any byte of a file may be another one: the table is read or refused, and nothing panics.
+#[test]
+fn damaged_files_are_read_or_refused() {
+    let (folder, manifest) = one_table(300, &right());
+    let path = folder.path().join("t.parquet");
+    let right = fs::read(&path).unwrap();
+    let mut refusals = 0;
+    for place in 0..right.len() {
+        let mut bytes = right.clone();
+        bytes[place] ^= 1 << (place % 8);
+        fs::write(&path, &bytes).unwrap();
+        let read = || -> Result<usize, TableError> {
+            let table = Table::open(folder.path(), &manifest, "t")?;
+            table.read_all()?.map(|batch| batch.map(|batch| batch.rows)).sum()
+        };
+        match read() {
+            Ok(rows) => assert_eq!(rows, 300, "byte {place}"),
+            Err(error) => {
+                refusals += 1;
+                assert!(error.to_string().len() < 5000, "{error}");
+            }
+        }
+    }
+    assert!(refusals > 100, "{refusals}");
+}
