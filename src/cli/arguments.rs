@@ -137,7 +137,7 @@ impl FarmArguments {
 /// A time span.
 fn seconds(text: &str) -> Result<Duration, String> {
     let seconds = text.parse().ok().and_then(|number| Duration::try_from_secs_f64(number).ok());
-    seconds.ok_or_else(|| format!("found {text:?}, allowed: a number of seconds, 0 or more"))
+    seconds.ok_or_else(|| format!("found {text:?}, allowed: a number of seconds, from 0 to 1e19"))
 }
 
 fn on_failure(text: &str) -> Result<OnFailure, String> {

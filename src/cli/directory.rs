@@ -7,7 +7,8 @@ use crate::ending::MODEL_VERSION;
 use crate::farm::{CHUNKS, Shard, Store, say};
 use crate::study::{Study, difference};
 use crate::table::{
-    Circumstances, Destination, EARLIER, Manifest, Results, ResultsError, inspect, put_aside,
+    Circumstances, Destination, EARLIER, Manifest, Results, ResultsError, inspect, manifest_of,
+    put_aside,
 };
 
 /// Lines of a difference that are shown.
@@ -74,7 +75,17 @@ impl Place<'_> {
             }
             Destination::Another(manifest) => (self.reopen(study, manifest)?, true),
         };
-        self.shards.iter().try_for_each(|shard| store.add_shard(shard))?;
+        for part in self.shards {
+            let listed = store.add_shard(part)?;
+            let finished = manifest_of(part)?.map_or(0, |manifest| manifest.runs_finished);
+            if listed < finished {
+                say(&format!(
+                    "{}: only {listed} of its {finished} finished runs are on the list in {CHUNKS}/: the \
+                     others are computed again",
+                    part.display()
+                ));
+            }
+        }
         if let (Destination::Begun(_), true) = (&found, self.shards.is_empty()) {
             tell(format!(
                 "{directory}: going on with this study, of which up to {} runs are finished",
@@ -134,10 +145,13 @@ impl Place<'_> {
                 "this directory holds the results of another study, of which no run can be used"
                     .to_owned(),
             found: format!("study {}; it differs in\n    {}", manifest.study, lines.join("\n    ")),
-            allowed: format!(
-                "another directory, with --out DIR; or --recompute, which moves those results to \
-                 {EARLIER}/ and computes all runs"
-            ),
+            allowed: match self.shards {
+                [] => format!(
+                    "another directory, with --out DIR; or --recompute, which moves those results to \
+                     {EARLIER}/ and computes all runs"
+                ),
+                _ => "another directory, with --out DIR".to_owned(),
+            },
         }
     }
 }

@@ -14,8 +14,10 @@ use crate::table::{ResultsError, TableError, WriteError};
 pub enum End {
     /// All well.
     Well,
-    /// Finished, or stopped for it: some runs failed.
+    /// Finished, but some runs failed.
     RunsFailed,
+    /// Not finished: more runs failed than may.
+    TooManyFailed,
     /// An expectation of the study is not met.
     ExpectationNotMet,
     /// A run computed again is not what its row says.
@@ -29,6 +31,7 @@ impl End {
     pub fn code(self) -> ExitCode {
         ExitCode::from(match self {
             End::Well => 0,
+            End::TooManyFailed => 1,
             End::NotReproduced => 1,
             End::RunsFailed => 3,
             End::ExpectationNotMet => 4,
@@ -84,7 +87,9 @@ impl CliError {
             CliError::Results(ResultsError::Occupied { .. } | ResultsError::Unusable { .. }) => 2,
             CliError::Store(StoreError::Unusable { .. }) => 2,
             CliError::Results(ResultsError::Write(_))
-            | CliError::Store(StoreError::Unwritten { .. } | StoreError::Busy { .. })
+            | CliError::Store(
+                StoreError::Unwritten { .. } | StoreError::Busy { .. } | StoreError::Lost { .. },
+            )
             | CliError::Write(_)
             | CliError::Threads(_)
             | CliError::Output(_) => 1,

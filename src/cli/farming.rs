@@ -35,7 +35,7 @@ impl Ran {
     pub fn end(&self) -> End {
         match self.tally.stopped {
             Some(StopReason::Asked | StopReason::Time) => End::Interrupted,
-            Some(StopReason::Failures) => End::RunsFailed,
+            Some(StopReason::Failures) => End::TooManyFailed,
             None if self.tally.counts.of(Label::Failed) > 0 => End::RunsFailed,
             None => End::Well,
         }
@@ -106,17 +106,19 @@ impl Ran {
     }
 
     fn stopped_line(&self, study: &Study) -> Option<String> {
-        let cause = match self.tally.stopped? {
-            StopReason::Asked => "interrupted",
-            StopReason::Time => "out of time (--max-seconds)",
-            StopReason::Failures => "stopped because of failed runs (--on-failure)",
+        let failed = self.tally.counts.of(Label::Failed);
+        let too_many =
+            format!("stopped: {failed} runs have failed, more than --on-failure allows,");
+        let (cause, goes_on) = match self.tally.stopped? {
+            StopReason::Asked => ("interrupted", "the same command goes on"),
+            StopReason::Time => ("out of time (--max-seconds)", "the same command goes on"),
+            StopReason::Failures => (too_many.as_str(), "with --on-failure continue it goes on"),
         };
         let runs = self.tally.counts.total();
         let planned = self.circumstances.runs_planned;
         let bound = if study.precision().is_some() { "at most " } else { "" };
         Some(format!(
-            "{cause} after {runs} of {bound}{planned} runs; what is finished is kept, and the same \
-             command goes on"
+            "{cause} after {runs} of {bound}{planned} runs; what is finished is kept, and {goes_on}"
         ))
     }
 }

@@ -40,9 +40,13 @@ pub fn results_study(directory: &Path) -> Result<(Study, Manifest), CliError> {
     if study.hash() != manifest.study_hash {
         let found = format!("a study.yaml whose runs are not those of study {}", manifest.study);
         let allowed = format!(
-            "the study.yaml that was written; or `stickslip run {0}/study.yaml --out {0}`, which computes \
-             what is new in it",
-            directory.display()
+            "the study.yaml that was written; or `stickslip run {0}/study.yaml --out {0}{1}`, which \
+             computes what is new in it",
+            directory.display(),
+            match manifest.shard.as_str() {
+                "1/1" => String::new(),
+                shard => format!(" --shard {shard}"),
+            }
         );
         return Err(occupied("the study has been edited since", found, allowed).into());
     }

@@ -99,6 +99,7 @@ pub fn carry_out(
             (None, None) => Ok(()),
         }
     })?;
+    store.check()?;
     results.finish(study, ran.circumstances.clone())?;
     ran.report(study, arguments, Some(place.directory), None)?;
     Ok(ran.end())

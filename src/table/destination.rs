@@ -4,7 +4,7 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use super::manifest::{MANIFEST, Manifest, sync_directory};
+use super::manifest::{FileEntry, MANIFEST, Manifest, sync_directory};
 use super::provenance::{FORMAT, VERSION};
 use super::results::{DATA_FILES, ResultsError, STUDY};
 use crate::ending::MODEL_VERSION;
@@ -129,10 +129,22 @@ pub fn inspect(
         if bytes.as_ref().ok() != Some(&entry.bytes) {
             let found = match bytes {
                 Ok(bytes) => format!("{name} of {bytes} bytes, {} in the manifest", entry.bytes),
+                Err(error) if error.kind() == io::ErrorKind::NotFound => {
+                    format!("{name} is missing")
+                }
                 Err(error) => format!("{name}: {error}"),
             };
             return Ok(Destination::Changed(manifest, found));
         }
+        let content = FileEntry::of(&directory.join(name), entry.rows).map_err(unusable)?;
+        if content != *entry {
+            let found = format!("the content of {name}");
+            return Ok(Destination::Changed(manifest, found));
+        }
+    }
+    if fs::read_to_string(directory.join(STUDY)).map_err(unusable)? != study.resolved_yaml() {
+        let found = format!("{STUDY}, by another name of the study or other expectations");
+        return Ok(Destination::Changed(manifest, found));
     }
     Ok(Destination::Complete(manifest))
 }
@@ -146,6 +158,9 @@ pub fn put_aside(directory: &Path) -> Result<PathBuf, ResultsError> {
     let unusable = |cause| ResultsError::Unusable { path: directory.to_owned(), cause };
     let folder = directory.join(EARLIER);
     fs::create_dir_all(&folder).map_err(unusable)?;
+    if !fs::symlink_metadata(&folder).map_err(unusable)?.is_dir() {
+        return Err(unusable(io::Error::other(format!("{EARLIER} is a link to somewhere else"))));
+    }
     let number = (1..u64::MAX).find(|number| !folder.join(number.to_string()).exists());
     let place = folder.join(number.unwrap_or(u64::MAX).to_string());
     // A folder that a crash has left half full is filled up: the manifest is moved last.

@@ -199,7 +199,12 @@ pub(crate) fn read_regular(path: &Path, most: u64) -> io::Result<Vec<u8>> {
 pub fn write_atomically(path: &Path, content: &[u8]) -> io::Result<()> {
     use std::io::Write;
     let temporary = path.with_added_extension("partial");
-    let mut file = fs::File::create(&temporary)?;
+    // Whatever has that name, a link or a pipe, is replaced, never written through.
+    match fs::remove_file(&temporary) {
+        Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
+        _ => {}
+    }
+    let mut file = fs::File::create_new(&temporary)?;
     file.write_all(content)?;
     file.sync_all()?;
     fs::rename(&temporary, path)?;

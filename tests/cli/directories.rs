@@ -33,7 +33,7 @@ fn a_study_fills_its_directory_once() {
 
     let before = scratch.files();
     let again = scratch.stickslip("run a.yaml --out deep/down --threads 1");
-    assert_eq!((again.code, again.out.as_str()), (Some(0), ""));
+    assert_eq!((again.code, &again.out), (Some(0), &ended.out));
     assert_has(&again.err, &["deep/down already holds all 8 runs of this study: nothing to do"]);
     // Only what decides the runs counts, not the file's name, form and comments.
     scratch.write("b.yaml", format!("# another comment\n{}", small("seed:   5\n")));

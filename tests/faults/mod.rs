@@ -5,6 +5,7 @@
 
 mod disk;
 mod killed;
+mod meddling;
 mod panics;
 mod trifles;
 mod two_processes;

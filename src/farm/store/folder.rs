@@ -4,6 +4,7 @@
 //! synced; then it is put on the list, which is synced; then it gets its name. Whatever a crash leaves
 //! of that is either completed or, where it is not the bytes that the list promises, never read.
 
+use std::collections::HashSet;
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -29,7 +30,7 @@ const MOST_CHUNKS: u64 = 1 << 48;
 const MOST_TOLD: usize = 10;
 
 /// A finished chunk, as the list has it.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Listed {
     /// Its number, which is its file's name.
@@ -80,13 +81,16 @@ impl Folder {
         };
         let content = content.map_err(unusable)?;
         let mut listed: Vec<Listed> = Vec::new();
+        let mut known = HashSet::new();
         let mut damaged = 0_usize;
         for (index, line) in String::from_utf8_lossy(&content).lines().enumerate() {
             match serde_json::from_str::<Listed>(line) {
                 // Outcomes of another version are no outcomes of this one.
                 Ok(entry) if entry.model_version != MODEL_VERSION => {}
                 Ok(entry) if entry.first_run <= entry.last_run && entry.chunk < MOST_CHUNKS => {
-                    listed.push(entry);
+                    if known.insert(entry.clone()) {
+                        listed.push(entry);
+                    }
                 }
                 _ => {
                     damaged += 1;
@@ -168,8 +172,13 @@ impl Folder {
     /// Puts a damaged chunk aside; it is kept.
     pub fn put_aside(&self, entry: &Listed) {
         let path = self.file(entry.chunk);
+        let names = (1..100).map(|number| match number {
+            1 => path.with_added_extension("damaged"),
+            _ => path.with_added_extension(format!("damaged-{number}")),
+        });
+        let free = names.into_iter().find(|name| fs::symlink_metadata(name).is_err());
         // Where that fails it stays where it is; its number is not used again.
-        let _ = fs::rename(&path, path.with_added_extension("damaged"));
+        let _ = free.map(|name| fs::rename(&path, name));
     }
 
     /// Adds a chunk to those that are finished.
@@ -194,7 +203,11 @@ impl Folder {
         let temporary = path.with_added_extension("partial");
         let write = || -> io::Result<()> {
             fs::create_dir_all(&self.path)?;
-            let mut file = File::create(&temporary)?;
+            match fs::remove_file(&temporary) {
+                Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
+                _ => {}
+            }
+            let mut file = File::create_new(&temporary)?;
             file.write_all(bytes)?;
             file.sync_all()?;
             self.list(&listed)?;
@@ -213,7 +226,11 @@ impl Folder {
 
     fn list(&self, listed: &Listed) -> io::Result<()> {
         let path = self.path.join(LIST);
-        let new = !path.exists();
+        let new = match fs::symlink_metadata(&path) {
+            Ok(found) if found.is_file() => false,
+            Ok(_) => return Err(io::Error::other("the list of chunks is not a regular file")),
+            Err(_) => true,
+        };
         let mut file = OpenOptions::new().create(true).append(true).open(&path)?;
         // After a line that a crash has torn, a new one begins.
         let line = format!("{}\n", serde_json::to_string(listed).map_err(io::Error::other)?);

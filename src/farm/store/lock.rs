@@ -1,6 +1,7 @@
 //! One process at a time writes into an output directory.
 
-use std::fs::{File, OpenOptions, TryLockError};
+use std::fs::{self, File, OpenOptions, TryLockError};
+use std::io;
 use std::path::{Path, PathBuf};
 
 use super::StoreError;
@@ -10,7 +11,9 @@ use crate::farm::say;
 /// process ends, however it ends.
 #[derive(Debug)]
 pub(super) struct Lock {
-    _file: Option<File>,
+    file: Option<File>,
+    path: PathBuf,
+    directory: PathBuf,
 }
 
 impl Lock {
@@ -20,19 +23,44 @@ impl Lock {
     /// [`StoreError::Busy`] where another process has it; [`StoreError::Unusable`]. A file system that has
     /// no locks is warned of.
     pub fn take(path: PathBuf, directory: &Path) -> Result<Self, StoreError> {
+        let unusable = |cause| StoreError::Unusable { path: path.clone(), cause };
+        // Nothing is opened that another could have put there to be waited for, or to lead elsewhere.
+        if fs::symlink_metadata(&path).is_ok_and(|found| !found.is_file()) {
+            return Err(unusable(io::Error::other("not a regular file")));
+        }
         let opened = OpenOptions::new().create(true).truncate(false).write(true).open(&path);
-        let file = opened.map_err(|cause| StoreError::Unusable { path: path.clone(), cause })?;
-        match file.try_lock() {
-            Ok(()) => Ok(Lock { _file: Some(file) }),
-            Err(TryLockError::WouldBlock) => Err(StoreError::Busy { path: directory.to_owned() }),
+        let file = opened.map_err(unusable)?;
+        let file = match file.try_lock() {
+            Ok(()) => Some(file),
+            Err(TryLockError::WouldBlock) => {
+                return Err(StoreError::Busy { path: directory.to_owned() });
+            }
             Err(TryLockError::Error(cause)) => {
                 say(&format!(
                     "warning: {} cannot be locked ({cause}): make sure that no other process writes \
                      into this directory",
                     path.display()
                 ));
-                Ok(Lock { _file: None })
+                None
+            }
+        };
+        Ok(Lock { file, path, directory: directory.to_owned() })
+    }
+
+    /// Whether the directory is still ours: somebody may have removed the lock.
+    ///
+    /// # Errors
+    /// [`StoreError::Lost`] where it is not.
+    pub fn check(&self) -> Result<(), StoreError> {
+        #[cfg(unix)]
+        if let Some(file) = &self.file {
+            use std::os::unix::fs::MetadataExt;
+            let place = |found: fs::Metadata| (found.dev(), found.ino());
+            let ours = file.metadata().map(place).ok();
+            if ours.is_none() || fs::symlink_metadata(&self.path).map(place).ok() != ours {
+                return Err(StoreError::Lost { path: self.directory.clone() });
             }
         }
+        Ok(())
     }
 }

@@ -59,6 +59,17 @@ pub enum StoreError {
         /// The directory.
         path: PathBuf,
     },
+    /// The lock was removed while this process had it.
+    #[error(
+        "{}: this directory is no longer ours\n  found:   {CHUNKS}/{LOCK} was removed while it was held, so \
+         that another process may write here, too\n  allowed: no other process; the same command then goes on \
+         with all finished runs",
+        path.display()
+    )]
+    Lost {
+        /// The directory.
+        path: PathBuf,
+    },
     /// A chunk could not be written.
     #[error(
         "cannot write {}: {cause}\n  what was finished before is kept; with the cause removed, the same \
@@ -89,7 +100,7 @@ pub struct Store {
     pub(super) keeper: Keeper,
     pub(super) shelves: Shelves,
     pub(super) reuse: Reuse,
-    _lock: Lock,
+    lock: Lock,
 }
 
 impl Store {
@@ -104,7 +115,11 @@ impl Store {
             let path = path.to_owned();
             move |cause| StoreError::Unusable { path, cause }
         };
-        fs::create_dir_all(&chunks).map_err(unusable(directory))?;
+        fs::create_dir_all(&chunks).map_err(unusable(&chunks))?;
+        if !fs::symlink_metadata(&chunks).map_err(unusable(&chunks))?.is_dir() {
+            let elsewhere = io::Error::other("a link to somewhere else");
+            return Err(unusable(&chunks)(elsewhere));
+        }
         let lock = Lock::take(chunks.join(LOCK), directory)?;
         let study_hash = study.hash();
         let own = chunks.join(&study_hash[..DIGITS]);
@@ -126,19 +141,29 @@ impl Store {
             shelves: Shelves::new(own.clone()),
             keeper: Keeper { folder: own, study_hash },
             reuse: Reuse::of(others?),
-            _lock: lock,
+            lock,
         })
     }
 
-    /// Also finds runs of the same study in another directory, that of a shard.
+    /// Also finds runs of the same study in another directory, that of a shard; returns how many are on
+    /// its list.
     ///
     /// # Errors
     /// [`StoreError::Unusable`].
-    pub fn add_shard(&mut self, directory: &Path) -> Result<(), StoreError> {
+    pub fn add_shard(&mut self, directory: &Path) -> Result<u64, StoreError> {
         let hash = &self.keeper.study_hash;
         let folder = Folder::open(directory.join(CHUNKS).join(&hash[..DIGITS]), hash)?;
+        let runs = folder.runs();
         self.shelves.folders.push(folder);
-        Ok(())
+        Ok(runs)
+    }
+
+    /// Whether the directory is still ours alone.
+    ///
+    /// # Errors
+    /// [`StoreError::Lost`] where it is not.
+    pub fn check(&self) -> Result<(), StoreError> {
+        self.lock.check()
     }
 
     /// How many finished runs of this study are on lists, here and in its shards.

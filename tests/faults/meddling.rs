@@ -1,0 +1,135 @@
+//! Somebody meddles with a directory of results: links and pipes in it, files changed or removed.
+
+use std::fs;
+use std::os::unix::fs::symlink;
+use std::process::Command;
+
+use super::{chunks, finished, halfway, study};
+use crate::cli::support::{Scratch, assert_has};
+
+/// A complete study of a few runs, in `out`.
+fn complete() -> Scratch {
+    let scratch = Scratch::new();
+    scratch.write("a.yaml", study().replace("samples: 3200", "samples: 40"));
+    scratch.well("run a.yaml --out out --quiet");
+    scratch
+}
+
+/// Nothing outside of the directory is written, whatever links lead there.
+#[test]
+fn links_are_not_written_through() {
+    for name in ["manifest.json.partial", "study.yaml.partial", "runs.parquet.partial"] {
+        let scratch = complete();
+        let before = scratch.data("out");
+        scratch.write("victim", "precious");
+        fs::remove_file(scratch.path("out/runs.parquet")).unwrap();
+        symlink(scratch.path("victim"), scratch.path("out").join(name)).unwrap();
+        let ended = scratch.stickslip("resume out --quiet");
+        assert_eq!(fs::read_to_string(scratch.path("victim")).unwrap(), "precious", "{name}");
+        if ended.code == Some(0) {
+            assert_eq!(scratch.data("out"), before, "{name}");
+        } else {
+            assert!(ended.err.contains(name), "{}", ended.err);
+        }
+    }
+    for name in ["out/chunks", "out/earlier", "out/chunks/lock"] {
+        let scratch = complete();
+        fs::create_dir(scratch.path("elsewhere")).unwrap();
+        fs::remove_file(scratch.path("out/runs.parquet")).unwrap();
+        let path = scratch.path(name);
+        if path.is_dir() {
+            fs::remove_dir_all(&path).unwrap();
+        } else if path.exists() {
+            fs::remove_file(&path).unwrap();
+        }
+        symlink(scratch.path("elsewhere"), &path).unwrap();
+        let ended = scratch.stickslip("resume out");
+        assert_eq!(ended.code, Some(2), "{name}: {}", ended.err);
+        assert_eq!(fs::read_dir(scratch.path("elsewhere")).unwrap().count(), 0, "{name}");
+    }
+}
+
+/// Pipes are not waited for.
+#[test]
+fn pipes_do_not_hang() {
+    for name in ["chunks/lock", "manifest.json.partial"] {
+        let scratch = complete();
+        let pipe = scratch.path("out").join(name);
+        fs::remove_file(scratch.path("out/runs.parquet")).unwrap();
+        let _ = fs::remove_file(&pipe);
+        assert!(Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+        let ended = scratch.stickslip("resume out");
+        assert!([Some(0), Some(2)].contains(&ended.code), "{name}: {}", ended.err);
+    }
+}
+
+/// Who removes the lock of a running study cannot make it claim tables that another process may have
+/// written.
+#[test]
+fn a_lost_lock_is_noticed() {
+    let scratch = Scratch::new();
+    scratch.write("a.yaml", study());
+    scratch.well("run a.yaml --out whole");
+    let child = scratch.command("run a.yaml --out out --chunk 64").spawn().unwrap();
+    while finished(&scratch.path("out")).len() < 2 {
+        std::thread::yield_now();
+    }
+    fs::remove_file(scratch.path("out/chunks/lock")).unwrap();
+    let ended = child.wait_with_output().unwrap();
+    let said = String::from_utf8_lossy(&ended.stderr).into_owned();
+    assert_eq!(ended.status.code(), Some(1), "{said}");
+    assert_has(&said, &["out: this directory is no longer ours", "allowed: no other process"]);
+    assert_eq!(scratch.manifest("out")["complete"], false);
+    scratch.well("resume out");
+    assert_eq!(scratch.data("out"), scratch.data("whole"));
+}
+
+/// Tables are known by their content, not by their size; another name of the study is another study.yaml.
+#[test]
+fn changed_content_is_made_again() {
+    let scratch = complete();
+    let before = scratch.data("out");
+    let mut changed = before[0].clone();
+    let middle = changed.len() / 2;
+    changed[middle] ^= 1;
+    scratch.write("out/runs.parquet", &changed);
+    let ended = scratch.stickslip("run a.yaml --out out");
+    assert_has(
+        &ended.err,
+        &["changed since they were written: the content of runs.parquet", " 0 computed"],
+    );
+    assert_eq!(scratch.data("out"), before);
+
+    let renamed =
+        fs::read_to_string(scratch.path("a.yaml")).unwrap().replace("bad-day", "good-day");
+    scratch.write("b.yaml", renamed);
+    let ended = scratch.stickslip("run b.yaml --out out");
+    assert_has(&ended.err, &["study.yaml, by another name", " 0 computed"]);
+    scratch.well("run b.yaml --out alone");
+    assert_eq!(scratch.data("out"), scratch.data("alone"));
+}
+
+/// A shard whose chunks were removed is computed again by whoever merges, but not without a word; and a
+/// damaged chunk never takes the place of one that was put aside before.
+#[test]
+fn removed_chunks_are_told_of() {
+    let scratch = complete();
+    for part in ["1", "2"] {
+        scratch.well(&format!("run a.yaml --shard {part}/2 --out part{part}"));
+    }
+    fs::remove_file(chunks(&scratch.path("part2")).unwrap().join("manifest.jsonl")).unwrap();
+    let ended = scratch.stickslip("merge part1 part2 --out merged");
+    assert_has(&ended.err, &["part2: only 0 of its 40 finished runs are on the list in chunks/"]);
+    assert_eq!(scratch.data("merged"), scratch.data("out"));
+
+    let scratch = Scratch::new();
+    halfway(&scratch);
+    let folder = chunks(&scratch.path("out")).unwrap();
+    fs::write(folder.join("000003.chunk.damaged"), "put aside before").unwrap();
+    fs::write(folder.join("000003.chunk"), "damaged").unwrap();
+    scratch.well("resume out");
+    let content = |name: &str| fs::read_to_string(folder.join(name)).unwrap();
+    assert_eq!(content("000003.chunk.damaged"), "put aside before");
+    assert_eq!(content("000003.chunk.damaged-2"), "damaged");
+    assert_eq!(scratch.data("out"), scratch.data("whole"));
+}
