@@ -91,7 +91,8 @@ pub fn verify(arguments: &VerifyArguments) -> Result<End, CliError> {
             _ => Ok(()),
         }
     })?;
-    if let Some((_, results)) = ready {
+    if let Some((store, results)) = ready {
+        store.check()?;
         results.finish(&study, ran.circumstances.clone())?;
     }
     let expectations = (!ran.tally.interrupted()).then(|| Value::from(findings.json));
