@@ -14,7 +14,7 @@
 //! - [`farm`]: runs over the cores, in order, whatever happens in one of them.
 //! - [`analysis`]: intervals, times to rest, what is known of a point; equilibrium sets.
 //! - [`table`]: Parquet files with units and provenance; the only room that writes them, and that knows Arrow.
-//! - [`report`]: a run for the eye, as figure and animation.
+//! - [`report`]: results and runs for the eye: what a figure shows, figures, animations.
 //! - [`cli`]: the commands.
 //!
 //! A case is a pure function of the study and the run's number, an outcome a pure function of the
