@@ -17,6 +17,8 @@ mod points_table;
 mod replay;
 mod replay_pictures;
 mod replay_times;
+mod report;
+mod report_page;
 mod results_study;
 mod resume;
 mod run;
@@ -39,6 +41,7 @@ Examples:
   stickslip resume results/night                        go on after an interruption
   stickslip replay results/night 17                     the motion of one run
   stickslip summary results/night                       the table that run prints, once more
+  stickslip report results/night                        a page of figures, to look at and to mail
   stickslip verify studies/smoke.yaml                   run it and check what it expects
 
 Exit codes:
@@ -61,6 +64,7 @@ enum Command {
     Merge(merge::MergeArguments),
     Replay(replay::ReplayArguments),
     Summary(summary::SummaryArguments),
+    Report(report::ReportArguments),
     Check(check::CheckArguments),
     Expand(expand::ExpandArguments),
     Verify(verify::VerifyArguments),
@@ -78,6 +82,7 @@ pub fn main() -> ExitCode {
         Command::Merge(arguments) => merge::merge(&arguments),
         Command::Replay(arguments) => replay::replay(&arguments),
         Command::Summary(arguments) => summary::summary(&arguments),
+        Command::Report(arguments) => report::report(&arguments),
         Command::Check(arguments) => check::check(&arguments),
         Command::Expand(arguments) => expand::expand(&arguments),
         Command::Verify(arguments) => verify::verify(&arguments),

@@ -150,7 +150,11 @@ fn facts(study: &Study, manifest: &Manifest, points: &PointsTable) -> Value {
 }
 
 /// Results that have no tables: how far they are.
-fn no_tables(directory: &Path, study: &Study, manifest: &Manifest) -> Result<CliError, CliError> {
+pub fn no_tables(
+    directory: &Path,
+    study: &Study,
+    manifest: &Manifest,
+) -> Result<CliError, CliError> {
     let listed = listed_runs(directory, study)?.min(manifest.runs_planned);
     let bound = if study.precision().is_some() { "at most " } else { "" };
     Ok(CliError::Usage(format!(

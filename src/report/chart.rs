@@ -25,8 +25,10 @@ pub struct Figure {
 /// A pair of axes and what is drawn between them.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Panel {
-    /// Which point, or which part; empty where the figure's title says it.
+    /// Which point; empty where the figure's title says it.
     pub title: String,
+    /// Which part of what is known there; empty where there is one only.
+    pub part: String,
     /// The abscissa.
     pub x: Axis,
     /// The ordinate.

@@ -32,7 +32,7 @@ pub use equilibria::{EquilibriumRow, equilibrium_columns};
 pub use equilibrium_files::{EquilibriumFiles, EquilibriumTables};
 pub use frictionless::{FrictionlessRow, frictionless_columns};
 pub(crate) use manifest::read_regular;
-pub use manifest::{FileEntry, MANIFEST, Manifest, sync_directory};
+pub use manifest::{FileEntry, MANIFEST, Manifest, sync_directory, write_atomically};
 pub use points::{PointRow, point_columns};
 pub use provenance::{COMMIT, FORMAT, VERSION, provenance, provenance_with};
 pub use read::{Batches, Table, TableError};

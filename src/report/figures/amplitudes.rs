@@ -1,0 +1,82 @@
+//! Residual amplitude: its distribution over the runs of each point, against no balls at all.
+
+use super::layers::{axis, places, share_axis};
+use crate::report::chart::{Axis, AxisKind, Colour, Figure, Layer, Mark, Panel};
+use crate::report::gathered::Gathered;
+
+/// Steps of a curve: more than a picture can tell apart.
+const MOST_STEPS: usize = 300;
+
+/// Empirical distributions, relative to the amplitude without balls where the model has balls.
+pub fn figure(gathered: &Gathered<'_>) -> Option<Figure> {
+    let balls = gathered.study.model().balls() > 0;
+    let mut layers = Vec::new();
+    let mut better = Vec::new();
+    for (place, point) in gathered.details().enumerate() {
+        let over = match (balls, point.without_balls_m) {
+            (true, Some(without)) if without > 0.0 => without,
+            (true, _) => continue,
+            (false, _) => 1.0,
+        };
+        let mut values: Vec<f64> = places(&gathered.runs, point.point_id, None)
+            .into_iter()
+            .filter_map(|place| gathered.runs.amplitude_m.get(place).map(|value| value / over))
+            .filter(|value| value.is_finite() && (*value > 0.0 || !balls))
+            .collect();
+        if values.is_empty() {
+            continue;
+        }
+        values.sort_by(f64::total_cmp);
+        let count = values.len();
+        let at = |k: usize| {
+            let rank = if count <= MOST_STEPS { k } else { k * (count - 1) / (MOST_STEPS - 1) };
+            Some([*values.get(rank)?, (rank + 1) as f64 / count as f64])
+        };
+        let mut points: Vec<[f64; 2]> = (0..count.min(MOST_STEPS)).filter_map(at).collect();
+        if let Some([first, _]) = points.first().copied() {
+            points.insert(0, [first, 0.0]);
+        }
+        if balls {
+            let calmer = values.partition_point(|value| *value < 1.0) as f64 / count as f64;
+            better.push(format!(
+                "{}: {:.1} % calmer than without balls",
+                point.title,
+                100.0 * calmer
+            ));
+        }
+        let mark = Mark::Steps { points };
+        layers.push(Layer { name: point.title.clone(), colour: Colour::Series(place), mark });
+    }
+    if layers.is_empty() {
+        return None;
+    }
+    let x = if balls {
+        let rule = Mark::Rule { upright: true, at: 1.0, label: "no balls".to_owned() };
+        layers.push(Layer { name: String::new(), colour: Colour::Ink, mark: rule });
+        let name = "residual amplitude over that without balls";
+        Axis { kind: AxisKind::Logarithmic, ..axis(name, "") }
+    } else {
+        axis("amplitude at the end", "m")
+    };
+    let panel = Panel {
+        title: String::new(),
+        part: String::new(),
+        x,
+        y: share_axis("share of runs with less"),
+        scale: None,
+        layers,
+    };
+    Some(Figure {
+        id: "residual-amplitude".to_owned(),
+        title: "Residual amplitude".to_owned(),
+        caption: format!(
+            "Share of a point's runs whose amplitude at the end is smaller, all runs with an amplitude: \
+             at rest or moving.{}{}",
+            gathered.left_out(),
+            gathered.runs.left_out()
+        ),
+        alternative: better.join("; "),
+        panels: vec![panel],
+        one_at_a_time: false,
+    })
+}

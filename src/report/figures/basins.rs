@@ -1,0 +1,119 @@
+//! Which start states end where: pairs of start coordinates, coloured by how the run ended.
+
+use super::layers::{label_colour, label_symbol, label_words, places, run_dots};
+use crate::ending::Label;
+use crate::model::Coordinate;
+use crate::report::chart::{Axis, AxisKind, Figure, Layer, Panel, Tips};
+use crate::report::gathered::Gathered;
+use crate::study::Study;
+
+/// Most dots of all panels together.
+const MOST_DOTS: usize = 48_000;
+
+/// A panel for each point and pair of coordinates.
+pub fn figure(gathered: &Gathered<'_>) -> Option<Figure> {
+    let study = gathered.study;
+    let coordinates = study.model().coordinates();
+    let pairs = pairs(study, &coordinates);
+    let of_points: Vec<(_, Vec<usize>)> = gathered
+        .details()
+        .map(|point| (point, places(&gathered.runs, point.point_id, None)))
+        .collect();
+    let all: usize = of_points.iter().map(|(_, runs)| runs.len()).sum();
+    if pairs.is_empty() || all == 0 {
+        return None;
+    }
+    let every = (all * pairs.len()).div_ceil(MOST_DOTS);
+    let mut panels = Vec::new();
+    for (point, runs) in &of_points {
+        let runs: Vec<usize> = runs.iter().copied().step_by(every).collect();
+        for &[first, second] in &pairs {
+            let column = |index: usize| gathered.runs.start.get(index);
+            let (Some(x), Some(y)) = (column(first), column(second)) else { continue };
+            let (Some(of_x), Some(of_y)) = (coordinates.get(first), coordinates.get(second)) else {
+                continue;
+            };
+            let layers: Vec<Layer> = Label::ALL
+                .into_iter()
+                .enumerate()
+                .filter_map(|(place, label)| {
+                    let is = |run: &usize| {
+                        gathered.runs.label.get(*run).is_some_and(|l| usize::from(*l) == place)
+                    };
+                    let chosen: Vec<usize> = runs.iter().copied().filter(is).collect();
+                    let run_ids = chosen.iter().filter_map(|&run| gathered.runs.run_id.get(run));
+                    let tips = Tips { run_ids: run_ids.copied().collect(), columns: Vec::new() };
+                    let look = (&*label_words(label), label_colour(label), label_symbol(label));
+                    (!chosen.is_empty()).then(|| run_dots(look, (x, y), &chosen, tips))
+                })
+                .collect();
+            panels.push(Panel {
+                title: point.title.clone(),
+                part: format!("{} and {}", words(of_x), words(of_y)),
+                x: start_axis(of_x, x),
+                y: start_axis(of_y, y),
+                scale: None,
+                layers,
+            });
+        }
+    }
+    let sampled =
+        if every > 1 { format!(" One run in {every} is shown.") } else { gathered.runs.left_out() };
+    Some(Figure {
+        id: "basins".to_owned(),
+        title: "Which start states end where".to_owned(),
+        caption: format!(
+            "Start states in the plane of two of their coordinates, by how the run ended; the other \
+             coordinates differ from dot to dot.{}{sampled}",
+            gathered.left_out()
+        ),
+        alternative: "Start states of all points and pairs of coordinates, by label.".to_owned(),
+        panels,
+        one_at_a_time: true,
+    })
+}
+
+/// Pairs of coordinates that belong together: equal ones of two balls, x and y, place and speed.
+fn pairs(study: &Study, coordinates: &[Coordinate]) -> Vec<[usize; 2]> {
+    let place = |name: &str| coordinates.iter().position(|coordinate| coordinate.name == name);
+    let pair = |a: &str, b: &str| Some([place(a)?, place(b)?]);
+    let balls = study.model().balls();
+    if balls == 0 {
+        return (1..coordinates.len().min(4)).map(|second| [0, second]).collect();
+    }
+    let mut pairs = vec![
+        pair("beta_1", "beta_2"),
+        pair("beta_dot_1", "beta_dot_2"),
+        pair("x", "y"),
+        pair("x_dot", "y_dot"),
+    ];
+    let each = (1..=balls).map(|ball| pair(&format!("beta_{ball}"), &format!("beta_dot_{ball}")));
+    pairs.extend(each);
+    pairs.into_iter().flatten().collect()
+}
+
+/// A coordinate as a reader writes it: `β̇₁` for `beta_dot_1`.
+fn words(coordinate: &Coordinate) -> String {
+    let dotted = coordinate.name.contains("_dot");
+    let mut parts = coordinate.name.split('_');
+    let letter = match parts.next() {
+        Some("beta") => "β",
+        Some(letter) => letter,
+        None => "",
+    };
+    let ball: String =
+        parts.filter_map(|part| part.parse().ok()).map(super::layers::subscript).collect();
+    format!("{letter}{}{ball}", if dotted { "\u{307}" } else { "" })
+}
+
+/// Angles go round once where the start states do.
+fn start_axis(coordinate: &Coordinate, values: &[f64]) -> Axis {
+    let round = 0.0..=std::f64::consts::TAU;
+    let angle = coordinate.unit == Some("rad") && values.iter().all(|value| round.contains(value));
+    Axis {
+        name: format!("{} at the start", words(coordinate)),
+        unit: coordinate.unit.unwrap_or("").to_owned(),
+        range: angle.then_some([0.0, std::f64::consts::TAU]),
+        kind: if angle { AxisKind::Angle } else { AxisKind::Linear },
+    }
+}

@@ -1,0 +1,131 @@
+//! Limit cycles over a swept parameter: one branch for each class.
+
+use super::layers::{axis, numbers};
+use super::sweep_axis::{Group, SweepAxis};
+use crate::report::chart::{AxisKind, Colour, Figure, Layer, Mark, Panel, Symbol, Tips};
+use crate::report::gathered::{CycleFacts, Gathered, QUANTITIES};
+
+/// Most classes that are shown, those with the most runs.
+const MOST_CLASSES: usize = 8;
+const SYMBOLS: [Symbol; 4] = [Symbol::Disc, Symbol::Triangle, Symbol::Square, Symbol::Diamond];
+
+/// A panel for each quantity; none where no run ended in a limit cycle.
+pub fn figure(gathered: &Gathered<'_>) -> Option<Figure> {
+    let cycles = &gathered.cycles;
+    let mut classes: Vec<(String, u64)> = Vec::new();
+    for cycle in cycles {
+        match classes.iter_mut().find(|(class, _)| *class == cycle.class) {
+            Some((_, runs)) => *runs = runs.saturating_add(cycle.runs),
+            None => classes.push((cycle.class.clone(), cycle.runs)),
+        }
+    }
+    let all = classes.len();
+    classes.sort_by_key(|(_, runs)| std::cmp::Reverse(*runs));
+    classes.truncate(MOST_CLASSES);
+    let axes = SweepAxis::all(gathered, 2);
+    let groups = axes.first().map(|sweep| (sweep.axis.clone(), sweep.groups(gathered)));
+    let (x, groups) = match groups {
+        Some(found) => found,
+        None => {
+            let points = gathered.details().enumerate();
+            let points = points.map(|(place, point)| (place as f64, point)).collect::<Vec<_>>();
+            let names = points.iter().map(|(_, point)| point.title.clone()).collect();
+            let x = crate::report::chart::Axis { kind: AxisKind::Names(names), ..axis("", "") };
+            (x, vec![Group { title: String::new(), points }])
+        }
+    };
+    let mut panels = Vec::new();
+    for group in groups.iter().take(crate::report::gathered::MOST_DETAILS) {
+        for (place, (name, unit, _)) in QUANTITIES.iter().enumerate() {
+            let mut layers = Vec::new();
+            for (index, (class, _)) in classes.iter().enumerate() {
+                layers.extend(branch(cycles, group, class, (place, index)));
+            }
+            if place == QUANTITIES.len() - 1 && !layers.is_empty() {
+                let label = "stable below".to_owned();
+                let mark = Mark::Rule { upright: false, at: 1.0, label };
+                layers.push(Layer { name: String::new(), colour: Colour::Faint, mark });
+            }
+            if layers.is_empty() {
+                continue;
+            }
+            panels.push(Panel {
+                title: group.title.clone(),
+                part: (*name).to_owned(),
+                x: x.clone(),
+                y: axis(name, unit),
+                scale: None,
+                layers,
+            });
+        }
+    }
+    if panels.is_empty() {
+        return None;
+    }
+    let left_out = match all > MOST_CLASSES {
+        true => format!(" Shown are the {MOST_CLASSES} classes with the most runs, of {all}."),
+        false => String::new(),
+    };
+    let list: Vec<String> =
+        classes.iter().map(|(class, runs)| format!("class {class}: {runs} runs")).collect();
+    Some(Figure {
+        id: "limit-cycles".to_owned(),
+        title: "Limit cycles".to_owned(),
+        caption: format!(
+            "A branch for each class of cycles (which balls run and which stick; docs/endings.md says \
+             how a class is written), with the range over its runs, or the 95 % interval of a \
+             share.{left_out}"
+        ),
+        alternative: list.join("; "),
+        panels,
+        one_at_a_time: true,
+    })
+}
+
+fn branch(
+    cycles: &[CycleFacts],
+    group: &Group<'_>,
+    class: &str,
+    (quantity, index): (usize, usize),
+) -> Vec<Layer> {
+    let known: Vec<(f64, f64, [f64; 2], &CycleFacts)> = group
+        .points
+        .iter()
+        .filter_map(|(x, point)| {
+            let of_class =
+                |cycle: &&CycleFacts| cycle.point_id == point.point_id && cycle.class == class;
+            let cycle = cycles.iter().find(of_class)?;
+            let [value, low, high] = *cycle.values.get(quantity)?;
+            let value = value?;
+            Some((*x, value, [low.unwrap_or(value), high.unwrap_or(value)], cycle))
+        })
+        .collect();
+    if known.is_empty() {
+        return Vec::new();
+    }
+    let (name, colour) = (class.to_owned(), Colour::Series(index));
+    let x: Vec<f64> = known.iter().map(|(x, ..)| *x).collect();
+    let column = |pick: fn(&CycleFacts) -> f64| known.iter().map(move |(.., cycle)| pick(cycle));
+    let tips = Tips {
+        run_ids: Vec::new(),
+        columns: vec![
+            numbers("value", known.iter().map(|(_, value, ..)| *value)),
+            numbers("from", known.iter().map(|(_, _, [low, _], _)| *low)),
+            numbers("to", known.iter().map(|(_, _, [_, high], _)| *high)),
+            numbers("runs", column(|cycle| cycle.runs as f64)),
+            numbers("point", column(|cycle| cycle.point_id as f64)),
+        ],
+    };
+    let intervals = Mark::Intervals {
+        x: x.clone(),
+        low: known.iter().map(|(_, _, [low, _], _)| *low).collect(),
+        high: known.iter().map(|(_, _, [_, high], _)| *high).collect(),
+    };
+    let line =
+        Mark::Line { points: known.iter().map(|(x, y, ..)| [*x, *y]).collect(), dashed: false };
+    let symbol = SYMBOLS.get(index % SYMBOLS.len()).copied().unwrap_or(Symbol::Disc);
+    let y = known.iter().map(|(_, y, ..)| *y).collect();
+    let dots = Mark::Dots { symbol, x, y, tips };
+    let layer = |mark| Layer { name: name.clone(), colour, mark };
+    vec![layer(intervals), layer(line), layer(dots)]
+}

@@ -1,0 +1,117 @@
+//! How runs end, over a swept parameter: the share of each label with its interval.
+
+use super::layers::{label_colour, label_symbol, label_words, numbers, share_axis};
+use super::sweep_axis::SweepAxis;
+use crate::ending::Label;
+use crate::report::chart::{Axis, AxisKind, Figure, Layer, Mark, Panel, Tips};
+use crate::report::gathered::{Gathered, MOST_DETAILS, PointFacts};
+
+/// Shares over the parameter with the most values; over the points themselves where no number is swept.
+pub fn figure(gathered: &Gathered<'_>) -> Option<Figure> {
+    let share = || share_axis("share of runs");
+    let axes = SweepAxis::all(gathered, 2);
+    let (panels, over) = match axes.first() {
+        Some(sweep) => {
+            let mut groups = sweep.groups(gathered);
+            // Those with the most points say the most.
+            groups.sort_by_key(|group| std::cmp::Reverse(group.points.len()));
+            groups.truncate(MOST_DETAILS);
+            let panel = |group: &super::sweep_axis::Group<'_>| Panel {
+                title: group.title.clone(),
+                part: String::new(),
+                x: sweep.axis.clone(),
+                y: share(),
+                scale: None,
+                layers: layers(gathered, &group.points),
+            };
+            (groups.iter().map(panel).collect(), sweep.axis.name.clone())
+        }
+        None => {
+            let points: Vec<(f64, &PointFacts)> = gathered
+                .details()
+                .enumerate()
+                .map(|(place, point)| (place as f64, point))
+                .collect();
+            let names = points.iter().map(|(_, point)| point.title.clone()).collect();
+            let x = Axis {
+                name: String::new(),
+                unit: String::new(),
+                range: None,
+                kind: AxisKind::Names(names),
+            };
+            let layers = layers(gathered, &points);
+            let panel = Panel {
+                title: String::new(),
+                part: String::new(),
+                x,
+                y: share(),
+                scale: None,
+                layers,
+            };
+            (vec![panel], "point".to_owned())
+        }
+    };
+    let end = gathered.study.simulation().end_time_s;
+    let most = gathered.points.iter().map(|point| point.equilibrium.share).fold(f64::NAN, f64::max);
+    let least =
+        gathered.points.iter().map(|point| point.equilibrium.share).fold(f64::NAN, f64::min);
+    Some(Figure {
+        id: "fractions".to_owned(),
+        title: format!("How runs end, over {over}"),
+        caption: format!(
+            "Share of the runs of each point by how they end, {end} s after the start, with 95 % \
+             intervals. Failed runs widen the interval of equilibria: they might have been any."
+        ),
+        alternative: format!(
+            "The share of runs that end in equilibrium lies between {least:.3} and {most:.3}."
+        ),
+        one_at_a_time: panels.len() > 1,
+        panels,
+    })
+}
+
+fn layers(gathered: &Gathered<'_>, points: &[(f64, &PointFacts)]) -> Vec<Layer> {
+    let mut layers = Vec::new();
+    for (place, label) in Label::ALL.into_iter().enumerate() {
+        let share = |point: &PointFacts| match label {
+            Label::Equilibrium => Some(point.equilibrium),
+            _ => point.labels.get(place).copied(),
+        };
+        let seen = gathered.points.iter().any(|point| share(point).is_some_and(|s| s.runs > 0));
+        if !seen && label != Label::Equilibrium {
+            continue;
+        }
+        let known: Vec<_> =
+            points.iter().filter_map(|(x, point)| Some((*x, share(point)?, *point))).collect();
+        let colour = label_colour(label);
+        let name = label_words(label);
+        let x: Vec<f64> = known.iter().map(|(x, ..)| *x).collect();
+        let mark = Mark::Intervals {
+            x: x.clone(),
+            low: known.iter().map(|(_, share, _)| share.low).collect(),
+            high: known.iter().map(|(_, share, _)| share.high).collect(),
+        };
+        layers.push(Layer { name: name.clone(), colour, mark });
+        let line = known.iter().map(|(x, share, _)| [*x, share.share]).collect();
+        let mark = Mark::Line { points: line, dashed: label != Label::Equilibrium };
+        layers.push(Layer { name: name.clone(), colour, mark });
+        let tips = Tips {
+            run_ids: Vec::new(),
+            columns: vec![
+                numbers("share", known.iter().map(|(_, share, _)| share.share)),
+                numbers("from", known.iter().map(|(_, share, _)| share.low)),
+                numbers("to", known.iter().map(|(_, share, _)| share.high)),
+                numbers(
+                    "runs with this label",
+                    known.iter().map(|(_, share, _)| share.runs as f64),
+                ),
+                numbers("runs", known.iter().map(|(.., point)| point.runs as f64)),
+                numbers("point", known.iter().map(|(.., point)| point.point_id as f64)),
+            ],
+        };
+        let y = known.iter().map(|(_, share, _)| share.share).collect();
+        let mark = Mark::Dots { symbol: label_symbol(label), x, y, tips };
+        layers.push(Layer { name, colour, mark });
+    }
+    layers
+}

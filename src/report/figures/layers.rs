@@ -1,0 +1,114 @@
+//! What figures of runs have in common: axes, labels in colour, what is known of a dot.
+
+use crate::ending::Label;
+use crate::report::chart::{
+    Axis, AxisKind, Colour, Layer, Mark, Symbol, TipColumn, TipValues, Tips,
+};
+use crate::report::gathered::{LABELS, RunSample};
+use crate::study::Study;
+
+/// An axis with what it measures and its unit.
+pub fn axis(name: &str, unit: &str) -> Axis {
+    Axis { name: name.to_owned(), unit: unit.to_owned(), range: None, kind: AxisKind::Linear }
+}
+
+/// An axis from 0 to 1.
+pub fn share_axis(name: &str) -> Axis {
+    Axis { range: Some([0.0, 1.0]), ..axis(name, "") }
+}
+
+/// An axis for the angle of a ball, counted from 1.
+pub fn angle_axis(ball: usize) -> Axis {
+    let name = format!("β{}", subscript(ball));
+    let range = Some([0.0, std::f64::consts::TAU]);
+    Axis { name, unit: "rad".to_owned(), range, kind: AxisKind::Angle }
+}
+
+/// A number below the line.
+pub fn subscript(number: usize) -> String {
+    let digit = |c: char| c.to_digit(10).and_then(|digit| char::from_u32(0x2080 + digit));
+    number.to_string().chars().filter_map(digit).collect()
+}
+
+/// A label as a legend says it.
+pub fn label_words(label: Label) -> String {
+    label.name().replace('_', " ")
+}
+
+/// The colour of a label.
+pub fn label_colour(label: Label) -> Colour {
+    match label {
+        Label::Equilibrium => Colour::Equilibrium,
+        Label::LimitCycle => Colour::LimitCycle,
+        Label::Irregular => Colour::Irregular,
+        Label::Undecided => Colour::Undecided,
+        Label::Failed => Colour::Failed,
+    }
+}
+
+/// The symbol of a label, so that colour is not all that tells them apart.
+pub fn label_symbol(label: Label) -> Symbol {
+    match label {
+        Label::Equilibrium => Symbol::Disc,
+        Label::LimitCycle => Symbol::Triangle,
+        Label::Irregular => Symbol::Square,
+        Label::Undecided => Symbol::Diamond,
+        Label::Failed => Symbol::Cross,
+    }
+}
+
+/// A column of numbers.
+pub fn numbers(name: &str, values: impl Iterator<Item = f64>) -> TipColumn {
+    TipColumn { name: name.to_owned(), values: TipValues::Numbers(values.collect()) }
+}
+
+/// What is known of runs at these places of a sample, beside their angles.
+pub fn run_tips(runs: &RunSample, places: &[usize]) -> Tips {
+    let of = |values: &[f64], factor: f64| -> Vec<f64> {
+        places
+            .iter()
+            .map(|&place| factor * values.get(place).copied().unwrap_or(f64::NAN))
+            .collect()
+    };
+    Tips {
+        run_ids: places.iter().filter_map(|&place| runs.run_id.get(place).copied()).collect(),
+        columns: vec![
+            numbers("amplitude [µm]", of(&runs.amplitude_m, 1e6).into_iter()),
+            numbers("friction margin", of(&runs.friction_margin, 1.0).into_iter()),
+            numbers("time to rest [s]", of(&runs.time_to_rest_s, 1.0).into_iter()),
+        ],
+    }
+}
+
+/// Dots of runs at places of a sample, with abscissas and ordinates from columns of it.
+pub fn run_dots(
+    (name, colour, symbol): (&str, Colour, Symbol),
+    (x, y): (&[f64], &[f64]),
+    places: &[usize],
+    tips: Tips,
+) -> Layer {
+    let of = |values: &[f64]| {
+        places.iter().map(|&place| values.get(place).copied().unwrap_or(f64::NAN)).collect()
+    };
+    let mark = Mark::Dots { symbol, x: of(x), y: of(y), tips };
+    Layer { name: name.to_owned(), colour, mark }
+}
+
+/// Places of the runs of a point with a label; of any label where none is given.
+pub fn places(runs: &RunSample, point_id: u64, label: Option<Label>) -> Vec<usize> {
+    let of_point = runs.point_id.iter().enumerate().filter(|(_, id)| **id == point_id);
+    let is = |place: usize| {
+        let found = runs.label.get(place).and_then(|&label| LABELS.get(usize::from(label)));
+        label.is_none() || found.copied() == label
+    };
+    of_point.map(|(place, _)| place).filter(|&place| is(place)).collect()
+}
+
+/// What moves: balls or a block.
+pub fn moving(study: &Study) -> &'static str {
+    match study.model().balls() {
+        0 => "block",
+        1 => "ball",
+        _ => "balls",
+    }
+}

@@ -1,0 +1,152 @@
+//! A sweep over two parameters as a map: a cell for each point, coloured by what came of it.
+
+use super::layers::numbers;
+use super::sweep_axis::{SweepAxis, distinct};
+use crate::report::chart::{Colour, ColourScale, Figure, Layer, Mark, Panel, Tips};
+use crate::report::gathered::{Gathered, PointFacts};
+use crate::study::ParameterValue;
+
+/// Least number of values of each parameter.
+const LEAST: usize = 3;
+
+/// What a map shows of a point: its name, its value, and the scale's ends where they are given.
+type Shown = (&'static str, fn(&PointFacts) -> Option<f64>, Option<[f64; 2]>);
+
+const SHOWN: [Shown; 4] = [
+    ("share of equilibria", |point| Some(point.equilibrium.share), Some([0.0, 1.0])),
+    ("median time to rest [s]", |point| point.time_to_rest_s[1], None),
+    (
+        "median amplitude over that without balls",
+        |point| {
+            Some(
+                point.amplitude_m[1]?
+                    / point.without_balls_m.filter(|amplitude| *amplitude > 0.0)?,
+            )
+        },
+        None,
+    ),
+    ("share of positions that are equilibria", |point| point.set_fraction, Some([0.0, 1.0])),
+];
+
+/// Maps over the two parameters with the most values, of the points that differ in nothing else from the
+/// first one.
+pub fn figure(gathered: &Gathered<'_>) -> Option<Figure> {
+    let axes = SweepAxis::all(gathered, LEAST);
+    let [across, up, others @ ..] = &axes[..] else { return None };
+    let number = |point: &PointFacts, column: usize| match point.swept.get(column) {
+        Some(ParameterValue::Number(number)) => Some(*number),
+        _ => None,
+    };
+    let first = gathered.points.first()?;
+    let differs = |point: &PointFacts| {
+        let mut columns = point.swept.iter().zip(&first.swept).enumerate();
+        columns.any(|(column, (a, b))| column != across.column && column != up.column && a != b)
+    };
+    let points: Vec<(&PointFacts, f64, f64)> = gathered
+        .points
+        .iter()
+        .filter(|point| !differs(point))
+        .filter_map(|p| Some((p, number(p, across.column)?, number(p, up.column)?)))
+        .collect();
+    let values = |column| distinct(&gathered.points, column);
+    let (x_values, y_values) = (values(across.column)?, values(up.column)?);
+    // A map of which most cells are empty is a path: the curves show it better.
+    if 3 * points.len() < x_values.len() * y_values.len() {
+        return None;
+    }
+    let (x_edges, y_edges) = (edges(&x_values), edges(&y_values));
+    let cell = |x: f64, y: f64| {
+        let [left, right] = around(&x_values, &x_edges, x)?;
+        let [below, above] = around(&y_values, &y_edges, y)?;
+        Some([left, right, below, above])
+    };
+    let cells: Vec<[f64; 4]> = points.iter().filter_map(|(_, x, y)| cell(*x, *y)).collect();
+    let column = |name: &str, value: &dyn Fn(&PointFacts) -> Option<f64>| {
+        numbers(name, points.iter().map(|(p, ..)| value(p).unwrap_or(f64::NAN)))
+    };
+    let mut panels = Vec::new();
+    for (name, value, range) in SHOWN {
+        let values: Vec<Option<f64>> = points.iter().map(|(point, ..)| value(point)).collect();
+        let known = || values.iter().flatten().copied().filter(|value| value.is_finite());
+        let (least, most) = (known().fold(f64::INFINITY, f64::min), known().fold(0.0, f64::max));
+        if known().next().is_none() {
+            continue;
+        }
+        let tips = Tips {
+            run_ids: Vec::new(),
+            columns: vec![
+                numbers(&label(across), points.iter().map(|(_, x, _)| *x)),
+                numbers(&label(up), points.iter().map(|(_, _, y)| *y)),
+                column(name, &value),
+                column("from", &|point| Some(point.equilibrium.low)),
+                column("to", &|point| Some(point.equilibrium.high)),
+                column("runs", &|point| Some(point.runs as f64)),
+                column("point", &|point| Some(point.point_id as f64)),
+            ],
+        };
+        let mark = Mark::Cells { edges: cells.clone(), values, tips };
+        let range = range.unwrap_or([least, if most > least { most } else { least + 1.0 }]);
+        panels.push(Panel {
+            title: String::new(),
+            part: name.to_owned(),
+            x: bounded(across, &x_edges),
+            y: bounded(up, &y_edges),
+            scale: Some(ColourScale { name: name.to_owned(), range }),
+            layers: vec![Layer { name: String::new(), colour: Colour::Scale, mark }],
+        });
+    }
+    let more = if others.is_empty() && points.len() == gathered.points.len() {
+        String::new()
+    } else {
+        format!(" Of {} points, {} lie in this plane.", gathered.points.len(), points.len())
+    };
+    Some(Figure {
+        id: "map".to_owned(),
+        title: format!("Map over {} and {}", across.axis.name, up.axis.name),
+        caption: format!("A cell for each point of the sweep; open where there is no value.{more}"),
+        alternative: format!("{} points over {} and {}.", points.len(), label(across), label(up)),
+        one_at_a_time: true,
+        panels,
+    })
+}
+
+fn label(sweep: &SweepAxis) -> String {
+    match sweep.axis.unit.is_empty() {
+        true => sweep.axis.name.clone(),
+        false => format!("{} [{}]", sweep.axis.name, sweep.axis.unit),
+    }
+}
+
+fn bounded(sweep: &SweepAxis, edges: &[f64]) -> crate::report::chart::Axis {
+    let ends = edges.first().zip(edges.last()).map(|(a, b)| [*a, *b]);
+    crate::report::chart::Axis { range: ends, ..sweep.axis.clone() }
+}
+
+/// Edges of cells round ascending values: in the middle between neighbours.
+fn edges(values: &[f64]) -> Vec<f64> {
+    let between: Vec<f64> = values.windows(2).map(|pair| (pair[0] + pair[1]) / 2.0).collect();
+    let mirrored = |edge: Option<&f64>, end: Option<&f64>| Some(2.0 * end? - edge?);
+    let first = mirrored(between.first(), values.first());
+    let last = mirrored(between.last(), values.last());
+    first.into_iter().chain(between.iter().copied()).chain(last).collect()
+}
+
+/// The edges round a value.
+fn around(values: &[f64], edges: &[f64], value: f64) -> Option<[f64; 2]> {
+    let place = values.binary_search_by(|other| other.total_cmp(&value)).ok()?;
+    Some([*edges.get(place)?, *edges.get(place + 1)?])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{around, edges};
+
+    #[test]
+    fn cells_touch() {
+        let values = [1.0, 2.0, 4.0];
+        let edges = edges(&values);
+        assert_eq!(edges, [0.5, 1.5, 3.0, 5.0]);
+        assert_eq!(around(&values, &edges, 2.0), Some([1.5, 3.0]));
+        assert_eq!(around(&values, &edges, 3.0), None);
+    }
+}

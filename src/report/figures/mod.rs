@@ -1,0 +1,32 @@
+//! The figures of results: each made from what has been gathered, and drawn elsewhere.
+
+mod amplitudes;
+mod basins;
+mod branches;
+mod doubt;
+mod fractions;
+mod layers;
+mod map;
+mod preferred;
+mod rest;
+mod sweep_axis;
+
+pub use layers::label_words;
+
+use super::chart::Figure;
+use super::gathered::Gathered;
+
+/// All figures that these results can show, in reading order.
+pub fn of_results(gathered: &Gathered<'_>) -> Vec<Figure> {
+    let figures = [
+        preferred::figure(gathered),
+        fractions::figure(gathered),
+        map::figure(gathered),
+        rest::figure(gathered),
+        amplitudes::figure(gathered),
+        basins::figure(gathered),
+        branches::figure(gathered),
+        doubt::figure(gathered),
+    ];
+    figures.into_iter().flatten().collect()
+}

@@ -1,0 +1,104 @@
+//! Where balls come to rest: the preferred equilibria, over the equilibrium set.
+
+use super::layers::{
+    angle_axis, axis, label_colour, label_words, places, run_dots, run_tips, subscript,
+};
+use crate::ending::Label;
+use crate::report::chart::{Axis, AxisKind, Colour, Figure, Layer, Panel, Symbol};
+use crate::report::gathered::{Gathered, PointFacts};
+
+/// Most pairs of balls that are shown.
+const MOST_PAIRS: usize = 6;
+
+/// A panel for each point; with three balls or more for each point and pair of balls.
+pub fn figure(gathered: &Gathered<'_>) -> Option<Figure> {
+    let balls = gathered.study.model().balls();
+    let panels: Vec<Panel> = gathered
+        .details()
+        .flat_map(|point| match balls {
+            0 | 1 => vec![one_contact(gathered, point, balls)],
+            2 => vec![pair(gathered, point, [1, 2])],
+            balls => {
+                let pairs = (1..balls)
+                    .flat_map(|first| (first + 1..=balls).map(move |second| [first, second]));
+                pairs.take(MOST_PAIRS).map(|of| pair(gathered, point, of)).collect()
+            }
+        })
+        .collect();
+    if panels.is_empty() {
+        return None;
+    }
+    let counts = gathered.details().map(|point| {
+        let share = point.set_fraction.map_or_else(String::new, |share| {
+            format!(", and {:.0} % of all positions are equilibria", 100.0 * share)
+        });
+        let runs = point.runs;
+        format!("{}: {} of {runs} runs came to rest{share}", point.title, point.equilibrium.runs)
+    });
+    let alternative = counts.collect::<Vec<_>>().join("; ");
+    let left_out = format!("{}{}", gathered.left_out(), gathered.runs.left_out());
+    let (title, caption) = match balls {
+        0 => ("Where the block comes to rest", "Position and time of rest of each run.".to_owned()),
+        1 => ("Preferred equilibria", "Angle at rest and amplitude of each run.".to_owned()),
+        2 => (
+            "Preferred equilibria",
+            "Each dot is where the balls of a run came to rest. Colour: amplitude of the table if they \
+             rest there; open: no equilibrium, friction does not hold them. Stars and circles: stable \
+             and unstable equilibria without friction."
+                .to_owned(),
+        ),
+        _ => (
+            "Preferred equilibria",
+            "Each dot is where two of the balls of a run came to rest.".to_owned(),
+        ),
+    };
+    Some(Figure {
+        id: "preferred-equilibria".to_owned(),
+        title: title.to_owned(),
+        caption: caption + &left_out,
+        alternative,
+        one_at_a_time: panels.len() > 1,
+        panels,
+    })
+}
+
+fn counted(point: &PointFacts) -> String {
+    format!("{}: {} of {} at rest", point.title, point.equilibrium.runs, point.runs)
+}
+
+/// Dots of the runs at rest with two columns of the sample.
+fn dots(gathered: &Gathered<'_>, point: &PointFacts, x: &[f64], y: &[f64]) -> Layer {
+    let runs = places(&gathered.runs, point.point_id, Some(Label::Equilibrium));
+    let tips = run_tips(&gathered.runs, &runs);
+    run_dots((&label_words(Label::Equilibrium), Colour::Ink, Symbol::Dot), (x, y), &runs, tips)
+}
+
+fn pair(gathered: &Gathered<'_>, point: &PointFacts, [first, second]: [usize; 2]) -> Panel {
+    let column = |ball: usize| gathered.runs.position.get(ball - 1).map_or(&[][..], Vec::as_slice);
+    let part = match gathered.study.model().balls() {
+        2 => String::new(),
+        _ => format!("β{} and β{}", subscript(first), subscript(second)),
+    };
+    Panel {
+        title: counted(point),
+        part,
+        x: angle_axis(first),
+        y: angle_axis(second),
+        scale: None,
+        layers: vec![dots(gathered, point, column(first), column(second))],
+    }
+}
+
+fn one_contact(gathered: &Gathered<'_>, point: &PointFacts, balls: usize) -> Panel {
+    let runs = &gathered.runs;
+    let place = runs.position.first().map_or(&[][..], Vec::as_slice);
+    let amplitude: Vec<f64> = runs.amplitude_m.iter().map(|value| 1e6 * value).collect();
+    let (x, y, over): (Axis, Axis, &[f64]) = match balls {
+        0 => (axis("position at rest", "m"), axis("time to rest", "s"), &runs.time_to_rest_s),
+        _ => (angle_axis(1), axis("amplitude", "µm"), &amplitude),
+    };
+    let y = Axis { kind: AxisKind::Linear, ..y };
+    let mut layer = dots(gathered, point, place, over);
+    layer.colour = label_colour(Label::Equilibrium);
+    Panel { title: counted(point), part: String::new(), x, y, scale: None, layers: vec![layer] }
+}

@@ -1,0 +1,77 @@
+//! Which swept parameter a figure goes over, and which points belong together on it.
+
+use crate::report::chart::Axis;
+use crate::report::gathered::{Gathered, PointFacts, axis_of, heading};
+use crate::study::ParameterValue;
+
+/// A swept parameter as an axis, and the points in groups that differ in nothing else.
+pub struct SweepAxis {
+    /// Its place among the swept parameters.
+    pub column: usize,
+    /// The axis.
+    pub axis: Axis,
+}
+
+/// Points that differ in one parameter only.
+pub struct Group<'a> {
+    /// What they have in common, in words; empty where there is nothing to tell apart.
+    pub title: String,
+    /// Value of the parameter and the point, by ascending value.
+    pub points: Vec<(f64, &'a PointFacts)>,
+}
+
+fn number(point: &PointFacts, column: usize) -> Option<f64> {
+    match point.swept.get(column) {
+        Some(ParameterValue::Number(number)) => Some(*number),
+        _ => None,
+    }
+}
+
+/// The distinct numbers that a swept parameter takes, ascending; none if it is not a number everywhere.
+pub fn distinct(points: &[PointFacts], column: usize) -> Option<Vec<f64>> {
+    let mut values: Vec<f64> =
+        points.iter().map(|point| number(point, column)).collect::<Option<_>>()?;
+    values.sort_by(f64::total_cmp);
+    values.dedup();
+    Some(values)
+}
+
+impl SweepAxis {
+    /// The parameters of a sweep that take at least so many values, the one with the most first.
+    pub fn all(gathered: &Gathered<'_>, least: usize) -> Vec<SweepAxis> {
+        let columns = gathered.study.swept().iter().enumerate();
+        let mut axes: Vec<(usize, SweepAxis)> = columns
+            .filter_map(|(column, parameter)| {
+                let values = distinct(&gathered.points, column)?.len();
+                (values >= least).then(|| (values, SweepAxis { column, axis: axis_of(parameter) }))
+            })
+            .collect();
+        axes.sort_by_key(|(values, _)| std::cmp::Reverse(*values));
+        axes.into_iter().map(|(_, axis)| axis).collect()
+    }
+
+    /// The points in groups that differ in nothing but this parameter, in the order of the sweep.
+    pub fn groups<'a>(&self, gathered: &'a Gathered<'_>) -> Vec<Group<'a>> {
+        let mut groups: Vec<Group<'a>> = Vec::new();
+        let mut places = std::collections::HashMap::new();
+        for point in &gathered.points {
+            let Some(value) = number(point, self.column) else { continue };
+            let title = heading(gathered.study, &point.swept, |column| column != self.column);
+            let next = groups.len();
+            let place = *places.entry(title.clone()).or_insert(next);
+            if place == next {
+                groups.push(Group { title, points: Vec::new() });
+            }
+            if let Some(group) = groups.get_mut(place) {
+                group.points.push((value, point));
+            }
+        }
+        for group in &mut groups {
+            group.points.sort_by(|(a, _), (b, _)| a.total_cmp(b));
+        }
+        if let [only] = &mut groups[..] {
+            only.title.clear();
+        }
+        groups
+    }
+}

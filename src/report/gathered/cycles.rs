@@ -1,0 +1,69 @@
+//! Classes of limit cycles, as `cycles.parquet` has them.
+
+use crate::table::{Kind, Table, TableError};
+
+/// Most rows that are held.
+const MOST_ROWS: usize = 20_000;
+
+/// Values that are shown of cycles: name, unit, and the columns of a value and of its range.
+pub const QUANTITIES: [(&str, &str, [&str; 3]); 6] = [
+    ("share of runs", "", ["share", "ci_low", "ci_high"]),
+    ("period", "s", ["period_s", "period_low_s", "period_high_s"]),
+    (
+        "amplitude (root mean square)",
+        "m",
+        ["amplitude_rms_m", "amplitude_rms_low_m", "amplitude_rms_high_m"],
+    ),
+    ("amplitude", "m", ["amplitude_m", "amplitude_low_m", "amplitude_high_m"]),
+    (
+        "speed of ball 1",
+        "rad/s",
+        ["mean_speed_1_rad_s", "least_speed_1_rad_s", "greatest_speed_1_rad_s"],
+    ),
+    ("largest multiplier", "", ["largest_multiplier", "", ""]),
+];
+
+/// A class of limit cycles at a point.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CycleFacts {
+    /// Number of its point.
+    pub point_id: u64,
+    /// Which balls run and which stick, and how.
+    pub class: String,
+    /// Runs that end on it.
+    pub runs: u64,
+    /// Value, least and greatest of each of [`QUANTITIES`].
+    pub values: [[Option<f64>; 3]; 6],
+}
+
+/// The classes, the first ones where there are very many.
+pub fn read(table: &Table) -> Result<Vec<CycleFacts>, TableError> {
+    let has = |name: &str| table.columns().iter().any(|(column, _)| column == name);
+    let mut wanted = vec![("point_id", Kind::Count), ("class", Kind::Text), ("runs", Kind::Count)];
+    let columns = QUANTITIES.iter().flat_map(|(.., columns)| columns);
+    wanted.extend(columns.filter(|name| has(name)).map(|name| (*name, Kind::Number)));
+    let mut rows = Vec::new();
+    for batch in table.read(&wanted)? {
+        let batch = batch?;
+        let (points, runs) = (batch.counts("point_id")?, batch.counts("runs")?);
+        let classes = batch.texts("class")?;
+        for row in 0..batch.rows.min(MOST_ROWS - rows.len()) {
+            let mut values = [[None; 3]; 6];
+            for (of, (.., columns)) in values.iter_mut().zip(&QUANTITIES) {
+                for (value, name) in of.iter_mut().zip(columns).filter(|(_, name)| has(name)) {
+                    *value = batch.numbers(name)?.get(row).copied().flatten();
+                }
+            }
+            rows.push(CycleFacts {
+                point_id: points.get(row).copied().flatten().unwrap_or(u64::MAX),
+                class: classes.get(row).cloned().flatten().unwrap_or_default(),
+                runs: runs.get(row).copied().flatten().unwrap_or(0),
+                values,
+            });
+        }
+        if rows.len() == MOST_ROWS {
+            break;
+        }
+    }
+    Ok(rows)
+}

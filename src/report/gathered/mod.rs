@@ -1,0 +1,104 @@
+//! What a report is made of, read once from the tables of a results directory, in bounded memory.
+
+mod cycles;
+mod names;
+mod points;
+mod rest;
+mod runs;
+
+use std::path::Path;
+
+pub use cycles::{CycleFacts, QUANTITIES};
+pub use names::{axis_of, heading};
+pub use points::{PointFacts, Share};
+pub use rest::RestCurve;
+pub use runs::{LABELS, Notable, RunSample};
+
+use crate::study::Study;
+use crate::table::{Manifest, Table, TableError};
+
+/// Most points of which details are shown, each in a panel of its own.
+pub const MOST_DETAILS: usize = 24;
+
+/// Results as a report needs them.
+#[derive(Clone, Debug)]
+pub struct Gathered<'a> {
+    /// The study.
+    pub study: &'a Study,
+    /// What the directory says of itself.
+    pub manifest: &'a Manifest,
+    /// The points of the sweep that have runs.
+    pub points: Vec<PointFacts>,
+    /// How many points there are, should they be too many to be held.
+    pub point_count: u64,
+    /// Places in `points` of those that are shown in detail: all of them, or some at even distances.
+    pub detailed: Vec<usize>,
+    /// Runs: all of them, or some at even distances.
+    pub runs: RunSample,
+    /// Runs that failed or whose label an audit doubts, the first ones.
+    pub notable: Vec<Notable>,
+    /// Time to rest, of the points shown in detail.
+    pub rest: Vec<RestCurve>,
+    /// Classes of limit cycles.
+    pub cycles: Vec<CycleFacts>,
+}
+
+impl<'a> Gathered<'a> {
+    /// Reads the tables of a results directory.
+    ///
+    /// # Errors
+    /// Where a table is missing, is not the one that was written, or lacks a column.
+    pub fn read(
+        directory: &Path,
+        study: &'a Study,
+        manifest: &'a Manifest,
+    ) -> Result<Self, TableError> {
+        let open = |name: &str| Table::open(directory, manifest, name);
+        let table = open("points")?;
+        let point_count = table.rows();
+        let points = points::read(study, &table)?;
+        let detailed = evenly(points.len(), MOST_DETAILS);
+        let (runs, notable) = runs::read(study, &open("runs")?)?;
+        let shown: Vec<u64> =
+            detailed.iter().filter_map(|&place| Some(points.get(place)?.point_id)).collect();
+        let rest = rest::read(&open("rest")?, &shown)?;
+        let cycles = cycles::read(&open("cycles")?)?;
+        Ok(Gathered { study, manifest, points, point_count, detailed, runs, notable, rest, cycles })
+    }
+
+    /// The points that are shown in detail.
+    pub fn details(&self) -> impl Iterator<Item = &PointFacts> {
+        self.detailed.iter().filter_map(|&place| self.points.get(place))
+    }
+
+    /// What is to be said where not all points are shown in detail; empty where they are.
+    pub fn left_out(&self) -> String {
+        let (shown, all) = (self.detailed.len() as u64, self.point_count);
+        if shown == all {
+            return String::new();
+        }
+        format!(" Shown are {shown} of {all} points, at even distances in the order of the sweep.")
+    }
+}
+
+/// At most so many of the places 0, 1, … at even distances, the first and the last among them.
+fn evenly(count: usize, most: usize) -> Vec<usize> {
+    if count <= most {
+        return (0..count).collect();
+    }
+    (0..most).map(|k| k * (count - 1) / (most - 1)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::evenly;
+
+    #[test]
+    fn places_at_even_distances() {
+        assert_eq!(evenly(3, 24), [0, 1, 2]);
+        assert_eq!(evenly(0, 24), [0; 0]);
+        let some = evenly(1000, 24);
+        assert_eq!((some.len(), some[0], some[23]), (24, 0, 999));
+        assert!(some.windows(2).all(|pair| (43..=44).contains(&(pair[1] - pair[0]))));
+    }
+}

@@ -1,0 +1,77 @@
+//! Curves of `rest.parquet`: the probability of being at rest by a time.
+
+use crate::table::{Kind, Table, TableError};
+
+/// Most steps of a curve that are kept: more than a picture can tell apart.
+const MOST_STEPS: usize = 400;
+
+/// The probability of being at rest by time t, of a point.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct RestCurve {
+    /// Number of the point.
+    pub point_id: u64,
+    /// Times of its steps, s, ascending.
+    pub time_s: Vec<f64>,
+    /// The probability from each on.
+    pub probability: Vec<f64>,
+    /// Its 95 % interval.
+    pub low: Vec<f64>,
+    /// Its 95 % interval.
+    pub high: Vec<f64>,
+}
+
+/// The curves of these points, in the order of the table.
+pub fn read(table: &Table, points: &[u64]) -> Result<Vec<RestCurve>, TableError> {
+    let numbers = ["time_s", "probability_at_rest", "ci_low", "ci_high"];
+    let mut wanted = vec![("point_id", Kind::Count)];
+    wanted.extend(numbers.map(|name| (name, Kind::Number)));
+    let mut curves: Vec<RestCurve> = Vec::new();
+    for batch in table.read(&wanted)? {
+        let batch = batch?;
+        let ids = batch.counts("point_id")?;
+        let [times, probabilities, lows, highs] = [
+            batch.numbers(numbers[0])?,
+            batch.numbers(numbers[1])?,
+            batch.numbers(numbers[2])?,
+            batch.numbers(numbers[3])?,
+        ];
+        for row in 0..batch.rows {
+            let value = |values: &[Option<f64>]| values.get(row).copied().flatten();
+            let (Some(point_id), Some(time)) = (ids.get(row).copied().flatten(), value(times))
+            else {
+                continue;
+            };
+            if points.binary_search(&point_id).is_err() {
+                continue;
+            }
+            if curves.last().is_none_or(|curve| curve.point_id != point_id) {
+                if let Some(last) = curves.last_mut() {
+                    thin(last);
+                }
+                curves.push(RestCurve { point_id, ..RestCurve::default() });
+            }
+            if let Some(curve) = curves.last_mut() {
+                curve.time_s.push(time);
+                curve.probability.push(value(probabilities).unwrap_or(f64::NAN));
+                curve.low.push(value(lows).unwrap_or(f64::NAN));
+                curve.high.push(value(highs).unwrap_or(f64::NAN));
+            }
+        }
+    }
+    if let Some(last) = curves.last_mut() {
+        thin(last);
+    }
+    Ok(curves)
+}
+
+/// Keeps some steps at even distances, the first and the last among them.
+fn thin(curve: &mut RestCurve) {
+    let places = super::evenly(curve.time_s.len(), MOST_STEPS);
+    let keep = |values: &mut Vec<f64>| {
+        *values = places.iter().filter_map(|&place| values.get(place).copied()).collect();
+    };
+    keep(&mut curve.time_s);
+    keep(&mut curve.probability);
+    keep(&mut curve.low);
+    keep(&mut curve.high);
+}

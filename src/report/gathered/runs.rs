@@ -1,0 +1,155 @@
+//! Runs of `runs.parquet`: all of them, or of very many some at even distances.
+
+use crate::ending::Label;
+use crate::model::Coordinate;
+use crate::study::Study;
+use crate::table::{Kind, Table, TableError};
+
+/// Most runs that are held; of more, every second, third and so on.
+const MOST_RUNS: u64 = 100_000;
+/// Most runs that are listed because something is wrong with them.
+const MOST_NOTABLE: usize = 200;
+
+/// Labels in the order of their numbers in [`RunSample::label`].
+pub const LABELS: [Label; 5] = Label::ALL;
+
+/// Runs, column by column.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct RunSample {
+    /// How many runs the table has.
+    pub of: u64,
+    /// Numbers of the runs.
+    pub run_id: Vec<u64>,
+    /// Numbers of their points.
+    pub point_id: Vec<u64>,
+    /// Places of their labels in [`LABELS`].
+    pub label: Vec<u8>,
+    /// Amplitude of the table at the end, m; NaN where there is none.
+    pub amplitude_m: Vec<f64>,
+    /// Friction margin at rest; NaN while moving.
+    pub friction_margin: Vec<f64>,
+    /// Time to rest, s; NaN while moving.
+    pub time_to_rest_s: Vec<f64>,
+    /// Where each contact is at the end, contact by contact: angles of balls in [0, 2π), rad, or the
+    /// position of the block, m.
+    pub position: Vec<Vec<f64>>,
+    /// Start states, coordinate by coordinate in the order of the model.
+    pub start: Vec<Vec<f64>>,
+}
+
+/// A run that failed, or whose label differs when it is computed more precisely.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Notable {
+    /// Its number.
+    pub run_id: u64,
+    /// Its label.
+    pub label: String,
+    /// Why it has it.
+    pub evidence: String,
+    /// What the audit found, where that is another label.
+    pub audited: Option<String>,
+    /// What went wrong, if it failed.
+    pub error: String,
+}
+
+const NUMBERS: [&str; 3] = ["amplitude_m", "friction_margin", "time_to_rest_s"];
+
+/// The runs and the notable ones among all of them.
+pub fn read(study: &Study, table: &Table) -> Result<(RunSample, Vec<Notable>), TableError> {
+    let positions: Vec<String> = match study.model().balls() {
+        0 => vec!["position_m".to_owned()],
+        balls => (1..=balls).map(|ball| format!("beta_{ball}_rad")).collect(),
+    };
+    let coordinates = study.model().coordinates();
+    let starts: Vec<String> =
+        coordinates.iter().map(|Coordinate { name, .. }| format!("initial_{name}")).collect();
+    let audit = study.audit().is_some();
+    let mut wanted = vec![("run_id", Kind::Count), ("point_id", Kind::Count)];
+    wanted.extend(["label", "evidence", "error"].map(|name| (name, Kind::Text)));
+    if audit {
+        wanted.push(("audit_label", Kind::Text));
+    }
+    wanted.extend(NUMBERS.map(|name| (name, Kind::Number)));
+    wanted.extend(positions.iter().chain(&starts).map(|name| (name.as_str(), Kind::Number)));
+
+    let of = table.rows();
+    let every = of.div_ceil(MOST_RUNS).max(1);
+    let mut sample = RunSample {
+        of,
+        position: vec![Vec::new(); positions.len()],
+        start: vec![Vec::new(); starts.len()],
+        ..RunSample::default()
+    };
+    let mut notable = Vec::new();
+    for batch in table.read(&wanted)? {
+        let batch = batch?;
+        let (ids, points) = (batch.counts("run_id")?, batch.counts("point_id")?);
+        let [labels, evidence, errors] =
+            [batch.texts("label")?, batch.texts("evidence")?, batch.texts("error")?];
+        let audited = if audit { Some(batch.texts("audit_label")?) } else { None };
+        let text = |texts: &[Option<String>], row: usize| texts.get(row).cloned().flatten();
+        let mut kept = Vec::new();
+        for row in 0..batch.rows {
+            let Some(run_id) = ids.get(row).copied().flatten() else { continue };
+            let label = text(labels, row).unwrap_or_default();
+            let flipped = audited.and_then(|audited| text(audited, row));
+            let flipped = flipped.filter(|other| *other != label);
+            if (label == Label::Failed.name() || flipped.is_some()) && notable.len() < MOST_NOTABLE
+            {
+                notable.push(Notable {
+                    run_id,
+                    label: label.clone(),
+                    evidence: text(evidence, row).unwrap_or_default(),
+                    audited: flipped,
+                    error: text(errors, row).unwrap_or_default(),
+                });
+            }
+            let Some(label) = LABELS.iter().position(|known| known.name() == label) else {
+                continue;
+            };
+            if (batch.first_row + row as u64).is_multiple_of(every) {
+                kept.push(row);
+                sample.run_id.push(run_id);
+                sample.point_id.push(points.get(row).copied().flatten().unwrap_or(u64::MAX));
+                sample.label.push(label as u8);
+            }
+        }
+        let keep = |name: &str, values: &mut Vec<f64>| {
+            let column = batch.numbers(name)?;
+            let value = |row: &usize| column.get(*row).copied().flatten().unwrap_or(f64::NAN);
+            values.extend(kept.iter().map(value));
+            Ok::<_, TableError>(())
+        };
+        keep(NUMBERS[0], &mut sample.amplitude_m)?;
+        keep(NUMBERS[1], &mut sample.friction_margin)?;
+        keep(NUMBERS[2], &mut sample.time_to_rest_s)?;
+        for (name, values) in positions.iter().zip(&mut sample.position) {
+            keep(name, values)?;
+        }
+        for (name, values) in starts.iter().zip(&mut sample.start) {
+            keep(name, values)?;
+        }
+    }
+    Ok((sample, notable))
+}
+
+impl RunSample {
+    /// How many runs it holds.
+    pub fn len(&self) -> usize {
+        self.run_id.len()
+    }
+
+    /// Whether it holds none.
+    pub fn is_empty(&self) -> bool {
+        self.run_id.is_empty()
+    }
+
+    /// What is to be said where it does not hold all runs; empty where it does.
+    pub fn left_out(&self) -> String {
+        if self.of <= MOST_RUNS {
+            return String::new();
+        }
+        let every = self.of.div_ceil(MOST_RUNS);
+        format!(" Of {} runs, one in {every} is shown ({} runs).", self.of, self.len())
+    }
+}

@@ -1,0 +1,522 @@
+// Draws the figures of the page with Apache ECharts, and answers pointer and keyboard.
+(function () {
+  'use strict';
+  const data = JSON.parse(document.getElementById('data').textContent);
+  const TAU = 2 * Math.PI;
+
+  // ---- packed columns -------------------------------------------------------------------------
+  function bytes(text) {
+    const raw = atob(text);
+    const out = new Uint8Array(raw.length);
+    for (let i = 0; i < raw.length; i++) out[i] = raw.charCodeAt(i);
+    return new DataView(out.buffer);
+  }
+  function column(packed) {
+    if (Array.isArray(packed)) return packed.map((v) => (v === null ? NaN : v));
+    const kind = packed.f ? 'f' : packed.u ? 'u' : 'w';
+    const view = bytes(packed[kind]);
+    const size = kind === 'w' ? 2 : 4;
+    const out = new Array(view.byteLength / size);
+    for (let i = 0; i < out.length; i++) {
+      if (kind === 'f') out[i] = view.getFloat32(4 * i, true);
+      else if (kind === 'u') out[i] = view.getUint32(4 * i, true);
+      else {
+        const step = view.getUint16(2 * i, true);
+        out[i] = step === 65535 ? NaN : packed.from + (step / 65534) * (packed.to - packed.from);
+      }
+    }
+    return out;
+  }
+  function pairs(packed) {
+    const flat = column(packed);
+    const out = [];
+    for (let i = 0; i + 1 < flat.length; i += 2) out.push([flat[i], flat[i + 1]]);
+    return out;
+  }
+  function unpack(layer) {
+    if (layer.ready) return layer;
+    if (layer.points) layer.points = pairs(layer.points);
+    if (layer.rings) layer.rings = layer.rings.map(pairs);
+    for (const key of ['x', 'y', 'low', 'high', 'base', 'top', 'edges', 'values']) {
+      if (layer[key]) layer[key] = column(layer[key]);
+    }
+    if (layer.tips) {
+      layer.tips.run_ids = column(layer.tips.run_ids);
+      for (const one of layer.tips.columns) if (one.values) one.values = column(one.values);
+    }
+    layer.ready = true;
+    return layer;
+  }
+
+  // ---- colours, numbers, symbols ---------------------------------------------------------------
+  let theme = null;
+  function readTheme() {
+    const style = getComputedStyle(document.documentElement);
+    const one = (name) => style.getPropertyValue('--' + name).trim();
+    theme = { ground: one('ground'), ink: one('ink'), soft: one('soft'), line: one('line'), raised: one('raised') };
+    for (const label of ['equilibrium', 'limit-cycle', 'irregular', 'undecided', 'failed']) {
+      theme[label.replace('-', '_')] = one(label);
+    }
+    theme.series = one('series').split(/\s+/);
+    theme.scale = one('scale').split(/\s+/);
+  }
+  function mix(a, b, part) {
+    const of = (colour, at) => parseInt(colour.slice(1 + 2 * at, 3 + 2 * at), 16);
+    const each = [0, 1, 2].map((at) => Math.round(of(a, at) + (of(b, at) - of(a, at)) * part));
+    return 'rgb(' + each.join(',') + ')';
+  }
+  function scaled(value, scale) {
+    const [from, to] = scale.range;
+    const last = theme.scale.length - 1;
+    const at = Math.min(Math.max((value - from) / (to - from || 1), 0), 1) * last;
+    const low = Math.min(Math.floor(at), last - 1);
+    return mix(theme.scale[low], theme.scale[low + 1], at - low);
+  }
+  function colourOf(colour) {
+    if (typeof colour === 'object') return theme.series[colour.series % theme.series.length];
+    if (colour === 'ink') return theme.ink;
+    if (colour === 'faint') return theme.soft;
+    if (colour === 'ground') return theme.ground;
+    return theme[colour] || theme.ink;
+  }
+  // Lines of a series that comes round again are dashed.
+  function dashOf(layer) {
+    const round = typeof layer.colour === 'object' ? Math.floor(layer.colour.series / 8) % 3 : 0;
+    return layer.dashed ? 'dashed' : ['solid', 'dashed', 'dotted'][round];
+  }
+  function number(value, digits) {
+    if (value === null || value === undefined || !isFinite(value)) return '–';
+    if (Number.isInteger(value) && Math.abs(value) < 1e15) return String(value).replace('-', '−');
+    const size = Math.abs(value);
+    const text = size !== 0 && (size < 1e-3 || size >= 1e6)
+      ? value.toExponential((digits || 5) - 1) : String(Number(value.toPrecision(digits || 5)));
+    return text.replace(/-/g, '−');
+  }
+  const PI = ['0', 'π/2', 'π', '3π/2', '2π'];
+  const SYMBOLS = {
+    dot: ['circle', 3.5], disc: ['circle', 8], circle: ['emptyCircle', 9], diamond: ['diamond', 10],
+    triangle: ['triangle', 9], square: ['rect', 7],
+    star: ['path://M0,-10L2.4,-3.2L9.5,-3.1L3.8,1.2L5.9,8.1L0,4L-5.9,8.1L-3.8,1.2L-9.5,-3.1L-2.4,-3.2Z', 15],
+    cross: ['path://M-1.6,-8H1.6V-1.6H8V1.6H1.6V8H-1.6V1.6H-8V-1.6H-1.6Z', 9],
+  };
+  function escaped(text) {
+    return String(text).replace(/[&<>"]/g, (c) => ({ '&': '&amp;', '<': '&lt;', '>': '&gt;', '"': '&quot;' })[c]);
+  }
+
+  // ---- what is known of a dot --------------------------------------------------------------------
+  function rows(panel, layer, index) {
+    const list = [];
+    const tips = layer.tips;
+    if (layer.mark === 'dots') {
+      for (const [axis, value] of [[panel.x, layer.x[index]], [panel.y, layer.y[index]]]) {
+        if (axis.kind === 'names') list.push(['', axis.names[Math.round(value)] || '']);
+        else list.push([axis.name + (axis.unit ? ' [' + axis.unit + ']' : ''), number(value, axis.kind === 'angle' ? 5 : 6)]);
+      }
+    }
+    for (const one of tips ? tips.columns : []) {
+      list.push([one.name, one.words ? one.words[index] : number(one.values[index])]);
+    }
+    return list;
+  }
+  function command(layer, index) {
+    const ids = layer.tips ? layer.tips.run_ids : [];
+    return ids.length > index ? 'stickslip replay ' + data.directory + ' ' + ids[index] : null;
+  }
+  function heading(layer, index) {
+    const ids = layer.tips ? layer.tips.run_ids : [];
+    return [layer.name, ids.length > index ? 'run ' + ids[index] : ''].filter(Boolean).join(', ');
+  }
+  function tip(panel, layer, index) {
+    const lines = rows(panel, layer, index)
+      .map(([name, value]) => '<tr><th class="text">' + escaped(name) + '</th><td>' + escaped(value) + '</td></tr>');
+    const replay = command(layer, index);
+    return '<div class="tip"><strong>' + escaped(heading(layer, index)) + '</strong><table>' + lines.join('') +
+      '</table>' + (replay ? '<code>' + escaped(replay) + '</code>' : '') + '</div>';
+  }
+
+  // ---- a panel as options of the library ---------------------------------------------------------
+  function axisOf(axis, vertical, square) {
+    const named = axis.kind === 'names';
+    const title = axis.name + (axis.unit ? ' [' + axis.unit + ']' : '');
+    const option = {
+      type: axis.kind === 'logarithmic' ? 'log' : 'value',
+      name: title, nameLocation: 'middle', nameGap: vertical ? 52 : 30,
+      nameTextStyle: { color: theme.ink, fontSize: 14 },
+      scale: true, axisLine: { show: true, onZero: false, lineStyle: { color: theme.soft } },
+      axisTick: { show: true }, splitLine: { show: !square, lineStyle: { color: theme.line, opacity: 0.6 } },
+      axisLabel: { color: theme.ink, fontSize: 13, hideOverlap: true, formatter: (v) => number(v, 6) },
+    };
+    if (axis.range) { option.min = axis.range[0]; option.max = axis.range[1]; }
+    if (axis.kind === 'angle') {
+      option.interval = TAU / 4;
+      option.axisLabel.formatter = (v) => {
+        const quarter = v / (TAU / 4);
+        return Math.abs(quarter - Math.round(quarter)) < 1e-6 && PI[Math.round(quarter)] || number(v, 4);
+      };
+    }
+    if (named) {
+      // Names stand at whole numbers.
+      option.min = -1; option.max = axis.names.length; option.interval = 1;
+      option.splitLine.show = false; option.axisTick.show = false;
+      option.axisLabel.formatter = (v) => (Number.isInteger(v) ? axis.names[v] || '' : '');
+      option.axisLabel.hideOverlap = false;
+      if (!vertical) { option.axisLabel.rotate = axis.names.length > 3 ? 22 : 0; option.axisLabel.overflow = 'break'; option.axisLabel.width = axis.names.length > 3 ? 190 : 240; }
+    }
+    return option;
+  }
+  function stepped(x, low, high) {
+    const lower = [], upper = [];
+    for (let i = 0; i < x.length; i++) {
+      if (i > 0) { lower.push([x[i], low[i - 1]]); upper.push([x[i], high[i - 1]]); }
+      lower.push([x[i], low[i]]); upper.push([x[i], high[i]]);
+    }
+    return lower.concat(upper.reverse());
+  }
+  function outline(layer) {
+    const { x, low, high } = layer;
+    if (layer.steps) return stepped(x, low, high);
+    const lower = x.map((v, i) => [v, low[i]]);
+    return lower.concat(x.map((v, i) => [v, high[i]]).reverse());
+  }
+  function polygons(base, rings, fills, more) {
+    return Object.assign({}, base, {
+      type: 'custom', silent: true, clip: true, data: rings.map((_, i) => [i]),
+      encode: { x: -1, y: -1 },
+      renderItem: (params, api) => ({
+        type: 'polygon',
+        shape: { points: rings[params.dataIndex].map((p) => api.coord(p)) },
+        style: Object.assign({ fill: fills(params.dataIndex) }, more),
+      }),
+    });
+  }
+  function seriesOf(panel, layer, order) {
+    unpack(layer);
+    const colour = colourOf(layer.colour);
+    const base = { id: String(order), name: layer.name, z: 2 + order, animation: false, clip: true };
+    switch (layer.mark) {
+      case 'line':
+        return Object.assign(base, { type: 'line', data: layer.points, showSymbol: false, silent: true,
+          lineStyle: { color: colour, width: 2, type: dashOf(layer) } });
+      case 'steps':
+        return Object.assign(base, { type: 'line', step: 'end', data: layer.points, showSymbol: false, silent: true,
+          lineStyle: { color: colour, width: 2, type: dashOf(layer) } });
+      case 'band':
+        return polygons(base, [outline(layer)], () => colour, { opacity: 0.15 });
+      case 'regions':
+        return polygons(base, layer.rings,
+          (i) => (layer.colour === 'scale' ? scaled(layer.values[i], panel.scale) : colour),
+          { stroke: 'none' });
+      case 'intervals':
+        return Object.assign(base, { type: 'custom', silent: true,
+          data: layer.x.map((x, i) => [x, layer.low[i], layer.high[i]]),
+          encode: { x: 0, y: [1, 2] },
+          renderItem: (params, api) => {
+            const low = api.coord([api.value(0), api.value(1)]);
+            const high = api.coord([api.value(0), api.value(2)]);
+            const stroke = { stroke: colour, lineWidth: 1.6, fill: 'none' };
+            const line = (x1, y1, x2, y2) => ({ type: 'line', shape: { x1, y1, x2, y2 }, style: stroke });
+            return { type: 'group', children: [
+              line(low[0], low[1], high[0], high[1]),
+              line(low[0] - 4, low[1], low[0] + 4, low[1]),
+              line(high[0] - 4, high[1], high[0] + 4, high[1]),
+            ] };
+          } });
+      case 'bars':
+        return Object.assign(base, { type: 'custom',
+          data: layer.x.map((x, i) => [x, layer.base[i], layer.top[i]]), encode: { x: 0, y: [1, 2] },
+          renderItem: (params, api) => {
+            const a = api.coord([api.value(0) - layer.width / 2, api.value(1)]);
+            const b = api.coord([api.value(0) + layer.width / 2, api.value(2)]);
+            return { type: 'rect', shape: { x: a[0], y: b[1], width: b[0] - a[0], height: a[1] - b[1] }, style: { fill: colour } };
+          } });
+      case 'cells':
+        return Object.assign(base, { type: 'custom', data: layer.values.map((v, i) =>
+          [layer.edges[4 * i], layer.edges[4 * i + 1], layer.edges[4 * i + 2], layer.edges[4 * i + 3], v]),
+          encode: { x: [0, 1], y: [2, 3] },
+          renderItem: (params, api) => {
+            const a = api.coord([api.value(0), api.value(2)]);
+            const b = api.coord([api.value(1), api.value(3)]);
+            const value = layer.values[params.dataIndex];
+            const shown = isFinite(value);
+            return { type: 'rect',
+              shape: { x: a[0], y: b[1], width: b[0] - a[0] + 0.5, height: a[1] - b[1] + 0.5 },
+              style: { fill: shown ? scaled(value, panel.scale) : theme.ground, stroke: shown ? 'none' : theme.line } };
+          },
+          tooltip: { formatter: (at) => tip(panel, layer, at.dataIndex) } });
+      case 'rule':
+        return Object.assign(base, { type: 'line', data: [], silent: true, markLine: {
+          silent: true, symbol: 'none', animation: false,
+          lineStyle: { color: colour, type: 'dashed', width: 1.5 },
+          label: { formatter: layer.label, color: theme.ink, position: layer.upright ? 'end' : 'insideEndTop', fontSize: 13 },
+          data: [layer.upright ? { xAxis: layer.at } : { yAxis: layer.at }] } });
+      case 'dots': {
+        const [symbol, size] = SYMBOLS[layer.symbol];
+        const many = layer.x.length > 3000;
+        const open = symbol === 'emptyCircle';
+        return Object.assign(base, { type: 'scatter', symbol: open ? 'circle' : symbol,
+          symbolSize: layer.symbol === 'dot' && layer.x.length > 20000 ? 2.2 : many ? Math.min(size, 4) : size,
+          large: many, largeThreshold: 3000, progressive: 0,
+          data: layer.x.map((x, i) => [x, layer.y[i]]),
+          itemStyle: open ? { color: theme.ground, borderColor: colour, borderWidth: 2 }
+            : { color: colour, opacity: layer.symbol === 'dot' ? 0.8 : 1,
+                borderColor: layer.symbol === 'star' ? theme.ground : undefined, borderWidth: layer.symbol === 'star' ? 1 : 0 },
+          tooltip: { formatter: (at) => tip(panel, layer, at.dataIndex) } });
+      }
+    }
+    return base;
+  }
+
+  // ---- a figure on the page ------------------------------------------------------------------------
+  class Figure {
+    constructor(spec) {
+      this.spec = spec;
+      this.element = document.getElementById(spec.id);
+      this.chart = null;
+      this.hidden = new Set();
+      this.title = spec.panels[0].title;
+      this.part = spec.panels[0].part;
+      this.at = -1;
+      this.build();
+    }
+    panel() {
+      const found = this.spec.panels.find((p) => p.title === this.title && p.part === this.part);
+      return found || this.spec.panels.find((p) => p.title === this.title) || this.spec.panels[0];
+    }
+    select(text, key) {
+      const values = [...new Set(this.spec.panels.map((p) => p[key]))];
+      if (values.length < 2) return;
+      const label = document.createElement('label');
+      label.textContent = text;
+      const select = document.createElement('select');
+      for (const value of values) {
+        const option = document.createElement('option');
+        option.value = option.textContent = value;
+        select.append(option);
+      }
+      select.addEventListener('change', () => { this[key] = select.value; this.zoomed = null; this.draw(); });
+      label.append(select);
+      this.controls.append(label);
+    }
+    button(text, name, action) {
+      const button = document.createElement('button');
+      button.type = 'button';
+      button.textContent = text;
+      button.setAttribute('aria-label', name);
+      button.title = name;
+      button.addEventListener('click', action);
+      this.zoom.append(button);
+    }
+    build() {
+      const make = (tag, name) => { const e = document.createElement(tag); e.className = name; return e; };
+      this.controls = make('div', 'controls');
+      this.legend = make('div', 'legend');
+      this.legend.setAttribute('role', 'group');
+      this.legend.setAttribute('aria-label', 'Series: press to hide or show');
+      const side = make('div', 'side');
+      this.box = make('div', 'chart');
+      this.box.tabIndex = 0;
+      this.box.setAttribute('role', 'img');
+      this.box.setAttribute('aria-label', this.spec.title + '. ' + this.spec.alternative +
+        ' With the arrow keys: dot by dot.');
+      this.scale = make('div', 'scale');
+      side.append(this.box, this.scale);
+      this.picked = make('div', 'picked');
+      this.picked.setAttribute('role', 'status');
+      this.zoom = make('div', 'zoom');
+      this.button('+', 'Zoom in', () => this.zoomBy(0.5));
+      this.button('−', 'Zoom out', () => this.zoomBy(2));
+      this.button('all', 'Show all', () => this.zoomBy(Infinity));
+      this.select('point', 'title');
+      this.select('shown', 'part');
+      this.controls.append(this.legend, this.zoom);
+      const caption = this.element.querySelector('figcaption');
+      this.element.insertBefore(this.controls, caption);
+      this.element.insertBefore(side, caption);
+      this.element.insertBefore(this.picked, caption);
+      this.box.addEventListener('keydown', (event) => this.key(event));
+      const square = this.spec.panels.some((p) => p.x.kind === 'angle' && p.y.kind === 'angle');
+      this.box.classList.toggle('square', square);
+    }
+    draw() {
+      const panel = this.panel();
+      if (!this.chart) {
+        this.chart = echarts.init(this.box, null, { renderer: this.marks() > 2500 ? 'canvas' : 'svg' });
+        this.chart.on('click', (at) => this.pick(at.seriesId, at.dataIndex));
+      }
+      this.drawn = panel.layers.map((layer, order) => ({ layer, order }))
+        .filter(({ layer }) => !layer.name || !this.hidden.has(layer.name));
+      const square = panel.x.kind === 'angle' && panel.y.kind === 'angle';
+      const bottom = panel.x.kind === 'names' ? (panel.x.names.length > 3 ? 110 : 60) : 56;
+      this.chart.setOption({
+        animation: false, aria: { enabled: false },
+        textStyle: { fontFamily: getComputedStyle(document.body).fontFamily, color: theme.ink },
+        grid: { left: panel.x.kind === 'names' ? 96 : 72, right: 22, top: 26, bottom, containLabel: false },
+        tooltip: { trigger: 'item', confine: true, backgroundColor: theme.ground, borderColor: theme.line,
+          textStyle: { color: theme.ink, fontSize: 13 }, transitionDuration: 0 },
+        xAxis: axisOf(panel.x, false, square), yAxis: axisOf(panel.y, true, square),
+        dataZoom: [
+          { id: 'x', type: 'inside', xAxisIndex: 0, filterMode: 'none', zoomOnMouseWheel: 'ctrl', moveOnMouseMove: true, preventDefaultMouseMove: false },
+          { id: 'y', type: 'inside', yAxisIndex: 0, filterMode: 'none', zoomOnMouseWheel: 'ctrl', moveOnMouseMove: true, preventDefaultMouseMove: false },
+        ],
+        series: this.drawn.map(({ layer, order }) => seriesOf(panel, layer, order)),
+      }, { notMerge: true });
+      this.at = -1;
+      this.picked.textContent = '';
+      this.drawLegend(panel);
+      this.drawScale(panel);
+    }
+    marks() {
+      const length = (packed) => (Array.isArray(packed) ? packed.length : packed.f ? packed.f.length / 5.34 : packed.w.length / 2.67);
+      return Math.max(...this.spec.panels.map((p) => p.layers.reduce((sum, l) => sum + (l.mark === 'dots' ? length(l.x) : 0), 0)));
+    }
+    drawLegend(panel) {
+      const names = [...new Set(panel.layers.map((layer) => layer.name).filter(Boolean))];
+      const focused = this.legend.contains(document.activeElement) ? document.activeElement.dataset.name : null;
+      this.legend.replaceChildren();
+      for (const name of names) {
+        const layers = panel.layers.filter((layer) => layer.name === name);
+        const button = document.createElement('button');
+        button.type = 'button';
+        button.dataset.name = name;
+        button.setAttribute('aria-pressed', String(!this.hidden.has(name)));
+        button.innerHTML = sample(layers);
+        button.append(name);
+        button.addEventListener('click', () => {
+          if (!this.hidden.delete(name)) this.hidden.add(name);
+          const zoomed = this.window();
+          this.draw();
+          this.show(zoomed);
+        });
+        this.legend.append(button);
+        if (name === focused) button.focus();
+      }
+    }
+    drawScale(panel) {
+      this.scale.hidden = !panel.scale;
+      if (!panel.scale) return;
+      const { name, range } = panel.scale;
+      this.scale.innerHTML = '<div>' + escaped(name) + '</div><div class="bar"></div><div class="ends"><span>' +
+        number(range[0], 3) + '</span><span>' + number((range[0] + range[1]) / 2, 3) + '</span><span>' + number(range[1], 3) + '</span></div>';
+      this.scale.querySelector('.bar').style.background = 'linear-gradient(to right,' + theme.scale.join(',') + ')';
+      this.scale.querySelector('.bar').style.setProperty('print-color-adjust', 'exact');
+    }
+    window() {
+      const zooms = this.chart.getOption().dataZoom;
+      return zooms.map((zoom) => [zoom.start, zoom.end]);
+    }
+    show(ends) {
+      ends.forEach(([start, end], index) => {
+        this.chart.dispatchAction({ type: 'dataZoom', dataZoomIndex: index, start, end });
+      });
+    }
+    zoomBy(factor) {
+      this.show(this.window().map(([start, end]) => {
+        const middle = (start + end) / 2;
+        const half = Math.min(50, ((end - start) / 2) * factor);
+        const low = Math.min(Math.max(0, middle - half), 100 - 2 * half);
+        return factor === Infinity ? [0, 100] : [low, low + 2 * half];
+      }));
+    }
+    layer(order) { return this.panel().layers[Number(order)]; }
+    pick(order, index) {
+      const panel = this.panel();
+      const layer = this.layer(order);
+      if (!layer || !layer.tips) return;
+      const said = rows(panel, layer, index).map(([name, value]) => (name ? name + ' ' : '') + value).join(', ');
+      const replay = command(layer, index);
+      this.picked.textContent = heading(layer, index) + ': ' + said + ' ';
+      if (!replay) return;
+      const code = document.createElement('code');
+      code.className = 'command';
+      code.textContent = replay;
+      const copy = document.createElement('button');
+      copy.type = 'button';
+      copy.className = 'copy';
+      copy.textContent = 'copy';
+      copy.setAttribute('aria-label', 'Copy the command ' + replay);
+      copy.addEventListener('click', () => {
+        const range = document.createRange();
+        range.selectNodeContents(code);
+        const selection = getSelection();
+        selection.removeAllRanges();
+        selection.addRange(range);
+        const done = () => { copy.textContent = 'copied'; };
+        if (navigator.clipboard) navigator.clipboard.writeText(replay).then(done, () => { document.execCommand('copy'); done(); });
+        else { document.execCommand('copy'); done(); }
+      });
+      this.picked.append(code, ' ', copy);
+    }
+    // Dot by dot, in the order of the layers.
+    key(event) {
+      const step = { ArrowRight: 1, ArrowDown: 1, ArrowLeft: -1, ArrowUp: -1 }[event.key];
+      if (!step && event.key !== 'Home' && event.key !== 'End') return;
+      const dots = this.drawn.map(({ layer, order }, place) => ({ layer, order, place }))
+        .filter(({ layer }) => layer.mark === 'dots' || layer.mark === 'cells');
+      const count = (layer) => (layer.mark === 'dots' ? layer.x.length : layer.values.length);
+      const all = dots.reduce((sum, { layer }) => sum + count(layer), 0);
+      if (!all) return;
+      event.preventDefault();
+      this.at = event.key === 'Home' ? 0 : event.key === 'End' ? all - 1 : (this.at + step + all) % all;
+      if (this.at < 0) this.at = 0;
+      let left = this.at;
+      for (const { layer, order, place } of dots) {
+        if (left < count(layer)) {
+          this.chart.dispatchAction({ type: 'showTip', seriesIndex: place, dataIndex: left });
+          this.pick(order, left);
+          return;
+        }
+        left -= count(layer);
+      }
+    }
+  }
+
+  // A sample of a series for the legend.
+  function sample(layers) {
+    const colour = colourOf(layers[0].colour);
+    let inside = '';
+    for (const layer of layers) {
+      if (layer.mark === 'line' || layer.mark === 'steps') {
+        const dash = { dashed: '5 3', dotted: '2 2', solid: '' }[dashOf(layer)];
+        inside += '<path d="M1 7H23" stroke="' + colour + '" stroke-width="2" stroke-dasharray="' + dash + '"/>';
+      } else if (layer.mark === 'dots') {
+        const shapes = {
+          dot: '<circle cx="12" cy="7" r="2.5" fill="C"/>', disc: '<circle cx="12" cy="7" r="4" fill="C"/>',
+          circle: '<circle cx="12" cy="7" r="4" fill="none" stroke="C" stroke-width="2"/>',
+          diamond: '<path d="M12 2L17 7L12 12L7 7Z" fill="C"/>', triangle: '<path d="M12 2L17 11H7Z" fill="C"/>',
+          square: '<path d="M8 3H16V11H8Z" fill="C"/>',
+          star: '<path transform="translate(12 7) scale(.7)" d="M0,-10L2.4,-3.2L9.5,-3.1L3.8,1.2L5.9,8.1L0,4L-5.9,8.1L-3.8,1.2L-9.5,-3.1L-2.4,-3.2Z" fill="C"/>',
+          cross: '<path d="M11 2H13V6H17V8H13V12H11V8H7V6H11Z" fill="C"/>',
+        };
+        inside += shapes[layer.symbol].replace(/C"/g, colour + '"');
+      } else if (layer.mark !== 'intervals' && !inside) {
+        inside += '<path d="M4 2H20V12H4Z" fill="' + colour + '" opacity="' + (layer.mark === 'band' ? 0.25 : 1) + '"/>';
+      }
+    }
+    return '<svg width="24" height="14" aria-hidden="true">' + inside + '</svg>';
+  }
+
+  // ---- the page ------------------------------------------------------------------------------------
+  readTheme();
+  for (const time of document.querySelectorAll('time[data-unix]')) {
+    const at = new Date(1000 * Number(time.dataset.unix));
+    time.dateTime = at.toISOString();
+    time.textContent = at.toISOString().slice(0, 16).replace('T', ' ') + ' UTC';
+  }
+  const figures = data.figures.map((spec) => new Figure(spec));
+  const draw = (figure) => { if (!figure.chart) figure.draw(); };
+  const seen = new IntersectionObserver((entries) => {
+    for (const entry of entries) {
+      if (entry.isIntersecting) draw(figures.find((figure) => figure.element === entry.target));
+    }
+  }, { rootMargin: '600px' });
+  figures.forEach((figure) => seen.observe(figure.element));
+  const fit = () => figures.forEach((figure) => figure.chart && figure.chart.resize());
+  let waiting = 0;
+  addEventListener('resize', () => { clearTimeout(waiting); waiting = setTimeout(fit, 100); });
+  const again = () => { readTheme(); figures.forEach((figure) => figure.chart && figure.draw()); };
+  matchMedia('(prefers-color-scheme: dark)').addEventListener('change', again);
+  // On paper everything is light, and of the paper's width.
+  matchMedia('print').addEventListener('change', () => { again(); fit(); });
+  addEventListener('beforeprint', () => { figures.forEach(draw); });
+  document.documentElement.dataset.ready = 'true';
+})();

@@ -1,0 +1,134 @@
+//! The report as one HTML page: what was run, the table of points, and figures that answer the pointer.
+//!
+//! Everything is in the file: style, script, the charting library (Apache ECharts, see
+//! `assets/echarts-LICENSE`) and the data. A policy in it forbids the browser to ask for anything else.
+
+mod encode;
+mod html;
+mod tables;
+
+use std::path::Path;
+
+use serde_json::json;
+
+use super::chart::Figure;
+use super::gathered::Gathered;
+use html::{Html, escaped};
+
+const PAGE: &str = include_str!("assets/page.html");
+const STYLE: &str = include_str!("assets/page.css");
+const SCRIPT: &str = include_str!("assets/page.js");
+const LIBRARY: &str = include_str!("assets/echarts.min.js");
+
+/// What says that a file is a page of this program, which it may replace.
+pub const OWN: &str = "<meta name=\"generator\" content=\"stickslip\">";
+
+/// The page of results that lie in a directory.
+pub fn page(directory: &Path, gathered: &Gathered<'_>, figures: &[Figure]) -> String {
+    let name = gathered.study.name();
+    let mut body = Html::default();
+    body.line("<header>");
+    body.element("h1", "", name);
+    tables::facts(&mut body, gathered);
+    tables::warnings(&mut body, directory, gathered);
+    body.line("</header>");
+    body.line("<nav aria-label=\"Parts of this page\"><ul>");
+    body.line("<li><a href=\"#points\">Points</a></li>");
+    for figure in figures {
+        body.line(&format!(
+            "<li><a href=\"#{}-title\">{}</a></li>",
+            figure.id,
+            escaped(&figure.title)
+        ));
+    }
+    body.line("<li><a href=\"#notable\">Runs to look at</a></li>");
+    body.line("<li><a href=\"#study\">Study</a></li>");
+    body.line("</ul></nav>\n<main>");
+    tables::points(&mut body, directory, gathered);
+    body.line("<div id=\"figures\">");
+    body.line(
+        "<p class=\"hint soft\">Press a name to hide or show a series; Ctrl and the wheel zoom, dragging \
+         moves; a click on a dot keeps what is known of it.</p>",
+    );
+    for figure in figures {
+        section(&mut body, figure);
+    }
+    body.line("</div>");
+    tables::notable(&mut body, directory, gathered);
+    body.line("<section aria-labelledby=\"study\"><h2 id=\"study\">Study</h2>");
+    body.line("<details><summary>All of it, with every default filled in</summary>");
+    body.element("pre", "", &gathered.study.resolved_yaml());
+    body.line("</details></section>\n</main>");
+    let data = json!({
+        "directory": quoted(directory),
+        "figures": figures.iter().map(encode::figure).collect::<Vec<_>>(),
+    });
+    // Nothing in the data can end the script that holds it.
+    let data = data.to_string().replace('<', "\\u003c");
+    let parts = [
+        ("<!--title-->", escaped(&format!("{name}: stickslip report"))),
+        ("<!--style-->", STYLE.to_owned()),
+        ("<!--body-->", body.text()),
+        ("<!--data-->", data),
+        ("<!--library-->", LIBRARY.to_owned()),
+        ("<!--script-->", SCRIPT.to_owned()),
+    ];
+    fill(PAGE, &parts)
+}
+
+/// Puts texts in the places of marks, in their order; what is put in is not looked at again.
+fn fill(page: &str, parts: &[(&str, String)]) -> String {
+    let mut filled = String::new();
+    let mut rest = page;
+    for (mark, text) in parts {
+        if let Some((before, after)) = rest.split_once(mark) {
+            filled += before;
+            filled += text;
+            rest = after;
+        }
+    }
+    filled + rest
+}
+
+fn section(body: &mut Html, figure: &Figure) {
+    let Figure { id, title, caption, alternative, .. } = figure;
+    body.line(&format!("<section aria-labelledby=\"{id}-title\">"));
+    body.line(&format!("<h2 id=\"{id}-title\">{}</h2>", escaped(title)));
+    body.line(&format!("<figure id=\"{id}\"><figcaption>{}", escaped(caption)));
+    if !alternative.is_empty() {
+        body.line("<details><summary>In words</summary>");
+        body.element("p", "", alternative);
+        body.line("</details>");
+    }
+    body.line("</figcaption></figure>\n</section>");
+}
+
+/// A directory as a shell takes it.
+fn quoted(directory: &Path) -> String {
+    let text = directory.display().to_string();
+    let plain = |c: char| c.is_alphanumeric() || "/._-+:,@%=".contains(c);
+    if !text.is_empty() && text.chars().all(plain) && !text.starts_with('-') {
+        return text;
+    }
+    format!("'{}'", text.replace('\'', "'\\''"))
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::{fill, quoted};
+
+    #[test]
+    fn what_is_put_in_is_not_looked_at_again() {
+        let parts = [("<!--a-->", "<!--b-->".to_owned()), ("<!--b-->", "2".to_owned())];
+        assert_eq!(fill("1 <!--a--> <!--b--> 3", &parts), "1 <!--b--> 2 3");
+    }
+
+    #[test]
+    fn directories_for_a_shell() {
+        assert_eq!(quoted(Path::new("results/night-1")), "results/night-1");
+        assert_eq!(quoted(Path::new("my results")), "'my results'");
+        assert_eq!(quoted(Path::new("it's; rm")), "'it'\\''s; rm'");
+    }
+}

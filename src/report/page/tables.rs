@@ -1,0 +1,217 @@
+//! The words and tables of the page: what was run, what is missing, the points, runs to look at.
+
+use std::path::Path;
+
+use super::html::{Html, escaped};
+use super::quoted;
+use crate::ending::Label;
+use crate::model::Method;
+use crate::report::gathered::{Gathered, Notable, PointFacts, Share};
+use crate::study::{ParameterKind, ParameterValue};
+
+/// Most rows of a table.
+const MOST_ROWS: usize = 200;
+
+/// What was run: study, version, seed, machine, time.
+pub fn facts(body: &mut Html, gathered: &Gathered<'_>) {
+    let (study, manifest) = (gathered.study, gathered.manifest);
+    let simulation = study.simulation();
+    let runs = match manifest.complete {
+        true => format!("{} runs at {} points", manifest.runs_finished, gathered.point_count),
+        false => format!(
+            "{} of {} runs, at {} points",
+            manifest.runs_finished, manifest.runs_planned, gathered.point_count
+        ),
+    };
+    let program = format!("stickslip {} ({})", manifest.version, manifest.commit);
+    let model = format!(
+        "{}, {} friction; {} s at most, method {}",
+        study.model().kind().replace('_', " "),
+        study.model().friction().name(),
+        simulation.end_time_s,
+        match simulation.method {
+            Method::Switch => "switch",
+            Method::Event => "event",
+        },
+    );
+    let hash: String = manifest.study_hash.chars().take(16).collect();
+    let facts = [
+        ("Study", format!("{}, hash {hash}, seed {}", study.name(), study.seed())),
+        ("Model", model),
+        ("Runs", runs),
+        ("Program", program),
+    ];
+    body.line("<dl class=\"facts\">");
+    for (name, text) in facts {
+        body.line(&format!("<dt>{name}</dt><dd>{}</dd>", escaped(&text)));
+    }
+    let shard = match manifest.shard.as_str() {
+        "1/1" => String::new(),
+        shard => format!("; shard {}", escaped(shard)),
+    };
+    body.line(&format!(
+        "<dt>Computed</dt><dd>on {}, {} threads, in {:.1} s, begun <time \
+         data-unix=\"{:.0}\">at {:.0} s (Unix time)</time>{shard}</dd>",
+        escaped(&manifest.host),
+        manifest.threads,
+        manifest.wall_s,
+        manifest.started_unix_s,
+        manifest.started_unix_s,
+    ));
+    body.line("</dl>");
+}
+
+/// What is missing or in doubt, in plain sight.
+pub fn warnings(body: &mut Html, directory: &Path, gathered: &Gathered<'_>) {
+    let manifest = gathered.manifest;
+    let (finished, planned) = (manifest.runs_finished, manifest.runs_planned);
+    let bound = if gathered.study.precision().is_some() { "at most " } else { "" };
+    if !manifest.complete {
+        let missing = planned.saturating_sub(finished);
+        let share = 100.0 * missing as f64 / planned.max(1) as f64;
+        body.line(&format!(
+            "<p class=\"warning\" id=\"missing\"><strong>Not complete.</strong> {bound}{missing} of \
+             {bound}{planned} runs are missing ({share:.1} %): what follows is of the {finished} runs \
+             that have finished, and points whose runs came last may have none. <code \
+             class=\"command\">stickslip resume {}</code> computes the rest.</p>",
+            escaped(&quoted(directory)),
+        ));
+    }
+    let count = |label: Label| manifest.labels.get(label.name()).copied().unwrap_or(0);
+    let failed = count(Label::Failed);
+    if failed > 0 {
+        let all = if failed == finished { "All" } else { "Some" };
+        body.line(&format!(
+            "<p class=\"warning\" id=\"failed\"><strong>{all} runs failed:</strong> {failed} of \
+             {finished}. They widen the intervals; <a href=\"#notable\">what went wrong</a>.</p>"
+        ));
+    }
+    let flips: u64 = gathered.points.iter().map(|point| point.audit.flips).sum();
+    let audited: u64 = gathered.points.iter().map(|point| point.audit.runs).sum();
+    let undecided = count(Label::Undecided);
+    let audit = match audited {
+        0 => "no run was audited".to_owned(),
+        audited => format!("{flips} of {audited} audited runs changed their label"),
+    };
+    body.line(&format!(
+        "<p>Doubt: {undecided} of {finished} runs are undecided, {failed} failed, {audit}.</p>"
+    ));
+}
+
+/// The table of points with their intervals.
+pub fn points(body: &mut Html, directory: &Path, gathered: &Gathered<'_>) {
+    body.line("<section aria-labelledby=\"points\"><h2 id=\"points\">Points</h2>");
+    let study = gathered.study;
+    let mut head = vec!["point"];
+    head.extend(study.swept().iter().map(|parameter| parameter.name.as_str()));
+    head.extend(["runs", "equilibria", "95 % interval"]);
+    let moving = [Label::LimitCycle, Label::Irregular, Label::Undecided, Label::Failed];
+    let words = moving.map(super::super::figures::label_words);
+    head.extend(words.iter().map(String::as_str));
+    let audit = study.audit().is_some();
+    if audit {
+        head.push("flips");
+    }
+    head.push("median time to rest [s]");
+    let balls = study.model().balls() > 0;
+    if balls {
+        head.extend(["median amplitude [µm]", "no balls [µm]", "set [%]"]);
+    }
+    let text: Vec<usize> = study
+        .swept()
+        .iter()
+        .enumerate()
+        .filter(|(_, parameter)| parameter.kind == ParameterKind::Text)
+        .map(|(column, _)| column + 1)
+        .collect();
+    let row = |point: &PointFacts| {
+        let mut cells = vec![point.point_id.to_string()];
+        cells.extend(point.swept.iter().map(|value| match value {
+            ParameterValue::Text(text) => escaped(text),
+            number => minus(&number.to_string()),
+        }));
+        let Share { share, low, high, .. } = point.equilibrium;
+        cells.push(point.runs.to_string());
+        cells.push(format!("{share:.4}"));
+        cells.push(format!("<span class=\"interval\">{low:.4} to {high:.4}</span>"));
+        cells.extend(
+            Label::ALL.iter().zip(&point.labels).filter_map(|(label, share)| {
+                moving.contains(label).then(|| share.runs.to_string())
+            }),
+        );
+        if audit {
+            cells.push(format!("{} of {}", point.audit.flips, point.audit.runs));
+        }
+        let micro = |value: Option<f64>| significant(value.map(|value| 1e6 * value));
+        cells.push(significant(point.time_to_rest_s[1]));
+        if balls {
+            cells.extend([micro(point.amplitude_m[1]), micro(point.without_balls_m)]);
+            cells.push(
+                point.set_fraction.map_or("–".to_owned(), |set| format!("{:.1}", 100.0 * set)),
+            );
+        }
+        cells
+    };
+    let rows: Vec<Vec<String>> = gathered.points.iter().take(MOST_ROWS).map(row).collect();
+    body.table(&head, &rows, &text);
+    let dir = escaped(&quoted(directory));
+    if gathered.point_count > rows.len() as u64 {
+        body.line(&format!(
+            "<p>The first {} of {} points; <code class=\"command\">stickslip summary {dir} --points \
+             all</code> prints them all, and points.parquet has all that is known of them.</p>",
+            rows.len(),
+            gathered.point_count,
+        ));
+    }
+    body.line("</section>");
+}
+
+/// Runs that failed, and runs whose label an audit changed.
+pub fn notable(body: &mut Html, directory: &Path, gathered: &Gathered<'_>) {
+    body.line("<section aria-labelledby=\"notable\"><h2 id=\"notable\">Runs to look at</h2>");
+    if gathered.notable.is_empty() {
+        let audit = if gathered.study.audit().is_some() { ", and no label changed" } else { "" };
+        body.line(&format!("<p>None: no run failed{audit}.</p></section>"));
+        return;
+    }
+    let head =
+        ["run", "label", "evidence", "computed more precisely", "what went wrong", "to see it"];
+    let dir = escaped(&quoted(directory));
+    let row = |run: &Notable| {
+        let Notable { run_id, label, evidence, audited, error } = run;
+        let words = |text: &str| escaped(&text.replace('_', " "));
+        vec![
+            run_id.to_string(),
+            words(label),
+            words(evidence),
+            audited.as_deref().map_or_else(|| "–".to_owned(), words),
+            format!("<span class=\"free\">{}</span>", escaped(error)),
+            format!("<code>stickslip replay {dir} {run_id}</code>"),
+        ]
+    };
+    let rows: Vec<Vec<String>> = gathered.notable.iter().map(row).collect();
+    body.line(&format!(
+        "<p>Runs that failed, and audited runs that end otherwise when they are computed more \
+         precisely{}.</p>",
+        if rows.len() < MOST_ROWS { "" } else { ": the first ones" }
+    ));
+    body.table(&head, &rows, &[1, 2, 3, 4, 5]);
+    body.line("</section>");
+}
+
+/// A number with four significant digits.
+fn significant(value: Option<f64>) -> String {
+    let Some(value) = value.filter(|value| value.is_finite()) else { return "–".to_owned() };
+    if value == 0.0 {
+        return "0".to_owned();
+    }
+    let digits = 3 - value.abs().log10().floor() as i32;
+    match digits {
+        -3..=8 => minus(&format!("{value:.0$}", digits.max(0) as usize)),
+        _ => minus(&format!("{value:.3e}")),
+    }
+}
+
+fn minus(number: &str) -> String {
+    number.replace('-', "−")
+}
