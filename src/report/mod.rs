@@ -2,8 +2,10 @@
 
 mod animation;
 pub mod chart;
+pub mod contour;
 mod course;
 mod figure;
+pub mod figures;
 
 pub use animation::{animation, frames};
 pub use figure::{FigureError, figure};

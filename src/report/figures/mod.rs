@@ -1,0 +1,3 @@
+//! Figures made from tables and closed forms.
+
+pub mod equilibrium_set;
