@@ -2,10 +2,10 @@
 
 mod animation;
 pub mod chart;
-
+pub mod contour;
 mod course;
 mod figure;
-mod figures;
+pub mod figures;
 mod gathered;
 mod page;
 

@@ -17,13 +17,6 @@ pub fn share_axis(name: &str) -> Axis {
     Axis { range: Some([0.0, 1.0]), ..axis(name, "") }
 }
 
-/// An axis for the angle of a ball, counted from 1.
-pub fn angle_axis(ball: usize) -> Axis {
-    let name = format!("β{}", subscript(ball));
-    let range = Some([0.0, std::f64::consts::TAU]);
-    Axis { name, unit: "rad".to_owned(), range, kind: AxisKind::Angle }
-}
-
 /// A number below the line.
 pub fn subscript(number: usize) -> String {
     let digit = |c: char| c.to_digit(10).and_then(|digit| char::from_u32(0x2080 + digit));

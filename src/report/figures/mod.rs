@@ -4,6 +4,7 @@ mod amplitudes;
 mod basins;
 mod branches;
 mod doubt;
+pub mod equilibrium_set;
 mod fractions;
 mod layers;
 mod map;

@@ -1,8 +1,7 @@
 //! Where balls come to rest: the preferred equilibria, over the equilibrium set.
 
-use super::layers::{
-    angle_axis, axis, label_colour, label_words, places, run_dots, run_tips, subscript,
-};
+use super::equilibrium_set::{SetLayers, angle_axis, set_layers};
+use super::layers::{axis, label_colour, label_words, places, run_dots, run_tips, subscript};
 use crate::ending::Label;
 use crate::report::chart::{Axis, AxisKind, Colour, Figure, Layer, Panel, Symbol};
 use crate::report::gathered::{Gathered, PointFacts};
@@ -79,14 +78,19 @@ fn pair(gathered: &Gathered<'_>, point: &PointFacts, [first, second]: [usize; 2]
         2 => String::new(),
         _ => format!("β{} and β{}", subscript(first), subscript(second)),
     };
-    Panel {
-        title: counted(point),
-        part,
-        x: angle_axis(first),
-        y: angle_axis(second),
-        scale: None,
-        layers: vec![dots(gathered, point, column(first), column(second))],
-    }
+    let dots = dots(gathered, point, column(first), column(second));
+    // What is drawn is computed from the study alone; a point that it does not have has no set.
+    let study = gathered.study;
+    let model = (point.point_id < study.point_count()).then(|| study.point(point.point_id));
+    let machine = model.as_ref().and_then(|point| point.model().ball_balancer());
+    let (scale, layers) = match machine.and_then(set_layers) {
+        Some(SetLayers { scale, set, frictionless }) => {
+            (Some(scale), set.into_iter().chain([dots]).chain(frictionless).collect())
+        }
+        None => (None, vec![dots]),
+    };
+    let (x, y) = (angle_axis(first), angle_axis(second));
+    Panel { title: counted(point), part, x, y, scale, layers }
 }
 
 fn one_contact(gathered: &Gathered<'_>, point: &PointFacts, balls: usize) -> Panel {
