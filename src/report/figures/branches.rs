@@ -2,7 +2,7 @@
 
 use super::layers::{axis, numbers};
 use super::sweep_axis::{Group, SweepAxis};
-use crate::report::chart::{AxisKind, Colour, Figure, Layer, Mark, Panel, Symbol, Tips};
+use crate::report::chart::{Colour, Figure, Layer, Mark, Panel, Symbol, Tips};
 use crate::report::gathered::{CycleFacts, Gathered, QUANTITIES};
 
 /// Most classes that are shown, those with the most runs.
@@ -27,10 +27,10 @@ pub fn figure(gathered: &Gathered<'_>) -> Option<Figure> {
     let (x, groups) = match groups {
         Some(found) => found,
         None => {
-            let points = gathered.details().enumerate();
-            let points = points.map(|(place, point)| (place as f64, point)).collect::<Vec<_>>();
-            let names = points.iter().map(|(_, point)| point.title.clone()).collect();
-            let x = crate::report::chart::Axis { kind: AxisKind::Names(names), ..axis("", "") };
+            let named: Vec<_> = gathered.details().collect();
+            let x = gathered.axis_of_points(&named);
+            let points = named.into_iter().enumerate();
+            let points = points.map(|(place, point)| (place as f64, point)).collect();
             (x, vec![Group { title: String::new(), points }])
         }
     };
@@ -103,7 +103,7 @@ fn branch(
     if known.is_empty() {
         return Vec::new();
     }
-    let (name, colour) = (class.to_owned(), Colour::Series(index));
+    let (name, colour) = (format!("class {class}"), Colour::Series(index));
     let x: Vec<f64> = known.iter().map(|(x, ..)| *x).collect();
     let column = |pick: fn(&CycleFacts) -> f64| known.iter().map(move |(.., cycle)| pick(cycle));
     let tips = Tips {

@@ -2,7 +2,7 @@
 
 use super::layers::{label_colour, label_symbol, label_words, numbers, share_axis};
 use crate::ending::Label;
-use crate::report::chart::{Axis, AxisKind, Colour, Figure, Layer, Mark, Panel, Symbol, Tips};
+use crate::report::chart::{Axis, Colour, Figure, Layer, Mark, Panel, Symbol, Tips};
 use crate::report::gathered::{Gathered, PointFacts};
 
 /// Shares of failed and undecided runs and of flips, with their intervals, of each point in detail.
@@ -31,13 +31,7 @@ pub fn figure(gathered: &Gathered<'_>) -> Option<Figure> {
         let look = ("flips of audited runs".to_owned(), Colour::Series(0), Symbol::Circle);
         add(&mut layers, look, &values, counts, 5);
     }
-    let names = points.iter().map(|point| point.title.clone()).collect();
-    let x = Axis {
-        name: String::new(),
-        unit: String::new(),
-        range: Some([-0.5, points.len() as f64 - 0.5]),
-        kind: AxisKind::Names(names),
-    };
+    let x = gathered.axis_of_points(&points);
     let panel = Panel {
         title: String::new(),
         part: String::new(),

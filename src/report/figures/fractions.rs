@@ -3,7 +3,7 @@
 use super::layers::{label_colour, label_symbol, label_words, numbers, share_axis};
 use super::sweep_axis::SweepAxis;
 use crate::ending::Label;
-use crate::report::chart::{Axis, AxisKind, Figure, Layer, Mark, Panel, Tips};
+use crate::report::chart::{Figure, Layer, Mark, Panel, Tips};
 use crate::report::gathered::{Gathered, MOST_DETAILS, PointFacts};
 
 /// Shares over the parameter with the most values; over the points themselves where no number is swept.
@@ -32,13 +32,8 @@ pub fn figure(gathered: &Gathered<'_>) -> Option<Figure> {
                 .enumerate()
                 .map(|(place, point)| (place as f64, point))
                 .collect();
-            let names = points.iter().map(|(_, point)| point.title.clone()).collect();
-            let x = Axis {
-                name: String::new(),
-                unit: String::new(),
-                range: None,
-                kind: AxisKind::Names(names),
-            };
+            let named: Vec<&PointFacts> = points.iter().map(|(_, point)| *point).collect();
+            let x = gathered.axis_of_points(&named);
             let layers = layers(gathered, &points);
             let panel = Panel {
                 title: String::new(),

@@ -23,7 +23,11 @@ pub fn figure(gathered: &Gathered<'_>) -> Option<Figure> {
     }
     for (place, (point, curve)) in with_curves.iter().enumerate() {
         let steps = curve.time_s.iter().zip(&curve.probability).map(|(t, p)| [*t, *p]);
-        let points = std::iter::once([0.0, 0.0]).chain(steps).collect();
+        let mut points: Vec<[f64; 2]> = std::iter::once([0.0, 0.0]).chain(steps).collect();
+        // Nothing more happens up to the end.
+        if let Some([time, probability]) = points.last().copied().filter(|[time, _]| *time < end) {
+            points.push([end.max(time), probability]);
+        }
         let mark = Mark::Steps { points };
         layers.push(Layer { name: point.title.clone(), colour: Colour::Series(place), mark });
     }

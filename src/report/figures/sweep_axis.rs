@@ -42,8 +42,12 @@ impl SweepAxis {
         let columns = gathered.study.swept().iter().enumerate();
         let mut axes: Vec<(usize, SweepAxis)> = columns
             .filter_map(|(column, parameter)| {
-                let values = distinct(&gathered.points, column)?.len();
-                (values >= least).then(|| (values, SweepAxis { column, axis: axis_of(parameter) }))
+                let values = distinct(&gathered.points, column)?;
+                // All panels of a sweep go over all of it.
+                let (from, to) = (values.first()?, values.last()?);
+                let margin = 0.04 * (to - from);
+                let axis = Axis { range: Some([from - margin, to + margin]), ..axis_of(parameter) };
+                (values.len() >= least).then_some((values.len(), SweepAxis { column, axis }))
             })
             .collect();
         axes.sort_by_key(|(values, _)| std::cmp::Reverse(*values));

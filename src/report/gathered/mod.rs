@@ -14,6 +14,7 @@ pub use points::{PointFacts, Share};
 pub use rest::RestCurve;
 pub use runs::{LABELS, Notable, RunSample};
 
+use super::chart::{Axis, AxisKind};
 use crate::study::Study;
 use crate::table::{Manifest, Table, TableError};
 
@@ -64,6 +65,13 @@ impl<'a> Gathered<'a> {
         let rest = rest::read(&open("rest")?, &shown)?;
         let cycles = cycles::read(&open("cycles")?)?;
         Ok(Gathered { study, manifest, points, point_count, detailed, runs, notable, rest, cycles })
+    }
+
+    /// An axis of points by their names: all that differs from point to point.
+    pub fn axis_of_points(&self, points: &[&PointFacts]) -> Axis {
+        let names = points.iter().map(|point| names::short(point.point_id, &point.swept)).collect();
+        let range = Some([-0.5, points.len() as f64 - 0.5]);
+        Axis { kind: AxisKind::Names(names), range, ..names::short_axis(self.study) }
     }
 
     /// The points that are shown in detail.

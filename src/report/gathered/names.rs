@@ -29,6 +29,23 @@ pub fn axis_of(parameter: &VariedParameter) -> Axis {
     }
 }
 
+/// What the values of [`short`] are, as `speed [rad/s], friction coefficient`.
+pub fn short_axis(study: &Study) -> Axis {
+    let name = |parameter: &VariedParameter| match unit(parameter) {
+        "" => words(parameter),
+        unit => format!("{} [{unit}]", words(parameter)),
+    };
+    let names: Vec<String> = study.swept().iter().map(name).collect();
+    let (unit, kind) = (String::new(), AxisKind::Linear);
+    Axis { name: names.join(", "), unit, range: None, kind }
+}
+
+/// A point by its values alone, as `-216.3772, 0.00275`; by its number where nothing is swept.
+pub fn short(point_id: u64, values: &[ParameterValue]) -> String {
+    let values: Vec<String> = values.iter().map(ToString::to_string).collect();
+    if values.is_empty() { format!("point {point_id}") } else { values.join(", ") }
+}
+
 /// A point in words, as `speed -216.3772 rad/s, friction coefficient 0.00275`: those of its parameters
 /// for which `wanted` says so.
 pub fn heading(study: &Study, values: &[ParameterValue], wanted: impl Fn(usize) -> bool) -> String {

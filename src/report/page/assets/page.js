@@ -160,7 +160,8 @@
       option.splitLine.show = false; option.axisTick.show = false;
       option.axisLabel.formatter = (v) => (Number.isInteger(v) ? axis.names[v] || '' : '');
       option.axisLabel.hideOverlap = false;
-      if (!vertical) { option.axisLabel.rotate = axis.names.length > 3 ? 22 : 0; option.axisLabel.overflow = 'break'; option.axisLabel.width = axis.names.length > 3 ? 190 : 240; }
+      option.axisLabel.rotate = axis.names.length > 5 ? 30 : 0;
+      option.nameGap = axis.names.length > 5 ? 76 : 30;
     }
     return option;
   }
@@ -273,8 +274,11 @@
       this.element = document.getElementById(spec.id);
       this.chart = null;
       this.hidden = new Set();
-      this.title = spec.panels[0].title;
-      this.part = spec.panels[0].part;
+      // The panel that shows the most kinds of things comes first to sight.
+      const rich = (panel) => new Set(panel.layers.map((layer) => layer.name)).size;
+      const first = spec.panels.reduce((best, panel) => (rich(panel) > rich(best) ? panel : best));
+      this.title = first.title;
+      this.part = first.part;
       this.at = -1;
       this.build();
     }
@@ -291,6 +295,7 @@
       for (const value of values) {
         const option = document.createElement('option');
         option.value = option.textContent = value;
+        option.selected = value === this[key];
         select.append(option);
       }
       select.addEventListener('change', () => { this[key] = select.value; this.zoomed = null; this.draw(); });
@@ -346,7 +351,7 @@
       this.drawn = panel.layers.map((layer, order) => ({ layer, order }))
         .filter(({ layer }) => !layer.name || !this.hidden.has(layer.name));
       const square = panel.x.kind === 'angle' && panel.y.kind === 'angle';
-      const bottom = panel.x.kind === 'names' ? (panel.x.names.length > 3 ? 110 : 60) : 56;
+      const bottom = panel.x.kind === 'names' && panel.x.names.length > 5 ? 104 : 56;
       this.chart.setOption({
         animation: false, aria: { enabled: false },
         textStyle: { fontFamily: getComputedStyle(document.body).fontFamily, color: theme.ink },
