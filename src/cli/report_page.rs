@@ -7,8 +7,11 @@ use std::path::{Path, PathBuf};
 use super::exit::CliError;
 use super::results_study::results_study;
 use super::summary::no_tables;
-use crate::report::{Gathered, OWN, of_results, page};
+use crate::report::{Budget, Gathered, OWN, of_results, page};
 use crate::table::{ResultsError, write_atomically};
+
+/// A page that can be mailed; of larger results less is shown.
+const MOST_BYTES: usize = 4_900_000;
 
 /// Writes the page of a directory of results and returns its path.
 ///
@@ -24,9 +27,15 @@ pub fn write(directory: &Path, out: Option<&Path>) -> Result<PathBuf, CliError> 
         None => beside(directory, "-report.html")?,
     };
     refuse_strangers(&file)?;
-    let gathered = Gathered::read(directory, &study, &manifest)?;
-    let figures = of_results(&gathered);
-    let page = page(directory, &gathered, &figures);
+    let mut budget = Budget::SCREEN;
+    let page = loop {
+        let gathered = Gathered::read(directory, &study, &manifest, budget)?;
+        let page = page(directory, &gathered, &of_results(&gathered));
+        if page.len() <= MOST_BYTES || budget == budget.halved() {
+            break page;
+        }
+        budget = budget.halved();
+    };
     let unusable = |cause| ResultsError::Unusable { path: file.clone(), cause };
     if let Some(parent) = file.parent().filter(|parent| !parent.as_os_str().is_empty()) {
         fs::create_dir_all(parent).map_err(unusable)?;

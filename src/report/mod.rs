@@ -12,5 +12,5 @@ mod page;
 pub use animation::{animation, frames};
 pub use figure::{FigureError, figure};
 pub use figures::of_results;
-pub use gathered::Gathered;
+pub use gathered::{Budget, Gathered};
 pub use page::{OWN, page};

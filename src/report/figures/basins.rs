@@ -7,9 +7,6 @@ use crate::report::chart::{Axis, AxisKind, Figure, Layer, Panel, Tips};
 use crate::report::gathered::Gathered;
 use crate::study::Study;
 
-/// Most dots of all panels together.
-const MOST_DOTS: usize = 48_000;
-
 /// A panel for each point and pair of coordinates.
 pub fn figure(gathered: &Gathered<'_>) -> Option<Figure> {
     let study = gathered.study;
@@ -23,7 +20,7 @@ pub fn figure(gathered: &Gathered<'_>) -> Option<Figure> {
     if pairs.is_empty() || all == 0 {
         return None;
     }
-    let every = (all * pairs.len()).div_ceil(MOST_DOTS);
+    let every = (all * pairs.len()).div_ceil(gathered.budget.starts).max(1);
     let mut panels = Vec::new();
     for (point, runs) in &of_points {
         let runs: Vec<usize> = runs.iter().copied().step_by(every).collect();

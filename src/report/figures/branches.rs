@@ -35,7 +35,7 @@ pub fn figure(gathered: &Gathered<'_>) -> Option<Figure> {
         }
     };
     let mut panels = Vec::new();
-    for group in groups.iter().take(crate::report::gathered::MOST_DETAILS) {
+    for group in groups.iter().take(gathered.budget.details) {
         for (place, (name, unit, _)) in QUANTITIES.iter().enumerate() {
             let mut layers = Vec::new();
             for (index, (class, _)) in classes.iter().enumerate() {

@@ -4,18 +4,28 @@ use super::layers::{label_colour, label_symbol, label_words, numbers, share_axis
 use super::sweep_axis::SweepAxis;
 use crate::ending::Label;
 use crate::report::chart::{Figure, Layer, Mark, Panel, Tips};
-use crate::report::gathered::{Gathered, MOST_DETAILS, PointFacts};
+use crate::report::gathered::{Gathered, PointFacts, evenly};
 
 /// Shares over the parameter with the most values; over the points themselves where no number is swept.
 pub fn figure(gathered: &Gathered<'_>) -> Option<Figure> {
     let share = || share_axis("share of runs");
     let axes = SweepAxis::all(gathered, 2);
+    let (mut left_out, mut thinned) = (0, false);
     let (panels, over) = match axes.first() {
         Some(sweep) => {
             let mut groups = sweep.groups(gathered);
             // Those with the most points say the most.
             groups.sort_by_key(|group| std::cmp::Reverse(group.points.len()));
-            groups.truncate(MOST_DETAILS);
+            left_out = groups.len().saturating_sub(gathered.budget.details);
+            groups.truncate(gathered.budget.details);
+            // Half of what a map may have: there are several values for each point.
+            let each = gathered.budget.points / 2 / groups.len().max(1);
+            for group in &mut groups {
+                thinned |= group.points.len() > each;
+                let kept = evenly(group.points.len(), each);
+                group.points =
+                    kept.into_iter().filter_map(|k| group.points.get(k).copied()).collect();
+            }
             let panel = |group: &super::sweep_axis::Group<'_>| Panel {
                 title: group.title.clone(),
                 part: String::new(),
@@ -50,12 +60,19 @@ pub fn figure(gathered: &Gathered<'_>) -> Option<Figure> {
     let most = gathered.points.iter().map(|point| point.equilibrium.share).fold(f64::NAN, f64::max);
     let least =
         gathered.points.iter().map(|point| point.equilibrium.share).fold(f64::NAN, f64::min);
+    let left_out = match left_out {
+        0 => String::new(),
+        more => format!(" {more} more combinations of the other parameters are not shown."),
+    };
+    let thinned =
+        if thinned { " Points are shown at even distances, not all of them." } else { "" };
     Some(Figure {
         id: "fractions".to_owned(),
         title: format!("How runs end, over {over}"),
         caption: format!(
             "Share of the runs of each point by how they end, {end} s after the start, with 95 % \
-             intervals. Failed runs widen the interval of equilibria: they might have been any."
+             intervals. Failed runs widen the interval of equilibria: they might have been \
+             any.{left_out}{thinned}"
         ),
         alternative: format!(
             "The share of runs that end in equilibrium lies between {least:.3} and {most:.3}."

@@ -32,7 +32,7 @@ const SHOWN: [Shown; 4] = [
 /// first one.
 pub fn figure(gathered: &Gathered<'_>) -> Option<Figure> {
     let axes = SweepAxis::all(gathered, LEAST);
-    let [across, up, others @ ..] = &axes[..] else { return None };
+    let [across, up, ..] = &axes[..] else { return None };
     let number = |point: &PointFacts, column: usize| match point.swept.get(column) {
         Some(ParameterValue::Number(number)) => Some(*number),
         _ => None,
@@ -52,6 +52,22 @@ pub fn figure(gathered: &Gathered<'_>) -> Option<Figure> {
     let (x_values, y_values) = (values(across.column)?, values(up.column)?);
     // A map of which most cells are empty is a path: the curves show it better.
     if 3 * points.len() < x_values.len() * y_values.len() {
+        return None;
+    }
+    // Where cells are too many, every second, third and so on of the values of each parameter.
+    let (mut x_values, mut y_values) = (x_values, y_values);
+    let mut one_in = 1;
+    while x_values.len().div_ceil(one_in) * y_values.len().div_ceil(one_in) > gathered.budget.points
+    {
+        one_in += 1;
+    }
+    for values in [&mut x_values, &mut y_values] {
+        *values = values.iter().copied().step_by(one_in).collect();
+    }
+    let on = |values: &[f64], value: f64| values.binary_search_by(|v| v.total_cmp(&value)).is_ok();
+    let points: Vec<(&PointFacts, f64, f64)> =
+        points.into_iter().filter(|(_, x, y)| on(&x_values, *x) && on(&y_values, *y)).collect();
+    if x_values.len() < 2 || y_values.len() < 2 {
         return None;
     }
     let (x_edges, y_edges) = (edges(&x_values), edges(&y_values));
@@ -78,8 +94,6 @@ pub fn figure(gathered: &Gathered<'_>) -> Option<Figure> {
                 numbers(&label(across), points.iter().map(|(_, x, _)| *x)),
                 numbers(&label(up), points.iter().map(|(_, _, y)| *y)),
                 column(name, &value),
-                column("from", &|point| Some(point.equilibrium.low)),
-                column("to", &|point| Some(point.equilibrium.high)),
                 column("runs", &|point| Some(point.runs as f64)),
                 column("point", &|point| Some(point.point_id as f64)),
             ],
@@ -95,10 +109,10 @@ pub fn figure(gathered: &Gathered<'_>) -> Option<Figure> {
             layers: vec![Layer { name: String::new(), colour: Colour::Scale, mark }],
         });
     }
-    let more = if others.is_empty() && points.len() == gathered.points.len() {
+    let more = if points.len() as u64 == gathered.point_count {
         String::new()
     } else {
-        format!(" Of {} points, {} lie in this plane.", gathered.points.len(), points.len())
+        format!(" Of {} points, {} are shown.", gathered.point_count, points.len())
     };
     Some(Figure {
         id: "map".to_owned(),

@@ -18,8 +18,34 @@ use super::chart::{Axis, AxisKind};
 use crate::study::Study;
 use crate::table::{Manifest, Table, TableError};
 
-/// Most points of which details are shown, each in a panel of its own.
-pub const MOST_DETAILS: usize = 24;
+/// How much is shown, so that a page stays small; what is left out is said.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Budget {
+    /// Most runs, each a dot.
+    pub runs: u64,
+    /// Most dots of start states, all panels together.
+    pub starts: usize,
+    /// Most points of a curve or a map.
+    pub points: usize,
+    /// Most points of which details are shown, each in a panel of its own.
+    pub details: usize,
+}
+
+impl Budget {
+    /// What a screen shows fluently.
+    pub const SCREEN: Budget =
+        Budget { runs: 100_000, starts: 48_000, points: 10_000, details: 24 };
+
+    /// Half of it; at least something.
+    pub fn halved(self) -> Budget {
+        Budget {
+            runs: (self.runs / 2).max(100),
+            starts: (self.starts / 2).max(100),
+            points: (self.points / 2).max(100),
+            details: (self.details / 2).max(2),
+        }
+    }
+}
 
 /// Results as a report needs them.
 #[derive(Clone, Debug)]
@@ -42,6 +68,8 @@ pub struct Gathered<'a> {
     pub rest: Vec<RestCurve>,
     /// Classes of limit cycles.
     pub cycles: Vec<CycleFacts>,
+    /// How much figures may show.
+    pub budget: Budget,
 }
 
 impl<'a> Gathered<'a> {
@@ -53,18 +81,30 @@ impl<'a> Gathered<'a> {
         directory: &Path,
         study: &'a Study,
         manifest: &'a Manifest,
+        budget: Budget,
     ) -> Result<Self, TableError> {
         let open = |name: &str| Table::open(directory, manifest, name);
         let table = open("points")?;
         let point_count = table.rows();
         let points = points::read(study, &table)?;
-        let detailed = evenly(points.len(), MOST_DETAILS);
-        let (runs, notable) = runs::read(study, &open("runs")?)?;
+        let detailed = evenly(points.len(), budget.details);
+        let (runs, notable) = runs::read(study, &open("runs")?, budget.runs)?;
         let shown: Vec<u64> =
             detailed.iter().filter_map(|&place| Some(points.get(place)?.point_id)).collect();
         let rest = rest::read(&open("rest")?, &shown)?;
         let cycles = cycles::read(&open("cycles")?)?;
-        Ok(Gathered { study, manifest, points, point_count, detailed, runs, notable, rest, cycles })
+        Ok(Gathered {
+            study,
+            manifest,
+            points,
+            point_count,
+            detailed,
+            runs,
+            notable,
+            rest,
+            cycles,
+            budget,
+        })
     }
 
     /// An axis of points by their names: all that differs from point to point.
@@ -90,8 +130,8 @@ impl<'a> Gathered<'a> {
 }
 
 /// At most so many of the places 0, 1, … at even distances, the first and the last among them.
-fn evenly(count: usize, most: usize) -> Vec<usize> {
-    if count <= most {
+pub fn evenly(count: usize, most: usize) -> Vec<usize> {
+    if count <= most || most < 2 {
         return (0..count).collect();
     }
     (0..most).map(|k| k * (count - 1) / (most - 1)).collect()

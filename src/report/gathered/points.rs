@@ -6,8 +6,8 @@ use crate::report::gathered::heading;
 use crate::study::{ParameterValue, Study};
 use crate::table::{Batch, Kind, Table, TableError};
 
-/// Most points that are held.
-const MOST_POINTS: usize = 50_000;
+/// Most points that are held; of more, every second, third and so on.
+const MOST_POINTS: u64 = 50_000;
 
 /// A share of a point's runs with its 95 % interval.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -63,7 +63,7 @@ fn of_label(label: Label, what: &str) -> String {
     format!("{}_{what}", label.name())
 }
 
-/// The points, the first ones where they are too many; of the values of swept parameters, the study's.
+/// The points, or some at even distances; of the values of swept parameters, the study's.
 pub fn read(study: &Study, table: &Table) -> Result<Vec<PointFacts>, TableError> {
     let balls = study.model().balls() > 0;
     let mut columns: Vec<(String, Kind)> =
@@ -77,14 +77,14 @@ pub fn read(study: &Study, table: &Table) -> Result<Vec<PointFacts>, TableError>
     }
     let wanted: Vec<(&str, Kind)> =
         columns.iter().map(|(name, kind)| (name.as_str(), *kind)).collect();
+    let every = table.rows().div_ceil(MOST_POINTS).max(1);
     let mut points = Vec::new();
     for batch in table.read(&wanted)? {
         let batch = batch?;
-        for row in 0..batch.rows.min(MOST_POINTS - points.len()) {
-            points.push(point(study, &batch, row, balls)?);
-        }
-        if points.len() == MOST_POINTS {
-            break;
+        for row in 0..batch.rows {
+            if (batch.first_row + row as u64).is_multiple_of(every) {
+                points.push(point(study, &batch, row, balls)?);
+            }
         }
     }
     Ok(points)

@@ -5,8 +5,6 @@ use crate::model::Coordinate;
 use crate::study::Study;
 use crate::table::{Kind, Table, TableError};
 
-/// Most runs that are held; of more, every second, third and so on.
-const MOST_RUNS: u64 = 100_000;
 /// Most runs that are listed because something is wrong with them.
 const MOST_NOTABLE: usize = 200;
 
@@ -18,6 +16,8 @@ pub const LABELS: [Label; 5] = Label::ALL;
 pub struct RunSample {
     /// How many runs the table has.
     pub of: u64,
+    /// One in so many of them is held.
+    pub one_in: u64,
     /// Numbers of the runs.
     pub run_id: Vec<u64>,
     /// Numbers of their points.
@@ -54,8 +54,12 @@ pub struct Notable {
 
 const NUMBERS: [&str; 3] = ["amplitude_m", "friction_margin", "time_to_rest_s"];
 
-/// The runs and the notable ones among all of them.
-pub fn read(study: &Study, table: &Table) -> Result<(RunSample, Vec<Notable>), TableError> {
+/// At most so many of the runs, and the notable ones among all of them.
+pub fn read(
+    study: &Study,
+    table: &Table,
+    most: u64,
+) -> Result<(RunSample, Vec<Notable>), TableError> {
     let positions: Vec<String> = match study.model().balls() {
         0 => vec!["position_m".to_owned()],
         balls => (1..=balls).map(|ball| format!("beta_{ball}_rad")).collect(),
@@ -73,9 +77,10 @@ pub fn read(study: &Study, table: &Table) -> Result<(RunSample, Vec<Notable>), T
     wanted.extend(positions.iter().chain(&starts).map(|name| (name.as_str(), Kind::Number)));
 
     let of = table.rows();
-    let every = of.div_ceil(MOST_RUNS).max(1);
+    let every = of.div_ceil(most.max(1)).max(1);
     let mut sample = RunSample {
         of,
+        one_in: every,
         position: vec![Vec::new(); positions.len()],
         start: vec![Vec::new(); starts.len()],
         ..RunSample::default()
@@ -146,10 +151,9 @@ impl RunSample {
 
     /// What is to be said where it does not hold all runs; empty where it does.
     pub fn left_out(&self) -> String {
-        if self.of <= MOST_RUNS {
+        if self.one_in <= 1 {
             return String::new();
         }
-        let every = self.of.div_ceil(MOST_RUNS);
-        format!(" Of {} runs, one in {every} is shown ({} runs).", self.of, self.len())
+        format!(" Of {} runs, one in {} is shown ({} runs).", self.of, self.one_in, self.len())
     }
 }

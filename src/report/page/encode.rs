@@ -107,8 +107,21 @@ fn known(tips: &Tips) -> Value {
     })
 }
 
+/// Points one after another; packed in 16 bits where both coordinates have about the same range.
 fn pairs(points: &[[f64; 2]]) -> Value {
-    column(&points.iter().flatten().copied().collect::<Vec<_>>())
+    let span = |axis: usize| {
+        let values = points.iter().map(|point| point[axis]).filter(|value| value.is_finite());
+        let (from, to) = ends(values);
+        to - from
+    };
+    let spans = [span(0), span(1)];
+    let alike = spans.iter().all(|one| spans.iter().all(|other| one * 20.0 >= *other));
+    let flat: Vec<f64> = points.iter().flatten().copied().collect();
+    if alike && flat.len() > SHORT { steps(&flat) } else { column(&flat) }
+}
+
+fn ends(values: impl Iterator<Item = f64>) -> (f64, f64) {
+    values.fold((f64::INFINITY, f64::NEG_INFINITY), |(from, to), v| (from.min(v), to.max(v)))
 }
 
 /// Numbers; those that are not finite become null or NaN.
@@ -132,11 +145,14 @@ fn whole(values: &[u64]) -> Value {
 }
 
 fn coordinates(values: &[f64]) -> Value {
-    let finite = || values.iter().copied().filter(|value| value.is_finite());
-    let (from, to) =
-        (finite().fold(f64::INFINITY, f64::min), finite().fold(f64::NEG_INFINITY, f64::max));
+    if values.len() < MANY { column(values) } else { steps(values) }
+}
+
+/// Numbers in 16 bits each.
+fn steps(values: &[f64]) -> Value {
+    let (from, to) = ends(values.iter().copied().filter(|value| value.is_finite()));
     let span = to - from;
-    if values.len() < MANY || !(span > 0.0 && span.is_finite()) {
+    if !(span > 0.0 && span.is_finite()) {
         return column(values);
     }
     let step = |value: f64| match value.is_finite() {

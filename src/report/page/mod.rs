@@ -23,6 +23,9 @@ const LIBRARY: &str = include_str!("assets/echarts.min.js");
 /// What says that a file is a page of this program, which it may replace.
 pub const OWN: &str = "<meta name=\"generator\" content=\"stickslip\">";
 
+/// The longest study that is shown, bytes.
+const MOST_STUDY: usize = 60_000;
+
 /// The page of results that lie in a directory.
 pub fn page(directory: &Path, gathered: &Gathered<'_>, figures: &[Figure]) -> String {
     let name = gathered.study.name();
@@ -56,9 +59,15 @@ pub fn page(directory: &Path, gathered: &Gathered<'_>, figures: &[Figure]) -> St
     body.line("</div>");
     tables::notable(&mut body, directory, gathered);
     body.line("<section aria-labelledby=\"study\"><h2 id=\"study\">Study</h2>");
-    body.line("<details><summary>All of it, with every default filled in</summary>");
-    body.element("pre", "", &gathered.study.resolved_yaml());
-    body.line("</details></section>\n</main>");
+    let study = gathered.study.resolved_yaml();
+    if study.len() <= MOST_STUDY {
+        body.line("<details><summary>All of it, with every default filled in</summary>");
+        body.element("pre", "", &study);
+        body.line("</details></section>\n</main>");
+    } else {
+        let file = escaped(&directory.join("study.yaml").display().to_string());
+        body.line(&format!("<p>It is long: see {file}.</p></section>\n</main>"));
+    }
     let data = json!({
         "directory": quoted(directory),
         "figures": figures.iter().map(encode::figure).collect::<Vec<_>>(),
