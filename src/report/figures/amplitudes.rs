@@ -1,6 +1,6 @@
 //! Residual amplitude: its distribution over the runs of each point, against no balls at all.
 
-use super::layers::{axis, places, share_axis};
+use super::layers::{CurveOf, axis, few_each, places, share_axis};
 use crate::report::chart::{Axis, AxisKind, Colour, Figure, Layer, Mark, Panel};
 use crate::report::gathered::Gathered;
 
@@ -10,9 +10,9 @@ const MOST_STEPS: usize = 300;
 /// Empirical distributions, relative to the amplitude without balls where the model has balls.
 pub fn figure(gathered: &Gathered<'_>) -> Option<Figure> {
     let balls = gathered.study.model().balls() > 0;
-    let mut layers = Vec::new();
+    let mut curves = Vec::new();
     let mut better = Vec::new();
-    for (place, point) in gathered.details().enumerate() {
+    for point in gathered.details() {
         let over = match (balls, point.without_balls_m) {
             (true, Some(without)) if without > 0.0 => without,
             (true, _) => continue,
@@ -44,28 +44,38 @@ pub fn figure(gathered: &Gathered<'_>) -> Option<Figure> {
                 100.0 * calmer
             ));
         }
-        let mark = Mark::Steps { points };
-        layers.push(Layer { name: point.title.clone(), colour: Colour::Series(place), mark });
+        curves.push((point, points));
     }
-    if layers.is_empty() {
+    if curves.is_empty() {
         return None;
     }
     let x = if balls {
-        let rule = Mark::Rule { upright: true, at: 1.0, label: "no balls".to_owned() };
-        layers.push(Layer { name: String::new(), colour: Colour::Ink, mark: rule });
         let name = "residual amplitude over that without balls";
         Axis { kind: AxisKind::Logarithmic, ..axis(name, "") }
     } else {
         axis("amplitude at the end", "m")
     };
-    let panel = Panel {
-        title: String::new(),
-        part: String::new(),
-        x,
-        y: share_axis("share of runs with less"),
-        scale: None,
-        layers,
+    let layers = |few: &[CurveOf<'_, Vec<[f64; 2]>>]| {
+        let curve = |(place, (point, points)): (usize, &CurveOf<'_, Vec<[f64; 2]>>)| Layer {
+            name: point.title.clone(),
+            colour: Colour::Series(place),
+            mark: Mark::Steps { points: points.clone() },
+        };
+        let rule = Mark::Rule { upright: true, at: 1.0, label: "no balls".to_owned() };
+        let rule = Layer { name: String::new(), colour: Colour::Ink, mark: rule };
+        few.iter().enumerate().map(curve).chain(balls.then_some(rule)).collect()
     };
+    let panels: Vec<Panel> = few_each(&curves)
+        .into_iter()
+        .map(|(part, few)| Panel {
+            title: String::new(),
+            part,
+            x: x.clone(),
+            y: share_axis("share of runs with less"),
+            scale: None,
+            layers: layers(few),
+        })
+        .collect();
     Some(Figure {
         id: "residual-amplitude".to_owned(),
         title: "Residual amplitude".to_owned(),
@@ -76,7 +86,7 @@ pub fn figure(gathered: &Gathered<'_>) -> Option<Figure> {
             gathered.runs.left_out()
         ),
         alternative: better.join("; "),
-        panels: vec![panel],
-        one_at_a_time: false,
+        one_at_a_time: panels.len() > 1,
+        panels,
     })
 }

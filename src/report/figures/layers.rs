@@ -4,7 +4,7 @@ use crate::ending::Label;
 use crate::report::chart::{
     Axis, AxisKind, Colour, Layer, Mark, Symbol, TipColumn, TipValues, Tips,
 };
-use crate::report::gathered::{LABELS, RunSample};
+use crate::report::gathered::{LABELS, PointFacts, RunSample};
 use crate::study::Study;
 
 /// An axis with what it measures and its unit.
@@ -95,6 +95,27 @@ pub fn places(runs: &RunSample, point_id: u64, label: Option<Label>) -> Vec<usiz
         label.is_none() || found.copied() == label
     };
     of_point.map(|(place, _)| place).filter(|&place| is(place)).collect()
+}
+
+/// Most curves of one panel that a reader can tell apart.
+pub const MOST_CURVES: usize = 6;
+
+/// A point and its curve.
+pub type CurveOf<'a, T> = (&'a PointFacts, T);
+
+/// Curves of points in panels of a few neighbours each, with what the panels are called; nothing where
+/// there is one.
+pub fn few_each<'c, 'a, T>(curves: &'c [CurveOf<'a, T>]) -> Vec<(String, &'c [CurveOf<'a, T>])> {
+    let panels = curves.len().div_ceil(MOST_CURVES).max(1);
+    let each = curves.len().div_ceil(panels).max(1);
+    let part = |few: &[CurveOf<'a, T>]| match few {
+        [(first, _), .., (last, _)] if panels > 1 => {
+            format!("points {} to {}", first.point_id, last.point_id)
+        }
+        [(one, _)] if panels > 1 => format!("point {}", one.point_id),
+        _ => String::new(),
+    };
+    curves.chunks(each).map(|few| (part(few), few)).collect()
 }
 
 /// What moves: balls or a block.

@@ -24,7 +24,8 @@ pub fn figure(gathered: &Gathered<'_>) -> Option<Figure> {
             }
         })
         .collect();
-    if panels.is_empty() {
+    let none_at_rest = gathered.points.iter().all(|point| point.equilibrium.runs == 0);
+    if panels.is_empty() || (none_at_rest && balls != 2) {
         return None;
     }
     let counts = gathered.details().map(|point| {

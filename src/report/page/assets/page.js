@@ -89,7 +89,7 @@
     if (Number.isInteger(value) && Math.abs(value) < 1e15) return String(value).replace('-', '−');
     const size = Math.abs(value);
     const text = size !== 0 && (size < 1e-3 || size >= 1e6)
-      ? value.toExponential((digits || 5) - 1) : String(Number(value.toPrecision(digits || 5)));
+      ? value.toExponential((digits || 5) - 1).replace(/\.?0+e/, 'e') : String(Number(value.toPrecision(digits || 5)));
     return text.replace(/-/g, '−');
   }
   const PI = ['0', 'π/2', 'π', '3π/2', '2π'];
@@ -146,7 +146,13 @@
       axisTick: { show: true }, splitLine: { show: !square, lineStyle: { color: theme.line, opacity: 0.6 } },
       axisLabel: { color: theme.ink, fontSize: 13, hideOverlap: true, formatter: (v) => number(v, 6) },
     };
-    if (axis.range) { option.min = axis.range[0]; option.max = axis.range[1]; }
+    if (axis.range) {
+      [option.min, option.max] = axis.range;
+      // Ends that are no round numbers are not written.
+      const round = (end) => Math.abs(Number(end.toPrecision(2)) - end) <= 1e-9 * Math.abs(end);
+      option.axisLabel.showMinLabel = axis.kind === 'angle' || round(option.min);
+      option.axisLabel.showMaxLabel = axis.kind === 'angle' || round(option.max);
+    }
     if (axis.kind === 'angle') {
       option.interval = TAU / 4;
       option.axisLabel.formatter = (v) => {
@@ -259,7 +265,7 @@
           large: many, largeThreshold: 3000, progressive: 0,
           data: layer.x.map((x, i) => [x, layer.y[i]]),
           itemStyle: open ? { color: theme.ground, borderColor: colour, borderWidth: 2 }
-            : { color: colour, opacity: layer.symbol === 'dot' ? 0.8 : 1,
+            : { color: colour, opacity: layer.symbol !== 'dot' ? 1 : layer.x.length > 20000 ? 0.4 : 0.8,
                 borderColor: layer.symbol === 'star' ? theme.ground : undefined, borderWidth: layer.symbol === 'star' ? 1 : 0 },
           tooltip: { formatter: (at) => tip(panel, layer, at.dataIndex) } });
       }
@@ -366,7 +372,8 @@
         series: this.drawn.map(({ layer, order }) => seriesOf(panel, layer, order)),
       }, { notMerge: true });
       this.at = -1;
-      this.picked.textContent = '';
+      const empty = this.drawn.every(({ layer }) => layer.mark === 'rule' || (layer.mark === 'dots' && !layer.x.length));
+      this.picked.textContent = empty && !this.hidden.size ? 'There is nothing to show here.' : '';
       this.drawLegend(panel);
       this.drawScale(panel);
     }
