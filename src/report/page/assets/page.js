@@ -281,7 +281,7 @@
       this.chart = null;
       this.hidden = new Set();
       // The panel that shows the most kinds of things comes first to sight.
-      const rich = (panel) => new Set(panel.layers.map((layer) => layer.name)).size;
+      const rich = (panel) => new Set(panel.layers.map((layer) => layer.name).filter(Boolean)).size;
       const first = spec.panels.reduce((best, panel) => (rich(panel) > rich(best) ? panel : best));
       this.title = first.title;
       this.part = first.part;
@@ -522,13 +522,29 @@
     }
   }, { rootMargin: '600px' });
   figures.forEach((figure) => seen.observe(figure.element));
-  const fit = () => figures.forEach((figure) => figure.chart && figure.chart.resize());
+  const fit = () => {
+    if (!document.documentElement.dataset.paper) figures.forEach((figure) => figure.chart && figure.chart.resize());
+  };
   let waiting = 0;
   addEventListener('resize', () => { clearTimeout(waiting); waiting = setTimeout(fit, 100); });
   const again = () => { readTheme(); figures.forEach((figure) => figure.chart && figure.draw()); };
   matchMedia('(prefers-color-scheme: dark)').addEventListener('change', again);
   // On paper everything is light, and of the paper's width.
-  matchMedia('print').addEventListener('change', () => { again(); fit(); });
-  addEventListener('beforeprint', () => { figures.forEach(draw); });
+  addEventListener('beforeprint', () => {
+    document.documentElement.dataset.paper = 'true';
+    readTheme();
+    for (const figure of figures) {
+      figure.draw();
+      const square = figure.box.classList.contains('square');
+      figure.chart.resize(square ? { width: 480, height: 480 } : { width: 640, height: 360 });
+      // Now, not at the next frame: there is none before the paper.
+      figure.chart.getZr().flush();
+    }
+  });
+  addEventListener('afterprint', () => {
+    delete document.documentElement.dataset.paper;
+    again();
+    for (const figure of figures) figure.chart.resize({ width: 'auto', height: 'auto' });
+  });
   document.documentElement.dataset.ready = 'true';
 })();
