@@ -15,6 +15,7 @@ mod merged;
 mod network;
 mod progress;
 mod replay;
+mod report;
 mod resume;
 mod streams;
 mod summary;

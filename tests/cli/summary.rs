@@ -14,18 +14,18 @@ use serde_json::{Value, json};
 use super::support::{AT_ONCE, Scratch, assert_has, counts, numbers, study_text, words};
 
 /// Three points with words among their parameters, an audit and failures.
-const REST: &str = "sweep: [{zip: {speed_rad_s: [-160.0, -200.0, -216.3772], \
+pub const REST: &str = "sweep: [{zip: {speed_rad_s: [-160.0, -200.0, -216.3772], \
                     friction_coefficient: [2.75e-3, 2.75e-5, 1.0e-3], \
                     normal_force: [lagrange, newton, lagrange]}}]\n\
                     audit: {fraction: 0.5}\n\
                     uncertain: {ball_mass_kg: {normal: {mean: 1.4e-4, std_dev: 1.4e-4}}}\n";
 
-fn study(samples: u32, end_time_s: f64, rest: &str) -> String {
+pub fn study(samples: u32, end_time_s: f64, rest: &str) -> String {
     study_text("short", &format!("{{monte_carlo: {{samples: {samples}}}}}"), end_time_s, rest)
 }
 
 /// A finished study in `out`, and what `run` printed.
-fn finished() -> (Scratch, String) {
+pub fn finished() -> (Scratch, String) {
     let scratch = Scratch::new();
     scratch.write("a.yaml", study(20, 0.5, REST));
     let ended = scratch.stickslip("run a.yaml --out out");
@@ -231,7 +231,7 @@ fn a_study_whose_runs_have_all_failed() {
 }
 
 /// Removes the tables and says so in the manifest, as a kill leaves a directory.
-fn kill(scratch: &Scratch) {
+pub fn kill(scratch: &Scratch) {
     let mut manifest = scratch.manifest("out");
     for name in manifest["files"].as_object().unwrap().keys().filter(|name| *name != "study.yaml") {
         fs::remove_file(scratch.path("out").join(name)).unwrap();
@@ -261,8 +261,9 @@ fn what_has_no_tables_is_refused() {
 }
 
 /// Writes a table again with other columns, and its size into the manifest.
-fn rewrite(scratch: &Scratch, change: impl Fn(RecordBatch) -> RecordBatch) {
-    let path = scratch.path("out/points.parquet");
+pub fn rewrite(scratch: &Scratch, name: &str, change: impl Fn(RecordBatch) -> RecordBatch) {
+    let entry = format!("{name}.parquet");
+    let path = scratch.path("out").join(&entry);
     let reader = ParquetRecordBatchReaderBuilder::try_new(File::open(&path).unwrap()).unwrap();
     let pairs = reader.metadata().file_metadata().key_value_metadata().unwrap().clone();
     let kept: Vec<KeyValue> = pairs.into_iter().filter(|pair| pair.key == "stickslip").collect();
@@ -273,8 +274,15 @@ fn rewrite(scratch: &Scratch, change: impl Fn(RecordBatch) -> RecordBatch) {
     writer.write(&batch).unwrap();
     writer.close().unwrap();
     let mut manifest = scratch.manifest("out");
-    manifest["files"]["points.parquet"]["bytes"] = size(&path).into();
+    manifest["files"][entry.as_str()]["bytes"] = size(&path).into();
     scratch.write("out/manifest.json", manifest.to_string());
+}
+
+/// A table without one of its columns.
+pub fn without(batch: RecordBatch, name: &str) -> RecordBatch {
+    let index = batch.schema().index_of(name).unwrap();
+    let kept: Vec<usize> = (0..batch.num_columns()).filter(|other| *other != index).collect();
+    batch.project(&kept).unwrap()
 }
 
 fn size(path: &Path) -> u64 {
@@ -284,14 +292,9 @@ fn size(path: &Path) -> u64 {
 #[test]
 fn tables_that_are_not_as_they_should_be_are_refused() {
     let (scratch, printed) = finished();
-    rewrite(&scratch, |batch| batch);
+    rewrite(&scratch, "points", |batch| batch);
     assert!(scratch.well("summary out").ends_with(&printed));
-    let without = |batch: RecordBatch, name: &str| {
-        let index = batch.schema().index_of(name).unwrap();
-        let kept: Vec<usize> = (0..batch.num_columns()).filter(|other| *other != index).collect();
-        batch.project(&kept).unwrap()
-    };
-    rewrite(&scratch, |batch| without(batch, "ci_low"));
+    rewrite(&scratch, "points", |batch| without(batch, "ci_low"));
     let said = ["points.parquet: column ci_low: there is no such column", "columns ", "of numbers"];
     scratch.refused("summary out", &said);
     let bytes = fs::read(scratch.path("out/points.parquet")).unwrap();

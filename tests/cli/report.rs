@@ -1,0 +1,188 @@
+//! `stickslip report`: the page says what the tables say, and what it cannot show is refused.
+
+use std::fs;
+
+use serde_json::Value;
+
+use super::summary::{REST, finished, kill, rewrite, study, without};
+use super::support::{AT_ONCE, Scratch, assert_has, counts, words};
+
+/// What the page's script reads.
+fn data(page: &str) -> Value {
+    let (_, rest) = page.split_once("<script type=\"application/json\" id=\"data\">").unwrap();
+    serde_json::from_str(rest.split_once("</script>").unwrap().0).unwrap()
+}
+
+fn page(scratch: &Scratch, name: &str) -> String {
+    fs::read_to_string(scratch.path(name)).unwrap()
+}
+
+fn figure<'a>(data: &'a Value, id: &str) -> &'a Value {
+    data["figures"].as_array().unwrap().iter().find(|figure| figure["id"] == id).unwrap()
+}
+
+/// The numbers of the runs behind the dots of a panel's layer.
+fn run_ids(panel: &Value, layer: &str) -> Vec<u64> {
+    let layers = panel["layers"].as_array().unwrap();
+    let named = layers.iter().filter(|one| one["name"] == layer && one["mark"] == "dots");
+    named.flat_map(|one| whole(&one["tips"]["run_ids"])).collect()
+}
+
+/// Whole numbers, packed or not.
+fn whole(packed: &Value) -> Vec<u64> {
+    use base64::Engine;
+    let Some(text) = packed["u"].as_str() else {
+        return packed.as_array().unwrap().iter().map(|id| id.as_u64().unwrap()).collect();
+    };
+    let bytes = base64::engine::general_purpose::STANDARD.decode(text).unwrap();
+    bytes.chunks(4).map(|four| u64::from(u32::from_le_bytes(four.try_into().unwrap()))).collect()
+}
+
+#[test]
+fn dots_are_the_runs_of_the_tables() {
+    let scratch = Scratch::new();
+    let rest = "sweep: [{grid: {speed_rad_s: [-160.0, -216.3772]}}]\n";
+    scratch.write("a.yaml", study(60, 8.0, rest));
+    scratch.well("run a.yaml --out out");
+    let before = scratch.files();
+    assert_eq!(scratch.well("report out"), "out-report.html\n");
+    let text = page(&scratch, "out-report.html");
+    assert!(text.len() < 5_000_000);
+    let data = data(&text);
+    assert_eq!(data["directory"], "out");
+    let runs = scratch.table("out", "runs");
+    let (ids, points) = (counts(&runs, "run_id"), counts(&runs, "point_id"));
+    let labels = words(&runs, "label");
+    let of = |point: u64, label: &str| -> Vec<u64> {
+        let each = ids.iter().zip(&points).zip(&labels);
+        let chosen = each.filter(|((_, p), l)| **p == point && l.as_deref() == Some(label));
+        chosen.map(|((id, _), _)| *id).collect()
+    };
+    let preferred = figure(&data, "preferred-equilibria")["panels"].as_array().unwrap();
+    assert_eq!(preferred.len(), 2);
+    for (point, panel) in (0..).zip(preferred) {
+        let at_rest = of(point, "equilibrium");
+        assert_eq!(run_ids(panel, "equilibrium"), at_rest);
+        let said = format!("{} of 60 at rest", at_rest.len());
+        assert!(panel["title"].as_str().unwrap().ends_with(&said), "{}", panel["title"]);
+    }
+    // Every run is in each plane of start states, under its label.
+    let basins = figure(&data, "basins")["panels"].as_array().unwrap();
+    assert_eq!(basins.len(), 2 * 6);
+    for (place, panel) in basins.iter().enumerate() {
+        for label in ["equilibrium", "limit cycle", "irregular", "undecided", "failed"] {
+            let expected = of(place as u64 / 6, &label.replace(' ', "_"));
+            assert_eq!(run_ids(panel, label), expected, "{label}");
+        }
+    }
+    // The page is a function of the directory, and the directory is left alone.
+    assert_eq!(scratch.well("report out --out again/b.html"), "again/b.html\n");
+    assert_eq!(page(&scratch, "again/b.html"), text);
+    scratch.well("run a.yaml --out one --threads 1");
+    scratch.well("report one --out out2.html");
+    let other = self::data(&page(&scratch, "out2.html"));
+    assert_eq!(other["figures"], data["figures"]);
+    let after = scratch.files();
+    assert!(before.iter().all(|(name, content)| after.get(name) == Some(content)));
+}
+
+#[test]
+fn failures_and_flips_are_in_plain_sight() {
+    let (scratch, _) = finished();
+    scratch.well("report out");
+    let text = page(&scratch, "out-report.html");
+    let runs = scratch.table("out", "runs");
+    let labels = words(&runs, "label");
+    let failed = labels.iter().filter(|label| label.as_deref() == Some("failed")).count();
+    assert_has(&text, &[format!("<strong>Some runs failed:</strong> {failed} of 60")]);
+    let audited = words(&runs, "audit_label");
+    let flips =
+        labels.iter().zip(&audited).filter(|(label, other)| other.is_some() && label != other);
+    let notable = failed + flips.filter(|(label, _)| label.as_deref() != Some("failed")).count();
+    assert_eq!(text.matches("<code>stickslip replay out ").count(), notable);
+    // Words of the study and of errors are text, not markup.
+    assert!(!text.contains("<script>alert"));
+}
+
+#[test]
+fn all_kinds_of_studies_have_a_page() {
+    let one = "model: {kind: ball_balancer, parameters: {balls: N}}\n";
+    for (model, figures) in [
+        (one.replace('N', "1"), ["preferred-equilibria", "basins"]),
+        (one.replace('N', "4"), ["preferred-equilibria", "basins"]),
+        ("model: {kind: block_on_spring}\n".to_owned(), ["preferred-equilibria", "time-to-rest"]),
+        ("model: {kind: block_on_belt}\n".to_owned(), ["limit-cycles", "residual-amplitude"]),
+    ] {
+        let scratch = Scratch::new();
+        let design = "initial_conditions: {design: {monte_carlo: {samples: 30}}}\n";
+        let simulation = "simulation: {end_time_s: 20}\n";
+        scratch
+            .write("a.yaml", format!("schema: 1\nname: a\nseed: 5\n{model}{design}{simulation}"));
+        scratch.well("run a.yaml --out out");
+        scratch.well("report out");
+        let data = data(&page(&scratch, "out-report.html"));
+        for id in figures {
+            let ids: Vec<&Value> =
+                data["figures"].as_array().unwrap().iter().map(|f| &f["id"]).collect();
+            assert!(ids.contains(&&id.into()), "{model} {id}: {ids:?}");
+        }
+    }
+}
+
+#[test]
+fn a_sweep_over_two_parameters_is_a_map() {
+    let scratch = Scratch::new();
+    let rest = "sweep: [{grid: {speed_rad_s: [-160.0, -200.0, -210.0, -220.0], \
+                friction_coefficient: [1.0e-3, 2.0e-3, 3.0e-3]}}]\n";
+    scratch.write("a.yaml", study(4, AT_ONCE, rest));
+    scratch.well("run a.yaml --out out");
+    scratch.well("report out");
+    let data = data(&page(&scratch, "out-report.html"));
+    let map = figure(&data, "map");
+    let panel = &map["panels"][0];
+    assert_eq!((&panel["x"]["name"], &panel["x"]["unit"]), (&"speed".into(), &"rad/s".into()));
+    assert_eq!(panel["y"]["name"], "friction coefficient");
+    assert_eq!(panel["layers"][0]["values"].as_array().unwrap().len(), 12);
+}
+
+#[test]
+fn results_that_are_not_complete_say_how_much_is_missing() {
+    let scratch = Scratch::new();
+    scratch.write("a.yaml", study(20, 0.5, REST));
+    assert_eq!(scratch.stickslip("run a.yaml --out out --max-seconds 0").code, Some(130));
+    scratch.well("report out");
+    let said = ["<strong>Not complete.</strong> 60 of 60 runs are missing (100.0 %)"];
+    assert_has(&page(&scratch, "out-report.html"), &said);
+    scratch.stickslip("run a.yaml --out part --shard 2/3 -q");
+    scratch.well("report part");
+    assert_has(&page(&scratch, "part-report.html"), &["; shard 2/3"]);
+}
+
+#[test]
+fn what_cannot_be_shown_is_refused() {
+    let (scratch, _) = finished();
+    scratch.refused("report nowhere", &["nowhere: this directory holds no study", "allowed: "]);
+    scratch.refused("report a.yaml", &["a.yaml", "allowed: "]);
+    // Only a page is replaced by a page.
+    scratch.well("report out");
+    scratch.well("report out");
+    scratch
+        .refused("report out --out a.yaml", &["a.yaml", "would replace", "found: ", "allowed: "]);
+    scratch.refused("report out --out out", &["out", "a directory", "allowed: "]);
+    // A table that lacks a column, and one that is missing.
+    rewrite(&scratch, "rest", |batch| without(batch, "probability_at_rest"));
+    let said = ["rest.parquet: column probability_at_rest: there is no such column", "allowed: "];
+    scratch.refused("report out", &said);
+    fs::remove_file(scratch.path("out/rest.parquet")).unwrap();
+    scratch.refused("report out", &["rest.parquet: this is not the file that was written"]);
+    let other = scratch.manifest("out").to_string();
+    let other = other.replace("\"model_version\":1", "\"model_version\":0");
+    let manifest = scratch.manifest("out").to_string();
+    scratch.write("out/manifest.json", other);
+    scratch.refused("report out", &["another version", "version 0 of the model", "allowed: "]);
+    scratch.write("out/manifest.json", manifest);
+    let (scratch, _) = finished();
+    kill(&scratch);
+    let said = ["out: there are no tables yet", "60 of 60 runs finished", "`stickslip resume out`"];
+    scratch.refused("report out", &said);
+}
