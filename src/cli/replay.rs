@@ -225,7 +225,7 @@ struct Report<'a> {
 impl Report<'_> {
     /// The messages, on standard error; `unfinished` are results without a row of this run.
     fn say(&self, times: Option<Times>, columns: usize, unfinished: Option<&Manifest>) {
-        let Report { directory, out, record, recording, differences, .. } = self;
+        let Report { directory, out, record, recording, differences, files, .. } = self;
         let run_id = record.planned.run_id;
         let (label, evidence) = (record.outcome.label().name(), record.outcome.evidence.name());
         let end = record.outcome.end_time_s.map(|end| format!(" at {end:.4} s"));
@@ -260,6 +260,9 @@ impl Report<'_> {
         let rows = recording.samples.len();
         if rows < asked {
             say(&format!("{rows} of {asked} times: the others are after the end of the run"));
+        }
+        if !files.iter().any(|file| file.ends_with(".svg")) {
+            say("no pictures: there is no motion to be seen in this time");
         }
         say(&format!("motion in {}", out.display()));
     }

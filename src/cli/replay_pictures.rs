@@ -7,7 +7,7 @@ use super::exit::CliError;
 use super::replay_times::{MOST_TIMES, Times};
 use crate::ending::{Evidence, Instants, Recorder, Recording, simulate_recorded};
 use crate::model::Case;
-use crate::report::{animation, figure, frames};
+use crate::report::{animation, figure, frames, time_text};
 use crate::study::Study;
 use crate::table::{ResultsError, RunRecord};
 
@@ -38,11 +38,12 @@ pub fn draw(
     }
     let natural = case.model.natural_frequency_rad_s();
     let title = format!(
-        "{}, run {}: {} ({}) at {end:.4} s",
+        "{}, run {}: {} ({}) at {}",
         study.name(),
         record.planned.run_id,
         outcome.label().name(),
         outcome.evidence.name(),
+        time_text(end),
     );
     let inside = if outcome.effort.steps < MANY_STEPS { INSIDE } else { 0 };
     let mut dense = recorded(case, Instants::EveryStep { inside });

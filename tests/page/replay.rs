@@ -1,0 +1,193 @@
+//! `replay.html`: disc and balls in motion, by mouse and keys, by day and night, and on paper.
+
+use std::path::PathBuf;
+
+use super::browser::Browser;
+use super::made::Made;
+use super::page::{DARK, LAPTOP, Page, View};
+
+/// Whoever asked for less motion: the animation waits to be started.
+const STILL: View = View { reduced_motion: true, ..LAPTOP };
+
+/// A replay of a run of so many balls; under the reader's eyes for seconds.
+fn replay(made: &Made, balls: usize) -> PathBuf {
+    made.write(
+        "a.yaml",
+        &format!(
+            "schema: 1\nname: a\nseed: 5\n\
+             model: {{kind: ball_balancer, parameters: {{balls: {balls}}}}}\n\
+             initial_conditions: {{design: {{monte_carlo: {{samples: 1}}}}}}\n\
+             simulation: {{end_time_s: 2}}\n"
+        ),
+    );
+    made.well("run a.yaml --out a");
+    made.well("replay a 0");
+    made.path("a-replay-0/replay.html")
+}
+
+/// Where the balls are in the window, px.
+#[track_caller]
+fn places(page: &mut Page<'_>) -> Vec<[f64; 2]> {
+    let places = page.ask(
+        "[...document.querySelectorAll('#balls > g')].map(ball => {
+            const box = ball.querySelector('circle').getBoundingClientRect();
+            return [box.x + box.width / 2, box.y + box.height / 2];
+        })",
+    );
+    serde_json::from_value(places).unwrap()
+}
+
+fn apart(one: &[[f64; 2]], other: &[[f64; 2]]) -> f64 {
+    let distance = |(a, b): (&[f64; 2], &[f64; 2])| (a[0] - b[0]).hypot(a[1] - b[1]);
+    one.iter().zip(other).map(distance).fold(0.0, f64::max)
+}
+
+#[test]
+fn a_replay_has_no_faults() {
+    let Some(mut browser) = Browser::start() else { return };
+    let made = Made::new();
+    for (balls, size) in [(1, 1280), (2, 1024), (8, 400)] {
+        let file = replay(&made, balls);
+        for view in [LAPTOP, DARK] {
+            let mut page = browser.open(&file, View { width: size, ..view });
+            page.wait_until("time > 0");
+            page.click_on("#play");
+            assert_eq!(page.faults(), [""; 0]);
+            assert_eq!(places(&mut page).len(), balls);
+            let (pale, texts) = page.pale();
+            assert!(texts >= 8 + 2 * balls && pale.is_empty(), "{texts} texts, {pale:?}");
+            assert_eq!(page.nameless(), []);
+            assert!(!page.wider_than_window(), "{size} px");
+            page.screenshot(&format!(
+                "replay-{balls}-{}",
+                if view.dark { "dark" } else { "light" }
+            ));
+        }
+        std::fs::remove_dir_all(made.path("a")).unwrap();
+        std::fs::remove_dir_all(made.path("a-replay-0")).unwrap();
+    }
+}
+
+#[test]
+fn what_readers_of_all_kinds_are_told() {
+    let Some(mut browser) = Browser::start() else { return };
+    let made = Made::new();
+    let mut page = browser.open(&replay(&made, 2), STILL);
+    let title = page.text("document.title");
+    assert!(title.starts_with("a, run 0: "), "{title}");
+    assert_eq!(page.text("document.querySelector('h1').textContent"), title);
+    assert_eq!(page.text("document.documentElement.lang"), "en");
+    let parts = page.accessible();
+    for (role, name) in [
+        ("RootWebArea", title.as_str()),
+        ("heading", &title),
+        ("image", "Disc with ring, imbalance and balls, seen from above"),
+        ("button", "Play"),
+        ("slider", "Time"),
+        ("combobox", "Speed"),
+        ("combobox", "Seen"),
+        ("combobox", "Table's displacement ×"),
+        ("list", "Balls"),
+    ] {
+        let there = parts.iter().any(|part| part.role == role && part.name == name);
+        assert!(there, "no {role} {name:?} in {parts:?}");
+    }
+    // Nobody wants to hear the time sixty times a second.
+    assert_eq!(page.text("document.querySelector('output').ariaLive"), "off");
+    page.key("End");
+    let said = page.text("document.getElementById('time').getAttribute('aria-valuetext')");
+    assert!(said.ends_with(" s of 2.0000 s") || said.contains(" of 1."), "{said}");
+}
+
+#[test]
+fn balls_move_by_button_keys_and_slider() {
+    let Some(mut browser) = Browser::start() else { return };
+    let made = Made::new();
+    let mut page = browser.open(&replay(&made, 2), STILL);
+    let start = places(&mut page);
+    page.frames(5);
+    assert_eq!((page.number("time"), places(&mut page)), (0.0, start.clone()), "it waits");
+
+    // By the button.
+    page.click_on("#play");
+    assert_eq!(page.text("document.getElementById('play').textContent"), "Pause");
+    page.wait_until("time > 0.004");
+    page.click_on("#play");
+    let (time, stopped) = (page.number("time"), places(&mut page));
+    assert!(apart(&start, &stopped) > 1.0, "{start:?} {stopped:?}");
+    page.frames(5);
+    assert_eq!((page.number("time"), places(&mut page)), (time, stopped));
+
+    // By the space bar, where the focus is on the button and where it is nowhere.
+    for _ in 0..2 {
+        page.key("Space");
+        assert_eq!(page.ask("playing"), true);
+        page.key("Space");
+        assert_eq!(page.ask("playing"), false);
+        page.ask("document.activeElement.blur()");
+    }
+
+    // A frame on and back, a hundred, the start and the end.
+    page.key("Home");
+    assert_eq!((page.number("time"), places(&mut page)), (0.0, start.clone()));
+    let frame = page.number("data.seconds / (data.x.length - 1)");
+    for (key, frames) in [
+        ("ArrowRight", 1.0),
+        ("ArrowRight", 2.0),
+        ("Shift+ArrowRight", 102.0),
+        ("ArrowLeft", 101.0),
+    ] {
+        page.key(key);
+        let at = page.number("time") / frame;
+        assert!((at - frames).abs() < 1e-9, "{key}: frame {at}");
+    }
+    page.key("End");
+    assert_eq!(page.number("time"), page.number("data.seconds"));
+
+    // With the mouse in the middle of the slider: the middle of the run.
+    page.click_on("#time");
+    let share = page.number("time / data.seconds");
+    assert!((share - 0.5).abs() < 0.02, "{share}");
+    assert_eq!(page.ask("playing"), false);
+
+    // What is drawn is the data: an angle of the first ball, where the table is drawn as it is.
+    page.ask("byId('magnify').value = '1'; byId('frame').value = 'disc'; go(0); null");
+    let centre = page.ask(
+        "(() => { const box = document.querySelector('#disc > circle').getBoundingClientRect();
+          return [box.x + box.width / 2, box.y + box.height / 2]; })()",
+    );
+    let ball = places(&mut page)[0];
+    let (right, up) =
+        (ball[0] - centre[0].as_f64().unwrap(), centre[1].as_f64().unwrap() - ball[1]);
+    let off = up.atan2(right) - page.number("data.angles[0][0]");
+    assert!(off.sin().abs() < 0.02 && off.cos() > 0.0, "{off} rad");
+    // In space all turns with the disc.
+    page.ask("go(0.01); null");
+    let turning = places(&mut page);
+    page.ask("byId('frame').value = 'space'; draw(); null");
+    assert!(apart(&turning, &places(&mut page)) > 10.0);
+    assert_eq!(page.faults(), [""; 0]);
+}
+
+#[test]
+fn a_replay_on_paper() {
+    let Some(mut browser) = Browser::start() else { return };
+    let made = Made::new();
+    let file = replay(&made, 3);
+    for dark in [false, true] {
+        let mut page = browser.open(&file, View { dark, ..STILL });
+        assert_eq!(page.pdf(&format!("replay-{dark}")).sheets(), 1);
+        page.view(View { dark, print: true, ..STILL });
+        let seen = "!!document.querySelector(selector).checkVisibility()";
+        for (selector, expected) in [("svg", true), ("output", true), ("button", false)] {
+            assert_eq!(page.ask(&seen.replace("selector", &format!("{selector:?}"))), expected);
+        }
+        assert_eq!(
+            page.text("getComputedStyle(document.body).backgroundColor"),
+            "rgb(255, 255, 255)"
+        );
+        let (pale, texts) = page.pale();
+        assert!(texts > 5 && pale.is_empty(), "{texts} texts, {pale:?}");
+        page.screenshot(&format!("replay-print-{dark}"));
+    }
+}

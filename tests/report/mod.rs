@@ -1,0 +1,2 @@
+/// The figure of a replayed run.
+mod replay_figure;
