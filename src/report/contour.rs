@@ -9,6 +9,8 @@
 
 use std::collections::BTreeMap;
 
+use super::course;
+
 /// Values on a regular grid over a rectangle, the rectangle's edges included.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Grid {
@@ -307,37 +309,9 @@ fn nearest(ring: &[[f64; 2]], holes: &[Vec<[f64; 2]>]) -> Option<(usize, usize, 
 /// was (D. H. Douglas and T. K. Peucker, Cartographica 10 (1973) 112). The ends stay; of a closed line
 /// also the point farthest from where it begins.
 fn simplified(line: &[[f64; 2]], extent: [f64; 2]) -> Vec<[f64; 2]> {
-    let scaled: Vec<[f64; 2]> =
-        line.iter().map(|point| [point[0] / extent[0], point[1] / extent[1]]).collect();
-    let Some(last) = line.len().checked_sub(1).filter(|last| *last > 1) else {
-        return line.to_vec();
-    };
-    let mut kept = vec![false; line.len()];
-    (kept[0], kept[last]) = (true, true);
-    let mut stretches = vec![[0, last]];
-    while let Some([begin, end]) = stretches.pop() {
-        let far = |place: &usize| from_stretch(scaled[*place], scaled[begin], scaled[end]);
-        let farthest = (begin + 1..end).max_by(|a, b| far(a).total_cmp(&far(b)));
-        if let Some(farthest) = farthest.filter(|place| far(place) > 5e-5) {
-            kept[farthest] = true;
-            stretches.extend([[begin, farthest], [farthest, end]]);
-        }
-    }
-    let points = line.iter().zip(kept);
-    points.filter(|(_, kept)| *kept).map(|(point, _)| *point).collect()
-}
-
-/// The distance of a point from a straight stretch.
-fn from_stretch(point: [f64; 2], from: [f64; 2], to: [f64; 2]) -> f64 {
-    let (along, away) =
-        ([to[0] - from[0], to[1] - from[1]], [point[0] - from[0], point[1] - from[1]]);
-    let length = along[0] * along[0] + along[1] * along[1];
-    let part = if length > 0.0 {
-        ((away[0] * along[0] + away[1] * along[1]) / length).clamp(0.0, 1.0)
-    } else {
-        0.0
-    };
-    (away[0] - part * along[0]).hypot(away[1] - part * along[1])
+    let points: Vec<(f64, f64)> = line.iter().map(|[x, y]| (*x, *y)).collect();
+    let scale = (1.0 / extent[0], 1.0 / extent[1]);
+    course::simplified(&points, scale, 5e-5).into_iter().map(|(x, y)| [x, y]).collect()
 }
 
 #[cfg(test)]

@@ -2,6 +2,7 @@
 
 pub mod chart;
 pub mod contour;
+mod course;
 pub mod figures;
 mod gathered;
 mod page;

@@ -2,7 +2,6 @@
 
 mod animation;
 mod axis;
-mod course;
 mod figure;
 mod panel;
 mod path;

@@ -4,8 +4,8 @@ use plotters::coord::Shift;
 use plotters::prelude::*;
 
 use super::axis::Axis;
-use super::course::simplified;
 use super::quantity::{Of, Panel};
+use crate::report::course::simplified;
 use crate::report::paper::SERIES;
 
 /// The library draws on whole pixels: so many of its pixels are one of the figure.
@@ -132,7 +132,7 @@ pub(super) fn draw(
         let fine = |y: f64| (f64::from(FINE) * y).round() as i32;
         let [from, to] = [right + 2, right + 14].map(|x| (FINE * x) as i32);
         let line = [(from, fine(*end)), (to, fine(row))];
-        area.draw(&PathElement::new(line, series_colour(ball).stroke_width(4)))?;
+        area.draw(&PathElement::new(line, series_colour(*ball).stroke_width(4)))?;
         let style = TextStyle::from(font(11).into_font()).color(&BLACK);
         let number =
             Text::new((ball + 1).to_string(), (to + FINE as i32 * 3, fine(row - 3.5)), style);

@@ -3,10 +3,10 @@
 use plotters::prelude::*;
 
 use super::axis::Axis;
-use super::course::simplified;
 use super::panel::{
     ABOVE, Area, Drawn, FINE, GRID, LEFT, TOLERANCE, font, pale, series_colour, text,
 };
+use crate::report::course::simplified;
 
 /// Radius of the dot at the end, in the library's pixels.
 const DOT: u32 = 3 * FINE;

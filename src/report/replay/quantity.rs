@@ -2,10 +2,10 @@
 
 use std::f64::consts::TAU;
 
-use super::course::{stretches, thinned};
 use crate::ending::{ContactSample, Sample};
 use crate::model::Model;
 use crate::motion::Phase;
+use crate::report::course::{stretches, thinned};
 use crate::table::{Units, in_circle};
 
 /// A curve over time.
