@@ -33,6 +33,14 @@ fn output_of_the_first_command() {
     assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
     let printed = String::from_utf8_lossy(&output.stdout).into_owned();
     assert_eq!(printed, block_after("<!-- tested: preferred-equilibria -->"));
+    // And the pictures are of this study.
+    let drawn = stickslip(&["report", folder, "--figures", "svg"]);
+    assert_eq!(drawn.status.code(), Some(0), "{}", String::from_utf8_lossy(&drawn.stderr));
+    for name in ["preferred-equilibria.svg", "time-to-rest.svg"] {
+        let picture = out.path().join("results-figures").join(name);
+        let picture = std::fs::read_to_string(picture).expect("a picture");
+        generated::compare_or_write(&format!("docs/{name}"), &picture);
+    }
 }
 
 /// The equilibrium sets of the thesis, as the README shows them.

@@ -19,6 +19,14 @@ fn unit(parameter: &VariedParameter) -> &str {
     if parameter.unit == "1" { "" } else { parameter.unit }
 }
 
+/// A value; a number with a minus sign, not a hyphen.
+fn said(value: &ParameterValue) -> String {
+    match value {
+        ParameterValue::Number(_) => value.to_string().replace('-', "\u{2212}"),
+        ParameterValue::Text(text) => (*text).to_owned(),
+    }
+}
+
 /// An axis for a parameter.
 pub fn axis_of(parameter: &VariedParameter) -> Axis {
     Axis {
@@ -42,7 +50,7 @@ pub fn short_axis(study: &Study) -> Axis {
 
 /// A point by its values alone, as `-216.3772, 0.00275`; by its number where nothing is swept.
 pub fn short(point_id: u64, values: &[ParameterValue]) -> String {
-    let values: Vec<String> = values.iter().map(ToString::to_string).collect();
+    let values: Vec<String> = values.iter().map(said).collect();
     if values.is_empty() { format!("point {point_id}") } else { values.join(", ") }
 }
 
@@ -53,7 +61,7 @@ pub fn heading(study: &Study, values: &[ParameterValue], wanted: impl Fn(usize) 
     let part = |(index, (parameter, value)): (usize, (&VariedParameter, &ParameterValue))| {
         let unit = unit(parameter);
         let space = if unit.is_empty() { "" } else { " " };
-        wanted(index).then(|| format!("{} {value}{space}{unit}", words(parameter)))
+        wanted(index).then(|| format!("{} {}{space}{unit}", words(parameter), said(value)))
     };
     parts.filter_map(part).collect::<Vec<_>>().join(", ")
 }
