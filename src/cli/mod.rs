@@ -18,6 +18,7 @@ mod replay;
 mod replay_pictures;
 mod replay_times;
 mod report;
+mod report_figures;
 mod report_page;
 mod results_study;
 mod resume;

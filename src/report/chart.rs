@@ -64,6 +64,8 @@ pub enum AxisKind {
     Angle,
     /// Names at 0, 1, 2 and so on.
     Names(Vec<String>),
+    /// Evenly, and not shown: the marks are a picture of something in space, which has axes of its own.
+    Hidden,
 }
 
 /// What the colours of regions and cells mean: a sequence from pale to dark.
@@ -217,6 +219,13 @@ pub enum Mark {
         at: f64,
         /// What is written at it.
         label: String,
+    },
+    /// Words, their middle at a point each.
+    Words {
+        /// The points.
+        at: Vec<[f64; 2]>,
+        /// The words.
+        words: Vec<String>,
     },
 }
 

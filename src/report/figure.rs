@@ -8,6 +8,7 @@ use plotters::prelude::*;
 use thiserror::Error;
 
 use super::course::{stretches, thinned};
+use super::paper::SERIES;
 use crate::ending::{ContactSample, Sample};
 use crate::model::Model;
 use crate::motion::Phase;
@@ -18,17 +19,6 @@ use crate::table::{Units, in_circle};
 #[error("the picture could not be drawn: {0}")]
 pub struct FigureError(String);
 
-/// Colours that colour-blind readers can tell apart (Okabe and Ito).
-const COLOURS: [RGBColor; 8] = [
-    RGBColor(0, 114, 178),
-    RGBColor(213, 94, 0),
-    RGBColor(0, 158, 115),
-    RGBColor(204, 121, 167),
-    RGBColor(230, 159, 0),
-    RGBColor(86, 180, 233),
-    RGBColor(70, 70, 70),
-    RGBColor(120, 94, 30),
-];
 const STUCK: RGBColor = RGBColor(222, 222, 222);
 const GRID: RGBColor = RGBColor(232, 232, 232);
 const LIMIT: RGBColor = RGBColor(60, 60, 60);
@@ -40,6 +30,12 @@ const PANEL: u32 = 150;
 const ORBIT: u32 = 340;
 /// Places along the time axis that can be told apart.
 const BINS: u32 = 1500;
+
+/// A colour that colour-blind readers can tell from its neighbours.
+fn series_colour(number: usize) -> RGBColor {
+    let [red, green, blue] = SERIES[number % SERIES.len()];
+    RGBColor(red, green, blue)
+}
 
 /// A curve with its colour.
 type Curve = (RGBColor, Vec<(f64, f64)>);
@@ -100,13 +96,12 @@ fn panels(model: &Model, units: &Units, samples: &[Sample], range: (f64, f64)) -
         let point = |sample: &Sample| Some((units.seconds(sample.time), value(sample)?));
         thinned(&samples.iter().filter_map(point).collect::<Vec<_>>(), range, BINS)
     };
-    let colour = |contact: usize| COLOURS[contact % COLOURS.len()];
     let mut panels = Vec::new();
     if model.balls() > 0 {
         let curves = |ball: usize| {
             turns(units, samples, ball)
                 .into_iter()
-                .map(move |turn| (colour(ball), thinned(&turn, range, BINS)))
+                .map(move |turn| (series_colour(ball), thinned(&turn, range, BINS)))
         };
         panels.push(Panel {
             title: "angle of the balls from the imbalance".to_owned(),
@@ -121,7 +116,7 @@ fn panels(model: &Model, units: &Units, samples: &[Sample], range: (f64, f64)) -
         panels.push(Panel {
             title: "position of the block".to_owned(),
             unit: "m",
-            curves: vec![(colour(0), series(&place))],
+            curves: vec![(series_colour(0), series(&place))],
             shaded: Vec::new(),
             angle: false,
         });
@@ -129,7 +124,7 @@ fn panels(model: &Model, units: &Units, samples: &[Sample], range: (f64, f64)) -
     let speed = |contact: usize| {
         let value =
             move |sample: &Sample| sample.contacts.get(contact).map(|c| units.sliding_speed(c));
-        (colour(contact), series(&value))
+        (series_colour(contact), series(&value))
     };
     let balls = model.balls() > 0;
     panels.push(Panel {
@@ -173,7 +168,7 @@ fn panels(model: &Model, units: &Units, samples: &[Sample], range: (f64, f64)) -
             curves: vec![
                 (LIMIT, series(&force(|contact| contact.limit))),
                 (LIMIT, series(&force(|contact| -contact.limit))),
-                (colour(contact), series(&force(|contact| contact.friction))),
+                (series_colour(contact), series(&force(|contact| contact.friction))),
             ],
             shaded: stretches(&course, range, BINS as usize),
             angle: false,
@@ -328,7 +323,7 @@ fn orbit(
     let late = points.len() - points.len() / 5;
     let pale = RGBColor(170, 190, 205).stroke_width(2);
     chart.draw_series(LineSeries::new(points.iter().copied(), pale))?;
-    let dark = COLOURS[0].stroke_width(4);
+    let dark = series_colour(0).stroke_width(4);
     chart.draw_series(LineSeries::new(points[late..].iter().copied(), dark))?;
     Ok(())
 }

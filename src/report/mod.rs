@@ -1,4 +1,4 @@
-//! A recorded run for the eye: a figure and an animation, the same bytes for the same data.
+//! Results and runs for the eye, on paper, on a page and moving: the same bytes for the same data.
 
 mod animation;
 pub mod chart;
@@ -8,9 +8,10 @@ mod figure;
 pub mod figures;
 mod gathered;
 mod page;
+pub mod paper;
 
 pub use animation::{animation, frames};
 pub use figure::{FigureError, figure};
 pub use figures::of_results;
-pub use gathered::{Budget, Gathered};
+pub use gathered::{Budget, Gathered, heading};
 pub use page::{OWN, page};

@@ -121,6 +121,50 @@ impl Table {
         Ok(table)
     }
 
+    /// Opens a table of a directory without a manifest, as `stickslip equilibria` and `stickslip replay`
+    /// write, by what its files say of themselves. With it comes its provenance.
+    ///
+    /// # Errors
+    /// Where there is no such table, or it is not one of this program's.
+    pub fn of_itself(directory: &Path, name: &str) -> Result<(Self, Value), TableError> {
+        let path = directory.join(format!("{name}.parquet"));
+        let refuse = |problem: &str, found: String, allowed: &str| {
+            TableError::new(&path, None, Fault::new(problem, found, allowed))
+        };
+        let unread = |error: std::io::Error| {
+            refuse("this table cannot be read", error.to_string(), "a readable file")
+        };
+        let mut files = vec![path.clone()];
+        if fs::metadata(&path).map_err(unread)?.is_dir() {
+            let entries = fs::read_dir(&path).map_err(unread)?;
+            let entries: Result<Vec<_>, _> =
+                entries.map(|entry| entry.map(|entry| entry.path())).collect();
+            files = entries.map_err(unread)?;
+            files.sort();
+        }
+        let mut parts = Vec::new();
+        let mut about = None;
+        for file in files {
+            if !fs::metadata(&file).map_err(unread)?.is_file() {
+                let found = format!("{}: not a regular file", file.display());
+                return Err(refuse("this table cannot be read", found, "a readable file"));
+            }
+            let (reader, provenance) = open_file(&file)?;
+            let rows = reader.metadata().file_metadata().num_rows();
+            parts.push((file, u64::try_from(rows).unwrap_or(0)));
+            about = about.or(provenance);
+        }
+        let (Some(about), Some((path, rows))) = (about, parts.first().cloned()) else {
+            let found = "no key `stickslip` in its metadata".to_owned();
+            let allowed = "a table that this program has written";
+            return Err(refuse("this is not a table of this program", found, allowed));
+        };
+        let study_hash = about["study_hash"].as_str().unwrap_or_default().to_owned();
+        let mut table = Table { name: name.to_owned(), study_hash, parts, columns: Vec::new() };
+        table.columns = table.open_part(&path, rows)?.columns();
+        Ok((table, about))
+    }
+
     /// How many rows it has.
     pub fn rows(&self) -> u64 {
         self.parts.iter().map(|(_, rows)| *rows).fold(0, u64::saturating_add)
@@ -158,17 +202,8 @@ impl Table {
     /// Opens a file of the table and checks what it says of itself.
     fn open_part(&self, path: &Path, rows: u64) -> Result<Part, TableError> {
         let refuse = |fault| TableError::new(path, None, fault);
-        let file = File::open(path).map_err(|error| {
-            refuse(Fault::new("this file cannot be read", error.to_string(), "a readable file"))
-        })?;
-        check_footer(Bounds::RESULTS, &file).map_err(refuse)?;
-        let reader = guarded(|| SerializedFileReader::new(file)).map_err(refuse)?;
-        let reader = reader.map_err(|error| refuse(said(&error)))?;
+        let (reader, provenance) = open_file(path)?;
         let about = reader.metadata().file_metadata();
-        let pairs = about.key_value_metadata().into_iter().flatten();
-        let provenance = pairs
-            .filter(|pair| pair.key == "stickslip")
-            .find_map(|pair| serde_json::from_str::<Value>(pair.value.as_deref()?).ok());
         let facts = |value: &Value| {
             let text = |key: &str| shorten(value[key].as_str().unwrap_or("none"));
             format!(
@@ -201,6 +236,22 @@ impl Table {
         }
         Ok(Part { path: path.to_owned(), reader, next_group: 0, group: None })
     }
+}
+
+/// Opens a file and reads what it says of itself.
+fn open_file(path: &Path) -> Result<(SerializedFileReader<File>, Option<Value>), TableError> {
+    let refuse = |fault| TableError::new(path, None, fault);
+    let file = File::open(path).map_err(|error| {
+        refuse(Fault::new("this file cannot be read", error.to_string(), "a readable file"))
+    })?;
+    check_footer(Bounds::RESULTS, &file).map_err(refuse)?;
+    let reader = guarded(|| SerializedFileReader::new(file)).map_err(refuse)?;
+    let reader = reader.map_err(|error| refuse(said(&error)))?;
+    let pairs = reader.metadata().file_metadata().key_value_metadata().into_iter().flatten();
+    let provenance = pairs
+        .filter(|pair| pair.key == "stickslip")
+        .find_map(|pair| serde_json::from_str::<Value>(pair.value.as_deref()?).ok());
+    Ok((reader, provenance))
 }
 
 /// Where columns are that are wanted.

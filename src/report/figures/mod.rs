@@ -6,13 +6,20 @@ mod branches;
 mod doubt;
 pub mod equilibrium_set;
 mod fractions;
+mod frictionless;
 mod layers;
 mod map;
+mod motion;
 mod preferred;
 mod rest;
+mod sets;
+mod surface;
 mod sweep_axis;
 
+pub use frictionless::branches;
 pub use layers::label_words;
+pub use motion::motion;
+pub use sets::sets;
 
 use super::chart::Figure;
 use super::gathered::Gathered;

@@ -45,6 +45,7 @@ fn axis(axis: &Axis) -> Value {
         AxisKind::Logarithmic => ("logarithmic", None),
         AxisKind::Angle => ("angle", None),
         AxisKind::Names(names) => ("names", Some(names)),
+        AxisKind::Hidden => ("hidden", None),
     };
     json!({"name": axis.name, "unit": axis.unit, "range": axis.range, "kind": kind, "names": names})
 }
@@ -89,6 +90,7 @@ fn mark(mark: &Mark) -> Map<String, Value> {
         Mark::Rule { upright, at, label } => {
             json!({"mark": "rule", "upright": upright, "at": at, "label": label})
         }
+        Mark::Words { at, words } => json!({"mark": "words", "points": pairs(at), "words": words}),
     };
     match value {
         Value::Object(map) => map,

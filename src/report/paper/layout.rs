@@ -1,0 +1,435 @@
+//! Where on a sheet panels, axes, legend and colour bars are.
+//!
+//! Nothing is put over the data: the legend is above the panels, colour bars are to their right, and words
+//! at upright rules above them. All panels have one size; axes that are alike are written once.
+
+use super::axes::{Ruled, SIZE, Which, ruled};
+use super::colours::{self, INK};
+use super::font;
+use super::marks::{self, Frame, SAMPLE};
+use super::scene::{Anchor, Box2, Item, Paint, Scene, Step, Stroke};
+use crate::report::chart::{AxisKind, Colour, ColourScale, Figure, Layer, Mark, Panel};
+
+const MILLIMETRE: f64 = 72.0 / 25.4;
+/// Widths of a column of a journal and of its page, mm.
+const WIDTHS: [f64; 2] = [90.0, 180.0];
+/// Between the lines of words that belong together.
+const LEADING: f64 = 10.0;
+const TICK: f64 = 3.0;
+const BAR: f64 = 7.0;
+const EDGE: f64 = 2.0;
+
+/// What is beside a panel.
+struct Cell<'a> {
+    panel: &'a Panel,
+    x: Ruled,
+    y: Ruled,
+    title: Vec<String>,
+    shows: [bool; 2],
+    bar: Option<Bar>,
+    turned: bool,
+}
+
+/// A colour bar.
+#[derive(Clone)]
+struct Bar {
+    ruled: Ruled,
+    steps: usize,
+}
+
+/// How many panels are side by side.
+fn columns(panels: usize) -> usize {
+    match panels {
+        0 | 1 => 1,
+        2 | 4 => 2,
+        _ => 3,
+    }
+}
+
+/// The height of a panel over its width.
+fn aspect(panel: &Panel, columns: usize) -> f64 {
+    match (&panel.x.kind, &panel.y.kind) {
+        (AxisKind::Angle, AxisKind::Angle) => 1.0,
+        (AxisKind::Hidden, AxisKind::Hidden) => {
+            let extent = |range: Option<[f64; 2]>| range.map_or(1.0, |[from, to]| to - from);
+            (extent(panel.y.range) / extent(panel.x.range)).clamp(0.3, 2.0)
+        }
+        _ if panel.x.name.starts_with("time") && columns < 3 => 0.6,
+        _ => 0.75,
+    }
+}
+
+/// Draws a figure of some panels; `first` is the number of the first one among all of the figure's.
+pub fn scene(figure: &Figure, first: usize, alone: bool) -> Scene {
+    let panels = &figure.panels;
+    let many_names =
+        |panel: &Panel| matches!(&panel.x.kind, AxisKind::Names(names) if names.len() > 6);
+    let wide = panels.len() > 1 || panels.iter().any(many_names);
+    let width = WIDTHS[usize::from(wide)] * MILLIMETRE;
+    let columns = columns(panels.len());
+    let rows = panels.len().div_ceil(columns);
+    let shape = if wide && panels.len() == 1 {
+        0.42
+    } else {
+        panels.iter().map(|panel| aspect(panel, columns)).fold(0.0, f64::max)
+    };
+    // The ordinates' words decide how wide the panels can be, and only roughly what their ticks are.
+    let guess = width / columns as f64 - 46.0;
+    let mut cells: Vec<Cell<'_>> = panels
+        .iter()
+        .enumerate()
+        .map(|(number, panel)| Cell {
+            panel,
+            x: ruled(panel, Which::X, guess),
+            y: ruled(panel, Which::Y, shape * guess),
+            title: title(panel, (!alone).then_some(first + number), guess),
+            shows: [true; 2],
+            bar: bar(panel, shape * guess),
+            turned: false,
+        })
+        .collect();
+    let common_bar = cells.len() > 1
+        && panels.iter().all(|panel| panel.scale.is_some() && panel.scale == panels[0].scale);
+    share(&mut cells, columns);
+
+    let names = |cell: &Cell<'_>| {
+        let ticks = cell.y.widest();
+        let name = if cell.y.name.is_empty() { 0.0 } else { SIZE + 3.0 };
+        if cell.shows[1] && !cell.y.hidden { ticks + TICK + 3.0 + name } else { 5.0 }
+    };
+    let beyond = |cell: &Cell<'_>| {
+        let last = cell.x.ticks.last().map_or(0.0, |(_, words)| font::width(words, SIZE) / 2.0);
+        let bar = cell.bar.as_ref().filter(|_| !common_bar).map_or(0.0, bar_width);
+        (last + 1.0).max(4.0).max(bar)
+    };
+    let in_column = |column: usize, what: &dyn Fn(&Cell<'_>) -> f64| {
+        cells.iter().skip(column).step_by(columns).map(what).fold(0.0, f64::max)
+    };
+    let left: Vec<f64> = (0..columns).map(|column| in_column(column, &names)).collect();
+    let right: Vec<f64> = (0..columns).map(|column| in_column(column, &beyond)).collect();
+    let common = cells.first().and_then(|cell| cell.bar.clone()).filter(|_| common_bar);
+    let beside = common.as_ref().map_or(0.0, bar_width);
+    let taken = left.iter().chain(&right).sum::<f64>() + beside + 2.0 * EDGE;
+    let panel_width = ((width - taken) / columns as f64).max(30.0);
+    let panel_height = shape * panel_width;
+
+    for cell in &mut cells {
+        cell.x = ruled(cell.panel, Which::X, panel_width);
+        let spacing = panel_width / cell.x.ticks.len().max(1) as f64;
+        let named = matches!(cell.panel.x.kind, AxisKind::Names(_));
+        cell.turned = named && cell.x.widest() + 4.0 > spacing;
+    }
+    let above = |cell: &Cell<'_>| {
+        let rules = marks::rule_words(cell.panel).any(|(upright, ..)| upright);
+        LEADING * cell.title.len() as f64 + if rules { LEADING } else { 0.0 } + 4.0
+    };
+    let below = |cell: &Cell<'_>| {
+        if !cell.shows[0] || cell.x.hidden {
+            return 5.0;
+        }
+        let ticks = if cell.turned { 0.72 * cell.x.widest() + 6.0 } else { SIZE };
+        let name = if cell.x.name.is_empty() { 0.0 } else { LEADING + 1.0 };
+        TICK + 2.0 + ticks + name + 2.0
+    };
+    let in_row = |row: usize, what: &dyn Fn(&Cell<'_>) -> f64| {
+        cells.iter().skip(row * columns).take(columns).map(what).fold(0.0, f64::max)
+    };
+    let mut scene = Scene { size: [width, 0.0], items: Vec::new() };
+    let mut top = EDGE + legend(&mut scene, panels, width);
+    let first_top = top + in_row(0, &above);
+    let mut last_bottom = first_top + panel_height;
+    for row in 0..rows {
+        top += in_row(row, &above);
+        let mut from = EDGE;
+        for (column, cell) in cells.iter().skip(row * columns).take(columns).enumerate() {
+            from += left[column];
+            let area =
+                Box2 { left: from, top, right: from + panel_width, bottom: top + panel_height };
+            draw(&mut scene, cell, area);
+            if let Some(bar) = cell.bar.as_ref().filter(|_| !common_bar) {
+                draw_bar(&mut scene, bar, [area.right + 6.0, area.top, area.bottom]);
+            }
+            from += panel_width + right[column];
+        }
+        last_bottom = top + panel_height;
+        top += panel_height + in_row(row, &below);
+    }
+    if let Some(bar) = &common {
+        // Not longer than two panels: a reader looks it up at one place.
+        let bottom = last_bottom.min(first_top + 2.0 * panel_height);
+        draw_bar(&mut scene, bar, [width - EDGE - beside + 6.0, first_top, bottom]);
+    }
+    scene.size[1] = top + EDGE;
+    scene
+}
+
+/// Axes that all panels have alike are written at the left and below only.
+fn share(cells: &mut [Cell<'_>], columns: usize) {
+    let count = cells.len();
+    let alike =
+        |axis: &dyn Fn(&Cell<'_>) -> Ruled| cells.iter().all(|cell| axis(cell) == axis(&cells[0]));
+    let x = count > 1 && alike(&|cell| cell.x.clone());
+    let y = count > 1 && alike(&|cell| cell.y.clone());
+    for (place, cell) in cells.iter_mut().enumerate() {
+        cell.shows = [!x || place + columns >= count, !y || place % columns == 0];
+    }
+}
+
+/// A panel's title with its letter, in lines that have room.
+fn title(panel: &Panel, number: Option<usize>, width: f64) -> Vec<String> {
+    let letter = number.map(|number| {
+        let letters = b"abcdefghijklmnopqrstuvwxyz";
+        let last = char::from(letters[number % 26]);
+        let before = number / 26;
+        match before {
+            0 => format!("({last})"),
+            _ => format!("({}{last})", char::from(letters[(before - 1) % 26])),
+        }
+    });
+    let dash = if panel.title.is_empty() || panel.part.is_empty() { "" } else { "–" };
+    let words = [&panel.title, dash, &panel.part].into_iter().flat_map(str::split_whitespace);
+    let words = letter.iter().map(String::as_str).chain(words);
+    let mut lines: Vec<String> = Vec::new();
+    for word in words {
+        match lines.last_mut() {
+            Some(line) if font::width(&format!("{line} {word}"), SIZE) <= width => {
+                line.push(' ');
+                line.push_str(word);
+            }
+            _ => lines.push(shortened(word, width)),
+        }
+    }
+    if lines.len() > 3 {
+        lines.truncate(3);
+        lines[2] = shortened(&format!("{} …", lines[2]), width);
+    }
+    lines
+}
+
+/// Words cut off where they have no room.
+fn shortened(words: &str, width: f64) -> String {
+    if font::width(words, SIZE) <= width {
+        return words.to_owned();
+    }
+    let mut short: String = words.to_owned();
+    while !short.is_empty() && font::width(&format!("{short}…"), SIZE) > width {
+        short.pop();
+    }
+    short + "…"
+}
+
+fn draw(scene: &mut Scene, cell: &Cell<'_>, area: Box2) {
+    let frame = Frame { area, x: &cell.x, y: &cell.y };
+    marks::draw(scene, &frame, cell.panel);
+    let black = |width| Stroke { paint: Paint::of(INK), width, dash: Vec::new() };
+    if !(cell.x.hidden && cell.y.hidden) {
+        scene.line(area.steps(), black(0.6), None);
+    }
+    let [width, height] = [area.right - area.left, area.bottom - area.top];
+    let mut ticks = Vec::new();
+    let inside = |part: &f64| (-1e-6..=1.0 + 1e-6).contains(part);
+    for (value, length) in every_tick(&cell.x) {
+        let part = cell.x.part(value);
+        if inside(&part) {
+            let x = area.left + part * width;
+            ticks.extend([Step::Move([x, area.bottom]), Step::Line([x, area.bottom + length])]);
+        }
+    }
+    for (value, length) in every_tick(&cell.y) {
+        let part = cell.y.part(value);
+        if inside(&part) {
+            let y = area.bottom - part * height;
+            ticks.extend([Step::Move([area.left, y]), Step::Line([area.left - length, y])]);
+        }
+    }
+    scene.line(ticks, black(0.6), None);
+    if cell.shows[0] && !cell.x.hidden {
+        let line = area.bottom + TICK + 1.0 + 0.85 * SIZE;
+        let mut lowest = line;
+        for (value, words) in &cell.x.ticks {
+            let part = cell.x.part(*value);
+            if !inside(&part) {
+                continue;
+            }
+            let x = area.left + part * width;
+            if cell.turned {
+                let words = words.clone();
+                let at = [x + 2.0, line - 0.3 * SIZE];
+                let item = Item::Text { at, size: SIZE, anchor: Anchor::End, turned: -45.0, words };
+                scene.items.push(item);
+                lowest = line + 0.72 * cell.x.widest();
+            } else {
+                scene.text([x, line], SIZE, Anchor::Middle, words);
+            }
+        }
+        let middle = area.left + width / 2.0;
+        scene.text([middle, lowest + LEADING + 1.0], SIZE, Anchor::Middle, &cell.x.name);
+    }
+    if cell.shows[1] && !cell.y.hidden {
+        for (value, words) in &cell.y.ticks {
+            let part = cell.y.part(*value);
+            if inside(&part) {
+                let y = area.bottom - part * height + 0.36 * SIZE;
+                scene.text([area.left - TICK - 2.0, y], SIZE, Anchor::End, words);
+            }
+        }
+        let at = [area.left - TICK - 5.0 - cell.y.widest(), area.top + height / 2.0];
+        upright(scene, at, &cell.y.name);
+    }
+    rules(scene, cell, area);
+    let rules = marks::rule_words(cell.panel).any(|(upright, ..)| upright);
+    let lift = if rules { LEADING } else { 0.0 };
+    for (place, line) in cell.title.iter().rev().enumerate() {
+        let y = area.top - 4.0 - lift - LEADING * place as f64;
+        scene.text([area.left, y], SIZE, Anchor::Start, line);
+    }
+}
+
+/// Words that are read from below.
+fn upright(scene: &mut Scene, at: [f64; 2], words: &str) {
+    let words = words.to_owned();
+    let item = Item::Text { at, size: SIZE, anchor: Anchor::Middle, turned: -90.0, words };
+    scene.items.push(item);
+}
+
+fn every_tick(ruled: &Ruled) -> impl Iterator<Item = (f64, f64)> {
+    let major = ruled.ticks.iter().map(|(value, _)| (*value, TICK));
+    major.chain(ruled.minor.iter().map(|value| (*value, 0.6 * TICK)))
+}
+
+/// What is written at rules: above upright ones, as far as there is room beside each other; at the right
+/// end of others.
+fn rules(scene: &mut Scene, cell: &Cell<'_>, area: Box2) {
+    let mut upright: Vec<(f64, &str, f64)> = Vec::new();
+    for (stands, at, words, width) in marks::rule_words(cell.panel) {
+        if stands {
+            let x = area.left + cell.x.part(at) * (area.right - area.left);
+            if (area.left - 1e-6..=area.right + 1e-6).contains(&x) {
+                let most = (area.right - width / 2.0).max(area.left + width / 2.0);
+                upright.push((x.clamp(area.left + width / 2.0, most), words, width));
+            }
+        } else {
+            let y = area.bottom - cell.y.part(at) * (area.bottom - area.top);
+            if (area.top - 1e-6..=area.bottom + 1e-6).contains(&y) {
+                // Under the line where there is no room above it.
+                let under = y - SIZE < area.top + 2.0;
+                let line = if under { y + SIZE + 1.0 } else { y - 2.5 };
+                scene.text([area.right - 3.0, line], SIZE, Anchor::End, words);
+            }
+        }
+    }
+    upright.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut taken = f64::NEG_INFINITY;
+    for (x, words, width) in upright {
+        if x - width / 2.0 > taken {
+            scene.text([x, area.top - 3.0], SIZE, Anchor::Middle, words);
+            taken = x + width / 2.0 + 3.0;
+        }
+    }
+}
+
+/// Draws the legend in rows from the top; returns how high it is.
+fn legend(scene: &mut Scene, panels: &[Panel], width: f64) -> f64 {
+    let mut names: Vec<&str> = Vec::new();
+    for layer in panels.iter().flat_map(|panel| &panel.layers) {
+        let by_value = layer.colour == Colour::Scale
+            && matches!(layer.mark, Mark::Regions { .. } | Mark::Cells { .. });
+        if !layer.name.is_empty() && !by_value && !names.contains(&layer.name.as_str()) {
+            names.push(&layer.name);
+        }
+    }
+    if names.is_empty() {
+        return 0.0;
+    }
+    let [mut x, mut y] = [EDGE + 3.0, EDGE + 0.5 * LEADING];
+    for name in names {
+        let room = width - 2.0 * EDGE - SAMPLE - 10.0;
+        let words = shortened(name, room);
+        let wide = SAMPLE + 4.0 + font::width(&words, SIZE);
+        if x > EDGE + 3.0 && x + wide > width - EDGE {
+            [x, y] = [EDGE + 3.0, y + LEADING + 1.5];
+        }
+        // All layers of the name in the first panel that has it.
+        let of_name = |layer: &&Layer| layer.name == name;
+        if let Some(panel) = panels.iter().find(|panel| panel.layers.iter().any(|l| l.name == name))
+        {
+            let dashes_mean = marks::dashes_mean(panel);
+            for layer in panel.layers.iter().filter(of_name) {
+                marks::sample(scene, layer, dashes_mean, [x, y]);
+            }
+        }
+        scene.text([x + SAMPLE + 4.0, y + 0.36 * SIZE], SIZE, Anchor::Start, &words);
+        x += wide + 12.0;
+    }
+    y + 0.5 * LEADING + 2.0
+}
+
+/// The colour bar of a panel, in steps where its regions are bands of even width.
+fn bar(panel: &Panel, height: f64) -> Option<Bar> {
+    let scale = panel.scale.as_ref()?;
+    let mut values: Vec<f64> = Vec::new();
+    for layer in panel.layers.iter().filter(|layer| layer.colour == Colour::Scale) {
+        if let Mark::Regions { values: more, .. } = &layer.mark {
+            values.extend(more);
+        }
+    }
+    values.sort_by(f64::total_cmp);
+    values.dedup();
+    let [from, to] = scale.range;
+    let least = values.windows(2).map(|pair| pair[1] - pair[0]).fold(f64::INFINITY, f64::min);
+    let steps = ((to - from) / least).round();
+    let middle = |value: &f64| ((value - from) / (to - from) * steps).fract();
+    let even = (2.0..=40.0).contains(&steps)
+        && values.iter().all(|value| (middle(value) - 0.5).abs() < 1e-6);
+    Some(Bar { ruled: scale_axis(scale, height), steps: if even { steps as usize } else { 64 } })
+}
+
+fn scale_axis(scale: &ColourScale, height: f64) -> Ruled {
+    let axis = crate::report::chart::Axis {
+        name: String::new(),
+        unit: String::new(),
+        range: Some(scale.range),
+        kind: AxisKind::Linear,
+    };
+    let panel = Panel {
+        title: String::new(),
+        part: String::new(),
+        x: axis.clone(),
+        y: axis,
+        scale: None,
+        layers: Vec::new(),
+    };
+    let mut ruled = ruled(&panel, Which::Y, height);
+    // A power of ten that was taken out stays with the name.
+    ruled.name = match ruled.name.trim() {
+        "" => scale.name.clone(),
+        factor => format!("{} {factor}", scale.name),
+    };
+    ruled
+}
+
+fn bar_width(bar: &Bar) -> f64 {
+    6.0 + BAR + TICK + 2.0 + bar.ruled.widest() + SIZE + 5.0
+}
+
+fn draw_bar(scene: &mut Scene, bar: &Bar, [left, top, bottom]: [f64; 3]) {
+    let right = left + BAR;
+    let height = bottom - top;
+    let edge = |step: usize| bottom - height * step as f64 / bar.steps as f64;
+    for step in 0..bar.steps {
+        let part = (step as f64 + 0.5) / bar.steps as f64;
+        // Down to the lower end, so that no seam shows; the next one covers what is above.
+        let block = Box2 { left, top: top.max(edge(step + 1)), right, bottom: edge(step) + 0.1 };
+        scene.area(block.steps(), Paint::of(colours::of_scale(part)), None);
+    }
+    let black = || Stroke { paint: Paint::of(INK), width: 0.6, dash: Vec::new() };
+    let mut lines = Box2 { left, top, right, bottom }.steps();
+    for (value, words) in &bar.ruled.ticks {
+        let y = bottom - bar.ruled.part(*value) * height;
+        lines.extend([Step::Move([right, y]), Step::Line([right + TICK, y])]);
+        scene.text([right + TICK + 2.0, y + 0.36 * SIZE], SIZE, Anchor::Start, words);
+    }
+    scene.line(lines, black(), None);
+    let x = right + TICK + 2.0 + bar.ruled.widest() + SIZE + 2.0;
+    upright(scene, [x, top + height / 2.0], &bar.ruled.name);
+}
