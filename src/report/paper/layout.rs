@@ -188,15 +188,15 @@ fn title(panel: &Panel, number: Option<usize>, width: f64) -> Vec<String> {
     });
     let dash = if panel.title.is_empty() || panel.part.is_empty() { "" } else { "–" };
     let words = [&panel.title, dash, &panel.part].into_iter().flat_map(str::split_whitespace);
-    let words = letter.iter().map(String::as_str).chain(words);
+    let words: Vec<String> = letter.into_iter().chain(words.map(with_minus)).collect();
     let mut lines: Vec<String> = Vec::new();
     for word in words {
         match lines.last_mut() {
             Some(line) if font::width(&format!("{line} {word}"), SIZE) <= width => {
                 line.push(' ');
-                line.push_str(word);
+                line.push_str(&word);
             }
-            _ => lines.push(shortened(word, width)),
+            _ => lines.push(shortened(&word, width)),
         }
     }
     if lines.len() > 3 {
@@ -204,6 +204,16 @@ fn title(panel: &Panel, number: Option<usize>, width: f64) -> Vec<String> {
         lines[2] = shortened(&format!("{} …", lines[2]), width);
     }
     lines
+}
+
+/// A number with the sign for minus.
+fn with_minus(word: &str) -> String {
+    match word.strip_prefix('-') {
+        Some(rest) if rest.starts_with(|letter: char| letter.is_ascii_digit()) => {
+            format!("−{rest}")
+        }
+        _ => word.to_owned(),
+    }
 }
 
 /// Words cut off where they have no room.
@@ -419,7 +429,12 @@ fn draw_bar(scene: &mut Scene, bar: &Bar, [left, top, bottom]: [f64; 3]) {
     for step in 0..bar.steps {
         let part = (step as f64 + 0.5) / bar.steps as f64;
         // Down to the lower end, so that no seam shows; the next one covers what is above.
-        let block = Box2 { left, top: top.max(edge(step + 1)), right, bottom: edge(step) + 0.1 };
+        let block = Box2 {
+            left,
+            top: top.max(edge(step + 1)),
+            right,
+            bottom: bottom.min(edge(step) + 0.8),
+        };
         scene.area(block.steps(), Paint::of(colours::of_scale(part)), None);
     }
     let black = || Stroke { paint: Paint::of(INK), width: 0.6, dash: Vec::new() };
