@@ -18,6 +18,8 @@ mod model;
 mod motion;
 /// What the project depends on.
 mod policy;
+/// Figures: what they show, and their files.
+mod report;
 /// Study files, sampling designs, uncertain parameters and plans.
 mod study;
 /// Columns, metadata and contents of the tables.

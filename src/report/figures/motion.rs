@@ -91,7 +91,7 @@ pub fn motion(
         }
         // A ball side by side with another would not be seen.
         if let [one, other] = &mut layers[..]
-            && one.mark == other.mark
+            && alike(&one.mark, &other.mark)
         {
             one.name = "balls 1 and 2, side by side".to_owned();
             one.colour = Colour::Ink;
@@ -181,6 +181,17 @@ fn at_rest(table: &Table, case: &Case, last: f64) -> Result<Vec<[f64; 3]>, Table
         [last + time, z.re, z.im]
     };
     Ok((1..=AT_REST).map(point).collect())
+}
+
+/// Whether two lines are the same, gaps and all.
+fn alike(one: &Mark, other: &Mark) -> bool {
+    match (one, other) {
+        (Mark::Line { points: one, .. }, Mark::Line { points: other, .. }) => {
+            let same = |(a, b): (&f64, &f64)| a == b || (a.is_nan() && b.is_nan());
+            one.len() == other.len() && one.iter().flatten().zip(other.iter().flatten()).all(same)
+        }
+        _ => false,
+    }
 }
 
 /// Time and these columns.

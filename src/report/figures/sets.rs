@@ -4,14 +4,14 @@ use super::equilibrium_set::{angle_axis, set_layers};
 use super::surface::surface;
 use crate::analysis::set_fraction;
 use crate::report::chart::{Figure, Panel};
-use crate::report::gathered::{MOST_DETAILS, heading};
+use crate::report::gathered::{Budget, heading};
 use crate::study::Study;
 
 /// A panel for each point of the sweep, and for a single point also the surface of amplitude; none unless
 /// there are two balls.
 pub fn sets(study: &Study) -> Vec<Figure> {
     let count = study.point_count();
-    let shown = count.min(MOST_DETAILS as u64);
+    let shown = count.min(Budget::SCREEN.details as u64);
     let mut facts = Vec::new();
     let mut panels = Vec::new();
     let mut surfaces = Vec::new();

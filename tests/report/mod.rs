@@ -1,0 +1,3 @@
+//! Figures for papers.
+
+mod figures;
