@@ -87,7 +87,11 @@ fn figures_of(directory: &Path) -> Result<Vec<Figure>, CliError> {
         let study = study_of(directory, &about)?;
         let run = about["options"]["run_id"].as_u64().unwrap_or(0);
         let title = format!("Run {run} of {}", study.name());
-        figures::motion(&table, study.model().balls(), &title)?.into_iter().collect()
+        // Of a part of the motion nobody knows what comes after it.
+        let whole = about["options"]["times"].is_null() && run < study.run_count();
+        let case = whole.then(|| study.planned_run(run).case.ok()).flatten();
+        let balls = study.model().balls();
+        figures::motion(&table, balls, &title, case.as_ref())?.into_iter().collect()
     } else {
         let found = match fs::read_dir(directory) {
             Err(error) => error.to_string(),

@@ -15,8 +15,8 @@ use crate::report::contour::{Grid, lines, regions};
 
 /// Cells of the grid per axis.
 const CELLS: usize = 384;
-/// About so many bands of amplitude.
-const BANDS: f64 = 10.0;
+/// At most about so many bands of amplitude.
+const BANDS: f64 = 12.0;
 
 /// What shows an equilibrium set over the angle of ball 1, to the right, and of ball 2, upwards.
 #[derive(Clone, Debug, PartialEq)]

@@ -12,7 +12,7 @@ use crate::table::{Kind, Table, TableError};
 
 /// Most rows of the table that are read.
 const MOST_ROWS: usize = 200_000;
-/// About so many circles on a branch.
+/// About so many circles on a branch over all speeds.
 const CIRCLES: usize = 30;
 
 /// A row of `frictionless.parquet`.
@@ -167,7 +167,7 @@ fn layers_of(rows: &[&Row], speeds: &[f64], sign: f64, balls: usize) -> Vec<Laye
     let mut layers = Vec::new();
     for ball in 0..drawn {
         let (name, colour) = match together {
-            true => ("balls together".to_owned(), Colour::Ink),
+            true => ("balls together".to_owned(), Colour::Series(2)),
             false => (format!("ball {}", ball + 1), Colour::Series(ball)),
         };
         let points = |stable| -> Vec<(usize, [f64; 2])> {
@@ -183,9 +183,9 @@ fn layers_of(rows: &[&Row], speeds: &[f64], sign: f64, balls: usize) -> Vec<Laye
             let line = Mark::Line { points: connected(&points), dashed: !stable };
             layers.push(Layer { name: name.to_owned(), colour, mark: line });
             if !stable {
-                let every = points.len().div_ceil(CIRCLES).max(1);
-                let few = || points.iter().skip(every / 2).step_by(every).map(|(_, point)| *point);
-                let (x, y): (Vec<f64>, Vec<f64>) = few().map(|[x, y]| (x, y)).unzip();
+                let every = speeds.len().div_ceil(CIRCLES);
+                let few = points.iter().filter(|(place, _)| place % every == every / 2);
+                let (x, y): (Vec<f64>, Vec<f64>) = few.map(|(_, [x, y])| (*x, *y)).unzip();
                 layers.push(Layer { name: String::new(), colour, mark: dots(&x, &y) });
             }
         }

@@ -2,19 +2,31 @@
 
 use std::f64::consts::PI;
 
+use nalgebra::Complex;
+
 use super::layers::axis;
+use crate::analysis::RestForm;
+use crate::model::Case;
 use crate::report::chart::{Axis, AxisKind, Colour, Figure, Layer, Mark, Panel};
 use crate::table::{Kind, Table, TableError};
 
 /// Most rows that are read.
 const MOST_ROWS: usize = 2_000_000;
+/// Points of the motion after the balls have come to rest.
+const AT_REST: usize = 20_000;
 
 /// The figure: angles and speeds of the balls and the table's position, or position, speed and friction of
-/// a block.
+/// a block. A run that was recorded from end to end, and ended because its balls rest for good, is drawn on
+/// to its end time in closed form: `case` is that run.
 ///
 /// # Errors
 /// Where a column is missing or cannot be read.
-pub fn motion(table: &Table, balls: usize, title: &str) -> Result<Option<Figure>, TableError> {
+pub fn motion(
+    table: &Table,
+    balls: usize,
+    title: &str,
+    case: Option<&Case>,
+) -> Result<Option<Figure>, TableError> {
     let of_ball = |stem: &str, unit: &str| -> Vec<String> {
         (1..=balls).map(|ball| format!("{stem}_{ball}_{unit}")).collect()
     };
@@ -38,8 +50,27 @@ pub fn motion(table: &Table, balls: usize, title: &str) -> Result<Option<Figure>
         ],
     };
     let names: Vec<&str> = parts.iter().flat_map(|(names, ..)| names).map(String::as_str).collect();
-    let (time, columns) = read(table, &names)?;
-    let (Some(begin), Some(end)) = (time.first(), time.last()) else { return Ok(None) };
+    let (mut time, mut columns) = read(table, &names)?;
+    let (Some(begin), Some(last)) = (time.first().copied(), time.last().copied()) else {
+        return Ok(None);
+    };
+    let on = match case {
+        Some(case) => at_rest(table, case, last)?,
+        None => Vec::new(),
+    };
+    for [at, x, y] in &on {
+        time.push(*at);
+        let count = columns.len();
+        for (place, column) in columns.iter_mut().enumerate() {
+            let stays = column.last().copied().unwrap_or(f64::NAN);
+            column.push(match count - place {
+                2 => *x,
+                1 => *y,
+                _ => stays,
+            });
+        }
+    }
+    let end = time.last().copied().unwrap_or(last);
     if begin >= end {
         return Ok(None);
     }
@@ -60,7 +91,7 @@ pub fn motion(table: &Table, balls: usize, title: &str) -> Result<Option<Figure>
         }
         // A ball side by side with another would not be seen.
         if let [one, other] = &mut layers[..]
-            && one.mark == other.mark
+            && alike(&one.mark, &other.mark)
         {
             one.name = "balls 1 and 2, side by side".to_owned();
             one.colour = Colour::Ink;
@@ -69,12 +100,18 @@ pub fn motion(table: &Table, balls: usize, title: &str) -> Result<Option<Figure>
         panels.push(Panel {
             title: String::new(),
             part: String::new(),
-            x: Axis { range: Some([*begin, *end]), ..axis("time", "s") },
+            x: Axis { range: Some([begin, end]), ..axis("time", "s") },
             y,
             scale: None,
             layers,
         });
     }
+    let rest = match on.is_empty() {
+        true => String::new(),
+        false => format!(
+            " From {last:.2} s on nothing can move the balls, and the curves are closed forms."
+        ),
+    };
     let whose = if balls == 0 { "a block" } else { "balls and table" };
     Ok(Some(Figure {
         id: "motion".to_owned(),
@@ -84,12 +121,77 @@ pub fn motion(table: &Table, balls: usize, title: &str) -> Result<Option<Figure>
             _ => "Angles of the balls from the imbalance, their speeds relative to the ring, and the \
                   position of the ring's centre in the frame that turns with the disc, x towards the \
                   imbalance."
-                .to_owned(),
+                .to_owned()
+                + &rest,
         },
         alternative: format!("The motion of {whose} from {begin:.4} s to {end:.4} s."),
         panels,
         one_at_a_time: false,
     }))
+}
+
+/// The motion of the table from the last row on, up to the end time, where all balls stick: time in s, x
+/// and y in m. Seen from the disc it obeys `ü + 2(ζ + iω) u̇ + (1 - ω² + 2iζω) u = 0` about its rest point
+/// (thesis section 5.2), with the eigenvalues `-iω - ζ ± i sqrt(1 - ζ²)`.
+fn at_rest(table: &Table, case: &Case, last: f64) -> Result<Vec<[f64; 3]>, TableError> {
+    let end = case.simulation.end_times_s()[0];
+    let Some(machine) = case.model.ball_balancer().filter(|_| last < end) else {
+        return Ok(Vec::new());
+    };
+    let balls = 1..=machine.balls.len();
+    let angles: Vec<String> = balls.clone().map(|ball| format!("beta_{ball}_rad")).collect();
+    let phases: Vec<String> = balls.map(|ball| format!("phase_{ball}")).collect();
+    let state = ["x", "y", "x_dot", "y_dot"];
+    let numbers = state.into_iter().chain(angles.iter().map(String::as_str));
+    let mut wanted: Vec<(&str, Kind)> = numbers.map(|name| (name, Kind::Number)).collect();
+    wanted.extend(phases.iter().map(|name| (name.as_str(), Kind::Text)));
+    let (mut values, mut stuck) = (Vec::new(), false);
+    for batch in table.read(&wanted)? {
+        let batch = batch?;
+        let Some(row) = batch.rows.checked_sub(1) else { continue };
+        values.clear();
+        for (name, kind) in &wanted {
+            if *kind == Kind::Number {
+                values.push(batch.numbers(name)?[row].unwrap_or(f64::NAN));
+            }
+        }
+        stuck = true;
+        for name in &phases {
+            stuck &= batch.texts(name)?[row].as_deref() == Some("stick");
+        }
+    }
+    let (Some(form), [x, y, x_dot, y_dot, beta @ ..]) = (RestForm::new(machine), &values[..])
+    else {
+        return Ok(Vec::new());
+    };
+    let (damping, natural) = (form.damping_ratio, form.natural_frequency_rad_s);
+    let still = form.rest_point(beta);
+    if !stuck || !still.is_finite() || !(damping < 1.0) {
+        return Ok(Vec::new());
+    }
+    let (away, speed) = (Complex::new(*x, *y) - still, Complex::new(*x_dot, *y_dot));
+    let turn = (1.0 - damping * damping).sqrt();
+    let [one, other] = [turn, -turn].map(|turn| Complex::new(-damping, turn - form.speed));
+    let first = (speed - other * away) / (one - other);
+    let second = away - first;
+    let point = |k: usize| {
+        let time = (end - last) * k as f64 / AT_REST as f64;
+        let value = |rate: Complex<f64>| (rate * (natural * time)).exp();
+        let z = (still + first * value(one) + second * value(other)) * form.ring_radius_m;
+        [last + time, z.re, z.im]
+    };
+    Ok((1..=AT_REST).map(point).collect())
+}
+
+/// Whether two lines are the same, gaps and all.
+fn alike(one: &Mark, other: &Mark) -> bool {
+    match (one, other) {
+        (Mark::Line { points: one, .. }, Mark::Line { points: other, .. }) => {
+            let same = |(a, b): (&f64, &f64)| a == b || (a.is_nan() && b.is_nan());
+            one.len() == other.len() && one.iter().flatten().zip(other.iter().flatten()).all(same)
+        }
+        _ => false,
+    }
 }
 
 /// Time and these columns.

@@ -61,7 +61,8 @@ pub fn surface(machine: &Machine) -> Option<Figure> {
             }
             rings.push(held.iter().map(|corner| place(corner.beta, corner.amplitude)).collect());
             let mean = held.iter().map(|corner| corner.amplitude).sum::<f64>() / held.len() as f64;
-            values.push(mean);
+            // In steps that are not seen, so that neighbours share a path.
+            values.push((mean / top * 60.0).round() / 60.0 * top);
             for (drawn, ends) in [(j % LINES == 0, [0, 1]), (i % LINES == 0, [0, 3])] {
                 let edge = within(&ends.map(|k| cell[k]));
                 if drawn && edge.len() > 1 {
@@ -160,8 +161,12 @@ fn floor(place: &dyn Fn([f64; 2], f64) -> [f64; 2], step: f64, top: f64) -> Vec<
         let (front, side) = (place([angle, 0.0], 0.0), place([TAU, angle], 0.0));
         lines.extend([gap, front, [front[0], front[1] - 0.12]]);
         lines.extend([gap, side, [side[0] + 0.12, side[1]]]);
-        at.extend([[front[0], front[1] - 0.4], [side[0] + 0.55, side[1]]]);
-        words.extend([name.to_owned(), name.to_owned()]);
+        at.push([front[0], front[1] - 0.4]);
+        words.push(name.to_owned());
+        if quarter > 0 {
+            at.push([side[0] + 0.8, side[1]]);
+            words.push(name.to_owned());
+        }
     }
     let back = place([0.0, 0.0], 0.0);
     lines.extend([gap, back, place([0.0, 0.0], top)]);
@@ -173,9 +178,9 @@ fn floor(place: &dyn Fn([f64; 2], f64) -> [f64; 2], step: f64, top: f64) -> Vec<
     }
     let [x, y] = place([PI, 0.0], 0.0);
     at.push([x, y - 1.0]);
-    words.push("angle of ball 1 [rad]".to_owned());
+    words.push("ball 1 [rad]".to_owned());
     let [x, y] = place([TAU, PI / 4.0], 0.0);
-    at.push([x + 1.35, y - 0.55]);
+    at.push([x + 1.6, y - 0.45]);
     words.push("ball 2 [rad]".to_owned());
     vec![
         plain(Colour::Ink, Mark::Line { points: lines, dashed: false }),

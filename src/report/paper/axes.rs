@@ -69,12 +69,13 @@ pub fn ruled(panel: &Panel, which: Which, length: f64) -> Ruled {
         }
     };
     let mut minor = Vec::new();
-    let mut factor = String::new();
+    let mut factor = 0;
     let ticks = match &axis.kind {
         AxisKind::Hidden => Vec::new(),
         AxisKind::Angle => angles(range),
         AxisKind::Names(names) => {
-            names.iter().enumerate().map(|(place, name)| (place as f64, name.clone())).collect()
+            let words = |name: &String| with_minus(name);
+            names.iter().enumerate().map(|(place, name)| (place as f64, words(name))).collect()
         }
         AxisKind::Logarithmic => {
             let (major, between) = decades(range, room);
@@ -83,22 +84,51 @@ pub fn ruled(panel: &Panel, which: Which, length: f64) -> Ruled {
         }
         AxisKind::Linear => {
             let power = factor_of(range);
-            if power != 0 {
-                factor = format!("10{}", superscript(power));
-            }
+            factor = power;
             let most = (2..=9).rev().map(|most| linear(range, most, power));
             let mut all: Vec<Vec<(f64, String)>> = most.collect();
             let fits = all.iter().position(|ticks| room(ticks)).unwrap_or(all.len() - 1);
             all.swap_remove(fits)
         }
     };
-    let unit = [factor.as_str(), axis.unit.as_str()];
-    let unit: Vec<&str> = unit.into_iter().filter(|part| !part.is_empty()).collect();
+    let unit = multiple(factor, &axis.unit);
     let name = match unit.is_empty() {
         true => axis.name.clone(),
-        false => format!("{} [{}]", axis.name, unit.join(" ")),
+        false => format!("{} [{unit}]", axis.name),
     };
     Ruled { range, logarithmic, hidden: axis.kind == AxisKind::Hidden, ticks, minor, name }
+}
+
+/// A unit with a power of ten: a prefix where it has one, or the power before it.
+fn multiple(power: i32, unit: &str) -> String {
+    let prefix = match power {
+        -9 => "n",
+        -6 => "µ",
+        -3 => "m",
+        3 => "k",
+        6 => "M",
+        _ => "",
+    };
+    let takes_prefix = matches!(unit, "m" | "s" | "N" | "Hz") || unit == "m/s";
+    match (power, prefix) {
+        (0, _) => unit.to_owned(),
+        (_, prefix) if !prefix.is_empty() && takes_prefix => format!("{prefix}{unit}"),
+        _ => format!("10{} {unit}", superscript(power)).trim_end().to_owned(),
+    }
+}
+
+/// Words with the sign for minus before numbers.
+pub fn with_minus(words: &str) -> String {
+    let mut proper = String::with_capacity(words.len());
+    let mut letters = words.chars().peekable();
+    let mut before = ' ';
+    while let Some(letter) = letters.next() {
+        let number = letters.peek().is_some_and(char::is_ascii_digit);
+        let begins = !before.is_alphanumeric();
+        proper.push(if letter == '-' && number && begins { '−' } else { letter });
+        before = letter;
+    }
+    proper
 }
 
 /// Where an axis begins and ends: as it says, or round the marks.
@@ -300,7 +330,7 @@ fn superscript(power: i32) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{Which, ruled, superscript};
+    use super::{Which, multiple, ruled, superscript, with_minus};
     use crate::report::chart::{Axis, AxisKind, Panel};
 
     fn words(kind: AxisKind, range: [f64; 2], length: f64) -> (Vec<String>, String) {
@@ -325,7 +355,7 @@ mod tests {
         );
         assert_eq!(words(AxisKind::Linear, [0.0, 16.5], 60.0).0, ["0", "10"]);
         let (small, name) = words(AxisKind::Linear, [0.0, 5.5e-5], 200.0);
-        assert_eq!((small[1].as_str(), name.as_str()), ("10", "a [10⁻⁶ m]"));
+        assert_eq!((small[1].as_str(), name.as_str()), ("10", "a [µm]"));
         assert_eq!(
             words(AxisKind::Angle, [0.0, 6.283185307179586], 90.0).0,
             ["0", "π/2", "π", "3π/2", "2π"]
@@ -334,6 +364,16 @@ mod tests {
         assert_eq!(words(AxisKind::Logarithmic, [1e-9, 1.0], 100.0).0.len(), 4);
         assert_eq!(words(AxisKind::Logarithmic, [1.5, 6.0], 100.0).0, ["2", "5"]);
         assert_eq!(superscript(-10), "⁻¹⁰");
+    }
+
+    #[test]
+    fn minus_is_before_numbers_only() {
+        assert_eq!(
+            with_minus("speed -1.5 rad/s, 1e-3, a-1, (-2)"),
+            "speed −1.5 rad/s, 1e-3, a-1, (−2)"
+        );
+        assert_eq!(multiple(-6, "1/s"), "10⁻⁶ 1/s");
+        assert_eq!(multiple(3, ""), "10³");
     }
 
     #[test]

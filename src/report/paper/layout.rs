@@ -3,7 +3,7 @@
 //! Nothing is put over the data: the legend is above the panels, colour bars are to their right, and words
 //! at upright rules above them. All panels have one size; axes that are alike are written once.
 
-use super::axes::{Ruled, SIZE, Which, ruled};
+use super::axes::{Ruled, SIZE, Which, ruled, with_minus};
 use super::colours::{self, INK};
 use super::font;
 use super::marks::{self, Frame, SAMPLE};
@@ -18,6 +18,10 @@ const LEADING: f64 = 10.0;
 const TICK: f64 = 3.0;
 const BAR: f64 = 7.0;
 const EDGE: f64 = 2.0;
+/// Between an ordinate's ticks with their words and its name.
+const NAME: f64 = 6.0;
+/// The part of a turned word's length that is to the left and below.
+const SLANT: f64 = std::f64::consts::FRAC_1_SQRT_2;
 
 /// What is beside a panel.
 struct Cell<'a> {
@@ -28,6 +32,8 @@ struct Cell<'a> {
     shows: [bool; 2],
     bar: Option<Bar>,
     turned: bool,
+    /// The names of both axes in lines that have room.
+    names: [Vec<String>; 2],
 }
 
 /// A colour bar.
@@ -86,19 +92,32 @@ pub fn scene(figure: &Figure, first: usize, alone: bool) -> Scene {
             shows: [true; 2],
             bar: bar(panel, shape * guess),
             turned: false,
+            names: [Vec::new(), Vec::new()],
         })
         .collect();
+    for cell in &mut cells {
+        let spacing = guess / cell.x.ticks.len().max(1) as f64;
+        let named = matches!(cell.panel.x.kind, AxisKind::Names(_));
+        cell.turned = named && cell.x.widest() + 4.0 > spacing;
+        let split = |name: &str, room: f64| lines(name.split_whitespace(), room, 2);
+        cell.names = [split(&cell.x.name, guess), split(&cell.y.name, shape * guess + 8.0)];
+    }
     let common_bar = cells.len() > 1
         && panels.iter().all(|panel| panel.scale.is_some() && panel.scale == panels[0].scale);
     share(&mut cells, columns);
 
     let names = |cell: &Cell<'_>| {
-        let ticks = cell.y.widest();
-        let name = if cell.y.name.is_empty() { 0.0 } else { SIZE + 3.0 };
-        if cell.shows[1] && !cell.y.hidden { ticks + TICK + 3.0 + name } else { 5.0 }
+        let name = LEADING * cell.names[1].len() as f64;
+        let shown = cell.shows[1] && !cell.y.hidden;
+        let own = if shown { cell.y.widest() + TICK + NAME + name } else { 5.0 };
+        let turned = cell.x.ticks.iter().filter(|_| cell.turned).map(|(value, words)| {
+            SLANT * (font::width(words, SIZE) + SIZE) - cell.x.part(*value) * guess
+        });
+        turned.fold(own, f64::max)
     };
     let beyond = |cell: &Cell<'_>| {
-        let last = cell.x.ticks.last().map_or(0.0, |(_, words)| font::width(words, SIZE) / 2.0);
+        let last = cell.x.ticks.last().filter(|_| !cell.turned);
+        let last = last.map_or(0.0, |(_, words)| font::width(words, SIZE) / 2.0);
         let bar = cell.bar.as_ref().filter(|_| !common_bar).map_or(0.0, bar_width);
         (last + 1.0).max(4.0).max(bar)
     };
@@ -115,9 +134,6 @@ pub fn scene(figure: &Figure, first: usize, alone: bool) -> Scene {
 
     for cell in &mut cells {
         cell.x = ruled(cell.panel, Which::X, panel_width);
-        let spacing = panel_width / cell.x.ticks.len().max(1) as f64;
-        let named = matches!(cell.panel.x.kind, AxisKind::Names(_));
-        cell.turned = named && cell.x.widest() + 4.0 > spacing;
     }
     let above = |cell: &Cell<'_>| {
         let rules = marks::rule_words(cell.panel).any(|(upright, ..)| upright);
@@ -127,9 +143,8 @@ pub fn scene(figure: &Figure, first: usize, alone: bool) -> Scene {
         if !cell.shows[0] || cell.x.hidden {
             return 5.0;
         }
-        let ticks = if cell.turned { 0.72 * cell.x.widest() + 6.0 } else { SIZE };
-        let name = if cell.x.name.is_empty() { 0.0 } else { LEADING + 1.0 };
-        TICK + 2.0 + ticks + name + 2.0
+        let ticks = if cell.turned { SLANT * cell.x.widest() + 6.0 } else { SIZE };
+        TICK + 3.0 + ticks + LEADING * cell.names[0].len() as f64 + 2.0
     };
     let in_row = |row: usize, what: &dyn Fn(&Cell<'_>) -> f64| {
         cells.iter().skip(row * columns).take(columns).map(what).fold(0.0, f64::max)
@@ -188,7 +203,12 @@ fn title(panel: &Panel, number: Option<usize>, width: f64) -> Vec<String> {
     });
     let dash = if panel.title.is_empty() || panel.part.is_empty() { "" } else { "–" };
     let words = [&panel.title, dash, &panel.part].into_iter().flat_map(str::split_whitespace);
-    let words = letter.iter().map(String::as_str).chain(words);
+    let words: Vec<String> = letter.into_iter().chain(words.map(with_minus)).collect();
+    lines(words.iter().map(String::as_str), width, 3)
+}
+
+/// Words in at most so many lines that have room; what has none is cut off.
+fn lines<'a>(words: impl Iterator<Item = &'a str>, width: f64, most: usize) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     for word in words {
         match lines.last_mut() {
@@ -199,9 +219,11 @@ fn title(panel: &Panel, number: Option<usize>, width: f64) -> Vec<String> {
             _ => lines.push(shortened(word, width)),
         }
     }
-    if lines.len() > 3 {
-        lines.truncate(3);
-        lines[2] = shortened(&format!("{} …", lines[2]), width);
+    if lines.len() > most {
+        lines.truncate(most);
+        if let Some(last) = lines.last_mut() {
+            *last = shortened(&format!("{last} …"), width);
+        }
     }
     lines
 }
@@ -257,13 +279,16 @@ fn draw(scene: &mut Scene, cell: &Cell<'_>, area: Box2) {
                 let at = [x + 2.0, line - 0.3 * SIZE];
                 let item = Item::Text { at, size: SIZE, anchor: Anchor::End, turned: -45.0, words };
                 scene.items.push(item);
-                lowest = line + 0.72 * cell.x.widest();
+                lowest = line + SLANT * cell.x.widest() - 2.0;
             } else {
                 scene.text([x, line], SIZE, Anchor::Middle, words);
             }
         }
         let middle = area.left + width / 2.0;
-        scene.text([middle, lowest + LEADING + 1.0], SIZE, Anchor::Middle, &cell.x.name);
+        for (place, words) in cell.names[0].iter().enumerate() {
+            let y = lowest + LEADING * (place + 1) as f64 + 1.0;
+            scene.text([middle, y], SIZE, Anchor::Middle, words);
+        }
     }
     if cell.shows[1] && !cell.y.hidden {
         for (value, words) in &cell.y.ticks {
@@ -273,8 +298,10 @@ fn draw(scene: &mut Scene, cell: &Cell<'_>, area: Box2) {
                 scene.text([area.left - TICK - 2.0, y], SIZE, Anchor::End, words);
             }
         }
-        let at = [area.left - TICK - 5.0 - cell.y.widest(), area.top + height / 2.0];
-        upright(scene, at, &cell.y.name);
+        let right = area.left - TICK - NAME - cell.y.widest();
+        for (place, words) in cell.names[1].iter().rev().enumerate() {
+            upright(scene, [right - LEADING * place as f64, area.top + height / 2.0], words);
+        }
     }
     rules(scene, cell, area);
     let rules = marks::rule_words(cell.panel).any(|(upright, ..)| upright);
@@ -344,7 +371,7 @@ fn legend(scene: &mut Scene, panels: &[Panel], width: f64) -> f64 {
     let [mut x, mut y] = [EDGE + 3.0, EDGE + 0.5 * LEADING];
     for name in names {
         let room = width - 2.0 * EDGE - SAMPLE - 10.0;
-        let words = shortened(name, room);
+        let words = shortened(&with_minus(name), room);
         let wide = SAMPLE + 4.0 + font::width(&words, SIZE);
         if x > EDGE + 3.0 && x + wide > width - EDGE {
             [x, y] = [EDGE + 3.0, y + LEADING + 1.5];
@@ -419,7 +446,12 @@ fn draw_bar(scene: &mut Scene, bar: &Bar, [left, top, bottom]: [f64; 3]) {
     for step in 0..bar.steps {
         let part = (step as f64 + 0.5) / bar.steps as f64;
         // Down to the lower end, so that no seam shows; the next one covers what is above.
-        let block = Box2 { left, top: top.max(edge(step + 1)), right, bottom: edge(step) + 0.1 };
+        let block = Box2 {
+            left,
+            top: top.max(edge(step + 1)),
+            right,
+            bottom: bottom.min(edge(step) + 0.8),
+        };
         scene.area(block.steps(), Paint::of(colours::of_scale(part)), None);
     }
     let black = || Stroke { paint: Paint::of(INK), width: 0.6, dash: Vec::new() };
