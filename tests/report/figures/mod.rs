@@ -4,6 +4,8 @@
 mod command;
 /// Files: SVG, PNG, the same bytes every time.
 mod files;
+/// Where balls come to rest.
+mod preferred;
 /// The thesis's figures, by coordinates.
 mod thesis;
 
