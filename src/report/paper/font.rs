@@ -14,22 +14,35 @@ fn face() -> &'static Face<'static> {
     FACE.get_or_init(|| Face::parse(FONT, 0).expect("the font in the program"))
 }
 
-/// The letters of words with where each begins, for a font of height 1.
-fn letters(words: &str) -> impl Iterator<Item = (GlyphId, f64)> {
+/// The letters of words with where each begins, for a font of height 1; the last number is how far marks
+/// above a tall letter are raised.
+fn letters(words: &str) -> impl Iterator<Item = (GlyphId, f64, f64)> {
     let em = f64::from(face().units_per_em());
+    let mut before = None;
     words.chars().scan(0.0, move |place, letter| {
         let glyph = face().glyph_index(letter).unwrap_or(GlyphId(0));
         let here = *place;
         *place += f64::from(face().glyph_hor_advance(glyph).unwrap_or(0)) / em;
-        Some((glyph, here))
+        let mark = ('\u{300}'..='\u{36f}').contains(&letter);
+        let raised = before.filter(|_| mark).map_or(0.0, |before| over(before, glyph) / em);
+        before = Some(glyph);
+        Some((glyph, here, raised))
     })
+}
+
+/// How far a mark must be raised to be above a letter.
+fn over(letter: GlyphId, mark: GlyphId) -> f64 {
+    let extent = |glyph| face().glyph_bounding_box(glyph);
+    let (Some(letter), Some(mark)) = (extent(letter), extent(mark)) else { return 0.0 };
+    const GAP: f64 = 100.0;
+    (f64::from(letter.y_max) + GAP - f64::from(mark.y_min)).max(0.0)
 }
 
 /// The width of words.
 pub fn width(words: &str, size: f64) -> f64 {
     let em = f64::from(face().units_per_em());
     let last = letters(words).last();
-    last.map_or(0.0, |(glyph, place)| {
+    last.map_or(0.0, |(glyph, place, _)| {
         size * (place + f64::from(face().glyph_hor_advance(glyph).unwrap_or(0)) / em)
     })
 }
@@ -38,8 +51,8 @@ pub fn width(words: &str, size: f64) -> f64 {
 /// where the letter begins added, y upwards.
 pub fn outline(words: &str, builder: &mut impl Pen) {
     let em = f64::from(face().units_per_em());
-    for (glyph, place) in letters(words) {
-        let mut pen = Shifted { builder, place, em };
+    for (glyph, place, raised) in letters(words) {
+        let mut pen = Shifted { builder, place, raised, em };
         let _ = face().outline_glyph(glyph, &mut pen);
     }
 }
@@ -59,12 +72,13 @@ pub trait Pen {
 struct Shifted<'a, P> {
     builder: &'a mut P,
     place: f64,
+    raised: f64,
     em: f64,
 }
 
 impl<P> Shifted<'_, P> {
     fn at(&self, x: f32, y: f32) -> [f64; 2] {
-        [self.place + f64::from(x) / self.em, f64::from(y) / self.em]
+        [self.place + f64::from(x) / self.em, self.raised + f64::from(y) / self.em]
     }
 }
 

@@ -34,6 +34,8 @@ struct Cell<'a> {
     turned: bool,
     /// The names of both axes in lines that have room.
     names: [Vec<String>; 2],
+    /// Height of a legend of its own.
+    legend: f64,
 }
 
 /// A colour bar.
@@ -41,6 +43,8 @@ struct Cell<'a> {
 struct Bar {
     ruled: Ruled,
     steps: usize,
+    /// Its name in lines that have room.
+    name: Vec<String>,
 }
 
 /// How many panels are side by side.
@@ -93,6 +97,7 @@ pub fn scene(figure: &Figure, first: usize, alone: bool) -> Scene {
             bar: bar(panel, shape * guess),
             turned: false,
             names: [Vec::new(), Vec::new()],
+            legend: 0.0,
         })
         .collect();
     for cell in &mut cells {
@@ -105,6 +110,7 @@ pub fn scene(figure: &Figure, first: usize, alone: bool) -> Scene {
     let common_bar = cells.len() > 1
         && panels.iter().all(|panel| panel.scale.is_some() && panel.scale == panels[0].scale);
     share(&mut cells, columns);
+    let own_legends = contradict(panels);
 
     let names = |cell: &Cell<'_>| {
         let name = LEADING * cell.names[1].len() as f64;
@@ -134,10 +140,14 @@ pub fn scene(figure: &Figure, first: usize, alone: bool) -> Scene {
 
     for cell in &mut cells {
         cell.x = ruled(cell.panel, Which::X, panel_width);
+        if own_legends {
+            let own = std::slice::from_ref(cell.panel);
+            cell.legend = legend(&mut Scene::default(), own, [0.0, 0.0, panel_width]);
+        }
     }
     let above = |cell: &Cell<'_>| {
         let rules = marks::rule_words(cell.panel).any(|(upright, ..)| upright);
-        LEADING * cell.title.len() as f64 + if rules { LEADING } else { 0.0 } + 4.0
+        LEADING * cell.title.len() as f64 + if rules { LEADING } else { 0.0 } + cell.legend + 4.0
     };
     let below = |cell: &Cell<'_>| {
         if !cell.shows[0] || cell.x.hidden {
@@ -150,7 +160,10 @@ pub fn scene(figure: &Figure, first: usize, alone: bool) -> Scene {
         cells.iter().skip(row * columns).take(columns).map(what).fold(0.0, f64::max)
     };
     let mut scene = Scene { size: [width, 0.0], items: Vec::new() };
-    let mut top = EDGE + legend(&mut scene, panels, width);
+    let mut top = EDGE;
+    if !own_legends {
+        top += legend(&mut scene, panels, [EDGE + 3.0, EDGE, width - EDGE]);
+    }
     let first_top = top + in_row(0, &above);
     let mut last_bottom = first_top + panel_height;
     for row in 0..rows {
@@ -305,7 +318,11 @@ fn draw(scene: &mut Scene, cell: &Cell<'_>, area: Box2) {
     }
     rules(scene, cell, area);
     let rules = marks::rule_words(cell.panel).any(|(upright, ..)| upright);
-    let lift = if rules { LEADING } else { 0.0 };
+    let lift = if rules { LEADING } else { 0.0 } + cell.legend;
+    if cell.legend > 0.0 {
+        let own = std::slice::from_ref(cell.panel);
+        legend(scene, own, [area.left, area.top - 2.0 - lift, area.right]);
+    }
     for (place, line) in cell.title.iter().rev().enumerate() {
         let y = area.top - 4.0 - lift - LEADING * place as f64;
         scene.text([area.left, y], SIZE, Anchor::Start, line);
@@ -355,8 +372,25 @@ fn rules(scene: &mut Scene, cell: &Cell<'_>, area: Box2) {
     }
 }
 
-/// Draws the legend in rows from the top; returns how high it is.
-fn legend(scene: &mut Scene, panels: &[Panel], width: f64) -> f64 {
+/// Whether a look has one name in one panel and another in the next: a legend for all would mislead.
+fn contradict(panels: &[Panel]) -> bool {
+    let named = |panel: &Panel| -> Vec<(Colour, String)> {
+        let named = panel.layers.iter().filter(|layer| !layer.name.is_empty());
+        let series = named.filter(|layer| matches!(layer.colour, Colour::Series(_)));
+        series.map(|layer| (layer.colour, layer.name.clone())).collect()
+    };
+    let all: Vec<Vec<(Colour, String)>> = panels.iter().map(named).collect();
+    all.iter().enumerate().any(|(place, one)| {
+        let later = all[place + 1..].iter().flatten();
+        let has = |colour: Colour, name: &str| one.iter().any(|(c, n)| *c == colour && n == name);
+        later
+            .clone()
+            .any(|(colour, name)| one.iter().any(|(own, _)| own == colour) && !has(*colour, name))
+    })
+}
+
+/// Draws the legend in rows between two abscissas, from the top; returns how high it is.
+fn legend(scene: &mut Scene, panels: &[Panel], [left, top, right]: [f64; 3]) -> f64 {
     let mut names: Vec<&str> = Vec::new();
     for layer in panels.iter().flat_map(|panel| &panel.layers) {
         let by_value = layer.colour == Colour::Scale
@@ -368,13 +402,13 @@ fn legend(scene: &mut Scene, panels: &[Panel], width: f64) -> f64 {
     if names.is_empty() {
         return 0.0;
     }
-    let [mut x, mut y] = [EDGE + 3.0, EDGE + 0.5 * LEADING];
+    let [mut x, mut y] = [left, top + 0.5 * LEADING];
     for name in names {
-        let room = width - 2.0 * EDGE - SAMPLE - 10.0;
+        let room = right - left - SAMPLE - 6.0;
         let words = shortened(&with_minus(name), room);
         let wide = SAMPLE + 4.0 + font::width(&words, SIZE);
-        if x > EDGE + 3.0 && x + wide > width - EDGE {
-            [x, y] = [EDGE + 3.0, y + LEADING + 1.5];
+        if x > left && x + wide > right {
+            [x, y] = [left, y + LEADING + 1.5];
         }
         // All layers of the name in the first panel that has it.
         let of_name = |layer: &&Layer| layer.name == name;
@@ -388,7 +422,7 @@ fn legend(scene: &mut Scene, panels: &[Panel], width: f64) -> f64 {
         scene.text([x + SAMPLE + 4.0, y + 0.36 * SIZE], SIZE, Anchor::Start, &words);
         x += wide + 12.0;
     }
-    y + 0.5 * LEADING + 2.0
+    y - top + 0.5 * LEADING + 2.0
 }
 
 /// The colour bar of a panel, in steps where its regions are bands of even width.
@@ -408,7 +442,9 @@ fn bar(panel: &Panel, height: f64) -> Option<Bar> {
     let middle = |value: &f64| ((value - from) / (to - from) * steps).fract();
     let even = (2.0..=40.0).contains(&steps)
         && values.iter().all(|value| (middle(value) - 0.5).abs() < 1e-6);
-    Some(Bar { ruled: scale_axis(scale, height), steps: if even { steps as usize } else { 64 } })
+    let ruled = scale_axis(scale, height);
+    let name = lines(ruled.name.split_whitespace(), height + 8.0, 2);
+    Some(Bar { ruled, steps: if even { steps as usize } else { 64 }, name })
 }
 
 fn scale_axis(scale: &ColourScale, height: f64) -> Ruled {
@@ -436,7 +472,7 @@ fn scale_axis(scale: &ColourScale, height: f64) -> Ruled {
 }
 
 fn bar_width(bar: &Bar) -> f64 {
-    6.0 + BAR + TICK + 2.0 + bar.ruled.widest() + SIZE + 5.0
+    6.0 + BAR + TICK + 2.0 + bar.ruled.widest() + LEADING * bar.name.len() as f64 + 7.0
 }
 
 fn draw_bar(scene: &mut Scene, bar: &Bar, [left, top, bottom]: [f64; 3]) {
@@ -463,5 +499,7 @@ fn draw_bar(scene: &mut Scene, bar: &Bar, [left, top, bottom]: [f64; 3]) {
     }
     scene.line(lines, black(), None);
     let x = right + TICK + 2.0 + bar.ruled.widest() + SIZE + 2.0;
-    upright(scene, [x, top + height / 2.0], &bar.ruled.name);
+    for (place, words) in bar.name.iter().enumerate() {
+        upright(scene, [x + LEADING * place as f64, top + height / 2.0], words);
+    }
 }

@@ -110,7 +110,7 @@ pub enum Item {
 }
 
 /// A picture.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Scene {
     /// Width and height.
     pub size: [f64; 2],

@@ -29,8 +29,8 @@ fn numbers(data: &str) -> Vec<f64> {
     spaced.split_whitespace().map(|text| text.parse().unwrap()).collect()
 }
 
-/// Widths of letters of DejaVu Sans are at most so much of its height, on the average of words.
-const WIDE: f64 = 0.62;
+/// Widths of letters of DejaVu Sans over its height, on the average of words.
+const WIDE: f64 = 0.52;
 
 #[test]
 fn svg_is_whole_and_words_are_inside() {
