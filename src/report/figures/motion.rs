@@ -166,7 +166,7 @@ fn at_rest(table: &Table, case: &Case, last: f64) -> Result<Vec<[f64; 3]>, Table
     };
     let (damping, natural) = (form.damping_ratio, form.natural_frequency_rad_s);
     let still = form.rest_point(beta);
-    if !stuck || !still.is_finite() || !(damping < 1.0) {
+    if !stuck || !still.is_finite() || damping.is_nan() || damping >= 1.0 {
         return Ok(Vec::new());
     }
     let (away, speed) = (Complex::new(*x, *y) - still, Complex::new(*x_dot, *y_dot));

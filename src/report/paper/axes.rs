@@ -357,7 +357,7 @@ mod tests {
         let (small, name) = words(AxisKind::Linear, [0.0, 5.5e-5], 200.0);
         assert_eq!((small[1].as_str(), name.as_str()), ("10", "a [µm]"));
         assert_eq!(
-            words(AxisKind::Angle, [0.0, 6.283185307179586], 90.0).0,
+            words(AxisKind::Angle, [0.0, std::f64::consts::TAU], 90.0).0,
             ["0", "π/2", "π", "3π/2", "2π"]
         );
         assert_eq!(words(AxisKind::Logarithmic, [0.02, 30.0], 200.0).0, ["0.1", "1", "10"]);

@@ -243,15 +243,15 @@ pub fn symbols(scene: &mut Scene, symbol: Symbol, places: &[[f64; 2]], paint: Pa
     let item = |fill, stroke| Item::Path { steps: steps.clone(), fill, stroke, clip: None };
     match symbol {
         Symbol::Circle => {
-            scene.items.push(item(None, Some(pen(white, 2.4))));
-            scene.items.push(item(Some(white), Some(pen(paint, 1.1))));
+            scene.items.push(item(None, Some(pen(white, 2.0))));
+            scene.items.push(item(Some(white), Some(pen(paint, 1.0))));
         }
         Symbol::Cross => {
             scene.items.push(item(None, Some(pen(white, 2.2))));
             scene.items.push(item(None, Some(pen(paint, 1.2))));
         }
         _ => {
-            scene.items.push(item(None, Some(pen(white, 1.2))));
+            scene.items.push(item(None, Some(pen(white, 1.0))));
             scene.items.push(item(Some(paint), None));
         }
     }
@@ -270,7 +270,7 @@ fn shape(symbol: Symbol, [x, y]: [f64; 2]) -> Vec<Step> {
     };
     match symbol {
         Symbol::Dot | Symbol::Disc => vec![Step::Circle([x, y], 1.7)],
-        Symbol::Circle => vec![Step::Circle([x, y], 1.9)],
+        Symbol::Circle => vec![Step::Circle([x, y], 1.7)],
         Symbol::Cross => vec![
             Step::Move([x - 2.1, y - 2.1]),
             Step::Line([x + 2.1, y + 2.1]),
@@ -283,7 +283,7 @@ fn shape(symbol: Symbol, [x, y]: [f64; 2]) -> Vec<Step> {
         Symbol::Star => {
             // Five points; the inner corners of the regular star.
             let corner = |k: u32| {
-                let radius = if k.is_multiple_of(2) { 4.2 } else { 4.2 * 0.4 };
+                let radius = if k.is_multiple_of(2) { 3.4 } else { 3.4 * 0.4 };
                 let (sine, cosine) = libm::sincos(f64::from(k) * std::f64::consts::PI / 5.0);
                 [radius * sine, -radius * cosine]
             };
