@@ -350,6 +350,10 @@
     }
     draw() {
       const panel = this.panel();
+      // The scale stands beside the chart and takes of its width.
+      const beside = this.scale.hidden;
+      this.drawScale(panel);
+      if (this.chart && this.scale.hidden !== beside) this.chart.resize();
       if (!this.chart) {
         this.chart = echarts.init(this.box, null, { renderer: this.marks() > 2500 ? 'canvas' : 'svg' });
         this.chart.on('click', (at) => this.pick(at.seriesId, at.dataIndex));
@@ -375,7 +379,6 @@
       const empty = this.drawn.every(({ layer }) => layer.mark === 'rule' || (layer.mark === 'dots' && !layer.x.length));
       this.picked.textContent = empty && !this.hidden.size ? 'There is nothing to show here.' : '';
       this.drawLegend(panel);
-      this.drawScale(panel);
     }
     marks() {
       const length = (packed) => (Array.isArray(packed) ? packed.length : packed.f ? packed.f.length / 5.34 : packed.w.length / 2.67);
