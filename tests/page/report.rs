@@ -386,16 +386,11 @@ fn a_keyboard_reaches_everything() {
     assert_eq!(page.faults(), [""; 0]);
 }
 
-/// What a figure shows is said in words, for whoever does not see it.
-#[test]
-fn figures_are_said_in_words() {
-    let Some(mut browser) = Browser::start() else { return };
-    let made = Made::new();
-    let mut page = browser.open(&report(&made, THESIS, "a"), LAPTOP);
-    assert_eq!(page.text("document.title"), "thesis: stickslip report");
-    assert_eq!(page.text("document.documentElement.lang"), "en");
-    for id in figures(&mut page) {
-        see(&mut page, &id);
+/// Every figure has a name, and words that stand for it.
+#[track_caller]
+fn in_words(page: &mut Page<'_>) {
+    for id in figures(page) {
+        see(page, &id);
         let words = page.ask(&format!(
             "(() => {{
                 const figure = document.getElementById('{id}'), chart = figure.querySelector('.chart');
@@ -410,6 +405,23 @@ fn figures_are_said_in_words() {
         assert!(label.starts_with(&title) && label.contains(&told), "{id}: {label}");
         assert!(told.len() > 15 && caption.len() > 30, "{id}: {told} / {caption}");
     }
+}
+
+/// What a figure shows is said in words, for whoever does not see it.
+#[test]
+fn figures_are_said_in_words() {
+    let Some(mut browser) = Browser::start() else { return };
+    let made = Made::new();
+    for (name, study) in
+        [("failing", FAILING), ("cycles", CYCLES), ("three", THREE), ("spring", SPRING)]
+    {
+        let mut page = browser.open(&report(&made, study, name), LAPTOP);
+        in_words(&mut page);
+    }
+    let mut page = browser.open(&report(&made, THESIS, "a"), LAPTOP);
+    assert_eq!(page.text("document.title"), "thesis: stickslip report");
+    assert_eq!(page.text("document.documentElement.lang"), "en");
+    in_words(&mut page);
     let told = page.text("document.querySelector('#preferred-equilibria .chart').ariaLabel");
     let share = made.numbers("a/points.parquet", "equilibrium_fraction");
     for share in share {
