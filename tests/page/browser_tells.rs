@@ -14,6 +14,11 @@ const FAULTY: &str = r##"<!DOCTYPE html>
 <p>grey</p><p style="color: #767676">darker</p><p style="opacity: 0.5; color: black">faint</p>
 <p style="visibility: hidden">unseen</p>
 <button></button><button id="named">named</button><input type="range">
+<figure id="f"><div class="chart" style="width: 300px; height: 100px"><svg width="300" height="100" fill="currentColor">
+  <text x="10" y="50">first</text><text x="20" y="52">second</text><text x="100" y="50">third</text>
+  <text transform="translate(150 80) rotate(-30)">slanted</text>
+  <text transform="translate(180 80) rotate(-30)">slanting</text><text x="290" y="20">beyond</text>
+</svg></div></figure>
 <div class="sheet">one</div><div class="sheet">two</div><div>three</div>
 <script>
   console.log("nothing bad");
@@ -51,6 +56,7 @@ fn faults_are_told() {
         assert!(!faults.contains(part), "{part} in\n{faults}");
     }
     assert!(page.wider_than_window());
+    assert_eq!(page.overlapping(), ["f: first upon second", "f: beyond beyond the edge"]);
     let nameless: Vec<String> = page.nameless().into_iter().map(|part| part.role).collect();
     assert_eq!(nameless, ["button", "slider"]);
 
@@ -59,7 +65,7 @@ fn faults_are_told() {
     let words: Vec<&str> = pale.iter().map(|pale| pale.text.as_str()).collect();
     assert_eq!(words, ["grey", "faint"]);
     assert!((pale[0].ratio - 4.478).abs() < 1e-3 && (pale[1].ratio - 3.95).abs() < 0.05);
-    assert_eq!(all, 7);
+    assert_eq!(all, 13);
     page.view(DARK);
     let words: Vec<String> = page.pale().0.into_iter().map(|pale| pale.text).collect();
     assert_eq!(words, ["faint"]);

@@ -1,9 +1,11 @@
 //! A folder, and what the program makes in it.
 
-use std::fs;
+use std::fs::{self, File};
 use std::path::PathBuf;
 use std::process::{Command, Stdio};
 
+use arrow::util::display::{ArrayFormatter, FormatOptions};
+use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use tempfile::TempDir;
 
 /// A directory that goes away with the test.
@@ -28,11 +30,45 @@ impl Made {
     /// The program with these arguments, separated by blanks, which must end well.
     #[track_caller]
     pub fn well(&self, arguments: &str) -> String {
+        self.ends(arguments, &[0])
+    }
+
+    /// The same for a study, of which runs may fail.
+    #[track_caller]
+    pub fn runs(&self, arguments: &str) -> String {
+        self.ends(arguments, &[0, 3])
+    }
+
+    #[track_caller]
+    fn ends(&self, arguments: &str, codes: &[i32]) -> String {
         let mut command = Command::new(env!("CARGO_BIN_EXE_stickslip"));
         command.args(arguments.split_whitespace()).current_dir(self.0.path());
         let output = command.stdin(Stdio::null()).output().unwrap();
         let said = String::from_utf8_lossy(&output.stderr);
-        assert!(output.status.success(), "{arguments}\n{said}");
+        assert!(
+            codes.iter().any(|code| output.status.code() == Some(*code)),
+            "{arguments}\n{said}"
+        );
         String::from_utf8(output.stdout).unwrap()
+    }
+
+    /// A column of a table, as text.
+    pub fn words(&self, table: &str, column: &str) -> Vec<String> {
+        let file = File::open(self.path(table)).unwrap();
+        let reader = ParquetRecordBatchReaderBuilder::try_new(file).unwrap().build().unwrap();
+        let options = FormatOptions::default();
+        let mut words = Vec::new();
+        for batch in reader.map(Result::unwrap) {
+            let cells =
+                batch.column_by_name(column).unwrap_or_else(|| panic!("no column {column}"));
+            let cells = ArrayFormatter::try_new(cells.as_ref(), &options).unwrap();
+            words.extend((0..batch.num_rows()).map(|row| cells.value(row).to_string()));
+        }
+        words
+    }
+
+    /// A column of numbers; those that are missing are not a number.
+    pub fn numbers(&self, table: &str, column: &str) -> Vec<f64> {
+        self.words(table, column).iter().map(|word| word.parse().unwrap_or(f64::NAN)).collect()
     }
 }

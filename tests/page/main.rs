@@ -18,3 +18,7 @@ mod made;
 mod page;
 /// `replay.html`.
 mod replay;
+/// The page of a report.
+mod report;
+/// The page of a report of very many runs.
+mod report_large;

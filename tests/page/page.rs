@@ -302,17 +302,27 @@ impl<'a> Page<'a> {
         (pale.filter(|text| text.ratio < CONTRAST).collect(), texts.len())
     }
 
+    /// Words of charts that lie upon each other, or beyond the edge of their chart.
+    #[track_caller]
+    pub fn overlapping(&mut self) -> Vec<String> {
+        let found = self.ask(include_str!("overlapping.js"));
+        serde_json::from_value(found).unwrap()
+    }
+
     /// Whether there is something beyond the window's right edge.
     #[track_caller]
     pub fn wider_than_window(&mut self) -> bool {
         self.number("document.documentElement.scrollWidth - innerWidth") > 0.0
     }
 
-    /// Keeps a picture of what is seen, where somebody wants to look at it.
+    /// Keeps a picture of the whole page, where somebody wants to look at it.
     #[track_caller]
     pub fn screenshot(&mut self, name: &str) {
         let Some(path) = kept(name, "png") else { return };
-        let whole = json!({"format": "png", "captureBeyondViewport": true});
+        let metrics = self.call("Page.getLayoutMetrics", json!({}));
+        let mut clip = metrics["cssContentSize"].clone();
+        clip["scale"] = 1.into();
+        let whole = json!({"format": "png", "captureBeyondViewport": true, "clip": clip});
         let picture = self.call("Page.captureScreenshot", whole);
         fs::write(path, bytes(&picture)).unwrap();
     }

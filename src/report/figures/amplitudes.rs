@@ -11,7 +11,7 @@ const MOST_STEPS: usize = 300;
 pub fn figure(gathered: &Gathered<'_>) -> Option<Figure> {
     let balls = gathered.study.model().balls() > 0;
     let mut curves = Vec::new();
-    let mut better = Vec::new();
+    let mut told = Vec::new();
     for point in gathered.details() {
         let over = match (balls, point.without_balls_m) {
             (true, Some(without)) if without > 0.0 => without,
@@ -38,11 +38,13 @@ pub fn figure(gathered: &Gathered<'_>) -> Option<Figure> {
         }
         if balls {
             let calmer = values.partition_point(|value| *value < 1.0) as f64 / count as f64;
-            better.push(format!(
+            told.push(format!(
                 "{}: {:.1} % calmer than without balls",
                 point.title,
                 100.0 * calmer
             ));
+        } else if let Some(median) = values.get((count - 1) / 2) {
+            told.push(format!("{}: half of the runs at {median:.3e} m or less", point.title));
         }
         curves.push((point, points));
     }
@@ -85,7 +87,7 @@ pub fn figure(gathered: &Gathered<'_>) -> Option<Figure> {
             gathered.left_out(),
             gathered.runs.left_out()
         ),
-        alternative: better.join("; "),
+        alternative: told.join("; "),
         one_at_a_time: panels.len() > 1,
         panels,
     })

@@ -56,6 +56,14 @@ pub fn figure(gathered: &Gathered<'_>) -> Option<Figure> {
     }
     let sampled =
         if every > 1 { format!(" One run in {every} is shown.") } else { gathered.runs.left_out() };
+    let counts = Label::ALL.into_iter().enumerate().filter_map(|(place, label)| {
+        let runs = of_points.iter().flat_map(|(_, runs)| runs.iter().step_by(every));
+        let is =
+            |run: &&usize| gathered.runs.label.get(**run).is_some_and(|l| usize::from(*l) == place);
+        let count = runs.filter(is).count();
+        (count > 0).then(|| format!("{count} {}", label_words(label)))
+    });
+    let counts: Vec<String> = counts.collect();
     Some(Figure {
         id: "basins".to_owned(),
         title: "Which start states end where".to_owned(),
@@ -64,7 +72,7 @@ pub fn figure(gathered: &Gathered<'_>) -> Option<Figure> {
              coordinates differ from dot to dot.{}{sampled}",
             gathered.left_out()
         ),
-        alternative: "Start states of all points and pairs of coordinates, by label.".to_owned(),
+        alternative: format!("Start states of runs by label: {}.", counts.join(", ")),
         panels,
         one_at_a_time: true,
     })

@@ -21,7 +21,9 @@ impl Html {
         let class = |column: usize| if text.contains(&column) { " class=\"text\"" } else { "" };
         self.line("<div class=\"wide\" tabindex=\"0\"><table><thead><tr>");
         for (column, name) in head.iter().enumerate() {
-            self.line(&format!("<th scope=\"col\"{}>{}</th>", class(column), escaped(name)));
+            // Long names may go on in the next line behind what joins their words.
+            let name = escaped(name).replace('_', "_<wbr>");
+            self.line(&format!("<th scope=\"col\"{}>{name}</th>", class(column)));
         }
         self.line("</tr></thead><tbody>");
         for row in rows {

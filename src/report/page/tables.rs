@@ -16,12 +16,15 @@ const MOST_ROWS: usize = 200;
 pub fn facts(body: &mut Html, gathered: &Gathered<'_>) {
     let (study, manifest) = (gathered.study, gathered.manifest);
     let simulation = study.simulation();
+    let points = match gathered.point_count {
+        1 => "one point".to_owned(),
+        count => format!("{count} points"),
+    };
     let runs = match manifest.complete {
-        true => format!("{} runs at {} points", manifest.runs_finished, gathered.point_count),
-        false => format!(
-            "{} of {} runs, at {} points",
-            manifest.runs_finished, manifest.runs_planned, gathered.point_count
-        ),
+        true => format!("{} runs at {points}", manifest.runs_finished),
+        false => {
+            format!("{} of {} runs, at {points}", manifest.runs_finished, manifest.runs_planned)
+        }
     };
     let program = format!("stickslip {} ({})", manifest.version, manifest.commit);
     let model = format!(

@@ -148,10 +148,11 @@
     };
     if (axis.range) {
       [option.min, option.max] = axis.range;
-      // Ends that are no round numbers are not written.
-      const round = (end) => Math.abs(Number(end.toPrecision(2)) - end) <= 1e-9 * Math.abs(end);
-      option.axisLabel.showMinLabel = axis.kind === 'angle' || round(option.min);
-      option.axisLabel.showMaxLabel = axis.kind === 'angle' || round(option.max);
+      // Ends that are no round numbers, for this length, are not written.
+      const step = Math.pow(10, Math.floor(Math.log10((option.max - option.min) / 2)));
+      const round = (end) => axis.kind !== 'linear' || Math.abs(end / step - Math.round(end / step)) < 1e-6;
+      option.axisLabel.showMinLabel = round(option.min);
+      option.axisLabel.showMaxLabel = round(option.max);
     }
     if (axis.kind === 'angle') {
       option.interval = TAU / 4;
@@ -261,7 +262,9 @@
         const many = layer.x.length > 3000;
         const open = symbol === 'emptyCircle';
         return Object.assign(base, { type: 'scatter', symbol: open ? 'circle' : symbol,
-          symbolSize: layer.symbol === 'dot' && layer.x.length > 20000 ? 2.2 : many ? Math.min(size, 4) : size,
+          // Few dots are larger: they must be found.
+          symbolSize: layer.symbol !== 'dot' ? (many ? Math.min(size, 4) : size)
+            : layer.x.length > 20000 ? 2.2 : layer.x.length < 100 ? 6 : size,
           large: many, largeThreshold: 3000, progressive: 0,
           data: layer.x.map((x, i) => [x, layer.y[i]]),
           itemStyle: open ? { color: theme.ground, borderColor: colour, borderWidth: 2 }
@@ -281,7 +284,8 @@
       this.chart = null;
       this.hidden = new Set();
       // The panel that shows the most kinds of things comes first to sight.
-      const rich = (panel) => new Set(panel.layers.map((layer) => layer.name).filter(Boolean)).size;
+      const has = (layer) => layer.name && !(layer.mark === 'dots' && Array.isArray(layer.x) && !layer.x.length);
+      const rich = (panel) => new Set(panel.layers.filter(has).map((layer) => layer.name)).size;
       const first = spec.panels.reduce((best, panel) => (rich(panel) > rich(best) ? panel : best));
       this.title = first.title;
       this.part = first.part;
@@ -350,6 +354,10 @@
     }
     draw() {
       const panel = this.panel();
+      // The scale stands beside the chart and takes of its width.
+      const beside = this.scale.hidden;
+      this.drawScale(panel);
+      if (this.chart && this.scale.hidden !== beside) this.chart.resize();
       if (!this.chart) {
         this.chart = echarts.init(this.box, null, { renderer: this.marks() > 2500 ? 'canvas' : 'svg' });
         this.chart.on('click', (at) => this.pick(at.seriesId, at.dataIndex));
@@ -375,7 +383,6 @@
       const empty = this.drawn.every(({ layer }) => layer.mark === 'rule' || (layer.mark === 'dots' && !layer.x.length));
       this.picked.textContent = empty && !this.hidden.size ? 'There is nothing to show here.' : '';
       this.drawLegend(panel);
-      this.drawScale(panel);
     }
     marks() {
       const length = (packed) => (Array.isArray(packed) ? packed.length : packed.f ? packed.f.length / 5.34 : packed.w.length / 2.67);

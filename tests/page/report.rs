@@ -1,0 +1,487 @@
+//! The page of `stickslip report`: what it shows is what is in the tables; by mouse and keys, by day and
+//! night, in narrow windows and on paper.
+
+use std::fs;
+use std::path::PathBuf;
+
+use serde_json::Value;
+
+use super::browser::Browser;
+use super::made::Made;
+use super::page::{DARK, LAPTOP, Page, View};
+
+/// Five speeds of the thesis and a tenth of the friction; 8 runs each, of which half are audited.
+const THESIS: &str = "schema: 1
+name: thesis
+seed: 2003
+model: {kind: ball_balancer}
+sweep:
+  - grid: {speed_rad_s: [-160.8103, -173.1803, -179.2671, -191.6372, -216.3772]}
+  - zip: {speed_rad_s: [-216.3772], friction_coefficient: [2.75e-4]}
+initial_conditions: {design: {latin_hypercube: {samples: 8}}}
+simulation: {end_time_s: 16.5}
+audit: {fraction: 0.5}
+";
+/// Half of the runs fail.
+const FAILING: &str = "schema: 1
+name: failing
+seed: 5
+model: {kind: ball_balancer, parameters: {table_mass_kg: 2.0e-2, ball_mass_kg: 1.5e-1, speed_rad_s: -60, friction_coefficient: 3}}
+initial_conditions: {design: {monte_carlo: {samples: 12}}}
+simulation: {end_time_s: 1}
+";
+const CYCLES: &str = "schema: 1
+name: cycles
+seed: 247
+model: {kind: ball_balancer}
+sweep: [{grid: {speed_rad_s: [-260, -280]}}]
+initial_conditions: {design: {monte_carlo: {samples: 4}}}
+simulation: {end_time_s: 66}
+";
+const THREE: &str = "schema: 1
+name: three
+seed: 5
+model: {kind: ball_balancer, parameters: {balls: 3}}
+initial_conditions: {design: {monte_carlo: {samples: 4}}}
+simulation: {end_time_s: 3}
+";
+const SPRING: &str = "schema: 1
+name: spring
+seed: 4
+model: {kind: block_on_spring}
+sweep: [{grid: {friction_coefficient: [0, 0.1, 0.2], stiffness_n_m: [50, 100]}}]
+initial_conditions: {design: {latin_hypercube: {samples: 8}}}
+simulation: {end_time_s: 5}
+";
+
+/// The page of a study, whose results lie in a directory of this name.
+fn report(made: &Made, study: &str, directory: &str) -> PathBuf {
+    made.write("study.yaml", study);
+    made.runs(&format!("run study.yaml --out {directory}"));
+    made.well(&format!("report {directory}"));
+    made.path(&format!("{directory}-report.html"))
+}
+
+/// Ids of the figures of a page.
+#[track_caller]
+fn figures(page: &mut Page<'_>) -> Vec<String> {
+    let ids = page.ask("[...document.querySelectorAll('figure')].map(figure => figure.id)");
+    serde_json::from_value(ids).unwrap()
+}
+
+/// Scrolls to a figure and waits until it is drawn.
+#[track_caller]
+fn see(page: &mut Page<'_>, id: &str) {
+    page.ask(&format!(
+        "document.getElementById('{id}').scrollIntoView({{behavior: 'instant', block: 'start'}})"
+    ));
+    page.wait_until(&format!("{}", chart(id)));
+    page.frames(2);
+}
+
+/// The chart of a figure.
+fn chart(id: &str) -> String {
+    format!("echarts.getInstanceByDom(document.querySelector('#{id} .chart'))")
+}
+
+/// What is drawn of a series: the coordinates of its dots.
+#[track_caller]
+fn dots(page: &mut Page<'_>, id: &str, name: &str) -> Vec<[f64; 2]> {
+    let dots = page.ask(&format!(
+        "{}.getOption().series.filter(series => series.type === 'scatter' && series.name === {name:?})
+            .flatMap(series => series.data)",
+        chart(id)
+    ));
+    serde_json::from_value(dots).unwrap()
+}
+
+/// Chooses what a figure shows: with the keyboard's help a reader would do the same.
+#[track_caller]
+fn choose(page: &mut Page<'_>, id: &str, which: usize, option: usize) {
+    page.ask(&format!(
+        "(() => {{
+            const select = document.querySelectorAll('#{id} select')[{which}];
+            select.selectedIndex = {option};
+            select.dispatchEvent(new Event('change'));
+        }})()"
+    ));
+    page.frames(2);
+}
+
+/// All figures: what readers of all kinds need is there, in all windows.
+#[test]
+fn pages_have_no_faults() {
+    let Some(mut browser) = Browser::start() else { return };
+    let made = Made::new();
+    for (name, study) in [
+        ("thesis", THESIS),
+        ("failing", FAILING),
+        ("cycles", CYCLES),
+        ("three", THREE),
+        ("spring", SPRING),
+    ] {
+        let file = report(&made, study, name);
+        assert!(fs::metadata(&file).unwrap().len() < 5_000_000, "{name}");
+        for view in [LAPTOP, DARK, View { width: 1024, ..LAPTOP }, View { width: 390, ..LAPTOP }] {
+            let mut page = browser.open(&file, view);
+            let figures = figures(&mut page);
+            assert!(figures.len() >= 4, "{name}: {figures:?}");
+            for id in &figures {
+                see(&mut page, id);
+            }
+            let View { width, dark, .. } = view;
+            page.ask("scrollTo({top: 0, behavior: 'instant'})");
+            let scheme = if dark { "dark" } else { "light" };
+            page.screenshot(&format!("report-{name}-{width}-{scheme}"));
+            assert_eq!(page.faults(), [""; 0], "{name}");
+            assert!(!page.wider_than_window(), "{name}, {width} px");
+            let (pale, texts) = page.pale();
+            assert!(texts > 100 && pale.is_empty(), "{name}, {width} px: {texts} texts, {pale:?}");
+            assert_eq!(page.nameless(), [], "{name}");
+            let over = page.overlapping();
+            assert!(over.is_empty(), "{name}, {width} px: {over:?}");
+        }
+    }
+}
+
+/// Dots are the runs of the tables, at their places.
+#[test]
+fn figures_show_what_is_in_the_tables() {
+    let Some(mut browser) = Browser::start() else { return };
+    let made = Made::new();
+    let mut page = browser.open(&report(&made, THESIS, "a"), LAPTOP);
+    let runs = |column: &str| made.numbers("a/runs.parquet", column);
+    let (points, first, second) = (runs("point_id"), runs("beta_1_rad"), runs("beta_2_rad"));
+    let labels = made.words("a/runs.parquet", "label");
+    let starts = [runs("initial_beta_1"), runs("initial_beta_2")];
+    let near = |found: &[[f64; 2]], expected: &[[f64; 2]], what: &str| {
+        assert_eq!(found.len(), expected.len(), "{what}");
+        for (found, expected) in found.iter().zip(expected) {
+            let off = (0..2).map(|axis| (found[axis] - expected[axis]).abs()).fold(0.0, f64::max);
+            // Coordinates are packed: 16 bits for a turn.
+            assert!(off < 2e-4, "{what}: {found:?}, not {expected:?}");
+        }
+    };
+    see(&mut page, "preferred-equilibria");
+    see(&mut page, "basins");
+    let mut rested = 0;
+    for point in 0..6 {
+        let at_point = |run: &usize| points[*run] == point as f64;
+        let of = |label: &str| -> Vec<usize> {
+            (0..labels.len()).filter(at_point).filter(|run| labels[*run] == label).collect()
+        };
+        choose(&mut page, "preferred-equilibria", 0, point);
+        let resting: Vec<[f64; 2]> =
+            of("equilibrium").into_iter().map(|run| [first[run], second[run]]).collect();
+        rested += resting.len();
+        let found = dots(&mut page, "preferred-equilibria", "equilibrium");
+        near(&found, &resting, &format!("point {point} at rest"));
+
+        choose(&mut page, "basins", 0, point);
+        for label in ["equilibrium", "limit_cycle", "irregular", "undecided", "failed"] {
+            let expected: Vec<[f64; 2]> =
+                of(label).into_iter().map(|run| [starts[0][run], starts[1][run]]).collect();
+            let found = dots(&mut page, "basins", &label.replace('_', " "));
+            near(&found, &expected, &format!("point {point}, {label} at the start"));
+        }
+    }
+    assert!(rested > 10);
+
+    // A dot for each point of the sweep.
+    see(&mut page, "fractions");
+    let speeds = made.numbers("a/points.parquet", "speed_rad_s");
+    let share = made.numbers("a/points.parquet", "equilibrium_fraction");
+    let mut expected: Vec<[f64; 2]> = (0..5).map(|point| [speeds[point], share[point]]).collect();
+    let mut found = dots(&mut page, "fractions", "equilibrium");
+    for values in [&mut expected, &mut found] {
+        values.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    }
+    near(&found, &expected, "shares");
+    // A curve for each point, that ends at its share.
+    see(&mut page, "time-to-rest");
+    let last = page.ask(&format!(
+        "{}.getOption().series.filter(series => series.type === 'line')
+            .map(series => series.data[series.data.length - 1][1])",
+        chart("time-to-rest")
+    ));
+    let last: Vec<f64> = serde_json::from_value(last).unwrap();
+    assert_eq!(last.len(), 6);
+    for (last, share) in last.iter().zip(&share) {
+        assert!((last - share).abs() < 1e-6, "{last} {share}");
+    }
+    // The table of points.
+    let rows = page.ask(
+        "[...document.querySelectorAll('#points ~ .wide tbody tr')]
+            .map(row => [...row.cells].map(cell => cell.textContent))",
+    );
+    let rows: Vec<Vec<String>> = serde_json::from_value(rows).unwrap();
+    assert_eq!(rows.len(), 6);
+    for (row, share) in rows.iter().zip(&share) {
+        assert!(row.contains(&format!("{share:.4}")), "{share} not in {row:?}");
+    }
+    assert_eq!(page.faults(), [""; 0]);
+}
+
+/// Where a dot is in the window, px.
+#[track_caller]
+fn place_of(page: &mut Page<'_>, id: &str, name: &str, index: usize) -> (f64, f64) {
+    let place = page.ask(&format!(
+        "(() => {{
+            const box = document.querySelector('#{id} .chart'), chart = echarts.getInstanceByDom(box);
+            const all = chart.getOption().series;
+            const series = all.findIndex(series => series.type === 'scatter' && series.name === {name:?});
+            const [x, y] = chart.convertToPixel({{seriesIndex: series}}, all[series].data[{index}]);
+            const {{left, top}} = box.getBoundingClientRect();
+            return [left + x, top + y];
+        }})()"
+    ));
+    (place[0].as_f64().unwrap(), place[1].as_f64().unwrap())
+}
+
+/// What the tooltip of a figure says; nothing where there is none.
+#[track_caller]
+fn tooltip(page: &mut Page<'_>, id: &str) -> String {
+    page.text(&format!(
+        "(() => {{
+            const tip = [...document.querySelectorAll('#{id} .chart .tip')].pop();
+            const shown = tip && tip.checkVisibility({{visibilityProperty: true, opacityProperty: true}});
+            return shown ? tip.innerText : '';
+        }})()"
+    ))
+}
+
+#[test]
+fn a_dot_tells_what_is_known_of_its_run() {
+    let Some(mut browser) = Browser::start() else { return };
+    let made = Made::new();
+    let mut page = browser.open(&report(&made, THESIS, "r&d"), LAPTOP);
+    let id = "preferred-equilibria";
+    see(&mut page, id);
+    choose(&mut page, id, 0, 4);
+    let (labels, points) =
+        (made.words("r&d/runs.parquet", "label"), made.numbers("r&d/runs.parquet", "point_id"));
+    let runs: Vec<usize> = (0..labels.len())
+        .filter(|run| labels[*run] == "equilibrium" && points[*run] == 4.0)
+        .collect();
+    let of = |column: &str, run: usize| made.numbers("r&d/runs.parquet", column)[run];
+    for (index, run) in runs.iter().copied().enumerate().take(2) {
+        assert_eq!(tooltip(&mut page, id), "");
+        let place = place_of(&mut page, id, "equilibrium", index);
+        page.move_to(place);
+        page.wait_until(&format!("document.querySelector('#{id} .chart .tip')"));
+        page.frames(5);
+        let said = tooltip(&mut page, id);
+        let command = format!("stickslip replay 'r&d' {run}");
+        let number = |name: &str| -> f64 {
+            let line = said.lines().find(|line| line.starts_with(name));
+            let line = line.unwrap_or_else(|| panic!("no {name} in {said}"));
+            line[name.len()..].trim().replace('−', "-").parse().unwrap()
+        };
+        assert!(said.contains(&format!("run {run}")) && said.contains(&command), "{said}");
+        for (name, expected, tolerance) in [
+            ("angle of ball 1 [rad]", of("beta_1_rad", run), 2e-4),
+            ("angle of ball 2 [rad]", of("beta_2_rad", run), 2e-4),
+            ("amplitude [µm]", 1e6 * of("amplitude_m", run), 1e-2),
+            ("friction margin", of("friction_margin", run), 1e-5),
+        ] {
+            let found = number(name);
+            assert!((found - expected).abs() < tolerance, "{name}: {found}, not {expected}");
+        }
+        // A click keeps it, with a button that copies the command.
+        page.click(place);
+        page.wait_until(&format!("document.querySelector('#{id} .picked button')"));
+        let kept = page.text(&format!("document.querySelector('#{id} .picked code').textContent"));
+        assert_eq!(kept, command);
+        page.move_to((5.0, 5.0));
+        page.wait_until(&format!(
+            "![...document.querySelectorAll('#{id} .chart .tip')].some(tip => tip.checkVisibility({{
+                visibilityProperty: true, opacityProperty: true}}))"
+        ));
+    }
+    page.screenshot("report-hover");
+    assert_eq!(page.faults(), [""; 0]);
+}
+
+#[test]
+fn a_legend_hides_and_shows() {
+    let Some(mut browser) = Browser::start() else { return };
+    let made = Made::new();
+    let mut page = browser.open(&report(&made, THESIS, "a"), LAPTOP);
+    for id in figures(&mut page) {
+        see(&mut page, &id);
+        let buttons = format!("#{id} .legend button");
+        let count = page.number(&format!("document.querySelectorAll('{buttons}').length"));
+        for index in 1..=count as usize {
+            let button = format!("{buttons}:nth-child({index})");
+            let state = format!(
+                "[{}.getOption().series.length, document.querySelector('{button}').ariaPressed]",
+                chart(&id)
+            );
+            let before = page.ask(&state);
+            page.click_on(&button);
+            let hidden = page.ask(&state);
+            assert!(hidden[0].as_u64() < before[0].as_u64(), "{button}: {before} {hidden}");
+            assert_eq!((&before[1], &hidden[1]), (&"true".into(), &"false".into()), "{button}");
+            // The same by keyboard: the focus has stayed where it was.
+            page.key("Enter");
+            assert_eq!(page.ask(&state), before, "{button}");
+        }
+    }
+    assert_eq!(page.faults(), [""; 0]);
+}
+
+#[test]
+fn a_keyboard_reaches_everything() {
+    let Some(mut browser) = Browser::start() else { return };
+    let made = Made::new();
+    let mut page = browser.open(&report(&made, THESIS, "a"), LAPTOP);
+    let figures = figures(&mut page);
+    for id in &figures {
+        see(&mut page, id);
+    }
+    page.ask("scrollTo({top: 0, behavior: 'instant'})");
+    // From the beginning to the end by Tab: every control, every figure, every table.
+    let reach =
+        "[...document.querySelectorAll('a[href], button, select, summary, [tabindex=\"0\"]')]
+        .filter(part => part.checkVisibility()).length";
+    let all = page.number(reach) as usize;
+    page.ask("window.reached = new Set(); document.activeElement.blur()");
+    for _ in 0..all {
+        page.key("Tab");
+        page.ask("reached.add(document.activeElement); null");
+    }
+    let missed = page.ask(
+        "[...document.querySelectorAll('a[href], button, select, summary, [tabindex=\"0\"]')]
+            .filter(part => part.checkVisibility() && !reached.has(part)).map(part => part.outerHTML)",
+    );
+    assert_eq!(missed, Value::Array(vec![]));
+    for id in &figures {
+        let there = format!("reached.has(document.querySelector('#{id} .chart'))");
+        assert_eq!(page.ask(&there), true, "{id}");
+        // Where the focus is, is seen.
+        page.ask(&format!("document.querySelector('#{id} .chart').focus()"));
+        page.key("Shift+Tab");
+        page.key("Tab");
+        let outline = page.text("getComputedStyle(document.activeElement).outlineStyle");
+        assert_eq!(
+            (page.ask("document.activeElement.className.includes('chart')"), outline.as_str()),
+            (Value::Bool(true), "solid"),
+            "{id}"
+        );
+    }
+
+    // Dot by dot with the arrow keys, told in words.
+    let id = "preferred-equilibria";
+    see(&mut page, id);
+    page.ask(&format!("document.querySelector('#{id} .chart').focus()"));
+    let picked = format!("document.querySelector('#{id} .picked').textContent");
+    let mut told = Vec::new();
+    for key in ["Home", "ArrowRight", "ArrowRight", "ArrowLeft", "End"] {
+        page.key(key);
+        told.push(page.text(&picked));
+    }
+    assert!(told[0].contains("run 0: ") && told[0].contains("stickslip replay a 0"), "{told:?}");
+    assert!(told[0] != told[1] && told[1] != told[2] && told[3] == told[1], "{told:?}");
+    assert!(told[4].contains("without friction"), "{told:?}");
+    assert_eq!(page.faults(), [""; 0]);
+}
+
+/// Every figure has a name, and words that stand for it.
+#[track_caller]
+fn in_words(page: &mut Page<'_>) {
+    for id in figures(page) {
+        see(page, &id);
+        let words = page.ask(&format!(
+            "(() => {{
+                const figure = document.getElementById('{id}'), chart = figure.querySelector('.chart');
+                return [chart.getAttribute('role'), chart.ariaLabel,
+                    figure.closest('section').querySelector('h2').textContent,
+                    figure.querySelector('details p').textContent, figure.querySelector('figcaption').innerText];
+            }})()"
+        ));
+        let [role, label, title, told, caption]: [String; 5] =
+            serde_json::from_value(words).unwrap();
+        assert_eq!(role, "img", "{id}");
+        assert!(label.starts_with(&title) && label.contains(&told), "{id}: {label}");
+        assert!(told.len() > 15 && caption.len() > 30, "{id}: {told} / {caption}");
+    }
+}
+
+/// What a figure shows is said in words, for whoever does not see it.
+#[test]
+fn figures_are_said_in_words() {
+    let Some(mut browser) = Browser::start() else { return };
+    let made = Made::new();
+    for (name, study) in
+        [("failing", FAILING), ("cycles", CYCLES), ("three", THREE), ("spring", SPRING)]
+    {
+        let mut page = browser.open(&report(&made, study, name), LAPTOP);
+        in_words(&mut page);
+    }
+    let mut page = browser.open(&report(&made, THESIS, "a"), LAPTOP);
+    assert_eq!(page.text("document.title"), "thesis: stickslip report");
+    assert_eq!(page.text("document.documentElement.lang"), "en");
+    in_words(&mut page);
+    let told = page.text("document.querySelector('#preferred-equilibria .chart').ariaLabel");
+    let share = made.numbers("a/points.parquet", "equilibrium_fraction");
+    for share in share {
+        let words = format!(": {} of 8 runs came to rest", (8.0 * share).round());
+        assert!(told.contains(&words), "no {words} in {told}");
+    }
+}
+
+/// Width and height of what is printed on A4 with the browser's margins of a centimetre, px.
+const PAPER: View = View { width: 718, height: 1046, print: true, ..LAPTOP };
+
+#[test]
+fn a_report_on_paper() {
+    let Some(mut browser) = Browser::start() else { return };
+    let made = Made::new();
+    for (name, study) in [("thesis", THESIS), ("failing", FAILING), ("spring", SPRING)] {
+        let file = report(&made, study, name);
+        for dark in [false, true] {
+            // Nothing has been scrolled to: all is drawn for the print.
+            let mut page = browser.open(&file, View { dark, ..LAPTOP });
+            let figures = figures(&mut page);
+            let sheets = page.pdf(&format!("report-{name}-{dark}")).sheets();
+            assert!((2..=figures.len() + 4).contains(&sheets), "{name}: {sheets} sheets");
+            for id in &figures {
+                assert_eq!(
+                    page.ask(&format!("!!{}", chart(id))),
+                    true,
+                    "{name}: {id} is not drawn"
+                );
+            }
+            page.view(View { dark, ..PAPER });
+            page.ask("dispatchEvent(new Event('beforeprint'))");
+            page.frames(5);
+            page.screenshot(&format!("report-{name}-print-{dark}"));
+            assert_eq!(
+                page.text("getComputedStyle(document.body).backgroundColor"),
+                "rgb(255, 255, 255)"
+            );
+            let (pale, texts) = page.pale();
+            assert!(texts > 100 && pale.is_empty(), "{name}: {texts} texts, {pale:?}");
+            for id in &figures {
+                let parts = page.ask(&format!(
+                    "(() => {{
+                        const figure = document.getElementById('{id}');
+                        const parts = [...figure.querySelectorAll('.chart, .chart svg, .chart canvas, .legend button, .scale')];
+                        const {{height}} = figure.getBoundingClientRect();
+                        const right = Math.max(...parts.map(part => part.getBoundingClientRect().right));
+                        return [height, right, getComputedStyle(figure).breakInside];
+                    }})()"
+                ));
+                let (height, right) = (parts[0].as_f64().unwrap(), parts[1].as_f64().unwrap());
+                let (widest, highest) = (f64::from(PAPER.width), f64::from(PAPER.height));
+                assert!(right <= widest + 0.5, "{name}: {id} ends at {right} px");
+                assert!(height <= highest, "{name}: {id} is {height} px high");
+                assert_eq!(parts[2], "avoid", "{name}: {id}");
+            }
+            let over = page.overlapping();
+            assert!(over.is_empty(), "{name} on paper: {over:?}");
+            assert!(!page.wider_than_window(), "{name} on paper");
+            assert_eq!(page.faults(), [""; 0]);
+        }
+    }
+}
