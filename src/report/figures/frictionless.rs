@@ -125,11 +125,13 @@ fn read(table: &Table, balls: usize) -> Result<Vec<Row>, TableError> {
         let (kinds, stability) = (batch.texts("kind")?, batch.texts("stability")?);
         let beta = angles.iter().map(|name| batch.numbers(name)).collect::<Result<Vec<_>, _>>()?;
         for place in 0..batch.rows {
-            let word = kinds[place].as_deref().unwrap_or_default();
+            let word = kinds.get(place).and_then(|kind| kind.as_deref()).unwrap_or_default();
             let kind = FrictionlessKind::ALL.into_iter().find(|kind| kind.name() == word);
-            let (Some(speed), Some(kind)) = (speeds[place], kind) else { continue };
-            let beta: Option<Vec<f64>> = beta.iter().map(|angle| angle[place]).collect();
-            let stable = stability[place].as_deref() == Some("stable");
+            let number = |values: &[Option<f64>]| values.get(place).copied().flatten();
+            let (Some(speed), Some(kind)) = (number(speeds), kind) else { continue };
+            let beta: Option<Vec<f64>> = beta.iter().map(|angle| number(angle)).collect();
+            let stability = stability.get(place).and_then(|word| word.as_deref());
+            let stable = stability == Some("stable");
             rows.push(Row { speed, kind, beta: beta.unwrap_or_default(), stable });
         }
         if rows.len() >= MOST_ROWS {

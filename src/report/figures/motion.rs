@@ -148,16 +148,18 @@ fn at_rest(table: &Table, case: &Case, last: f64) -> Result<Vec<[f64; 3]>, Table
     let (mut values, mut stuck) = (Vec::new(), false);
     for batch in table.read(&wanted)? {
         let batch = batch?;
-        let Some(row) = batch.rows.checked_sub(1) else { continue };
+        if batch.rows == 0 {
+            continue;
+        }
         values.clear();
         for (name, kind) in &wanted {
             if *kind == Kind::Number {
-                values.push(batch.numbers(name)?[row].unwrap_or(f64::NAN));
+                values.push(batch.numbers(name)?.last().copied().flatten().unwrap_or(f64::NAN));
             }
         }
         stuck = true;
         for name in &phases {
-            stuck &= batch.texts(name)?[row].as_deref() == Some("stick");
+            stuck &= batch.texts(name)?.last().and_then(|phase| phase.as_deref()) == Some("stick");
         }
     }
     let (Some(form), [x, y, x_dot, y_dot, beta @ ..]) = (RestForm::new(machine), &values[..])

@@ -20,6 +20,8 @@ const BAR: f64 = 7.0;
 const EDGE: f64 = 2.0;
 /// Between an ordinate's ticks with their words and its name.
 const NAME: f64 = 6.0;
+/// Longest turned name.
+const LONGEST: f64 = 110.0;
 /// The part of a turned word's length that is to the left and below.
 const SLANT: f64 = std::f64::consts::FRAC_1_SQRT_2;
 
@@ -104,6 +106,7 @@ pub fn scene(figure: &Figure, first: usize, alone: bool) -> Scene {
         let spacing = guess / cell.x.ticks.len().max(1) as f64;
         let named = matches!(cell.panel.x.kind, AxisKind::Names(_));
         cell.turned = named && cell.x.widest() + 4.0 > spacing;
+        cut_turned(cell);
         let split = |name: &str, room: f64| lines(name.split_whitespace(), room, 2);
         cell.names = [split(&cell.x.name, guess), split(&cell.y.name, shape * guess + 8.0)];
     }
@@ -140,6 +143,7 @@ pub fn scene(figure: &Figure, first: usize, alone: bool) -> Scene {
 
     for cell in &mut cells {
         cell.x = ruled(cell.panel, Which::X, panel_width);
+        cut_turned(cell);
         if own_legends {
             let own = std::slice::from_ref(cell.panel);
             cell.legend = legend(&mut Scene::default(), own, [0.0, 0.0, panel_width]);
@@ -189,6 +193,13 @@ pub fn scene(figure: &Figure, first: usize, alone: bool) -> Scene {
     }
     scene.size[1] = top + EDGE;
     scene
+}
+
+/// Cuts off turned names that would take more room than the panel.
+fn cut_turned(cell: &mut Cell<'_>) {
+    for (_, words) in cell.x.ticks.iter_mut().filter(|_| cell.turned) {
+        *words = shortened(words, LONGEST);
+    }
 }
 
 /// Axes that all panels have alike are written at the left and below only.
