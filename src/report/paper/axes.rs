@@ -256,11 +256,11 @@ fn signed(number: String) -> String {
 fn angles([from, to]: [f64; 2]) -> Vec<(f64, String)> {
     let step: i64 = if to - from > 4.5 * PI { 2 } else { 1 };
     let quarter = PI / 2.0;
-    let first = (from / quarter - 1e-6).ceil() as i64;
-    let last = (to / quarter + 1e-6).floor() as i64;
-    if last - first > 64 {
+    let (first, last) = ((from / quarter - 1e-6).ceil(), (to / quarter + 1e-6).floor());
+    if last - first > 64.0 {
         return Vec::new();
     }
+    let (first, last) = (first as i64, last as i64);
     let words = |k: i64| {
         let sign = if k < 0 { "−" } else { "" };
         match (k.abs(), k % 2 == 0) {
@@ -353,7 +353,7 @@ mod tests {
             words(AxisKind::Linear, [-0.3, 1.0], 200.0).0,
             ["−0.2", "0.0", "0.2", "0.4", "0.6", "0.8", "1.0"]
         );
-        assert_eq!(words(AxisKind::Linear, [0.0, 16.5], 60.0).0, ["0", "10"]);
+        assert_eq!(words(AxisKind::Linear, [0.0, 16.5], 40.0).0, ["0", "10"]);
         let (small, name) = words(AxisKind::Linear, [0.0, 5.5e-5], 200.0);
         assert_eq!((small[1].as_str(), name.as_str()), ("10", "a [µm]"));
         assert_eq!(
