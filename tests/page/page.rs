@@ -112,6 +112,8 @@ impl<'a> Page<'a> {
         let size =
             json!({"width": width, "height": height, "deviceScaleFactor": 1, "mobile": false});
         self.call("Emulation.setDeviceMetricsOverride", size);
+        // Paper has none.
+        self.call("Emulation.setScrollbarsHidden", json!({"hidden": print}));
         let scheme = if dark { "dark" } else { "light" };
         let motion = if reduced_motion { "reduce" } else { "no-preference" };
         let media = json!({
@@ -312,7 +314,8 @@ impl<'a> Page<'a> {
     /// Whether there is something beyond the window's right edge.
     #[track_caller]
     pub fn wider_than_window(&mut self) -> bool {
-        self.number("document.documentElement.scrollWidth - innerWidth") > 0.0
+        self.number("document.documentElement.scrollWidth - document.documentElement.clientWidth")
+            > 0.0
     }
 
     /// Keeps a picture of the whole page, where somebody wants to look at it.

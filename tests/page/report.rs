@@ -75,7 +75,7 @@ fn see(page: &mut Page<'_>, id: &str) {
     page.ask(&format!(
         "document.getElementById('{id}').scrollIntoView({{behavior: 'instant', block: 'start'}})"
     ));
-    page.wait_until(&format!("{}", chart(id)));
+    page.wait_until(&chart(id));
     page.frames(2);
 }
 

@@ -138,9 +138,11 @@ pub fn points(body: &mut Html, directory: &Path, gathered: &Gathered<'_>) {
         cells.push(format!("{share:.4}"));
         cells.push(format!("<span class=\"interval\">{low:.4} to {high:.4}</span>"));
         cells.extend(
-            Label::ALL.iter().zip(&point.labels).filter_map(|(label, share)| {
-                moving.contains(label).then(|| share.runs.to_string())
-            }),
+            Label::ALL
+                .iter()
+                .zip(&point.labels)
+                .filter(|(label, _)| moving.contains(label))
+                .map(|(_, share)| share.runs.to_string()),
         );
         if audit {
             cells.push(format!("{} of {}", point.audit.flips, point.audit.runs));
