@@ -9,7 +9,7 @@ mod runs;
 use std::path::Path;
 
 pub use cycles::{CycleFacts, QUANTITIES};
-pub use names::{axis_of, heading};
+pub use names::{axis_of, heading, said};
 pub use points::{PointFacts, Share};
 pub use rest::RestCurve;
 pub use runs::{LABELS, Notable, RunSample};

@@ -20,7 +20,7 @@ fn unit(parameter: &VariedParameter) -> &str {
 }
 
 /// A value; a number with a minus sign, not a hyphen.
-fn said(value: &ParameterValue) -> String {
+pub fn said(value: &ParameterValue) -> String {
     match value {
         ParameterValue::Number(_) => value.to_string().replace('-', "\u{2212}"),
         ParameterValue::Text(text) => (*text).to_owned(),

@@ -6,8 +6,8 @@ use super::html::{Html, escaped};
 use super::quoted;
 use crate::ending::Label;
 use crate::model::Method;
-use crate::report::gathered::{Gathered, Notable, PointFacts, Share};
-use crate::study::{ParameterKind, ParameterValue};
+use crate::report::gathered::{Gathered, Notable, PointFacts, Share, said};
+use crate::study::ParameterKind;
 
 /// Most rows of a table.
 const MOST_ROWS: usize = 200;
@@ -129,10 +129,7 @@ pub fn points(body: &mut Html, directory: &Path, gathered: &Gathered<'_>) {
         .collect();
     let row = |point: &PointFacts| {
         let mut cells = vec![point.point_id.to_string()];
-        cells.extend(point.swept.iter().map(|value| match value {
-            ParameterValue::Text(text) => escaped(text),
-            number => minus(&number.to_string()),
-        }));
+        cells.extend(point.swept.iter().map(|value| escaped(&said(value))));
         let Share { share, low, high, .. } = point.equilibrium;
         cells.push(point.runs.to_string());
         cells.push(format!("{share:.4}"));
