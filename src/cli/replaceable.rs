@@ -1,11 +1,87 @@
-//! Files that a report may replace: those that an earlier one has written.
+//! Files that a report writes, and may write again: those that an earlier one has written and nobody has
+//! changed since.
+//!
+//! A page or a figure in SVG ends with a comment that has the hash of what precedes it.
 
 use std::fs::{self, File};
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
+use sha2::{Digest, Sha256};
+
 use super::exit::CliError;
 use crate::table::ResultsError;
+
+/// The largest file that may be one of this program's.
+const MOST_BYTES: u64 = 64 << 20;
+const SEAL: &str = "<!-- stickslip, SHA-256 of what precedes: ";
+
+/// A text in HTML or SVG with its hash at the end.
+pub fn sealed(text: &str) -> String {
+    let end = if text.ends_with('\n') { "" } else { "\n" };
+    let text = format!("{text}{end}");
+    format!("{text}{SEAL}{} -->\n", hash(&text))
+}
+
+fn is_sealed(content: &[u8]) -> bool {
+    let Ok(text) = str::from_utf8(content) else { return false };
+    let Some(place) = text.rfind(SEAL) else { return false };
+    let (before, seal) = text.split_at(place);
+    seal == format!("{SEAL}{} -->\n", hash(before))
+}
+
+fn hash(text: &str) -> String {
+    Sha256::digest(text.as_bytes()).iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+/// Writes a file of a report in the place of an earlier one, whole or not at all; several that do so at
+/// once do not disturb each other.
+///
+/// # Errors
+/// Where it cannot be written.
+pub fn replace(path: &Path, content: &[u8]) -> Result<(), CliError> {
+    let temporary = path.with_added_extension(format!("{}.partial", std::process::id()));
+    let written = || {
+        if let Some(parent) = path.parent().filter(|parent| !parent.as_os_str().is_empty()) {
+            fs::create_dir_all(parent)?;
+        }
+        match fs::remove_file(&temporary) {
+            Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
+            _ => {}
+        }
+        fs::write(&temporary, content)?;
+        fs::rename(&temporary, path)
+    };
+    written().map_err(|error| {
+        CliError::Usage(format!(
+            "{}: cannot be written\n  found:   {error}\n  allowed: a path that can be written; --out names \
+             one",
+            path.display()
+        ))
+    })
+}
+
+/// Refuses an output in the directory whose results are shown.
+///
+/// # Errors
+/// Where it would lie in there.
+pub fn outside(directory: &Path, out: &Path) -> Result<(), CliError> {
+    let Ok(directory) = fs::canonicalize(directory) else { return Ok(()) };
+    // What is there already of the way to it.
+    let there = out.ancestors().find_map(|part| {
+        let part = if part.as_os_str().is_empty() { Path::new(".") } else { part };
+        fs::canonicalize(part).ok()
+    });
+    if there.is_some_and(|there| there.starts_with(&directory)) {
+        return Err(CliError::Usage(format!(
+            "{}: lies in the directory that is shown\n  found:   an output in {}\n  allowed: another place: in \
+             there is only what the study makes",
+            out.display(),
+            directory.display()
+        )));
+    }
+    Ok(())
+}
 
 /// A name beside a directory: its own with something added.
 ///
@@ -27,7 +103,8 @@ pub fn beside(directory: &Path, added: &str) -> Result<PathBuf, CliError> {
     Ok(named.with_file_name(name))
 }
 
-/// Refuses to replace a file unless `own` knows it by its first bytes as one of this program.
+/// Refuses to replace a file unless `own` knows it as one of this program, and its hash is right where it is
+/// a text.
 ///
 /// # Errors
 /// Where something else is in the way.
@@ -37,14 +114,16 @@ pub fn replaceable(file: &Path, own: impl Fn(&[u8]) -> bool) -> Result<(), CliEr
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(()),
         Err(cause) => return Err(unusable(cause).into()),
         Ok(found) if found.is_file() => {
-            let mut head = Vec::new();
+            let mut content = Vec::new();
             File::open(file)
-                .and_then(|file| file.take(4096).read_to_end(&mut head))
+                .and_then(|file| file.take(MOST_BYTES).read_to_end(&mut content))
                 .map_err(unusable)?;
-            if own(&head) {
-                return Ok(());
+            let is_text = !content.starts_with(b"\x89PNG");
+            match (own(&content), !is_text || is_sealed(&content)) {
+                (true, true) => return Ok(()),
+                (true, false) => "a report that has been changed since".to_owned(),
+                (false, _) => "a file that `stickslip report` has not written".to_owned(),
             }
-            "a file that `stickslip report` has not written".to_owned()
         }
         Ok(found) if found.is_dir() => "a directory".to_owned(),
         Ok(_) => "neither a file nor a directory".to_owned(),
@@ -57,4 +136,20 @@ pub fn replaceable(file: &Path, own: impl Fn(&[u8]) -> bool) -> Result<(), CliEr
             .to_owned(),
     }
     .into())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{is_sealed, sealed};
+
+    #[test]
+    fn a_seal_is_broken_by_any_change() {
+        let text = sealed("<p>å</p>");
+        assert!(is_sealed(text.as_bytes()));
+        assert!(is_sealed(sealed(&text).as_bytes()));
+        assert!(!is_sealed(b"<p></p>") && !is_sealed(b"") && !is_sealed(&[0xff]));
+        for changed in [format!("{text} "), format!(" {text}"), text.replace('å', "a")] {
+            assert!(!is_sealed(changed.as_bytes()), "{changed}");
+        }
+    }
 }

@@ -8,7 +8,7 @@ use clap::ValueEnum;
 use serde_json::Value;
 
 use super::exit::CliError;
-use super::replaceable::{beside, replaceable};
+use super::replaceable::{beside, outside, replace, replaceable, sealed};
 use super::results_study::results_study;
 use super::summary::no_tables;
 use crate::model::Machine;
@@ -16,7 +16,7 @@ use crate::report::chart::Figure;
 use crate::report::paper::{Format, is_ours, sheets};
 use crate::report::{Budget, Gathered, figures, of_results};
 use crate::study::Study;
-use crate::table::{ResultsError, Table, manifest_of, write_atomically};
+use crate::table::{ResultsError, Table, manifest_of};
 
 /// What figures are written as.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -48,18 +48,20 @@ pub fn write(
     };
     let sheets: Vec<_> = figures.iter().flat_map(sheets).collect();
     let file = |name: &str| out.join(format!("{name}.{}", format.extension()));
+    outside(directory, &out)?;
     // Nothing is written where one of them cannot be.
     for (name, _) in &sheets {
         replaceable(&file(name), is_ours)?;
     }
-    let unusable = |cause| ResultsError::Unusable { path: out.clone(), cause };
-    fs::create_dir_all(&out).map_err(unusable)?;
     let mut written = Vec::new();
     for (name, sheet) in &sheets {
         let path = file(name);
         let content = sheet.file(format).map_err(io::Error::other)?;
-        let unusable = |cause| ResultsError::Unusable { path: path.clone(), cause };
-        write_atomically(&path, &content).map_err(unusable)?;
+        let content = match String::from_utf8(content) {
+            Ok(text) => sealed(&text).into_bytes(),
+            Err(pixels) => pixels.into_bytes(),
+        };
+        replace(&path, &content)?;
         written.push(path);
     }
     Ok(written)

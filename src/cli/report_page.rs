@@ -1,14 +1,13 @@
 //! The page of a report: from a directory of results to a file.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use super::exit::CliError;
-use super::replaceable::{beside, replaceable};
+use super::replaceable::{beside, outside, replace, replaceable, sealed};
 use super::results_study::results_study;
 use super::summary::no_tables;
 use crate::report::{Budget, Gathered, OWN, of_results, page};
-use crate::table::{ResultsError, write_atomically};
+use crate::table::manifest_of;
 
 /// A page that can be mailed; of larger results less is shown.
 const MOST_BYTES: usize = 4_900_000;
@@ -18,6 +17,16 @@ const MOST_BYTES: usize = 4_900_000;
 /// # Errors
 /// Where the directory holds no results that can be read, or the page cannot be written.
 pub fn write(directory: &Path, out: Option<&Path>) -> Result<PathBuf, CliError> {
+    let of_figures = ["frictionless.parquet", "trajectory.parquet"];
+    if manifest_of(directory)?.is_none()
+        && let Some(found) = of_figures.iter().find(|name| directory.join(name).exists())
+    {
+        return Err(CliError::Usage(format!(
+            "{0}: no page is made of this\n  found:   {found}, but no manifest.json\n  allowed: results of \
+             `stickslip run`; `stickslip report {0} --figures svg` draws this",
+            directory.display()
+        )));
+    }
     let (study, manifest) = results_study(directory)?;
     if manifest.files.is_empty() {
         return Err(no_tables(directory, &study, &manifest)?);
@@ -26,7 +35,8 @@ pub fn write(directory: &Path, out: Option<&Path>) -> Result<PathBuf, CliError> 
         Some(file) => file.to_owned(),
         None => beside(directory, "-report.html")?,
     };
-    replaceable(&file, |head| String::from_utf8_lossy(head).contains(OWN))?;
+    outside(directory, &file)?;
+    replaceable(&file, is_page)?;
     let mut budget = Budget::SCREEN;
     let page = loop {
         let gathered = Gathered::read(directory, &study, &manifest, budget)?;
@@ -36,10 +46,11 @@ pub fn write(directory: &Path, out: Option<&Path>) -> Result<PathBuf, CliError> 
         }
         budget = budget.halved();
     };
-    let unusable = |cause| ResultsError::Unusable { path: file.clone(), cause };
-    if let Some(parent) = file.parent().filter(|parent| !parent.as_os_str().is_empty()) {
-        fs::create_dir_all(parent).map_err(unusable)?;
-    }
-    write_atomically(&file, page.as_bytes()).map_err(unusable)?;
+    replace(&file, sealed(&page).as_bytes())?;
     Ok(file)
+}
+
+fn is_page(content: &[u8]) -> bool {
+    let head = &content[..content.len().min(4096)];
+    String::from_utf8_lossy(head).contains(OWN)
 }

@@ -143,6 +143,11 @@ impl Manifest {
             Ok(bytes) => {
                 let invalid = |error| io::Error::new(io::ErrorKind::InvalidData, error);
                 let manifest: Self = serde_json::from_slice(&bytes).map_err(invalid)?;
+                if manifest.format != FORMAT {
+                    let format = manifest.format;
+                    let problem = format!("{MANIFEST} has layout {format}; allowed: {FORMAT}");
+                    return Err(io::Error::new(io::ErrorKind::InvalidData, problem));
+                }
                 manifest.check_names()?;
                 Ok(Some(manifest))
             }

@@ -394,14 +394,15 @@ fn in_words(page: &mut Page<'_>) {
         let words = page.ask(&format!(
             "(() => {{
                 const figure = document.getElementById('{id}'), chart = figure.querySelector('.chart');
-                return [chart.getAttribute('role'), chart.ariaLabel,
+                return [chart.getAttribute('role'), chart.ariaLabel + '|' +
+                        document.getElementById(chart.getAttribute('aria-describedby')).textContent,
                     figure.closest('section').querySelector('h2').textContent,
                     figure.querySelector('details p').textContent, figure.querySelector('figcaption').innerText];
             }})()"
         ));
         let [role, label, title, told, caption]: [String; 5] =
             serde_json::from_value(words).unwrap();
-        assert_eq!(role, "img", "{id}");
+        assert_eq!(role, "application", "{id}");
         assert!(label.starts_with(&title) && label.contains(&told), "{id}: {label}");
         assert!(told.len() > 15 && caption.len() > 30, "{id}: {told} / {caption}");
     }
@@ -422,7 +423,7 @@ fn figures_are_said_in_words() {
     assert_eq!(page.text("document.title"), "thesis: stickslip report");
     assert_eq!(page.text("document.documentElement.lang"), "en");
     in_words(&mut page);
-    let told = page.text("document.querySelector('#preferred-equilibria .chart').ariaLabel");
+    let told = page.text("document.getElementById('preferred-equilibria-words').textContent");
     let share = made.numbers("a/points.parquet", "equilibrium_fraction");
     for share in share {
         let words = format!(": {} of 8 runs came to rest", (8.0 * share).round());

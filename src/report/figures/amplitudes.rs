@@ -1,6 +1,6 @@
 //! Residual amplitude: its distribution over the runs of each point, against no balls at all.
 
-use super::layers::{CurveOf, axis, few_each, places, share_axis};
+use super::layers::{CurveOf, axis, few_each, share_axis, significant};
 use crate::report::chart::{Axis, AxisKind, Colour, Figure, Layer, Mark, Panel};
 use crate::report::gathered::Gathered;
 
@@ -18,9 +18,11 @@ pub fn figure(gathered: &Gathered<'_>) -> Option<Figure> {
             (true, _) => continue,
             (false, _) => 1.0,
         };
-        let mut values: Vec<f64> = places(&gathered.runs, point.point_id, None)
+        let held = gathered.runs.amplitudes_m.get(&point.point_id);
+        let mut values: Vec<f64> = held
             .into_iter()
-            .filter_map(|place| gathered.runs.amplitude_m.get(place).map(|value| value / over))
+            .flatten()
+            .map(|value| value / over)
             .filter(|value| value.is_finite() && (*value > 0.0 || !balls))
             .collect();
         if values.is_empty() {
@@ -44,7 +46,8 @@ pub fn figure(gathered: &Gathered<'_>) -> Option<Figure> {
                 100.0 * calmer
             ));
         } else if let Some(median) = values.get((count - 1) / 2) {
-            told.push(format!("{}: half of the runs at {median:.3e} m or less", point.title));
+            let median = significant(*median);
+            told.push(format!("{}: half of the runs at {median} m or less", point.title));
         }
         curves.push((point, points));
     }
@@ -59,7 +62,7 @@ pub fn figure(gathered: &Gathered<'_>) -> Option<Figure> {
     };
     let layers = |few: &[CurveOf<'_, Vec<[f64; 2]>>]| {
         let curve = |(place, (point, points)): (usize, &CurveOf<'_, Vec<[f64; 2]>>)| Layer {
-            name: point.title.clone(),
+            name: gathered.curve_name(point),
             colour: Colour::Series(place),
             mark: Mark::Steps { points: points.clone() },
         };
@@ -78,14 +81,20 @@ pub fn figure(gathered: &Gathered<'_>) -> Option<Figure> {
             layers: layers(few),
         })
         .collect();
+    let sampled = match gathered.runs.amplitude_one_in {
+        1 => String::new(),
+        one_in => format!(" Of the runs of these points about one in {one_in} is counted."),
+    };
     Some(Figure {
         id: "residual-amplitude".to_owned(),
         title: "Residual amplitude".to_owned(),
         caption: format!(
             "Share of a point's runs whose amplitude at the end is smaller, all runs with an amplitude: \
-             at rest or moving.{}{}",
+             at rest or moving.{}{}{}{}{sampled}",
+            gathered.failures_left_out(),
+            if balls { gathered.without_draws("'No balls' is") } else { String::new() },
             gathered.left_out(),
-            gathered.runs.left_out()
+            gathered.curve_names(),
         ),
         alternative: told.join("; "),
         one_at_a_time: panels.len() > 1,

@@ -3,8 +3,8 @@
 use super::layers::{label_colour, label_symbol, label_words, places, run_dots};
 use crate::ending::Label;
 use crate::model::Coordinate;
-use crate::report::chart::{Axis, AxisKind, Figure, Layer, Panel, Tips};
-use crate::report::gathered::Gathered;
+use crate::report::chart::{Axis, AxisKind, Figure, Layer, Mark, Panel, Tips};
+use crate::report::gathered::{Gathered, scattered};
 use crate::study::Study;
 
 /// A panel for each point and pair of coordinates.
@@ -21,9 +21,14 @@ pub fn figure(gathered: &Gathered<'_>) -> Option<Figure> {
         return None;
     }
     let every = (all * pairs.len()).div_ceil(gathered.budget.starts).max(1);
+    // Of those that are held: the numbers are mixed once more.
+    let mixed = |run: u64| run.wrapping_mul(0x2545_f491_4f6c_dd1d).rotate_left(17);
+    let is_shown = |place: usize| {
+        gathered.runs.run_id.get(place).is_some_and(|run| scattered(mixed(*run), every as u64))
+    };
     let mut panels = Vec::new();
     for (point, runs) in &of_points {
-        let runs: Vec<usize> = runs.iter().copied().step_by(every).collect();
+        let runs: Vec<usize> = runs.iter().copied().filter(|run| is_shown(*run)).collect();
         for &[first, second] in &pairs {
             let column = |index: usize| gathered.runs.start.get(index);
             let (Some(x), Some(y)) = (column(first), column(second)) else { continue };
@@ -54,13 +59,16 @@ pub fn figure(gathered: &Gathered<'_>) -> Option<Figure> {
             });
         }
     }
-    let sampled =
-        if every > 1 { format!(" One run in {every} is shown.") } else { gathered.runs.left_out() };
+    let drawn: usize =
+        panels.iter().step_by(pairs.len()).flat_map(|panel| &panel.layers).map(dots_of).sum();
+    let sampled = if every > 1 || gathered.runs.one_in > 1 {
+        format!(" Of the {} runs of these points {drawn} are shown.", gathered.runs.of)
+    } else {
+        String::new()
+    };
     let counts = Label::ALL.into_iter().enumerate().filter_map(|(place, label)| {
-        let runs = of_points.iter().flat_map(|(_, runs)| runs.iter().step_by(every));
-        let is =
-            |run: &&usize| gathered.runs.label.get(**run).is_some_and(|l| usize::from(*l) == place);
-        let count = runs.filter(is).count();
+        let of = gathered.details().filter_map(|point| point.labels.get(place));
+        let count: u64 = of.map(|share| share.runs).sum();
         (count > 0).then(|| format!("{count} {}", label_words(label)))
     });
     let counts: Vec<String> = counts.collect();
@@ -76,6 +84,13 @@ pub fn figure(gathered: &Gathered<'_>) -> Option<Figure> {
         panels,
         one_at_a_time: true,
     })
+}
+
+fn dots_of(layer: &Layer) -> usize {
+    match &layer.mark {
+        Mark::Dots { x, .. } => x.len(),
+        _ => 0,
+    }
 }
 
 /// Pairs of coordinates that belong together: equal ones of two balls, x and y, place and speed.

@@ -4,13 +4,13 @@ use super::layers::{label_colour, label_symbol, label_words, numbers, share_axis
 use super::sweep_axis::SweepAxis;
 use crate::ending::Label;
 use crate::report::chart::{Figure, Layer, Mark, Panel, Tips};
-use crate::report::gathered::{Gathered, PointFacts, evenly};
+use crate::report::gathered::{Gathered, PointFacts};
 
 /// Shares over the parameter with the most values; over the points themselves where no number is swept.
 pub fn figure(gathered: &Gathered<'_>) -> Option<Figure> {
     let share = || share_axis("share of runs");
     let axes = SweepAxis::all(gathered, 2);
-    let (mut left_out, mut thinned) = (0, false);
+    let (mut left_out, mut most_left_out) = (0, 1);
     let (panels, over) = match axes.first() {
         Some(sweep) => {
             let mut groups = sweep.groups(gathered);
@@ -21,10 +21,9 @@ pub fn figure(gathered: &Gathered<'_>) -> Option<Figure> {
             // Half of what a map may have: there are several values for each point.
             let each = gathered.budget.points / 2 / groups.len().max(1);
             for group in &mut groups {
-                thinned |= group.points.len() > each;
-                let kept = evenly(group.points.len(), each);
-                group.points =
-                    kept.into_iter().filter_map(|k| group.points.get(k).copied()).collect();
+                let one_in = group.points.len().div_ceil(each.max(1)).max(1);
+                most_left_out = most_left_out.max(one_in);
+                group.points = group.points.iter().copied().step_by(one_in).collect();
             }
             let panel = |group: &super::sweep_axis::Group<'_>| Panel {
                 title: group.title.clone(),
@@ -53,7 +52,7 @@ pub fn figure(gathered: &Gathered<'_>) -> Option<Figure> {
                 scale: None,
                 layers,
             };
-            (vec![panel], "point".to_owned())
+            (vec![panel], String::new())
         }
     };
     let end = gathered.study.simulation().end_time_s;
@@ -64,15 +63,20 @@ pub fn figure(gathered: &Gathered<'_>) -> Option<Figure> {
         0 => String::new(),
         more => format!(" {more} more combinations of the other parameters are not shown."),
     };
-    let thinned =
-        if thinned { " Points are shown at even distances, not all of them." } else { "" };
+    let thinned = match most_left_out {
+        1 => String::new(),
+        one_in => format!(" Of the points every {one_in}th is shown."),
+    };
     Some(Figure {
         id: "fractions".to_owned(),
-        title: format!("How runs end, over {over}"),
+        title: match over.as_str() {
+            "" => "How runs end".to_owned(),
+            over => format!("How runs end, over {over}"),
+        },
         caption: format!(
             "Share of the runs of each point by how they end, {end} s after the start, with 95 % \
-             intervals. Failed runs widen the interval of equilibria: they might have been \
-             any.{left_out}{thinned}"
+             intervals: of equilibria for themselves, widened by failed runs, which might have been any; \
+             of the other labels for all labels at once, which makes them wider.{left_out}{thinned}"
         ),
         alternative: format!(
             "The share of runs that end in equilibrium lies between {least:.3} and {most:.3}."

@@ -118,6 +118,32 @@ pub fn few_each<'c, 'a, T>(curves: &'c [CurveOf<'a, T>]) -> Vec<(String, &'c [Cu
     curves.chunks(each).map(|few| (part(few), few)).collect()
 }
 
+/// How many runs of a point failed.
+pub fn failed(point: &PointFacts) -> u64 {
+    LABELS
+        .iter()
+        .zip(&point.labels)
+        .filter(|(label, _)| **label == Label::Failed)
+        .map(|(_, share)| share.runs)
+        .sum()
+}
+
+/// A number with four significant digits.
+pub fn significant(value: f64) -> String {
+    if !value.is_finite() {
+        return "–".to_owned();
+    }
+    if value == 0.0 {
+        return "0".to_owned();
+    }
+    let digits = 3 - value.abs().log10().floor() as i32;
+    let text = match digits {
+        -3..=8 => format!("{value:.0$}", digits.max(0) as usize),
+        _ => format!("{value:.3e}"),
+    };
+    text.replace('-', "\u{2212}")
+}
+
 /// What moves: balls or a block.
 pub fn moving(study: &Study) -> &'static str {
     match study.model().balls() {

@@ -1,9 +1,9 @@
 //! A sweep over two parameters as a map: a cell for each point, coloured by what came of it.
 
-use super::layers::numbers;
-use super::sweep_axis::{SweepAxis, distinct};
+use super::layers::{failed, numbers};
+use super::sweep_axis::{SweepAxis, distinct, is_by_decades};
 use crate::report::chart::{Colour, ColourScale, Figure, Layer, Mark, Panel, Tips};
-use crate::report::gathered::{Gathered, PointFacts};
+use crate::report::gathered::{Gathered, PointFacts, heading};
 use crate::study::ParameterValue;
 
 /// Least number of values of each parameter.
@@ -28,8 +28,7 @@ const SHOWN: [Shown; 4] = [
     ("share of positions that are equilibria", |point| point.set_fraction, Some([0.0, 1.0])),
 ];
 
-/// Maps over the two parameters with the most values, of the points that differ in nothing else from the
-/// first one.
+/// Maps over the two parameters with the most values, one for each combination of the others.
 pub fn figure(gathered: &Gathered<'_>) -> Option<Figure> {
     let axes = SweepAxis::all(gathered, LEAST);
     let [across, up, ..] = &axes[..] else { return None };
@@ -37,23 +36,8 @@ pub fn figure(gathered: &Gathered<'_>) -> Option<Figure> {
         Some(ParameterValue::Number(number)) => Some(*number),
         _ => None,
     };
-    let first = gathered.points.first()?;
-    let differs = |point: &PointFacts| {
-        let mut columns = point.swept.iter().zip(&first.swept).enumerate();
-        columns.any(|(column, (a, b))| column != across.column && column != up.column && a != b)
-    };
-    let points: Vec<(&PointFacts, f64, f64)> = gathered
-        .points
-        .iter()
-        .filter(|point| !differs(point))
-        .filter_map(|p| Some((p, number(p, across.column)?, number(p, up.column)?)))
-        .collect();
     let values = |column| distinct(&gathered.points, column);
     let (x_values, y_values) = (values(across.column)?, values(up.column)?);
-    // A map of which most cells are empty is a path: the curves show it better.
-    if 3 * points.len() < x_values.len() * y_values.len() {
-        return None;
-    }
     // Where cells are too many, every second, third and so on of the values of each parameter.
     let (mut x_values, mut y_values) = (x_values, y_values);
     let mut one_in = 1;
@@ -65,15 +49,67 @@ pub fn figure(gathered: &Gathered<'_>) -> Option<Figure> {
         *values = values.iter().copied().step_by(one_in).collect();
     }
     let on = |values: &[f64], value: f64| values.binary_search_by(|v| v.total_cmp(&value)).is_ok();
-    let points: Vec<(&PointFacts, f64, f64)> =
-        points.into_iter().filter(|(_, x, y)| on(&x_values, *x) && on(&y_values, *y)).collect();
     if x_values.len() < 2 || y_values.len() < 2 {
         return None;
     }
-    let (x_edges, y_edges) = (edges(&x_values), edges(&y_values));
+    // A map for each combination of the other parameters.
+    let mut planes: Vec<(String, Vec<Placed<'_>>)> = Vec::new();
+    for point in &gathered.points {
+        let places = number(point, across.column).zip(number(point, up.column));
+        let Some((x, y)) = places.filter(|(x, y)| on(&x_values, *x) && on(&y_values, *y)) else {
+            continue;
+        };
+        let is_other = |column| column != across.column && column != up.column;
+        let title = heading(gathered.study, &point.swept, is_other);
+        let place = planes.iter().position(|(other, _)| *other == title);
+        let place = place.unwrap_or_else(|| {
+            planes.push((title, Vec::new()));
+            planes.len() - 1
+        });
+        planes[place].1.push((point, x, y));
+    }
+    // A map of which most cells are empty is a path: the curves show it better.
+    planes.retain(|(_, points)| 3 * points.len() >= x_values.len() * y_values.len());
+    planes.truncate(MOST_PLANES);
+    let shown: usize = planes.iter().map(|(_, points)| points.len()).sum();
+    if shown == 0 {
+        return None;
+    }
+    let panels = planes
+        .iter()
+        .flat_map(|(title, points)| plane(title, points, [(across, &x_values), (up, &y_values)]))
+        .collect();
+    let more = if shown as u64 == gathered.point_count {
+        String::new()
+    } else {
+        format!(" Of {} points, {shown} are shown.", gathered.point_count)
+    };
+    Some(Figure {
+        id: "map".to_owned(),
+        title: format!("Map over {} and {}", across.axis.name, up.axis.name),
+        caption: format!("A cell for each point of the sweep; open where there is no value.{more}"),
+        alternative: format!("{shown} points over {} and {}.", label(across), label(up)),
+        one_at_a_time: true,
+        panels,
+    })
+}
+
+/// Most combinations of other parameters that have maps.
+const MOST_PLANES: usize = 12;
+
+/// A point and where it is.
+type Placed<'a> = (&'a PointFacts, f64, f64);
+
+/// The maps of points that differ in nothing but the two parameters, each of which takes these values.
+fn plane(
+    title: &str,
+    points: &[Placed<'_>],
+    [(across, x_values), (up, y_values)]: [(&SweepAxis, &Vec<f64>); 2],
+) -> Vec<Panel> {
+    let (x_edges, y_edges) = (edges(x_values), edges(y_values));
     let cell = |x: f64, y: f64| {
-        let [left, right] = around(&x_values, &x_edges, x)?;
-        let [below, above] = around(&y_values, &y_edges, y)?;
+        let [left, right] = around(x_values, &x_edges, x)?;
+        let [below, above] = around(y_values, &y_edges, y)?;
         Some([left, right, below, above])
     };
     let cells: Vec<[f64; 4]> = points.iter().filter_map(|(_, x, y)| cell(*x, *y)).collect();
@@ -95,13 +131,14 @@ pub fn figure(gathered: &Gathered<'_>) -> Option<Figure> {
                 numbers(&label(up), points.iter().map(|(_, _, y)| *y)),
                 column(name, &value),
                 column("runs", &|point| Some(point.runs as f64)),
+                column("failed runs", &|point| Some(failed(point) as f64)),
                 column("point", &|point| Some(point.point_id as f64)),
             ],
         };
         let mark = Mark::Cells { edges: cells.clone(), values, tips };
         let range = range.unwrap_or([least, if most > least { most } else { least + 1.0 }]);
         panels.push(Panel {
-            title: String::new(),
+            title: title.to_owned(),
             part: name.to_owned(),
             x: bounded(across, &x_edges),
             y: bounded(up, &y_edges),
@@ -109,19 +146,7 @@ pub fn figure(gathered: &Gathered<'_>) -> Option<Figure> {
             layers: vec![Layer { name: String::new(), colour: Colour::Scale, mark }],
         });
     }
-    let more = if points.len() as u64 == gathered.point_count {
-        String::new()
-    } else {
-        format!(" Of {} points, {} are shown.", gathered.point_count, points.len())
-    };
-    Some(Figure {
-        id: "map".to_owned(),
-        title: format!("Map over {} and {}", across.axis.name, up.axis.name),
-        caption: format!("A cell for each point of the sweep; open where there is no value.{more}"),
-        alternative: format!("{} points over {} and {}.", points.len(), label(across), label(up)),
-        one_at_a_time: true,
-        panels,
-    })
+    panels
 }
 
 fn label(sweep: &SweepAxis) -> String {
@@ -136,13 +161,17 @@ fn bounded(sweep: &SweepAxis, edges: &[f64]) -> crate::report::chart::Axis {
     crate::report::chart::Axis { range: ends, ..sweep.axis.clone() }
 }
 
-/// Edges of cells round ascending values: in the middle between neighbours.
+/// Edges of cells round ascending values: in the middle between neighbours, as the axis goes.
 fn edges(values: &[f64]) -> Vec<f64> {
+    let by_decades = is_by_decades(values);
+    let on_axis = |value: f64| if by_decades { value.ln() } else { value };
+    let values: Vec<f64> = values.iter().copied().map(on_axis).collect();
     let between: Vec<f64> = values.windows(2).map(|pair| (pair[0] + pair[1]) / 2.0).collect();
     let mirrored = |edge: Option<&f64>, end: Option<&f64>| Some(2.0 * end? - edge?);
     let first = mirrored(between.first(), values.first());
     let last = mirrored(between.last(), values.last());
-    first.into_iter().chain(between.iter().copied()).chain(last).collect()
+    let all = first.into_iter().chain(between.iter().copied()).chain(last);
+    all.map(|edge| if by_decades { edge.exp() } else { edge }).collect()
 }
 
 /// The edges round a value.
@@ -162,5 +191,16 @@ mod tests {
         assert_eq!(edges, [0.5, 1.5, 3.0, 5.0]);
         assert_eq!(around(&values, &edges, 2.0), Some([1.5, 3.0]));
         assert_eq!(around(&values, &edges, 3.0), None);
+    }
+
+    #[test]
+    fn cells_over_decades_touch_in_the_middle_of_the_axis() {
+        let found = edges(&[1e-4, 1e-3, 1e-2]);
+        let middle = 10.0_f64.sqrt();
+        for (found, due) in
+            found.iter().zip([1e-4 / middle, 1e-4 * middle, 1e-3 * middle, 1e-2 * middle])
+        {
+            assert!((found / due - 1.0).abs() < 1e-12);
+        }
     }
 }

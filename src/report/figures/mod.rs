@@ -17,7 +17,7 @@ mod surface;
 mod sweep_axis;
 
 pub use frictionless::branches;
-pub use layers::label_words;
+pub use layers::{failed as failed_runs, label_words, significant};
 pub use motion::motion;
 pub use sets::sets;
 

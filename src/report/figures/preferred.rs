@@ -36,7 +36,12 @@ pub fn figure(gathered: &Gathered<'_>) -> Option<Figure> {
         format!("{}: {} of {runs} runs came to rest{share}", point.title, point.equilibrium.runs)
     });
     let alternative = counts.collect::<Vec<_>>().join("; ");
-    let left_out = format!("{}{}", gathered.left_out(), gathered.runs.left_out());
+    let set = if balls == 2 {
+        gathered.without_draws("The set, the colours, the stars and the circles are")
+    } else {
+        String::new()
+    };
+    let left_out = format!("{set}{}{}", gathered.left_out(), gathered.runs.left_out());
     let (title, caption) = match balls {
         0 => ("Where the block comes to rest", "Position and time of rest of each run.".to_owned()),
         1 => ("Preferred equilibria", "Angle at rest and amplitude of each run.".to_owned()),

@@ -1,6 +1,6 @@
 //! The probability of being at rest by time t, of each point.
 
-use super::layers::{CurveOf, axis, few_each, moving, share_axis};
+use super::layers::{CurveOf, axis, failed, few_each, moving, share_axis};
 use crate::report::chart::{Axis, Colour, Figure, Layer, Mark, Panel};
 use crate::report::gathered::{Gathered, PointFacts, RestCurve};
 
@@ -24,14 +24,20 @@ pub fn figure(gathered: &Gathered<'_>) -> Option<Figure> {
             x: x.clone(),
             y: share_axis("probability of being at rest"),
             scale: None,
-            layers: layers(few, end),
+            layers: layers(gathered, few, end),
         })
         .collect();
     let medians: Vec<String> = with_curves
         .iter()
-        .map(|(point, _)| match point.time_to_rest_s[1] {
-            Some(median) => format!("{}: half at rest by {median:.3} s", point.title),
-            None => format!("{}: less than half at rest", point.title),
+        .map(|(point, _)| {
+            let of = match failed(point) {
+                0 => String::new(),
+                failed => format!(" of those that did not fail ({failed} of {} did)", point.runs),
+            };
+            match point.time_to_rest_s[1] {
+                Some(median) => format!("{}: half{of} at rest by {median:.3} s", point.title),
+                None => format!("{}: less than half{of} at rest", point.title),
+            }
         })
         .collect();
     Some(Figure {
@@ -42,8 +48,13 @@ pub fn figure(gathered: &Gathered<'_>) -> Option<Figure> {
         },
         caption: format!(
             "Probability of being at rest by time t (Kaplan and Meier; runs that still move at the end \
-             are censored), with 95 % bands.{}",
-            gathered.left_out()
+             are censored), with 95 % bands.{}{}{}",
+            match gathered.failures_left_out() {
+                none if none.is_empty() => none,
+                failed => failed + " Bands allow for them: at rest at once, or never.",
+            },
+            gathered.left_out(),
+            gathered.curve_names()
         ),
         alternative: medians.join("; "),
         one_at_a_time: panels.len() > 1,
@@ -51,15 +62,22 @@ pub fn figure(gathered: &Gathered<'_>) -> Option<Figure> {
     })
 }
 
-fn layers(curves: &[CurveOf<'_, &RestCurve>], end: f64) -> Vec<Layer> {
+fn layers(gathered: &Gathered<'_>, curves: &[CurveOf<'_, &RestCurve>], end: f64) -> Vec<Layer> {
     let layer = |place: usize, point: &PointFacts, mark| Layer {
-        name: point.title.clone(),
+        name: match failed(point) {
+            0 => gathered.curve_name(point),
+            failed => format!("{} ({failed} failed)", gathered.curve_name(point)),
+        },
         colour: Colour::Series(place),
         mark,
     };
     let bands = curves.iter().enumerate().map(|(place, (point, curve))| {
         let RestCurve { time_s, low, high, .. } = curve;
-        let (x, low, high) = (time_s.clone(), low.clone(), high.clone());
+        // Of failed runs nobody knows: all of them at rest at once, or never.
+        let part = failed(point) as f64 / point.runs.max(1) as f64;
+        let x = time_s.clone();
+        let low = low.iter().map(|low| low * (1.0 - part)).collect();
+        let high = high.iter().map(|high| high * (1.0 - part) + part).collect();
         layer(place, point, Mark::Band { x, low, high, steps: true })
     });
     let lines = curves.iter().enumerate().map(|(place, (point, curve))| {

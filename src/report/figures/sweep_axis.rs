@@ -1,6 +1,6 @@
 //! Which swept parameter a figure goes over, and which points belong together on it.
 
-use crate::report::chart::Axis;
+use crate::report::chart::{Axis, AxisKind};
 use crate::report::gathered::{Gathered, PointFacts, axis_of, heading};
 use crate::study::ParameterValue;
 
@@ -36,6 +36,14 @@ pub fn distinct(points: &[PointFacts], column: usize) -> Option<Vec<f64>> {
     Some(values)
 }
 
+/// Whether ascending values belong on a logarithmic axis: over two decades or more, and most of them small
+/// against the greatest.
+pub fn is_by_decades(values: &[f64]) -> bool {
+    let (Some(least), Some(most)) = (values.first(), values.last()) else { return false };
+    let small = values.iter().filter(|value| **value < 0.1 * most).count();
+    *least > 0.0 && most / least >= 100.0 && 2 * small >= values.len()
+}
+
 impl SweepAxis {
     /// The parameters of a sweep that take at least so many values, the one with the most first.
     pub fn all(gathered: &Gathered<'_>, least: usize) -> Vec<SweepAxis> {
@@ -45,8 +53,15 @@ impl SweepAxis {
                 let values = distinct(&gathered.points, column)?;
                 // All panels of a sweep go over all of it.
                 let (from, to) = (values.first()?, values.last()?);
-                let margin = 0.04 * (to - from);
-                let axis = Axis { range: Some([from - margin, to + margin]), ..axis_of(parameter) };
+                let decades = is_by_decades(&values);
+                let (range, kind) = if decades {
+                    let factor = (to / from).powf(0.04);
+                    ([from / factor, to * factor], AxisKind::Logarithmic)
+                } else {
+                    let margin = 0.04 * (to - from);
+                    ([from - margin, to + margin], AxisKind::Linear)
+                };
+                let axis = Axis { range: Some(range), kind, ..axis_of(parameter) };
                 (values.len() >= least).then_some((values.len(), SweepAxis { column, axis }))
             })
             .collect();

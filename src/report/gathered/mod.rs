@@ -12,11 +12,14 @@ pub use cycles::{CycleFacts, QUANTITIES};
 pub use names::{axis_of, heading, said};
 pub use points::{PointFacts, Share};
 pub use rest::RestCurve;
-pub use runs::{LABELS, Notable, RunSample};
+pub use runs::{LABELS, Notable, RunSample, scattered};
 
 use super::chart::{Axis, AxisKind};
 use crate::study::Study;
 use crate::table::{Manifest, Table, TableError};
+
+/// The longest name of a curve that has room beside a figure, letters.
+const LONGEST_NAME: usize = 48;
 
 /// How much is shown, so that a page stays small; what is left out is said.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -60,7 +63,7 @@ pub struct Gathered<'a> {
     pub point_count: u64,
     /// Places in `points` of those that are shown in detail: all of them, or some at even distances.
     pub detailed: Vec<usize>,
-    /// Runs: all of them, or some at even distances.
+    /// Runs of the points shown in detail: all of them, or some.
     pub runs: RunSample,
     /// Runs that failed or whose label an audit doubts, the first ones.
     pub notable: Vec<Notable>,
@@ -88,9 +91,9 @@ impl<'a> Gathered<'a> {
         let point_count = table.rows();
         let points = points::read(study, &table)?;
         let detailed = evenly(points.len(), budget.details);
-        let (runs, notable) = runs::read(study, &open("runs")?, budget.runs)?;
-        let shown: Vec<u64> =
-            detailed.iter().filter_map(|&place| Some(points.get(place)?.point_id)).collect();
+        let of: Vec<&PointFacts> = detailed.iter().filter_map(|&place| points.get(place)).collect();
+        let (runs, notable) = runs::read(study, &open("runs")?, &of, budget.runs)?;
+        let shown: Vec<u64> = of.iter().map(|point| point.point_id).collect();
         let rest = rest::read(&open("rest")?, &shown)?;
         let cycles = cycles::read(&open("cycles")?)?;
         Ok(Gathered {
@@ -119,6 +122,54 @@ impl<'a> Gathered<'a> {
         self.detailed.iter().filter_map(|&place| self.points.get(place))
     }
 
+    /// What is to be said of failed runs, which figures cannot show; empty where there are none.
+    pub fn failures_left_out(&self) -> String {
+        let failed = super::figures::failed_runs;
+        let of: Vec<String> = self
+            .details()
+            .filter(|point| failed(point) > 0)
+            .map(|point| format!("{} of {} at {}", failed(point), point.runs, point.title))
+            .collect();
+        match of.len() {
+            0 => String::new(),
+            few @ 1..=6 => {
+                let other = if few < self.detailed.len() { ", none elsewhere" } else { "" };
+                format!(" Failed runs are left out: {}{other}.", of.join("; "))
+            }
+            many => format!(" Failed runs are left out; {many} points have some."),
+        }
+    }
+
+    /// What is to be said where parameters are drawn for each run, of what is computed without draws.
+    pub fn without_draws(&self, what: &str) -> String {
+        if self.study.uncertain().is_empty() {
+            return String::new();
+        }
+        let names: Vec<&str> =
+            self.study.uncertain().iter().map(|parameter| parameter.name.as_str()).collect();
+        format!(" {what} of the machine without draws; each run has its own {}.", names.join(", "))
+    }
+
+    /// What a point's curve is called: what distinguishes it, or only the values where that is long.
+    pub fn curve_name(&self, point: &PointFacts) -> String {
+        if self.has_short_names() {
+            return names::short(point.point_id, &point.swept);
+        }
+        point.title.clone()
+    }
+
+    /// What the values are by which curves are called; empty where their names say it.
+    pub fn curve_names(&self) -> String {
+        if self.has_short_names() {
+            return format!(" Curves are named by {}.", names::short_axis(self.study).name);
+        }
+        String::new()
+    }
+
+    fn has_short_names(&self) -> bool {
+        self.details().any(|point| point.title.chars().count() > LONGEST_NAME)
+    }
+
     /// What is to be said where not all points are shown in detail; empty where they are.
     pub fn left_out(&self) -> String {
         let (shown, all) = (self.detailed.len() as u64, self.point_count);
@@ -129,7 +180,7 @@ impl<'a> Gathered<'a> {
     }
 }
 
-/// At most so many of the places 0, 1, … at even distances, the first and the last among them.
+/// At most so many of the places 0, 1, … at nearly even distances, the first and the last among them.
 pub fn evenly(count: usize, most: usize) -> Vec<usize> {
     if count <= most || most < 2 {
         return (0..count).collect();

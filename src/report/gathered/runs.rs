@@ -1,10 +1,15 @@
-//! Runs of `runs.parquet`: all of them, or of very many some at even distances.
+//! Runs of `runs.parquet`, of the points that are shown in detail: all of them, or of very many some.
 
+use std::collections::BTreeMap;
+
+use super::PointFacts;
 use crate::ending::Label;
 use crate::model::Coordinate;
 use crate::study::Study;
 use crate::table::{Kind, Table, TableError};
 
+/// Most amplitudes that are held.
+const MOST_AMPLITUDES: u64 = 2_000_000;
 /// Most runs that are listed because something is wrong with them.
 const MOST_NOTABLE: usize = 200;
 
@@ -14,10 +19,17 @@ pub const LABELS: [Label; 5] = Label::ALL;
 /// Runs, column by column.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RunSample {
-    /// How many runs the table has.
+    /// How many runs the points shown in detail have.
     pub of: u64,
-    /// One in so many of them is held.
+    /// About one in so many of them is held.
     pub one_in: u64,
+    /// Amplitudes at the end of the runs of these points, m, as far as there are any: of all runs, or of
+    /// very many of about one in [`Self::amplitude_one_in`].
+    pub amplitudes_m: BTreeMap<u64, Vec<f64>>,
+    /// About one in so many amplitudes is held.
+    pub amplitude_one_in: u64,
+    /// How many runs failed or changed their label, of all runs.
+    pub notable: u64,
     /// Numbers of the runs.
     pub run_id: Vec<u64>,
     /// Numbers of their points.
@@ -55,9 +67,13 @@ pub struct Notable {
 const NUMBERS: [&str; 3] = ["amplitude_m", "friction_margin", "time_to_rest_s"];
 
 /// At most so many of the runs, and the notable ones among all of them.
+///
+/// Which runs these are is decided by their numbers, scattered: runs at even distances would lie in the same
+/// cells of a stratified design again and again.
 pub fn read(
     study: &Study,
     table: &Table,
+    shown: &[&PointFacts],
     most: u64,
 ) -> Result<(RunSample, Vec<Notable>), TableError> {
     let positions: Vec<String> = match study.model().balls() {
@@ -76,11 +92,14 @@ pub fn read(
     wanted.extend(NUMBERS.map(|name| (name, Kind::Number)));
     wanted.extend(positions.iter().chain(&starts).map(|name| (name.as_str(), Kind::Number)));
 
-    let of = table.rows();
-    let every = of.div_ceil(most.max(1)).max(1);
+    let of = shown.iter().map(|point| point.runs).fold(0, u64::saturating_add);
+    let one_in = of.div_ceil(most.max(1)).max(1);
+    let amplitude_one_in = of.div_ceil(MOST_AMPLITUDES).max(1);
     let mut sample = RunSample {
         of,
-        one_in: every,
+        one_in,
+        amplitude_one_in,
+        amplitudes_m: shown.iter().map(|point| (point.point_id, Vec::new())).collect(),
         position: vec![Vec::new(); positions.len()],
         start: vec![Vec::new(); starts.len()],
         ..RunSample::default()
@@ -92,6 +111,7 @@ pub fn read(
         let [labels, evidence, errors] =
             [batch.texts("label")?, batch.texts("evidence")?, batch.texts("error")?];
         let audited = if audit { Some(batch.texts("audit_label")?) } else { None };
+        let amplitudes = batch.numbers(NUMBERS[0])?;
         let text = |texts: &[Option<String>], row: usize| texts.get(row).cloned().flatten();
         let mut kept = Vec::new();
         for row in 0..batch.rows {
@@ -99,8 +119,9 @@ pub fn read(
             let label = text(labels, row).unwrap_or_default();
             let flipped = audited.and_then(|audited| text(audited, row));
             let flipped = flipped.filter(|other| *other != label);
-            if (label == Label::Failed.name() || flipped.is_some()) && notable.len() < MOST_NOTABLE
-            {
+            let is_notable = label == Label::Failed.name() || flipped.is_some();
+            sample.notable += u64::from(is_notable);
+            if is_notable && notable.len() < MOST_NOTABLE {
                 notable.push(Notable {
                     run_id,
                     label: label.clone(),
@@ -112,10 +133,15 @@ pub fn read(
             let Some(label) = LABELS.iter().position(|known| known.name() == label) else {
                 continue;
             };
-            if (batch.first_row + row as u64).is_multiple_of(every) {
+            let Some(point_id) = points.get(row).copied().flatten() else { continue };
+            let Some(held) = sample.amplitudes_m.get_mut(&point_id) else { continue };
+            if scattered(run_id, amplitude_one_in) {
+                held.extend(amplitudes.get(row).copied().flatten());
+            }
+            if scattered(run_id, one_in) {
                 kept.push(row);
                 sample.run_id.push(run_id);
-                sample.point_id.push(points.get(row).copied().flatten().unwrap_or(u64::MAX));
+                sample.point_id.push(point_id);
                 sample.label.push(label as u8);
             }
         }
@@ -154,6 +180,39 @@ impl RunSample {
         if self.one_in <= 1 {
             return String::new();
         }
-        format!(" Of {} runs, one in {} is shown ({} runs).", self.of, self.one_in, self.len())
+        let (of, shown, one_in) = (self.of, self.len(), self.one_in);
+        format!(" Of the {of} runs of these points about one in {one_in} is shown ({shown} runs).")
+    }
+}
+
+/// Whether a run belongs to the about one in so many that are shown: by its number, mixed so that
+/// neighbours have nothing in common (the finaliser of SplitMix64, G. L. Steele, D. Lea and C. H. Flood,
+/// OOPSLA 2014, doi:10.1145/2660193.2660195).
+pub fn scattered(run_id: u64, one_in: u64) -> bool {
+    let mixed = run_id.wrapping_add(0x9e37_79b9_7f4a_7c15);
+    let mixed = (mixed ^ (mixed >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    let mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    (mixed ^ (mixed >> 31)).is_multiple_of(one_in.max(1))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::scattered;
+
+    /// Every cell of a stratified design has its part, whatever its period in the runs' numbers. Counts are
+    /// binomial; 6 standard deviations would be exceeded once in 10^8.
+    #[test]
+    fn runs_are_scattered_over_cells() {
+        for (cells, one_in) in [(2, 2), (3, 3), (256, 2), (768, 5), (6561, 7)] {
+            let runs = 300_000;
+            let all = (0..runs).filter(|run| scattered(*run, one_in)).count() as f64;
+            let expected = runs as f64 / one_in as f64;
+            assert!((all - expected).abs() < 6.0 * expected.sqrt(), "{cells} {one_in}");
+            let first =
+                (0..runs).step_by(cells).filter(|run| scattered(*run, one_in)).count() as f64;
+            let expected = expected / cells as f64;
+            assert!((first - expected).abs() < 6.0 * expected.sqrt() + 1.0, "{cells} {one_in}");
+        }
+        assert!((0..100).all(|run| scattered(run, 1) && scattered(run, 0)));
     }
 }

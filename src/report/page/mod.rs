@@ -106,7 +106,7 @@ fn section(body: &mut Html, figure: &Figure) {
     body.line(&format!("<figure id=\"{id}\"><figcaption>{}", escaped(caption)));
     if !alternative.is_empty() {
         body.line("<details><summary>In words</summary>");
-        body.element("p", "", alternative);
+        body.element("p", &format!(" id=\"{id}-words\""), alternative);
         body.line("</details>");
     }
     body.line("</figcaption></figure>\n</section>");
@@ -114,9 +114,13 @@ fn section(body: &mut Html, figure: &Figure) {
 
 /// A directory as a shell takes it.
 fn quoted(directory: &Path) -> String {
-    let text = directory.display().to_string();
+    let mut text = directory.display().to_string();
+    if text.starts_with('-') {
+        // No command takes it for an option.
+        text.insert_str(0, "./");
+    }
     let plain = |c: char| c.is_alphanumeric() || "/._-+:,@%=".contains(c);
-    if !text.is_empty() && text.chars().all(plain) && !text.starts_with('-') {
+    if !text.is_empty() && text.chars().all(plain) {
         return text;
     }
     format!("'{}'", text.replace('\'', "'\\''"))
@@ -137,6 +141,7 @@ mod tests {
     #[test]
     fn directories_for_a_shell() {
         assert_eq!(quoted(Path::new("results/night-1")), "results/night-1");
+        assert_eq!(quoted(Path::new("-x")), "./-x");
         assert_eq!(quoted(Path::new("my results")), "'my results'");
         assert_eq!(quoted(Path::new("it's; rm")), "'it'\\''s; rm'");
     }

@@ -6,9 +6,12 @@ use super::html::{Html, escaped};
 use super::quoted;
 use crate::ending::Label;
 use crate::model::Method;
+use crate::report::figures::significant;
 use crate::report::gathered::{Gathered, Notable, PointFacts, Share, said};
 use crate::study::ParameterKind;
 
+/// Longer tables are folded, so that figures are not far away.
+const SHORT_TABLE: usize = 24;
 /// Most rows of a table.
 const MOST_ROWS: usize = 200;
 
@@ -144,8 +147,8 @@ pub fn points(body: &mut Html, directory: &Path, gathered: &Gathered<'_>) {
         if audit {
             cells.push(format!("{} of {}", point.audit.flips, point.audit.runs));
         }
-        let micro = |value: Option<f64>| significant(value.map(|value| 1e6 * value));
-        cells.push(significant(point.time_to_rest_s[1]));
+        let micro = |value: Option<f64>| written(value.map(|value| 1e6 * value));
+        cells.push(written(point.time_to_rest_s[1]));
         if balls {
             cells.extend([micro(point.amplitude_m[1]), micro(point.without_balls_m)]);
             cells.push(
@@ -155,7 +158,15 @@ pub fn points(body: &mut Html, directory: &Path, gathered: &Gathered<'_>) {
         cells
     };
     let rows: Vec<Vec<String>> = gathered.points.iter().take(MOST_ROWS).map(row).collect();
+    let long = rows.len() > SHORT_TABLE;
+    if long {
+        let rows = rows.len();
+        body.line(&format!("<details><summary>Table of {rows} points</summary>"));
+    }
     body.table(&head, &rows, &text);
+    if long {
+        body.line("</details>");
+    }
     let dir = escaped(&quoted(directory));
     if gathered.point_count > rows.len() as u64 {
         body.line(&format!(
@@ -194,26 +205,18 @@ pub fn notable(body: &mut Html, directory: &Path, gathered: &Gathered<'_>) {
     let rows: Vec<Vec<String>> = gathered.notable.iter().map(row).collect();
     body.line(&format!(
         "<p>Runs that failed, and audited runs that end otherwise when they are computed more \
-         precisely{}.</p>",
-        if rows.len() < MOST_ROWS { "" } else { ": the first ones" }
+         precisely: {}.</p>",
+        match gathered.runs.notable {
+            all if all > rows.len() as u64 => format!("the first {} of {all}", rows.len()),
+            1 => "one".to_owned(),
+            all => format!("all {all}"),
+        }
     ));
     body.table(&head, &rows, &[1, 2, 3, 4, 5]);
     body.line("</section>");
 }
 
-/// A number with four significant digits.
-fn significant(value: Option<f64>) -> String {
-    let Some(value) = value.filter(|value| value.is_finite()) else { return "–".to_owned() };
-    if value == 0.0 {
-        return "0".to_owned();
-    }
-    let digits = 3 - value.abs().log10().floor() as i32;
-    match digits {
-        -3..=8 => minus(&format!("{value:.0$}", digits.max(0) as usize)),
-        _ => minus(&format!("{value:.3e}")),
-    }
-}
-
-fn minus(number: &str) -> String {
-    number.replace('-', "−")
+/// A number with four significant digits, or a dash.
+fn written(value: Option<f64>) -> String {
+    value.map_or_else(|| "–".to_owned(), significant)
 }

@@ -79,10 +79,15 @@
     if (colour === 'ground') return theme.ground;
     return theme[colour] || theme.ink;
   }
-  // Lines of a series that comes round again are dashed.
+  // Colour is not all that tells lines apart.
+  const DASHES = [[], [8, 4], [2, 3], [9, 3, 2, 3], [14, 4], [4, 2]];
   function dashOf(layer) {
-    const round = typeof layer.colour === 'object' ? Math.floor(layer.colour.series / 8) % 3 : 0;
-    return layer.dashed ? 'dashed' : ['solid', 'dashed', 'dotted'][round];
+    if (layer.dashed) return DASHES[1];
+    return typeof layer.colour === 'object' ? DASHES[layer.colour.series % DASHES.length] : DASHES[0];
+  }
+  function lineStyle(colour, layer) {
+    const dash = dashOf(layer);
+    return { color: colour, width: 2, type: dash.length ? dash : 'solid' };
   }
   function number(value, digits) {
     if (value === null || value === undefined || !isFinite(value)) return '–';
@@ -204,10 +209,10 @@
     switch (layer.mark) {
       case 'line':
         return Object.assign(base, { type: 'line', data: layer.points, showSymbol: false, silent: true,
-          lineStyle: { color: colour, width: 2, type: dashOf(layer) } });
+          lineStyle: lineStyle(colour, layer) });
       case 'steps':
         return Object.assign(base, { type: 'line', step: 'end', data: layer.points, showSymbol: false, silent: true,
-          lineStyle: { color: colour, width: 2, type: dashOf(layer) } });
+          lineStyle: lineStyle(colour, layer) });
       case 'band':
         return polygons(base, [outline(layer)], () => colour, { opacity: 0.15 });
       case 'regions':
@@ -276,6 +281,21 @@
     return base;
   }
 
+  // The ordinate of a curve at an abscissa; steps stay at a value until the next point.
+  function reading(layer, x) {
+    const points = layer.points;
+    let low = 0, high = points.length;
+    while (low < high) {
+      const middle = (low + high) >> 1;
+      if (points[middle][0] <= x) low = middle + 1; else high = middle;
+    }
+    if (low === 0) return layer.mark === 'steps' ? 0 : NaN;
+    const before = points[low - 1];
+    if (layer.mark === 'steps' || low === points.length) return before[1];
+    const after = points[low];
+    return before[1] + ((x - before[0]) / (after[0] - before[0])) * (after[1] - before[1]);
+  }
+
   // ---- a figure on the page ------------------------------------------------------------------------
   class Figure {
     constructor(spec) {
@@ -298,7 +318,11 @@
     }
     select(text, key) {
       const values = [...new Set(this.spec.panels.map((p) => p[key]))];
-      if (values.length < 2) return;
+      if (values.length < 2) {
+        // One only, but not a matter of course.
+        if (values[0]) this.controls.append(Object.assign(document.createElement('span'), { textContent: values[0] }));
+        return;
+      }
       const label = document.createElement('label');
       label.textContent = text;
       const select = document.createElement('select');
@@ -330,9 +354,11 @@
       const side = make('div', 'side');
       this.box = make('div', 'chart');
       this.box.tabIndex = 0;
-      this.box.setAttribute('role', 'img');
-      this.box.setAttribute('aria-label', this.spec.title + '. ' + this.spec.alternative +
-        ' With the arrow keys: dot by dot.');
+      // It takes arrow keys, which a screen reader would keep for itself in a picture.
+      this.box.setAttribute('role', 'application');
+      this.box.setAttribute('aria-roledescription', 'chart');
+      this.box.setAttribute('aria-label', this.spec.title + '. Arrow keys go from dot to dot, Escape closes.');
+      this.box.setAttribute('aria-describedby', this.spec.id + '-words');
       this.scale = make('div', 'scale');
       side.append(this.box, this.scale);
       this.picked = make('div', 'picked');
@@ -351,6 +377,8 @@
       this.box.addEventListener('keydown', (event) => this.key(event));
       const square = this.spec.panels.some((p) => p.x.kind === 'angle' && p.y.kind === 'angle');
       this.box.classList.toggle('square', square);
+      // Before it is drawn, so that the keyboard finds it.
+      this.drawLegend(this.panel());
     }
     draw() {
       const panel = this.panel();
@@ -366,11 +394,14 @@
         .filter(({ layer }) => !layer.name || !this.hidden.has(layer.name));
       const square = panel.x.kind === 'angle' && panel.y.kind === 'angle';
       const bottom = panel.x.kind === 'names' && panel.x.names.length > 5 ? 104 : 56;
+      // Where there are no dots to point at, the curves are read at the pointer's abscissa.
+      const curves = panel.layers.every(({ mark }) => ['line', 'steps', 'band', 'rule'].includes(mark));
       this.chart.setOption({
         animation: false, aria: { enabled: false },
         textStyle: { fontFamily: getComputedStyle(document.body).fontFamily, color: theme.ink },
         grid: { left: panel.x.kind === 'names' ? 96 : 72, right: 22, top: 26, bottom, containLabel: false },
-        tooltip: { trigger: 'item', confine: true, backgroundColor: theme.ground, borderColor: theme.line,
+        tooltip: { trigger: curves ? 'axis' : 'item', confine: true, axisPointer: { type: 'line', label: { show: false } },
+          formatter: curves ? (at) => this.readings(panel, at) : undefined, backgroundColor: theme.ground, borderColor: theme.line,
           textStyle: { color: theme.ink, fontSize: 13 }, transitionDuration: 0 },
         xAxis: axisOf(panel.x, false, square), yAxis: axisOf(panel.y, true, square),
         dataZoom: [
@@ -383,6 +414,13 @@
       const empty = this.drawn.every(({ layer }) => layer.mark === 'rule' || (layer.mark === 'dots' && !layer.x.length));
       this.picked.textContent = empty && !this.hidden.size ? 'There is nothing to show here.' : '';
       this.drawLegend(panel);
+    }
+    readings(panel, at) {
+      const x = at && at.length ? at[0].axisValue : NaN;
+      const lines = this.drawn.filter(({ layer }) => layer.mark === 'line' || layer.mark === 'steps')
+        .map(({ layer }) => '<tr><th class="text">' + sample([layer]) + ' ' + escaped(layer.name) + '</th><td>' + number(reading(layer, x), 4) + '</td></tr>');
+      return '<div class="tip"><strong>' + escaped(panel.x.name) + ' ' + number(x, 4) + ' ' + escaped(panel.x.unit) +
+        '</strong><table>' + lines.join('') + '</table></div>';
     }
     marks() {
       const length = (packed) => (Array.isArray(packed) ? packed.length : packed.f ? packed.f.length / 5.34 : packed.w.length / 2.67);
@@ -468,6 +506,7 @@
     // Dot by dot, in the order of the layers.
     key(event) {
       const step = { ArrowRight: 1, ArrowDown: 1, ArrowLeft: -1, ArrowUp: -1 }[event.key];
+      if (event.key === 'Escape' && this.chart) this.chart.dispatchAction({ type: 'hideTip' });
       if (!step && event.key !== 'Home' && event.key !== 'End') return;
       const dots = this.drawn.map(({ layer, order }, place) => ({ layer, order, place }))
         .filter(({ layer }) => layer.mark === 'dots' || layer.mark === 'cells');
@@ -495,7 +534,7 @@
     let inside = '';
     for (const layer of layers) {
       if (layer.mark === 'line' || layer.mark === 'steps') {
-        const dash = { dashed: '5 3', dotted: '2 2', solid: '' }[dashOf(layer)];
+        const dash = dashOf(layer).join(' ');
         inside += '<path d="M1 7H23" stroke="' + colour + '" stroke-width="2" stroke-dasharray="' + dash + '"/>';
       } else if (layer.mark === 'dots') {
         const shapes = {
@@ -540,6 +579,10 @@
   addEventListener('beforeprint', () => {
     document.documentElement.dataset.paper = 'true';
     readTheme();
+    for (const words of document.querySelectorAll('figcaption details:not([open])')) {
+      words.open = true;
+      words.dataset.folded = 'true';
+    }
     for (const figure of figures) {
       figure.draw();
       const square = figure.box.classList.contains('square');
@@ -550,6 +593,10 @@
   });
   addEventListener('afterprint', () => {
     delete document.documentElement.dataset.paper;
+    for (const words of document.querySelectorAll('details[data-folded]')) {
+      words.open = false;
+      delete words.dataset.folded;
+    }
     again();
     for (const figure of figures) figure.chart.resize({ width: 'auto', height: 'auto' });
   });
