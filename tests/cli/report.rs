@@ -148,6 +148,48 @@ fn a_sweep_over_two_parameters_is_a_map() {
     assert_eq!(panel["layers"][0]["values"].as_array().unwrap().len(), 12);
 }
 
+/// A map for each value of a third parameter, and curves by values where their names would be long.
+#[test]
+fn further_parameters_have_maps_of_their_own() {
+    let scratch = Scratch::new();
+    let rest = "sweep: [{grid: {speed_rad_s: [-160.0, -200.0, -220.0], \
+                friction_coefficient: [1.0e-5, 1.0e-4, 1.0e-2], normal_force: [lagrange, newton]}}]\n";
+    scratch.write("a.yaml", study(4, AT_ONCE, rest));
+    scratch.well("run a.yaml --out out");
+    scratch.well("report out");
+    let data = data(&page(&scratch, "out-report.html"));
+    let panels = figure(&data, "map")["panels"].as_array().unwrap();
+    for force in ["lagrange", "newton"] {
+        let title = format!("normal force {force}");
+        let of_force: Vec<&Value> =
+            panels.iter().filter(|panel| panel["title"] == *title).collect();
+        assert!(!of_force.is_empty(), "{title}");
+        for panel in of_force {
+            assert_eq!(panel["layers"][0]["values"].as_array().unwrap().len(), 9);
+            // Over three decades.
+            assert_eq!(panel["y"]["kind"], "logarithmic");
+        }
+    }
+    let curves = &figure(&data, "time-to-rest")["panels"][0]["layers"][0]["name"];
+    assert_eq!(curves, "\u{2212}160, 1e\u{2212}5, lagrange");
+}
+
+/// Failed runs are told where figures cannot show them, and what is computed without draws is called so.
+#[test]
+fn figures_say_what_they_leave_out() {
+    let (scratch, _) = finished();
+    scratch.well("report out");
+    let text = page(&scratch, "out-report.html");
+    let points = scratch.table("out", "points");
+    let failed = counts(&points, "failed_runs");
+    assert!(failed[0] > 0);
+    assert_has(&text, &[format!("Failed runs are left out: {} of 20 at speed", failed[0])]);
+    assert_has(&text, &["of the machine without draws; each run has its own ball_mass_kg."]);
+    let data = data(&text);
+    let curve = figure(&data, "time-to-rest")["panels"][0]["layers"][0]["name"].as_str().unwrap();
+    assert!(curve.ends_with(&format!("({} failed)", failed[0])), "{curve}");
+}
+
 #[test]
 fn results_that_are_not_complete_say_how_much_is_missing() {
     let scratch = Scratch::new();
@@ -171,7 +213,25 @@ fn what_cannot_be_shown_is_refused() {
     scratch.well("report out");
     scratch
         .refused("report out --out a.yaml", &["a.yaml", "would replace", "found: ", "allowed: "]);
-    scratch.refused("report out --out out", &["out", "a directory", "allowed: "]);
+    for inside in ["out", "out/new.html", "out/chunks", "out/a/b.html"] {
+        let said = ["lies in the directory that is shown", "found: ", "allowed: "];
+        scratch.refused(&format!("report out --out {inside}"), &said);
+        scratch.refused(&format!("report out --figures svg --out {inside}"), &said);
+    }
+    fs::create_dir(scratch.path("folder")).unwrap();
+    scratch.refused("report out --out folder", &["folder", "a directory", "allowed: "]);
+    // What somebody has changed is kept.
+    let mine = page(&scratch, "out-report.html") + "<!-- my notes -->";
+    scratch.write("out-report.html", &mine);
+    scratch.refused("report out", &["found:   a report that has been changed since", "allowed: "]);
+    assert_eq!(page(&scratch, "out-report.html"), mine);
+    fs::remove_file(scratch.path("out-report.html")).unwrap();
+    scratch.well("report out --figures svg");
+    scratch.well("report out --figures svg");
+    let mine = page(&scratch, "out-figures/doubt.svg").replace("</svg>", "<text>mine</text></svg>");
+    scratch.write("out-figures/doubt.svg", &mine);
+    scratch.refused("report out --figures svg", &["doubt.svg", "has been changed since"]);
+    assert_eq!(page(&scratch, "out-figures/doubt.svg"), mine);
     // A table that lacks a column, and one that is missing.
     rewrite(&scratch, "rest", |batch| without(batch, "probability_at_rest"));
     let said = ["rest.parquet: column probability_at_rest: there is no such column", "allowed: "];

@@ -40,7 +40,7 @@ pub fn distinct(points: &[PointFacts], column: usize) -> Option<Vec<f64>> {
 /// against the greatest.
 pub fn is_by_decades(values: &[f64]) -> bool {
     let (Some(least), Some(most)) = (values.first(), values.last()) else { return false };
-    let small = values.iter().filter(|value| **value < 0.1 * most).count();
+    let small = values.iter().filter(|value| **value < 0.2 * most).count();
     *least > 0.0 && most / least >= 100.0 && 2 * small >= values.len()
 }
 
