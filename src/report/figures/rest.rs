@@ -75,15 +75,20 @@ fn layers(gathered: &Gathered<'_>, curves: &[CurveOf<'_, &RestCurve>], end: f64)
         let RestCurve { time_s, low, high, .. } = curve;
         // Of failed runs nobody knows: all of them at rest at once, or never.
         let part = failed(point) as f64 / point.runs.max(1) as f64;
-        let x = time_s.clone();
-        let low = low.iter().map(|low| low * (1.0 - part)).collect();
-        let high = high.iter().map(|high| high * (1.0 - part) + part).collect();
+        let mut x = time_s.clone();
+        let mut low: Vec<f64> = low.iter().map(|low| low * (1.0 - part)).collect();
+        let mut high: Vec<f64> = high.iter().map(|high| high * (1.0 - part) + part).collect();
+        // Nothing more happens up to the end.
+        if x.last().is_some_and(|time| *time < end) {
+            x.push(end);
+            low.extend(low.last().copied());
+            high.extend(high.last().copied());
+        }
         layer(place, point, Mark::Band { x, low, high, steps: true })
     });
     let lines = curves.iter().enumerate().map(|(place, (point, curve))| {
         let steps = curve.time_s.iter().zip(&curve.probability).map(|(t, p)| [*t, *p]);
         let mut points: Vec<[f64; 2]> = std::iter::once([0.0, 0.0]).chain(steps).collect();
-        // Nothing more happens up to the end.
         if let Some([_, probability]) = points.last().copied().filter(|[time, _]| *time < end) {
             points.push([end, probability]);
         }

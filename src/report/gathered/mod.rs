@@ -19,7 +19,7 @@ use crate::study::Study;
 use crate::table::{Manifest, Table, TableError};
 
 /// The longest name of a curve that has room beside a figure, letters.
-const LONGEST_NAME: usize = 48;
+const LONGEST_NAME: usize = 56;
 
 /// How much is shown, so that a page stays small; what is left out is said.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
