@@ -4,19 +4,20 @@
 //! at upright rules above them. All panels have one size; axes that are alike are written once.
 
 use super::axes::{Ruled, SIZE, Which, ruled, with_minus};
-use super::colours::{self, INK};
+use super::colour_bar::{Bar, bar, bar_width, draw_bar};
+use super::colours::INK;
 use super::font;
-use super::marks::{self, Frame, SAMPLE};
+use super::legend::{contradict, legend};
+use super::marks::{self, Frame};
 use super::scene::{Anchor, Box2, Item, Paint, Scene, Step, Stroke};
-use crate::report::chart::{AxisKind, Colour, ColourScale, Figure, Layer, Mark, Panel};
+use crate::report::chart::{AxisKind, Figure, Panel};
 
 const MILLIMETRE: f64 = 72.0 / 25.4;
 /// Widths of a column of a journal and of its page, mm.
 const WIDTHS: [f64; 2] = [90.0, 180.0];
 /// Between the lines of words that belong together.
-const LEADING: f64 = 10.0;
-const TICK: f64 = 3.0;
-const BAR: f64 = 7.0;
+pub(super) const LEADING: f64 = 10.0;
+pub(super) const TICK: f64 = 3.0;
 const EDGE: f64 = 2.0;
 /// Between an ordinate's ticks with their words and its name.
 const NAME: f64 = 6.0;
@@ -41,14 +42,6 @@ struct Cell<'a> {
 }
 
 /// A colour bar.
-#[derive(Clone)]
-struct Bar {
-    ruled: Ruled,
-    steps: usize,
-    /// Its name in lines that have room.
-    name: Vec<String>,
-}
-
 /// How many panels are side by side.
 fn columns(panels: usize) -> usize {
     match panels {
@@ -232,7 +225,11 @@ fn title(panel: &Panel, number: Option<usize>, width: f64) -> Vec<String> {
 }
 
 /// Words in at most so many lines that have room; what has none is cut off.
-fn lines<'a>(words: impl Iterator<Item = &'a str>, width: f64, most: usize) -> Vec<String> {
+pub(super) fn lines<'a>(
+    words: impl Iterator<Item = &'a str>,
+    width: f64,
+    most: usize,
+) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     for word in words {
         match lines.last_mut() {
@@ -253,7 +250,7 @@ fn lines<'a>(words: impl Iterator<Item = &'a str>, width: f64, most: usize) -> V
 }
 
 /// Words cut off where they have no room.
-fn shortened(words: &str, width: f64) -> String {
+pub(super) fn shortened(words: &str, width: f64) -> String {
     if font::width(words, SIZE) <= width {
         return words.to_owned();
     }
@@ -341,7 +338,7 @@ fn draw(scene: &mut Scene, cell: &Cell<'_>, area: Box2) {
 }
 
 /// Words that are read from below.
-fn upright(scene: &mut Scene, at: [f64; 2], words: &str) {
+pub(super) fn upright(scene: &mut Scene, at: [f64; 2], words: &str) {
     let words = words.to_owned();
     let item = Item::Text { at, size: SIZE, anchor: Anchor::Middle, turned: -90.0, words };
     scene.items.push(item);
@@ -380,137 +377,5 @@ fn rules(scene: &mut Scene, cell: &Cell<'_>, area: Box2) {
             scene.text([x, area.top - 3.0], SIZE, Anchor::Middle, words);
             taken = x + width / 2.0 + 3.0;
         }
-    }
-}
-
-/// Whether a look has one name in one panel and another in the next: a legend for all would mislead.
-fn contradict(panels: &[Panel]) -> bool {
-    let named = |panel: &Panel| -> Vec<(Colour, String)> {
-        let named = panel.layers.iter().filter(|layer| !layer.name.is_empty());
-        let series = named.filter(|layer| matches!(layer.colour, Colour::Series(_)));
-        series.map(|layer| (layer.colour, layer.name.clone())).collect()
-    };
-    let all: Vec<Vec<(Colour, String)>> = panels.iter().map(named).collect();
-    all.iter().enumerate().any(|(place, one)| {
-        let later = all[place + 1..].iter().flatten();
-        let has = |colour: Colour, name: &str| one.iter().any(|(c, n)| *c == colour && n == name);
-        later
-            .clone()
-            .any(|(colour, name)| one.iter().any(|(own, _)| own == colour) && !has(*colour, name))
-    })
-}
-
-/// Draws the legend in rows between two abscissas, from the top; returns how high it is.
-fn legend(scene: &mut Scene, panels: &[Panel], [left, top, right]: [f64; 3]) -> f64 {
-    let mut names: Vec<&str> = Vec::new();
-    for layer in panels.iter().flat_map(|panel| &panel.layers) {
-        let by_value = layer.colour == Colour::Scale
-            && matches!(layer.mark, Mark::Regions { .. } | Mark::Cells { .. });
-        if !layer.name.is_empty() && !by_value && !names.contains(&layer.name.as_str()) {
-            names.push(&layer.name);
-        }
-    }
-    if names.is_empty() {
-        return 0.0;
-    }
-    let [mut x, mut y] = [left, top + 0.5 * LEADING];
-    for name in names {
-        let room = right - left - SAMPLE - 6.0;
-        let words = shortened(&with_minus(name), room);
-        let wide = SAMPLE + 4.0 + font::width(&words, SIZE);
-        if x > left && x + wide > right {
-            [x, y] = [left, y + LEADING + 1.5];
-        }
-        // All layers of the name in the first panel that has it.
-        let of_name = |layer: &&Layer| layer.name == name;
-        if let Some(panel) = panels.iter().find(|panel| panel.layers.iter().any(|l| l.name == name))
-        {
-            let dashes_mean = marks::dashes_mean(panel);
-            for layer in panel.layers.iter().filter(of_name) {
-                marks::sample(scene, layer, dashes_mean, [x, y]);
-            }
-        }
-        scene.text([x + SAMPLE + 4.0, y + 0.36 * SIZE], SIZE, Anchor::Start, &words);
-        x += wide + 12.0;
-    }
-    y - top + 0.5 * LEADING + 2.0
-}
-
-/// The colour bar of a panel, in steps where its regions are bands of even width.
-fn bar(panel: &Panel, height: f64) -> Option<Bar> {
-    let scale = panel.scale.as_ref()?;
-    let mut values: Vec<f64> = Vec::new();
-    for layer in panel.layers.iter().filter(|layer| layer.colour == Colour::Scale) {
-        if let Mark::Regions { values: more, .. } = &layer.mark {
-            values.extend(more);
-        }
-    }
-    values.sort_by(f64::total_cmp);
-    values.dedup();
-    let [from, to] = scale.range;
-    let least = values.windows(2).map(|pair| pair[1] - pair[0]).fold(f64::INFINITY, f64::min);
-    let steps = ((to - from) / least).round();
-    let middle = |value: &f64| ((value - from) / (to - from) * steps).fract();
-    let even = (2.0..=40.0).contains(&steps)
-        && values.iter().all(|value| (middle(value) - 0.5).abs() < 1e-6);
-    let ruled = scale_axis(scale, height);
-    let name = lines(ruled.name.split_whitespace(), height + 8.0, 2);
-    Some(Bar { ruled, steps: if even { steps as usize } else { 64 }, name })
-}
-
-fn scale_axis(scale: &ColourScale, height: f64) -> Ruled {
-    let axis = crate::report::chart::Axis {
-        name: String::new(),
-        unit: String::new(),
-        range: Some(scale.range),
-        kind: AxisKind::Linear,
-    };
-    let panel = Panel {
-        title: String::new(),
-        part: String::new(),
-        x: axis.clone(),
-        y: axis,
-        scale: None,
-        layers: Vec::new(),
-    };
-    let mut ruled = ruled(&panel, Which::Y, height);
-    // A power of ten that was taken out stays with the name.
-    ruled.name = match ruled.name.trim() {
-        "" => scale.name.clone(),
-        factor => format!("{} {factor}", scale.name),
-    };
-    ruled
-}
-
-fn bar_width(bar: &Bar) -> f64 {
-    6.0 + BAR + TICK + 2.0 + bar.ruled.widest() + LEADING * bar.name.len() as f64 + 7.0
-}
-
-fn draw_bar(scene: &mut Scene, bar: &Bar, [left, top, bottom]: [f64; 3]) {
-    let right = left + BAR;
-    let height = bottom - top;
-    let edge = |step: usize| bottom - height * step as f64 / bar.steps as f64;
-    for step in 0..bar.steps {
-        let part = (step as f64 + 0.5) / bar.steps as f64;
-        // Down to the lower end, so that no seam shows; the next one covers what is above.
-        let block = Box2 {
-            left,
-            top: top.max(edge(step + 1)),
-            right,
-            bottom: bottom.min(edge(step) + 0.8),
-        };
-        scene.area(block.steps(), Paint::of(colours::of_scale(part)), None);
-    }
-    let black = || Stroke { paint: Paint::of(INK), width: 0.6, dash: Vec::new() };
-    let mut lines = Box2 { left, top, right, bottom }.steps();
-    for (value, words) in &bar.ruled.ticks {
-        let y = bottom - bar.ruled.part(*value) * height;
-        lines.extend([Step::Move([right, y]), Step::Line([right + TICK, y])]);
-        scene.text([right + TICK + 2.0, y + 0.36 * SIZE], SIZE, Anchor::Start, words);
-    }
-    scene.line(lines, black(), None);
-    let x = right + TICK + 2.0 + bar.ruled.widest() + SIZE + 2.0;
-    for (place, words) in bar.name.iter().enumerate() {
-        upright(scene, [x + LEADING * place as f64, top + height / 2.0], words);
     }
 }

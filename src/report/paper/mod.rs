@@ -5,9 +5,11 @@
 //! layout, and its bitmap to the byte, the same on every machine.
 
 mod axes;
+mod colour_bar;
 mod colours;
 mod font;
 mod layout;
+mod legend;
 mod marks;
 mod raster;
 mod scene;
