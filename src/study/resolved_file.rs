@@ -43,11 +43,17 @@ impl Study {
     }
 
     /// SHA-256, in hexadecimal, of what determines the runs: not the file's name, form and
-    /// comments, nor `name` and `expect`.
+    /// comments, nor `name`, `expect`, `design` and `responses`.
     pub fn hash(&self) -> String {
         let compute = || {
             let file = self.resolved.file.clone();
-            let determining = StudyFile { name: String::new(), expect: None, ..file };
+            let determining = StudyFile {
+                name: String::new(),
+                expect: None,
+                design: None,
+                responses: None,
+                ..file
+            };
             let mut digest = Sha256::new();
             digest.update(b"stickslip study 1\n");
             digest.update(to_value(&determining).to_string());
