@@ -7,7 +7,7 @@ use super::decode::decode;
 use super::error::{Fault, Locate, StudyError, shorten};
 use super::expectation::resolve_expectations;
 use super::file::{BlockFile, DesignFile, DistributionFile, InitialConditionsFile, StudyFile};
-use super::file_values::{Balls, Named};
+use super::file_values::{Balls, Named, Range};
 use super::key_path::KeyPath;
 use super::node::{Content, Source};
 use super::parameter::{Parameter, VariedParameter};
@@ -25,7 +25,7 @@ use super::resolve_variables::resolve_variables;
 use super::resolved_file::ResolvedFile;
 use super::response::resolve_responses;
 use super::rows::MAX_VALUES;
-use super::start_box::StartBox;
+use super::start_box::{GENERAL_AXES, StartBox};
 use super::sweep::Listing;
 use super::table_folders::TableFolders;
 use super::variable::Variable;
@@ -145,7 +145,7 @@ fn resolve(
             .then(|| blocks.iter().map(|block| block.file.clone()).collect()),
         uncertain: uncertain_to_file(written, &uncertain),
         initial_conditions: InitialConditionsFile {
-            start_box: Some(start_box.to_file()),
+            start_box: Some(box_to_file(&start_box, written)),
             design: common.map(|design| design.file),
         },
         simulation: Some(simulation_to_file(&simulation)),
@@ -204,6 +204,10 @@ fn by_balls(
         let mut other =
             StudyFile { expect: None, design: None, responses: None, ..written.clone() };
         other.model.parameters.get_or_insert_default().balls = Some(Balls::Number(balls));
+        // Ranges of balls that a design does not have.
+        if let Some(ranges) = &mut other.initial_conditions.start_box {
+            ranges.0.retain(|(name, _)| ball_of(name).is_none_or(|ball| ball <= balls));
+        }
         resolve(source, &other, folders).map_err(|error| {
             let problem = format!("with {balls} balls: `{}`: {}", error.key(), error.problem());
             let found = error.found().map(str::to_owned);
@@ -212,6 +216,23 @@ fn by_balls(
         })
     };
     numbers.map(with).collect()
+}
+
+/// The ball that a coordinate such as `beta_dot_2` is of.
+fn ball_of(axis: &str) -> Option<u64> {
+    let ball = axis.strip_prefix("beta_dot_").or_else(|| axis.strip_prefix("beta_"))?;
+    ball.parse().ok()
+}
+
+/// The box with all axes; where designs choose the number of balls, with the ranges of all balls, too.
+fn box_to_file(start_box: &StartBox, written: &StudyFile) -> Named<Range> {
+    let mut file = start_box.to_file();
+    let chosen = written.design.as_ref().is_some_and(|design| design.get("balls").is_some());
+    if let (true, Some(ranges)) = (chosen, &written.initial_conditions.start_box) {
+        let general = ranges.0.iter().filter(|(name, _)| GENERAL_AXES.contains(&name.as_str()));
+        file.0.extend(general.cloned());
+    }
+    file
 }
 
 fn check_name(source: &Source, name: &str) -> Result<(), StudyError> {
