@@ -23,7 +23,7 @@ pub(super) enum Domain {
     Choices(Vec<(String, Vec<(Parameter, f64)>)>),
 }
 
-/// The value of a variable: as [`Variable::number`] or [`Variable::word`] has accepted it.
+/// The value of a variable, within its range or one of its choices.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum DesignValue {
     /// A number within the range.
