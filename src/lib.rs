@@ -13,6 +13,7 @@
 //! - [`ending`]: how a run ends, on evidence.
 //! - [`farm`]: runs over the cores, in order, whatever happens in one of them.
 //! - [`analysis`]: intervals, times to rest, what is known of a point; equilibrium sets.
+//! - [`design`]: responses of designs, for optimisers.
 //! - [`table`]: Parquet files with units and provenance; the only room that writes them, and that knows Arrow.
 //! - [`report`]: results and runs for the eye: what a figure shows, figures, animations.
 //! - [`cli`]: the commands.
@@ -38,6 +39,7 @@
 
 pub mod analysis;
 pub mod cli;
+pub mod design;
 pub mod ending;
 pub mod farm;
 pub mod model;

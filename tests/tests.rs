@@ -4,6 +4,8 @@
 mod analysis;
 /// The command line: what goes in, what comes out, exit codes, interruption, memory.
 mod cli;
+/// Designs and their responses.
+mod design;
 /// The README.
 mod docs;
 /// How runs end.

@@ -12,7 +12,7 @@ mod cycle_class;
 mod cycles;
 mod density;
 #[cfg(test)]
-mod draws;
+pub(crate) mod draws;
 mod equilibrium_set;
 mod escape;
 mod frictionless;
@@ -33,6 +33,7 @@ mod stratified;
 mod survival;
 mod tally;
 mod torus_distance;
+mod without_balls;
 
 pub use alike::{groups_of_alike, sorted_where_alike};
 pub use audit::AuditCounts;
@@ -56,3 +57,4 @@ pub use stratified::Cells;
 pub use survival::{SurvivalCurve, SurvivalStep};
 pub use tally::Tally;
 pub use torus_distance::torus_distance;
+pub use without_balls::amplitude_without_balls;

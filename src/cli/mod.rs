@@ -6,6 +6,8 @@ mod completions;
 mod directory;
 mod equilibria;
 mod equilibria_report;
+mod evaluate;
+mod evaluate_server;
 mod existence;
 mod exit;
 mod expand;
@@ -71,6 +73,7 @@ enum Command {
     Expand(expand::ExpandArguments),
     Verify(verify::VerifyArguments),
     Equilibria(equilibria::EquilibriaArguments),
+    Evaluate(evaluate::EvaluateArguments),
     Schema(schema::SchemaArguments),
     Completions(completions::CompletionsArguments),
 }
@@ -89,6 +92,7 @@ pub fn main() -> ExitCode {
         Command::Expand(arguments) => expand::expand(&arguments),
         Command::Verify(arguments) => verify::verify(&arguments),
         Command::Equilibria(arguments) => equilibria::equilibria(&arguments),
+        Command::Evaluate(arguments) => evaluate::evaluate(&arguments),
         Command::Schema(arguments) => schema::schema(&arguments),
         Command::Completions(arguments) => completions::completions(&arguments),
     };

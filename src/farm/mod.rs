@@ -6,6 +6,7 @@
 //! written.
 
 mod compute;
+mod crew;
 mod halt;
 mod interrupt;
 mod keeping;
@@ -16,6 +17,7 @@ mod store;
 mod work;
 
 pub use compute::compute;
+pub use crew::Crew;
 pub use halt::StopReason;
 pub use interrupt::stop_on_signals;
 pub use progress::{Planned, Progress, Show, say};

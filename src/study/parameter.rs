@@ -320,6 +320,13 @@ impl Parameter {
         }
     }
 
+    /// Sets the value of balls that have none of their own, where that is meant.
+    pub fn set_general(self, general: &mut Ball, number: f64) {
+        if let (true, Some(field)) = (self.is_general(), self.quantity.of_ball(general)) {
+            *field = number;
+        }
+    }
+
     /// The number in a model, where it is one; of balls, that of the first one meant.
     fn number_in(self, model: &mut Model) -> Option<f64> {
         let quantity = self.quantity;

@@ -10,7 +10,9 @@ use super::precision::{Precision, Sampling};
 use super::resolve_model::Base;
 use super::resolve_uncertain::Uncertain;
 use super::resolved_file::ResolvedFile;
+use super::response::Response;
 use super::sweep::{Block, Listing};
+use super::variable::Variable;
 use crate::model::{Case, InvalidParameter, Model, Simulation, Start};
 
 /// A study with everything checked and every default filled in; it never changes.
@@ -31,6 +33,10 @@ pub struct Study {
     pub(super) uncertain_parameters: Vec<Uncertain>,
     pub(super) uncertain: Vec<VariedParameter>,
     pub(super) expectations: Vec<Expectation>,
+    pub(super) variables: Vec<Variable>,
+    pub(super) responses: Vec<Response>,
+    /// This study with each number of balls that a design may have, in their order.
+    pub(super) by_balls: Vec<Study>,
     pub(super) resolved: ResolvedFile,
 }
 
@@ -150,6 +156,16 @@ impl Study {
     /// What the study expects of its results.
     pub fn expectations(&self) -> &[Expectation] {
         &self.expectations
+    }
+
+    /// What designs vary.
+    pub fn variables(&self) -> &[Variable] {
+        &self.variables
+    }
+
+    /// What designs are asked for.
+    pub fn responses(&self) -> &[Response] {
+        &self.responses
     }
 
     /// A point of the sweep by its number.

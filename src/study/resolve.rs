@@ -7,7 +7,7 @@ use super::decode::decode;
 use super::error::{Fault, Locate, StudyError, shorten};
 use super::expectation::resolve_expectations;
 use super::file::{BlockFile, DesignFile, DistributionFile, InitialConditionsFile, StudyFile};
-use super::file_values::Named;
+use super::file_values::{Balls, Named, Range};
 use super::key_path::KeyPath;
 use super::node::{Content, Source};
 use super::parameter::{Parameter, VariedParameter};
@@ -21,11 +21,14 @@ use super::resolve_runs::number_runs;
 use super::resolve_simulation::{resolve_simulation, simulation_to_file};
 use super::resolve_sweep::{ResolvedBlock, resolve_block};
 use super::resolve_uncertain::resolve_uncertain;
+use super::resolve_variables::resolve_variables;
 use super::resolved_file::ResolvedFile;
+use super::response::resolve_responses;
 use super::rows::MAX_VALUES;
-use super::start_box::StartBox;
+use super::start_box::{GENERAL_AXES, StartBox};
 use super::sweep::Listing;
 use super::table_folders::TableFolders;
+use super::variable::Variable;
 
 /// The version of the study file's format that this program reads.
 const SCHEMA: u64 = 1;
@@ -142,13 +145,15 @@ fn resolve(
             .then(|| blocks.iter().map(|block| block.file.clone()).collect()),
         uncertain: uncertain_to_file(written, &uncertain),
         initial_conditions: InitialConditionsFile {
-            start_box: Some(start_box.to_file()),
+            start_box: Some(box_to_file(&start_box, written)),
             design: common.map(|design| design.file),
         },
         simulation: Some(simulation_to_file(&simulation)),
         audit: audit.map(Audit::to_file),
         precision: precision.map(Precision::to_file),
         expect: written.expect.clone(),
+        design: written.design.clone(),
+        responses: written.responses.clone(),
     };
     let mut study = Study {
         name: written.name.clone(),
@@ -170,12 +175,64 @@ fn resolve(
         uncertain,
         uncertain_parameters,
         expectations: Vec::new(),
+        variables: Vec::new(),
+        responses: Vec::new(),
+        by_balls: Vec::new(),
         resolved: ResolvedFile::new(resolved),
     };
     check_points(source, written, &study)?;
     let expected = written.expect.as_deref().unwrap_or_default();
     study.expectations = resolve_expectations(source, &study, &study.swept_parameters, expected)?;
+    study.responses = resolve_responses(source, &study, written.responses.as_ref())?;
+    study.variables = resolve_variables(source, &study, written.design.as_ref())?;
+    study.by_balls = by_balls(source, written, folders, &study)?;
     Ok(study)
+}
+
+/// The study with each number of balls that a design may have, in their order; none where designs do
+/// not choose it.
+fn by_balls(
+    source: &Source,
+    written: &StudyFile,
+    folders: &TableFolders,
+    study: &Study,
+) -> Result<Vec<Study>, StudyError> {
+    let Some(numbers) = study.variables.iter().find_map(Variable::ball_numbers) else {
+        return Ok(Vec::new());
+    };
+    let with = |balls: u64| {
+        let mut other =
+            StudyFile { expect: None, design: None, responses: None, ..written.clone() };
+        other.model.parameters.get_or_insert_default().balls = Some(Balls::Number(balls));
+        // Ranges of balls that a design does not have.
+        if let Some(ranges) = &mut other.initial_conditions.start_box {
+            ranges.0.retain(|(name, _)| ball_of(name).is_none_or(|ball| ball <= balls));
+        }
+        resolve(source, &other, folders).map_err(|error| {
+            let problem = format!("with {balls} balls: `{}`: {}", error.key(), error.problem());
+            let found = error.found().map(str::to_owned);
+            let fault = Fault { problem, found, allowed: error.allowed().map(str::to_owned) };
+            source.refuse_value(&KeyPath::of("design.balls"), fault)
+        })
+    };
+    numbers.map(with).collect()
+}
+
+/// The ball that a coordinate such as `beta_dot_2` is of.
+fn ball_of(axis: &str) -> Option<u64> {
+    let ball = axis.strip_prefix("beta_dot_").or_else(|| axis.strip_prefix("beta_"))?;
+    ball.parse().ok()
+}
+
+/// The box with all axes; where designs choose the number of balls, with the ranges of all balls, too.
+fn box_to_file(start_box: &StartBox, written: &StudyFile) -> Named<Range> {
+    let mut file = start_box.to_file();
+    let chosen = written.design.as_ref().is_some_and(|design| design.get("balls").is_some());
+    if let (true, Some(ranges)) = (chosen, &written.initial_conditions.start_box) {
+        let general = ranges.0.iter().filter(|(name, _)| GENERAL_AXES.contains(&name.as_str()));
+        file.0.extend(general.cloned());
+    }
+    file
 }
 
 fn check_name(source: &Source, name: &str) -> Result<(), StudyError> {

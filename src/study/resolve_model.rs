@@ -110,6 +110,11 @@ impl Base {
         }
     }
 
+    /// Whether a ball has values of its own.
+    pub fn has_own(&self) -> bool {
+        self.own.iter().any(|ball| *ball != BallFile::default())
+    }
+
     /// The model with every value written out.
     pub fn to_file(&self) -> ModelFile {
         let alike = self.own.iter().all(|ball| *ball == BallFile::default());

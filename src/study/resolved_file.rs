@@ -7,6 +7,7 @@ use sha2::{Digest, Sha256};
 
 use super::file::StudyFile;
 use super::plan::Study;
+use super::start_box::GENERAL_AXES;
 
 /// Words that some readers of YAML do not take for text.
 const NOT_TEXT: [&str; 9] = ["true", "false", "yes", "no", "on", "off", "null", "nan", "inf"];
@@ -43,11 +44,21 @@ impl Study {
     }
 
     /// SHA-256, in hexadecimal, of what determines the runs: not the file's name, form and
-    /// comments, nor `name` and `expect`.
+    /// comments, nor `name`, `expect`, `design` and `responses`.
     pub fn hash(&self) -> String {
         let compute = || {
             let file = self.resolved.file.clone();
-            let determining = StudyFile { name: String::new(), expect: None, ..file };
+            let mut determining = StudyFile {
+                name: String::new(),
+                expect: None,
+                design: None,
+                responses: None,
+                ..file
+            };
+            // Ranges of all balls are for designs; this study's own balls have theirs.
+            if let Some(ranges) = &mut determining.initial_conditions.start_box {
+                ranges.0.retain(|(name, _)| !GENERAL_AXES.contains(&name.as_str()));
+            }
             let mut digest = Sha256::new();
             digest.update(b"stickslip study 1\n");
             digest.update(to_value(&determining).to_string());

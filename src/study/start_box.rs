@@ -15,6 +15,9 @@ const DEFAULT_HALF_WIDTH: f64 = 0.05;
 /// Default largest ball speed over the natural frequency (reconstructed).
 const DEFAULT_BALL_SPEED: f64 = 1.0;
 
+/// Names that stand for a coordinate of every ball.
+pub(crate) const GENERAL_AXES: [&str; 2] = ["beta", "beta_dot"];
+
 /// Names of the coordinates of a start state, in their order.
 pub(crate) fn axis_names(model: &Model) -> Vec<String> {
     model.coordinates().into_iter().map(|coordinate| coordinate.name).collect()
@@ -62,7 +65,7 @@ impl StartBox {
         model: &Model,
     ) -> Result<StartBox, StudyError> {
         let names = axis_names(model);
-        let general_names: &[&str] = if model.balls() > 0 { &["beta", "beta_dot"] } else { &[] };
+        let general_names: &[&str] = if model.balls() > 0 { &GENERAL_AXES } else { &[] };
         for (name, Range([low, high])) in written.iter().flat_map(|ranges| &ranges.0) {
             if !names.contains(name) && !general_names.contains(&name.as_str()) {
                 let mut allowed: Vec<String> =

@@ -3,10 +3,11 @@
 use super::column::Column;
 use super::runs::swept_columns;
 use crate::analysis::{
-    AuditCounts, EscapeRate, PointSummary, StableEquilibria, is_narrow, set_fraction,
+    AuditCounts, EscapeRate, PointSummary, StableEquilibria, amplitude_without_balls, is_narrow,
+    set_fraction,
 };
 use crate::ending::Label;
-use crate::model::{Balancer, ExistenceVerdict, Machine};
+use crate::model::{ExistenceVerdict, Machine};
 use crate::study::{ParameterValue, Point, Study};
 
 /// One point of the sweep with what its runs have shown.
@@ -49,19 +50,6 @@ impl PointRow {
             existence: point.model().ball_balancer().map(Machine::existence),
         }
     }
-}
-
-/// Amplitude of the table when balls of the same mass cancel each other out: what the imbalance
-/// alone does (thesis section 5.2, "if no balls were present").
-fn amplitude_without_balls(machine: &Machine) -> Option<f64> {
-    let mut opposite = machine.clone();
-    opposite.balls.resize(2, *machine.balls.first()?);
-    let ball_mass = machine.balls.iter().map(|ball| ball.mass_kg).sum::<f64>() / 2.0;
-    for ball in &mut opposite.balls {
-        ball.mass_kg = ball_mass;
-    }
-    let balancer = Balancer::<2>::new(&opposite)?;
-    Some(balancer.rest_amplitude(&[0.0, std::f64::consts::PI]) * machine.ring_radius_m)
 }
 
 /// The columns of `points.parquet`.

@@ -6,6 +6,7 @@ mod commands;
 mod directories;
 mod edited;
 mod equilibria;
+mod evaluate;
 mod existence;
 mod expand;
 mod interrupt;

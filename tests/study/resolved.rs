@@ -102,6 +102,8 @@ fn the_hash_is_that_of_what_determines_the_runs() {
         text.replace("name: a", "name: b"),
         format!("# comment\n{text}"),
         format!("{text}expect: [{{equilibrium_fraction: [0, 1]}}]\n"),
+        format!("{text}design: {{balls: {{from: 1, to: 3}}}}\n"),
+        format!("{text}responses: {{a: median_time_to_rest}}\n"),
         format!("{text}simulation: {{band: 1e-8}}\n"),
         format!("{text}  box: {{y: [-0.05, 0.05], x: [-5e-2, 0.05]}}\n"),
         text.replace("schema: 1\nname: a\nseed: 5\n", "seed: 5\nschema: 1\nname: a\n"),

@@ -1,0 +1,114 @@
+//! `stickslip evaluate --designs -`: requests on standard input, answers on standard output.
+
+use std::io::{self, BufRead, Read};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};
+use std::thread;
+use std::time::Duration;
+
+use serde_json::json;
+
+use super::exit::{CliError, End};
+use super::output::{Reader, print};
+use crate::design::{Refusal, Request, respond, to_json};
+use crate::farm::Crew;
+use crate::study::Study;
+
+/// The longest line that is read, bytes.
+const LONGEST: usize = 1 << 20;
+/// How often an idle server looks whether it was interrupted.
+const LOOK: Duration = Duration::from_millis(50);
+
+/// A line of standard input; none of it where it is too long.
+type Line = Option<Vec<u8>>;
+
+/// Answers requests until there are no more, or nobody reads the answers, or `stop` becomes true.
+///
+/// # Errors
+/// Where standard input cannot be read or standard output not be written.
+pub fn serve(study: &Study, crew: &Crew, stop: &AtomicBool) -> Result<End, CliError> {
+    let lines = lines();
+    let mut number = 0;
+    loop {
+        if stop.load(Ordering::Relaxed) {
+            return Ok(End::Interrupted);
+        }
+        let line = match lines.recv_timeout(LOOK) {
+            Ok(line) => line?,
+            Err(RecvTimeoutError::Timeout) => continue,
+            Err(RecvTimeoutError::Disconnected) => return Ok(End::Well),
+        };
+        let request = match line {
+            Some(line) => Request::read(study, &line),
+            None => Request { id: json!(null), design: Err(Refusal::too_long(LONGEST)) },
+        };
+        let answer = match &request.design {
+            Err(refusal) => json!({"id": request.id, "error": refusal.to_json()}),
+            Ok((values, set)) => {
+                let design = (number, values.as_slice());
+                match respond(crew, set, study.responses(), design, stop, &|_| {}) {
+                    None => return Ok(End::Interrupted),
+                    Some(answers) => to_json(study, &request.id, &answers),
+                }
+            }
+        };
+        number += 1;
+        if print(&format!("{answer}\n"))? == Reader::Gone {
+            return Ok(End::Well);
+        }
+    }
+}
+
+/// The lines of standard input, read in a thread of their own: one that waits for input sees no signal.
+fn lines() -> Receiver<io::Result<Line>> {
+    let (sender, receiver) = sync_channel(16);
+    thread::spawn(move || {
+        let mut input = io::stdin().lock();
+        loop {
+            let line = next_line(&mut input).transpose();
+            let Some(line) = line else { return };
+            let broken = line.is_err();
+            // Where nobody takes it any more, the server has ended.
+            if sender.send(line).is_err() || broken {
+                return;
+            }
+        }
+    });
+    receiver
+}
+
+/// The next line; none at the end.
+fn next_line(input: &mut impl BufRead) -> io::Result<Option<Line>> {
+    let mut line = Vec::new();
+    if input.by_ref().take(LONGEST as u64 + 1).read_until(b'\n', &mut line)? == 0 {
+        return Ok(None);
+    }
+    if line.len() <= LONGEST {
+        return Ok(Some(Some(line)));
+    }
+    while line.last() != Some(&b'\n') {
+        line.clear();
+        if input.by_ref().take(LONGEST as u64).read_until(b'\n', &mut line)? == 0 {
+            break;
+        }
+    }
+    Ok(Some(None))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{LONGEST, next_line};
+
+    #[test]
+    fn long_lines_are_passed_over() {
+        let text =
+            [vec![b'a'; LONGEST - 1], b"\n".to_vec(), vec![b'b'; 3 * LONGEST], b"\nlast".to_vec()];
+        let text = text.concat();
+        let mut input = text.as_slice();
+        let mut lengths = Vec::new();
+        while let Some(line) = next_line(&mut input).unwrap() {
+            lengths.push(line.map(|line| line.len()));
+        }
+        assert_eq!(lengths, [Some(LONGEST), None, Some(4)]);
+    }
+}

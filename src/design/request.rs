@@ -1,0 +1,106 @@
+//! A request: one line of JSON with a value for every variable, and what is wrong with one.
+
+use serde_json::{Value, json};
+
+use crate::study::file_values::Named;
+use crate::study::{DesignValue, Fault, Study, list_names, shorten};
+
+/// What an optimiser asks for.
+#[derive(Clone, Debug)]
+pub struct Request {
+    /// The request's own `id`, null without one.
+    pub id: Value,
+    /// One value per variable of the study, and the study that has them set; or what is wrong.
+    pub design: Result<(Vec<DesignValue>, Box<Study>), Refusal>,
+}
+
+/// Why a request is not answered.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Refusal {
+    /// The variable, where it is one.
+    variable: Option<String>,
+    fault: Fault,
+}
+
+impl Refusal {
+    fn of_all(problem: &str, found: impl Into<String>) -> Refusal {
+        let allowed = "one JSON object per line, with a value for each variable";
+        Refusal { variable: None, fault: Fault::new(problem, found, allowed) }
+    }
+
+    /// A line of more bytes than are read.
+    pub fn too_long(most: usize) -> Refusal {
+        Refusal::of_all("too long a line", format!("more than {most} bytes"))
+    }
+
+    /// As an answer holds it.
+    pub fn to_json(&self) -> Value {
+        let Refusal { variable, fault } = self;
+        let mut error = json!({});
+        if let Some(variable) = variable {
+            error["variable"] = json!(variable);
+        }
+        error["problem"] = json!(fault.problem);
+        error["found"] = json!(fault.found);
+        error["allowed"] = json!(fault.allowed);
+        error
+    }
+}
+
+impl Request {
+    /// Reads a line.
+    pub fn read(study: &Study, line: &[u8]) -> Request {
+        match serde_json::from_slice::<Named<Value>>(line) {
+            Err(error) => {
+                let text = String::from_utf8_lossy(line);
+                let found = format!("{} ({error})", shorten(&text));
+                let design = Err(Refusal::of_all("not a request", found));
+                Request { id: Value::Null, design }
+            }
+            Ok(named) => {
+                let id = named.get("id").cloned().unwrap_or_default();
+                Request { id, design: read_design(study, &named) }
+            }
+        }
+    }
+}
+
+fn read_design(
+    study: &Study,
+    given: &Named<Value>,
+) -> Result<(Vec<DesignValue>, Box<Study>), Refusal> {
+    let variables = study.variables();
+    for (index, (name, value)) in given.0.iter().enumerate() {
+        let about = |fault| Err(Refusal { variable: Some(shorten(name)), fault });
+        if name != "id" && !variables.iter().any(|variable| variable.name() == name) {
+            let names: Vec<&str> = variables.iter().map(|variable| variable.name()).collect();
+            let allowed = match list_names(name, &names) {
+                names if names.is_empty() => "no variable: the study has no `design`".to_owned(),
+                names => names,
+            };
+            return about(Fault::new("not a variable", shorten(name), allowed));
+        }
+        if given.0.iter().take(index).any(|(other, _)| other == name) {
+            let found = shorten(&value.to_string());
+            return about(Fault::new("given twice", found, "each variable once"));
+        }
+    }
+    let mut values = Vec::with_capacity(variables.len());
+    for variable in variables {
+        let value = match given.get(variable.name()) {
+            None => Err(Fault::new("missing", "no value", variable.allowed())),
+            Some(Value::String(word)) => variable.word(word),
+            Some(value) => match value.as_f64().filter(|number| number.is_finite()) {
+                Some(number) => variable.number(number),
+                None => {
+                    let found = shorten(&value.to_string());
+                    Err(Fault::new("neither a number nor text", found, variable.allowed()))
+                }
+            },
+        };
+        let name = || Some(variable.name().to_owned());
+        values.push(value.map_err(|fault| Refusal { variable: name(), fault })?);
+    }
+    let set = study.with_design(&values).map_err(|fault| Refusal { variable: None, fault })?;
+    Ok((values, Box::new(set)))
+}

@@ -1,0 +1,105 @@
+//! Worker threads that stay: they compute one sample of runs after another, for whoever asks.
+//!
+//! Unlike a farm, a crew keeps nothing on disk, computes no run a second time and knows no precision.
+
+use std::collections::HashMap;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+
+use rayon::prelude::*;
+
+use super::compute::{Engine, InLockstep};
+use crate::ending::{Evidence, Label, Outcome, Runs};
+use crate::model::Case;
+use crate::motion::VectorLevel;
+use crate::study::{PlannedRun, Study};
+
+/// Worker threads.
+pub struct Crew {
+    pool: rayon::ThreadPool,
+    threads: usize,
+}
+
+impl Crew {
+    /// So many threads; one at least.
+    ///
+    /// # Errors
+    /// Where they cannot be started.
+    pub fn new(threads: usize) -> Result<Crew, rayon::ThreadPoolBuildError> {
+        let threads = threads.max(1);
+        Ok(Crew { pool: rayon::ThreadPoolBuilder::new().num_threads(threads).build()?, threads })
+    }
+
+    /// All runs of a point in the order of their numbers, each told to `finished` as it ends; none where
+    /// `stop` became true before all of them had begun. A panic in a run is that run's failure.
+    pub fn point(
+        &self,
+        study: &Study,
+        point_id: u64,
+        stop: &AtomicBool,
+        finished: &(dyn Fn(Label) + Sync),
+    ) -> Option<Vec<(PlannedRun, Outcome)>> {
+        let point = study.point(point_id);
+        let (first, end) = (point.first_run, point.first_run + point.sampling.first);
+        let next = AtomicU64::new(first);
+        let mut runs: Vec<(PlannedRun, Outcome)> = self.pool.install(|| {
+            let share = |_| {
+                let (open, done) = (HashMap::new(), Vec::new());
+                let mut share = Share { study, end, next: &next, stop, finished, open, done };
+                InLockstep(VectorLevel::best()).compute(&mut share);
+                share.done
+            };
+            (0..self.threads).into_par_iter().with_max_len(1).flat_map_iter(share).collect()
+        });
+        runs.sort_unstable_by_key(|(planned, _)| planned.run_id);
+        (runs.len() as u64 == end - first).then_some(runs)
+    }
+}
+
+/// The runs of one worker.
+struct Share<'a> {
+    study: &'a Study,
+    end: u64,
+    next: &'a AtomicU64,
+    stop: &'a AtomicBool,
+    finished: &'a (dyn Fn(Label) + Sync),
+    open: HashMap<u64, PlannedRun>,
+    done: Vec<(PlannedRun, Outcome)>,
+}
+
+impl Share<'_> {
+    fn finish(&mut self, planned: PlannedRun, outcome: Outcome) {
+        (self.finished)(outcome.label());
+        self.done.push((planned, outcome));
+    }
+}
+
+impl Runs for Share<'_> {
+    fn next(&mut self) -> Option<(u64, Case)> {
+        loop {
+            if self.stop.load(Ordering::Relaxed) {
+                return None;
+            }
+            let run_id = self.next.fetch_add(1, Ordering::Relaxed);
+            if run_id >= self.end {
+                return None;
+            }
+            let planned = self.study.planned_run(run_id);
+            match planned.case.clone() {
+                Ok(case) => {
+                    self.open.insert(run_id, planned);
+                    return Some((run_id, case));
+                }
+                Err(invalid) => {
+                    let failed = Outcome::failed(Evidence::InvalidParameters, invalid.to_string());
+                    self.finish(planned, failed);
+                }
+            }
+        }
+    }
+
+    fn ended(&mut self, number: u64, outcome: Outcome) {
+        if let Some(planned) = self.open.remove(&number) {
+            self.finish(planned, outcome);
+        }
+    }
+}

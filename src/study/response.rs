@@ -1,0 +1,164 @@
+//! Responses: what a design is asked for.
+
+use std::collections::HashSet;
+
+use super::error::{Fault, Locate, StudyError, shorten};
+use super::file::ResponseFile;
+use super::file_values::Named;
+use super::key_path::KeyPath;
+use super::node::describe_number;
+use super::plan::Study;
+
+/// What is measured in the runs of a design.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Measure {
+    /// Mean amplitude.
+    Mean,
+    /// Standard deviation of the amplitude.
+    StandardDeviation,
+    /// The quantile of the amplitude with this share of runs below.
+    Quantile(f64),
+    /// Largest amplitude.
+    Worst,
+    /// Probability of an amplitude above this limit.
+    Above(f64),
+    /// Probability of being at rest by this time, s.
+    AtRestBy(f64),
+    /// Median time to rest.
+    MedianTimeToRest,
+}
+
+/// A response with its name.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Response {
+    /// Name, unique in the study.
+    pub name: String,
+    /// What is measured.
+    pub measure: Measure,
+    /// Whether amplitudes are taken over that without balls.
+    pub relative: bool,
+}
+
+/// What follows a response's name in the columns of its numbers, after the value itself.
+pub(crate) const SUFFIXES: [&str; 4] = ["_standard_error", "_low", "_high", "_reason"];
+
+impl Response {
+    /// Unit of the value; `1` where it has none.
+    pub fn unit(&self) -> &'static str {
+        match self.measure {
+            Measure::Above(_) | Measure::AtRestBy(_) => "1",
+            Measure::MedianTimeToRest => "s",
+            _ if self.relative => "1",
+            _ => "m",
+        }
+    }
+
+    /// What the value means.
+    pub fn meaning(&self) -> String {
+        let of = if self.relative { " over that without balls" } else { "" };
+        let amplitude = format!("residual amplitude{of}");
+        match self.measure {
+            Measure::Mean => format!("mean {amplitude}"),
+            Measure::StandardDeviation => format!("standard deviation of the {amplitude}"),
+            Measure::Quantile(share) => {
+                format!("quantile {} of the {amplitude}", describe_number(share))
+            }
+            Measure::Worst => format!("largest {amplitude} of all runs"),
+            Measure::Above(limit) => {
+                let limit = describe_number(limit);
+                format!(
+                    "probability of a {amplitude} above {limit}{}",
+                    if self.relative { "" } else { " m" }
+                )
+            }
+            Measure::AtRestBy(time) => {
+                format!("probability of being at rest by {} s", describe_number(time))
+            }
+            Measure::MedianTimeToRest => "time by which half of the runs have come to rest".into(),
+        }
+    }
+}
+
+/// Checks the responses.
+///
+/// # Errors
+/// A name that cannot be a column's, a number without meaning, `relative` in a model without balls.
+pub(crate) fn resolve_responses(
+    locate: &dyn Locate,
+    study: &Study,
+    written: Option<&Named<ResponseFile>>,
+) -> Result<Vec<Response>, StudyError> {
+    let path = KeyPath::of("responses");
+    let mut columns = HashSet::new();
+    let resolve = |(name, file): &(String, ResponseFile)| {
+        let path = path.key(name);
+        check_name(name).map_err(|fault| locate.refuse_key(&path, fault))?;
+        let own = std::iter::once("").chain(SUFFIXES).map(|suffix| format!("{name}{suffix}"));
+        for column in own {
+            if !columns.insert(column.clone()) {
+                let fault = Fault::new("two columns of this name", column, "another name");
+                return Err(locate.refuse_key(&path, fault));
+            }
+        }
+        let (measure, relative) = measure(study, file)
+            .map_err(|(keys, fault)| locate.refuse_value(&below(&path, keys), fault))?;
+        if relative && study.model().balls() == 0 {
+            let found = format!("kind: {}", study.model().kind());
+            let fault = Fault::new("only of a ball balancer", found, "relative: false");
+            return Err(locate.refuse_value(&path, fault));
+        }
+        Ok(Response { name: name.clone(), measure, relative })
+    };
+    written.iter().flat_map(|named| &named.0).map(resolve).collect()
+}
+
+fn below(path: &KeyPath, keys: &[&str]) -> KeyPath {
+    keys.iter().fold(path.clone(), |path, key| path.key(key))
+}
+
+/// Names of variables and responses are those of columns and of keys in answers.
+pub(crate) fn check_name(name: &str) -> Result<(), Fault> {
+    let usual = |character: char| character.is_ascii_alphanumeric() || character == '_';
+    let first = name.starts_with(|first: char| first.is_ascii_alphabetic());
+    if first && name.len() <= 100 && name.chars().all(usual) {
+        return Ok(());
+    }
+    let allowed = "1 to 100 letters, digits and `_`, beginning with a letter";
+    Err(Fault::new("not a name", shorten(name), allowed))
+}
+
+type Misplaced = (&'static [&'static str], Fault);
+
+fn measure(study: &Study, file: &ResponseFile) -> Result<(Measure, bool), Misplaced> {
+    Ok(match *file {
+        ResponseFile::AmplitudeMean { relative } => (Measure::Mean, relative),
+        ResponseFile::AmplitudeStdDev { relative } => (Measure::StandardDeviation, relative),
+        ResponseFile::AmplitudeWorst { relative } => (Measure::Worst, relative),
+        ResponseFile::AmplitudeQuantile { share, relative } => {
+            if !(share > 0.0 && share < 1.0) {
+                let fault =
+                    Fault::new("not a share", describe_number(share), "above 0 and below 1");
+                return Err((&["amplitude_quantile", "share"], fault));
+            }
+            (Measure::Quantile(share), relative)
+        }
+        ResponseFile::AmplitudeAbove { limit, relative } => {
+            if limit < 0.0 {
+                let fault = Fault::new("not an amplitude", describe_number(limit), "0 or more");
+                return Err((&["amplitude_above", "limit"], fault));
+            }
+            (Measure::Above(limit), relative)
+        }
+        ResponseFile::AtRestByS(time) => {
+            let [_, end] = study.simulation().end_times_s();
+            if !(time > 0.0 && time <= end) {
+                let allowed = format!("above 0, at most the end time, {}", describe_number(end));
+                let fault =
+                    Fault::new("a time that no run reaches", describe_number(time), allowed);
+                return Err((&["at_rest_by_s"], fault));
+            }
+            (Measure::AtRestBy(time), false)
+        }
+        ResponseFile::MedianTimeToRest => (Measure::MedianTimeToRest, false),
+    })
+}

@@ -1,0 +1,207 @@
+//! Variables of a design: their values, and the study that has them set.
+
+use super::error::{Fault, list_names, shorten};
+use super::node::describe_number;
+use super::parameter::{Parameter, ParameterValue};
+use super::plan::Study;
+
+/// A variable of a design.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Variable {
+    pub(super) name: String,
+    pub(super) domain: Domain,
+}
+
+/// What values a variable has.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Domain {
+    /// A parameter within a range.
+    Parameter { parameter: Parameter, from: f64, to: f64 },
+    /// The number of balls.
+    Balls { from: u64, to: u64 },
+    /// Several parameters together, by the choice's name.
+    Choices(Vec<(String, Vec<(Parameter, f64)>)>),
+}
+
+/// The value of a variable, within its range or one of its choices.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum DesignValue {
+    /// A number within the range.
+    Number(f64),
+    /// The number of a choice, from zero.
+    Choice(usize),
+}
+
+impl Variable {
+    /// Name, as in the study file.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Unit; `1` of a number of balls, none of choices.
+    pub fn unit(&self) -> Option<&'static str> {
+        match &self.domain {
+            Domain::Parameter { parameter, .. } => Some(parameter.unit()),
+            Domain::Balls { .. } => Some("1"),
+            Domain::Choices(_) => None,
+        }
+    }
+
+    /// What it means.
+    pub fn meaning(&self) -> String {
+        match &self.domain {
+            Domain::Parameter { parameter, .. } => parameter.meaning(),
+            Domain::Balls { .. } => "number of balls".to_owned(),
+            Domain::Choices(_) => "name of a choice".to_owned(),
+        }
+    }
+
+    /// The names of its choices, if it has such.
+    pub fn choices(&self) -> Option<impl Iterator<Item = &str>> {
+        match &self.domain {
+            Domain::Choices(choices) => Some(choices.iter().map(|(name, _)| name.as_str())),
+            _ => None,
+        }
+    }
+
+    pub(super) fn ball_numbers(&self) -> Option<std::ops::RangeInclusive<u64>> {
+        match self.domain {
+            Domain::Balls { from, to } => Some(from..=to),
+            _ => None,
+        }
+    }
+
+    /// What is allowed, in words.
+    pub(crate) fn allowed(&self) -> String {
+        match &self.domain {
+            Domain::Parameter { parameter, from, to } => {
+                let [from, to] = [from, to].map(|end| describe_number(*end));
+                match parameter.unit() {
+                    "1" => format!("a number from {from} to {to}"),
+                    unit => format!("a number from {from} to {to} ({unit})"),
+                }
+            }
+            Domain::Balls { from, to } => format!("a whole number from {from} to {to}"),
+            Domain::Choices(choices) => {
+                let names: Vec<&str> = choices.iter().map(|(name, _)| name.as_str()).collect();
+                format!("one of {}", names.join(", "))
+            }
+        }
+    }
+
+    /// A number as its value.
+    ///
+    /// # Errors
+    /// One out of range, a fraction of a ball, any of choices.
+    pub(crate) fn number(&self, number: f64) -> Result<DesignValue, Fault> {
+        let problem = match self.domain {
+            Domain::Parameter { from, to, .. } if from <= number && number <= to => None,
+            Domain::Balls { .. } if number.fract() != 0.0 => Some("not a whole number"),
+            Domain::Balls { from, to } if from as f64 <= number && number <= to as f64 => None,
+            Domain::Choices(_) => Some("not a choice"),
+            _ => Some("out of range"),
+        };
+        match problem {
+            None => Ok(DesignValue::Number(number)),
+            Some(problem) => Err(Fault::new(problem, describe_number(number), self.allowed())),
+        }
+    }
+
+    /// A word as its value.
+    ///
+    /// # Errors
+    /// One that is no choice, any of a variable that takes numbers.
+    pub(crate) fn word(&self, word: &str) -> Result<DesignValue, Fault> {
+        let Domain::Choices(choices) = &self.domain else {
+            let found = format!("text {:?}", shorten(word));
+            return Err(Fault::new("not a number", found, self.allowed()));
+        };
+        choices.iter().position(|(name, _)| name == word).map(DesignValue::Choice).ok_or_else(
+            || {
+                let names: Vec<&str> = choices.iter().map(|(name, _)| name.as_str()).collect();
+                Fault::new("not a choice", shorten(word), list_names(word, &names))
+            },
+        )
+    }
+
+    /// Where a value is on scales on which the range is 1 wide and any two choices are 1 apart.
+    pub fn scaled(&self, value: DesignValue) -> Vec<f64> {
+        let number = |from: f64, width: f64| match value {
+            DesignValue::Number(number) if width > 0.0 => vec![(number - from) / width],
+            _ => vec![0.0],
+        };
+        match &self.domain {
+            Domain::Parameter { from, to, .. } => number(*from, to - from),
+            Domain::Balls { from, to } => number(*from as f64, (to - from) as f64),
+            Domain::Choices(choices) => {
+                let is = |index| value == DesignValue::Choice(index);
+                let side = std::f64::consts::FRAC_1_SQRT_2;
+                (0..choices.len()).map(|index| if is(index) { side } else { 0.0 }).collect()
+            }
+        }
+    }
+
+    /// The name of a choice, the number otherwise.
+    pub fn describe(&self, value: DesignValue) -> String {
+        match (value, &self.domain) {
+            (DesignValue::Choice(index), Domain::Choices(choices)) => {
+                choices.get(index).map(|(name, _)| name.clone()).unwrap_or_default()
+            }
+            (DesignValue::Choice(index), _) => index.to_string(),
+            (DesignValue::Number(number), _) => describe_number(number),
+        }
+    }
+}
+
+impl Study {
+    /// As `with_design`, which says more; what is wrong in one sentence.
+    ///
+    /// # Errors
+    /// Values that make no physical sense together.
+    pub fn set(&self, values: &[DesignValue]) -> Result<Study, String> {
+        self.with_design(values).map_err(|Fault { problem, found, .. }| {
+            format!("{problem}: {}", found.unwrap_or_default())
+        })
+    }
+
+    /// This study with its variables set, one value for each in their order. Start states and draws are
+    /// those of this study; what is not set keeps its value. Name, hash and resolved file stay those of
+    /// the study before.
+    ///
+    /// # Errors
+    /// Values that make no physical sense together, at any point of the sweep.
+    pub(crate) fn with_design(&self, values: &[DesignValue]) -> Result<Study, Fault> {
+        let (mut balls, mut set) = (None, Vec::new());
+        for (variable, value) in self.variables.iter().zip(values) {
+            match (&variable.domain, *value) {
+                (Domain::Parameter { parameter, .. }, DesignValue::Number(number)) => {
+                    set.push((*parameter, number));
+                }
+                (Domain::Balls { from, .. }, DesignValue::Number(number)) => {
+                    balls = usize::try_from(number as u64 - from).ok();
+                }
+                (Domain::Choices(choices), DesignValue::Choice(index)) => {
+                    set.extend(choices.get(index).into_iter().flat_map(|(_, values)| values));
+                }
+                // Values come from `number` and `word`, which give each variable its own kind.
+                _ => {}
+            }
+        }
+        let mut study = balls.and_then(|index| self.by_balls.get(index)).unwrap_or(self).clone();
+        set.sort_by_key(|(parameter, _)| parameter.general().is_some());
+        for (parameter, number) in set {
+            parameter.set(&mut study.base.model, ParameterValue::Number(number));
+            parameter.set_general(&mut study.base.general, number);
+        }
+        for point_id in 0..study.point_count().min(MOST_POINTS) {
+            study.point(point_id).model().validate().map_err(|invalid| {
+                let found = format!("{} {} at point {point_id}", invalid.name, invalid.found);
+                Fault::new("no physical meaning", found, invalid.allowed)
+            })?;
+        }
+        Ok(study)
+    }
+}
+
+/// Points whose parameters are looked at; in a larger sweep one without meaning is failed runs.
+const MOST_POINTS: u64 = 1000;

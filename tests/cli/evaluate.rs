@@ -1,0 +1,393 @@
+//! `stickslip evaluate`: a table of designs, and requests one by one.
+
+use std::io::{BufRead, BufReader, Write};
+use std::process::{Child, Command, Stdio};
+
+use serde_json::{Value, json};
+
+use super::support::{Ended, Scratch, numbers, table};
+
+/// A block on a spring that starts at rest at 45 mm, with closed-form stops.
+const BLOCK: &str = "
+schema: 1
+name: block
+seed: 1
+model: {kind: block_on_spring}
+initial_conditions:
+  box: {position_m: [0.045, 0.045]}
+  design: {monte_carlo: {samples: 4}}
+simulation: {method: event, tolerance: {relative: 1e-12, absolute: 1e-12}}
+design: {stiffness_n_m: {from: 10, to: 200}}
+responses:
+  stop: median_time_to_rest
+  by: {at_rest_by_s: 0.6}
+  amplitude: {amplitude_mean: {}}
+";
+
+/// A balancer of one to three balls, not for long.
+const BALLS: &str = "
+schema: 1
+name: balls
+seed: 2003
+model: {kind: ball_balancer, parameters: {balls: 2}}
+uncertain:
+  imbalance_mass_kg: {truncated_normal: {mean: 5.6e-5, std_dev: 5e-6, min: 4e-5, max: 7.2e-5}}
+initial_conditions: {design: {monte_carlo: {samples: 24}}}
+simulation: {end_time_s: 1.5}
+design:
+  speed_rad_s: {from: -260, to: -140}
+  balls: {from: 1, to: 3}
+  material:
+    choices:
+      steel: {ball_mass_kg: 1.4e-4, friction_coefficient: 2.75e-3}
+      ceramic: {ball_mass_kg: 5.8e-5, friction_coefficient: 1.5e-3}
+responses:
+  mean: {amplitude_mean: {}}
+  relative: {amplitude_mean: {relative: true}}
+  spread: {amplitude_std_dev: {}}
+  most: {amplitude_quantile: {share: 0.9}}
+  worst: {amplitude_worst: {}}
+  above: {amplitude_above: {limit: 2e-5}}
+  rest: {at_rest_by_s: 1.2}
+  half: median_time_to_rest
+";
+
+const DESIGNS: [&str; 5] =
+    ["-160,2,steel", "-216,1,ceramic", "-216,3,steel", "-250,2,steel", "-216,2,ceramic"];
+
+fn scratch() -> Scratch {
+    let scratch = Scratch::new();
+    scratch.write("block.yaml", BLOCK);
+    scratch.write("balls.yaml", BALLS);
+    scratch.write("d.csv", format!("speed_rad_s,balls,material\n{}\n", DESIGNS.join("\n")));
+    scratch
+}
+
+fn server(scratch: &Scratch, arguments: &str) -> Child {
+    scratch.command(arguments).stdin(Stdio::piped()).spawn().unwrap()
+}
+
+/// The answers to these lines.
+fn ask(scratch: &Scratch, arguments: &str, lines: &[&str]) -> Vec<Value> {
+    let mut child = server(scratch, arguments);
+    child.stdin.take().unwrap().write_all((lines.join("\n") + "\n").as_bytes()).unwrap();
+    let ended = Ended::of(child.wait_with_output().unwrap());
+    assert_eq!(ended.code, Some(0), "{}", ended.err);
+    ended.out.lines().map(|line| serde_json::from_str(line).unwrap()).collect()
+}
+
+/// With `x_s = μ N / k`, each half swing of `π / ω` takes `2 x_s` off the distance until it is within
+/// `x_s`: at 100 N/m two of them, at 36 N/m one, and at 20 N/m the block never moves.
+#[test]
+fn a_block_stops_when_the_closed_form_says() {
+    let scratch = scratch();
+    let requests = [100.0, 36.0, 20.0].map(|k| json!({"id": k, "stiffness_n_m": k}).to_string());
+    let requests: Vec<&str> = requests.iter().map(String::as_str).collect();
+    let answers = ask(&scratch, "evaluate block.yaml --designs -", &requests);
+    let pi = std::f64::consts::PI;
+    for (answer, (k, time, by)) in
+        answers.iter().zip([(100.0, pi / 5.0, 0.0), (36.0, pi / 6.0, 1.0), (20.0, 0.0, 1.0)])
+    {
+        let value = |name: &str| answer["responses"][name]["value"].as_f64().unwrap();
+        assert_eq!(answer["id"], k);
+        assert!((value("stop") - time).abs() < 1e-8, "{k}: {} {time}", value("stop"));
+        assert_eq!((value("by"), value("amplitude")), (by, 0.0), "{k}");
+        assert_eq!((&answer["runs"], &answer["failed"]), (&json!(4), &json!(0)));
+    }
+}
+
+/// A design's runs are those of the study that has its values written in it: the same answers come from
+/// its `runs.parquet`.
+#[test]
+fn a_design_is_the_study_with_its_variables_set() {
+    let scratch = scratch();
+    let request = r#"{"id": "a", "speed_rad_s": -216, "balls": 3, "material": "ceramic"}"#;
+    let answer = &ask(&scratch, "evaluate balls.yaml --designs -", &[request])[0];
+    let values = "balls: 3, speed_rad_s: -216, ball_mass_kg: 5.8e-5, friction_coefficient: 1.5e-3";
+    let plain = BALLS.split("design:\n").next().unwrap().replace("balls: 2", values);
+    scratch.write("plain.yaml", plain);
+    scratch.well("run plain.yaml --out plain --quiet");
+    let runs = scratch.table("plain", "runs");
+    let amplitudes: Vec<f64> = numbers(&runs, "amplitude_m").into_iter().flatten().collect();
+    assert_eq!(amplitudes.len(), 24);
+    let mean = amplitudes.iter().sum::<f64>() / 24.0;
+    let found = |name: &str| answer["responses"][name]["value"].as_f64().unwrap();
+    assert!((found("mean") / mean - 1.0).abs() < 1e-12);
+    assert_eq!(found("worst"), amplitudes.iter().copied().fold(0.0, f64::max));
+    let rests = numbers(&runs, "time_to_rest_s");
+    let by = rests.iter().filter(|time| time.is_some_and(|time| time <= 1.2)).count();
+    assert_eq!(found("rest"), by as f64 / 24.0);
+}
+
+/// Any number of threads gives the same bytes, and a table in another order the same rows in that order;
+/// requests give the same numbers as the table.
+#[test]
+fn threads_and_order_change_nothing() {
+    let scratch = scratch();
+    scratch.well("evaluate balls.yaml --designs d.csv --out one.parquet --threads 1 --quiet");
+    scratch.well("evaluate balls.yaml --designs d.csv --out three.parquet --threads 3 --quiet");
+    let read = |name: &str| std::fs::read(scratch.path(name)).unwrap();
+    assert_eq!(read("one.parquet"), read("three.parquet"));
+    let order = [3, 0, 4, 2, 1];
+    let lines = order.map(|at| DESIGNS[at]).join("\n");
+    scratch.write("other.csv", format!("speed_rad_s,balls,material\n{lines}\n"));
+    scratch.well("evaluate balls.yaml --designs other.csv --out other.parquet --quiet");
+    let [one, other] = ["one.parquet", "other.parquet"].map(|name| table(&scratch.path(name)));
+    for name in ["mean", "relative_high", "spread_standard_error", "rest_low", "half", "balls"] {
+        let [one, other] = [&one, &other].map(|table| numbers(table, name));
+        assert_eq!(order.map(|at| one[at]).to_vec(), other, "{name}");
+    }
+    let requests = DESIGNS.map(|design| {
+        let parts: Vec<&str> = design.split(',').collect();
+        let [speed, balls] = [0, 1].map(|at| parts[at].parse::<f64>().unwrap());
+        json!({"speed_rad_s": speed, "balls": balls, "material": parts[2]}).to_string()
+    });
+    let requests: Vec<&str> = requests.iter().map(String::as_str).collect();
+    let answers = ask(&scratch, "evaluate balls.yaml --designs -", &requests);
+    let means: Vec<Option<f64>> =
+        answers.iter().map(|answer| answer["responses"]["mean"]["value"].as_f64()).collect();
+    assert_eq!(means, numbers(&one, "mean"));
+}
+
+/// At each point of a sweep a design has a row and an answer of its own.
+#[test]
+fn points_of_a_sweep_are_separate() {
+    let scratch = scratch();
+    let sweep = "sweep: [{grid: {normal_force_n: [10, 5]}}]\n";
+    scratch.write("swept.yaml", format!("{BLOCK}{sweep}"));
+    let answers = ask(&scratch, "evaluate swept.yaml --designs -", &[r#"{"stiffness_n_m": 100}"#]);
+    let points = answers[0]["points"].as_array().unwrap();
+    let forces: Vec<&Value> = points.iter().map(|point| &point["normal_force_n"]).collect();
+    assert_eq!(forces, [&json!(10.0), &json!(5.0)]);
+    // Half of the friction: 45 mm less four times 10 mm are within 5 mm, on the edge; less two, not.
+    let times: Vec<f64> =
+        points.iter().map(|point| point["responses"]["stop"]["value"].as_f64().unwrap()).collect();
+    assert!(times[1] > times[0] + 0.5, "{times:?}");
+    scratch.write("k.csv", "stiffness_n_m\n100\n36\n");
+    scratch.well("evaluate swept.yaml --designs k.csv --out k.parquet --quiet");
+    let rows = table(&scratch.path("k.parquet"));
+    let number = |name| numbers(&rows, name);
+    assert_eq!(number("stiffness_n_m"), [100.0, 100.0, 36.0, 36.0].map(Some));
+    assert_eq!(number("normal_force_n"), [10.0, 5.0, 10.0, 5.0].map(Some));
+}
+
+#[test]
+fn requests_that_make_no_sense_are_answered() {
+    let scratch = scratch();
+    let lines = [
+        (r#"{"id": 1, "balls": 2, "material": "steel"}"#, "speed_rad_s", "missing"),
+        (
+            r#"{"id": 1, "speed_rad_s": "x", "balls": 2, "material": "steel"}"#,
+            "speed_rad_s",
+            "not a number",
+        ),
+        (
+            r#"{"id": 1, "speed_rad_s": null, "balls": 2, "material": "steel"}"#,
+            "speed_rad_s",
+            "neither a number nor text",
+        ),
+        (
+            r#"{"id": 1, "speed_rad_s": -300, "balls": 2, "material": "steel"}"#,
+            "speed_rad_s",
+            "out of range",
+        ),
+        (
+            r#"{"id": 1, "speed_rad_s": -200, "balls": 2.5, "material": "steel"}"#,
+            "balls",
+            "not a whole number",
+        ),
+        (
+            r#"{"id": 1, "speed_rad_s": -200, "balls": 9, "material": "steel"}"#,
+            "balls",
+            "out of range",
+        ),
+        (
+            r#"{"id": 1, "speed_rad_s": -200, "balls": 2, "material": "wood"}"#,
+            "material",
+            "not a choice",
+        ),
+        (
+            r#"{"id": 1, "speed_rad_s": -200, "balls": 2, "material": 3}"#,
+            "material",
+            "not a choice",
+        ),
+        (
+            r#"{"id": 1, "speed_rad_s": -200, "balls": 2, "material": "steel", "mass": 3}"#,
+            "mass",
+            "not a variable",
+        ),
+        (r#"{"id": 1, "balls": 2, "balls": 3}"#, "balls", "given twice"),
+    ];
+    let mut requests: Vec<&str> = lines.iter().map(|(line, ..)| *line).collect();
+    requests.extend([
+        "",
+        "[1, 2]",
+        "{\"id\": 3",
+        r#"{"id": 4, "speed_rad_s": -200, "balls": 1, "material": "steel"}"#,
+    ]);
+    let answers = ask(&scratch, "evaluate balls.yaml --designs -", &requests);
+    assert_eq!(answers.len(), requests.len());
+    for (answer, (line, variable, problem)) in answers.iter().zip(lines) {
+        assert_eq!(answer["id"], 1, "{line}");
+        let error = &answer["error"];
+        assert_eq!(
+            (&error["variable"], &error["problem"]),
+            (&json!(variable), &json!(problem)),
+            "{line}"
+        );
+        assert!(error["found"].is_string() && error["allowed"].is_string(), "{answer}");
+    }
+    for answer in &answers[lines.len()..lines.len() + 3] {
+        assert_eq!(
+            (&answer["id"], &answer["error"]["problem"]),
+            (&Value::Null, &json!("not a request"))
+        );
+    }
+    let last = &answers[lines.len() + 3];
+    assert!(last["id"] == 4 && last["responses"]["mean"]["value"].is_f64(), "{last}");
+}
+
+#[test]
+fn tables_and_studies_that_make_no_sense_are_refused() {
+    let scratch = scratch();
+    let to = "--out r.parquet --quiet";
+    for (name, text, parts) in [
+        (
+            "a.csv",
+            "speed_rad_s,balls\n-200,2\n",
+            ["no column material", "speed_rad_s, balls, material", ""],
+        ),
+        (
+            "b.csv",
+            "speed_rad_s,balls,material,x\n-200,2,steel,1\n",
+            ["column x", "unknown column", ""],
+        ),
+        (
+            "c.csv",
+            "speed_rad_s,balls,material\n-200,2,steel\n-20,2,steel\n",
+            ["c.csv:3", "row 2, column speed_rad_s", "from -260 to -140"],
+        ),
+        (
+            "e.csv",
+            "speed_rad_s,balls,material\n-200,2.5,steel\n",
+            ["row 1, column balls", "not a whole number", "2.5"],
+        ),
+        (
+            "f.csv",
+            "speed_rad_s,balls,material\n-200,2,stel\n",
+            ["row 1, column material", "steel (did you mean this?)", ""],
+        ),
+        (
+            "g.csv",
+            "speed_rad_s,balls,material\n-200,,steel\n",
+            ["row 1, column balls", "an empty value", ""],
+        ),
+        ("h.csv", "speed_rad_s,balls,material\n", ["a table without rows", "", ""]),
+        ("i.txt", "speed_rad_s,balls,material\n", ["neither a CSV nor a Parquet file", "", ""]),
+    ] {
+        scratch.write(name, text);
+        scratch.refused(&format!("evaluate balls.yaml --designs {name} {to}"), &parts);
+    }
+    scratch.refused("evaluate balls.yaml --designs none.csv --out r.parquet", &["none.csv"]);
+    scratch.refused("evaluate balls.yaml --designs d.csv", &["--out is missing"]);
+    scratch.refused("evaluate balls.yaml --designs d.csv --out d.csv", &["exists already"]);
+    scratch.refused("evaluate balls.yaml --designs - --out r.parquet", &["standard output"]);
+    for (from, to, parts) in [
+        ("from: -260", "from: -100", ["design.speed_rad_s", "reversed range"]),
+        ("balls: {from: 1, to: 3}", "balls: {from: 1, to: 9}", ["design.balls.to", "1 to 8"]),
+        (
+            "  speed_rad_s: {from",
+            "  sped_rad_s: {from",
+            ["design.sped_rad_s", "speed_rad_s (did you mean this?)"],
+        ),
+        (
+            "ceramic: {ball_mass_kg: 5.8e-5, friction",
+            "ceramic: {friction",
+            ["design.material.choices.ceramic", "set different parameters"],
+        ),
+        (
+            "ball_mass_kg: 5.8e-5",
+            "ball_mass_kg: -1",
+            ["ceramic.ball_mass_kg", "no physical meaning"],
+        ),
+        (
+            "share: 0.9",
+            "share: 1.5",
+            ["responses.most.amplitude_quantile.share", "above 0 and below 1"],
+        ),
+        (
+            "at_rest_by_s: 1.2",
+            "at_rest_by_s: 99",
+            ["responses.rest.at_rest_by_s", "at most the end time"],
+        ),
+        (
+            "  half: median",
+            "  mean_low: median",
+            ["responses.mean_low", "two columns of this name"],
+        ),
+        (
+            "speed_rad_s: {from: -260, to: -140}",
+            "imbalance_mass_kg: {from: 1e-5, to: 2e-5}",
+            ["design.imbalance_mass_kg", "varied twice"],
+        ),
+        (
+            "  balls: {from: 1",
+            "  ball_mass_2_kg: {from: 1e-4, to: 2e-4}\n  balls: {from: 1",
+            ["design.ball_mass_2_kg", "a ball that every design has"],
+        ),
+        (
+            "simulation:",
+            "precision: {equilibrium_fraction: 0.1, max_runs: 100}\nsimulation:",
+            ["precision", "share their runs"],
+        ),
+        ("responses:", "expect:", ["expect", ""]),
+    ] {
+        assert!(BALLS.contains(from), "{from}");
+        scratch.write("wrong.yaml", BALLS.replacen(from, to, 1));
+        scratch.refused("evaluate wrong.yaml --designs d.csv --out r.parquet", &parts);
+    }
+    let without = BALLS.split("responses:").next().unwrap();
+    scratch.write("wrong.yaml", without);
+    scratch.refused("evaluate wrong.yaml --designs -", &["nothing is asked for"]);
+}
+
+/// An optimiser that hangs up, either way, is no error.
+#[test]
+fn hanging_up() {
+    let scratch = scratch();
+    let mut child = server(&scratch, "evaluate block.yaml --designs -");
+    let mut input = child.stdin.take().unwrap();
+    let mut output = BufReader::new(child.stdout.take().unwrap());
+    let mut line = String::new();
+    // It stays up from one request to the next.
+    for id in 0..3 {
+        writeln!(input, "{{\"id\": {id}, \"stiffness_n_m\": 100}}").unwrap();
+        line.clear();
+        output.read_line(&mut line).unwrap();
+        assert!(line.starts_with(&format!("{{\"id\":{id},")), "{line}");
+    }
+    drop(output);
+    writeln!(input, "{{\"id\": 9, \"stiffness_n_m\": 100}}").unwrap();
+    assert_eq!(child.wait().unwrap().code(), Some(0));
+    drop(input);
+    assert_eq!(ask(&scratch, "evaluate block.yaml --designs -", &[]).len(), 1, "an empty line");
+    let nothing = server(&scratch, "evaluate block.yaml --designs -").wait_with_output().unwrap();
+    assert_eq!((nothing.status.code(), nothing.stdout.len()), (Some(0), 0));
+}
+
+/// Ctrl-C ends a server that waits, with 130.
+#[cfg(target_os = "linux")]
+#[test]
+fn an_interrupt() {
+    let scratch = scratch();
+    let mut child = server(&scratch, "evaluate block.yaml --designs -");
+    let mut input = child.stdin.take().unwrap();
+    let mut output = BufReader::new(child.stdout.take().unwrap());
+    writeln!(input, "{{\"id\": 1, \"stiffness_n_m\": 100}}").unwrap();
+    // Its first answer shows that it is up.
+    output.read_line(&mut String::new()).unwrap();
+    let kill = format!("kill -INT {}", child.id());
+    assert!(Command::new("sh").args(["-c", &kill]).status().unwrap().success());
+    assert_eq!(child.wait().unwrap().code(), Some(130));
+    drop(input);
+}
