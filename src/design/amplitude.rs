@@ -4,7 +4,6 @@ use super::estimate::{Estimate, Sample};
 use super::moments;
 use super::order_statistics;
 use super::student::student_95;
-use crate::analysis::Z_95;
 
 const NO_AMPLITUDE: &str = "no run has an amplitude";
 const ONE_RUN: &str = "a single run has no standard error";
@@ -77,23 +76,13 @@ pub fn standard_deviation(sample: &Sample) -> Estimate {
     }
 }
 
-/// A quantile, with its interval between order statistics; its standard error is the interval's
-/// width over that of a normal distribution (R. S. Woodruff, J. Am. Stat. Assoc. 47 (1952) 635,
-/// doi:10.1080/01621459.1952.10483443).
+/// A quantile, with its interval between order statistics.
 pub fn quantile(sample: &Sample, share: f64) -> Estimate {
     let values = ascending(sample);
     let Some(value) = order_statistics::quantile(&values, share) else {
         return Estimate::unknown(NO_AMPLITUDE);
     };
-    let [low, high] = order_statistics::interval(&values, share);
-    let both = low.zip(high);
-    Estimate {
-        value: Some(value),
-        standard_error: both.map(|(low, high)| (high - low) / (2.0 * Z_95)),
-        low,
-        high,
-        reason: both.is_none().then_some(NO_BOUND),
-    }
+    Estimate::within(value, order_statistics::interval(&values, share), NO_BOUND)
 }
 
 /// The largest of all runs; what other runs would have shown has no bound.

@@ -1,5 +1,6 @@
 //! What estimates are made from, and what they are.
 
+use crate::analysis::Z_95;
 use crate::ending::Label;
 
 /// What one run has shown.
@@ -57,6 +58,20 @@ pub struct Estimate {
 }
 
 impl Estimate {
+    /// A value between the ends of its interval. Its standard error is the interval's width over that of a
+    /// normal distribution (R. S. Woodruff, J. Am. Stat. Assoc. 47 (1952) 635,
+    /// doi:10.1080/01621459.1952.10483443); where an end has no bound there is none, for a reason.
+    pub fn within(value: f64, [low, high]: [Option<f64>; 2], unbounded: &'static str) -> Self {
+        let both = low.zip(high);
+        Estimate {
+            value: Some(value),
+            standard_error: both.map(|(low, high)| (high - low) / (2.0 * Z_95)),
+            low,
+            high,
+            reason: both.is_none().then_some(unbounded),
+        }
+    }
+
     /// Nothing is known, for a reason.
     pub fn unknown(reason: &'static str) -> Self {
         Estimate { reason: Some(reason), ..Estimate::default() }

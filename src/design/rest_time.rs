@@ -2,7 +2,7 @@
 
 use super::estimate::{Estimate, Sample};
 use super::probability::times;
-use crate::analysis::{SurvivalCurve, Z_95};
+use crate::analysis::SurvivalCurve;
 
 /// The time by which half of the runs have come to rest, s (Kaplan-Meier, with the interval of
 /// Brookmeyer and Crowley, see [`SurvivalCurve`]). Failed runs are left out.
@@ -19,14 +19,7 @@ pub fn median_time_to_rest(sample: &Sample) -> Estimate {
             ..Estimate::unknown("less than half of the runs come to rest")
         };
     };
-    let both = low.zip(high);
-    Estimate {
-        value: Some(value),
-        standard_error: both.map(|(low, high)| (high - low) / (2.0 * Z_95)),
-        low,
-        high,
-        reason: both.is_none().then_some("too few runs at rest for both ends of the interval"),
-    }
+    Estimate::within(value, [low, high], "too few runs at rest for both ends of the interval")
 }
 
 #[cfg(test)]

@@ -32,6 +32,7 @@ mod difference;
 mod distribution;
 mod draw;
 mod error;
+mod evaluation_file;
 mod expectation;
 pub mod file;
 pub mod file_values;

@@ -1,7 +1,7 @@
 //! From a design's variables as written to checked ones.
 
 use super::error::{Fault, Locate, StudyError, shorten};
-use super::file::VariableFile;
+use super::evaluation_file::VariableFile;
 use super::file_values::Named;
 use super::key_path::KeyPath;
 use super::node::describe_number;

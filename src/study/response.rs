@@ -3,7 +3,7 @@
 use std::collections::HashSet;
 
 use super::error::{Fault, Locate, StudyError, shorten};
-use super::file::ResponseFile;
+use super::evaluation_file::ResponseFile;
 use super::file_values::Named;
 use super::key_path::KeyPath;
 use super::node::describe_number;
