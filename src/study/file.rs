@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::evaluation_file::{ResponseFile, VariableFile};
 use super::file_values::{Balls, Count, Entry, Listed, Named, Range, Table};
+use super::optimize_file::OptimizeFile;
 use super::schema;
 
 /// A study for stickslip: one machine, the points of a sweep, and sampled start states at each.
@@ -53,6 +54,9 @@ pub struct StudyFile {
     /// What `stickslip evaluate` answers with: responses by name.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub responses: Option<Named<ResponseFile>>,
+    /// What `stickslip optimize` looks for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub optimize: Option<OptimizeFile>,
 }
 
 /// The model with its parameters.

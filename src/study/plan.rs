@@ -5,6 +5,7 @@ use std::ops::Range;
 use super::audit::Audit;
 use super::design::SampleId;
 use super::expectation::{Expectation, same};
+use super::optimization::Optimization;
 use super::parameter::{Parameter, ParameterValue, VariedParameter};
 use super::precision::{Precision, Sampling};
 use super::resolve_model::Base;
@@ -35,6 +36,7 @@ pub struct Study {
     pub(super) expectations: Vec<Expectation>,
     pub(super) variables: Vec<Variable>,
     pub(super) responses: Vec<Response>,
+    pub(super) optimization: Option<Optimization>,
     /// This study with each number of balls that a design may have, in their order.
     pub(super) by_balls: Vec<Study>,
     pub(super) resolved: ResolvedFile,
@@ -166,6 +168,11 @@ impl Study {
     /// What designs are asked for.
     pub fn responses(&self) -> &[Response] {
         &self.responses
+    }
+
+    /// What is looked for, if anything is.
+    pub fn optimization(&self) -> Option<&Optimization> {
+        self.optimization.as_ref()
     }
 
     /// A point of the sweep by its number.

@@ -10,6 +10,7 @@ use super::file::{BlockFile, DesignFile, DistributionFile, InitialConditionsFile
 use super::file_values::{Balls, Named, Range};
 use super::key_path::KeyPath;
 use super::node::{Content, Source};
+use super::optimization::resolve_optimization;
 use super::parameter::{Parameter, VariedParameter};
 use super::plan::Study;
 use super::precision::Precision;
@@ -154,6 +155,7 @@ fn resolve(
         expect: written.expect.clone(),
         design: written.design.clone(),
         responses: written.responses.clone(),
+        optimize: written.optimize.clone(),
     };
     let mut study = Study {
         name: written.name.clone(),
@@ -177,6 +179,7 @@ fn resolve(
         expectations: Vec::new(),
         variables: Vec::new(),
         responses: Vec::new(),
+        optimization: None,
         by_balls: Vec::new(),
         resolved: ResolvedFile::new(resolved),
     };
@@ -186,6 +189,7 @@ fn resolve(
     study.responses = resolve_responses(source, &study, written.responses.as_ref())?;
     study.variables = resolve_variables(source, &study, written.design.as_ref())?;
     study.by_balls = by_balls(source, written, folders, &study)?;
+    study.optimization = resolve_optimization(source, &study, written.optimize.as_ref())?;
     Ok(study)
 }
 
@@ -202,7 +206,7 @@ fn by_balls(
     };
     let with = |balls: u64| {
         let mut other =
-            StudyFile { expect: None, design: None, responses: None, ..written.clone() };
+            StudyFile { expect: None, design: None, responses: None, optimize: None, ..written.clone() };
         other.model.parameters.get_or_insert_default().balls = Some(Balls::Number(balls));
         // Ranges of balls that a design does not have.
         if let Some(ranges) = &mut other.initial_conditions.start_box {

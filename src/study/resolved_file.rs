@@ -1,10 +1,12 @@
 //! A resolved study written as a study file again, and its hash.
 
+use std::path::Path;
 use std::sync::OnceLock;
 
 use serde_json::Value;
 use sha2::{Digest, Sha256};
 
+use super::error::StudyError;
 use super::file::StudyFile;
 use super::plan::Study;
 use super::start_box::GENERAL_AXES;
@@ -32,6 +34,16 @@ impl ResolvedFile {
 }
 
 impl Study {
+    /// This study with another master seed: all draws are others, and all else is the same.
+    ///
+    /// # Errors
+    /// None that the study itself had not had.
+    pub fn with_seed(&self, seed: u64) -> Result<Study, StudyError> {
+        let mut out = String::new();
+        write_block(&to_value(&StudyFile { seed, ..self.resolved.file.clone() }), 0, &mut out);
+        Study::parse(Path::new(&self.name), out)
+    }
+
     /// The complete study file: all defaults filled in, tables written out, in a fixed form.
     /// Loading it gives the same study with the same hash.
     pub fn resolved_yaml(&self) -> String {
@@ -44,7 +56,7 @@ impl Study {
     }
 
     /// SHA-256, in hexadecimal, of what determines the runs: not the file's name, form and
-    /// comments, nor `name`, `expect`, `design` and `responses`.
+    /// comments, nor `name`, `expect`, `design`, `responses` and `optimize`.
     pub fn hash(&self) -> String {
         let compute = || {
             let file = self.resolved.file.clone();
@@ -53,6 +65,7 @@ impl Study {
                 expect: None,
                 design: None,
                 responses: None,
+                optimize: None,
                 ..file
             };
             // Ranges of all balls are for designs; this study's own balls have theirs.

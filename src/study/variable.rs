@@ -32,7 +32,27 @@ pub enum DesignValue {
     Choice(usize),
 }
 
+/// The values that a variable has, from the first to the last.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Values {
+    /// All numbers from one to another.
+    Numbers(f64, f64),
+    /// Whole numbers from one to another.
+    Whole(u64, u64),
+    /// So many choices.
+    Choices(usize),
+}
+
 impl Variable {
+    /// What values it has.
+    pub fn values(&self) -> Values {
+        match &self.domain {
+            Domain::Parameter { from, to, .. } => Values::Numbers(*from, *to),
+            Domain::Balls { from, to } => Values::Whole(*from, *to),
+            Domain::Choices(choices) => Values::Choices(choices.len()),
+        }
+    }
+
     /// Name, as in the study file.
     pub fn name(&self) -> &str {
         &self.name
