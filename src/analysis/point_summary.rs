@@ -24,6 +24,11 @@ impl LabelCounts {
         self.0[label as usize] += 1;
     }
 
+    /// Counts several runs.
+    pub fn add_many(&mut self, label: Label, runs: u64) {
+        self.0[label as usize] += runs;
+    }
+
     /// Runs with this label.
     pub fn of(&self, label: Label) -> u64 {
         self.0[label as usize]

@@ -163,7 +163,7 @@ fn compute(
     for (number, values) in (0..).zip(designs) {
         let finished = |label| progress.finished(label);
         let design = (number, values.as_slice());
-        let Some(own) = respond(crew, &set(values)?, study.responses(), design, stop, &finished)
+        let Some(own) = respond(crew, &[set(values)?], study.responses(), design, stop, &finished)
         else {
             progress.close();
             progress.ended(true);

@@ -13,6 +13,7 @@ mod exit;
 mod expand;
 mod farming;
 mod merge;
+mod optimize;
 mod output;
 mod point_line;
 mod points_table;
@@ -74,6 +75,7 @@ enum Command {
     Verify(verify::VerifyArguments),
     Equilibria(equilibria::EquilibriaArguments),
     Evaluate(evaluate::EvaluateArguments),
+    Optimize(optimize::OptimizeArguments),
     Schema(schema::SchemaArguments),
     Completions(completions::CompletionsArguments),
 }
@@ -93,6 +95,7 @@ pub fn main() -> ExitCode {
         Command::Verify(arguments) => verify::verify(&arguments),
         Command::Equilibria(arguments) => equilibria::equilibria(&arguments),
         Command::Evaluate(arguments) => evaluate::evaluate(&arguments),
+        Command::Optimize(arguments) => optimize::optimize(&arguments),
         Command::Schema(arguments) => schema::schema(&arguments),
         Command::Completions(arguments) => completions::completions(&arguments),
     };

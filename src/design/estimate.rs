@@ -1,5 +1,7 @@
 //! What estimates are made from, and what they are.
 
+use std::borrow::Cow;
+
 use crate::analysis::Z_95;
 use crate::ending::Label;
 
@@ -43,7 +45,7 @@ impl Sample {
 }
 
 /// A response: a value and how well it is known. All intervals are 95 %.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Estimate {
     /// The value; none where the runs do not say it.
     pub value: Option<f64>,
@@ -54,7 +56,7 @@ pub struct Estimate {
     /// The upper end of its interval; none where it has no bound.
     pub high: Option<f64>,
     /// Why something of this is missing.
-    pub reason: Option<&'static str>,
+    pub reason: Option<Cow<'static, str>>,
 }
 
 impl Estimate {
@@ -68,12 +70,12 @@ impl Estimate {
             standard_error: both.map(|(low, high)| (high - low) / (2.0 * Z_95)),
             low,
             high,
-            reason: both.is_none().then_some(unbounded),
+            reason: both.is_none().then_some(Cow::Borrowed(unbounded)),
         }
     }
 
     /// Nothing is known, for a reason.
     pub fn unknown(reason: &'static str) -> Self {
-        Estimate { reason: Some(reason), ..Estimate::default() }
+        Estimate { reason: Some(Cow::Borrowed(reason)), ..Estimate::default() }
     }
 }

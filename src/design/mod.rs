@@ -10,6 +10,7 @@ mod columns;
 mod discontinuity;
 mod estimate;
 mod moments;
+pub mod optimize;
 mod order_statistics;
 mod probability;
 mod request;

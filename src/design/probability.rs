@@ -133,7 +133,7 @@ mod tests {
         let ends = (wilson(6, 12, Z_95).0, wilson(8, 12, Z_95).1);
         assert_eq!((with.low, with.high), (Some(ends.0), Some(ends.1)));
         let failed = at_rest_by(&sample(vec![run(Label::Failed, None, 0.0); 3]), 2.0);
-        assert_eq!((failed.value, failed.reason), (None, Some("all runs failed")));
+        assert_eq!((failed.value, failed.reason.as_deref()), (None, Some("all runs failed")));
         // All alike is no certainty.
         let alike = at_rest_by(&sample(vec![run(Label::Equilibrium, Some(1.0), 1.0); 10]), 2.0);
         assert_eq!((alike.value, alike.high), (Some(1.0), Some(1.0)));

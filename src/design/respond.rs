@@ -30,19 +30,23 @@ pub struct Answer {
     pub discontinuous: Option<bool>,
 }
 
-/// Computes a design at all points of the sweep. `set` is the study with its variables set to `values`,
-/// `finished` is told of each run; none where `stop` became true.
+/// Computes a design at all points of the sweep. `sets` are the study with its variables set to `values`,
+/// or several that differ from each other in their master seeds, whose runs are taken together; `finished`
+/// is told of each run. None where `stop` became true.
 pub fn respond(
     crew: &Crew,
-    set: &Study,
+    sets: &[Study],
     responses: &[Response],
     (design, values): (u64, &[DesignValue]),
     stop: &AtomicBool,
     finished: &(dyn Fn(Label) + Sync),
 ) -> Option<Vec<Answer>> {
+    let Some(first) = sets.first() else { return Some(Vec::new()) };
     let answer = |point_id| {
-        let runs = crew.point(set, point_id, stop, finished)?;
-        let point = set.point(point_id);
+        let runs = |set: &Study| crew.point(set, point_id, stop, finished);
+        let runs: Option<Vec<_>> = sets.iter().map(runs).collect();
+        let runs: Vec<_> = runs?.into_iter().flatten().collect();
+        let point = first.point(point_id);
         let sample = |relative| Sample {
             cells: point.cells,
             runs: runs.iter().map(|(planned, outcome)| seen(planned, outcome, relative)).collect(),
@@ -63,7 +67,7 @@ pub fn respond(
             discontinuous: None,
         })
     };
-    (0..set.point_count()).map(answer).collect()
+    (0..first.point_count()).map(answer).collect()
 }
 
 fn seen(planned: &PlannedRun, outcome: &Outcome, relative: bool) -> Seen {

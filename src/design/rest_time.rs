@@ -50,10 +50,10 @@ mod tests {
         assert_eq!(median_time_to_rest(&sample(60, 40)).value, Some(50.0));
         let few = median_time_to_rest(&sample(20, 80));
         assert_eq!(
-            (few.value, few.reason),
+            (few.value, few.reason.as_deref()),
             (None, Some("less than half of the runs come to rest"))
         );
         let none = median_time_to_rest(&sample(0, 5));
-        assert_eq!((none.value, none.reason), (None, Some("no run came to rest")));
+        assert_eq!((none.value, none.reason.as_deref()), (None, Some("no run came to rest")));
     }
 }

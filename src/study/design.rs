@@ -119,6 +119,11 @@ impl Design {
         self.layout.kind()
     }
 
+    /// Whether its start states are drawn.
+    pub fn is_random(&self) -> bool {
+        !matches!(self.layout, Layout::Grid { .. } | Layout::Table { .. }) && self.free_axes() > 0
+    }
+
     /// Cell and replicate of a sample. In a stratified design every cell has its first sample
     /// before any has its second, so that more samples per cell are appended.
     pub fn identify(&self, sample: u64) -> SampleId {

@@ -16,7 +16,9 @@ const MAX_DESIGNS: u64 = 2000;
 /// The most designs that are looked at again, and samples that each then has.
 const MAX_FINAL: u64 = 10_000;
 /// The most base samples of Sobol' indices.
-const MAX_SAMPLES: u64 = 1 << 20;
+const MAX_SAMPLES: u64 = 1 << 16;
+/// The most variables: there are 256 Sobol' dimensions, and Sobol' indices take two for each.
+const MAX_VARIABLES: usize = 100;
 /// The fewest base samples of Sobol' indices: fewer have no interval.
 const MIN_SAMPLES: u64 = 8;
 
@@ -89,6 +91,11 @@ pub(crate) fn resolve_optimization(
             );
             return Err(locate.refuse_key(&setting.path, fault));
         }
+    }
+    if study.variables.len() > MAX_VARIABLES {
+        let found = format!("{} variables", study.variables.len());
+        let fault = Fault::new("too many variables", found, format!("at most {MAX_VARIABLES}"));
+        return Err(locate.refuse_key(&KeyPath::of("design"), fault));
     }
     let objectives = setting.objectives(file)?;
     let limits = setting.limits(file.subject_to.as_ref())?;

@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use super::audit::Audit;
 use super::design::SampleId;
+use super::draw::DrawKey;
 use super::expectation::{Expectation, same};
 use super::optimization::Optimization;
 use super::parameter::{Parameter, ParameterValue, VariedParameter};
@@ -100,6 +101,23 @@ impl Study {
     /// Master seed of every draw.
     pub fn seed(&self) -> u64 {
         self.seed
+    }
+
+    /// A seed that follows from the master seed: for a purpose, and by number.
+    pub fn derived_seed(&self, purpose: &str, number: u64) -> u64 {
+        DrawKey::new(self.seed, purpose, "").bits(0, number)
+    }
+
+    /// Whether another master seed gives other runs: not where start states are given and no parameter is
+    /// uncertain.
+    pub fn is_random(&self) -> bool {
+        !self.uncertain.is_empty() || self.blocks.iter().any(|block| block.design.is_random())
+    }
+
+    /// The most runs that a design has, at all points together.
+    pub fn most_runs_of_a_design(&self) -> u64 {
+        let all = self.by_balls.iter().map(Study::run_count);
+        all.max().unwrap_or(self.run_count())
     }
 
     /// The model before anything is swept or drawn; its kind and its number of balls are the same

@@ -44,6 +44,11 @@ impl Study {
         Study::parse(Path::new(&self.name), out)
     }
 
+    /// The complete study file as plain values.
+    pub(crate) fn resolved_file(&self) -> Value {
+        self.resolved.to_value()
+    }
+
     /// The complete study file: all defaults filled in, tables written out, in a fixed form.
     /// Loading it gives the same study with the same hash.
     pub fn resolved_yaml(&self) -> String {

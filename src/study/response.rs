@@ -42,6 +42,23 @@ pub struct Response {
 /// What follows a response's name in the columns of its numbers, after the value itself.
 pub(crate) const SUFFIXES: [&str; 4] = ["_standard_error", "_low", "_high", "_reason"];
 
+/// Names that answers and tables use themselves.
+pub(super) const TAKEN: [&str; 13] = [
+    "id",
+    "design",
+    "point_id",
+    "responses",
+    "runs",
+    "equilibrium",
+    "limit_cycle",
+    "irregular",
+    "undecided",
+    "failed",
+    "discontinuous",
+    "origin",
+    "role",
+];
+
 impl Response {
     /// Unit of the value; `1` where it has none.
     pub fn unit(&self) -> &'static str {
@@ -95,6 +112,11 @@ pub(crate) fn resolve_responses(
         check_name(name).map_err(|fault| locate.refuse_key(&path, fault))?;
         let own = std::iter::once("").chain(SUFFIXES).map(|suffix| format!("{name}{suffix}"));
         for column in own {
+            let swept = study.swept.iter().any(|one| one.name == column);
+            if swept || TAKEN.contains(&column.as_str()) {
+                let problem = "a column of answers has this name";
+                return Err(locate.refuse_key(&path, Fault::new(problem, column, "another name")));
+            }
             if !columns.insert(column.clone()) {
                 let fault = Fault::new("two columns of this name", column, "another name");
                 return Err(locate.refuse_key(&path, fault));

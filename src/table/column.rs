@@ -34,6 +34,11 @@ impl<R> Column<R> {
         Column { field: Field::new(name, kind, true).with_metadata(metadata), build }
     }
 
+    /// Its name.
+    pub fn name(&self) -> &str {
+        self.field.name()
+    }
+
     /// A column of numbers; a value that is not finite counts as missing.
     pub fn number(
         name: &str,

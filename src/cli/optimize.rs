@@ -1,0 +1,265 @@
+//! `stickslip optimize`: looks for the design that does best.
+
+use std::fs;
+use std::num::NonZeroUsize;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+use clap::Args;
+use serde_json::json;
+
+use super::arguments::{StudyArgument, threads};
+use super::exit::{CliError, End};
+use super::output::print;
+use crate::design::optimize::{
+    Evaluation, Finals, Role, Search, SearchEnd, evaluation_columns, final_columns, final_runs,
+    finals, optimum_json, pareto_columns, read_evaluations, result_in_words, search, search_facts,
+    search_line, sensitivities, sensitivity_columns, surrogates,
+};
+use crate::ending::Label;
+use crate::farm::{Crew, Planned, Progress, Show, say, stop_on_signals};
+use crate::study::{Optimization, SensitivityFrom, Study};
+use crate::table::column::Column;
+use crate::table::{ResultsError, TableWriter, WriteError, provenance_with, write_atomically};
+
+const EXAMPLES: &str = "\
+Examples:
+  stickslip optimize studies/design.yaml
+  stickslip optimize studies/design.yaml --out results/quiet --threads 8
+
+The study names variables under `design`, what is asked for under `responses`, and what is to be small or
+large under `optimize`, with limits to other responses. The search looks at one design after another, first
+spread over all ranges and choices, then chosen by surrogates, with a line for each; the same study and seed
+give the same designs on any number of threads. The best are looked at again with other runs, so that no
+luck is reported.
+
+DIR holds evaluations.parquet (every design), finals.parquet, pareto.parquet of two objectives,
+sensitivities.parquet (Sobol' indices), surrogates.json and optimum.json. Started again with the same DIR it
+goes on where it was, also towards more designs.";
+
+/// Look for the design that does best, by surrogates
+#[derive(Clone, Debug, Args)]
+#[command(after_help = EXAMPLES)]
+pub struct OptimizeArguments {
+    #[command(flatten)]
+    study: StudyArgument,
+
+    /// Directory for the results [default: optimum/ and the study's name]
+    #[arg(long, short, value_name = "DIR")]
+    out: Option<PathBuf>,
+
+    /// Worker threads [default: one per core]
+    #[arg(long, value_name = "N", value_parser = threads, allow_negative_numbers = true)]
+    threads: Option<NonZeroUsize>,
+
+    /// No progress on the terminal
+    #[arg(long, short)]
+    quiet: bool,
+}
+
+/// Looks for the best design.
+///
+/// # Errors
+/// Where the study cannot be used or says not what is looked for, the directory holds something else or a
+/// table cannot be written, and where an objective does not depend on the design.
+pub fn optimize(arguments: &OptimizeArguments) -> Result<End, CliError> {
+    let study = arguments.study.load()?;
+    let file = arguments.study.study.display();
+    let Some(optimization) = study.optimization() else {
+        let allowed = "`optimize` in the study, such as optimize: {minimize: vibration}";
+        return Err(CliError::Usage(format!(
+            "{file}: nothing is looked for\n  allowed: {allowed}"
+        )));
+    };
+    if study.precision().is_some() {
+        let allowed = "a study without `precision`: designs share their runs, all of them";
+        return Err(CliError::Usage(format!(
+            "{file}: designs of different numbers of runs\n  found:   `precision`\n  allowed: {allowed}"
+        )));
+    }
+    let usual = || Path::new("optimum").join(study.name());
+    let directory = arguments.out.clone().unwrap_or_else(usual);
+    let mut evaluations =
+        read_evaluations(&study, &directory).map_err(|error| CliError::Usage(error.to_string()))?;
+    let place = Place::new(&study, optimization, &directory, evaluations.is_empty())?;
+    let cores = || std::thread::available_parallelism().unwrap_or(NonZeroUsize::MIN);
+    let crew = Crew::new(arguments.threads.unwrap_or_else(cores).get());
+    let crew = crew.map_err(CliError::Threads)?;
+    let stop = stop_on_signals().unwrap_or_else(|error| {
+        say(&format!("warning: Ctrl-C will not be clean: {error}"));
+        Arc::new(AtomicBool::new(false))
+    });
+    let what = Search { study: &study, optimization, crew: &crew, stop: &stop };
+    let show = if arguments.quiet { Show::Nothing } else { Show::auto() };
+    let tell = |text: String| {
+        if !arguments.quiet {
+            say(&text);
+        }
+    };
+    if !evaluations.is_empty() {
+        let designs = evaluations.len();
+        tell(format!("goes on after {designs} designs in {}", directory.display()));
+    }
+    let end = search(&what, &mut evaluations, &|_| {}, |evaluations| {
+        place.write_evaluations(evaluations)?;
+        tell(search_line(&what, evaluations));
+        Ok::<(), CliError>(())
+    })?;
+    match &end {
+        SearchEnd::Stopped => return Ok(interrupted(&directory)),
+        SearchEnd::Constant(problem) => {
+            let allowed = "an objective that depends on the design; wider ranges under `design`";
+            return Err(CliError::Usage(format!(
+                "{file}: `optimize`: {problem}\n  allowed: {allowed}"
+            )));
+        }
+        SearchEnd::NoMoreDesigns => tell("there are no more designs".to_owned()),
+        SearchEnd::Finished => {}
+    }
+    place.write_surrogates(&what, &evaluations)?;
+    let Some(sensitivities) = with_progress(&what, sensitivity_runs(&what), show, |finished| {
+        sensitivities(&what, &evaluations, finished)
+    }) else {
+        return Ok(interrupted(&directory));
+    };
+    place.write("sensitivities", sensitivity_columns(), sensitivities)?;
+    let Some(finals) = with_progress(&what, final_runs(&what), show, |finished| {
+        finals(&what, &evaluations, finished)
+    }) else {
+        return Ok(interrupted(&directory));
+    };
+    place.write_finals(&finals)?;
+    place.write_json("optimum.json", &optimum_json(&what, &end, &evaluations, &finals))?;
+    print(&result_in_words(&what, &finals))?;
+    tell(format!("results are in {}", directory.display()));
+    Ok(how_it_ends(&evaluations, &finals))
+}
+
+fn interrupted(directory: &Path) -> End {
+    say(&format!("interrupted; started again with --out {} it goes on", directory.display()));
+    End::Interrupted
+}
+
+fn how_it_ends(evaluations: &[Evaluation], finals: &Finals) -> End {
+    let met = |role| finals.of(role).is_some_and(|one| one.met);
+    if !met(Role::Best) && !finals.all.iter().any(|one| one.on_front == Some(true)) {
+        say("no design meets all limits");
+        return End::ExpectationNotMet;
+    }
+    let of_search = evaluations.iter().flat_map(|one| &one.answers);
+    let of_finals = finals.all.iter().flat_map(|one| &one.answers);
+    let failed = of_search.chain(of_finals).any(|answer| answer.counts.of(Label::Failed) > 0);
+    if failed { End::RunsFailed } else { End::Well }
+}
+
+/// Runs that Sobol' indices need.
+fn sensitivity_runs(what: &Search) -> u64 {
+    let Search { study, optimization, .. } = what;
+    match optimization.sensitivity_from {
+        SensitivityFrom::Surrogates => 0,
+        SensitivityFrom::Runs => {
+            let designs = optimization.sensitivity_samples * (study.variables().len() as u64 + 2);
+            designs.saturating_mul(study.most_runs_of_a_design())
+        }
+    }
+}
+
+/// Does something that takes so many runs at most, and shows how far it is.
+fn with_progress<T>(
+    what: &Search,
+    runs: u64,
+    show: Show,
+    work: impl FnOnce(&(dyn Fn(Label) + Sync)) -> Option<T>,
+) -> Option<T> {
+    if runs == 0 {
+        return work(&|_| {});
+    }
+    let study = what.study.name();
+    let progress = Progress::begin(Planned { study, runs, at_most: true, points: 1 }, show);
+    let done = work(&|label| progress.finished(label));
+    progress.close();
+    progress.ended(done.is_none());
+    done
+}
+
+/// The directory of a search.
+struct Place<'a> {
+    study: &'a Study,
+    optimization: &'a Optimization,
+    directory: &'a Path,
+}
+
+impl<'a> Place<'a> {
+    /// The directory, made if need be; a new search begins in an empty one.
+    fn new(
+        study: &'a Study,
+        optimization: &'a Optimization,
+        directory: &'a Path,
+        new: bool,
+    ) -> Result<Self, CliError> {
+        if new {
+            crate::table::EquilibriumFiles::inspect(directory)?;
+        }
+        let unusable = |cause| ResultsError::Unusable { path: directory.to_owned(), cause };
+        fs::create_dir_all(directory).map_err(unusable)?;
+        Ok(Place { study, optimization, directory })
+    }
+
+    fn write<R>(
+        &self,
+        name: &str,
+        columns: Vec<Column<R>>,
+        rows: impl IntoIterator<Item = R>,
+    ) -> Result<(), WriteError> {
+        let about = provenance_with(self.study, name, &search_facts(self.study));
+        let path = self.directory.join(format!("{name}.parquet"));
+        let mut table = TableWriter::create(&path, columns, &about)?;
+        for row in rows {
+            table.push(row)?;
+        }
+        table.finish()?;
+        Ok(())
+    }
+
+    fn write_evaluations(&self, evaluations: &[Evaluation]) -> Result<(), WriteError> {
+        let rows = evaluations
+            .iter()
+            .flat_map(|one| one.answers.iter().map(|answer| (one.origin, answer.clone())));
+        self.write("evaluations", evaluation_columns(self.study), rows)
+    }
+
+    fn write_finals(&self, finals: &Finals) -> Result<(), WriteError> {
+        let rows = finals
+            .all
+            .iter()
+            .flat_map(|one| one.answers.iter().map(|answer| (one.role, answer.clone())));
+        self.write("finals", final_columns(self.study), rows)?;
+        if self.optimization.objectives.len() < 2 {
+            return Ok(());
+        }
+        let front = finals.all.iter().filter(|one| one.role == Role::Pareto).cloned();
+        self.write("pareto", pareto_columns(self.study, self.optimization), front)
+    }
+
+    fn write_surrogates(&self, what: &Search, evaluations: &[Evaluation]) -> Result<(), CliError> {
+        let all = what.crew.install(|| surrogates(what, evaluations));
+        let states = all.into_iter().filter_map(|(response, surrogate)| {
+            let name = &self.study.responses().get(response)?.name;
+            let state = match surrogate {
+                Ok(surrogate) => surrogate.state(),
+                Err(problem) => json!({"problem": problem}),
+            };
+            Some(json!({"response": name, "state": state}))
+        });
+        let states: Vec<_> = states.collect();
+        self.write_json("surrogates.json", &json!({"format": 1, "surrogates": states}))
+    }
+
+    fn write_json(&self, name: &str, value: &serde_json::Value) -> Result<(), CliError> {
+        let path = self.directory.join(name);
+        let text = format!("{value:#}\n");
+        write_atomically(&path, text.as_bytes())
+            .map_err(|cause| ResultsError::Unusable { path, cause }.into())
+    }
+}

@@ -1,0 +1,36 @@
+//! Sequential approximate optimisation: surrogates of a few designs choose the next one.
+//!
+//! A search begins with designs spread over all ranges and choices, which sees discontinuities that
+//! steps from a single design would not. From then on surrogates of all objectives and limits choose each
+//! design (egobox). Design number `k` is a function of the study and of the designs before it, so that
+//! a search can be interrupted and go on, and threads change nothing. What the search saw of its best
+//! design is luck in part: in the end other runs, more of them, decide and are reported.
+
+mod difference;
+mod evaluation;
+mod evaluations_table;
+mod finals;
+mod goal;
+mod over_points;
+mod pareto;
+mod report;
+mod search;
+mod sensitivity;
+mod sobol_indices;
+mod space;
+mod suggest;
+mod surrogate;
+mod tables;
+
+pub use difference::{difference, ratio};
+pub use evaluation::{Evaluation, Origin};
+pub use evaluations_table::{EvaluationsError, evaluation_columns, read_evaluations, search_facts};
+pub use finals::{Final, Finals, Role, final_runs, finals};
+pub use goal::{Goal, Quantity};
+pub use pareto::pareto_front;
+pub use report::{optimum_json, result_in_words, search_line};
+pub use search::{Search, SearchEnd, search};
+pub use sensitivity::{Sensitivity, sensitivities, surrogates};
+pub use sobol_indices::{Indices, sobol_indices};
+pub use surrogate::Surrogate;
+pub use tables::{final_columns, pareto_columns, sensitivity_columns};

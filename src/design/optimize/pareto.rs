@@ -1,0 +1,39 @@
+//! Designs that no other one is better than in all objectives.
+
+/// The numbers of the designs of the Pareto front, in their order: those whose costs are all known and that
+/// no other such design is at least as good as in every objective and better in one. Of equal designs the
+/// first is taken.
+pub fn pareto_front(costs: &[Option<Vec<f64>>]) -> Vec<usize> {
+    let beats = |(other, theirs): (usize, &Vec<f64>), (own, mine): (usize, &Vec<f64>)| {
+        let pairs = || theirs.iter().zip(mine);
+        let none_worse = pairs().all(|(theirs, mine)| theirs <= mine);
+        none_worse && (pairs().any(|(theirs, mine)| theirs < mine) || other < own)
+    };
+    let known = || costs.iter().enumerate().filter_map(|(one, costs)| Some((one, costs.as_ref()?)));
+    let alone = |mine: &(usize, &Vec<f64>)| {
+        !known().any(|theirs| theirs.0 != mine.0 && beats(theirs, *mine))
+    };
+    known().filter(alone).map(|(one, _)| one).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::pareto_front;
+
+    #[test]
+    fn front_of_a_few() {
+        let costs: Vec<Option<Vec<f64>>> = [
+            Some([1.0, 5.0]),
+            Some([2.0, 2.0]),
+            None,
+            Some([3.0, 2.0]),
+            Some([2.0, 2.0]),
+            Some([5.0, 1.0]),
+            Some([5.0, 5.0]),
+        ]
+        .map(|costs| costs.map(Vec::from))
+        .into();
+        assert_eq!(pareto_front(&costs), [0, 1, 5]);
+        assert!(pareto_front(&[None]).is_empty());
+    }
+}

@@ -1,0 +1,159 @@
+//! The ranges and choices of a study's variables, as places for designs.
+
+use egobox_ego::XType;
+
+use crate::study::{DesignValue, Study, Values, Variable};
+
+/// Significant digits of the numbers that a search tries.
+const DIGITS: usize = 6;
+
+/// All designs of a study.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Space<'a> {
+    variables: &'a [Variable],
+}
+
+impl<'a> Space<'a> {
+    pub fn new(study: &'a Study) -> Self {
+        Space { variables: study.variables() }
+    }
+
+    /// How many variables there are.
+    pub fn dimensions(&self) -> usize {
+        self.variables.len()
+    }
+
+    /// The design at a place in the unit cube: each range from its first to its last value, whole numbers
+    /// and choices with equal shares. Numbers have six digits.
+    pub fn at(&self, place: &[f64]) -> Vec<DesignValue> {
+        let value = |(variable, share): (&Variable, &f64)| value_at(variable.values(), *share);
+        self.variables.iter().zip(place).map(value).collect()
+    }
+
+    /// Design number `index` of those spread over the space: a scrambled Sobol' point.
+    pub fn spread(&self, index: u32, seed: u32) -> Vec<DesignValue> {
+        let coordinate = |dimension| f64::from(sobol_burley::sample(index, dimension, seed));
+        // One dimension per variable: there are fewer of these than Sobol' dimensions.
+        let dimensions = u32::try_from(self.dimensions()).unwrap_or(u32::MAX);
+        let place: Vec<f64> = (0..dimensions).map(coordinate).collect();
+        self.at(&place)
+    }
+
+    /// The variables as the optimiser knows them: numbers on a scale from 0 to 1.
+    pub fn types(&self) -> Vec<XType> {
+        let of = |variable: &Variable| match variable.values() {
+            Values::Numbers(..) => XType::Float(0.0, 1.0),
+            Values::Whole(from, to) => XType::Int(whole(from), whole(to)),
+            Values::Choices(choices) => XType::Enum(choices),
+        };
+        self.varied().map(|(_, variable)| of(variable)).collect()
+    }
+
+    /// A design as the optimiser knows it.
+    pub fn row(&self, design: &[DesignValue]) -> Vec<f64> {
+        let of = |(index, variable): (usize, &Variable)| match (design.get(index), variable.values())
+        {
+            (Some(DesignValue::Number(number)), Values::Numbers(from, to)) => {
+                (number - from) / (to - from)
+            }
+            (Some(DesignValue::Number(number)), _) => *number,
+            (Some(DesignValue::Choice(choice)), _) => *choice as f64,
+            (None, _) => 0.0,
+        };
+        self.varied().map(of).collect()
+    }
+
+    /// The design that the optimiser means.
+    pub fn design(&self, row: &[f64]) -> Vec<DesignValue> {
+        let mut design = self.at(&vec![0.0; self.dimensions()]);
+        for ((index, variable), number) in self.varied().zip(row) {
+            design[index] = match variable.values() {
+                values @ Values::Numbers(..) => value_at(values, *number),
+                Values::Whole(from, to) => {
+                    DesignValue::Number(number.round().clamp(from as f64, to as f64))
+                }
+                Values::Choices(choices) => {
+                    DesignValue::Choice((number.round().max(0.0) as usize).min(choices - 1))
+                }
+            };
+        }
+        design
+    }
+
+    /// A design in coordinates for a surrogate: ranges 1 wide, a coordinate for each choice.
+    pub fn coordinates(&self, design: &[DesignValue]) -> Vec<f64> {
+        let of = |(index, variable): (usize, &Variable)| {
+            design.get(index).map_or_else(Vec::new, |value| variable.scaled(*value))
+        };
+        self.varied().flat_map(of).collect()
+    }
+
+    /// The variables that have more than one value, with their numbers.
+    fn varied(&self) -> impl Iterator<Item = (usize, &'a Variable)> {
+        let varied = |(_, variable): &(usize, &Variable)| match variable.values() {
+            Values::Numbers(from, to) => from < to,
+            Values::Whole(from, to) => from < to,
+            Values::Choices(choices) => choices > 1,
+        };
+        self.variables.iter().enumerate().filter(varied)
+    }
+}
+
+/// A few balls: never near the largest of these numbers.
+fn whole(number: u64) -> i32 {
+    i32::try_from(number).unwrap_or(i32::MAX)
+}
+
+fn value_at(values: Values, share: f64) -> DesignValue {
+    let share = share.clamp(0.0, 1.0);
+    let part = |parts: u64| ((share * parts as f64) as u64).min(parts - 1);
+    match values {
+        Values::Numbers(from, to) => {
+            DesignValue::Number(rounded(from + share * (to - from)).clamp(from, to))
+        }
+        Values::Whole(from, to) => DesignValue::Number((from + part(to - from + 1)) as f64),
+        Values::Choices(choices) => DesignValue::Choice(part(choices as u64) as usize),
+    }
+}
+
+/// The number with a few significant digits.
+fn rounded(number: f64) -> f64 {
+    // What a number is written as can be read.
+    format!("{number:.*e}", DIGITS - 1).parse().unwrap_or(number)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::{Space, rounded};
+    use crate::study::{DesignValue, Study};
+
+    #[test]
+    fn numbers_have_six_digits() {
+        assert_eq!(rounded(123.456789), 123.457);
+        assert_eq!(rounded(-0.000123456789), -0.000123457);
+        assert_eq!(rounded(0.0), 0.0);
+    }
+
+    #[test]
+    fn designs_and_rows_are_the_same() {
+        let text = "schema: 1\nname: one\nseed: 7\nmodel: {kind: ball_balancer}\n\
+            initial_conditions: {design: {monte_carlo: {samples: 2}}}\n\
+            design:\n  speed_rad_s: {from: -260, to: -140}\n  balls: {from: 1, to: 3}\n  \
+            stiffness_n_m: {from: 900, to: 900}\n  \
+            material: {choices: {a: {ball_mass_kg: 1e-4}, b: {ball_mass_kg: 2e-4}}}\n";
+        let study = Study::parse(Path::new("a.yaml"), text.to_owned()).unwrap();
+        let space = Space::new(&study);
+        assert_eq!((space.dimensions(), space.types().len()), (4, 3));
+        let mut found = [0; 3];
+        for index in 0..96 {
+            let design = space.spread(index, 5);
+            assert_eq!(space.design(&space.row(&design)), design, "{design:?}");
+            assert_eq!(design[2], DesignValue::Number(900.0));
+            let DesignValue::Number(balls) = design[1] else { panic!("{design:?}") };
+            found[balls as usize - 1] += 1;
+        }
+        assert_eq!(found, [32; 3]);
+    }
+}
