@@ -75,6 +75,10 @@ impl Distribution {
                 Ok(Distribution::Triangular { min: *min, mode: *mode, max: *max })
             }
             DistributionFile::Choice { values, weights } => choice(values, weights.as_deref()),
+            DistributionFile::Times(_) => {
+                let allowed = "one of the other distributions";
+                Err(("times", Fault::new("a factor of a factor", "times", allowed)))
+            }
         }
     }
 

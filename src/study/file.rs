@@ -308,6 +308,9 @@ pub enum DistributionFile {
         #[serde(skip_serializing_if = "Option::is_none")]
         weights: Option<Vec<f64>>,
     },
+    /// The parameter's own value, also one of a sweep or a design, times a number that is drawn from one
+    /// of the other distributions.
+    Times(Box<DistributionFile>),
 }
 
 /// Start states: a box of non-dimensional coordinates and how it is sampled.

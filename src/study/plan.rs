@@ -231,8 +231,8 @@ impl Study {
         let point = self.point(block.first_point + local_point);
         let id = block.design.identify(local % block.sampling.most);
         let start = Start(block.design.coordinates(id));
-        let uncertain = self.draw(id);
         let mut values = block.values(local_point);
+        let uncertain = self.draw(id, &values);
         let audited = self.audit.is_some_and(|audit| audit.chooses(self.seed, &values, id));
         let model = if uncertain.is_empty() {
             point.model
@@ -260,11 +260,23 @@ impl Study {
         }
     }
 
-    fn draw(&self, id: SampleId) -> Vec<f64> {
-        self.uncertain_parameters
-            .iter()
-            .map(|one| one.distribution.quantile(one.key.uniform(id.cell, id.replicate)))
-            .collect()
+    fn draw(&self, id: SampleId, set: &[(Parameter, ParameterValue)]) -> Vec<f64> {
+        let draw = |one: &Uncertain| {
+            let drawn = one.distribution.quantile(one.key.uniform(id.cell, id.replicate));
+            if !one.factor {
+                return drawn;
+            }
+            let own = set.iter().find(|(parameter, _)| *parameter == one.parameter);
+            let own = own.map_or_else(
+                || one.parameter.get(&self.base.model, &self.base.general),
+                |(_, value)| *value,
+            );
+            match own {
+                ParameterValue::Number(own) => own * drawn,
+                ParameterValue::Text(_) => drawn,
+            }
+        };
+        self.uncertain_parameters.iter().map(draw).collect()
     }
 
     /// The base model with these values: first those of all balls, then those of one ball.

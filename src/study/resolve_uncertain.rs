@@ -7,7 +7,7 @@ use super::file::DistributionFile;
 use super::file_values::Named;
 use super::key_path::KeyPath;
 use super::node::describe_number;
-use super::parameter::Parameter;
+use super::parameter::{Parameter, ParameterValue};
 use super::resolve_model::Base;
 use super::resolve_sweep::find_parameter;
 
@@ -16,8 +16,10 @@ use super::resolve_sweep::find_parameter;
 pub(crate) struct Uncertain {
     /// The parameter.
     pub parameter: Parameter,
-    /// Its distribution.
+    /// Its distribution, or that of a factor.
     pub distribution: Distribution,
+    /// Whether what is drawn is a factor of the parameter's own value.
+    pub factor: bool,
     /// The key of its draws.
     pub key: DrawKey,
 }
@@ -37,41 +39,60 @@ pub(crate) fn resolve_uncertain(
     let mut all = Vec::new();
     for (name, distribution) in written.iter().flat_map(|named| &named.0) {
         let path = KeyPath::of("uncertain").key(name);
-        let parameter =
-            find_uncertain(name, base, swept).map_err(|fault| locate.refuse_key(&path, fault))?;
-        let path = path.key(kind(distribution));
-        let distribution = Distribution::resolve(distribution)
+        let (factor, drawn) = match distribution {
+            DistributionFile::Times(of) => (true, of.as_ref()),
+            other => (false, other),
+        };
+        let parameter = find_uncertain(name, base, swept, factor)
+            .map_err(|fault| locate.refuse_key(&path, fault))?;
+        let path = if factor { path.key(kind(distribution)) } else { path };
+        let path = path.key(kind(drawn));
+        let own = match parameter.get(&base.model, &base.general) {
+            ParameterValue::Number(own) if factor => own,
+            _ => 1.0,
+        };
+        let distribution = Distribution::resolve(drawn)
             .map_err(|(key, fault)| locate.refuse_value(&path.key(key), fault))?;
         for (key, bound) in distribution.bounds() {
             // Draws stay strictly inside a range, so that its end may itself be just too small.
             let inside = if key == "min" { bound.next_up() } else { bound };
             if let (Err(allowed), Err(_)) =
-                (parameter.check(bound, &base.model), parameter.check(inside, &base.model))
+                (parameter.check(own * bound, &base.model), parameter.check(own * inside, &base.model))
             {
                 let fault = Fault::new("no physical meaning", describe_number(bound), allowed);
                 return Err(locate.refuse_value(&path.key(key), fault));
             }
         }
         let key = DrawKey::new(seed, "uncertain", name);
-        all.push(Uncertain { parameter, distribution, key });
+        all.push(Uncertain { parameter, distribution, factor, key });
     }
     all.sort_by_key(|uncertain| uncertain.parameter);
     Ok(all)
 }
 
-fn find_uncertain(name: &str, base: &Base, swept: &[Parameter]) -> Result<Parameter, Fault> {
+fn find_uncertain(
+    name: &str,
+    base: &Base,
+    swept: &[Parameter],
+    factor: bool,
+) -> Result<Parameter, Fault> {
     let parameter = find_parameter(name, &base.model)?;
     if !parameter.is_number() {
         return Err(Fault::new("not a number", name, "a numeric parameter (or sweep it)"));
     }
     base.check_varied(parameter)?;
-    let clash = |other: &&Parameter| **other == parameter || other.general() == Some(parameter);
+    // A factor is of a value that is known: that of the same parameter, not of all balls and of one.
+    let clash = |other: &&Parameter| {
+        (**other == parameter && !factor)
+            || other.general() == Some(parameter)
+            || (factor && parameter.general() == Some(**other))
+    };
     match swept.iter().find(clash) {
         None => Ok(parameter),
         Some(other) => Err(Fault::new(
             "both uncertain and swept",
             format!("{name} here and {} in `sweep`", other.name()),
-            "either a distribution or a sweep for a parameter",
+            "either a distribution or a sweep for a parameter, or `times` and a distribution of a factor",
         )),
     }
 }
@@ -84,5 +105,6 @@ fn kind(distribution: &DistributionFile) -> &'static str {
         DistributionFile::Uniform { .. } => "uniform",
         DistributionFile::Triangular { .. } => "triangular",
         DistributionFile::Choice { .. } => "choice",
+        DistributionFile::Times(_) => "times",
     }
 }

@@ -164,7 +164,10 @@ impl Setting<'_> {
             let allowed = format!("a ball that every design has, 1 to {}", self.least_balls);
             return Err(Fault::new("not a ball of every design", name, allowed));
         }
-        let drawn = self.study.uncertain_parameters.iter().map(|one| one.parameter);
+        // A factor leaves the parameter itself to the design.
+        let drawn = self.study.uncertain_parameters.iter();
+        let drawn = drawn.filter(|one| !one.factor || one.parameter != parameter);
+        let drawn = drawn.map(|one| one.parameter);
         for (place, mut others) in [
             ("sweep", self.study.swept_parameters.clone()),
             ("uncertain", drawn.collect::<Vec<_>>()),

@@ -14,6 +14,7 @@ mod limits;
 mod memory;
 mod merged;
 mod network;
+mod optimize;
 mod progress;
 mod replay;
 mod report;

@@ -1,0 +1,229 @@
+//! `stickslip optimize`: searches with known ends, the same ones again, and what it refuses.
+
+use std::fs;
+
+use serde_json::Value;
+
+use super::support::{Scratch, numbers, table, words};
+
+/// A block on a spring that starts at rest at 45 mm: after `n` half swings of `π √(m / k)` it stops within
+/// `1 N / k`. The time jumps up with every further half swing; from 30 to 200 N/m it is least, 0.3847 s, just
+/// below 66.67 N/m, where the first one is enough.
+const BLOCK: &str = "
+schema: 1
+name: block
+seed: 1
+model: {kind: block_on_spring}
+initial_conditions:
+  box: {position_m: [0.045, 0.045]}
+  design: {monte_carlo: {samples: 1}}
+simulation: {method: event}
+design: {stiffness_n_m: {from: 30, to: 200}}
+responses:
+  stop: median_time_to_rest
+  soon: {at_rest_by_s: 5}
+";
+
+/// Two objectives of a balancer of one or two balls, with everything in it.
+const BALLS: &str = "
+schema: 1
+name: balls
+seed: 2003
+model: {kind: ball_balancer, parameters: {balls: 2}}
+sweep: [{grid: {speed_rad_s: [-216, -247]}}]
+uncertain:
+  stiffness_n_m: {times: {uniform: {min: 0.9, max: 1.1}}}
+initial_conditions: {design: {monte_carlo: {samples: 8}}}
+simulation: {end_time_s: 0.5}
+design:
+  stiffness_n_m: {from: 9e3, to: 12e3}
+  balls: {from: 1, to: 2}
+  material:
+    choices:
+      steel: {ball_mass_kg: 1.4e-4, friction_coefficient: 2.75e-3}
+      ceramic: {ball_mass_kg: 5.8e-5, friction_coefficient: 1.5e-3}
+responses:
+  mean: {amplitude_mean: {}}
+  most: {amplitude_quantile: {share: 0.75, relative: true}}
+  rest: {at_rest_by_s: 0.5}
+";
+
+fn scratch() -> Scratch {
+    let scratch = Scratch::new();
+    scratch.write("block.yaml", format!("{BLOCK}optimize: {{minimize: stop, designs: 24}}\n"));
+    let balls = "optimize:\n  minimize: mean\n  subject_to: {rest: {at_most: 0.9}}\n  designs: 9\n  \
+        start_designs: 6\n  finalists: 2\n  final_samples: 2\n";
+    scratch.write("balls.yaml", format!("{BALLS}{balls}"));
+    scratch
+}
+
+fn optimum(scratch: &Scratch, directory: &str) -> Value {
+    let text = fs::read_to_string(scratch.path(directory).join("optimum.json")).unwrap();
+    serde_json::from_str(&text).unwrap()
+}
+
+fn texts(table: &arrow::array::RecordBatch, name: &str) -> Vec<String> {
+    words(table, name).into_iter().map(Option::unwrap).collect()
+}
+
+fn evaluations(scratch: &Scratch, directory: &str) -> Vec<u8> {
+    fs::read(scratch.path(directory).join("evaluations.parquet")).unwrap()
+}
+
+/// The least of a function that jumps; and a limit that rules it out, which leaves the next one.
+#[test]
+fn a_block_with_a_closed_form() {
+    let scratch = scratch();
+    let said = scratch.well("optimize block.yaml --out free --quiet");
+    assert!(said.starts_with("best design"), "{said}");
+    let best = &optimum(&scratch, "free")["best"];
+    let stop = best["responses"]["stop"]["value"].as_f64().unwrap();
+    let stiffness = best["values"]["stiffness_n_m"].as_f64().unwrap();
+    let closed = std::f64::consts::PI / stiffness.sqrt();
+    assert!((stop - closed).abs() < 1e-6, "{stop} {closed}");
+    assert!((0.3847..0.40).contains(&stop), "{stop}");
+    let text = BLOCK.replace("{from: 30", "{from: 70");
+    let block = "optimize: {maximize: stop, subject_to: {stop: {at_most: 0.7}}, designs: 24}\n";
+    scratch.write("limited.yaml", format!("{text}{block}"));
+    scratch.well("optimize limited.yaml --out limited --quiet");
+    let best = &optimum(&scratch, "limited")["best"];
+    let stop = best["responses"]["stop"]["value"].as_f64().unwrap();
+    assert!((0.66..=0.7).contains(&stop) && best["limits_met"] == true, "{best}");
+}
+
+/// Any number of threads, going on after an end, and going on towards more designs: the same bytes.
+#[test]
+fn the_same_search_again() {
+    let scratch = scratch();
+    scratch.well("optimize balls.yaml --out one --threads 1 --quiet");
+    scratch.well("optimize balls.yaml --out three --threads 3 --quiet");
+    for name in fs::read_dir(scratch.path("one")).unwrap() {
+        let name = name.unwrap().file_name();
+        let read = |directory: &str| fs::read(scratch.path(directory).join(&name)).unwrap();
+        assert!(read("one") == read("three"), "{name:?} differs");
+    }
+    let text = fs::read_to_string(scratch.path("balls.yaml")).unwrap();
+    scratch.write("short.yaml", text.replace("designs: 9", "designs: 7"));
+    scratch.well("optimize short.yaml --out again --quiet");
+    assert_ne!(evaluations(&scratch, "again"), evaluations(&scratch, "one"));
+    scratch.well("optimize balls.yaml --out again --quiet");
+    let all = |directory: &str| {
+        let table = table(&scratch.path(directory).join("evaluations.parquet"));
+        (numbers(&table, "stiffness_n_m"), numbers(&table, "mean"), texts(&table, "origin"))
+    };
+    assert_eq!(all("again"), all("one"));
+    let origins = all("one").2;
+    assert_eq!(origins.iter().filter(|origin| *origin == "spread").count(), 12);
+    assert_eq!(optimum(&scratch, "again")["best"], optimum(&scratch, "one")["best"]);
+    // The best is reported from runs of its own.
+    let finals = scratch.table("one", "finals");
+    assert_eq!(texts(&finals, "role"), ["finalist", "finalist", "finalist", "finalist", "best", "best"]);
+    let mean = numbers(&finals, "mean");
+    assert!(!mean[..4].contains(&mean[4]), "{mean:?}");
+}
+
+/// Two objectives: no design of the front is better than another one in both; sensitivities from runs.
+#[test]
+fn a_pareto_front() {
+    let scratch = scratch();
+    let block = "optimize:\n  minimize: mean\n  maximize: rest\n  designs: 8\n  start_designs: 6\n  \
+        finalists: 4\n  final_samples: 1\n  sensitivity: {from: runs, samples: 8}\n  \
+        compare_with: {stiffness_n_m: 10700, balls: 2, material: steel}\n";
+    scratch.write("two.yaml", format!("{BALLS}{block}"));
+    let said = scratch.well("optimize two.yaml --out two --quiet");
+    assert!(said.contains("on the Pareto front") && said.contains("compared with"), "{said}");
+    let pareto = scratch.table("two", "pareto");
+    let (mean, rest) = (numbers(&pareto, "mean"), numbers(&pareto, "rest"));
+    assert!(!mean.is_empty() && mean.len() <= 4);
+    let on_front: Vec<usize> =
+        (0..mean.len()).filter(|row| boolean(&pareto, "on_front", *row)).collect();
+    for &one in &on_front {
+        for &other in &on_front {
+            let better = mean[other] < mean[one] && rest[other] > rest[one];
+            assert!(!better, "{one} {other}");
+        }
+    }
+    let sensitivities = scratch.table("two", "sensitivities");
+    assert_eq!(sensitivities.num_rows(), 6);
+    assert!(texts(&sensitivities, "from").iter().all(|from| from == "runs"));
+    let origins = texts(&scratch.table("two", "evaluations"), "origin");
+    assert_eq!(origins[..2], ["compare_with", "compare_with"]);
+}
+
+fn boolean(table: &arrow::array::RecordBatch, column: &str, row: usize) -> bool {
+    use arrow::array::AsArray;
+    table.column_by_name(column).unwrap().as_boolean().value(row)
+}
+
+/// A search that nothing can satisfy says so, by its exit code, too.
+#[test]
+fn limits_that_no_design_meets() {
+    let scratch = scratch();
+    let block = "optimize: {minimize: stop, subject_to: {stop: {at_most: 0.1}}, designs: 10}\n";
+    scratch.write("never.yaml", format!("{BLOCK}{block}"));
+    let ended = scratch.stickslip("optimize never.yaml --out never --quiet");
+    assert_eq!(ended.code, Some(4), "{}", ended.err);
+    assert!(ended.err.contains("no design meets all limits"), "{}", ended.err);
+    assert!(ended.out.contains("a limit is not met"), "{}", ended.out);
+}
+
+/// What is wrong is said before anything is computed, or as soon as it is seen.
+#[test]
+fn refusals() {
+    let scratch = scratch();
+    for (block, parts) in [
+        ("{minimize: stops}", &["`optimize.minimize`", "stop (did you mean this?)"][..]),
+        ("{designs: 20}", &["no objective, or too many", "0 objectives"]),
+        ("{minimize: [stop, soon, stop]}", &["an objective twice"]),
+        ("{minimize: stop, subject_to: {soon: {}}}", &["a limit without a number"]),
+        ("{minimize: stop, subject_to: {soon: {at_least: 1, at_most: 0}}}", &["nothing meets"]),
+        ("{minimize: stop, subject_to: {sooner: {at_least: 1}}}", &["not a response"]),
+        ("{minimize: stop, designs: 5, start_designs: 6}", &["6 of 5 designs"]),
+        ("{minimize: stop, designs: 1e6}", &["`optimize.designs`", "from 2 to 2000"]),
+        ("{minimize: stop, compare_with: {}}", &["compare_with.stiffness_n_m", "missing key"]),
+        ("{minimize: stop, compare_with: {stiffness_n_m: 1e9}}", &["out of range", "30 to 200"]),
+        ("{minimize: stop, compare_with: {stiffness: 1}}", &["not a variable", "stiffness_n_m"]),
+        ("{minimize: stop, sensitivity: {samples: 1}}", &["`optimize.sensitivity.samples`"]),
+    ] {
+        scratch.write("bad.yaml", format!("{BLOCK}optimize: {block}\n"));
+        scratch.refused("optimize bad.yaml --out bad", parts);
+    }
+    scratch.write("none.yaml", BLOCK);
+    scratch.refused("optimize none.yaml", &["nothing is looked for", "optimize: {minimize"]);
+    // All designs are at rest by 5 s.
+    scratch.write("constant.yaml", format!("{BLOCK}optimize: {{maximize: soon, designs: 12}}\n"));
+    let ended = scratch.stickslip("optimize constant.yaml --out constant --quiet");
+    assert_eq!(ended.code, Some(2));
+    assert!(ended.err.contains("`soon` is 1 for all of the 10 designs so far"), "{}", ended.err);
+    assert!(scratch.path("constant/evaluations.parquet").exists());
+    // Results of another search are left alone.
+    scratch.well("optimize block.yaml --out there --quiet");
+    let text = fs::read_to_string(scratch.path("block.yaml")).unwrap();
+    scratch.write("other.yaml", text.replace("from: 30", "from: 40"));
+    scratch.refused("optimize other.yaml --out there", &["another search", "another `design`"]);
+    scratch.write("other.yaml", text.replace("seed: 1", "seed: 2"));
+    scratch.refused("optimize other.yaml --out there", &["another machine, sampling"]);
+    scratch.write("there/evaluations.parquet", "PAR1");
+    scratch.refused("optimize block.yaml --out there", &["evaluations.parquet"]);
+    fs::create_dir(scratch.path("full")).unwrap();
+    scratch.write("full/a", "a");
+    scratch.refused("optimize block.yaml --out full", &["this directory is not empty"]);
+}
+
+/// A few values are tried once each, and then there are no more.
+#[test]
+fn no_more_designs() {
+    let scratch = Scratch::new();
+    let choices = "design:\n  spring:\n    choices: {soft: {stiffness_n_m: 50}, firm: {stiffness_n_m: \
+        100}, hard: {stiffness_n_m: 150}}\n";
+    let text = BLOCK.replace("design: {stiffness_n_m: {from: 30, to: 200}}\n", choices);
+    let block = "optimize: {minimize: stop, start_designs: 2, designs: 10}\n";
+    scratch.write("few.yaml", format!("{text}{block}"));
+    scratch.well("optimize few.yaml --out few --quiet");
+    let evaluations = scratch.table("few", "evaluations");
+    let mut springs = texts(&evaluations, "spring");
+    springs.sort();
+    assert_eq!(springs, ["firm", "hard", "soft"]);
+    assert_eq!(optimum(&scratch, "few")["best"]["values"]["spring"], "soft");
+    assert_eq!(optimum(&scratch, "few")["search"]["ended"], "there are no more designs");
+}
