@@ -8,13 +8,9 @@ use super::node::describe_number;
 use super::parameter::Parameter;
 use super::plan::Study;
 use super::resolve_sweep::find_parameter;
-use super::response::{SUFFIXES, check_name};
+use super::response::{SUFFIXES, TAKEN, check_name};
 use super::variable::{Domain, Variable};
 use crate::model::MAX_BALLS;
-
-/// Names that answers and tables use themselves.
-const TAKEN: [&str; 7] =
-    ["id", "design", "point_id", "runs", "failed", "discontinuous", "responses"];
 
 /// Checks the variables.
 ///

@@ -39,6 +39,10 @@ pub struct Response {
     pub relative: bool,
 }
 
+/// Names that answers and tables use themselves.
+pub(crate) const TAKEN: [&str; 7] =
+    ["id", "design", "point_id", "runs", "failed", "discontinuous", "responses"];
+
 /// What follows a response's name in the columns of its numbers, after the value itself.
 pub(crate) const SUFFIXES: [&str; 4] = ["_standard_error", "_low", "_high", "_reason"];
 
@@ -95,7 +99,8 @@ pub(crate) fn resolve_responses(
         check_name(name).map_err(|fault| locate.refuse_key(&path, fault))?;
         let own = std::iter::once("").chain(SUFFIXES).map(|suffix| format!("{name}{suffix}"));
         for column in own {
-            if !columns.insert(column.clone()) {
+            let swept = study.swept().iter().any(|swept| swept.name == column);
+            if swept || TAKEN.contains(&column.as_str()) || !columns.insert(column.clone()) {
                 let fault = Fault::new("two columns of this name", column, "another name");
                 return Err(locate.refuse_key(&path, fault));
             }
