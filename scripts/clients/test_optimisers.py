@@ -33,7 +33,6 @@ class TestOpenMDAO(Clients):
         self.assertTrue((self.folder / "experiment.sql").exists())
         # The same seed asks for the same designs.
         self.assertEqual(self.client("openmdao", *arguments), text)
-        self.assertNotEqual(self.client("openmdao", *arguments, "--seed", 2), text)
 
     def test_choices_are_refused(self):
         text = self.client("openmdao", self.balancer, *self.ARGUMENTS.split(), code=1)
