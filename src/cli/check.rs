@@ -1,14 +1,14 @@
 //! `stickslip check`: is a study right, how large is it, what will it cost? Computes nothing.
 
 use clap::Args;
-use serde_json::json;
+use serde_json::{Value, json};
 
 use super::arguments::StudyArgument;
 use super::existence::Existence;
 use super::exit::{CliError, End};
 use super::output::print;
 use crate::model::{Extend, FrictionLaw, Method, Model, Simulation};
-use crate::study::{Study, VariedParameter};
+use crate::study::{Response, Study, Variable, VariedParameter};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -57,6 +57,8 @@ pub fn check(arguments: &CheckArguments) -> Result<End, CliError> {
             "balls": study.model().balls(),
             "swept": swept,
             "uncertain": uncertain,
+            "design": study.variables().iter().map(variable).collect::<Vec<Value>>(),
+            "responses": study.responses().iter().map(response).collect::<Vec<Value>>(),
             "expectations": study.expectations().len(),
             "most_core_seconds": core_seconds,
         });
@@ -110,11 +112,21 @@ pub fn check(arguments: &CheckArguments) -> Result<End, CliError> {
             "audit         {fraction} of the runs again, method {method}, a tenth of the tolerances\n"
         )
     });
+    let evaluate = if study.variables().is_empty() && study.responses().is_empty() {
+        String::new()
+    } else {
+        let variables = study.variables().iter().map(|one| one.name().to_owned());
+        let responses = study.responses().iter().map(|one| one.name.clone());
+        let [variables, responses] =
+            [variables.collect::<Vec<_>>(), responses.collect()].map(|names| listed(&names));
+        format!("design        {variables}\nresponses     {responses}\n")
+    };
     print(&format!(
         "study         {} (hash {}, seed {})\n\
          model         {what}, {} friction, natural frequency {natural:.3} rad/s\n\
          swept         {}\n\
          uncertain     {}\n\
+         {evaluate}\
          points        {}\n\
          runs          {runs}, each to {} s{extended} or until its ending is known, method {method}\n\
          {audit}expectations  {}\n\
@@ -134,6 +146,27 @@ pub fn check(arguments: &CheckArguments) -> Result<End, CliError> {
         print(&existence.text())?;
     }
     Ok(End::Well)
+}
+
+/// What an optimiser's side needs to know of a variable.
+fn variable(variable: &Variable) -> Value {
+    let mut about = json!({"name": variable.name()});
+    if let Some(unit) = variable.unit() {
+        about["unit"] = json!(unit);
+    }
+    if let Some([from, to]) = variable.range() {
+        about["from"] = json!(from);
+        about["to"] = json!(to);
+        about["whole"] = json!(variable.is_whole());
+    }
+    if let Some(choices) = variable.choices() {
+        about["choices"] = choices.collect();
+    }
+    about
+}
+
+fn response(response: &Response) -> Value {
+    json!({"name": response.name, "unit": response.unit(), "meaning": response.meaning()})
 }
 
 /// The labels of runs that are continued.

@@ -84,6 +84,7 @@ pub fn evaluate(arguments: &EvaluateArguments) -> Result<End, CliError> {
                 })?;
             let show = if arguments.quiet { Show::Nothing } else { Show::auto() };
             let Some(answers) = compute(&study, &designs, &start()?, &stop(), show)? else {
+                table.abandon()?;
                 say("interrupted; nothing is written");
                 return Ok(End::Interrupted);
             };
@@ -179,13 +180,7 @@ fn compute(
 
 /// Compares designs with their neighbours, point by point.
 fn flag(study: &Study, designs: &[Vec<DesignValue>], answers: &mut [Answer]) {
-    let scaled: Vec<Vec<f64>> = designs
-        .iter()
-        .map(|values| {
-            let each = study.variables().iter().zip(values);
-            each.flat_map(|(variable, value)| variable.scaled(*value)).collect()
-        })
-        .collect();
+    let scaled: Vec<Vec<f64>> = designs.iter().map(|values| study.scaled(values)).collect();
     for point_id in 0..study.point_count() {
         let at_point = |answer: &&mut Answer| answer.point_id == point_id;
         let counts: Vec<LabelCounts> =

@@ -10,7 +10,7 @@ use serde_json::json;
 
 use super::exit::{CliError, End};
 use super::output::{Reader, print};
-use crate::design::{Refusal, Request, respond, to_json};
+use crate::design::{Neighbours, Refusal, Request, respond, to_json};
 use crate::farm::Crew;
 use crate::study::Study;
 
@@ -18,6 +18,8 @@ use crate::study::Study;
 const LONGEST: usize = 1 << 20;
 /// How often an idle server looks whether it was interrupted.
 const LOOK: Duration = Duration::from_millis(50);
+
+const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
 
 /// A line of standard input; none of it where it is too long.
 type Line = Option<Vec<u8>>;
@@ -28,6 +30,7 @@ type Line = Option<Vec<u8>>;
 /// Where standard input cannot be read or standard output not be written.
 pub fn serve(study: &Study, crew: &Crew, stop: &AtomicBool) -> Result<End, CliError> {
     let lines = lines();
+    let mut neighbours = Neighbours::new(study.point_count());
     let mut number = 0;
     loop {
         if stop.load(Ordering::Relaxed) {
@@ -48,7 +51,14 @@ pub fn serve(study: &Study, crew: &Crew, stop: &AtomicBool) -> Result<End, CliEr
                 let design = (number, values.as_slice());
                 match respond(crew, std::slice::from_ref(set), study.responses(), design, stop, &|_| {}) {
                     None => return Ok(End::Interrupted),
-                    Some(answers) => to_json(study, &request.id, &answers),
+                    Some(mut answers) => {
+                        let counts = answers.iter().map(|answer| answer.counts).collect();
+                        let flags = neighbours.compare(study.scaled(values), counts);
+                        for (answer, flag) in answers.iter_mut().zip(flags) {
+                            answer.discontinuous = flag;
+                        }
+                        to_json(study, &request.id, &answers)
+                    }
                 }
             }
         };
@@ -64,9 +74,15 @@ fn lines() -> Receiver<io::Result<Line>> {
     let (sender, receiver) = sync_channel(16);
     thread::spawn(move || {
         let mut input = io::stdin().lock();
+        let mut first = true;
         loop {
-            let line = next_line(&mut input).transpose();
-            let Some(line) = line else { return };
+            let Some(mut line) = next_line(&mut input).transpose() else { return };
+            if let (true, Ok(Some(text))) = (std::mem::take(&mut first), &mut line) {
+                // What shells of Windows begin a pipe with; JSON has no place for it.
+                if text.starts_with(BYTE_ORDER_MARK) {
+                    text.drain(..BYTE_ORDER_MARK.len());
+                }
+            }
             let broken = line.is_err();
             // Where nobody takes it any more, the server has ended.
             if sender.send(line).is_err() || broken {

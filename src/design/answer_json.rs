@@ -6,7 +6,7 @@ use super::respond::Answer;
 use crate::ending::Label;
 use crate::study::{ParameterValue, Study};
 
-/// The answer to a request: with `responses`, `runs` and `failed` where the study has a single point, and
+/// The answer to a request: with `responses`, `runs`, `failed` and `discontinuous` where the study has a single point, and
 /// otherwise with `points`, a list of such objects, each with its swept parameters.
 pub fn to_json(study: &Study, id: &Value, answers: &[Answer]) -> Value {
     let mut answer = Map::new();
@@ -48,5 +48,6 @@ fn point(study: &Study, answer: &Answer) -> Map<String, Value> {
     object.insert("responses".to_owned(), Value::Object(responses.collect()));
     object.insert("runs".to_owned(), json!(answer.counts.total()));
     object.insert("failed".to_owned(), json!(answer.counts.of(Label::Failed)));
+    object.insert("discontinuous".to_owned(), json!(answer.discontinuous));
     object
 }

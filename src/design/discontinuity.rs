@@ -10,7 +10,7 @@ use crate::analysis::LabelCounts;
 use crate::ending::Label;
 
 /// The probability that any design of a table is flagged though no label's share changes.
-const LEVEL: f64 = 0.01;
+pub(super) const LEVEL: f64 = 0.01;
 
 /// The most designs of a table that are compared; each is compared with each.
 pub const MOST_DESIGNS: usize = 10_000;
@@ -26,7 +26,7 @@ pub fn discontinuous(scaled: &[Vec<f64>], counts: &[LabelCounts]) -> Vec<Option<
     let level = LEVEL / (pairs.len() * Label::ALL.len()) as f64;
     let mut flags = vec![Some(false); designs];
     for (one, other) in pairs {
-        if Label::ALL.iter().any(|label| p_value(&counts[one], &counts[other], *label) <= level) {
+        if labels_differ(&counts[one], &counts[other], level) {
             flags[one] = Some(true);
             flags[other] = Some(true);
         }
@@ -36,20 +36,31 @@ pub fn discontinuous(scaled: &[Vec<f64>], counts: &[LabelCounts]) -> Vec<Option<
 
 /// Every design with each of its nearest others, each pair once.
 fn pairs(scaled: &[Vec<f64>]) -> Vec<(usize, usize)> {
-    let distance = |one: &[f64], other: &[f64]| -> f64 {
-        one.iter().zip(other).map(|(one, other)| (one - other) * (one - other)).sum()
-    };
     let mut pairs = Vec::new();
     for (index, one) in scaled.iter().enumerate() {
         let others = || scaled.iter().enumerate().filter(|(other, _)| *other != index);
         let least = others().map(|(_, other)| distance(one, other)).fold(f64::INFINITY, f64::min);
-        // Equal distances differ by rounding; the order of designs must not decide.
-        let near = others().filter(|(_, other)| distance(one, other) <= least * (1.0 + 1e-9));
-        pairs.extend(near.map(|(other, _)| (index.min(other), index.max(other))));
+        let nearest = others().filter(|(_, other)| near(distance(one, other), least));
+        pairs.extend(nearest.map(|(other, _)| (index.min(other), index.max(other))));
     }
     pairs.sort_unstable();
     pairs.dedup();
     pairs
+}
+
+/// The square of the distance between two designs.
+pub(super) fn distance(one: &[f64], other: &[f64]) -> f64 {
+    one.iter().zip(other).map(|(one, other)| (one - other) * (one - other)).sum()
+}
+
+/// Whether a distance is the least: equal ones differ by rounding, and the order of designs must not decide.
+pub(super) fn near(distance: f64, least: f64) -> bool {
+    distance <= least * (1.0 + 1e-9)
+}
+
+/// Whether any label's share differs, where each test has this level.
+pub(super) fn labels_differ(one: &LabelCounts, other: &LabelCounts, level: f64) -> bool {
+    Label::ALL.iter().any(|label| p_value(one, other, *label) <= level)
 }
 
 /// Fisher's exact test, two-sided: the probability of all tables with the same margins that are no more

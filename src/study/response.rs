@@ -112,12 +112,8 @@ pub(crate) fn resolve_responses(
         check_name(name).map_err(|fault| locate.refuse_key(&path, fault))?;
         let own = std::iter::once("").chain(SUFFIXES).map(|suffix| format!("{name}{suffix}"));
         for column in own {
-            let swept = study.swept.iter().any(|one| one.name == column);
-            if swept || TAKEN.contains(&column.as_str()) {
-                let problem = "a column of answers has this name";
-                return Err(locate.refuse_key(&path, Fault::new(problem, column, "another name")));
-            }
-            if !columns.insert(column.clone()) {
+            let swept = study.swept().iter().any(|swept| swept.name == column);
+            if swept || TAKEN.contains(&column.as_str()) || !columns.insert(column.clone()) {
                 let fault = Fault::new("two columns of this name", column, "another name");
                 return Err(locate.refuse_key(&path, fault));
             }

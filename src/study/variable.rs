@@ -76,6 +76,20 @@ impl Variable {
         }
     }
 
+    /// The smallest and the largest value; none of choices.
+    pub fn range(&self) -> Option<[f64; 2]> {
+        match self.domain {
+            Domain::Parameter { from, to, .. } => Some([from, to]),
+            Domain::Balls { from, to } => Some([from as f64, to as f64]),
+            Domain::Choices(_) => None,
+        }
+    }
+
+    /// Whether its numbers are whole ones.
+    pub fn is_whole(&self) -> bool {
+        matches!(self.domain, Domain::Balls { .. })
+    }
+
     /// The names of its choices, if it has such.
     pub fn choices(&self) -> Option<impl Iterator<Item = &str>> {
         match &self.domain {
@@ -174,6 +188,12 @@ impl Variable {
 }
 
 impl Study {
+    /// Where a design is, one value per variable, on the scales of [`Variable::scaled`].
+    pub fn scaled(&self, values: &[DesignValue]) -> Vec<f64> {
+        let each = self.variables.iter().zip(values);
+        each.flat_map(|(variable, value)| variable.scaled(*value)).collect()
+    }
+
     /// As `with_design`, which says more; what is wrong in one sentence.
     ///
     /// # Errors
@@ -225,3 +245,70 @@ impl Study {
 
 /// Points whose parameters are looked at; in a larger sweep one without meaning is failed runs.
 const MOST_POINTS: u64 = 1000;
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::{DesignValue, Parameter, ParameterValue, Study};
+    use crate::model::Ball;
+
+    fn parse(text: &str) -> Study {
+        Study::parse(Path::new("a.yaml"), text.to_owned()).unwrap_or_else(|error| panic!("{error}"))
+    }
+
+    /// Every numeric parameter of every model under every law of friction can be a variable, and a design is
+    /// what a sweep over the same value computes.
+    #[test]
+    fn every_numeric_parameter_can_be_a_variable() {
+        let (mut tried, mut refused) = (0, 0);
+        for (kind, speed) in
+            [("ball_balancer", "rad_s"), ("block_on_spring", "m_s"), ("block_on_belt", "m_s")]
+        {
+            for friction in [
+                "coulomb".to_owned(),
+                format!(
+                    "{{stribeck: {{static_friction_coefficient: 0.5, stribeck_speed_{speed}: 1}}}}"
+                ),
+                format!("{{smooth: {{smoothing_speed_{speed}: 0.01}}}}"),
+                "{viscous: {viscous_coefficient_n_s_m: 0.01}}".to_owned(),
+            ] {
+                let plain = format!(
+                    "schema: 1\nname: a\nseed: 1\nmodel: {{kind: {kind}, friction: {friction}}}\n\
+                     initial_conditions: {{design: {{monte_carlo: {{samples: 4}}}}}}\n"
+                );
+                let study = parse(&plain);
+                for parameter in Parameter::all(study.model()) {
+                    let ParameterValue::Number(number) =
+                        parameter.get(study.model(), &Ball::default())
+                    else {
+                        continue;
+                    };
+                    let name = parameter.name();
+                    let other = if number == 0.0 { 0.1 } else { 1.25 * number };
+                    let (from, to) = (number.min(other), number.max(other));
+                    let design = format!("{plain}design: {{{name}: {{from: {from}, to: {to}}}}}\n");
+                    if parameter.is_unused(study.model()) {
+                        let error = Study::parse(Path::new("a.yaml"), design).unwrap_err();
+                        assert!(error.problem().contains("does not use it"), "{error}");
+                        refused += 1;
+                        continue;
+                    }
+                    let set = parse(&design).set(&[DesignValue::Number(other)]).unwrap();
+                    let swept =
+                        parse(&format!("{plain}sweep: [{{grid: {{{name}: [{other}]}}}}]\n"));
+                    for run in 0..4 {
+                        let [set, swept] = [&set, &swept].map(|study| study.planned_run(run));
+                        let place = format!("{name} of {kind}, {friction}, run {run}");
+                        assert_eq!((&set.case, &set.start), (&swept.case, &swept.start), "{place}");
+                        assert_ne!(set.case, study.planned_run(run).case, "{place}");
+                    }
+                    tried += 1;
+                }
+            }
+        }
+        // 16 of a balancer with two balls, 4 and 5 of blocks, 0, 2, 1 and 1 of the laws; three of balls and
+        // one of each block are not used by viscous friction.
+        assert_eq!((tried, refused), (4 * (16 + 4 + 5) + 3 * 4 - 5, 5));
+    }
+}

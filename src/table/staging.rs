@@ -44,6 +44,11 @@ impl Staging {
         Ok(staging)
     }
 
+    /// Removes the directory with the parts.
+    pub(super) fn clear(self) -> io::Result<()> {
+        remove(&self.directory)
+    }
+
     fn table(&self) -> PathBuf {
         self.directory.join(TABLE)
     }

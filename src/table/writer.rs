@@ -126,6 +126,16 @@ impl<R> TableWriter<R> {
         self.flush().map_err(|cause| self.error(cause))
     }
 
+    /// Leaves the name to whatever has it, and nothing of the rows.
+    ///
+    /// # Errors
+    /// Where what was written cannot be removed.
+    pub fn abandon(self) -> Result<(), WriteError> {
+        let TableWriter { path, staging, part, .. } = self;
+        drop(part);
+        staging.clear().map_err(|error| WriteError { path, cause: error.into() })
+    }
+
     fn error(&self, cause: WriteCause) -> WriteError {
         WriteError { path: self.path.clone(), cause }
     }

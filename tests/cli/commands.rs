@@ -47,6 +47,37 @@ fn check_counts_and_computes_nothing() {
     assert_eq!(scratch.files(), before);
 }
 
+/// What an optimiser's side needs to know of a study, which many do not have.
+#[test]
+fn check_lists_variables_and_responses() {
+    let scratch = Scratch::new();
+    let plain = study_text("a", "{sobol: {samples: 7}}", AT_ONCE, "");
+    scratch.write("a.yaml", &plain);
+    assert!(!scratch.well("check a.yaml").contains("design "));
+    let report: Value = serde_json::from_str(&scratch.well("check a.yaml --json")).unwrap();
+    assert_eq!((&report["design"], &report["responses"]), (&json!([]), &json!([])));
+    let more = "design:
+  speed_rad_s: {from: -260, to: -140}
+  balls: {from: 1, to: 3}
+  material: {choices: {steel: {ball_mass_kg: 1.4e-4}, ceramic: {ball_mass_kg: 5.8e-5}}}
+responses: {half: median_time_to_rest, mean: {amplitude_mean: {relative: true}}}
+";
+    scratch.write("b.yaml", plain + more);
+    let expected = "design        speed_rad_s, balls, material\nresponses     half, mean\n";
+    assert_has(&scratch.well("check b.yaml"), &[expected]);
+    let report: Value = serde_json::from_str(&scratch.well("check b.yaml --json")).unwrap();
+    let variables = json!([
+        {"name": "speed_rad_s", "unit": "rad/s", "from": -260.0, "to": -140.0, "whole": false},
+        {"name": "balls", "unit": "1", "from": 1.0, "to": 3.0, "whole": true},
+        {"name": "material", "choices": ["steel", "ceramic"]},
+    ]);
+    assert_eq!(report["design"], variables);
+    let [half, mean] = [0, 1].map(|index| &report["responses"][index]);
+    assert_eq!((&half["name"], &half["unit"]), (&json!("half"), &json!("s")));
+    assert_eq!((&mean["name"], &mean["unit"]), (&json!("mean"), &json!("1")));
+    assert_has(mean["meaning"].as_str().unwrap(), &["mean residual amplitude over"]);
+}
+
 #[test]
 fn check_of_a_thousand_million_runs_is_instant() {
     let scratch = Scratch::new();

@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use super::support::{Ended, Scratch, numbers, table};
 
 /// A block on a spring that starts at rest at 45 mm, with closed-form stops.
-const BLOCK: &str = "
+pub const BLOCK: &str = "
 schema: 1
 name: block
 seed: 1
@@ -25,7 +25,7 @@ responses:
 ";
 
 /// A balancer of one to three balls, not for long.
-const BALLS: &str = "
+pub const BALLS: &str = "
 schema: 1
 name: balls
 seed: 2003
@@ -52,10 +52,10 @@ responses:
   half: median_time_to_rest
 ";
 
-const DESIGNS: [&str; 5] =
+pub const DESIGNS: [&str; 5] =
     ["-160,2,steel", "-216,1,ceramic", "-216,3,steel", "-250,2,steel", "-216,2,ceramic"];
 
-fn scratch() -> Scratch {
+pub fn scratch() -> Scratch {
     let scratch = Scratch::new();
     scratch.write("block.yaml", BLOCK);
     scratch.write("balls.yaml", BALLS);
@@ -63,12 +63,12 @@ fn scratch() -> Scratch {
     scratch
 }
 
-fn server(scratch: &Scratch, arguments: &str) -> Child {
+pub fn server(scratch: &Scratch, arguments: &str) -> Child {
     scratch.command(arguments).stdin(Stdio::piped()).spawn().unwrap()
 }
 
 /// The answers to these lines.
-fn ask(scratch: &Scratch, arguments: &str, lines: &[&str]) -> Vec<Value> {
+pub fn ask(scratch: &Scratch, arguments: &str, lines: &[&str]) -> Vec<Value> {
     let mut child = server(scratch, arguments);
     child.stdin.take().unwrap().write_all((lines.join("\n") + "\n").as_bytes()).unwrap();
     let ended = Ended::of(child.wait_with_output().unwrap());
@@ -325,6 +325,7 @@ fn tables_and_studies_that_make_no_sense_are_refused() {
             "  mean_low: median",
             ["responses.mean_low", "two columns of this name"],
         ),
+        ("  half: median", "  runs: median", ["responses.runs", "two columns of this name"]),
         (
             "speed_rad_s: {from: -260, to: -140}",
             "imbalance_mass_kg: {from: 1e-5, to: 2e-5}",
@@ -346,6 +347,11 @@ fn tables_and_studies_that_make_no_sense_are_refused() {
         scratch.write("wrong.yaml", BALLS.replacen(from, to, 1));
         scratch.refused("evaluate wrong.yaml --designs d.csv --out r.parquet", &parts);
     }
+    // A swept parameter's column is one, too.
+    let swept = "sweep: [{grid: {damping_n_s_m: [1, 2]}}]\nresponses:\n  damping_n_s_m: median_time_to_rest\n";
+    scratch.write("wrong.yaml", BALLS.replacen("responses:\n", swept, 1));
+    let parts = ["responses.damping_n_s_m", "two columns of this name"];
+    scratch.refused("evaluate wrong.yaml --designs d.csv --out r.parquet", &parts);
     let without = BALLS.split("responses:").next().unwrap();
     scratch.write("wrong.yaml", without);
     scratch.refused("evaluate wrong.yaml --designs -", &["nothing is asked for"]);

@@ -26,7 +26,7 @@ fn long() -> String {
 }
 
 /// Waits until a condition holds.
-fn wait_until(what: &str, holds: impl Fn() -> bool) {
+pub fn wait_until(what: &str, holds: impl Fn() -> bool) {
     let started = Instant::now();
     while !holds() {
         assert!(started.elapsed() < Duration::from_secs(60), "waited in vain until {what}");
@@ -42,20 +42,20 @@ fn status(child: &Child, key: &str) -> Option<String> {
 }
 
 /// Whether a child has a handler for a signal.
-fn catches(child: &Child, signal: u32) -> bool {
+pub fn catches(child: &Child, signal: u32) -> bool {
     let mask = status(child, "SigCgt").and_then(|mask| u64::from_str_radix(&mask, 16).ok());
     mask.is_some_and(|mask| mask & (1 << (signal - 1)) != 0)
 }
 
 /// Processor time that a child has used, in ticks of mostly 10 ms.
-fn ticks(child: &Child) -> u64 {
+pub fn ticks(child: &Child) -> u64 {
     let text = fs::read_to_string(format!("/proc/{}/stat", child.id())).unwrap_or_default();
     let after_name = text.rsplit(") ").next().unwrap_or_default();
     let field = |index: usize| after_name.split(' ').nth(index)?.parse::<u64>().ok();
     field(11).unwrap_or(0) + field(12).unwrap_or(0)
 }
 
-fn send(child: &Child, signal: &str) {
+pub fn send(child: &Child, signal: &str) {
     let kill = format!("kill -{signal} {}", child.id());
     assert!(Command::new("sh").args(["-c", &kill]).status().unwrap().success());
 }

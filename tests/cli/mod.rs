@@ -7,6 +7,8 @@ mod directories;
 mod edited;
 mod equilibria;
 mod evaluate;
+mod evaluate_requests;
+mod evaluate_tables;
 mod existence;
 mod expand;
 mod interrupt;
