@@ -2,6 +2,7 @@
 
 import csv
 import json
+import os
 import re
 import signal
 import subprocess
@@ -13,7 +14,7 @@ import numpy as np
 from SALib.analyze import sobol as analyse
 from SALib.sample import sobol as sample
 
-from clients_under_test import HERE, ROOT, Clients, stop_s
+from clients_under_test import BLOCK, HERE, ROOT, Clients, stop_s
 
 
 class TestOpenMDAO(Clients):
@@ -155,6 +156,24 @@ class TestSALib(Clients):
         again = self.folder / "again.csv"
         self.client("salib", self.block, "--response", "stop", "--samples", 64, "--out", again)
         self.assertEqual(again.read_bytes(), out.read_bytes())
+
+    def test_indices_agree_with_optimize(self):
+        block = "optimize: {minimize: stop, designs: 10, sensitivity: {from: runs, samples: 128}}\n"
+        study = self.write("optimize.yaml", BLOCK + block)
+        command = [os.environ["STICKSLIP"], "optimize", study, "--quiet", "--out", "own"]
+        subprocess.run(command, cwd=self.folder, check=True, stdout=subprocess.DEVNULL)
+        own = json.loads((self.folder / "own/optimum.json").read_text())["sensitivities"]
+        out = self.folder / "indices.csv"
+        self.client("salib", study, "--response", "stop", "--samples", 128, "--out", out)
+        found = self.read(out)
+        self.assertEqual(len(own), len(found))
+        for row in own:
+            self.assertEqual((row["response"], row["from"]), ("stop", "runs"))
+            theirs = found[row["variable"]]
+            for ours, kind in ((row["first_order"], "S1"), (row["total"], "ST")):
+                apart = max(ours["low"] - theirs[f"{kind}_high"], theirs[f"{kind}_low"] - ours["high"])
+                self.assertLess(apart, 0.0, f"{row['variable']} {kind}: {ours} {theirs}")
+                self.assertLess(ours["high"] - ours["low"], 0.6)
 
     def test_any_study(self):
         arguments = (self.balancer, "--response", "vibration", "--samples", 8)

@@ -123,14 +123,15 @@ pub fn optimize(arguments: &OptimizeArguments) -> Result<End, CliError> {
     }) else {
         return Ok(interrupted(&directory));
     };
-    place.write("sensitivities", sensitivity_columns(), sensitivities)?;
+    place.write("sensitivities", sensitivity_columns(), sensitivities.clone())?;
     let Some(finals) = with_progress(&what, final_runs(&what), show, |finished| {
         finals(&what, &evaluations, finished)
     }) else {
         return Ok(interrupted(&directory));
     };
     place.write_finals(&finals)?;
-    place.write_json("optimum.json", &optimum_json(&what, &end, &evaluations, &finals))?;
+    let summary = optimum_json(&what, &end, &evaluations, &finals, &sensitivities);
+    place.write_json("optimum.json", &summary)?;
     print(&result_in_words(&what, &finals))?;
     tell(format!("results are in {}", directory.display()));
     Ok(how_it_ends(&evaluations, &finals))

@@ -96,6 +96,16 @@ pub enum SensitivityFrom {
     Runs,
 }
 
+impl SensitivityFrom {
+    /// The name in tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            SensitivityFrom::Surrogates => "surrogates",
+            SensitivityFrom::Runs => "runs",
+        }
+    }
+}
+
 /// A name, or a list of them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Names(pub Vec<String>);

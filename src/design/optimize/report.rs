@@ -9,6 +9,7 @@ use super::evaluation::Evaluation;
 use super::finals::{Final, Finals, Role};
 use super::goal::{Goal, values};
 use super::search::{Search, SearchEnd};
+use super::sensitivity::Sensitivity;
 use crate::design::Estimate;
 use crate::study::{DesignValue, Study};
 
@@ -18,6 +19,7 @@ pub fn optimum_json(
     end: &SearchEnd,
     evaluations: &[Evaluation],
     finals: &Finals,
+    sensitivities: &[Sensitivity],
 ) -> Value {
     let Search { study, optimization, .. } = *search;
     let goal = Goal::new(optimization);
@@ -49,6 +51,26 @@ pub fn optimum_json(
         "best": one(Role::Best),
         "compare_with": one(Role::CompareWith),
         "best_over_compare_with": compared(),
+        "sensitivities": sensitivities.iter().map(sensitivity_json).collect::<Vec<_>>(),
+    })
+}
+
+fn sensitivity_json(one: &Sensitivity) -> Value {
+    let indices = one.indices.as_ref();
+    let [first, total] = [
+        indices.map(|own| (own.first_order, own.first_order_interval)),
+        indices.map(|own| (own.total, own.total_interval)),
+    ];
+    let json = |index: Option<(f64, [f64; 2])>| {
+        index.map(|(value, [low, high])| json!({"value": value, "low": low, "high": high}))
+    };
+    json!({
+        "response": one.response,
+        "variable": one.variable,
+        "from": one.from.name(),
+        "first_order": json(first),
+        "total": json(total),
+        "reason": one.reason,
     })
 }
 

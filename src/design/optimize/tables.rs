@@ -5,7 +5,7 @@ use super::goal::Goal;
 use super::sensitivity::Sensitivity;
 use crate::design::Answer;
 use crate::design::columns::{answer_columns, estimate_columns, variable_columns};
-use crate::study::{Optimization, SensitivityFrom, Study};
+use crate::study::{Optimization, Study};
 use crate::table::column::Column;
 
 /// The columns of `finals.parquet`: one row per design that was looked at again and point of the sweep.
@@ -65,10 +65,7 @@ pub fn sensitivity_columns() -> Vec<Column<Sensitivity>> {
         Column::word(
             "from",
             "where responses were taken from: runs of new designs, or the search's surrogates",
-            |row: &Sensitivity| match row.from {
-                SensitivityFrom::Runs => "runs",
-                SensitivityFrom::Surrogates => "surrogates",
-            },
+            |row: &Sensitivity| row.from.name(),
         ),
         Column::count("samples", "base samples", |row: &Sensitivity| Some(row.samples)),
         number("first_order", "share of the variance that the variable alone explains", |one| {
