@@ -7,8 +7,10 @@ use std::path::{Component, Path};
 use std::sync::OnceLock;
 use std::sync::atomic::AtomicBool;
 
+use serde_json::Value;
 use sha2::{Digest, Sha256};
 use stickslip::analysis::PointDetail;
+use stickslip::design::Request;
 use stickslip::ending::MODEL_VERSION;
 use stickslip::farm::{
     CHUNKS, Chunk, FarmOptions, Listed, Progress, Sink, Store, farm_in_lockstep,
@@ -23,10 +25,11 @@ use stickslip::table::{
 pub type Target = fn(&Path, &[u8]) -> bool;
 
 /// The kinds of file, by name.
-pub const TARGETS: [(&str, Target); 5] = [
+pub const TARGETS: [(&str, Target); 6] = [
     ("study", study),
     ("csv_table", csv_table),
     ("parquet_table", parquet_table),
+    ("requests", requests),
     ("manifest", manifest),
     ("finished_runs", finished_runs),
 ];
@@ -57,12 +60,12 @@ fn study(folder: &Path, bytes: &[u8]) -> bool {
     }
 }
 
-/// A CSV file, as a sweep and as start states.
+/// A CSV file, as a sweep, as start states and as designs.
 fn csv_table(folder: &Path, bytes: &[u8]) -> bool {
     table(folder, "table.csv", bytes)
 }
 
-/// A Parquet file, as a sweep and as start states.
+/// A Parquet file, as a sweep, as start states and as designs.
 fn parquet_table(folder: &Path, bytes: &[u8]) -> bool {
     table(folder, "table.parquet", bytes)
 }
@@ -77,7 +80,60 @@ fn table(folder: &Path, name: &str, bytes: &[u8]) -> bool {
     let read = uses.map(|rest| {
         check(Study::parse(&folder.join("study.yaml"), format!("{head} {rest}")), folder)
     });
-    read.contains(&true)
+    read.contains(&true) | designs(&folder.join(name))
+}
+
+/// A table of designs: each can be set.
+fn designs(file: &Path) -> bool {
+    match varied().designs(file) {
+        Ok(designs) => {
+            assert!(
+                !designs.is_empty() && designs.iter().all(|values| varied().set(values).is_ok())
+            );
+            true
+        }
+        Err(error) => {
+            assert_eq!(error.file(), file, "{error}");
+            assert!(error.to_string().len() < 20_000);
+            false
+        }
+    }
+}
+
+/// Requests of an optimiser, one per line: each has a design that can be set, or a refusal of bounded length.
+fn requests(_: &Path, bytes: &[u8]) -> bool {
+    let mut well = false;
+    for line in bytes.split(|byte| *byte == b'\n') {
+        let request = Request::read(varied(), line);
+        // It comes back, and is read as it was.
+        let id = serde_json::to_string(&request.id).expect("plain values");
+        assert_eq!(serde_json::from_str::<Value>(&id).expect("what was written"), request.id);
+        match &request.design {
+            Ok((values, set)) => {
+                let again = varied().set(values).expect("values of a design");
+                assert_eq!(set.planned_run(0), again.planned_run(0));
+                well = true;
+            }
+            Err(refusal) => {
+                let text = refusal.to_json().to_string();
+                assert!(text.len() < 20_000, "a refusal of {} bytes", text.len());
+            }
+        }
+    }
+    well
+}
+
+/// A study with variables of each kind.
+fn varied() -> &'static Study {
+    static VARIED: OnceLock<Study> = OnceLock::new();
+    VARIED.get_or_init(|| {
+        let text = "schema: 1\nname: a\nseed: 5\nmodel: {kind: ball_balancer}\n\
+                    initial_conditions: {design: {monte_carlo: {samples: 2}}}\n\
+                    design:\n  speed_rad_s: {from: -260, to: -140}\n  balls: {from: 1, to: 3}\n\
+                    \x20 material:\n    choices:\n      steel: {ball_mass_kg: 1.4e-4}\n\
+                    \x20     ceramic: {ball_mass_kg: 5.8e-5}\n";
+        Study::parse(Path::new("varied.yaml"), text.to_owned()).expect("a study")
+    })
 }
 
 /// A study that has been refused names a file; one that has not can be planned and written out.

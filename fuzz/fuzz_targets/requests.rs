@@ -1,0 +1,16 @@
+//! The target `requests` of `tests/hostile/targets.rs` for cargo-fuzz.
+#![no_main]
+
+#[path = "../../tests/hostile/targets.rs"]
+mod targets;
+
+use std::sync::LazyLock;
+
+use libfuzzer_sys::fuzz_target;
+use tempfile::TempDir;
+
+static FOLDER: LazyLock<TempDir> = LazyLock::new(|| TempDir::new().expect("a scratch folder"));
+
+fuzz_target!(|bytes: &[u8]| {
+    targets::target("requests")(FOLDER.path(), bytes);
+});
