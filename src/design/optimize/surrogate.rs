@@ -17,7 +17,7 @@ use serde_json::{Value, json};
 /// Least noise, over the variance of the values: what keeps matrices regular.
 const LEAST_NOISE: f64 = 1e-8;
 /// Starting points of the search for the kernel's widths.
-const STARTS: usize = 4;
+const STARTS: usize = 2;
 
 /// An approximation of a response.
 pub struct Surrogate {
