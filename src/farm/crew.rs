@@ -29,6 +29,11 @@ impl Crew {
         Ok(Crew { pool: rayon::ThreadPoolBuilder::new().num_threads(threads).build()?, threads })
     }
 
+    /// Does work whose parallel parts are shared by these threads.
+    pub fn install<T: Send>(&self, work: impl FnOnce() -> T + Send) -> T {
+        self.pool.install(work)
+    }
+
     /// All runs of a point in the order of their numbers, each told to `finished` as it ends; none where
     /// `stop` became true before all of them had begun. A panic in a run is that run's failure.
     pub fn point(
