@@ -27,7 +27,13 @@ fn _stickslip(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<equilibria::EquilibriumSet>()?;
     module.add_class::<simulation::Simulation>()?;
     module.add_function(wrap_pyfunction!(study::_unpickle, module)?)?;
-    module.add_function(wrap_pyfunction!(equilibria::equilibrium_set, module)?)?;
-    module.add_function(wrap_pyfunction!(simulation::simulate, module)?)?;
+    for function in [
+        wrap_pyfunction!(equilibria::equilibrium_set, module)?,
+        wrap_pyfunction!(simulation::simulate, module)?,
+    ] {
+        // Where users find it.
+        function.setattr("__module__", "stickslip")?;
+        module.add_function(function)?;
+    }
     error::add(module)
 }

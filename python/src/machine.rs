@@ -77,7 +77,7 @@ fn key_text(key: &str) -> String {
 /// A value of Python as one of a study file: numbers, text, truths, and lists and mappings of them.
 ///
 /// # Errors
-/// A `TypeError` for anything else; `key` is where.
+/// A `TypeError` for anything else, a `StudyError` for a number that is not finite; `key` is where.
 pub fn to_value(key: &str, value: &Bound<'_, PyAny>) -> PyResult<Value> {
     if value.is_none() {
         return Ok(Value::Null);
@@ -92,9 +92,11 @@ pub fn to_value(key: &str, value: &Bound<'_, PyAny>) -> PyResult<Value> {
         return Ok(number.into());
     }
     if let Ok(number) = value.extract::<f64>() {
-        // What is not finite is written as YAML writes it, and refused where it is read.
-        let text = if number.is_nan() { ".nan" } else { ".inf" };
-        return Ok(Number::from_f64(number).map_or_else(|| text.into(), Value::Number));
+        let Some(finite) = Number::from_f64(number) else {
+            let found = format!("{key}: not a finite number\n  found:   {number}");
+            return Err(Trouble::Usage(format!("{found}\n  allowed: a finite number")).into());
+        };
+        return Ok(Value::Number(finite));
     }
     if value.hasattr("keys")? {
         let mut map = Map::new();

@@ -126,7 +126,7 @@ impl Run {
     ///
     /// # Errors
     /// Where threads cannot be started.
-    pub fn in_memory(&self, study: &Study, stop: &AtomicBool) -> Result<Results, Trouble> {
+    pub fn in_memory(self, study: &Study, stop: &AtomicBool) -> Result<Results, Trouble> {
         let mut tables = MemoryResults::new(study);
         let progress = Progress::begin(self.planned(study), self.show);
         let mut sink = InMemory(&mut tables);
@@ -147,7 +147,7 @@ impl Run {
     /// # Errors
     /// Where the directory holds something else, or cannot be used.
     pub fn into_directory(
-        &self,
+        self,
         study: &Study,
         directory: PathBuf,
         stop: &AtomicBool,

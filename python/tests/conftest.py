@@ -70,7 +70,8 @@ def small_file(tmp_path_factory):
 def small_results(program, small_file):
     """What the program makes of the small study."""
     out = small_file.parent / "results"
-    program("run", small_file, "--quiet", "--out", out)
+    # Some runs fail, which are rows like any others.
+    program("run", small_file, "--quiet", "--out", out, code=3)
     return out
 
 
@@ -81,8 +82,6 @@ def bits(table):
         if pyarrow.types.is_dictionary(column.type):
             column = column.cast(pyarrow.string())
         column = column.combine_chunks()
-        if isinstance(column, pyarrow.ChunkedArray):
-            column = pyarrow.concat_arrays(column.chunks) if column.num_chunks else column.cast(column.type)
         if pyarrow.types.is_float64(column.type):
             column = column.view(pyarrow.int64())
         columns[name] = column
@@ -98,5 +97,6 @@ def assert_same(table, path):
         metadata = dict(file.schema.field(name).metadata)
         metadata.pop(b"PARQUET:field_id", None)
         assert dict(mine.schema.field(name).metadata) == metadata
-    assert mine.schema.metadata[b"stickslip"] == file.schema.metadata[b"stickslip"]
+    about = pyarrow.parquet.read_metadata(path).metadata
+    assert mine.schema.metadata[b"stickslip"] == about[b"stickslip"]
     assert bits(mine).equals(bits(file))

@@ -24,8 +24,8 @@ CHILD = """
 import sys
 import stickslip
 study = stickslip.Study.from_text({study!r})
-print("begun", flush=True)
 try:
+    print("begun", flush=True)
     {call}
 except KeyboardInterrupt:
     print("interrupted", flush=True)

@@ -26,6 +26,7 @@ def test_tables_in_memory_are_those_of_the_program(small, small_results, threads
         assert_same(getattr(results, table), small_results / f"{table}.parquet")
     assert sum(results.labels.values()) == small.run_count == len(results.runs)
     assert results.labels["equilibrium"] == len(results.equilibria) > 0
+    assert results.labels["failed"] > 0
 
 
 def test_a_directory_is_that_of_the_program(small, small_results, tmp_path):
@@ -50,11 +51,11 @@ def test_all_runs_of_a_block(program, tmp_path):
 
 
 def test_a_directory_of_something_else_is_left_alone(small, tmp_path):
-    (tmp_path / "runs.parquet").write_text("mine")
+    (tmp_path / "mine.txt").write_text("mine")
     with pytest.raises(FileExistsError, match="allowed:"):
         small.run(tmp_path)
-    assert [path.name for path in tmp_path.iterdir()] == ["runs.parquet"]
-    file = tmp_path / "runs.parquet"
+    assert [path.name for path in tmp_path.iterdir()] == ["mine.txt"]
+    file = tmp_path / "mine.txt"
     with pytest.raises(OSError, match="cannot be used as output directory"):
         small.run(file)
 

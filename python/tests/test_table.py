@@ -53,8 +53,8 @@ def test_readers_agree(runs):
     frame = runs.to_pandas()
     assert isinstance(frame, pandas.DataFrame) and len(frame) == len(runs)
     assert frame["label"].tolist() == lists["label"] == runs["label"]
-    assert duckdb.sql("select count(*), sum(run_id) from runs").fetchone() == (96, sum(range(96)))
-    assert polars.from_arrow(runs).height == 96
+    assert duckdb.sql("select count(*), sum(run_id) from runs").fetchall()[0] == (96, sum(range(96)))
+    assert polars.DataFrame(runs).height == 96
 
 
 def test_every_kind_of_column(small):
@@ -83,6 +83,7 @@ simulation: {end_time_s: 0.02}
     labels = {entry["values"]: entry["counts"] for entry in arrow["label"].value_counts().to_pylist()}
     assert labels == {label: runs for label, runs in results.labels.items() if runs}
     assert len(labels) > 1
+    assert dict(results.runs.to_pandas()["label"].value_counts()) == labels
     assert results.runs.to_polars()["label"].cast(polars.String).to_list() == arrow["label"].to_pylist()
 
 

@@ -34,10 +34,10 @@ def test_version():
     assert f'name = "stickslip"\nversion = "{stickslip.__version__}"' in text
 
 
-def test_examples_of_the_page(tmp_path, monkeypatch, capsys):
-    page = (ROOT / "docs/python.md").read_text()
+def test_examples_of_the_pages(tmp_path, monkeypatch, capsys):
+    page = (ROOT / "docs/python.md").read_text() + (ROOT / "README.md").read_text()
     examples = re.findall(r"<!-- tested: python -->\n```python\n(.*?)```", page, re.DOTALL)
-    assert len(examples) >= 3
+    assert len(examples) == page.count("import stickslip\n") == 4
     monkeypatch.chdir(tmp_path)
     (tmp_path / "studies").symlink_to(ROOT / "studies")
     for number, example in enumerate(examples):

@@ -3,8 +3,11 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use arrow::array::RecordBatch;
-use arrow::datatypes::SchemaRef;
+use arrow::array::{
+    AsArray, RecordBatch, StringArray, StringDictionaryBuilder, TypedDictionaryArray,
+};
+use arrow::compute::concat_batches;
+use arrow::datatypes::{Int32Type, SchemaRef};
 use arrow::error::ArrowError;
 
 use super::column::{Column, batch, schema};
@@ -37,8 +40,32 @@ impl MemoryTable {
         self.batches.iter().map(RecordBatch::num_rows).sum()
     }
 
-    pub(super) fn new(schema: SchemaRef, batches: Vec<RecordBatch>) -> Self {
-        MemoryTable { schema, batches }
+    /// A table of batches, with one dictionary for all that is in a column of words, and each word once in
+    /// it: readers take the words of the first batch for those of all, or each entry for another word.
+    pub(super) fn new(
+        schema: SchemaRef,
+        mut batches: Vec<RecordBatch>,
+    ) -> Result<Self, ArrowError> {
+        for index in 0..schema.fields().len() {
+            let parts: Option<Vec<_>> = batches
+                .iter()
+                .map(|batch| batch.column(index).as_dictionary_opt::<Int32Type>()?.downcast_dict())
+                .collect();
+            let Some(parts) = parts else { continue };
+            let mut words = StringDictionaryBuilder::<Int32Type>::new();
+            parts.into_iter().for_each(|part: TypedDictionaryArray<'_, _, StringArray>| {
+                words.extend(part);
+            });
+            let words = words.finish();
+            let mut first = 0;
+            for batch in &mut batches {
+                let mut columns = batch.columns().to_vec();
+                columns[index] = Arc::new(words.slice(first, batch.num_rows()));
+                first += batch.num_rows();
+                *batch = RecordBatch::try_new(batch.schema(), columns)?;
+            }
+        }
+        Ok(MemoryTable { schema, batches })
     }
 }
 
@@ -81,11 +108,11 @@ impl<R> MemoryWriter<R> {
         if self.pieces.len() * WAITING >= BATCH { self.join() } else { Ok(()) }
     }
 
-    /// Makes one batch of the pieces, with one dictionary for each column of words.
+    /// Makes one batch of the pieces.
     fn join(&mut self) -> Result<(), ArrowError> {
         let pieces = std::mem::take(&mut self.pieces);
         if !pieces.is_empty() {
-            self.batches.push(arrow::compute::concat_batches(&self.schema, &pieces)?);
+            self.batches.push(concat_batches(&self.schema, &pieces)?);
         }
         Ok(())
     }
@@ -97,7 +124,7 @@ impl<R> MemoryWriter<R> {
     pub fn finish(mut self) -> Result<MemoryTable, ArrowError> {
         self.flush()?;
         self.join()?;
-        Ok(MemoryTable { schema: self.schema, batches: self.batches })
+        MemoryTable::new(self.schema, self.batches)
     }
 }
 
@@ -119,8 +146,10 @@ pub fn in_memory<R>(
 
 #[cfg(test)]
 mod tests {
-    use arrow::array::AsArray;
-    use arrow::datatypes::UInt64Type;
+    use std::sync::Arc;
+
+    use arrow::array::{AsArray, StringArray};
+    use arrow::datatypes::{Int32Type, UInt64Type};
 
     use super::{BATCH, Column, in_memory};
 
@@ -138,6 +167,15 @@ mod tests {
             assert_eq!(table.schema().metadata()["stickslip"], "here");
             let numbers = table.batches().iter().flat_map(|batch| {
                 assert_eq!(batch.schema(), *table.schema());
+                let words = batch.column(1).as_dictionary::<Int32Type>();
+                let first = table.batches()[0].column(1).as_dictionary::<Int32Type>();
+                assert!(Arc::ptr_eq(words.values(), first.values()));
+                assert!(words.values().len() <= 2);
+                let words = words.downcast_dict::<StringArray>().unwrap();
+                let numbers = batch.column(0).as_primitive::<UInt64Type>();
+                for (number, found) in numbers.values().iter().zip(words) {
+                    assert_eq!(found, Some(word(number)));
+                }
                 batch.column(0).as_primitive::<UInt64Type>().values().to_vec()
             });
             assert!(numbers.eq(0..rows));

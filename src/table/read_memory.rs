@@ -1,6 +1,7 @@
 //! Tables of a results directory, taken into memory in full.
 
 use std::fs::File;
+use std::path::Path;
 use std::sync::Arc;
 
 use arrow::datatypes::Schema;
@@ -45,6 +46,14 @@ impl Table {
         }
         // There is a part, or the table could not have been opened.
         let schema = schema.unwrap_or_else(|| Arc::new(Schema::empty()));
-        Ok(MemoryTable::new(schema, batches))
+        MemoryTable::new(schema, batches).map_err(|error| {
+            let problem = "the parts of this table do not fit together";
+            let file = self.parts.first().map_or(Path::new(""), |(path, _)| path);
+            TableError::new(
+                file,
+                None,
+                Fault::new(problem, error.to_string(), "the files that were written"),
+            )
+        })
     }
 }
