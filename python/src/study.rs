@@ -137,13 +137,10 @@ impl PyStudy {
         let study = Arc::clone(&self.study);
         let run =
             Run { threads: crate::threads::threads(threads)?, show: show(progress), recompute };
-        let results = wait(py, move |stop| match out {
+        Ok(wait(py, move |stop| match out {
             None => run.in_memory(&study, stop),
             Some(directory) => run.into_directory(&study, directory, stop),
-        })??;
-        // A signal that another thread of Python has not seen to yet is seen to here.
-        py.check_signals()?;
-        Ok(results)
+        })??)
     }
 
     /// Answers the study's ``responses`` at designs, each with standard error, interval and reason.
