@@ -85,6 +85,30 @@ def test_designs_come_as_anything(study, designs, answers, form):
     assert_same(study.evaluate(given), answers)
 
 
+class Frame(dict):
+    """A dataframe of pandas without pyarrow."""
+
+    def __arrow_c_stream__(self, requested_schema=None):
+        raise ImportError("pyarrow is missing")
+
+
+class Broken:
+    """An object that does not give what it promises."""
+
+    def __arrow_c_stream__(self, requested_schema=None):
+        return self
+
+
+def test_tables_that_cannot_be_handed_over(study, designs, answers):
+    assert_same(study.evaluate(Frame(columns(designs))), answers)
+    with pytest.raises(TypeError):
+        study.evaluate(Broken())
+    # A capsule of another kind.
+    Broken.__arrow_c_stream__ = lambda self, requested_schema=None: study.evaluate(designs).__arrow_c_schema__()
+    with pytest.raises(ValueError):
+        study.evaluate(Broken())
+
+
 def test_one_design(study, designs):
     one = study.evaluate(designs[4])
     assert len(one) == 1

@@ -18,6 +18,9 @@ CALLS = {
     "run": "study.run(threads=2)",
     "run into a directory": "study.run(sys.argv[1], threads=2)",
     "evaluate": "study.evaluate([{'speed_rad_s': -200}])",
+    # Of which nothing can be left out.
+    "one long run": "stickslip.simulate({'position_m': 1}, times_s=[0], model='block_on_belt', "
+    "friction_coefficient=0, simulation={'end_time_s': 2e6})",
 }
 
 CHILD = """
