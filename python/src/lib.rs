@@ -1,7 +1,7 @@
 //! The Python module `stickslip._stickslip`: the library for Python, and nothing of its own.
 //!
-//! Work is done in a thread of its own without Python's lock ([`waiting`]); results are Arrow tables that
-//! are handed over without a copy ([`table`]); what goes wrong has the text of the command line ([`error`]).
+//! Work is done in a thread of its own without Python's lock (`waiting`); results are Arrow tables that
+//! are handed over without a copy (`table`); what goes wrong has the text of the command line (`error`).
 #![deny(missing_docs)]
 
 mod designs;
