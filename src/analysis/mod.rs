@@ -22,6 +22,7 @@ mod kernel_width;
 mod linearised;
 mod nearest;
 mod point_summary;
+mod resolution;
 mod rest_curve;
 mod rest_form;
 mod set_grid;
@@ -48,6 +49,7 @@ pub use interval::{Interval, IntervalMethod, Z_95, simultaneous, wilson, wilson_
 pub use linearised::{SmallMotions, Stability, state_matrix};
 pub use nearest::{HIGH_DRAG, Nearest, NearestFinder, StableEquilibria};
 pub use point_summary::{LabelCounts, Observed, PointAccumulator, PointDetail, PointSummary};
+pub use resolution::{FEWEST_GRID_POINTS, MOST_BALL_DAMPING, SAMPLE_COUNTS};
 pub use rest_curve::{RestStep, rest_curve};
 pub use rest_form::{AtRest, RestForm};
 pub use set_grid::{GridRow, SetGrid};

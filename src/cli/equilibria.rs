@@ -15,8 +15,8 @@ use super::exit::{CliError, End};
 use super::output::print;
 use super::speeds::Speeds;
 use crate::analysis::{
-    EquilibriumSet, FrictionlessEquilibrium, REPLICATES, Resolution, RestForm,
-    frictionless_equilibria,
+    EquilibriumSet, FEWEST_GRID_POINTS, FrictionlessEquilibrium, MOST_BALL_DAMPING, REPLICATES,
+    Resolution, RestForm, SAMPLE_COUNTS, frictionless_equilibria,
 };
 use crate::farm::say;
 use crate::model::Machine;
@@ -86,24 +86,16 @@ pub struct EquilibriaArguments {
     json: bool,
 }
 
-/// Most positions at one point of the sweep.
-const MOST_POSITIONS: u64 = 1 << 26;
 /// Most rows of `set.parquet`.
 const MOST_ROWS: u64 = 1 << 30;
-/// Fewest points of a grid per axis.
-const FEWEST_POINTS: usize = 8;
-/// Fewest and most samples: Sobol' points are known up to 2^16 in each scramble.
-const SAMPLES: [u32; 2] = [64 * REPLICATES, REPLICATES << 16];
-/// More drag than this leaves nothing of the slow eigenvalues but rounding.
-const MOST_DAMPING: f64 = 1e5;
-
 fn grid(text: &str) -> Result<usize, String> {
-    let points = text.parse().ok().filter(|points| *points >= FEWEST_POINTS);
-    points.ok_or_else(|| format!("found {text:?}, allowed: a whole number from {FEWEST_POINTS}"))
+    let points = text.parse().ok().filter(|points| *points >= FEWEST_GRID_POINTS);
+    points
+        .ok_or_else(|| format!("found {text:?}, allowed: a whole number from {FEWEST_GRID_POINTS}"))
 }
 
 fn samples(text: &str) -> Result<u32, String> {
-    let [fewest, most] = SAMPLES;
+    let [fewest, most] = SAMPLE_COUNTS;
     let allowed = |samples: &u32| (fewest..=most).contains(samples) && samples.is_power_of_two();
     text.parse()
         .ok()
@@ -112,9 +104,10 @@ fn samples(text: &str) -> Result<u32, String> {
 }
 
 fn ball_damping(text: &str) -> Result<f64, String> {
-    let damping = text.parse().ok().filter(|c: &f64| *c > 0.0 && *c <= MOST_DAMPING);
-    damping
-        .ok_or_else(|| format!("found {text:?}, allowed: a number above 0, up to {MOST_DAMPING}"))
+    let damping = text.parse().ok().filter(|c: &f64| *c > 0.0 && *c <= MOST_BALL_DAMPING);
+    damping.ok_or_else(|| {
+        format!("found {text:?}, allowed: a number above 0, up to {MOST_BALL_DAMPING}")
+    })
 }
 
 /// Computes the sets and writes their tables.
@@ -183,31 +176,9 @@ fn resolution(arguments: &EquilibriaArguments, study: &Study) -> Result<Resoluti
     let refused = |option: &str, found: &str, allowed: &str| {
         Err(CliError::Usage(format!("{option}\n  found:   {found}\n  allowed: {allowed}")))
     };
-    let resolution = match (balls, arguments.grid, arguments.samples) {
-        (1 | 2, _, Some(_)) => {
-            let found = format!("a study with {balls} {}", plural(balls));
-            let allowed = "--grid G for one ball or two, whose sets are computed on a grid";
-            return refused("--samples serves three balls or more", &found, allowed);
-        }
-        (_, Some(_), _) if balls > 2 => {
-            let found = format!("a study with {balls} balls");
-            let allowed = "--samples SAMPLES for three balls or more, whose sets are sampled";
-            return refused("--grid serves one ball or two", &found, allowed);
-        }
-        (1 | 2, points, _) => Resolution::Grid(points.unwrap_or(512)),
-        (_, _, samples) => Resolution::Samples(samples.unwrap_or(1 << 16) / REPLICATES),
-    };
+    let resolution =
+        Resolution::choose(balls, arguments.grid, arguments.samples).map_err(CliError::Usage)?;
     let positions = resolution.positions(balls);
-    if let Resolution::Grid(points) = resolution
-        && positions.is_none_or(|positions| positions > MOST_POSITIONS)
-    {
-        let total = (points as f64).powi(balls as i32);
-        let most = (MOST_POSITIONS as f64).powf(1.0 / balls as f64).round();
-        let found =
-            format!("{points} points per axis: {total} in all for {balls} {}", plural(balls));
-        let allowed = format!("at most {most} points per axis, {MOST_POSITIONS} in all");
-        return refused("--grid is too fine", &found, &allowed);
-    }
     let rows = positions.and_then(|positions| positions.checked_mul(study.point_count()));
     if !arguments.no_set && rows.is_none_or(|rows| rows > MOST_ROWS) {
         let found = format!(
@@ -222,10 +193,6 @@ fn resolution(arguments: &EquilibriaArguments, study: &Study) -> Result<Resoluti
         return refused("set.parquet would be too large", &found, &allowed);
     }
     Ok(resolution)
-}
-
-fn plural(balls: usize) -> &'static str {
-    if balls == 1 { "ball" } else { "balls" }
 }
 
 /// What decides the tables beside the study.

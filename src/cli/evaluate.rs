@@ -10,8 +10,9 @@ use clap::Args;
 use super::arguments::{StudyArgument, threads};
 use super::evaluate_server::serve;
 use super::exit::{CliError, End};
-use crate::analysis::LabelCounts;
-use crate::design::{Answer, MOST_DESIGNS, discontinuous, respond, response_columns};
+use crate::design::{
+    Answer, MOST_DESIGNS, check_answerable, respond_to_all, response_columns, run_count,
+};
 use crate::ending::Label;
 use crate::farm::{Crew, Planned, Progress, Show, say, stop_on_signals};
 use crate::study::{DesignValue, Study};
@@ -108,22 +109,7 @@ pub fn evaluate(arguments: &EvaluateArguments) -> Result<End, CliError> {
 /// What study and arguments must have together.
 fn check(arguments: &EvaluateArguments, study: &Study) -> Result<(), CliError> {
     let usage = |text: String| Err(CliError::Usage(text));
-    let file = arguments.study.study.display();
-    if study.responses().is_empty() {
-        let allowed =
-            "`responses` in the study, such as vibration: {amplitude_mean: {relative: true}}";
-        return usage(format!("{file}: nothing is asked for\n  allowed: {allowed}"));
-    }
-    if study.variables().is_empty() {
-        let allowed = "`design` in the study, such as speed_rad_s: {from: -260, to: -180}";
-        return usage(format!("{file}: nothing is varied\n  allowed: {allowed}"));
-    }
-    if study.precision().is_some() {
-        let allowed = "a study without `precision`: designs share their runs, all of them";
-        return usage(format!(
-            "{file}: designs of different numbers of runs\n  found:   `precision`\n  allowed: {allowed}"
-        ));
-    }
+    check_answerable(study, &arguments.study.study).map_err(CliError::Usage)?;
     let requests = arguments.designs.as_os_str() == "-";
     match &arguments.out {
         Some(_) if requests => usage(
@@ -149,45 +135,14 @@ fn compute(
     stop: &AtomicBool,
     show: Show,
 ) -> Result<Option<Vec<Answer>>, CliError> {
-    let set = |values: &Vec<DesignValue>| {
-        // The table has been checked: every design can be set.
-        study.set(values).map_err(CliError::Usage)
-    };
-    let mut runs = 0;
-    for values in designs {
-        runs += set(values)?.run_count();
-    }
+    let runs = run_count(study, designs).map_err(CliError::Usage)?;
     let points = designs.len() as u64 * study.point_count();
     let planned = Planned { study: study.name(), runs, at_most: false, points };
     let progress = Progress::begin(planned, show);
-    let mut answers: Vec<Answer> = Vec::new();
-    for (number, values) in (0..).zip(designs) {
-        let finished = |label| progress.finished(label);
-        let design = (number, values.as_slice());
-        let Some(own) = respond(crew, &[set(values)?], study.responses(), design, stop, &finished)
-        else {
-            progress.close();
-            progress.ended(true);
-            return Ok(None);
-        };
-        answers.extend(own);
-    }
+    let finished = |label| progress.finished(label);
+    let answers = respond_to_all(crew, study, designs, stop, &finished);
     progress.close();
-    progress.ended(false);
-    flag(study, designs, &mut answers);
-    Ok(Some(answers))
-}
-
-/// Compares designs with their neighbours, point by point.
-fn flag(study: &Study, designs: &[Vec<DesignValue>], answers: &mut [Answer]) {
-    let scaled: Vec<Vec<f64>> = designs.iter().map(|values| study.scaled(values)).collect();
-    for point_id in 0..study.point_count() {
-        let at_point = |answer: &&mut Answer| answer.point_id == point_id;
-        let counts: Vec<LabelCounts> =
-            answers.iter_mut().filter(at_point).map(|answer| answer.counts).collect();
-        let flags = discontinuous(&scaled, &counts);
-        for (answer, flag) in answers.iter_mut().filter(at_point).zip(flags) {
-            answer.discontinuous = flag;
-        }
-    }
+    let answers = answers.map_err(CliError::Usage)?;
+    progress.ended(answers.is_none());
+    Ok(answers)
 }

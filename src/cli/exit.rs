@@ -5,7 +5,7 @@ use std::process::ExitCode;
 
 use thiserror::Error;
 
-use crate::farm::{FarmError, StoreError};
+use crate::farm::{FarmError, PlaceError, StoreError};
 use crate::study::StudyError;
 use crate::table::{ResultsError, TableError, WriteError};
 
@@ -67,6 +67,15 @@ pub enum CliError {
     /// Standard output cannot be written to.
     #[error("cannot write to standard output: {0}")]
     Output(#[from] io::Error),
+}
+
+impl From<PlaceError> for CliError {
+    fn from(error: PlaceError) -> Self {
+        match error {
+            PlaceError::Results(error) => CliError::Results(error),
+            PlaceError::Store(error) => CliError::Store(error),
+        }
+    }
 }
 
 impl From<FarmError<ResultsError>> for CliError {

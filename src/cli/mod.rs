@@ -3,7 +3,6 @@
 mod arguments;
 mod check;
 mod completions;
-mod directory;
 mod equilibria;
 mod equilibria_report;
 mod evaluate;

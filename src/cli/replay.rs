@@ -1,6 +1,5 @@
 //! `stickslip replay`: the run behind a row.
 
-use std::cell::RefCell;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
@@ -12,9 +11,8 @@ use super::output::print;
 use super::replay_pictures::draw;
 use super::replay_times::{MOST_TIMES, Times};
 use super::results_study::results_study;
-use crate::ending::{Instants, Recorder, Recording, Switch, simulate, simulate_recorded};
-use crate::farm::{compute, say};
-use crate::model::Case;
+use crate::ending::{Recording, Switch};
+use crate::farm::{record, say};
 use crate::study::Study;
 use crate::table::column::Column;
 use crate::table::{
@@ -81,7 +79,8 @@ pub fn replay(arguments: &ReplayArguments) -> Result<End, CliError> {
     let stored = stored_run(directory, &study, &manifest, *run_id)?;
     let out = arguments.out.clone().map_or_else(|| beside(directory, *run_id), Ok)?;
     EquilibriumFiles::inspect(&out)?;
-    let (record, recording) = record(&study, *run_id, arguments.times);
+    let times = arguments.times.map(|times| times.values().collect::<Vec<f64>>());
+    let (record, recording) = record(&study, *run_id, times.as_deref(), MOST_TIMES as usize);
     if recording.cut_off {
         return Err(CliError::Usage(format!(
             "the motion of run {run_id} is too long\n  found:   more than {MOST_TIMES} steps, or switches\n  \
@@ -149,27 +148,6 @@ fn beside(directory: &Path, run_id: u64) -> Result<PathBuf, ResultsError> {
     let mut name = named.file_name().unwrap_or_default().to_owned();
     name.push(format!("-replay-{run_id}"));
     Ok(named.with_file_name(name))
-}
-
-/// Computes the run with its motion, and what else its row has.
-fn record(study: &Study, run_id: u64, times: Option<Times>) -> (RunRecord, Recording) {
-    let natural = |case: &Case| case.model.natural_frequency_rad_s();
-    // An audited run is simulated twice; the first time is the run itself.
-    let recorder: RefCell<Option<Recorder>> = RefCell::new(None);
-    let simulated = |case: &Case| {
-        if recorder.borrow().is_some() {
-            return simulate(case);
-        }
-        let instants = match times {
-            None => Instants::EveryStep { inside: 0 },
-            Some(times) => Instants::At(times.values().map(|time| time * natural(case)).collect()),
-        };
-        let mut slot = recorder.borrow_mut();
-        simulate_recorded(case, slot.insert(Recorder::new(instants, MOST_TIMES as usize)))
-    };
-    let record = compute(study, run_id, simulated);
-    let recording = recorder.into_inner().map(Recorder::finish).unwrap_or_default();
-    (record, recording)
 }
 
 fn write(

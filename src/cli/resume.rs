@@ -5,11 +5,10 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::arguments::FarmArguments;
-use super::directory::Place;
 use super::exit::{CliError, End};
 use super::results_study::results_study;
 use super::run::carry_out;
-use crate::farm::Shard;
+use crate::farm::{Place, Shard};
 
 const EXAMPLES: &str = "\
 Examples:

@@ -6,13 +6,12 @@ use clap::Args;
 use serde_json::json;
 
 use super::arguments::{FarmArguments, ShardArgument, StudyArgument};
-use super::directory::{Place, Ready};
 use super::exit::{CliError, End};
 use super::farming::farm_study;
 use super::output::print;
 use super::points_table::{MOST_LINES, PointsTable};
 use crate::ending::Label;
-use crate::farm::{FarmOptions, say};
+use crate::farm::{FarmOptions, Place, Ready, say};
 use crate::study::Study;
 use crate::table::{Manifest, Table};
 

@@ -6,12 +6,11 @@ use clap::Args;
 use serde_json::{Value, json};
 
 use super::arguments::{FarmArguments, StudyArgument};
-use super::directory::{Place, Ready};
 use super::exit::{CliError, End};
 use super::farming::farm_study;
 use super::output::print;
 use crate::ending::Label;
-use crate::farm::{Shard, say};
+use crate::farm::{Place, Ready, Shard, say};
 use crate::study::Study;
 use crate::table::PointRow;
 

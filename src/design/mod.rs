@@ -16,6 +16,7 @@ mod order_statistics;
 mod probability;
 mod request;
 mod respond;
+mod respond_to_all;
 mod rest_time;
 mod student;
 
@@ -28,4 +29,5 @@ pub use neighbours::Neighbours;
 pub use probability::{above, at_rest_by};
 pub use request::{Refusal, Request};
 pub use respond::{Answer, respond};
+pub use respond_to_all::{check_answerable, respond_to_all, run_count};
 pub use rest_time::median_time_to_rest;

@@ -1,4 +1,4 @@
-//! Tables of designs: CSV or Parquet, columns named as variables, one design per row.
+//! Tables of designs: CSV, Parquet or from memory, columns named as variables, one design per row.
 
 use std::path::Path;
 
@@ -8,7 +8,9 @@ use super::file_values::Entry;
 use super::parquet_table;
 use super::plan::Study;
 use super::read_file::read_bytes;
-use super::rows::Rows;
+use super::rows::{
+    MAX_VALUES, Rows, TableFile, check_number, empty_value, ragged, too_many_values,
+};
 use super::variable::DesignValue;
 
 /// Faults of tables in files need no study file to be placed in.
@@ -45,7 +47,50 @@ impl Study {
         };
         let bytes = read_bytes(path).map_err(|fault| StudyError::about_file(path, fault))?;
         let names: Vec<String> = self.variables.iter().map(|one| one.name.clone()).collect();
-        let rows = read(path, bytes, &names)?;
+        self.check_designs(&names, read(path, bytes, &names)?)
+    }
+
+    /// The designs in a table that is in memory, with one value per column in each row, none where it is
+    /// missing; messages call the table `name`.
+    ///
+    /// # Errors
+    /// As for [`Study::designs`].
+    pub fn designs_in_memory(
+        &self,
+        name: &str,
+        columns: Vec<String>,
+        rows: Vec<Vec<Option<Entry>>>,
+    ) -> Result<Vec<Vec<DesignValue>>, StudyError> {
+        let table = TableFile::without_lines(Path::new(name));
+        let names: Vec<String> = self.variables.iter().map(|one| one.name.clone()).collect();
+        table.check_columns(&columns, &names)?;
+        if rows.len().saturating_mul(columns.len()) > MAX_VALUES {
+            let found = format!("{} rows of {} values", rows.len(), columns.len());
+            return Err(table.refuse_all(too_many_values(found)));
+        }
+        let checked = |(index, row): (usize, Vec<Option<Entry>>)| {
+            if row.len() != columns.len() {
+                return Err(table.refuse(Some(index), None, ragged(row.len(), columns.len())));
+            }
+            let cell = |(value, column): (Option<Entry>, &String)| {
+                let entry = match value {
+                    None => Err(empty_value()),
+                    Some(Entry::Number(number)) => check_number(number, || number.to_string()),
+                    Some(text) => Ok(text),
+                };
+                entry.map_err(|fault| table.refuse(Some(index), Some(column), fault))
+            };
+            row.into_iter().zip(&columns).map(cell).collect()
+        };
+        let rows = rows.into_iter().enumerate().map(checked).collect::<Result<_, _>>()?;
+        self.check_designs(&names, Rows::in_file(columns, rows, table))
+    }
+
+    fn check_designs(
+        &self,
+        names: &[String],
+        rows: Rows,
+    ) -> Result<Vec<Vec<DesignValue>>, StudyError> {
         if rows.rows.is_empty() {
             let fault = Fault::new("a table without rows", "0 rows", "at least one row");
             return Err(rows.refuse(&Nowhere, None, None, fault));

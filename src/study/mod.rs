@@ -82,5 +82,6 @@ pub(crate) use parquet_values::{Annotation, next_lists, next_values, said};
 pub use plan::{PlannedRun, Point, Study};
 pub use precision::{Precision, Sampling};
 pub use response::{Measure, Response};
+pub(crate) use rows::MAX_VALUES;
 pub use schema::json_schema;
 pub use variable::{DesignValue, Values, Variable};

@@ -63,7 +63,11 @@ impl Study {
         Study::parse_with_tables(file, text, &[])
     }
 
-    fn parse_with_tables(
+    /// As [`Study::parse`], with tables that may lie in these directories as well.
+    ///
+    /// # Errors
+    /// The first thing that is wrong, with its place.
+    pub fn parse_with_tables(
         file: &Path,
         text: String,
         directories: &[PathBuf],

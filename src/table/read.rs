@@ -59,7 +59,7 @@ pub struct Table {
     name: String,
     study_hash: String,
     /// Its files and how many rows each has.
-    parts: Vec<(PathBuf, u64)>,
+    pub(super) parts: Vec<(PathBuf, u64)>,
     columns: Vec<(String, Option<Kind>)>,
 }
 
@@ -200,7 +200,7 @@ impl Table {
     }
 
     /// Opens a file of the table and checks what it says of itself.
-    fn open_part(&self, path: &Path, rows: u64) -> Result<Part, TableError> {
+    pub(super) fn open_part(&self, path: &Path, rows: u64) -> Result<Part, TableError> {
         let refuse = |fault| TableError::new(path, None, fault);
         let (reader, provenance) = open_file(path)?;
         let about = reader.metadata().file_metadata();
@@ -285,9 +285,9 @@ fn find(
 type Rows = (usize, Vec<(String, Values)>);
 
 /// A file that is being read.
-struct Part {
+pub(super) struct Part {
     path: PathBuf,
-    reader: SerializedFileReader<File>,
+    pub(super) reader: SerializedFileReader<File>,
     next_group: usize,
     /// The columns of the group of rows that is being read, and how many of its rows are left.
     group: Option<(Vec<ColumnReader>, usize)>,

@@ -33,12 +33,14 @@ fn locked() -> Vec<Locked> {
 }
 
 /// All packages that are built for the program, its tests and its benches: on this platform or, where
-/// `STICKSLIP_ALL_PLATFORMS` is set and all packages have been fetched, on those of `deny.toml`.
+/// `STICKSLIP_ALL_PLATFORMS` is set and all packages have been fetched, on those of `deny.toml`, and with them
+/// what is built for the Python package.
 fn built() -> BTreeSet<Built> {
     match std::env::var_os("STICKSLIP_ALL_PLATFORMS") {
         None => built_with(&[]),
         Some(_) => {
-            policy().targets().iter().flat_map(|target| built_with(&["--target", target])).collect()
+            let all = |target: &String| built_with(&["--workspace", "--target", target]);
+            policy().targets().iter().flat_map(all).collect()
         }
     }
 }

@@ -3,6 +3,7 @@
 mod contract;
 mod cycles;
 mod intervals;
+mod memory;
 mod parts;
 mod preferred;
 mod provenance;

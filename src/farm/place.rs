@@ -2,9 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
-use super::exit::CliError;
+use thiserror::Error;
+
+use super::{CHUNKS, Shard, Store, StoreError, say};
 use crate::ending::MODEL_VERSION;
-use crate::farm::{CHUNKS, Shard, Store, say};
 use crate::study::{Study, difference};
 use crate::table::{
     Circumstances, Destination, EARLIER, Manifest, Results, ResultsError, inspect, manifest_of,
@@ -13,6 +14,17 @@ use crate::table::{
 
 /// Lines of a difference that are shown.
 const MOST_LINES: usize = 12;
+
+/// Why a directory cannot be made ready.
+#[derive(Debug, Error)]
+pub enum PlaceError {
+    /// It holds something else, or it cannot be made or written to.
+    #[error(transparent)]
+    Results(#[from] ResultsError),
+    /// What is on disk of finished runs cannot be used.
+    #[error(transparent)]
+    Store(#[from] StoreError),
+}
 
 /// What a study is to be run in.
 pub struct Place<'a> {
@@ -45,7 +57,7 @@ impl Place<'_> {
     /// Where its files are not results, are another shard's or those of a study that shares no run with
     /// this one; where another process writes there; where it cannot be written to. Nothing is
     /// changed then.
-    pub fn prepare(&self, study: &Study) -> Result<Ready, CliError> {
+    pub fn prepare(&self, study: &Study) -> Result<Ready, PlaceError> {
         let shard = self.shard.to_string();
         let found = inspect(self.directory, study, &shard, &[CHUNKS, EARLIER])?;
         let tell = |line: String| {
@@ -104,7 +116,7 @@ impl Place<'_> {
     }
 
     /// Opens the store of a directory with results of another study, if this one can use any of its runs.
-    fn reopen(&self, study: &Study, manifest: &Manifest) -> Result<Store, CliError> {
+    fn reopen(&self, study: &Study, manifest: &Manifest) -> Result<Store, PlaceError> {
         let store = match self.directory.join(CHUNKS).is_dir() || self.recompute {
             true => Some(Store::open(self.directory, study)?),
             false => None,

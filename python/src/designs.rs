@@ -1,0 +1,154 @@
+//! Designs as Python has them: rows, columns, or an Arrow table of any library.
+
+use arrow::ffi_stream::RecordBatchStreamReader;
+use pyo3::exceptions::{PyImportError, PyTypeError};
+use pyo3::prelude::*;
+use pyo3::types::{PyBool, PyCapsule, PyString};
+use stickslip::study::file_values::Entry;
+use stickslip::study::{DesignValue, Study};
+use stickslip::table::designs_in_arrow;
+
+use crate::error::Trouble;
+
+/// What messages call the designs.
+const NAME: &str = "designs";
+/// What they may be.
+const ALLOWED: &str = "a list of dicts, a dict of columns, one design as a dict of values, or an Arrow table or \
+                       dataframe";
+
+/// The designs that are given, checked.
+///
+/// # Errors
+/// A `TypeError` for what is no table of numbers and text; a `StudyError` for designs that the study does
+/// not have.
+pub fn designs(study: &Study, given: &Bound<'_, PyAny>) -> PyResult<Vec<Vec<DesignValue>>> {
+    if given.hasattr("__arrow_c_stream__")? {
+        match given.call_method0("__arrow_c_stream__") {
+            Ok(stream) => {
+                return Ok(designs_in_arrow(study, NAME, reader(&stream)?).map_err(Trouble::from)?);
+            }
+            // A dataframe of pandas without pyarrow still has its columns.
+            Err(error) if error.is_instance_of::<PyImportError>(given.py()) => {}
+            Err(error) => return Err(error),
+        }
+    }
+    let (columns, rows) = if given.hasattr("keys")? { of_columns(given)? } else { of_rows(given)? };
+    Ok(study.designs_in_memory(NAME, columns, rows).map_err(Trouble::from)?)
+}
+
+/// The record batches behind a capsule.
+fn reader(stream: &Bound<'_, PyAny>) -> PyResult<RecordBatchStreamReader> {
+    let capsule = stream.cast::<PyCapsule>()?;
+    let stream = capsule.pointer_checked(Some(c"arrow_array_stream"))?;
+    // SAFETY: the Arrow PyCapsule interface says that a capsule of this name, which has just been checked,
+    // points to an ArrowArrayStream that lives as long as the capsule. It is moved out, with a released one
+    // left in its place, which is what consumers are to do.
+    let reader = unsafe { RecordBatchStreamReader::from_raw(stream.cast().as_ptr()) };
+    reader.map_err(|error| {
+        Trouble::Usage(format!("{NAME}: not a table\n  found:   {error}\n  allowed: {ALLOWED}"))
+            .into()
+    })
+}
+
+type Rows = Vec<Vec<Option<Entry>>>;
+
+/// A mapping of columns; or of values, which is one design.
+fn of_columns(given: &Bound<'_, PyAny>) -> PyResult<(Vec<String>, Rows)> {
+    let names = names(given)?;
+    let mut columns = Vec::with_capacity(names.len());
+    for name in &names {
+        columns.push(given.get_item(name)?);
+    }
+    let scalar =
+        |value: &Bound<'_, PyAny>| value.is_none() || is_text(value) || value.try_iter().is_err();
+    if columns.iter().all(scalar) {
+        let row = names.iter().zip(&columns).map(|(name, value)| entry(0, name, value));
+        let row = row.collect::<PyResult<Vec<_>>>()?;
+        return Ok((names, vec![row]));
+    }
+    let mut rows: Rows = Vec::new();
+    for (place, (name, column)) in names.iter().zip(&columns).enumerate() {
+        if is_text(column) {
+            return Err(wrong(&format!("column {name}"), column, "a list of numbers or of text"));
+        }
+        let values = column.try_iter().map_err(|_| {
+            wrong(&format!("column {name}"), column, "a list of numbers or of text")
+        })?;
+        for (row, value) in values.enumerate() {
+            let value = entry(row, name, &value?)?;
+            if row == rows.len() {
+                // Columns before it are shorter.
+                rows.push(vec![None; place]);
+            }
+            rows[row].push(value);
+        }
+        for row in &mut rows {
+            row.resize(place + 1, None);
+        }
+    }
+    Ok((names, rows))
+}
+
+/// Mappings, one per design.
+fn of_rows(given: &Bound<'_, PyAny>) -> PyResult<(Vec<String>, Rows)> {
+    let designs = given.try_iter().map_err(|_| wrong("all of it", given, ALLOWED))?;
+    let mut columns: Vec<String> = Vec::new();
+    let mut rows: Rows = Vec::new();
+    for (row, design) in designs.enumerate() {
+        let design = design?;
+        if !design.hasattr("keys")? {
+            return Err(wrong(&format!("row {}", row + 1), &design, ALLOWED));
+        }
+        let mut values = vec![None; columns.len()];
+        for name in names(&design)? {
+            let value = entry(row, &name, &design.get_item(&name)?)?;
+            match columns.iter().position(|column| *column == name) {
+                Some(place) => values[place] = value,
+                None => {
+                    columns.push(name);
+                    values.push(value);
+                }
+            }
+        }
+        rows.push(values);
+    }
+    // Columns that come up later are missing in the rows before.
+    for row in &mut rows {
+        row.resize(columns.len(), None);
+    }
+    Ok((columns, rows))
+}
+
+fn names(mapping: &Bound<'_, PyAny>) -> PyResult<Vec<String>> {
+    let names = mapping.call_method0("keys")?;
+    let name = |name: PyResult<Bound<'_, PyAny>>| {
+        let name = name?;
+        name.extract::<String>().map_err(|_| wrong("names", &name, "names of variables"))
+    };
+    names.try_iter()?.map(name).collect()
+}
+
+fn is_text(value: &Bound<'_, PyAny>) -> bool {
+    value.is_instance_of::<PyString>()
+}
+
+/// A number, text, or nothing.
+fn entry(row: usize, name: &str, value: &Bound<'_, PyAny>) -> PyResult<Option<Entry>> {
+    if value.is_none() {
+        return Ok(None);
+    }
+    if is_text(value) {
+        return Ok(Some(Entry::Text(value.extract()?)));
+    }
+    match value.extract::<f64>() {
+        Ok(number) if !value.is_instance_of::<PyBool>() => Ok(Some(Entry::Number(number))),
+        _ => Err(wrong(&format!("row {}, column {name}", row + 1), value, "a number or text")),
+    }
+}
+
+fn wrong(place: &str, found: &Bound<'_, PyAny>, allowed: &str) -> PyErr {
+    let kind = found.get_type().name().map_or_else(|_| "?".to_owned(), |name| name.to_string());
+    PyTypeError::new_err(format!(
+        "{NAME}: `{place}`: wrong type\n  found:   a value of type {kind}\n  allowed: {allowed}"
+    ))
+}

@@ -1,0 +1,180 @@
+//! The equilibrium set of one machine, for Python.
+
+use std::sync::Arc;
+
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use serde_json::json;
+use stickslip::analysis::{
+    EquilibriumSet as Set, FEWEST_GRID_POINTS, MOST_BALL_DAMPING, REPLICATES, Resolution, RestForm,
+    SAMPLE_COUNTS, frictionless_equilibria,
+};
+use stickslip::farm::Crew;
+use stickslip::study::Study;
+use stickslip::table::{
+    FrictionlessRow, MemoryTable, MemoryWriter, PointKey, SetRow, SetSummaryRow,
+    frictionless_columns, in_memory, provenance_with, set_columns, set_summary_columns,
+};
+
+use crate::error::{Trouble, no_threads};
+use crate::machine::Machine;
+use crate::table::Table;
+use crate::waiting::wait;
+
+/// Where the balls of a machine can rest.
+#[pyclass(frozen, module = "stickslip")]
+pub struct EquilibriumSet {
+    summary: MemoryTable,
+    positions: Option<MemoryTable>,
+    frictionless: MemoryTable,
+    share: f64,
+    parts: Option<u64>,
+}
+
+#[pymethods]
+impl EquilibriumSet {
+    /// Share of all ball positions that are in the set, 0 to 1.
+    #[getter]
+    fn share(&self) -> f64 {
+        self.share
+    }
+
+    /// Separate parts of the set on the torus of ball angles; None for three balls and more, which are sampled.
+    #[getter]
+    fn parts(&self) -> Option<u64> {
+        self.parts
+    }
+
+    /// One row: share with interval, parts, amplitudes, balance (the program's ``sets.parquet``).
+    #[getter]
+    fn summary(&self) -> Table {
+        Table(self.summary.clone())
+    }
+
+    /// One row per ball position: amplitude, the friction that it takes, margin, in the set or not (the
+    /// program's ``set.parquet``); None where positions were not asked for.
+    #[getter]
+    fn positions(&self) -> Option<Table> {
+        self.positions.clone().map(Table)
+    }
+
+    /// The equilibria without dry friction, with their stability (the program's ``frictionless.parquet``).
+    #[getter]
+    fn frictionless(&self) -> Table {
+        Table(self.frictionless.clone())
+    }
+
+    fn __repr__(&self) -> String {
+        format!("<stickslip.EquilibriumSet: a share of {} of all positions>", self.share)
+    }
+}
+
+/// The equilibrium set of a ball balancer, and its equilibria without friction, in closed form.
+///
+/// grid: one ball or two: points per axis, at 2π k/grid; 512 by default.
+/// samples: three balls or more: quasi-random samples, a power of two; 65536 by default.
+/// ball_damping: viscous drag on the balls for the stability of the equilibria without friction, over ball
+///     mass and natural frequency; above 0, up to 1e5.
+/// positions: whether the table of positions is made, the large one.
+/// threads: worker threads, from 1 to 1024; one per core by default. They change no result.
+/// parameters: the machine's, named as in a study file and in its units, such as ``speed_rad_s=-216.3772``,
+///     ``balls=2``, ``friction_coefficient=2.75e-3``; and the model's ``friction`` and ``normal_force``. What is
+///     not given has the value of the thesis's machine.
+///
+/// Raises StudyError for parameters and options that make no sense, TypeError for values that no study file has.
+#[pyfunction]
+#[pyo3(signature = (*, grid = None, samples = None, ball_damping = 1e4, positions = true, threads = None, **parameters))]
+pub fn equilibrium_set(
+    py: Python<'_>,
+    grid: Option<i64>,
+    samples: Option<i64>,
+    ball_damping: f64,
+    positions: bool,
+    threads: Option<i64>,
+    parameters: Option<&Bound<'_, PyDict>>,
+) -> PyResult<EquilibriumSet> {
+    let machine = Machine::new("equilibrium_set", "ball_balancer", parameters)?;
+    let study = machine.study(json!({"monte_carlo": {"samples": 1}}))?;
+    let (grid, samples) = (checked_grid(grid)?, checked_samples(samples)?);
+    if !(ball_damping > 0.0 && ball_damping <= MOST_BALL_DAMPING) {
+        let allowed = format!("a number above 0, up to {MOST_BALL_DAMPING}");
+        return Err(refused("ball_damping", &ball_damping.to_string(), &allowed).into());
+    }
+    let resolution =
+        Resolution::choose(study.model().balls(), grid, samples).map_err(Trouble::Usage)?;
+    let crew = Crew::new(crate::threads::threads(threads)?).map_err(no_threads)?;
+    let set = move |_: &_| crew.install(|| compute(&study, resolution, ball_damping, positions));
+    Ok(wait(py, set)??)
+}
+
+fn refused(what: &str, found: &str, allowed: &str) -> Trouble {
+    Trouble::Usage(format!("{what}: out of range\n  found:   {found}\n  allowed: {allowed}"))
+}
+
+fn checked_grid(grid: Option<i64>) -> Result<Option<usize>, Trouble> {
+    let Some(given) = grid else { return Ok(None) };
+    let points = usize::try_from(given).ok().filter(|points| *points >= FEWEST_GRID_POINTS);
+    let allowed = || format!("a whole number from {FEWEST_GRID_POINTS}");
+    points.map(Some).ok_or_else(|| refused("grid", &given.to_string(), &allowed()))
+}
+
+fn checked_samples(samples: Option<i64>) -> Result<Option<u32>, Trouble> {
+    let Some(given) = samples else { return Ok(None) };
+    let [fewest, most] = SAMPLE_COUNTS;
+    let fits = |count: &u32| (fewest..=most).contains(count) && count.is_power_of_two();
+    let samples = u32::try_from(given).ok().filter(fits);
+    let allowed = || format!("a power of two from {fewest} to {most}");
+    samples.map(Some).ok_or_else(|| refused("samples", &given.to_string(), &allowed()))
+}
+
+fn compute(
+    study: &Study,
+    resolution: Resolution,
+    damping: f64,
+    positions: bool,
+) -> Result<EquilibriumSet, Trouble> {
+    let unknown = || Trouble::Usage(format!("no model for {} balls", study.model().balls()));
+    let point = study.point(0);
+    let machine = point.model().ball_balancer().ok_or_else(unknown)?;
+    let key = Arc::new(PointKey::of(&point));
+    let set = Set::of(machine, resolution).ok_or_else(unknown)?;
+    let (share, parts) = (set.share, set.parts);
+    let (grid, samples) = match resolution {
+        Resolution::Grid(points) => (Some(points), None),
+        Resolution::Samples(samples) => (None, Some(u64::from(samples) * u64::from(REPLICATES))),
+    };
+    let options = json!({
+        "grid": grid,
+        "samples": samples,
+        "scrambles": samples.map(|_| REPLICATES),
+        "ball_damping": damping,
+        "speeds": null,
+    });
+    let about = |table| provenance_with(study, table, &options);
+    let count = resolution.positions(study.model().balls()).ok_or_else(unknown)?;
+    let row = SetSummaryRow { point: Arc::clone(&key), set, positions: count };
+    let table = || -> Result<MemoryTable, Trouble> {
+        let mut table = MemoryWriter::new(set_columns(study), about("set"));
+        let form = RestForm::new(machine).ok_or_else(unknown)?;
+        resolution.visit(&form, |beta, rest| table.push(SetRow::new(&key, beta, rest)))?;
+        Ok(table.finish()?)
+    };
+    let frictionless = frictionless_equilibria(machine, damping).ok_or_else(unknown)?;
+    let speed_rad_s = machine.speed_rad_s;
+    let frictionless = frictionless.into_iter().map(|equilibrium| FrictionlessRow {
+        point: Arc::clone(&key),
+        speed_rad_s,
+        equilibrium,
+    });
+    Ok(EquilibriumSet {
+        summary: in_memory(set_summary_columns(study), about("sets"), [row])?,
+        positions: positions.then(table).transpose()?,
+        frictionless: in_memory(
+            frictionless_columns(study, false),
+            about("frictionless"),
+            frictionless,
+        )?,
+        share,
+        parts,
+    })
+}

@@ -1,0 +1,140 @@
+//! Python's exceptions for what can go wrong, with the texts of the command line.
+
+use pyo3::create_exception;
+use pyo3::exceptions::{PyFileExistsError, PyOSError, PyRuntimeError, PyValueError};
+use pyo3::prelude::*;
+use stickslip::farm::{FarmError, PlaceError, StoreError};
+use stickslip::study;
+use stickslip::table::{ResultsError, TableError};
+
+create_exception!(
+    stickslip,
+    StudyError,
+    PyValueError,
+    "A study, a machine or designs that cannot be used.\n\n\
+     The text is that of the command line: where, what was found, what is allowed. The parts of it, None where \
+     there is no such part:\n\n\
+     file: the file, or what stands for it.\n\
+     line, column: place in the file, from 1.\n\
+     key: the key, such as `model.parameters.speed_rad_s`, or row and column of a table.\n\
+     problem: what is wrong, in a few words.\n\
+     found: what was found.\n\
+     allowed: what is allowed, or what to do."
+);
+
+/// The parts of a [`StudyError`], by name.
+const PARTS: [&str; 7] = ["file", "line", "column", "key", "problem", "found", "allowed"];
+
+/// What can go wrong, before it is Python's.
+#[derive(Debug)]
+pub enum Trouble {
+    /// The study, or designs.
+    Study(study::StudyError),
+    /// The study does not serve what is asked for, or arguments make no sense.
+    Usage(String),
+    /// There is something in the way.
+    Occupied(String),
+    /// The operating system refuses.
+    System(String),
+    /// The program is wrong.
+    Defect(String),
+}
+
+impl From<study::StudyError> for Trouble {
+    fn from(error: study::StudyError) -> Self {
+        Trouble::Study(error)
+    }
+}
+
+impl From<ResultsError> for Trouble {
+    fn from(error: ResultsError) -> Self {
+        match error {
+            ResultsError::Occupied { .. } => Trouble::Occupied(error.to_string()),
+            ResultsError::Unusable { .. } | ResultsError::Write(_) => {
+                Trouble::System(error.to_string())
+            }
+        }
+    }
+}
+
+impl From<StoreError> for Trouble {
+    fn from(error: StoreError) -> Self {
+        Trouble::System(error.to_string())
+    }
+}
+
+impl From<TableError> for Trouble {
+    fn from(error: TableError) -> Self {
+        Trouble::System(error.to_string())
+    }
+}
+
+impl From<PlaceError> for Trouble {
+    fn from(error: PlaceError) -> Self {
+        match error {
+            PlaceError::Results(error) => error.into(),
+            PlaceError::Store(error) => error.into(),
+        }
+    }
+}
+
+impl From<arrow::error::ArrowError> for Trouble {
+    fn from(error: arrow::error::ArrowError) -> Self {
+        Trouble::Defect(format!("a defect of stickslip: {error}"))
+    }
+}
+
+impl<E: Into<Trouble>> From<FarmError<E>> for Trouble {
+    fn from(error: FarmError<E>) -> Self {
+        match error {
+            FarmError::Threads(error) => no_threads(error),
+            FarmError::Sink(error) => error.into(),
+            FarmError::Store(error) => error.into(),
+        }
+    }
+}
+
+/// Worker threads that could not be started.
+pub fn no_threads(error: impl std::fmt::Display) -> Trouble {
+    Trouble::System(format!("cannot start the worker threads: {error}"))
+}
+
+impl From<Trouble> for PyErr {
+    fn from(trouble: Trouble) -> PyErr {
+        match trouble {
+            Trouble::Study(error) => {
+                Python::attach(|py| of_study(py, &error).unwrap_or_else(|other| other))
+            }
+            Trouble::Usage(text) => StudyError::new_err(text),
+            Trouble::Occupied(text) => PyFileExistsError::new_err(text),
+            Trouble::System(text) => PyOSError::new_err(text),
+            Trouble::Defect(text) => PyRuntimeError::new_err(text),
+        }
+    }
+}
+
+fn of_study(py: Python<'_>, error: &study::StudyError) -> PyResult<PyErr> {
+    let raised = StudyError::new_err(error.to_string());
+    let value = raised.value(py);
+    let key = Some(error.key()).filter(|key| !key.is_empty());
+    value.setattr("file", error.file().display().to_string())?;
+    value.setattr("line", error.line())?;
+    value.setattr("column", error.column())?;
+    value.setattr("key", key)?;
+    value.setattr("problem", error.problem())?;
+    value.setattr("found", error.found())?;
+    value.setattr("allowed", error.allowed())?;
+    Ok(raised)
+}
+
+/// Adds the exceptions to the module.
+///
+/// # Errors
+/// Where Python refuses.
+pub fn add(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    let class = module.py().get_type::<StudyError>();
+    for part in PARTS {
+        class.setattr(part, module.py().None())?;
+    }
+    module.add("StudyError", class)
+}

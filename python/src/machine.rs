@@ -1,0 +1,120 @@
+//! One machine, from keywords: written as the text of a study, so that a mistake is found as in a file.
+
+use pyo3::exceptions::PyTypeError;
+use pyo3::prelude::*;
+use pyo3::types::{PyBool, PyDict, PyString};
+use serde_json::{Map, Number, Value, json};
+use stickslip::study::Study;
+
+use crate::error::Trouble;
+
+/// What a study says of one machine.
+pub struct Machine {
+    /// What messages call it.
+    pub name: &'static str,
+    model: Map<String, Value>,
+    /// Other parts of the study, by their keys.
+    pub parts: Vec<(&'static str, Value)>,
+}
+
+impl Machine {
+    /// A machine of a kind with these parameters; `friction` and `normal_force` are the model's own keys.
+    ///
+    /// # Errors
+    /// A `TypeError` for values that no study file has.
+    pub fn new(
+        name: &'static str,
+        kind: &str,
+        parameters: Option<&Bound<'_, PyDict>>,
+    ) -> PyResult<Self> {
+        let mut own = Map::new();
+        let mut model = Map::from_iter([("kind".to_owned(), kind.into())]);
+        for (key, value) in parameters.iter().flat_map(|parameters| parameters.iter()) {
+            let key: String = key.extract()?;
+            let value = to_value(&key, &value)?;
+            let part = matches!(key.as_str(), "friction" | "normal_force");
+            if part { &mut model } else { &mut own }.insert(key, value);
+        }
+        model.insert("parameters".to_owned(), Value::Object(own));
+        Ok(Machine { name, model, parts: Vec::new() })
+    }
+
+    /// The study of this machine with such a sampling design.
+    ///
+    /// # Errors
+    /// The first thing that is wrong.
+    pub fn study(&self, design: Value) -> Result<Study, Trouble> {
+        let mut text = format!("schema: 1\nname: {}\nseed: 0\nmodel:\n", self.name);
+        for (key, value) in &self.model {
+            match value {
+                // A line for each parameter, which a message can quote.
+                Value::Object(parameters) if key == "parameters" && !parameters.is_empty() => {
+                    text.push_str("  parameters:\n");
+                    for (key, value) in parameters {
+                        text.push_str(&format!("    {}: {value}\n", key_text(key)));
+                    }
+                }
+                _ => text.push_str(&format!("  {key}: {value}\n")),
+            }
+        }
+        for (key, value) in &self.parts {
+            text.push_str(&format!("{key}: {value}\n"));
+        }
+        text.push_str(&format!("initial_conditions: {}\n", json!({ "design": design })));
+        Ok(Study::parse(self.name.as_ref(), text)?)
+    }
+}
+
+/// A key as it is usually written, where that is a name.
+fn key_text(key: &str) -> String {
+    let name = |letter: char| letter.is_ascii_alphanumeric() || letter == '_';
+    match key.starts_with(|first: char| first.is_ascii_alphabetic()) && key.chars().all(name) {
+        true => key.to_owned(),
+        false => Value::from(key).to_string(),
+    }
+}
+
+/// A value of Python as one of a study file: numbers, text, truths, and lists and mappings of them.
+///
+/// # Errors
+/// A `TypeError` for anything else, a `StudyError` for a number that is not finite; `key` is where.
+pub fn to_value(key: &str, value: &Bound<'_, PyAny>) -> PyResult<Value> {
+    if value.is_none() {
+        return Ok(Value::Null);
+    }
+    if value.is_instance_of::<PyString>() {
+        return Ok(Value::String(value.extract()?));
+    }
+    if value.is_instance_of::<PyBool>() {
+        return Ok(Value::Bool(value.extract()?));
+    }
+    if let Ok(number) = value.extract::<i64>() {
+        return Ok(number.into());
+    }
+    if let Ok(number) = value.extract::<f64>() {
+        let Some(finite) = Number::from_f64(number) else {
+            let found = format!("{key}: not a finite number\n  found:   {number}");
+            return Err(Trouble::Usage(format!("{found}\n  allowed: a finite number")).into());
+        };
+        return Ok(Value::Number(finite));
+    }
+    if value.hasattr("keys")? {
+        let mut map = Map::new();
+        for name in value.call_method0("keys")?.try_iter()? {
+            let name = name?;
+            let text: String = name.extract()?;
+            let inner = to_value(&format!("{key}.{text}"), &value.get_item(&name)?)?;
+            map.insert(text, inner);
+        }
+        return Ok(Value::Object(map));
+    }
+    let Ok(items) = value.try_iter() else {
+        let kind = value.get_type().name()?;
+        return Err(PyTypeError::new_err(format!(
+            "{key}: wrong type\n  found:   a value of type {kind}\n  allowed: numbers, text, and lists and \
+             dicts of them"
+        )));
+    };
+    let items = items.enumerate().map(|(index, item)| to_value(&format!("{key}[{index}]"), &item?));
+    Ok(Value::Array(items.collect::<PyResult<_>>()?))
+}

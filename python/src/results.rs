@@ -1,0 +1,236 @@
+//! A study that has been run: its tables, in memory or in a directory.
+
+use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
+use std::sync::{Arc, OnceLock};
+
+use arrow::error::ArrowError;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use stickslip::analysis::PointDetail;
+use stickslip::ending::Label;
+use stickslip::farm::{FarmOptions, Place, Planned, Progress, Ready, Show, Sink, farm_in_lockstep};
+use stickslip::study::Study;
+use stickslip::table::{
+    self, Circumstances, Manifest, MemoryResults, MemoryTable, PointRow, ResultsError, RunRecord,
+    TABLES,
+};
+
+use crate::error::Trouble;
+use crate::table::Table;
+use crate::waiting::wait;
+
+/// The tables of a study that has been run, and how its runs ended.
+///
+/// Where the study was run into a directory, a table is read from there when it is first asked for. One of more
+/// rows than there is memory for can be read in part: ``polars.scan_parquet(f"{results.directory}/runs.parquet")``.
+#[pyclass(frozen, module = "stickslip")]
+pub struct Results {
+    labels: Vec<(String, u64)>,
+    directory: Option<PathBuf>,
+    manifest: Option<Arc<Manifest>>,
+    tables: [OnceLock<MemoryTable>; 6],
+}
+
+#[pymethods]
+impl Results {
+    /// One row per run, failures included: parameters, start state, label, evidence, where it ended.
+    #[getter]
+    fn runs(&self, py: Python<'_>) -> PyResult<Table> {
+        self.table(py, 0)
+    }
+
+    /// One row per point of the sweep: counts, fractions with intervals, times to rest, amplitudes.
+    #[getter]
+    fn points(&self, py: Python<'_>) -> PyResult<Table> {
+        self.table(py, 1)
+    }
+
+    /// Per point, the probability of being at rest over time, with intervals.
+    #[getter]
+    fn rest(&self, py: Python<'_>) -> PyResult<Table> {
+        self.table(py, 2)
+    }
+
+    /// The limit cycles by class, per point.
+    #[getter]
+    fn cycles(&self, py: Python<'_>) -> PyResult<Table> {
+        self.table(py, 3)
+    }
+
+    /// The preferred equilibria: where runs came to rest.
+    #[getter]
+    fn equilibria(&self, py: Python<'_>) -> PyResult<Table> {
+        self.table(py, 4)
+    }
+
+    /// How often balls came to rest in which part of the ring.
+    #[getter]
+    fn density(&self, py: Python<'_>) -> PyResult<Table> {
+        self.table(py, 5)
+    }
+
+    /// Number of runs that ended so, by label: equilibrium, limit_cycle, irregular, undecided, failed.
+    #[getter]
+    fn labels<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let labels = PyDict::new(py);
+        for (label, runs) in &self.labels {
+            labels.set_item(label, runs)?;
+        }
+        Ok(labels)
+    }
+
+    /// The directory that holds them; None where they are in memory only.
+    #[getter]
+    fn directory(&self) -> Option<&Path> {
+        self.directory.as_deref()
+    }
+
+    fn __repr__(&self) -> String {
+        let labels = self.labels.iter().filter(|(_, runs)| *runs > 0);
+        let labels: Vec<String> = labels.map(|(label, runs)| format!("{runs} {label}")).collect();
+        format!("<stickslip.Results: {}>", labels.join(", "))
+    }
+}
+
+impl Results {
+    fn table(&self, py: Python<'_>, index: usize) -> PyResult<Table> {
+        let slot = &self.tables[index];
+        if let Some(table) = slot.get() {
+            return Ok(Table(table.clone()));
+        }
+        let (Some(directory), Some(manifest)) = (self.directory.clone(), self.manifest.clone())
+        else {
+            return Err(Trouble::Defect("a defect of stickslip: no table".to_owned()).into());
+        };
+        let read = move |_: &AtomicBool| {
+            Ok::<_, Trouble>(table::Table::open(&directory, &manifest, TABLES[index])?.in_memory()?)
+        };
+        let table = wait(py, read)??;
+        Ok(Table(slot.get_or_init(|| table).clone()))
+    }
+}
+
+/// How a study is to be run.
+pub struct Run {
+    /// Worker threads.
+    pub threads: usize,
+    /// How progress is shown.
+    pub show: Show,
+    /// Whether a study goes into a directory of whose finished runs it can use none.
+    pub recompute: bool,
+}
+
+impl Run {
+    /// Runs a study and keeps its tables in memory.
+    ///
+    /// # Errors
+    /// Where threads cannot be started.
+    pub fn in_memory(self, study: &Study, stop: &AtomicBool) -> Result<Results, Trouble> {
+        let mut tables = MemoryResults::new(study);
+        let progress = Progress::begin(self.planned(study), self.show);
+        let mut sink = InMemory(&mut tables);
+        let farmed = farm_in_lockstep(study, self.options(), stop, &progress, None, &mut sink);
+        progress.close();
+        let tally = farmed?;
+        let labels = Label::ALL.map(|label| (label.name().to_owned(), tally.counts.of(label)));
+        Ok(Results {
+            labels: labels.to_vec(),
+            directory: None,
+            manifest: None,
+            tables: tables.finish()?.map(OnceLock::from),
+        })
+    }
+
+    /// Runs a study into a directory, as the command line does.
+    ///
+    /// # Errors
+    /// Where the directory holds something else, or cannot be used.
+    pub fn into_directory(
+        self,
+        study: &Study,
+        directory: PathBuf,
+        stop: &AtomicBool,
+    ) -> Result<Results, Trouble> {
+        let options = self.options();
+        let place = Place {
+            directory: &directory,
+            shard: options.shard,
+            retry_failed: options.retry_failed,
+            recompute: self.recompute,
+            shards: &[],
+            quiet: self.show == Show::Nothing,
+        };
+        let manifest = match place.prepare(study)? {
+            Ready::Complete(manifest) => *manifest,
+            Ready::Open(mut store, mut results) => {
+                let begun =
+                    Circumstances::begin(options.shard.to_string(), options.shard.most_runs(study));
+                let progress = Progress::begin(self.planned(study), self.show);
+                let mut sink = InFiles(&mut results);
+                let farmed =
+                    farm_in_lockstep(study, options, stop, &progress, Some(&mut *store), &mut sink);
+                let wall_s = progress.close().as_secs_f64();
+                let tally = farmed?;
+                store.check()?;
+                let (runs_kept, threads) = (tally.kept, options.threads);
+                let complete = !tally.interrupted();
+                results.finish(
+                    study,
+                    Circumstances { runs_kept, complete, wall_s, threads, ..begun },
+                )?
+            }
+        };
+        let of = |label: &Label| manifest.labels.get(label.name()).copied().unwrap_or(0);
+        let labels = Label::ALL.iter().map(|label| (label.name().to_owned(), of(label))).collect();
+        Ok(Results {
+            labels,
+            directory: Some(directory),
+            manifest: Some(Arc::new(manifest)),
+            tables: Default::default(),
+        })
+    }
+
+    fn options(&self) -> FarmOptions {
+        FarmOptions { threads: self.threads, ..FarmOptions::default() }
+    }
+
+    fn planned<'a>(&self, study: &'a Study) -> Planned<'a> {
+        Planned {
+            study: study.name(),
+            runs: self.options().shard.most_runs(study),
+            at_most: study.precision().is_some(),
+            points: study.point_count(),
+        }
+    }
+}
+
+/// Takes runs and points into memory.
+struct InMemory<'a>(&'a mut MemoryResults);
+
+impl Sink for InMemory<'_> {
+    type Error = ArrowError;
+
+    fn run(&mut self, record: RunRecord) -> Result<(), ArrowError> {
+        self.0.push_run(record)
+    }
+
+    fn point(&mut self, point: PointRow, detail: PointDetail) -> Result<(), ArrowError> {
+        self.0.push_point(point, detail)
+    }
+}
+
+/// Takes runs and points into files.
+struct InFiles<'a>(&'a mut table::Results);
+
+impl Sink for InFiles<'_> {
+    type Error = ResultsError;
+
+    fn run(&mut self, record: RunRecord) -> Result<(), ResultsError> {
+        self.0.push_run(record)
+    }
+
+    fn point(&mut self, point: PointRow, detail: PointDetail) -> Result<(), ResultsError> {
+        self.0.push_point(point, detail)
+    }
+}

@@ -1,0 +1,157 @@
+//! One run of one machine with its motion, for Python.
+
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use serde_json::{Value, json};
+use stickslip::farm::record;
+use stickslip::table::{
+    MemoryTable, in_memory, provenance, run_columns, switch_columns, trajectory_columns,
+};
+
+use crate::error::Trouble;
+use crate::machine::{Machine, to_value};
+use crate::table::Table;
+use crate::waiting::wait;
+
+/// The most instants of a motion, and the most switches.
+const MOST: usize = 1_000_000;
+/// The latest time that may be asked for, s.
+const LATEST_S: f64 = 1e12;
+
+/// One run and its motion.
+#[pyclass(frozen, module = "stickslip")]
+pub struct Simulation {
+    label: &'static str,
+    evidence: &'static str,
+    run: MemoryTable,
+    trajectory: MemoryTable,
+    switches: MemoryTable,
+}
+
+#[pymethods]
+impl Simulation {
+    /// How the run ended: equilibrium, limit_cycle, irregular, undecided or failed.
+    #[getter]
+    fn label(&self) -> &str {
+        self.label
+    }
+
+    /// Why it has that label, or what failed.
+    #[getter]
+    fn evidence(&self) -> &str {
+        self.evidence
+    }
+
+    /// One row: what ``runs.parquet`` says of a run.
+    #[getter]
+    fn run(&self) -> Table {
+        Table(self.run.clone())
+    }
+
+    /// One row per instant: table, angles, speeds, stick or slip, friction and its limit.
+    #[getter]
+    fn trajectory(&self) -> Table {
+        Table(self.trajectory.clone())
+    }
+
+    /// One row per change between stick and slip.
+    #[getter]
+    fn switches(&self) -> Table {
+        Table(self.switches.clone())
+    }
+
+    fn __repr__(&self) -> String {
+        let instants = self.trajectory.rows();
+        format!("<stickslip.Simulation: {} ({}), {instants} instants>", self.label, self.evidence)
+    }
+}
+
+/// Simulates one run of one machine and gives its motion.
+///
+/// start: the start state, by the names of ``initial_conditions`` in a study file: of a ball balancer ``x``,
+///     ``y``, ``beta_1``, ..., ``x_dot``, ``y_dot``, ``beta_dot_1``, ..., non-dimensional; of a block
+///     ``position_m`` and ``velocity_m_s``. What is not named is 0.
+/// times_s: times of the motion, s, ascending; by default the end of every integration step, and just before
+///     and after each switch.
+/// model: ball_balancer, block_on_spring or block_on_belt.
+/// simulation: how it is simulated, by the keys of a study file, such as ``{"end_time_s": 33}``.
+/// parameters: the machine's, named as in a study file and in its units, such as ``speed_rad_s=-216.3772``,
+///     ``balls=2``, ``friction_coefficient=2.75e-3``; and the model's ``friction`` and ``normal_force``. What is
+///     not given has the value of the thesis's machine.
+///
+/// A run that fails is no exception: its label says so. Raises StudyError for what makes no sense, or a motion
+/// of more than 1,000,000 instants; TypeError for values that no study file has.
+#[pyfunction]
+#[pyo3(signature = (start, *, times_s = None, model = "ball_balancer", simulation = None, **parameters))]
+pub fn simulate(
+    py: Python<'_>,
+    start: &Bound<'_, PyAny>,
+    times_s: Option<Vec<f64>>,
+    model: &str,
+    simulation: Option<&Bound<'_, PyAny>>,
+    parameters: Option<&Bound<'_, PyDict>>,
+) -> PyResult<Simulation> {
+    let mut machine = Machine::new("simulate", model, parameters)?;
+    if let Some(simulation) = simulation {
+        machine.parts.push(("simulation", to_value("simulation", simulation)?));
+    }
+    check_times(times_s.as_deref())?;
+    let named = machine.study(json!({"monte_carlo": {"samples": 1}}))?;
+    let names = named.model().coordinates().into_iter().map(|coordinate| coordinate.name);
+    let mut columns: Vec<String> = names.collect();
+    let mut row = vec![json!(0); columns.len()];
+    let Value::Object(given) = to_value("start", start)? else {
+        let text = "start: not a start state\n  found:   no dict\n  allowed: a dict of coordinates";
+        return Err(Trouble::Usage(text.to_owned()).into());
+    };
+    for (name, value) in given {
+        match columns.iter().position(|column| *column == name) {
+            Some(place) => row[place] = value,
+            None => {
+                columns.push(name);
+                row.push(value);
+            }
+        }
+    }
+    let study = machine.study(json!({"table": {"columns": columns, "rows": [row]}}))?;
+    let simulated = wait(py, move |_| {
+        let (record, recording) = record(&study, 0, times_s.as_deref(), MOST);
+        if recording.cut_off {
+            return Err(Trouble::Usage(format!(
+                "the motion is too long\n  found:   more than {MOST} steps, or switches\n  allowed: fewer; a part \
+                 of it with `times_s`"
+            )));
+        }
+        // Parameters without physical sense have no units either: the motion is empty then.
+        let model = record.planned.case.as_ref().map_or(study.model(), |case| &case.model);
+        let about = |table| provenance(&study, table);
+        let trajectory =
+            in_memory(trajectory_columns(model), about("trajectory"), recording.samples)?;
+        let switches = in_memory(switch_columns(model), about("switches"), recording.switches)?;
+        Ok::<_, Trouble>(Simulation {
+            label: record.outcome.label().name(),
+            evidence: record.outcome.evidence.name(),
+            trajectory,
+            switches,
+            run: in_memory(run_columns(&study), about("runs"), [record])?,
+        })
+    })??;
+    Ok(simulated)
+}
+
+fn check_times(times_s: Option<&[f64]>) -> Result<(), Trouble> {
+    let times = times_s.unwrap_or_default();
+    let refused = |found: String, allowed: &str| {
+        Err(Trouble::Usage(format!("times_s: not times\n  found:   {found}\n  allowed: {allowed}")))
+    };
+    if times.len() > MOST {
+        return refused(format!("{} times", times.len()), "at most 1000000");
+    }
+    if let Some(time) = times.iter().find(|time| !(0.0..=LATEST_S).contains(*time)) {
+        return refused(time.to_string(), "numbers from 0 to 1e12");
+    }
+    match times.windows(2).find(|pair| pair[0] >= pair[1]) {
+        Some(pair) => refused(format!("{} after {}", pair[1], pair[0]), "times that ascend"),
+        None => Ok(()),
+    }
+}

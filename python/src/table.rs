@@ -1,0 +1,182 @@
+//! Tables for Python: Arrow's C data interface, without a copy, and Python's own lists.
+
+use arrow::array::{Array, ArrayRef, AsArray, RecordBatchIterator};
+use arrow::compute::cast;
+use arrow::datatypes::{DataType, Float64Type, Int32Type, UInt8Type, UInt64Type};
+use arrow::ffi::FFI_ArrowSchema;
+use arrow::ffi_stream::FFI_ArrowArrayStream;
+use pyo3::exceptions::PyKeyError;
+use pyo3::prelude::*;
+use pyo3::types::{PyCapsule, PyDict, PyList};
+use stickslip::table::MemoryTable;
+
+use crate::error::Trouble;
+
+/// A table with named columns, in memory: what the program writes as a Parquet file.
+///
+/// Whatever speaks Arrow's PyCapsule interface takes it, without a copy: ``pyarrow.table(table)``,
+/// ``polars.DataFrame(table)``, ``duckdb.sql("FROM table")``, ``pandas.DataFrame.from_arrow(table)``.
+/// ``table["speed_rad_s"]`` and ``table.to_dict()`` need none of them. The schema's metadata under ``stickslip``
+/// say, in JSON, which program and study the table comes from; those of a column its unit and meaning.
+#[pyclass(frozen, module = "stickslip")]
+pub struct Table(pub MemoryTable);
+
+#[pymethods]
+impl Table {
+    /// A capsule ``arrow_schema``, for Arrow libraries.
+    fn __arrow_c_schema__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyCapsule>> {
+        let schema = FFI_ArrowSchema::try_from(self.0.schema().as_ref()).map_err(Trouble::from)?;
+        PyCapsule::new_with_value(py, schema, c"arrow_schema")
+    }
+
+    /// A capsule ``arrow_array_stream``, for Arrow libraries; always of the table's own schema.
+    #[pyo3(signature = (requested_schema = None))]
+    fn __arrow_c_stream__<'py>(
+        &self,
+        py: Python<'py>,
+        requested_schema: Option<Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyCapsule>> {
+        // Whoever asks for another schema has to be ready for this one.
+        drop(requested_schema);
+        let batches = self.0.batches().to_vec().into_iter().map(Ok);
+        let reader = RecordBatchIterator::new(batches, self.0.schema().clone());
+        let stream = FFI_ArrowArrayStream::new(Box::new(reader));
+        PyCapsule::new_with_value(py, stream, c"arrow_array_stream")
+    }
+
+    /// Number of rows.
+    #[getter]
+    fn num_rows(&self) -> usize {
+        self.0.rows()
+    }
+
+    /// Number of columns.
+    #[getter]
+    fn num_columns(&self) -> usize {
+        self.0.schema().fields().len()
+    }
+
+    /// Names of the columns, in order.
+    #[getter]
+    fn column_names(&self) -> Vec<&str> {
+        self.0.schema().fields().iter().map(|field| field.name().as_str()).collect()
+    }
+
+    /// Unit of each column, by its name; None where it has none.
+    #[getter]
+    fn units<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        self.metadata(py, "unit")
+    }
+
+    /// Meaning of each column, by its name.
+    #[getter]
+    fn meanings<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        self.metadata(py, "meaning")
+    }
+
+    /// Number of rows.
+    fn __len__(&self) -> usize {
+        self.0.rows()
+    }
+
+    /// The values of a column as a list; None where a value is missing.
+    ///
+    /// Raises KeyError where there is no such column.
+    fn __getitem__<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyList>> {
+        let index = self.0.schema().index_of(name);
+        let index = index.map_err(|_| {
+            let names = self.column_names().join(", ");
+            PyKeyError::new_err(format!("{name}: no such column; there are {names}"))
+        })?;
+        self.column(py, index)
+    }
+
+    /// All columns as lists, by their names, in order; None where a value is missing.
+    fn to_dict<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let columns = PyDict::new(py);
+        for (index, name) in self.column_names().into_iter().enumerate() {
+            columns.set_item(name, self.column(py, index)?)?;
+        }
+        Ok(columns)
+    }
+
+    /// The table as a ``pyarrow.Table``, without a copy.
+    ///
+    /// Raises ImportError without pyarrow.
+    fn to_pyarrow(slf: Bound<'_, Self>) -> PyResult<Bound<'_, PyAny>> {
+        slf.py().import("pyarrow")?.call_method1("table", (slf,))
+    }
+
+    /// The table as a ``polars.DataFrame``; numbers without a copy.
+    ///
+    /// Raises ImportError without polars.
+    fn to_polars(slf: Bound<'_, Self>) -> PyResult<Bound<'_, PyAny>> {
+        slf.py().import("polars")?.call_method1("DataFrame", (slf,))
+    }
+
+    /// The table as a ``pandas.DataFrame``.
+    ///
+    /// Raises ImportError without pyarrow and pandas.
+    fn to_pandas(slf: Bound<'_, Self>) -> PyResult<Bound<'_, PyAny>> {
+        Table::to_pyarrow(slf)?.call_method0("to_pandas")
+    }
+
+    fn __repr__(&self) -> String {
+        let names = self.column_names().join(", ");
+        format!("<stickslip.Table of {} rows: {names}>", self.0.rows())
+    }
+}
+
+impl Table {
+    fn metadata<'py>(&self, py: Python<'py>, key: &str) -> PyResult<Bound<'py, PyDict>> {
+        let values = PyDict::new(py);
+        for field in self.0.schema().fields() {
+            values.set_item(field.name(), field.metadata().get(key))?;
+        }
+        Ok(values)
+    }
+
+    fn column<'py>(&self, py: Python<'py>, index: usize) -> PyResult<Bound<'py, PyList>> {
+        let list = PyList::empty(py);
+        for batch in self.0.batches() {
+            append(&list, batch.column(index))?;
+        }
+        Ok(list)
+    }
+}
+
+/// Adds the values of a column to a list.
+fn append(list: &Bound<'_, PyList>, column: &ArrayRef) -> PyResult<()> {
+    match column.data_type() {
+        DataType::Float64 => append_all(list, column.as_primitive::<Float64Type>()),
+        DataType::UInt64 => append_all(list, column.as_primitive::<UInt64Type>()),
+        DataType::UInt8 => append_all(list, column.as_primitive::<UInt8Type>()),
+        DataType::Int32 => append_all(list, column.as_primitive::<Int32Type>()),
+        DataType::Boolean => append_all(list, column.as_boolean()),
+        DataType::List(_) => {
+            for values in column.as_list::<i32>().iter() {
+                match values {
+                    None => list.append(list.py().None())?,
+                    Some(values) => {
+                        let inner = PyList::empty(list.py());
+                        append(&inner, &values)?;
+                        list.append(inner)?;
+                    }
+                }
+            }
+            Ok(())
+        }
+        // Text, and words in a dictionary.
+        _ => {
+            let texts = cast(column, &DataType::Utf8).map_err(Trouble::from)?;
+            append_all(list, texts.as_string::<i32>())
+        }
+    }
+}
+
+fn append_all<'py, V: IntoPyObject<'py>>(
+    list: &Bound<'py, PyList>,
+    values: impl IntoIterator<Item = Option<V>>,
+) -> PyResult<()> {
+    values.into_iter().try_for_each(|value| list.append(value))
+}

@@ -1,0 +1,140 @@
+"""One machine: its equilibrium set, and one run with its motion."""
+
+import math
+
+import pyarrow.parquet
+import pytest
+from conftest import bits
+
+import stickslip
+
+MACHINE = {"speed_rad_s": -191.6372, "friction_coefficient": 2.75e-3, "balls": 2}
+
+STUDY = """
+schema: 1
+name: {name}
+seed: 0
+model:
+  kind: ball_balancer
+  parameters: {{speed_rad_s: -191.6372, friction_coefficient: 2.75e-3, balls: {balls}}}
+initial_conditions: {{design: {design}}}
+simulation: {{end_time_s: 3}}
+"""
+
+
+@pytest.mark.parametrize("balls, option", [(1, ("grid", 64)), (2, ("grid", 48)), (3, ("samples", 1024))])
+def test_the_set_is_that_of_the_program(program, tmp_path, balls, option):
+    study = tmp_path / "study.yaml"
+    study.write_text(STUDY.format(name="equilibrium_set", balls=balls, design="{monte_carlo: {samples: 1}}"))
+    name, number = option
+    program("equilibria", study, f"--{name}", number, "--quiet", "--out", tmp_path / "out")
+    found = stickslip.equilibrium_set(**{**MACHINE, "balls": balls, name: number}, threads=2)
+    for table, file in [("positions", "set"), ("summary", "sets"), ("frictionless", "frictionless")]:
+        mine = getattr(found, table).to_pyarrow()
+        theirs = pyarrow.parquet.read_table(tmp_path / f"out/{file}.parquet")
+        assert bits(mine).equals(bits(theirs))
+    assert [found.share] == found.summary["share"]
+    assert [found.parts] == found.summary["parts"]
+    assert (found.parts is None) == (balls == 3)
+
+
+def test_defaults_are_those_of_the_thesis():
+    found = stickslip.equilibrium_set(speed_rad_s=-216.3772, positions=False)
+    assert found.positions is None
+    assert (round(found.share, 4), found.parts) == (0.77, 1)
+    low = stickslip.equilibrium_set(speed_rad_s=-216.3772, friction_coefficient=2.75e-4)
+    assert (round(low.share, 4), low.parts) == (0.0174, 6)
+    assert len(low.positions) == 512 * 512
+    assert sum(low.positions["in_set"]) / 512**2 == low.share
+
+
+def test_a_simulation_is_a_run_of_a_study(tmp_path):
+    start = {"x": 0.01, "beta_1": 1.0, "beta_2": 4.0, "y_dot": 0.02, "beta_dot_1": 0.5, "beta_dot_2": -0.3}
+    found = stickslip.simulate(start, simulation={"end_time_s": 3}, **MACHINE)
+    columns = ["x", "y", "beta_1", "beta_2", "x_dot", "y_dot", "beta_dot_1", "beta_dot_2"]
+    row = [start.get(name, 0) for name in columns]
+    design = f"{{table: {{columns: {columns}, rows: [{row}]}}}}".replace("'", "")
+    study = stickslip.Study.from_text(STUDY.format(name="simulate", balls=2, design=design))
+    assert found.run.to_dict() == study.run().runs.to_dict()
+    study.run(tmp_path / "results")
+    assert [found.label] == found.run["label"] and [found.evidence] == found.run["evidence"]
+
+
+def test_the_motion_is_that_of_a_replay(program, tmp_path):
+    design = "{table: {columns: [x, y, beta_1, beta_2, x_dot, y_dot, beta_dot_1, beta_dot_2], rows: [[0, 0, 1, 4, 0, 0, 0.5, -0.3]]}}"
+    path = tmp_path / "study.yaml"
+    path.write_text(STUDY.format(name="simulate", balls=2, design=design))
+    program("run", path, "--quiet", "--out", tmp_path / "results")
+    start = {"beta_1": 1.0, "beta_2": 4, "beta_dot_1": 0.5, "beta_dot_2": -0.3}
+    for times, option in [(None, []), ([0, 0.5, 1, 1.5, 2], ["--times", "0:2:5"])]:
+        out = tmp_path / f"motion-{len(option)}"
+        program("replay", tmp_path / "results", 0, "--out", out, *option)
+        found = stickslip.simulate(start, times_s=times, simulation={"end_time_s": 3}, **MACHINE)
+        for table in ["trajectory", "switches"]:
+            theirs = pyarrow.parquet.read_table(out / f"{table}.parquet")
+            assert bits(getattr(found, table).to_pyarrow()).equals(bits(theirs))
+        assert len(found.trajectory) > 4 and len(found.switches) > 0
+        if times:
+            assert found.trajectory["time_s"] == pytest.approx(times)
+
+
+def test_a_block_comes_to_rest():
+    found = stickslip.simulate(
+        {"position_m": 0.35},
+        model="block_on_spring",
+        mass_kg=1,
+        stiffness_n_m=100,
+        normal_force_n=10,
+        friction_coefficient=1.0,
+    )
+    # Half a swing about 0.1 m to -0.15 m, and one about -0.1 m.
+    assert found.label == "equilibrium"
+    assert found.run["position_m"] == pytest.approx([-0.05], abs=1e-6)
+    assert found.run["time_to_rest_s"] == pytest.approx([2 * math.pi / 10], abs=1e-6)
+
+
+def test_own_balls_and_laws():
+    found = stickslip.simulate(
+        {"beta_1": 1},
+        balls=[{"mass_kg": 1.4e-4}, {"mass_kg": 2e-4}],
+        friction={"stribeck": {"static_friction_coefficient": 4e-3, "stribeck_speed_rad_s": 0.0}},
+        normal_force="newton",
+        simulation={"end_time_s": 0.1, "method": "event"},
+    )
+    assert found.label in ("undecided", "equilibrium")
+
+
+def test_what_makes_no_sense():
+    wrong = [
+        (lambda: stickslip.equilibrium_set(speed_rad=-200), "speed_rad_s \\(did you mean this"),
+        (lambda: stickslip.equilibrium_set(speed_rad_s="fast"), "speed_rad_s"),
+        (lambda: stickslip.equilibrium_set(speed_rad_s=math.nan), "finite"),
+        (lambda: stickslip.equilibrium_set(table_mass_kg=-1), "table_mass_kg"),
+        (lambda: stickslip.equilibrium_set(grid=7), "grid: out of range"),
+        (lambda: stickslip.equilibrium_set(grid=10**6), "too fine"),
+        (lambda: stickslip.equilibrium_set(grid=64, balls=3), "one ball or two"),
+        (lambda: stickslip.equilibrium_set(samples=1000, balls=3), "power of two"),
+        (lambda: stickslip.equilibrium_set(ball_damping=0), "ball_damping"),
+        (lambda: stickslip.equilibrium_set(threads=0), "threads"),
+        (lambda: stickslip.simulate({"beta_9": 0}), "unknown column"),
+        (lambda: stickslip.simulate({"beta_1": "east"}), "not a number"),
+        (lambda: stickslip.simulate([1, 2]), "not a start state"),
+        (lambda: stickslip.simulate({}, times_s=[1, 1]), "ascend"),
+        (lambda: stickslip.simulate({}, times_s=[-1]), "from 0"),
+        (lambda: stickslip.simulate({}, times_s=[math.nan]), "from 0"),
+        (lambda: stickslip.simulate({}, model="pendulum"), "ball_balancer"),
+        (lambda: stickslip.simulate({}, simulation={"end_time": 3}), "end_time_s"),
+    ]
+    for call, text in wrong:
+        with pytest.raises(stickslip.StudyError, match=text):
+            call()
+    for call in [
+        lambda: stickslip.equilibrium_set(speed_rad_s=object()),
+        lambda: stickslip.simulate(3.0, speed_rad_s={1: 2}),
+    ]:
+        with pytest.raises(TypeError):
+            call()
+    with pytest.raises(stickslip.StudyError) as raised:
+        stickslip.simulate({}, speed_rad_s=-200, table_mas_kg=0.3)
+    assert raised.value.key == "model.parameters.table_mas_kg"
+    assert "table_mas_kg: 0.3" in str(raised.value)

@@ -1,0 +1,49 @@
+"""Types and docstrings are complete, and the page's examples run."""
+
+import inspect
+import re
+import runpy
+import subprocess
+import sys
+
+from conftest import ROOT
+
+import stickslip
+
+
+def test_stubs_are_those_of_the_module(tmp_path):
+    command = [sys.executable, "-m", "mypy.stubtest", "stickslip"]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_everything_public_has_a_docstring():
+    assert stickslip.__doc__
+    for name in stickslip.__all__:
+        thing = getattr(stickslip, name)
+        if name == "__version__":
+            continue
+        assert thing.__doc__ and thing.__module__ == "stickslip", name
+        for member, value in vars(thing).items() if inspect.isclass(thing) else []:
+            if not member.startswith("_") and name != "StudyError":
+                assert inspect.getdoc(getattr(thing, member)), f"{name}.{member}"
+
+
+def test_version():
+    text = (ROOT / "Cargo.toml").read_text()
+    assert f'name = "stickslip"\nversion = "{stickslip.__version__}"' in text
+
+
+def test_examples_of_the_pages(tmp_path, monkeypatch, capsys):
+    page = (ROOT / "docs/python.md").read_text() + (ROOT / "README.md").read_text()
+    examples = re.findall(r"<!-- tested: python -->\n```python\n(.*?)```", page, re.DOTALL)
+    assert len(examples) == page.count("import stickslip\n") == 4
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "studies").symlink_to(ROOT / "studies")
+    for number, example in enumerate(examples):
+        path = tmp_path / f"example_{number}.py"
+        path.write_text(example)
+        runpy.run_path(str(path), run_name="__main__")
+    shown = re.findall(r"<!-- printed -->\n```text\n(.*?)```", page, re.DOTALL)
+    printed = capsys.readouterr().out
+    assert shown and all(block in printed for block in shown)

@@ -1,0 +1,184 @@
+//! Tables in memory: record batches with the columns and the provenance that Parquet files have.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use arrow::array::{
+    AsArray, RecordBatch, StringArray, StringDictionaryBuilder, TypedDictionaryArray,
+};
+use arrow::compute::concat_batches;
+use arrow::datatypes::{Int32Type, SchemaRef};
+use arrow::error::ArrowError;
+
+use super::column::{Column, batch, schema};
+
+/// Rows of a batch.
+const BATCH: usize = 65_536;
+/// Rows that wait to become columns: they are larger than these.
+const WAITING: usize = 4096;
+
+/// A table in memory.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MemoryTable {
+    schema: SchemaRef,
+    batches: Vec<RecordBatch>,
+}
+
+impl MemoryTable {
+    /// Its columns, with unit and meaning of each, and its provenance under the metadata key `stickslip`.
+    pub fn schema(&self) -> &SchemaRef {
+        &self.schema
+    }
+
+    /// Its rows, in order.
+    pub fn batches(&self) -> &[RecordBatch] {
+        &self.batches
+    }
+
+    /// How many rows it has.
+    pub fn rows(&self) -> usize {
+        self.batches.iter().map(RecordBatch::num_rows).sum()
+    }
+
+    /// A table of batches, with one dictionary for all that is in a column of words, and each word once in
+    /// it: readers take the words of the first batch for those of all, or each entry for another word.
+    pub(super) fn new(
+        schema: SchemaRef,
+        mut batches: Vec<RecordBatch>,
+    ) -> Result<Self, ArrowError> {
+        for index in 0..schema.fields().len() {
+            let parts: Option<Vec<_>> = batches
+                .iter()
+                .map(|batch| batch.column(index).as_dictionary_opt::<Int32Type>()?.downcast_dict())
+                .collect();
+            let Some(parts) = parts else { continue };
+            let mut words = StringDictionaryBuilder::<Int32Type>::new();
+            parts.into_iter().for_each(|part: TypedDictionaryArray<'_, _, StringArray>| {
+                words.extend(part);
+            });
+            let words = words.finish();
+            let mut first = 0;
+            for batch in &mut batches {
+                let mut columns = batch.columns().to_vec();
+                columns[index] = Arc::new(words.slice(first, batch.num_rows()));
+                first += batch.num_rows();
+                *batch = RecordBatch::try_new(batch.schema(), columns)?;
+            }
+        }
+        Ok(MemoryTable { schema, batches })
+    }
+}
+
+/// A table in memory that rows are added to.
+pub struct MemoryWriter<R> {
+    columns: Vec<Column<R>>,
+    schema: SchemaRef,
+    rows: Vec<R>,
+    /// Of few rows each, until they are enough for a batch.
+    pieces: Vec<RecordBatch>,
+    batches: Vec<RecordBatch>,
+}
+
+impl<R> MemoryWriter<R> {
+    /// A table without rows and with `provenance` as the value of the metadata key `stickslip`.
+    pub fn new(columns: Vec<Column<R>>, provenance: String) -> Self {
+        let schema = schema(&columns).as_ref().clone();
+        let metadata = HashMap::from([("stickslip".to_owned(), provenance)]);
+        let schema = Arc::new(schema.with_metadata(metadata));
+        let (rows, pieces, batches) = (Vec::new(), Vec::new(), Vec::new());
+        MemoryWriter { columns, schema, rows, pieces, batches }
+    }
+
+    /// Adds a row.
+    ///
+    /// # Errors
+    /// Where a column's values do not fit its type: a defect of this program.
+    pub fn push(&mut self, row: R) -> Result<(), ArrowError> {
+        self.rows.push(row);
+        if self.rows.len() < WAITING { Ok(()) } else { self.flush() }
+    }
+
+    fn flush(&mut self) -> Result<(), ArrowError> {
+        if self.rows.is_empty() {
+            return Ok(());
+        }
+        let piece = batch(&self.columns, &self.rows)?.with_schema(Arc::clone(&self.schema))?;
+        self.rows.clear();
+        self.pieces.push(piece);
+        if self.pieces.len() * WAITING >= BATCH { self.join() } else { Ok(()) }
+    }
+
+    /// Makes one batch of the pieces.
+    fn join(&mut self) -> Result<(), ArrowError> {
+        let pieces = std::mem::take(&mut self.pieces);
+        if !pieces.is_empty() {
+            self.batches.push(concat_batches(&self.schema, &pieces)?);
+        }
+        Ok(())
+    }
+
+    /// The table.
+    ///
+    /// # Errors
+    /// As for [`MemoryWriter::push`].
+    pub fn finish(mut self) -> Result<MemoryTable, ArrowError> {
+        self.flush()?;
+        self.join()?;
+        MemoryTable::new(self.schema, self.batches)
+    }
+}
+
+/// Rows as a table.
+///
+/// # Errors
+/// As for [`MemoryWriter::push`].
+pub fn in_memory<R>(
+    columns: Vec<Column<R>>,
+    provenance: String,
+    rows: impl IntoIterator<Item = R>,
+) -> Result<MemoryTable, ArrowError> {
+    let mut table = MemoryWriter::new(columns, provenance);
+    for row in rows {
+        table.push(row)?;
+    }
+    table.finish()
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use arrow::array::{AsArray, StringArray};
+    use arrow::datatypes::{Int32Type, UInt64Type};
+
+    use super::{BATCH, Column, in_memory};
+
+    #[test]
+    fn rows_keep_their_order_over_batches() {
+        for rows in [0, 1, BATCH as u64, 2 * BATCH as u64 + 5] {
+            let word = |row: &u64| if *row < 5000 { "early" } else { "late" };
+            let columns = vec![
+                Column::count("row", "number of the row", |row: &u64| Some(*row)),
+                Column::word("when", "early or late", word),
+            ];
+            let table = in_memory(columns, "here".to_owned(), 0..rows).unwrap();
+            assert_eq!(table.rows() as u64, rows);
+            assert_eq!(table.batches().len() as u64, rows.div_ceil(BATCH as u64));
+            assert_eq!(table.schema().metadata()["stickslip"], "here");
+            let numbers = table.batches().iter().flat_map(|batch| {
+                assert_eq!(batch.schema(), *table.schema());
+                let words = batch.column(1).as_dictionary::<Int32Type>();
+                let first = table.batches()[0].column(1).as_dictionary::<Int32Type>();
+                assert!(Arc::ptr_eq(words.values(), first.values()));
+                assert!(words.values().len() <= 2);
+                let words = words.downcast_dict::<StringArray>().unwrap();
+                let numbers = batch.column(0).as_primitive::<UInt64Type>();
+                for (number, found) in numbers.values().iter().zip(words) {
+                    assert_eq!(found, Some(word(number)));
+                }
+                batch.column(0).as_primitive::<UInt64Type>().values().to_vec()
+            });
+            assert!(numbers.eq(0..rows));
+        }
+    }
+}

@@ -1,0 +1,86 @@
+//! The tables of a study in memory: what [`super::Results`] writes to a directory.
+
+use arrow::error::ArrowError;
+
+use super::cycles::{CycleRow, cycle_columns};
+use super::density::{DensityRow, density_columns};
+use super::equilibria::{EquilibriumRow, equilibrium_columns};
+use super::memory::{MemoryTable, MemoryWriter};
+use super::points::{PointRow, point_columns};
+use super::provenance::provenance;
+use super::record::RunRecord;
+use super::rest::{RestRow, rest_columns};
+use super::runs::run_columns;
+use crate::analysis::PointDetail;
+use crate::study::Study;
+
+/// The names of a study's tables, as files are called without `.parquet`.
+pub const TABLES: [&str; 6] = ["runs", "points", "rest", "cycles", "equilibria", "density"];
+
+/// The tables of a study, open for rows.
+pub struct MemoryResults {
+    runs: MemoryWriter<RunRecord>,
+    points: MemoryWriter<PointRow>,
+    rest: MemoryWriter<RestRow>,
+    cycles: MemoryWriter<CycleRow>,
+    equilibria: MemoryWriter<EquilibriumRow>,
+    density: MemoryWriter<DensityRow>,
+}
+
+impl MemoryResults {
+    /// Tables without rows.
+    pub fn new(study: &Study) -> Self {
+        let about = |table| provenance(study, table);
+        MemoryResults {
+            runs: MemoryWriter::new(run_columns(study), about("runs")),
+            points: MemoryWriter::new(point_columns(study), about("points")),
+            rest: MemoryWriter::new(rest_columns(study), about("rest")),
+            cycles: MemoryWriter::new(cycle_columns(study), about("cycles")),
+            equilibria: MemoryWriter::new(equilibrium_columns(study), about("equilibria")),
+            density: MemoryWriter::new(density_columns(study), about("density")),
+        }
+    }
+
+    /// Adds a run.
+    ///
+    /// # Errors
+    /// Where values do not fit their column: a defect of this program.
+    pub fn push_run(&mut self, record: RunRecord) -> Result<(), ArrowError> {
+        if let Some(equilibrium) = EquilibriumRow::of(&record) {
+            self.equilibria.push(equilibrium)?;
+        }
+        self.runs.push(record)
+    }
+
+    /// Adds a point and what goes into tables of its own.
+    ///
+    /// # Errors
+    /// As for [`MemoryResults::push_run`].
+    pub fn push_point(&mut self, point: PointRow, detail: PointDetail) -> Result<(), ArrowError> {
+        for step in detail.rest {
+            self.rest.push(RestRow::new(&point, step))?;
+        }
+        for group in detail.cycles {
+            self.cycles.push(CycleRow::new(&point, group))?;
+        }
+        for bin in detail.density {
+            self.density.push(DensityRow::new(&point, bin))?;
+        }
+        self.points.push(point)
+    }
+
+    /// The tables, in the order of [`TABLES`].
+    ///
+    /// # Errors
+    /// As for [`MemoryResults::push_run`].
+    pub fn finish(self) -> Result<[MemoryTable; 6], ArrowError> {
+        Ok([
+            self.runs.finish()?,
+            self.points.finish()?,
+            self.rest.finish()?,
+            self.cycles.finish()?,
+            self.equilibria.finish()?,
+            self.density.finish()?,
+        ])
+    }
+}

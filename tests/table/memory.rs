@@ -1,0 +1,84 @@
+//! Tables in memory: what is computed there is what is written to files and read again.
+
+use std::fs;
+use std::sync::atomic::AtomicBool;
+
+use arrow::error::ArrowError;
+use stickslip::analysis::PointDetail;
+use stickslip::farm::{FarmOptions, Progress, Sink, farm_in_lockstep};
+use stickslip::study::Study;
+use stickslip::table::{
+    MemoryResults, MemoryTable, PointRow, RunRecord, TABLES, Table, manifest_of,
+};
+
+use crate::cli::support::{Scratch, study_text};
+
+struct InMemory(MemoryResults);
+
+impl Sink for InMemory {
+    type Error = ArrowError;
+
+    fn run(&mut self, record: RunRecord) -> Result<(), ArrowError> {
+        self.0.push_run(record)
+    }
+
+    fn point(&mut self, point: PointRow, detail: PointDetail) -> Result<(), ArrowError> {
+        self.0.push_point(point, detail)
+    }
+}
+
+/// Names, kinds, units and meanings of the columns, and all values.
+fn assert_same(mine: &MemoryTable, other: &MemoryTable) {
+    assert_eq!(mine.schema().fields(), other.schema().fields());
+    assert_eq!(mine.rows(), other.rows());
+    let columns = |table: &MemoryTable| -> Vec<_> {
+        table.batches().iter().flat_map(|batch| batch.columns().to_vec()).collect()
+    };
+    assert_eq!(columns(mine), columns(other));
+}
+
+#[test]
+fn what_is_computed_is_what_is_written() {
+    let scratch = Scratch::new();
+    let sweep = "sweep: [{grid: {speed_rad_s: [-160, -216], normal_force: [lagrange, newton]}}]\n";
+    let text = study_text("a", "{monte_carlo: {samples: 12}}", 4.0, sweep);
+    let path = scratch.write("a.yaml", text);
+    let ended = scratch.command("run a.yaml --out out -q").status().unwrap();
+    // Some runs fail with Newton's normal force.
+    assert_eq!(ended.code(), Some(3));
+    let manifest = manifest_of(&scratch.path("out")).unwrap().unwrap();
+    let read = |name| Table::open(&scratch.path("out"), &manifest, name).unwrap().in_memory();
+
+    let study = Study::load(&path).unwrap();
+    let mut sink = InMemory(MemoryResults::new(&study));
+    let progress = Progress::new(study.run_count(), true);
+    let options = FarmOptions { threads: 2, chunk: 7, ..FarmOptions::default() };
+    let go_on = AtomicBool::new(false);
+    farm_in_lockstep(&study, options, &go_on, &progress, None, &mut sink).unwrap();
+    let tables = sink.0.finish().unwrap();
+    assert_eq!(tables[0].rows() as u64, study.run_count());
+    for (name, table) in TABLES.into_iter().zip(&tables) {
+        assert_same(table, &read(name).unwrap());
+        let about = &table.schema().metadata()["stickslip"];
+        assert!(about.contains(&format!("\"table\":\"{name}\"")), "{about}");
+    }
+
+    // Damage is told of, or is in a value that could as well be right; it never is a panic.
+    let file = scratch.path("out/runs.parquet");
+    let whole = fs::read(&file).unwrap();
+    let table = Table::open(&scratch.path("out"), &manifest, "runs").unwrap();
+    let mut refused = 0;
+    for place in (0..whole.len()).step_by(whole.len() / 40) {
+        let mut damaged = whole.clone();
+        damaged[place] ^= 0x55;
+        fs::write(&file, damaged).unwrap();
+        match table.in_memory() {
+            Ok(read) => assert_eq!(read.rows(), tables[0].rows()),
+            Err(error) => {
+                assert_eq!(error.file, file);
+                refused += 1;
+            }
+        }
+    }
+    assert!(refused > 5, "{refused}");
+}
