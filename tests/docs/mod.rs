@@ -2,6 +2,7 @@
 
 mod convergence;
 pub mod generated;
+mod tutorial;
 
 use std::path::Path;
 use std::process::{Command, Output};
