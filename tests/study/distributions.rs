@@ -6,7 +6,9 @@ use rand_chacha::rand_core::SeedableRng;
 use rand_distr::Distribution;
 use statrs::distribution::{ContinuousCDF, LogNormal, Normal};
 
-use super::{assert_follows, study, text_with_design};
+use stickslip::study::DesignValue;
+
+use super::{assert_follows, parse, study, text_with_design};
 
 const ALPHA: f64 = 1.0e-3;
 
@@ -126,4 +128,56 @@ fn like_an_independent_sampler() {
         draws("{triangular: {min: 0, mode: 1, max: 4}}"),
         theirs(&|generator| triangular.sample(generator)),
     );
+}
+
+/// A factor multiplies what the model, a point of the sweep or a design has set; the draws of the factor are those
+/// of the distribution itself.
+#[test]
+fn times_multiplies_what_is_set() {
+    let plain = draws("{uniform: {min: 0.5, max: 2}}");
+    let text = text_with_design("{monte_carlo: {samples: 10000}}");
+    let times = "uncertain: {speed_rad_s: {times: {uniform: {min: 0.5, max: 2}}}}\n";
+    let swept = study(&format!("{text}sweep: [{{grid: {{speed_rad_s: [-160, -216.5]}}}}]\n{times}"));
+    for (run, factor) in (0..).zip(&plain) {
+        for (first, speed) in [(0, -160.0), (10_000, -216.5)] {
+            let planned = swept.planned_run(first + run);
+            assert_eq!(planned.uncertain, [speed * factor]);
+            let case = planned.case.unwrap();
+            assert_eq!(case.model.ball_balancer().unwrap().speed_rad_s, speed * factor);
+        }
+    }
+    let own = study(&format!("{text}{times}design: {{speed_rad_s: {{from: -300, to: -100}}}}\n"));
+    let base = own.model().ball_balancer().unwrap().speed_rad_s;
+    assert_eq!(own.planned_run(7).uncertain, [base * plain[7]]);
+    let set = own.set(&[DesignValue::Number(-250.0)]).unwrap();
+    assert_eq!(set.planned_run(7).uncertain, [-250.0 * plain[7]]);
+    assert_eq!(study(&own.resolved_yaml()).hash(), own.hash());
+}
+
+#[test]
+fn factors_that_are_none() {
+    let text = text_with_design("{monte_carlo: {samples: 2}}");
+    for (rest, problem) in [
+        ("uncertain: {balls: {times: {uniform: {min: 1, max: 2}}}}", "unknown"),
+        ("uncertain: {stiffness_n_m: {times: {times: {uniform: {min: 1, max: 2}}}}}", "a factor of a factor"),
+        ("uncertain: {stiffness_n_m: {times: {uniform: {min: -1, max: 2}}}}", "no physical meaning"),
+        (
+            "sweep: [{grid: {friction_coefficient_1: [1e-3]}}]\n\
+             uncertain: {friction_coefficient: {times: {uniform: {min: 1, max: 2}}}}",
+            "both uncertain and swept",
+        ),
+        (
+            "sweep: [{grid: {friction_coefficient: [1e-3]}}]\n\
+             uncertain: {friction_coefficient_1: {times: {uniform: {min: 1, max: 2}}}}",
+            "both uncertain and swept",
+        ),
+        (
+            "uncertain: {stiffness_n_m: {uniform: {min: 9e3, max: 1e4}}}\n\
+             design: {stiffness_n_m: {from: 9e3, to: 1e4}}\nresponses: {a: median_time_to_rest}",
+            "varied twice",
+        ),
+    ] {
+        let error = parse(&format!("{text}{rest}\n")).unwrap_err();
+        assert!(error.to_string().contains(problem), "{rest}\n{error}");
+    }
 }
