@@ -3,12 +3,13 @@
 use arrow::ffi_stream::RecordBatchStreamReader;
 use pyo3::exceptions::{PyImportError, PyTypeError};
 use pyo3::prelude::*;
-use pyo3::types::{PyBool, PyCapsule, PyString};
+use pyo3::types::{PyBool, PyCapsule};
 use stickslip::study::file_values::Entry;
 use stickslip::study::{DesignValue, Study};
 use stickslip::table::designs_in_arrow;
 
 use crate::error::Trouble;
+use crate::values::{is_text, items, keys, kind, number};
 
 /// What messages call the designs.
 const NAME: &str = "designs";
@@ -32,7 +33,10 @@ pub fn designs(study: &Study, given: &Bound<'_, PyAny>) -> PyResult<Vec<Vec<Desi
             Err(error) => return Err(error),
         }
     }
-    let (columns, rows) = if given.hasattr("keys")? { of_columns(given)? } else { of_rows(given)? };
+    let (columns, rows) = match keys(given)? {
+        Some(names) => of_columns(given, names)?,
+        None => of_rows(given)?,
+    };
     Ok(study.designs_in_memory(NAME, columns, rows).map_err(Trouble::from)?)
 }
 
@@ -53,34 +57,30 @@ fn reader(stream: &Bound<'_, PyAny>) -> PyResult<RecordBatchStreamReader> {
 type Rows = Vec<Vec<Option<Entry>>>;
 
 /// A mapping of columns; or of values, which is one design.
-fn of_columns(given: &Bound<'_, PyAny>) -> PyResult<(Vec<String>, Rows)> {
-    let names = names(given)?;
+fn of_columns(given: &Bound<'_, PyAny>, names: Vec<String>) -> PyResult<(Vec<String>, Rows)> {
     let mut columns = Vec::with_capacity(names.len());
+    let mut values = Vec::with_capacity(names.len());
     for name in &names {
-        columns.push(given.get_item(name)?);
+        let column = given.get_item(name)?;
+        values.push(if is_text(&column) { None } else { items(&column)? });
+        columns.push(column);
     }
-    let scalar =
-        |value: &Bound<'_, PyAny>| value.is_none() || is_text(value) || value.try_iter().is_err();
-    if columns.iter().all(scalar) {
+    if values.iter().all(Option::is_none) {
         let row = names.iter().zip(&columns).map(|(name, value)| entry(0, name, value));
         let row = row.collect::<PyResult<Vec<_>>>()?;
         return Ok((names, vec![row]));
     }
     let mut rows: Rows = Vec::new();
-    for (place, (name, column)) in names.iter().zip(&columns).enumerate() {
-        if is_text(column) {
-            return Err(wrong(&format!("column {name}"), column, "a list of numbers or of text"));
-        }
-        let values = column.try_iter().map_err(|_| {
+    for (place, ((name, column), values)) in names.iter().zip(&columns).zip(values).enumerate() {
+        let values = values.ok_or_else(|| {
             wrong(&format!("column {name}"), column, "a list of numbers or of text")
         })?;
-        for (row, value) in values.enumerate() {
-            let value = entry(row, name, &value?)?;
-            if row == rows.len() {
-                // Columns before it are shorter.
-                rows.push(vec![None; place]);
-            }
-            rows[row].push(value);
+        if rows.len() < values.len() {
+            // Columns before it are shorter.
+            rows.resize(values.len(), vec![None; place]);
+        }
+        for (row, value) in values.iter().enumerate() {
+            rows[row].push(entry(row, name, value)?);
         }
         for row in &mut rows {
             row.resize(place + 1, None);
@@ -91,16 +91,16 @@ fn of_columns(given: &Bound<'_, PyAny>) -> PyResult<(Vec<String>, Rows)> {
 
 /// Mappings, one per design.
 fn of_rows(given: &Bound<'_, PyAny>) -> PyResult<(Vec<String>, Rows)> {
-    let designs = given.try_iter().map_err(|_| wrong("all of it", given, ALLOWED))?;
+    let designs = if is_text(given) { None } else { items(given)? };
+    let designs = designs.ok_or_else(|| wrong("all of it", given, ALLOWED))?;
     let mut columns: Vec<String> = Vec::new();
     let mut rows: Rows = Vec::new();
-    for (row, design) in designs.enumerate() {
-        let design = design?;
-        if !design.hasattr("keys")? {
-            return Err(wrong(&format!("row {}", row + 1), &design, ALLOWED));
-        }
+    for (row, design) in designs.iter().enumerate() {
+        let Some(names) = keys(design)? else {
+            return Err(wrong(&format!("row {}", row + 1), design, ALLOWED));
+        };
         let mut values = vec![None; columns.len()];
-        for name in names(&design)? {
+        for name in names {
             let value = entry(row, &name, &design.get_item(&name)?)?;
             match columns.iter().position(|column| *column == name) {
                 Some(place) => values[place] = value,
@@ -119,19 +119,6 @@ fn of_rows(given: &Bound<'_, PyAny>) -> PyResult<(Vec<String>, Rows)> {
     Ok((columns, rows))
 }
 
-fn names(mapping: &Bound<'_, PyAny>) -> PyResult<Vec<String>> {
-    let names = mapping.call_method0("keys")?;
-    let name = |name: PyResult<Bound<'_, PyAny>>| {
-        let name = name?;
-        name.extract::<String>().map_err(|_| wrong("names", &name, "names of variables"))
-    };
-    names.try_iter()?.map(name).collect()
-}
-
-fn is_text(value: &Bound<'_, PyAny>) -> bool {
-    value.is_instance_of::<PyString>()
-}
-
 /// A number, text, or nothing.
 fn entry(row: usize, name: &str, value: &Bound<'_, PyAny>) -> PyResult<Option<Entry>> {
     if value.is_none() {
@@ -140,14 +127,14 @@ fn entry(row: usize, name: &str, value: &Bound<'_, PyAny>) -> PyResult<Option<En
     if is_text(value) {
         return Ok(Some(Entry::Text(value.extract()?)));
     }
-    match value.extract::<f64>() {
-        Ok(number) if !value.is_instance_of::<PyBool>() => Ok(Some(Entry::Number(number))),
+    match number(value)? {
+        Some(number) if !value.is_instance_of::<PyBool>() => Ok(Some(Entry::Number(number))),
         _ => Err(wrong(&format!("row {}, column {name}", row + 1), value, "a number or text")),
     }
 }
 
 fn wrong(place: &str, found: &Bound<'_, PyAny>, allowed: &str) -> PyErr {
-    let kind = found.get_type().name().map_or_else(|_| "?".to_owned(), |name| name.to_string());
+    let kind = kind(found);
     PyTypeError::new_err(format!(
         "{NAME}: `{place}`: wrong type\n  found:   a value of type {kind}\n  allowed: {allowed}"
     ))

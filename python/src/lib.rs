@@ -13,6 +13,7 @@ mod simulation;
 mod study;
 mod table;
 mod threads;
+mod values;
 mod waiting;
 
 use pyo3::prelude::*;

@@ -2,11 +2,12 @@
 
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
-use pyo3::types::{PyBool, PyDict, PyString};
+use pyo3::types::{PyBool, PyDict};
 use serde_json::{Map, Number, Value, json};
 use stickslip::study::Study;
 
 use crate::error::Trouble;
+use crate::values::{is_text, items, keys, kind, number};
 
 /// What a study says of one machine.
 pub struct Machine {
@@ -82,39 +83,41 @@ pub fn to_value(key: &str, value: &Bound<'_, PyAny>) -> PyResult<Value> {
     if value.is_none() {
         return Ok(Value::Null);
     }
-    if value.is_instance_of::<PyString>() {
+    if is_text(value) {
         return Ok(Value::String(value.extract()?));
     }
     if value.is_instance_of::<PyBool>() {
         return Ok(Value::Bool(value.extract()?));
     }
-    if let Ok(number) = value.extract::<i64>() {
-        return Ok(number.into());
-    }
-    if let Ok(number) = value.extract::<f64>() {
+    if let Some(number) = number(value)? {
+        // Whole numbers are written as such, where they are whole to Python and to a float.
+        if number.abs() < 2.0_f64.powi(53) && value.hasattr("__index__")? {
+            return Ok((number as i64).into());
+        }
         let Some(finite) = Number::from_f64(number) else {
             let found = format!("{key}: not a finite number\n  found:   {number}");
             return Err(Trouble::Usage(format!("{found}\n  allowed: a finite number")).into());
         };
         return Ok(Value::Number(finite));
     }
-    if value.hasattr("keys")? {
+    if let Some(names) = keys(value)? {
         let mut map = Map::new();
-        for name in value.call_method0("keys")?.try_iter()? {
-            let name = name?;
-            let text: String = name.extract()?;
-            let inner = to_value(&format!("{key}.{text}"), &value.get_item(&name)?)?;
-            map.insert(text, inner);
+        for name in names {
+            let inner = to_value(&format!("{key}.{name}"), &value.get_item(&name)?)?;
+            map.insert(name, inner);
         }
         return Ok(Value::Object(map));
     }
-    let Ok(items) = value.try_iter() else {
-        let kind = value.get_type().name()?;
+    let Some(items) = items(value)? else {
+        let kind = kind(value);
         return Err(PyTypeError::new_err(format!(
             "{key}: wrong type\n  found:   a value of type {kind}\n  allowed: numbers, text, and lists and \
              dicts of them"
         )));
     };
-    let items = items.enumerate().map(|(index, item)| to_value(&format!("{key}[{index}]"), &item?));
-    Ok(Value::Array(items.collect::<PyResult<_>>()?))
+    let mut list = Vec::with_capacity(items.len());
+    for (index, item) in items.iter().enumerate() {
+        list.push(to_value(&format!("{key}[{index}]"), item)?);
+    }
+    Ok(Value::Array(list))
 }

@@ -11,6 +11,7 @@ use stickslip::table::{
 use crate::error::Trouble;
 use crate::machine::{Machine, to_value};
 use crate::table::Table;
+use crate::values::{items, kind, number};
 use crate::waiting::wait;
 
 /// The most instants of a motion, and the most switches.
@@ -86,7 +87,7 @@ impl Simulation {
 pub fn simulate(
     py: Python<'_>,
     start: &Bound<'_, PyAny>,
-    times_s: Option<Vec<f64>>,
+    times_s: Option<&Bound<'_, PyAny>>,
     model: &str,
     simulation: Option<&Bound<'_, PyAny>>,
     parameters: Option<&Bound<'_, PyDict>>,
@@ -95,7 +96,7 @@ pub fn simulate(
     if let Some(simulation) = simulation {
         machine.parts.push(("simulation", to_value("simulation", simulation)?));
     }
-    check_times(times_s.as_deref())?;
+    let times_s = times_s.map(times).transpose()?;
     let named = machine.study(json!({"monte_carlo": {"samples": 1}}))?;
     let names = named.model().coordinates().into_iter().map(|coordinate| coordinate.name);
     let mut columns: Vec<String> = names.collect();
@@ -139,19 +140,27 @@ pub fn simulate(
     Ok(simulated)
 }
 
-fn check_times(times_s: Option<&[f64]>) -> Result<(), Trouble> {
-    let times = times_s.unwrap_or_default();
+/// Times that ascend.
+fn times(given: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
     let refused = |found: String, allowed: &str| {
-        Err(Trouble::Usage(format!("times_s: not times\n  found:   {found}\n  allowed: {allowed}")))
+        let text = format!("times_s: not times\n  found:   {found}\n  allowed: {allowed}");
+        PyErr::from(Trouble::Usage(text))
     };
-    if times.len() > MOST {
-        return refused(format!("{} times", times.len()), "at most 1000000");
+    let not_number =
+        |value: &Bound<'_, PyAny>| refused(format!("a value of type {}", kind(value)), "numbers");
+    let mut times: Vec<f64> = Vec::new();
+    for value in items(given)?.ok_or_else(|| not_number(given))? {
+        let time = number(&value)?.ok_or_else(|| not_number(&value))?;
+        if !(0.0..=LATEST_S).contains(&time) {
+            return Err(refused(time.to_string(), "numbers from 0 to 1e12"));
+        }
+        if let Some(last) = times.last().filter(|last| **last >= time) {
+            return Err(refused(format!("{time} after {last}"), "times that ascend"));
+        }
+        if times.len() == MOST {
+            return Err(refused("more".to_owned(), "at most 1000000 times"));
+        }
+        times.push(time);
     }
-    if let Some(time) = times.iter().find(|time| !(0.0..=LATEST_S).contains(*time)) {
-        return refused(time.to_string(), "numbers from 0 to 1e12");
-    }
-    match times.windows(2).find(|pair| pair[0] >= pair[1]) {
-        Some(pair) => refused(format!("{} after {}", pair[1], pair[0]), "times that ascend"),
-        None => Ok(()),
-    }
+    Ok(times)
 }

@@ -109,6 +109,22 @@ def test_tables_that_cannot_be_handed_over(study, designs, answers):
         study.evaluate(Broken())
 
 
+class Interrupted:
+    """An object in whose code Ctrl-C strikes."""
+
+    def __float__(self):
+        raise KeyboardInterrupt
+
+    __iter__ = __len__ = keys = __length_hint__ = __float__
+
+
+def test_an_interruption_on_the_way_is_not_lost(study, designs):
+    struck = Interrupted()
+    for given in [struck, [struck], [{**designs[0], "balls": struck}], {"balls": [struck]}, {"balls": struck}]:
+        with pytest.raises(KeyboardInterrupt):
+            study.evaluate(given)
+
+
 def test_one_design(study, designs):
     one = study.evaluate(designs[4])
     assert len(one) == 1

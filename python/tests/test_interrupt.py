@@ -1,13 +1,15 @@
 """Ctrl-C, other threads of Python, and what is left behind. Nothing here would ever end by itself."""
 
 import _thread
+import json
 import signal
 import subprocess
 import sys
 import threading
+import time
 
 import pytest
-from conftest import ENDLESS
+from conftest import ENDLESS, assert_same
 
 import stickslip
 
@@ -72,28 +74,32 @@ def test_other_threads_of_python_go_on(call):
     assert len(done) == 1000
 
 
-def test_an_interrupted_study_goes_on(small, small_results, tmp_path):
-    """A study that is interrupted again and again ends in the tables of one that never was."""
-    from test_run import files
-
-    interruptions = 0
+def run_when_free(study, folder):
+    """Runs a study into a directory in which runs that had begun may still be finished."""
     while True:
-        timer = threading.Timer(0.05, _thread.interrupt_main)
-        timer.start()
         try:
-            if interruptions < 3:
-                small.run(tmp_path, threads=1)
-            else:
-                timer.cancel()
-                small.run(tmp_path, threads=1)
-            timer.cancel()
-            timer.join()
-            break
-        except KeyboardInterrupt:
-            interruptions += 1
+            return study.run(folder)
         except OSError as error:
-            # Where runs that had begun are still being finished.
             assert "is writing into this directory" in str(error)
-        finally:
-            timer.cancel()
-    assert files(tmp_path) == files(small_results)
+
+
+def test_what_is_finished_is_kept(tmp_path):
+    """A study that is interrupted, made smaller and run again has the tables of one that never was."""
+
+    def interrupt():
+        while not list(tmp_path.glob("chunks/*/*")):
+            time.sleep(0.05)
+        _thread.interrupt_main()
+
+    worker = threading.Thread(target=interrupt)
+    worker.start()
+    with pytest.raises(KeyboardInterrupt):
+        stickslip.Study.from_text(ENDLESS).run(tmp_path)
+    worker.join()
+    small = stickslip.Study.from_text(ENDLESS.replace("1000000000", "40"))
+    results = run_when_free(small, tmp_path)
+    assert json.loads((tmp_path / "manifest.json").read_text())["runs_kept"] > 0
+    undisturbed = small.run()
+    assert len(results.runs) == 40
+    for table in ("runs", "points", "rest", "cycles", "equilibria", "density"):
+        assert_same(getattr(undisturbed, table), tmp_path / f"{table}.parquet")

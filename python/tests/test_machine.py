@@ -2,6 +2,7 @@
 
 import math
 
+import numpy
 import pyarrow.parquet
 import pytest
 from conftest import bits
@@ -66,7 +67,7 @@ def test_the_motion_is_that_of_a_replay(program, tmp_path):
     path.write_text(STUDY.format(name="simulate", balls=2, design=design))
     program("run", path, "--quiet", "--out", tmp_path / "results")
     start = {"beta_1": 1.0, "beta_2": 4, "beta_dot_1": 0.5, "beta_dot_2": -0.3}
-    for times, option in [(None, []), ([0, 0.5, 1, 1.5, 2], ["--times", "0:2:5"])]:
+    for times, option in [(None, []), (numpy.linspace(0, 2, 5), ["--times", "0:2:5"])]:
         out = tmp_path / f"motion-{len(option)}"
         program("replay", tmp_path / "results", 0, "--out", out, *option)
         found = stickslip.simulate(start, times_s=times, simulation={"end_time_s": 3}, **MACHINE)
@@ -74,7 +75,7 @@ def test_the_motion_is_that_of_a_replay(program, tmp_path):
             theirs = pyarrow.parquet.read_table(out / f"{table}.parquet")
             assert bits(getattr(found, table).to_pyarrow()).equals(bits(theirs))
         assert len(found.trajectory) > 4 and len(found.switches) > 0
-        if times:
+        if times is not None:
             assert found.trajectory["time_s"] == pytest.approx(times)
 
 
@@ -91,6 +92,13 @@ def test_a_block_comes_to_rest():
     assert found.label == "equilibrium"
     assert found.run["position_m"] == pytest.approx([-0.05], abs=1e-6)
     assert found.run["time_to_rest_s"] == pytest.approx([2 * math.pi / 10], abs=1e-6)
+
+
+def test_numbers_of_numpy():
+    own = {"speed_rad_s": numpy.float32(-200), "balls": numpy.int64(1), "friction_coefficient": numpy.float64(1e-3)}
+    found = stickslip.equilibrium_set(**own, grid=64)
+    same = stickslip.equilibrium_set(speed_rad_s=-200, balls=1, friction_coefficient=1e-3, grid=64)
+    assert found.summary.to_dict() == same.summary.to_dict()
 
 
 def test_own_balls_and_laws():
@@ -122,6 +130,8 @@ def test_what_makes_no_sense():
         (lambda: stickslip.simulate({}, times_s=[1, 1]), "ascend"),
         (lambda: stickslip.simulate({}, times_s=[-1]), "from 0"),
         (lambda: stickslip.simulate({}, times_s=[math.nan]), "from 0"),
+        (lambda: stickslip.simulate({}, times_s=["late"]), "type str"),
+        (lambda: stickslip.simulate({}, times_s=3), "type int"),
         (lambda: stickslip.simulate({}, model="pendulum"), "ball_balancer"),
         (lambda: stickslip.simulate({}, simulation={"end_time": 3}), "end_time_s"),
     ]
