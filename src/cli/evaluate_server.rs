@@ -49,7 +49,14 @@ pub fn serve(study: &Study, crew: &Crew, stop: &AtomicBool) -> Result<End, CliEr
             Err(refusal) => json!({"id": request.id, "error": refusal.to_json()}),
             Ok((values, set)) => {
                 let design = (number, values.as_slice());
-                match respond(crew, std::slice::from_ref(set), study.responses(), design, stop, &|_| {}) {
+                match respond(
+                    crew,
+                    std::slice::from_ref(set),
+                    study.responses(),
+                    design,
+                    stop,
+                    &|_| {},
+                ) {
                     None => return Ok(End::Interrupted),
                     Some(mut answers) => {
                         let counts = answers.iter().map(|answer| answer.counts).collect();

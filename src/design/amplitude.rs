@@ -139,7 +139,10 @@ mod tests {
         // Without any other the answer says why there is none.
         for estimate in [mean, standard_deviation, worst] {
             let nothing = estimate(&sample(&[None, None], None));
-            assert_eq!((nothing.value, nothing.reason.as_deref()), (None, Some("no run has an amplitude")));
+            assert_eq!(
+                (nothing.value, nothing.reason.as_deref()),
+                (None, Some("no run has an amplitude"))
+            );
         }
         let single = mean(&sample(&[Some(2.0)], None));
         assert_eq!((single.value, single.standard_error), (Some(2.0), None));

@@ -47,9 +47,8 @@ pub(super) fn answer_columns<R: 'static>(study: &Study, of: OfRow<R>) -> Vec<Col
             Label::Failed => "runs that failed".to_owned(),
             _ => format!("runs that ended as {}", label.name()),
         };
-        columns.push(Column::count(label.name(), &meaning, move |row| {
-            Some(of(row).counts.of(label))
-        }));
+        columns
+            .push(Column::count(label.name(), &meaning, move |row| Some(of(row).counts.of(label))));
     }
     columns
 }
@@ -62,20 +61,16 @@ pub(super) fn estimate_columns<R: 'static>(
     of: impl Fn(&R) -> Option<&Estimate> + Copy + Send + Sync + 'static,
 ) -> Vec<Column<R>> {
     let number = |suffix: &str, meaning: &str, part: fn(&Estimate) -> Option<f64>| {
-        Column::number(&format!("{name}{suffix}"), unit, meaning, move |row| {
-            of(row).and_then(part)
-        })
+        Column::number(&format!("{name}{suffix}"), unit, meaning, move |row| of(row).and_then(part))
     };
     vec![
         number("", meaning, |estimate| estimate.value),
         number("_standard_error", "its standard error", |estimate| estimate.standard_error),
         number("_low", "lower end of its 95 % interval", |estimate| estimate.low),
         number("_high", "upper end of its 95 % interval", |estimate| estimate.high),
-        Column::text(
-            &format!("{name}_reason"),
-            "why something of this is missing",
-            move |row| Some(of(row)?.reason.as_ref()?.to_string()),
-        ),
+        Column::text(&format!("{name}_reason"), "why something of this is missing", move |row| {
+            Some(of(row)?.reason.as_ref()?.to_string())
+        }),
     ]
 }
 
@@ -85,14 +80,12 @@ pub(super) fn variable_columns<R: 'static>(
     of: impl Fn(&R) -> &[DesignValue] + Copy + Send + Sync + 'static,
 ) -> Vec<Column<R>> {
     let column = |(index, variable): (usize, &crate::study::Variable)| match variable.unit() {
-        Some(unit) => {
-            Column::number(variable.name(), unit, &variable.meaning(), move |row: &R| {
-                match of(row).get(index)? {
-                    DesignValue::Number(number) => Some(*number),
-                    DesignValue::Choice(_) => None,
-                }
-            })
-        }
+        Some(unit) => Column::number(variable.name(), unit, &variable.meaning(), move |row: &R| {
+            match of(row).get(index)? {
+                DesignValue::Number(number) => Some(*number),
+                DesignValue::Choice(_) => None,
+            }
+        }),
         None => {
             let own = variable.clone();
             Column::text(variable.name(), &variable.meaning(), move |row: &R| {

@@ -211,9 +211,10 @@ impl Setting<'_> {
                 _ => {}
             }
             let ends = [(at_least, true), (at_most, false)];
-            limits.extend(ends.into_iter().filter_map(|(value, least)| {
-                Some(Limit { response, value: (*value)?, least })
-            }));
+            limits
+                .extend(ends.into_iter().filter_map(|(value, least)| {
+                    Some(Limit { response, value: (*value)?, least })
+                }));
         }
         Ok(limits)
     }
@@ -252,9 +253,7 @@ impl Setting<'_> {
             };
             values.push(value.map_err(|fault| self.locate.refuse_value(&path, fault))?);
         }
-        self.study
-            .with_design(&values)
-            .map_err(|fault| self.locate.refuse_value(&path, fault))?;
+        self.study.with_design(&values).map_err(|fault| self.locate.refuse_value(&path, fault))?;
         Ok(values)
     }
 }

@@ -209,8 +209,13 @@ fn by_balls(
         return Ok(Vec::new());
     };
     let with = |balls: u64| {
-        let mut other =
-            StudyFile { expect: None, design: None, responses: None, optimize: None, ..written.clone() };
+        let mut other = StudyFile {
+            expect: None,
+            design: None,
+            responses: None,
+            optimize: None,
+            ..written.clone()
+        };
         other.model.parameters.get_or_insert_default().balls = Some(Balls::Number(balls));
         // Ranges of balls that a design does not have.
         if let Some(ranges) = &mut other.initial_conditions.start_box {

@@ -56,9 +56,10 @@ pub(crate) fn resolve_uncertain(
         for (key, bound) in distribution.bounds() {
             // Draws stay strictly inside a range, so that its end may itself be just too small.
             let inside = if key == "min" { bound.next_up() } else { bound };
-            if let (Err(allowed), Err(_)) =
-                (parameter.check(own * bound, &base.model), parameter.check(own * inside, &base.model))
-            {
+            if let (Err(allowed), Err(_)) = (
+                parameter.check(own * bound, &base.model),
+                parameter.check(own * inside, &base.model),
+            ) {
                 let fault = Fault::new("no physical meaning", describe_number(bound), allowed);
                 return Err(locate.refuse_value(&path.key(key), fault));
             }

@@ -33,7 +33,8 @@ fn every_step_of_the_tutorial() {
     let (mut study, mut commands) = (String::new(), 0);
     for (_, language, text) in steps {
         if language == "yaml" {
-            study += &text.replace("samples: 128", "samples: 8").replace("designs: 60", "designs: 12");
+            study +=
+                &text.replace("samples: 128", "samples: 8").replace("designs: 60", "designs: 12");
             scratch.write("drive.yaml", &study);
             continue;
         }

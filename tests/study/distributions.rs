@@ -137,7 +137,8 @@ fn times_multiplies_what_is_set() {
     let plain = draws("{uniform: {min: 0.5, max: 2}}");
     let text = text_with_design("{monte_carlo: {samples: 10000}}");
     let times = "uncertain: {speed_rad_s: {times: {uniform: {min: 0.5, max: 2}}}}\n";
-    let swept = study(&format!("{text}sweep: [{{grid: {{speed_rad_s: [-160, -216.5]}}}}]\n{times}"));
+    let swept =
+        study(&format!("{text}sweep: [{{grid: {{speed_rad_s: [-160, -216.5]}}}}]\n{times}"));
     for (run, factor) in (0..).zip(&plain) {
         for (first, speed) in [(0, -160.0), (10_000, -216.5)] {
             let planned = swept.planned_run(first + run);
@@ -158,9 +159,15 @@ fn times_multiplies_what_is_set() {
 fn factors_that_are_none() {
     let text = text_with_design("{monte_carlo: {samples: 2}}");
     for (rest, problem) in [
-        ("uncertain: {balls: {times: {uniform: {min: 1, max: 2}}}}", "unknown"),
-        ("uncertain: {stiffness_n_m: {times: {times: {uniform: {min: 1, max: 2}}}}}", "a factor of a factor"),
-        ("uncertain: {stiffness_n_m: {times: {uniform: {min: -1, max: 2}}}}", "no physical meaning"),
+        ("uncertain: {balls: {times: {uniform: {min: 1, max: 2}}}}", "not a parameter"),
+        (
+            "uncertain: {stiffness_n_m: {times: {times: {uniform: {min: 1, max: 2}}}}}",
+            "a factor of a factor",
+        ),
+        (
+            "uncertain: {stiffness_n_m: {times: {uniform: {min: -1, max: 2}}}}",
+            "no physical meaning",
+        ),
         (
             "sweep: [{grid: {friction_coefficient_1: [1e-3]}}]\n\
              uncertain: {friction_coefficient: {times: {uniform: {min: 1, max: 2}}}}",

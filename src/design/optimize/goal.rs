@@ -36,8 +36,7 @@ impl Goal {
             })
         };
         let objectives = optimization.objectives.iter();
-        let objectives =
-            objectives.map(|one| (place(one.response, !one.maximize), *one)).collect();
+        let objectives = objectives.map(|one| (place(one.response, !one.maximize), *one)).collect();
         let limits = optimization.limits.iter();
         let limits = limits.map(|one| (place(one.response, !one.least), *one)).collect();
         Goal { quantities, over_points: optimization.over_points, objectives, limits }

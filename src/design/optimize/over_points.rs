@@ -36,7 +36,8 @@ pub(super) fn over_points(
             all(highs().collect()).map(mean),
         ),
         OverPoints::Worst => {
-            let worse = |one: f64, other: f64| if larger_is_worse { one > other } else { one < other };
+            let worse =
+                |one: f64, other: f64| if larger_is_worse { one > other } else { one < other };
             let mut place = 0;
             for (index, value) in values.iter().enumerate() {
                 if worse(*value, values[place]) {

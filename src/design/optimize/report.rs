@@ -137,9 +137,8 @@ pub(crate) fn in_words(estimate: &Estimate, unit: &str) -> String {
 /// Design values in words.
 pub(crate) fn design_in_words(study: &Study, values: &[DesignValue]) -> String {
     let each = study.variables().iter().zip(values);
-    let each = each.map(|(variable, value)| {
-        format!("{} = {}", variable.name(), variable.describe(*value))
-    });
+    let each = each
+        .map(|(variable, value)| format!("{} = {}", variable.name(), variable.describe(*value)));
     each.collect::<Vec<_>>().join(", ")
 }
 
@@ -186,7 +185,8 @@ pub fn result_in_words(search: &Search, finals: &Finals) -> String {
     let mut text = String::new();
     let mut describe = |title: &str, one: &Final| {
         let runs: u64 = one.answers.iter().map(|answer| answer.counts.total()).sum();
-        let number = one.design.map_or_else(String::new, |design| format!(" (design {})", design + 1));
+        let number =
+            one.design.map_or_else(String::new, |design| format!(" (design {})", design + 1));
         let _ = writeln!(text, "{title}{number}: {}", design_in_words(study, &one.values));
         for (quantity, estimate) in goal.quantities().iter().zip(&one.estimates) {
             if let Some(response) = study.responses().get(quantity.response) {

@@ -124,7 +124,9 @@ fn constant(study: &Study, goal: &Goal, evaluations: &[Evaluation]) -> Option<St
         let count = all.len();
         match known.first() {
             None => Some(format!("no value of `{name}` for any of the {count} designs so far")),
-            Some(first) if count > 1 && known.len() == count && known.iter().all(|one| one == first) => {
+            Some(first)
+                if count > 1 && known.len() == count && known.iter().all(|one| one == first) =>
+            {
                 Some(format!("`{name}` is {first} for all of the {count} designs so far"))
             }
             _ => None,

@@ -70,7 +70,7 @@ pub fn sensitivities(
                 variable: variable.name().to_owned(),
                 from: optimization.sensitivity_from,
                 samples: optimization.sensitivity_samples,
-                indices: own.clone().ok().flatten(),
+                indices: own.ok().flatten(),
                 reason: own.err().cloned(),
             });
         }

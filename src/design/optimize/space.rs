@@ -51,15 +51,15 @@ impl<'a> Space<'a> {
 
     /// A design as the optimiser knows it.
     pub fn row(&self, design: &[DesignValue]) -> Vec<f64> {
-        let of = |(index, variable): (usize, &Variable)| match (design.get(index), variable.values())
-        {
-            (Some(DesignValue::Number(number)), Values::Numbers(from, to)) => {
-                (number - from) / (to - from)
-            }
-            (Some(DesignValue::Number(number)), _) => *number,
-            (Some(DesignValue::Choice(choice)), _) => *choice as f64,
-            (None, _) => 0.0,
-        };
+        let of =
+            |(index, variable): (usize, &Variable)| match (design.get(index), variable.values()) {
+                (Some(DesignValue::Number(number)), Values::Numbers(from, to)) => {
+                    (number - from) / (to - from)
+                }
+                (Some(DesignValue::Number(number)), _) => *number,
+                (Some(DesignValue::Choice(choice)), _) => *choice as f64,
+                (None, _) => 0.0,
+            };
         self.varied().map(of).collect()
     }
 

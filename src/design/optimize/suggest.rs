@@ -79,14 +79,9 @@ pub(super) fn suggest(
     let ask = || {
         let optimiser = EgorServiceBuilder::optimize()
             .configure(|config| {
-                config
-                    .n_obj(objectives)
-                    .n_cstr(limits)
-                    .seed(seed)
-                    .n_start(STARTS)
-                    .configure_gp(|gp| {
-                        gp.correlation_spec(CorrelationSpec::MATERN52).n_start(FIT_STARTS)
-                    })
+                config.n_obj(objectives).n_cstr(limits).seed(seed).n_start(STARTS).configure_gp(
+                    |gp| gp.correlation_spec(CorrelationSpec::MATERN52).n_start(FIT_STARTS),
+                )
             })
             .min_within_mixint_space(&space.types())
             .ok()?;
@@ -105,7 +100,8 @@ fn scaled(rows: &[Vec<f64>]) -> Vec<Vec<f64>> {
     for column in 0..width {
         let all = || rows.iter().filter_map(|row| row.get(column).copied());
         let mean = all().sum::<f64>() / rows.len() as f64;
-        let spread = (all().map(|one| (one - mean).powi(2)).sum::<f64>() / rows.len() as f64).sqrt();
+        let spread =
+            (all().map(|one| (one - mean).powi(2)).sum::<f64>() / rows.len() as f64).sqrt();
         if spread > 0.0 {
             rows.iter_mut().filter_map(|row| row.get_mut(column)).for_each(|one| *one /= spread);
         }

@@ -28,7 +28,9 @@ pub fn final_columns(study: &Study) -> Vec<Column<(Role, Answer)>> {
 /// runs say over all points of the sweep.
 pub fn pareto_columns(study: &Study, optimization: &Optimization) -> Vec<Column<Final>> {
     let mut columns =
-        vec![Column::count("design", "number of the design in the search", |row: &Final| row.design)];
+        vec![Column::count("design", "number of the design in the search", |row: &Final| {
+            row.design
+        })];
     columns.extend(variable_columns(study, |row: &Final| row.values.as_slice()));
     for (place, quantity) in Goal::new(optimization).quantities().iter().enumerate() {
         let Some(response) = study.responses().get(quantity.response) else { continue };
