@@ -1,10 +1,11 @@
 //! `stickslip optimize`: looks for the design that does best.
 
 use std::fs;
+use std::io;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use clap::Args;
 use serde_json::json;
@@ -13,12 +14,12 @@ use super::arguments::{StudyArgument, threads};
 use super::exit::{CliError, End};
 use super::output::print;
 use crate::design::optimize::{
-    Evaluation, Finals, Role, Search, SearchEnd, evaluation_columns, final_columns, final_runs,
-    finals, optimum_json, pareto_columns, read_evaluations, result_in_words, search, search_facts,
-    search_line, sensitivities, sensitivity_columns, surrogates,
+    Evaluation, Finals, Origin, Role, Search, SearchEnd, evaluation_columns, final_columns,
+    final_runs, finals, optimum_json, pareto_columns, read_evaluations, result_in_words, search,
+    search_facts, search_line, sensitivities, sensitivity_columns, surrogates,
 };
 use crate::ending::Label;
-use crate::farm::{Crew, Planned, Progress, Show, say, stop_on_signals};
+use crate::farm::{Crew, Lock, Planned, Progress, Show, say, stop_on_signals};
 use crate::study::{Optimization, SensitivityFrom, Study};
 use crate::table::column::Column;
 use crate::table::{ResultsError, TableWriter, WriteError, provenance_with, write_atomically};
@@ -80,9 +81,9 @@ pub fn optimize(arguments: &OptimizeArguments) -> Result<End, CliError> {
     }
     let usual = || Path::new("optimum").join(study.name());
     let directory = arguments.out.clone().unwrap_or_else(usual);
+    let place = Place::new(&study, optimization, &directory)?;
     let mut evaluations =
         read_evaluations(&study, &directory).map_err(|error| CliError::Usage(error.to_string()))?;
-    let place = Place::new(&study, optimization, &directory, evaluations.is_empty())?;
     let cores = || std::thread::available_parallelism().unwrap_or(NonZeroUsize::MIN);
     let crew = Crew::new(arguments.threads.unwrap_or_else(cores).get());
     let crew = crew.map_err(CliError::Threads)?;
@@ -102,6 +103,7 @@ pub fn optimize(arguments: &OptimizeArguments) -> Result<End, CliError> {
         tell(format!("goes on after {designs} designs in {}", directory.display()));
     }
     let end = search(&what, &mut evaluations, &|_| {}, |evaluations| {
+        place.remove_ends();
         place.write_evaluations(evaluations)?;
         tell(search_line(&what, evaluations));
         Ok::<(), CliError>(())
@@ -109,13 +111,20 @@ pub fn optimize(arguments: &OptimizeArguments) -> Result<End, CliError> {
     match &end {
         SearchEnd::Stopped => return Ok(interrupted(&directory)),
         SearchEnd::Constant(problem) => {
-            let allowed = "an objective that depends on the design; wider ranges under `design`";
+            let allowed = "an objective that these designs have, and that depends on the design";
             return Err(CliError::Usage(format!(
                 "{file}: `optimize`: {problem}\n  allowed: {allowed}"
             )));
         }
         SearchEnd::NoMoreDesigns => tell("there are no more designs".to_owned()),
         SearchEnd::Finished => {}
+    }
+    let instead = evaluations.iter().filter(|one| one.origin == Origin::Instead).count();
+    if instead > 0 {
+        tell(format!("surrogates gave no new design for {instead} of {}", evaluations.len()));
+    }
+    if stop.load(Ordering::Relaxed) {
+        return Ok(interrupted(&directory));
     }
     place.write_surrogates(&what, &evaluations)?;
     let Some(sensitivities) = with_progress(&what, sensitivity_runs(&what), show, |finished| {
@@ -150,8 +159,14 @@ fn how_it_ends(evaluations: &[Evaluation], finals: &Finals) -> End {
     }
     let of_search = evaluations.iter().flat_map(|one| &one.answers);
     let of_finals = finals.all.iter().flat_map(|one| &one.answers);
-    let failed = of_search.chain(of_finals).any(|answer| answer.counts.of(Label::Failed) > 0);
-    if failed { End::RunsFailed } else { End::Well }
+    let failed = of_search.chain(of_finals).map(|answer| answer.counts.of(Label::Failed));
+    match failed.sum::<u64>() {
+        0 => End::Well,
+        failed => {
+            say(&format!("{failed} runs failed; amplitudes and times leave them out"));
+            End::RunsFailed
+        }
+    }
 }
 
 /// Runs that Sobol' indices need.
@@ -189,22 +204,57 @@ struct Place<'a> {
     study: &'a Study,
     optimization: &'a Optimization,
     directory: &'a Path,
+    _lock: Lock,
 }
 
+/// What a search writes, each also with `.partial` while it is being written.
+const FILES: [&str; 7] = [
+    "evaluations.parquet",
+    "finals.parquet",
+    "pareto.parquet",
+    "sensitivities.parquet",
+    "surrogates.json",
+    "optimum.json",
+    "lock",
+];
+
 impl<'a> Place<'a> {
-    /// The directory, made if need be; a new search begins in an empty one.
+    /// The directory, made if need be, for this process alone; one that holds anything but files of a search is
+    /// refused.
     fn new(
         study: &'a Study,
         optimization: &'a Optimization,
         directory: &'a Path,
-        new: bool,
     ) -> Result<Self, CliError> {
-        if new {
-            crate::table::EquilibriumFiles::inspect(directory)?;
-        }
         let unusable = |cause| ResultsError::Unusable { path: directory.to_owned(), cause };
+        let own = |name: &str| FILES.contains(&name.strip_suffix(".partial").unwrap_or(name));
+        let entries = match fs::read_dir(directory) {
+            Ok(entries) => entries.collect::<Result<Vec<_>, _>>().map_err(unusable)?,
+            Err(error) if error.kind() == io::ErrorKind::NotFound => Vec::new(),
+            Err(error) => return Err(unusable(error).into()),
+        };
+        let names = entries.iter().map(|entry| entry.file_name().to_string_lossy().into_owned());
+        if let Some(other) = names.into_iter().find(|name| !own(name)) {
+            return Err(ResultsError::Occupied {
+                path: directory.to_owned(),
+                reason: "this directory is not empty and holds no search".to_owned(),
+                found: format!("{other} and perhaps more"),
+                allowed: "another directory, with --out DIR, or this one removed or renamed first"
+                    .to_owned(),
+            }
+            .into());
+        }
         fs::create_dir_all(directory).map_err(unusable)?;
-        Ok(Place { study, optimization, directory })
+        let lock = Lock::take(directory.join("lock"), directory)?;
+        Ok(Place { study, optimization, directory, _lock: lock })
+    }
+
+    /// Removes what an earlier end of the search says: there are more designs now.
+    fn remove_ends(&self) {
+        for name in FILES.iter().filter(|name| !["evaluations.parquet", "lock"].contains(name)) {
+            // What is not there need not be removed, and what cannot be is written over in the end.
+            let _ = fs::remove_file(self.directory.join(name));
+        }
     }
 
     fn write<R>(
@@ -261,6 +311,6 @@ impl<'a> Place<'a> {
         let path = self.directory.join(name);
         let text = format!("{value:#}\n");
         write_atomically(&path, text.as_bytes())
-            .map_err(|cause| ResultsError::Unusable { path, cause }.into())
+            .map_err(|cause| WriteError { path, cause: cause.into() }.into())
     }
 }

@@ -5,6 +5,7 @@ use std::cell::Cell;
 use std::collections::HashMap;
 use std::panic::{self, AssertUnwindSafe};
 use std::sync::Once;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use crate::ending::{Evidence, Outcome, Runs, simulate, simulate_in_lockstep};
 use crate::model::Case;
@@ -129,11 +130,24 @@ fn quieten_panics_in_runs() {
     INSTALL.call_once(|| {
         let usual = panic::take_hook();
         panic::set_hook(Box::new(move |info| {
-            if !IN_A_RUN.get() {
+            if !IN_A_RUN.get() && QUIET.load(Ordering::Relaxed) == 0 {
                 usual(info);
             }
         }));
     });
+}
+
+/// How many calls of [`quietly`] are going on.
+static QUIET: AtomicUsize = AtomicUsize::new(0);
+
+/// Does what may panic in a library, on any thread; none where it has. Nobody is told: meanwhile other
+/// panics are not told of, either. What `work` is given must not be used any more where it panics.
+pub fn quietly<T>(work: impl FnOnce() -> T) -> Option<T> {
+    quieten_panics_in_runs();
+    QUIET.fetch_add(1, Ordering::Relaxed);
+    let result = panic::catch_unwind(AssertUnwindSafe(work));
+    QUIET.fetch_sub(1, Ordering::Relaxed);
+    result.ok()
 }
 
 #[cfg(test)]

@@ -18,7 +18,7 @@ mod shard;
 mod store;
 mod work;
 
-pub use compute::compute;
+pub use compute::{compute, quietly};
 pub use crew::Crew;
 pub use halt::StopReason;
 pub use interrupt::stop_on_signals;
@@ -26,7 +26,7 @@ pub use place::{Place, PlaceError, Ready};
 pub use progress::{Planned, Progress, Show, say};
 pub use recorded::record;
 pub use shard::{Shard, ShardError};
-pub use store::{CHUNKS, Chunk, ChunkFault, Listed, Store, StoreError, listed_runs};
+pub use store::{CHUNKS, Chunk, ChunkFault, Listed, Lock, Store, StoreError, listed_runs};
 
 use std::collections::HashMap;
 use std::sync::atomic::{AtomicBool, AtomicU64};

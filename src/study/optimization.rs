@@ -12,7 +12,7 @@ use super::response::Measure;
 use super::variable::DesignValue;
 
 /// The most designs of a search: surrogates of more take too long.
-const MAX_DESIGNS: u64 = 2000;
+const MAX_DESIGNS: u64 = 300;
 /// The most designs that are looked at again, and samples that each then has.
 const MAX_FINAL: u64 = 10_000;
 /// The most base samples of Sobol' indices.
@@ -209,6 +209,15 @@ impl Setting<'_> {
                     return refuse(Fault::new("limits that nothing meets", found, allowed));
                 }
                 _ => {}
+            }
+            let probability = matches!(
+                self.study.responses.get(response).map(|one| one.measure),
+                Some(Measure::Above(_) | Measure::AtRestBy(_))
+            );
+            let impossible = at_least.filter(|least| probability && *least > 1.0);
+            if let Some(end) = impossible.or(at_most.filter(|most| probability && *most < 0.0)) {
+                let allowed = "limits of a probability, from 0 to 1";
+                return refuse(Fault::new("nothing meets it", describe_number(end), allowed));
             }
             let ends = [(at_least, true), (at_most, false)];
             limits

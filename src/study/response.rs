@@ -43,7 +43,7 @@ pub struct Response {
 pub(crate) const SUFFIXES: [&str; 4] = ["_standard_error", "_low", "_high", "_reason"];
 
 /// Names that answers and tables use themselves.
-pub(super) const TAKEN: [&str; 13] = [
+pub(super) const TAKEN: [&str; 15] = [
     "id",
     "design",
     "point_id",
@@ -57,6 +57,8 @@ pub(super) const TAKEN: [&str; 13] = [
     "discontinuous",
     "origin",
     "role",
+    "met",
+    "on_front",
 ];
 
 impl Response {

@@ -180,9 +180,10 @@ fn refusals() {
         ("{minimize: [stop, soon, stop]}", &["an objective twice"]),
         ("{minimize: stop, subject_to: {soon: {}}}", &["a limit without a number"]),
         ("{minimize: stop, subject_to: {soon: {at_least: 1, at_most: 0}}}", &["nothing meets"]),
+        ("{minimize: stop, subject_to: {soon: {at_least: 2}}}", &["nothing meets it", "0 to 1"]),
         ("{minimize: stop, subject_to: {sooner: {at_least: 1}}}", &["not a response"]),
         ("{minimize: stop, designs: 5, start_designs: 6}", &["6 of 5 designs"]),
-        ("{minimize: stop, designs: 1e6}", &["`optimize.designs`", "from 2 to 2000"]),
+        ("{minimize: stop, designs: 1e6}", &["`optimize.designs`", "from 2 to 300"]),
         ("{minimize: stop, compare_with: {}}", &["compare_with.stiffness_n_m", "missing key"]),
         ("{minimize: stop, compare_with: {stiffness_n_m: 1e9}}", &["out of range", "30 to 200"]),
         ("{minimize: stop, compare_with: {stiffness: 1}}", &["not a variable", "stiffness_n_m"]),
@@ -210,7 +211,43 @@ fn refusals() {
     scratch.refused("optimize block.yaml --out there", &["evaluations.parquet"]);
     fs::create_dir(scratch.path("full")).unwrap();
     scratch.write("full/a", "a");
-    scratch.refused("optimize block.yaml --out full", &["this directory is not empty"]);
+    scratch.refused(
+        "optimize block.yaml --out full",
+        &["this directory is not empty and holds no search"],
+    );
+}
+
+/// What an interrupted first table leaves is no obstacle, nor is a missing one; results of an earlier end go with the
+/// first new design; and a second process is told that there is a first one.
+#[test]
+fn a_directory_of_a_search() {
+    let scratch = scratch();
+    fs::create_dir_all(scratch.path("here/evaluations.parquet.partial/table")).unwrap();
+    scratch.well("optimize block.yaml --out here --quiet");
+    fs::remove_file(scratch.path("here/evaluations.parquet")).unwrap();
+    scratch.well("optimize block.yaml --out here --quiet");
+    let text = fs::read_to_string(scratch.path("block.yaml")).unwrap();
+    scratch.write("longer.yaml", text.replace("designs: 24", "designs: 26"));
+    let lock = fs::File::open(scratch.path("here/lock")).unwrap();
+    lock.lock().unwrap();
+    let ended = scratch.stickslip("optimize longer.yaml --out here --quiet");
+    assert_eq!(ended.code, Some(1), "{}", ended.err);
+    assert!(ended.err.contains("another process"), "{}", ended.err);
+    lock.unlock().unwrap();
+    scratch.well("optimize longer.yaml --out here --quiet");
+    assert_eq!(optimum(&scratch, "here")["search"]["designs"], 26);
+}
+
+/// A response that has two limits counts once.
+#[test]
+fn two_limits_of_a_response() {
+    let scratch = scratch();
+    let block = "optimize: {minimize: stop, subject_to: {stop: {at_least: 0.4, at_most: 0.9}}, designs: 12}\n";
+    scratch.write("both.yaml", format!("{BLOCK}{block}"));
+    scratch.well("optimize both.yaml --out both --quiet");
+    let stop = optimum(&scratch, "both")["best"]["responses"]["stop"]["value"].as_f64().unwrap();
+    assert!((0.4..=0.9).contains(&stop), "{stop}");
+    assert_eq!(scratch.table("both", "sensitivities").num_rows(), 1);
 }
 
 /// A few values are tried once each, and then there are no more.

@@ -54,11 +54,11 @@ mod tests {
         Estimate::within(value, ends, "none")
     }
 
-    /// Zou and Donner's example: of 56 and 48 people 5/56 and 0/48 with Wilson's intervals (0.0387, 0.1926)
-    /// and (0, 0.0741) differ by 0.0893 (-0.0381, 0.1926) (Newcombe, Stat. Med. 17 (1998) 873, table II).
+    /// Newcombe's example: the shares 5/56 and 0/29 with Wilson's intervals (0.0387, 0.1926) and (0, 0.1170)
+    /// differ by 0.0893 (-0.0381, 0.1926) (Stat. Med. 17 (1998) 873, table II, method 10).
     #[test]
     fn difference_of_shares() {
-        let [one, other] = [estimate(5.0 / 56.0, 0.03873, 0.19258), estimate(0.0, 0.0, 0.07410)];
+        let [one, other] = [estimate(5.0 / 56.0, 0.03873, 0.19258), estimate(0.0, 0.0, 0.11697)];
         let found = difference(&one, &other);
         assert!((found.low.unwrap() + 0.0381).abs() < 2e-4, "{found:?}");
         assert!((found.high.unwrap() - 0.1926).abs() < 2e-4, "{found:?}");

@@ -79,7 +79,7 @@ pub fn finals(
     finished: &(dyn Fn(Label) + Sync),
 ) -> Option<Finals> {
     let optimization = search.optimization;
-    let goal = Goal::new(optimization);
+    let goal = Goal::new(search.study, optimization);
     let look = |role, design, values: &[DesignValue]| {
         let answers = again(search, role, design, values, finished)?;
         let estimates = goal.estimates(&answers);

@@ -2,7 +2,7 @@
 
 use super::over_points::over_points;
 use crate::design::{Answer, Estimate};
-use crate::study::{Limit, Objective, Optimization, OverPoints};
+use crate::study::{Limit, Objective, Optimization, OverPoints, Study};
 
 /// A response over all points of the sweep.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
@@ -26,9 +26,12 @@ pub struct Goal {
 
 impl Goal {
     /// The goal of a study.
-    pub fn new(optimization: &Optimization) -> Goal {
+    pub fn new(study: &Study, optimization: &Optimization) -> Goal {
+        // Of one point, and of a mean, there is no worst one: each response counts once.
+        let one = study.point_count() == 1 || optimization.over_points == OverPoints::Mean;
         let mut quantities: Vec<Quantity> = Vec::new();
         let mut place = |response, larger_is_worse| {
+            let larger_is_worse = larger_is_worse || one;
             let quantity = Quantity { response, larger_is_worse };
             quantities.iter().position(|other| *other == quantity).unwrap_or_else(|| {
                 quantities.push(quantity);
@@ -45,6 +48,17 @@ impl Goal {
     /// The responses that count, those of objectives first.
     pub fn quantities(&self) -> &[Quantity] {
         &self.quantities
+    }
+
+    /// Whether large values of a quantity are the bad ones, by its first use.
+    pub(super) fn large_is_bad(&self, place: usize) -> bool {
+        let objective = self.objectives.iter().find(|(own, _)| *own == place);
+        let limit = self.limits.iter().find(|(own, _)| *own == place);
+        match (objective, limit) {
+            (Some((_, objective)), _) => !objective.maximize,
+            (None, Some((_, limit))) => !limit.least,
+            (None, None) => true,
+        }
     }
 
     /// The objectives, each with the number of its quantity.

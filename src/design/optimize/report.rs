@@ -11,6 +11,7 @@ use super::goal::{Goal, values};
 use super::search::{Search, SearchEnd};
 use super::sensitivity::Sensitivity;
 use crate::design::Estimate;
+use crate::ending::Label;
 use crate::study::{DesignValue, Study};
 
 /// `optimum.json`.
@@ -22,7 +23,7 @@ pub fn optimum_json(
     sensitivities: &[Sensitivity],
 ) -> Value {
     let Search { study, optimization, .. } = *search;
-    let goal = Goal::new(optimization);
+    let goal = Goal::new(study, optimization);
     let one = |role| finals.of(role).map(|one| final_json(study, &goal, one));
     let compared = || {
         let (best, other) = (finals.of(Role::Best)?, finals.of(Role::CompareWith)?);
@@ -88,7 +89,7 @@ fn final_json(study: &Study, goal: &Goal, one: &Final) -> Value {
         "responses": responses,
         "limits_met": one.met,
         "runs": one.answers.iter().map(|answer| answer.counts.total()).sum::<u64>(),
-        "failed": one.answers.iter().map(|answer| answer.counts.of(crate::ending::Label::Failed)).sum::<u64>(),
+        "failed": one.answers.iter().map(|answer| answer.counts.of(Label::Failed)).sum::<u64>(),
     })
 }
 
@@ -145,12 +146,13 @@ pub(crate) fn design_in_words(study: &Study, values: &[DesignValue]) -> String {
 /// The line about the last design of a search.
 pub fn search_line(search: &Search, evaluations: &[Evaluation]) -> String {
     let Search { study, optimization, .. } = *search;
-    let goal = Goal::new(optimization);
+    let goal = Goal::new(study, optimization);
     let Some(last) = evaluations.last() else { return String::new() };
+    let number = evaluations.len();
     let mut line = format!(
-        "design {} of {} ({}): ",
-        evaluations.len(),
+        "{number} of {}: design {} ({}): ",
         optimization.designs,
+        number - 1,
         last.origin.name()
     );
     line.push_str(&estimates_in_words(study, &goal, &goal.estimates(&last.answers)));
@@ -164,7 +166,7 @@ pub fn search_line(search: &Search, evaluations: &[Evaluation]) -> String {
             let value = value.map_or_else(|| "no value".to_owned(), short);
             let what = if grade == 0 { "best so far" } else { "limits not met yet; nearest" };
             // Writing to a string does not fail.
-            let _ = write!(line, "; {what}: {value} (design {})", index + 1);
+            let _ = write!(line, "; {what}: {value} (design {index})");
         }
     }
     line
@@ -181,12 +183,11 @@ fn estimates_in_words(study: &Study, goal: &Goal, estimates: &[Estimate]) -> Str
 /// What came out, for people.
 pub fn result_in_words(search: &Search, finals: &Finals) -> String {
     let Search { study, optimization, .. } = *search;
-    let goal = Goal::new(optimization);
+    let goal = Goal::new(study, optimization);
     let mut text = String::new();
     let mut describe = |title: &str, one: &Final| {
         let runs: u64 = one.answers.iter().map(|answer| answer.counts.total()).sum();
-        let number =
-            one.design.map_or_else(String::new, |design| format!(" (design {})", design + 1));
+        let number = one.design.map_or_else(String::new, |design| format!(" (design {design})"));
         let _ = writeln!(text, "{title}{number}: {}", design_in_words(study, &one.values));
         for (quantity, estimate) in goal.quantities().iter().zip(&one.estimates) {
             if let Some(response) = study.responses().get(quantity.response) {
@@ -195,7 +196,9 @@ pub fn result_in_words(search: &Search, finals: &Finals) -> String {
             }
         }
         let met = if one.met { "" } else { "; a limit is not met" };
-        let _ = writeln!(text, "  {runs} runs of its own{met}");
+        let failed: u64 = one.answers.iter().map(|answer| answer.counts.of(Label::Failed)).sum();
+        let failed = if failed > 0 { format!(", {failed} of them failed") } else { String::new() };
+        let _ = writeln!(text, "  {runs} runs of its own{failed}{met}");
     };
     if let Some(best) = finals.of(Role::Best) {
         describe("best design", best);

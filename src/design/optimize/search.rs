@@ -51,7 +51,7 @@ pub fn search<E>(
     mut observe: impl FnMut(&[Evaluation]) -> Result<(), E>,
 ) -> Result<SearchEnd, E> {
     let Search { study, optimization, crew, stop } = *search;
-    let goal = Goal::new(optimization);
+    let goal = Goal::new(study, optimization);
     while (evaluations.len() as u64) < optimization.designs {
         if evaluations.len() as u64 == optimization.start_designs
             && let Some(problem) = constant(study, &goal, evaluations)
@@ -123,7 +123,17 @@ fn constant(study: &Study, goal: &Goal, evaluations: &[Evaluation]) -> Option<St
         let known: Vec<f64> = values.iter().copied().flatten().collect();
         let count = all.len();
         match known.first() {
-            None => Some(format!("no value of `{name}` for any of the {count} designs so far")),
+            None => {
+                let first = evaluations.first().map(|one| goal.estimates(&one.answers));
+                let reason = first.and_then(|own| own.get(*place)?.reason.clone());
+                let failed = evaluations.iter().flat_map(|one| &one.answers);
+                let failed: u64 = failed.map(|answer| answer.counts.of(Label::Failed)).sum();
+                let reason = reason.unwrap_or_default();
+                Some(format!(
+                    "no value of `{name}` for any of the {count} designs so far ({reason}; {failed} runs \
+                     failed)"
+                ))
+            }
             Some(first)
                 if count > 1 && known.len() == count && known.iter().all(|one| one == first) =>
             {

@@ -36,7 +36,7 @@ pub fn sensitivities(
     finished: &(dyn Fn(Label) + Sync),
 ) -> Option<Vec<Sensitivity>> {
     let Search { study, optimization, crew, .. } = *search;
-    let (space, goal) = (Space::new(study), Goal::new(optimization));
+    let (space, goal) = (Space::new(study), Goal::new(study, optimization));
     let variables = study.variables();
     // The study says how many of both there are at most.
     let count = |number: u64| u32::try_from(number).unwrap_or(u32::MAX);
@@ -85,7 +85,7 @@ pub fn surrogates(
     evaluations: &[Evaluation],
 ) -> Vec<(usize, Result<Surrogate, String>)> {
     let Search { study, optimization, .. } = *search;
-    let (space, goal) = (Space::new(study), Goal::new(optimization));
+    let (space, goal) = (Space::new(study), Goal::new(study, optimization));
     let estimates: Vec<Vec<Estimate>> =
         evaluations.iter().map(|one| goal.estimates(&one.answers)).collect();
     let places: Vec<Vec<f64>> =

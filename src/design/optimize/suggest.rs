@@ -1,7 +1,5 @@
 //! The design that surrogates would try next.
 
-use std::panic::{self, AssertUnwindSafe};
-
 use egobox_ego::{CorrelationSpec, EgorServiceBuilder};
 
 use super::evaluation::Evaluation;
@@ -9,6 +7,7 @@ use super::goal::{Goal, values};
 use super::space::Space;
 use super::surrogate::{Surrogate, table};
 use crate::design::Estimate;
+use crate::farm::quietly;
 use crate::study::DesignValue;
 
 /// Starting points of the search for the next design, half of egobox's own number: the search is as good, and
@@ -27,9 +26,8 @@ pub(super) struct Course {
 
 /// The course of quantity `place`; none where no design has a value of it.
 pub(super) fn course(goal: &Goal, place: usize, estimates: &[Vec<Estimate>]) -> Option<Course> {
-    let larger_is_worse = goal.quantities().get(place)?.larger_is_worse;
     let of = |design: &Vec<Estimate>| design.get(place).and_then(|one| one.value);
-    let worst = if larger_is_worse { f64::max } else { f64::min };
+    let worst = if goal.large_is_bad(place) { f64::max } else { f64::min };
     let instead = estimates.iter().filter_map(of).reduce(worst)?;
     let mut errors: Vec<f64> = estimates
         .iter()
@@ -89,7 +87,7 @@ pub(super) fn suggest(
         found.rows().into_iter().next().map(|row| row.to_vec())
     };
     // What the library is given is not used any more where it panics.
-    let row = panic::catch_unwind(AssertUnwindSafe(ask)).ok().flatten()?;
+    let row = quietly(ask)??;
     row.iter().all(|number| number.is_finite()).then(|| space.design(&row))
 }
 

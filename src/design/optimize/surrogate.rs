@@ -5,14 +5,14 @@
 //! responses' own standard errors say: designs share start states and draws, so that a part of these
 //! errors is common to all designs and no noise between them.
 
-use std::panic::{self, AssertUnwindSafe};
-
 use egobox_gp::correlation_models::Matern52Corr;
 use egobox_gp::{Inducings, ParamTuning, SgpParams, SparseGaussianProcess, SparseMethod};
 use linfa::Dataset;
 use linfa::traits::Fit;
 use ndarray::{Array1, Array2};
 use serde_json::{Value, json};
+
+use crate::farm::quietly;
 
 /// Least noise, over the variance of the values: what keeps matrices regular.
 const LEAST_NOISE: f64 = 1e-8;
@@ -55,8 +55,7 @@ impl Surrogate {
                 .fit(&Dataset::new(x.clone(), y))
         };
         // What the library is given is not used any more where it panics.
-        let process = panic::catch_unwind(AssertUnwindSafe(fit));
-        let process = process.map_err(|_| "the fit failed".to_owned())?;
+        let process = quietly(fit).ok_or_else(|| "the fit failed".to_owned())?;
         let process = process.map_err(|error| format!("the fit failed: {error}"))?;
         Ok(Surrogate { process, mean, scale })
     }

@@ -32,7 +32,7 @@ pub fn pareto_columns(study: &Study, optimization: &Optimization) -> Vec<Column<
             row.design
         })];
     columns.extend(variable_columns(study, |row: &Final| row.values.as_slice()));
-    for (place, quantity) in Goal::new(optimization).quantities().iter().enumerate() {
+    for (place, quantity) in Goal::new(study, optimization).quantities().iter().enumerate() {
         let Some(response) = study.responses().get(quantity.response) else { continue };
         let (name, unit) = (&response.name, response.unit());
         // The same response counts twice where different points are its worst.

@@ -10,7 +10,7 @@ use crate::farm::say;
 /// A directory that is ours as long as this value lives; the operating system gives it free when the
 /// process ends, however it ends.
 #[derive(Debug)]
-pub(super) struct Lock {
+pub struct Lock {
     file: Option<File>,
     path: PathBuf,
     directory: PathBuf,

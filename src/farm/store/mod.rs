@@ -26,7 +26,7 @@ pub(super) use shelves::{Found, Shelves};
 
 use self::chunk::ChunkWriter;
 use self::folder::Folder;
-use self::lock::Lock;
+pub use self::lock::Lock;
 use crate::study::Study;
 
 /// Folder of the chunks in an output directory.
