@@ -13,6 +13,7 @@ use serde_json::json;
 use super::arguments::{StudyArgument, threads};
 use super::exit::{CliError, End};
 use super::output::print;
+use crate::design::check_answerable;
 use crate::design::optimize::{
     Evaluation, Finals, Origin, Role, Search, SearchEnd, evaluation_columns, final_columns,
     final_runs, finals, optimum_json, pareto_columns, read_evaluations, result_in_words, search,
@@ -73,12 +74,7 @@ pub fn optimize(arguments: &OptimizeArguments) -> Result<End, CliError> {
             "{file}: nothing is looked for\n  allowed: {allowed}"
         )));
     };
-    if study.precision().is_some() {
-        let allowed = "a study without `precision`: designs share their runs, all of them";
-        return Err(CliError::Usage(format!(
-            "{file}: designs of different numbers of runs\n  found:   `precision`\n  allowed: {allowed}"
-        )));
-    }
+    check_answerable(&study, &arguments.study.study).map_err(CliError::Usage)?;
     let usual = || Path::new("optimum").join(study.name());
     let directory = arguments.out.clone().unwrap_or_else(usual);
     let place = Place::new(&study, optimization, &directory)?;
