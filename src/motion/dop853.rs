@@ -6,6 +6,7 @@
 use super::dop853_tableau::{
     DENSE, DENSE_STAGES, ERROR_FIFTH, ERROR_THIRD, SOLUTION, STAGES, Term,
 };
+use super::interpolant::Interpolant;
 use crate::model::{Number, State};
 
 /// Errors allowed per step: `absolute + relative · |component|`, angles counting as 1 rad however
@@ -64,6 +65,15 @@ impl<const N: usize, T: Number, const FREE: usize> Step<N, T, FREE> {
 }
 
 impl<const N: usize, const FREE: usize> Step<N, f64, FREE> {
+    /// A step that was computed otherwise: nothing is known of stages.
+    pub(super) fn without_stages(
+        start: State<N, f64, FREE>,
+        end: State<N, f64, FREE>,
+        length: f64,
+    ) -> Self {
+        Step { start, end, length, stages: [State::zero(); 12] }
+    }
+
     /// Estimated error over what is allowed, root mean square over the components: at most 1 is
     /// good enough. Not a number where the step left the finite numbers.
     /// `angular` contacts turn: their angles count as 1 rad in the relative error.
@@ -129,42 +139,6 @@ impl<const N: usize, const FREE: usize> Step<N, f64, FREE> {
         for (index, terms) in DENSE.iter().enumerate() {
             coefficients[3 + index].add_scaled(self.length, &combine(terms, &stages));
         }
-        Interpolant { start: self.start, coefficients }
-    }
-}
-
-/// Dense output: the state anywhere in a step, with an error of order 7.
-#[derive(Clone, Debug)]
-pub struct Interpolant<const N: usize, const FREE: usize = 2> {
-    start: State<N, f64, FREE>,
-    coefficients: [State<N, f64, FREE>; 7],
-}
-
-impl<const N: usize, const FREE: usize> Interpolant<N, FREE> {
-    /// The state at the fraction `theta` of the step, 0 at its start and 1 at its end.
-    pub fn at(&self, theta: f64) -> State<N, f64, FREE> {
-        let mut sum = State::zero();
-        for (index, coefficient) in self.coefficients.iter().rev().enumerate() {
-            sum.add_scaled(1.0, coefficient);
-            let factor = if index % 2 == 0 { theta } else { 1.0 - theta };
-            let previous = sum;
-            sum = State::zero();
-            sum.add_scaled(factor, &previous);
-        }
-        sum.add_scaled(1.0, &self.start);
-        sum
-    }
-
-    /// The position of one contact there and its slope over the step, for looking for a place by it
-    /// alone.
-    pub(super) fn position_at(&self, contact: usize, theta: f64) -> (f64, f64) {
-        let (mut sum, mut slope) = (0.0, 0.0);
-        for (index, coefficient) in self.coefficients.iter().rev().enumerate() {
-            sum += coefficient.beta[contact];
-            let (factor, sign) = if index % 2 == 0 { (theta, 1.0) } else { (1.0 - theta, -1.0) };
-            slope = slope * factor + sum * sign;
-            sum *= factor;
-        }
-        (sum + self.start.beta[contact], slope)
+        Interpolant::of_dop853(self.start, coefficients)
     }
 }

@@ -1,8 +1,9 @@
 //! The step that was computed last, and what ends it early: the condition that fails first.
 
 use super::contact::{Phase, SmoothPhase};
-use super::dop853::{Interpolant, Step};
+use super::dop853::Step;
 use super::guard::{Guard, Margins, Point};
+use super::interpolant::Interpolant;
 use super::root::{fall_of_smooth, fall_through_zero};
 use crate::model::{Forces, State, System};
 

@@ -4,15 +4,15 @@ use std::f64::consts::TAU;
 
 use fearless_simd::{Simd, mask64x8, prelude::*};
 
-use super::conditions::{InLanes, conditions, suspicious};
-use super::displacement::over_switch;
+use super::conditions::{Ends, doubtful, first_failure};
+use super::displacement::{carry, over_switch};
 use super::group::{Group, Room};
 use super::lane::{Trouble, next_phases};
-use super::locate::{Verdict, judge};
-use super::step::{attempt, carry};
+use super::series::Series;
+use super::step::within_tolerance;
 use super::{LANES, Lanes};
 use crate::motion::Failure;
-use crate::motion::contact::check_forces;
+use crate::motion::contact::{SmoothPhase, check_forces};
 use crate::motion::driver::SHORTEST;
 
 /// No component of the rate of change is larger where everything is slow.
@@ -78,96 +78,83 @@ fn step<S: Simd, const N: usize>(
         };
     }
     let g = group;
-    let left = g.until - g.time;
-    let length = g.next.min(g.longest).min(g.trial).min(left);
-    attempt(
-        g.tolerance,
-        &g.equations,
-        (&g.state, &g.rate),
-        length,
-        &mut room.stages,
-        if displaced { Some(&mut room.linearised) } else { None },
-        &mut room.tried,
-    );
-    room.length = length;
-    let tried = &room.tried;
-    let found = conditions(&g.equations, &g.watched, (&tried.end, &tried.rate, &tried.forces));
-    let good = tried.error_squared.simd_le(c!(1.0)).to_bitmask() & g.alive;
-    let suspects = suspicious(length, &g.conditions, &found).to_bitmask();
     let mut happened = Happened::default();
-    let mut commit = good;
+    room.series.expand(&g.equations, &g.state);
+    let series = &room.series;
+    let within = within_tolerance(series, g.tolerance, g.next).min(g.longest);
+    let left = g.until - g.time;
+    let mut length = within.min(left);
+    let doubts = doubtful(series, &g.equations, &g.watched, length);
     let mut failed = [(0, 0); LANES];
-    let mut looks = (suspects | g.searching) & good;
+    let mut looks = doubts.any() & g.alive;
     while looks != 0 {
         let lane = looks.trailing_zeros() as usize;
         looks &= looks - 1;
-        match look(g, &found, lane, length[lane]) {
-            Looked::Stands => {}
-            Looked::Event(condition) => {
+        let Some(own) = &g.lanes[lane] else { continue };
+        match first_failure(series, own, lane, length[lane], &doubts) {
+            Ends::Nothing => {}
+            Ends::At(part, condition) => {
+                length[lane] *= part;
                 failed[lane] = condition;
                 happened.event |= 1 << lane;
             }
-            Looked::Again => commit &= !(1 << lane),
-            Looked::GiveUp => {
-                commit &= !(1 << lane);
-                happened.trouble[lane] = Some(Trouble::GiveUp);
-            }
+            Ends::AtOnce => happened.trouble[lane] = Some(Trouble::GiveUp),
         }
     }
-    g.tried += c!(1.0);
-    let mut rejected = g.alive & !good;
-    while rejected != 0 {
-        let lane = rejected.trailing_zeros() as usize;
-        rejected &= rejected - 1;
-        reject(g, lane, length[lane], room.tried.error_squared[lane], &mut happened);
+    let end = series.at(&g.equations, &g.state, length);
+    let mut largest = within;
+    for value in end.table.iter().chain(&end.angle).chain(&end.speed) {
+        largest = largest.max(value.abs());
     }
+    // Not so where anything is not a number, either.
+    let finite = largest.simd_lt(c!(f64::MAX)) & (largest - largest).simd_eq(c!(0.0));
+    let moves = within.simd_ge(g.time.max(c!(1.0)) * c!(SHORTEST));
+    let commits = finite & moves;
+    let mut stopped = g.alive & !commits.to_bitmask();
+    while stopped != 0 {
+        let lane = stopped.trailing_zeros() as usize;
+        stopped &= stopped - 1;
+        let lasts = finite.to_bitmask() & 1 << lane != 0;
+        let failure = if lasts { Failure::StepLimit } else { Failure::NotFinite };
+        happened.trouble[lane] = Some(Trouble::Failure(failure));
+        happened.event &= !(1 << lane);
+    }
+    let given_up = happened.trouble.iter().enumerate();
+    let given_up = given_up.filter(|(_, trouble)| trouble.is_some());
+    let commit = given_up.fold(g.alive, |commit, (lane, _)| commit & !(1 << lane));
+    let commits = mask64x8::from_bitmask(simd, commit);
     happened.taken = commit;
-    if commit == 0 {
-        return happened;
+    g.taken += c!(1.0);
+    if g.sliding != 0 {
+        still(g, series, &mut happened);
     }
 
-    // Error control of DOP853: order 8, safety 0.9, change between 1/3 and 6.
-    let tried = &room.tried;
-    let root = tried.error_squared.sqrt().sqrt().sqrt().sqrt();
-    let change = (c!(0.9) / root).min(c!(6.0)).max(c!(0.333));
-    let suggestion = length * change;
-    let commits = mask64x8::from_bitmask(simd, commit);
-    let shortened = length.simd_le(suggestion) & length.simd_lt(g.next);
-    let next = shortened.select(g.next, suggestion);
-    g.next = commits.select(next, g.next);
-    g.trial = commits.select(c!(f64::INFINITY), g.trial);
+    g.next = commits.select(within, g.next);
     g.before = g.state;
     g.time_before = g.time;
     let time = left.simd_le(length).select(g.until, g.time + length);
     g.time = commits.select(time, g.time);
     for i in 0..4 {
-        g.state.table[i] = commits.select(tried.end.table[i], g.state.table[i]);
-        g.rate.table[i] = commits.select(tried.rate.table[i], g.rate.table[i]);
+        g.state.table[i] = commits.select(end.table[i], g.state.table[i]);
     }
     let mut round = g.time.simd_lt(g.time);
     for i in 0..N {
-        let angle = tried.end.angle[i];
+        let angle = end.angle[i];
         let beyond = (angle.simd_lt(c!(0.0)) | angle.simd_ge(c!(TAU))) & commits;
         let turns = beyond.select((angle / c!(TAU)).floor(), c!(0.0));
         let within = turns.mul_add_precise(c!(-TAU), angle);
         g.turns[i] += turns;
         round |= beyond;
         g.state.angle[i] = commits.select(within, g.state.angle[i]);
-        g.state.speed[i] = commits.select(tried.end.speed[i], g.state.speed[i]);
-        g.rate.angle[i] = commits.select(tried.rate.angle[i], g.rate.angle[i]);
-        g.rate.speed[i] = commits.select(tried.rate.speed[i], g.rate.speed[i]);
+        g.state.speed[i] = commits.select(end.speed[i], g.state.speed[i]);
         let fast = g.state.speed[i].abs().simd_gt(g.slow) & commits;
         g.slow_since[i] = fast.select(g.time, g.slow_since[i]);
-        for which in 0..3 {
-            g.conditions.values[i][which] =
-                commits.select(found.values[i][which], g.conditions.values[i][which]);
-            g.conditions.slopes[i][which] =
-                commits.select(found.slopes[i][which], g.conditions.slopes[i][which]);
-        }
     }
+    room.end = end;
+    room.length = length;
     happened.round = round.to_bitmask();
     if displaced {
-        let moved = carry(&g.equations, &g.displacement, length, &room.linearised, &mut room.rates);
+        let moved = carry(series, &g.equations, &g.displacement, length, &mut room.displaced);
         let mut size = c!(0.0);
         for i in 0..4 {
             g.displacement.table[i] = commits.select(moved.table[i], g.displacement.table[i]);
@@ -200,21 +187,13 @@ fn step<S: Simd, const N: usize>(
     let due = g.time.simd_ge(g.attention) | g.time.simd_ge(g.until);
     happened.attention |= due.to_bitmask() & commit;
     if g.sliding != 0 {
-        let mut most = g.rate.table[0].abs();
-        for i in 1..4 {
-            most = most.max(g.rate.table[i].abs());
-        }
-        for i in 0..N {
-            most = most.max(g.rate.angle[i].abs()).max(g.rate.speed[i].abs());
-        }
-        happened.still = most.simd_le(c!(STILL)).to_bitmask() & commit & g.sliding;
         let mut turned = g.time.simd_lt(g.time);
         for i in 0..N {
             turned |= (g.before.speed[i] * g.state.speed[i]).simd_le(c!(0.0));
         }
         happened.turned = turned.to_bitmask() & commit & g.sliding;
     }
-    let mut overdone = g.tried.simd_ge(g.most).to_bitmask() & g.alive;
+    let mut overdone = g.taken.simd_ge(g.most).to_bitmask() & g.alive;
     while overdone != 0 {
         let lane = overdone.trailing_zeros() as usize;
         overdone &= overdone - 1;
@@ -223,64 +202,24 @@ fn step<S: Simd, const N: usize>(
     happened
 }
 
-/// What a look at a step has shown.
-enum Looked {
-    Stands,
-    Event((usize, usize)),
-    Again,
-    GiveUp,
-}
-
-#[inline(never)]
-fn look<S: Simd, const N: usize>(
-    g: &mut Group<S, N>,
-    found: &InLanes<S, N>,
-    lane: usize,
-    length: f64,
-) -> Looked {
-    let (start, end) = (g.conditions.lane(lane), found.lane(lane));
-    let Some(own) = &mut g.lanes[lane] else { return Looked::Stands };
-    let verdict = judge(own.search.as_ref(), own.width, &start, length, &end);
-    own.search = None;
-    g.searching &= !(1 << lane);
-    match verdict {
-        Verdict::Commit => Looked::Stands,
-        Verdict::Event(ball, which) => Looked::Event((ball, which)),
-        Verdict::Retry(trial, search) => {
-            own.not_taken += 1;
-            own.search = Some(search);
-            g.searching |= 1 << lane;
-            g.trial[lane] = trial;
-            Looked::Again
-        }
-        Verdict::GiveUp => Looked::GiveUp,
-    }
-}
-
-/// A step whose error is too large: the next one is shorter.
-#[inline(never)]
-fn reject<S: Simd, const N: usize>(
-    g: &mut Group<S, N>,
-    lane: usize,
-    length: f64,
-    error_squared: f64,
+/// Where, without dry friction, everything is slow at the step's start.
+#[inline(always)]
+fn still<S: Simd, const N: usize>(
+    g: &Group<S, N>,
+    series: &Series<S, N>,
     happened: &mut Happened,
 ) {
-    let Some(own) = &mut g.lanes[lane] else { return };
-    own.not_taken += 1;
-    own.search = None;
-    g.searching &= !(1 << lane);
-    g.trial[lane] = f64::INFINITY;
-    let finite = error_squared.is_finite();
-    let change = 0.9 / error_squared.sqrt().sqrt().sqrt().sqrt();
-    let next = if finite { length * change.clamp(0.333, 1.0) } else { 0.1 * length };
-    g.next[lane] = next;
-    if next < SHORTEST * g.time[lane].max(1.0) {
-        let failure = if finite { Failure::StepLimit } else { Failure::NotFinite };
-        happened.trouble[lane] = Some(Trouble::Failure(failure));
-    } else if g.tried[lane] >= g.most[lane] {
-        happened.trouble[lane] = Some(Trouble::Failure(Failure::StepLimit));
+    let [first, second, third, ..] = &series.terms;
+    let two = Lanes::splat(g.time.simd, 2.0);
+    let mut most = Lanes::splat(g.time.simd, 0.0);
+    for axis in 0..2 {
+        most = most.max(second.table[axis].abs()).max((two * third.table[axis]).abs());
     }
+    for i in 0..N {
+        most = most.max(first.balls[i].speed.abs()).max(second.balls[i].speed.abs());
+    }
+    let slow = most.simd_le(Lanes::splat(g.time.simd, STILL));
+    happened.still = slow.to_bitmask() & happened.taken & g.sliding;
 }
 
 /// Decides what comes after an event.
@@ -308,9 +247,9 @@ fn switch<S: Simd, const N: usize>(
             own.last_switches[ball] = time;
         }
     }
-    g.enter(lane, &state, &phases, &forces);
+    g.enter(lane, &state, &phases);
     if displaced && let Some(own) = &mut g.lanes[lane] {
-        let rate = g.rate.lane(lane);
+        let rate = SmoothPhase::new(&own.balancer, &phases).derivative_with(&state, &forces);
         let failed = (&before, (ball, which));
         over_switch(&mut g.displacement, lane, own, failed, (&state, &rate));
     }

@@ -1,5 +1,5 @@
-//! The conditions that hold while a phase lasts, in all lanes: three of each ball, with their slopes in
-//! time. The same as in `motion::guard`:
+//! The conditions that hold while a phase lasts, as power series over a step. The same as in
+//! `motion::guard`:
 //!
 //! | | first | second | third |
 //! |---|---|---|---|
@@ -7,13 +7,17 @@
 //! | stick | held against a forward force | held against a backward force | pressed |
 //! | transition | in the band | accelerating in its direction | pressed |
 //! | free | | | pressed |
+//!
+//! In all lanes at once it is shown that none fails, where that is plain; the other lanes, one step in five,
+//! are looked at one by one (`locate`).
 
-use fearless_simd::{Simd, mask64x8, prelude::*};
+use fearless_simd::{Simd, prelude::*};
 
-use super::equations::{Equations, Force};
-use super::locate::Conditions;
-use super::{Flow, Lanes};
-use crate::model::{Balancer, Forces, State};
+use super::equations::Equations;
+use super::lane::Lane;
+use super::locate::{Course, FOURTH, Polynomial};
+use super::series::{ORDER, Series};
+use super::Lanes;
 use crate::motion::Phase;
 
 /// What the conditions of a ball depend on.
@@ -22,8 +26,6 @@ pub(super) struct Watched<S: Simd> {
     /// The first condition of a ball that does not stick is `sign β̇ + offset`.
     pub(super) sign: Lanes<S>,
     pub(super) offset: Lanes<S>,
-    /// Direction of a transition; 0 in any other phase.
-    pub(super) transition: Lanes<S>,
     /// 1 where it sticks, else 0.
     pub(super) stuck: Lanes<S>,
     /// Static coefficient of friction.
@@ -32,240 +34,362 @@ pub(super) struct Watched<S: Simd> {
     pub(super) slack: Lanes<S>,
 }
 
-/// How a phase is watched: sign, offset, transition and stuck of [`Watched`].
-pub(super) fn watched(phase: Phase, band: f64) -> [f64; 4] {
-    match phase {
-        Phase::Slip(direction) => [direction, -band, 0.0, 0.0],
-        Phase::Transition(direction) => [-direction, band, direction, 0.0],
-        Phase::Stick => [0.0, 1.0, 0.0, 1.0],
-        Phase::Free => [0.0, 1.0, 0.0, 0.0],
-    }
-}
-
-/// Values and slopes: of each ball, of each condition.
-#[derive(Clone, Copy)]
-pub(super) struct InLanes<S: Simd, const N: usize> {
-    pub(super) values: [[Lanes<S>; 3]; N],
-    pub(super) slopes: [[Lanes<S>; 3]; N],
-}
-
-impl<S: Simd, const N: usize> InLanes<S, N> {
-    /// Met for ever in all lanes.
-    #[inline(always)]
-    pub(super) fn met(simd: S) -> Self {
-        let (zero, one) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
-        InLanes { values: [[one; 3]; N], slopes: [[zero; 3]; N] }
-    }
-
-    /// One run's.
-    pub(super) fn lane(&self, lane: usize) -> Conditions<N> {
-        let of = |all: &[[Lanes<S>; 3]; N]| -> [[f64; 3]; N] {
-            std::array::from_fn(|ball| std::array::from_fn(|which| all[ball][which][lane]))
-        };
-        Conditions { values: of(&self.values), slopes: of(&self.slopes) }
-    }
-
-    /// Sets one run's.
-    pub(super) fn set_lane(&mut self, lane: usize, conditions: &Conditions<N>) {
-        for ball in 0..N {
-            for which in 0..3 {
-                self.values[ball][which][lane] = conditions.values[ball][which];
-                self.slopes[ball][which][lane] = conditions.slopes[ball][which];
-            }
+impl<S: Simd> Watched<S> {
+    /// Nothing can fail.
+    pub(super) fn nothing(simd: S) -> Self {
+        let zero = Lanes::splat(simd, 0.0);
+        Watched {
+            sign: zero,
+            offset: Lanes::splat(simd, 1.0),
+            stuck: zero,
+            limit: zero,
+            slack: zero,
         }
     }
+
+    /// Sets what is watched in a lane. All conditions count as failed where they are below zero by `aim`.
+    pub(super) fn set(&mut self, lane: usize, phase: Phase, [band, slack, aim]: [f64; 3]) {
+        let (sign, offset, stuck) = match phase {
+            Phase::Slip(direction) => (direction, aim - band, 0.0),
+            // In the band for moments only: always looked at.
+            Phase::Transition(direction) => (-direction, -1.0, 0.0),
+            Phase::Stick => (0.0, 1.0, 1.0),
+            Phase::Free => (0.0, 1.0, 0.0),
+        };
+        self.sign[lane] = sign;
+        self.offset[lane] = offset;
+        self.stuck[lane] = stuck;
+        self.slack[lane] = slack + aim;
+    }
 }
 
-/// Values and slopes in a state, from the rate of change and the forces there.
+/// Lanes, as bit masks, that have to be looked at.
+pub(super) struct Doubts<const N: usize> {
+    /// A condition of the ball may fail.
+    pub(super) of_balls: [u64; N],
+    /// A ball may leave the ring.
+    pub(super) loose: u64,
+}
+
+impl<const N: usize> Doubts<N> {
+    /// Lanes in which anything may happen.
+    pub(super) fn any(&self) -> u64 {
+        self.of_balls.iter().fold(self.loose, |any, of_ball| any | of_ball)
+    }
+}
+
+/// Values and slopes of a polynomial at both ends of a step, times its length, and a bound of its fourth
+/// derivative times the fourth power of that.
+struct Curve<S: Simd> {
+    values: [Lanes<S>; 2],
+    changes: [Lanes<S>; 2],
+    bound: Lanes<S>,
+}
+
+impl<S: Simd> Curve<S> {
+    /// Where it plainly stays above zero: no coefficient of its Bernstein form of degree four is negative
+    /// (`locate`).
+    #[inline(always)]
+    fn holds(&self) -> fearless_simd::mask64x8<S> {
+        let simd = self.bound.simd;
+        let number = |value: f64| Lanes::splat(simd, value);
+        let ([a, b], [p, q]) = (self.values, self.changes);
+        let fourth = number(0.25);
+        let early = p.mul_add_precise(fourth, a);
+        let late = q.mul_add_precise(-fourth, b);
+        let middle = (p - q).mul_add_precise(number(1.0 / 3.0), a + b) * number(0.5);
+        let middle = self.bound.mul_add_precise(number(-1.0 / 144.0), middle);
+        a.min(b).min(early.min(late)).min(middle).simd_ge(number(0.0))
+    }
+}
+
+/// Where a condition may fail in a step of this length.
 #[inline(always)]
-pub(super) fn conditions<S: Simd, const N: usize>(
+pub(super) fn doubtful<S: Simd, const N: usize>(
+    series: &Series<S, N>,
     equations: &Equations<S, N>,
     watched: &[Watched<S>; N],
-    (state, rate, forces): (&Flow<S, N>, &Flow<S, N>, &[Force<S>; N]),
-) -> InLanes<S, N> {
-    let simd = state.table[0].simd;
-    let zero = Lanes::splat(simd, 0.0);
-    let one = Lanes::splat(simd, 1.0);
-    let two = Lanes::splat(simd, 2.0);
-    let [_, _, x_dot, y_dot] = state.table;
-    let [_, _, x_ddot, y_ddot] = rate.table;
-    // The rate of change of the table's absolute acceleration, but for what the rates of change of the
-    // balls' accelerations add: their share is small, and slopes only lead to where to look.
-    // The balls' shares are summed apart, so that two balls exchanged give the same to the last bit.
-    let (mut balls_x, mut balls_y) = (zero, zero);
-    for (i, ball) in equations.balls.iter().enumerate() {
-        let Force { sine, cosine, .. } = forces[i];
-        let (speed, acceleration) = (state.speed[i], rate.speed[i]);
-        let w = equations.speed + speed;
-        let along = ball.mass * (acceleration * w.mul_add_precise(two, speed));
-        let across = ball.mass * (speed * (w * w));
-        balls_x += cosine * along - sine * across;
-        balls_y += sine * along + cosine * across;
-    }
-    let jerk_x = balls_x - x_dot - (equations.drag * x_ddot - equations.drag_speed * y_dot);
-    let jerk_y = balls_y - y_dot - (equations.drag * y_ddot + equations.drag_speed * x_dot);
-    let mut found = InLanes::met(simd);
-    for i in 0..N {
-        let Force { sine, cosine, normal, tangential } = forces[i];
-        let (speed, acceleration) = (state.speed[i], rate.speed[i]);
-        let ball = &equations.balls[i];
-        let watched = &watched[i];
-        let stuck = watched.stuck.simd_gt(zero);
-        let w = equations.speed + speed;
-        let rolling = (ball.rolling_quadratic * two).mul_add_precise(speed, ball.rolling_linear);
-        let pressed_rate = two.mul_add_precise(w, rolling) * acceleration;
-        // A ball that moves along the ring turns the directions that forces on it are resolved in; where
-        // the tangential force matters, in stick and transition, it does not move.
-        let normal_rate = pressed_rate + speed * tangential - (cosine * jerk_x + sine * jerk_y);
-        let tangential_rate = sine * jerk_x - cosine * jerk_y;
-        let reserve = watched.limit * normal + watched.slack;
-        let reserve_rate = watched.limit * normal_rate;
-        let friction_rate = ball.friction.mul_add_precise(normal_rate, ball.drag * acceleration);
-        let changing = ball.mobility * (tangential_rate - friction_rate);
-        let transition = watched.transition;
-        let in_transition = transition.abs().simd_gt(zero);
-        let speeds = watched.sign.mul_add_precise(speed, watched.offset);
-        let accelerates = transition.mul_add_precise(acceleration, watched.slack);
-        found.values[i] = [
-            stuck.select(reserve - tangential, speeds),
-            stuck.select(reserve + tangential, in_transition.select(accelerates, one)),
-            normal,
-        ];
-        found.slopes[i] = [
-            stuck.select(reserve_rate - tangential_rate, watched.sign * acceleration),
-            stuck.select(reserve_rate + tangential_rate, transition * changing),
-            normal_rate,
-        ];
-    }
-    found
-}
-
-/// In which lanes a condition has failed at the end of a step, or seems to have dipped below zero in it.
-#[inline(always)]
-pub(super) fn suspicious<S: Simd, const N: usize>(
     length: Lanes<S>,
-    start: &InLanes<S, N>,
-    end: &InLanes<S, N>,
-) -> mask64x8<S> {
-    let zero = Lanes::splat(length.simd, 0.0);
-    let half = Lanes::splat(length.simd, 0.5);
-    let three = Lanes::splat(length.simd, 3.0);
-    let mut suspects = length.simd_lt(zero);
-    for ball in 0..N {
-        for which in 0..3 {
-            let values = [start.values[ball][which], end.values[ball][which]];
-            let least = values[0].min(values[1]);
-            let changes =
-                [start.slopes[ball][which], end.slopes[ball][which]].map(|slope| slope * length);
-            let risen = (values[1] - values[0]) * three;
-            let up = changes[0].simd_ge(zero);
-            let (up_end, down_end) = (changes[1].simd_ge(zero), changes[1].simd_le(zero));
-            // A plain hump, or a cubic that only rises (F. N. Fritsch, R. E. Carlson, SIAM J. Numer.
-            // Anal. 17 (1980) 238, doi:10.1137/0717021), or only falls.
-            let hump = up & down_end;
-            let rises = up & up_end & changes[0].simd_le(risen) & changes[1].simd_le(risen);
-            let falls = changes[0].simd_le(zero)
-                & down_end
-                & changes[0].simd_ge(risen)
-                & changes[1].simd_ge(risen);
-            let most = changes[0].abs().max(changes[1].abs());
-            let near = least.simd_lt(half * most) & !(hump | rises | falls);
-            if near.any_true() {
-                suspects |= near & dips(values, changes);
-            }
-            suspects |= values[1].simd_lt(zero);
+) -> Doubts<N> {
+    let simd = length.simd;
+    let number = |value: f64| Lanes::splat(simd, value);
+    let zero = number(0.0);
+    let [first, second, ..] = &series.terms;
+    let square = length * length;
+    let mut doubts = Doubts { of_balls: [0; N], loose: 0 };
+    let mut pull = [zero; 2];
+    for term in series.terms[..ORDER].iter().rev() {
+        for axis in 0..2 {
+            pull[axis] = pull[axis].mul_add_precise(length, term.pull[axis]);
         }
     }
-    suspects
-}
-
-/// In which lanes the cubic with these values and changes (slopes times length) at a step's ends goes
-/// below zero inside. The same test, in the same order, as that of one run (`locate`).
-#[inline(always)]
-fn dips<S: Simd>(values: [Lanes<S>; 2], changes: [Lanes<S>; 2]) -> mask64x8<S> {
-    let simd = values[0].simd;
-    macro_rules! c {
-        ($value:expr) => {
-            Lanes::splat(simd, $value)
-        };
-    }
-    let ([a, b], [p, q]) = (values, changes);
-    let c = c!(3.0) * (b - a) - c!(2.0) * p - q;
-    let d = c!(2.0) * (a - b) + p + q;
-    let discriminant = c * c - c!(3.0) * p * d;
-    let root = discriminant.max(c!(0.0)).sqrt();
-    let upwards = c.simd_gt(c!(0.0));
-    let t = upwards.select(-p, root - c) / upwards.select(c + root, c!(3.0) * d);
-    let least = ((d * t + c) * t + p) * t + a;
-    discriminant.simd_gt(c!(0.0))
-        & t.simd_gt(c!(1e-6))
-        & t.simd_lt(c!(1.0 - 1e-6))
-        & least.simd_lt(c!(0.0))
-}
-
-/// The same conditions of one run.
-pub(super) fn of_one<const N: usize>(
-    balancer: &Balancer<N>,
-    phases: &[Phase; N],
-    [band, slack]: [f64; 2],
-    (state, rate, forces): (&State<N>, &State<N>, &Forces<N>),
-) -> Conditions<N> {
-    let drag = 2.0 * balancer.damping_ratio;
-    let [x_dot, y_dot] = state.velocity;
-    let [x_ddot, y_ddot] = rate.velocity;
-    let trigonometry = state.beta.map(libm::sincos);
-    let (mut balls_x, mut balls_y) = (0.0, 0.0);
-    for (i, &(sine, cosine)) in trigonometry.iter().enumerate() {
-        let (speed, acceleration) = (state.beta_dot[i], rate.beta_dot[i]);
-        let mass = balancer.balls[i].mass;
-        let w = balancer.speed + speed;
-        let along = mass * (acceleration * (2.0 * w + speed));
-        let across = mass * (speed * (w * w));
-        balls_x += cosine * along - sine * across;
-        balls_y += sine * along + cosine * across;
-    }
-    let jerk_x = balls_x - x_dot - drag * (x_ddot - balancer.speed * y_dot);
-    let jerk_y = balls_y - y_dot - drag * (y_ddot + balancer.speed * x_dot);
-    let mut found = Conditions { values: [[1.0; 3]; N], slopes: [[0.0; 3]; N] };
+    // The table pulls a ball off with no more than this.
+    let most = |[x, y]: [Lanes<S>; 2]| number(2.0) * (x.abs() + y.abs());
+    let pulls = [most(first.pull), most(pull)];
     for i in 0..N {
-        let ball = &balancer.balls[i];
-        let (sine, cosine) = trigonometry[i];
-        let (speed, acceleration) = (state.beta_dot[i], rate.beta_dot[i]);
-        let normal = forces.normal[i];
-        let [a_x, a_y] = forces.table_acceleration;
-        let tangential = sine * a_x - cosine * a_y;
-        let w = balancer.speed + speed;
-        let pressed = 2.0 * w - ball.rolling_linear - 2.0 * ball.rolling_quadratic * speed;
-        let normal_rate =
-            pressed * acceleration + speed * tangential - (cosine * jerk_x + sine * jerk_y);
-        let tangential_rate = sine * jerk_x - cosine * jerk_y;
-        let limit = ball.friction.limit;
-        let [sign, offset, transition, _] = watched(phases[i], band);
-        (found.values[i], found.slopes[i]) = match phases[i] {
-            Phase::Stick => {
-                let reserve = limit * normal + slack;
-                (
-                    [reserve - tangential, reserve + tangential, normal],
-                    [
-                        limit * normal_rate - tangential_rate,
-                        limit * normal_rate + tangential_rate,
-                        normal_rate,
-                    ],
-                )
+        let Watched { sign, offset, .. } = watched[i];
+        let (mut bound, mut speed, mut slope) = (zero, zero, zero);
+        for (k, term) in series.terms[..=ORDER].iter().enumerate().rev() {
+            let coefficient = term.balls[i].speed;
+            slope = slope.mul_add_precise(length, speed);
+            speed = speed.mul_add_precise(length, coefficient);
+            if k >= 4 {
+                let weight = number(FOURTH[k]);
+                bound = bound.mul_add_precise(length, weight * coefficient.abs());
+            }
+        }
+        let speeds = [first.balls[i].speed, speed];
+        let along = sign * length;
+        let curve = Curve {
+            values: [
+                sign.mul_add_precise(speeds[0], offset),
+                sign.mul_add_precise(speeds[1], offset),
+            ],
+            changes: [along * second.balls[i].speed, along * slope],
+            bound: sign.abs() * bound * (square * square),
+        };
+        let mut holds = curve.holds();
+        let ball = &equations.balls[i];
+        for at in 0..2 {
+            let own = ball.pressed[1].mul_add_precise(speeds[at], ball.pressed[0]);
+            let own = own.mul_add_precise(speeds[at], equations.speed_squared);
+            doubts.loose |= !own.simd_gt(pulls[at]).to_bitmask();
+        }
+        let stuck = watched[i].stuck.simd_gt(zero);
+        if stuck.any_true() {
+            let held = held(series, equations, watched, i, length);
+            holds &= held[0].holds() & held[1].holds() | !stuck;
+        }
+        doubts.of_balls[i] = !holds.to_bitmask();
+    }
+    doubts
+}
+
+/// What is left of friction for a ball that sticks, against a forward and against a backward force.
+#[inline(always)]
+fn held<S: Simd, const N: usize>(
+    series: &Series<S, N>,
+    equations: &Equations<S, N>,
+    watched: &[Watched<S>; N],
+    i: usize,
+    length: Lanes<S>,
+) -> [Curve<S>; 2] {
+    let simd = length.simd;
+    let number = |value: f64| Lanes::splat(simd, value);
+    let [c, s] = series.solver.directions[i];
+    let Watched { limit, slack, .. } = watched[i];
+    let ball = &equations.balls[i];
+    // Reserve μ N and tangential force: value and slope at the end, at the start, and the bound.
+    let mut all = [[number(0.0); 5]; 2];
+    for (k, term) in series.terms[..ORDER].iter().enumerate().rev() {
+        let [x, y] = term.pull;
+        let own = &term.balls[i];
+        let pressed = ball.pressed[0]
+            .mul_add_precise(own.speed, ball.pressed[1].mul_add_precise(own.squared, -(c * x)));
+        let mut normal = (-s).mul_add_precise(y, pressed);
+        if k == 0 {
+            normal += equations.speed_squared;
+        }
+        let coefficients = [limit * normal, s.mul_add_precise(x, -(c * y))];
+        for which in 0..2 {
+            let coefficient = coefficients[which];
+            let [value, slope, at_start, slope_at_start, bound] = &mut all[which];
+            *slope = slope.mul_add_precise(length, *value);
+            *value = value.mul_add_precise(length, coefficient);
+            (*slope_at_start, *at_start) = (*at_start, coefficient);
+            if k >= 4 {
+                let weight = number(FOURTH[k]);
+                *bound = bound.mul_add_precise(length, weight * coefficient.abs());
+            }
+        }
+    }
+    let square = length * length;
+    let [reserve, tangential] = all;
+    let bound = (reserve[4] + tangential[4]) * (square * square);
+    [
+        Curve {
+            values: [reserve[2] - tangential[2] + slack, reserve[0] - tangential[0] + slack],
+            changes: [
+                (reserve[3] - tangential[3]) * length,
+                (reserve[1] - tangential[1]) * length,
+            ],
+            bound,
+        },
+        Curve {
+            values: [reserve[2] + tangential[2] + slack, reserve[0] + tangential[0] + slack],
+            changes: [
+                (reserve[3] + tangential[3]) * length,
+                (reserve[1] + tangential[1]) * length,
+            ],
+            bound,
+        },
+    ]
+}
+
+/// What ends a step of a lane.
+pub(super) enum Ends {
+    /// Nothing.
+    Nothing,
+    /// A ball's condition with this number fails, at this part of the step.
+    At(f64, (usize, usize)),
+    /// A condition does not hold from the start on.
+    AtOnce,
+}
+
+/// What ends a step of one lane.
+#[inline(never)]
+pub(super) fn first_failure<S: Simd, const N: usize>(
+    series: &Series<S, N>,
+    own: &Lane<N>,
+    lane: usize,
+    length: f64,
+    doubts: &Doubts<N>,
+) -> Ends {
+    // In here the fused multiply-add is an instruction.
+    series.terms[0].table[0].simd.vectorize(
+        #[inline(always)]
+        || first_of_all(series, own, lane, length, doubts),
+    )
+}
+
+#[inline(always)]
+fn first_of_all<S: Simd, const N: usize>(
+    series: &Series<S, N>,
+    own: &Lane<N>,
+    lane: usize,
+    length: f64,
+    doubts: &Doubts<N>,
+) -> Ends {
+    let mut powers = [1.0; ORDER + 1];
+    for k in 1..=ORDER {
+        powers[k] = powers[k - 1] * length;
+    }
+    let mut first = Ends::Nothing;
+    let band = own.margins.band;
+    let aim = 0.5 * own.width;
+    let slack = own.margins.slack + aim;
+    for (ball, phase) in own.phases.iter().enumerate() {
+        let loose = doubts.loose & 1 << lane != 0;
+        if !loose && doubts.of_balls[ball] & 1 << lane == 0 {
+            continue;
+        }
+        let speeds: [f64; ORDER + 1] =
+            std::array::from_fn(|k| series.terms[k].balls[ball].speed[lane]);
+        match *phase {
+            Phase::Slip(direction) => {
+                let out = |k: usize| direction * speeds[k];
+                first.or(polynomial(aim - band, out, &powers), (ball, 0));
             }
             Phase::Transition(direction) => {
-                let friction = ball.friction.slip(direction, speed);
-                let changing =
-                    ball.mobility * (tangential_rate - friction.signed_friction * normal_rate);
-                (
-                    [sign * speed + offset, transition * acceleration + slack, normal],
-                    [sign * acceleration, transition * changing, normal_rate],
-                )
+                let inside = |k: usize| -direction * speeds[k];
+                first.or(polynomial(aim + band, inside, &powers), (ball, 0));
+                let accelerating = |k: usize| match speeds.get(k + 1) {
+                    Some(speed) => direction * ((k + 1) as f64 * speed),
+                    None => 0.0,
+                };
+                first.or(polynomial(slack, accelerating, &powers), (ball, 1));
             }
-            Phase::Slip(_) | Phase::Free => {
-                ([sign * speed + offset, 1.0, normal], [sign * acceleration, 0.0, normal_rate])
+            Phase::Stick => {
+                let forces = forces_on_resting(series, own, lane, ball);
+                for (which, sign) in [1.0, -1.0].into_iter().enumerate() {
+                    let left = |k: usize| forces[k][0] - sign * forces[k][1];
+                    first.or(polynomial(slack, left, &powers), (ball, which));
+                }
             }
-        };
+            Phase::Free => {}
+        }
+        if loose {
+            let normal = normal_force(series, own, lane, ball);
+            first.or(polynomial(aim, |k| normal[k], &powers), (ball, 2));
+        }
     }
-    found
+    first
 }
+
+impl Ends {
+    /// The first of this and of what becomes of another condition.
+    #[inline(always)]
+    fn or(&mut self, condition: Polynomial, which: (usize, usize)) {
+        match (condition.first_fall(), &self) {
+            (Course::Holds, _) | (_, Ends::AtOnce) => {}
+            (Course::FailsAtOnce, _) => *self = Ends::AtOnce,
+            (Course::Fails(at), Ends::At(earlier, _)) if *earlier <= at => {}
+            (Course::Fails(at), _) => *self = Ends::At(at, which),
+        }
+    }
+}
+
+#[inline(always)]
+fn polynomial(
+    offset: f64,
+    of: impl Fn(usize) -> f64,
+    powers: &[f64; ORDER + 1],
+) -> Polynomial {
+    let mut polynomial = Polynomial(std::array::from_fn(|k| of(k) * powers[k]));
+    polynomial.0[0] += offset;
+    polynomial
+}
+
+/// The series of μ times the normal force on a ball that sticks, and of what sticking takes.
+#[inline(always)]
+fn forces_on_resting<S: Simd, const N: usize>(
+    series: &Series<S, N>,
+    own: &Lane<N>,
+    lane: usize,
+    ball: usize,
+) -> [[f64; 2]; ORDER + 1] {
+    let [c, s] = series.solver.directions[ball].map(|of_all| of_all[lane]);
+    let limit = own.balancer.balls[ball].friction.limit;
+    std::array::from_fn(|k| {
+        if k == ORDER {
+            return [0.0; 2];
+        }
+        let [x, y] = series.terms[k].pull.map(|of_all| of_all[lane]);
+        let normal = pressed(series, own, lane, ball, k) - (c * x + s * y);
+        [limit * normal, s * x - c * y]
+    })
+}
+
+/// What presses a ball on the ring but for the table's acceleration.
+#[inline(always)]
+fn pressed<S: Simd, const N: usize>(
+    series: &Series<S, N>,
+    own: &Lane<N>,
+    lane: usize,
+    ball: usize,
+    k: usize,
+) -> f64 {
+    let parameters = &own.balancer.balls[ball];
+    let speed = own.balancer.speed;
+    let of_ball = &series.terms[k].balls[ball];
+    let constant = if k == 0 { speed * speed } else { 0.0 };
+    constant
+        + ((2.0 * speed - parameters.rolling_linear) * of_ball.speed[lane]
+            + (1.0 - parameters.rolling_quadratic) * of_ball.squared[lane])
+}
+
+/// The series of the normal force on a ball of a lane.
+#[inline(never)]
+fn normal_force<S: Simd, const N: usize>(
+    series: &Series<S, N>,
+    own: &Lane<N>,
+    lane: usize,
+    ball: usize,
+) -> [f64; ORDER + 1] {
+    let contact = own.phases[ball].contact(&own.balancer.balls[ball].friction, 1.0);
+    let friction = contact.signed_friction;
+    let share = 1.0 / (1.0 + friction * friction);
+    let along = |k: usize, j: usize| {
+        let [real, imaginary] = series.terms[j].balls[ball].direction.map(|of_all| of_all[lane]);
+        let [x, y] = series.terms[k - j].pull.map(|of_all| of_all[lane]);
+        (real + friction * imaginary) * x + (imaginary - friction * real) * y
+    };
+    std::array::from_fn(|k| {
+        if k == ORDER {
+            return 0.0;
+        }
+        let pulled: f64 = (0..=k).map(|j| along(k, j)).sum();
+        pressed(series, own, lane, ball, k) - share * pulled
+    })
+}
+

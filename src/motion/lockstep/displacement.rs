@@ -1,14 +1,103 @@
 //! Small displacements from the motions in lockstep: carried along by the linearised flow in vectors,
 //! and over switches by the saltation matrix (`motion::variation`) one by one.
 
-use fearless_simd::Simd;
+use fearless_simd::{Simd, prelude::*};
 
+use super::equations::Equations;
 use super::lane::Lane;
-use super::{Flow, Group};
+use super::series::{Constants, ORDER, Series, products, solve};
+use super::{Flow, Group, Lanes};
 use crate::model::State;
 use crate::motion::contact::{Phase, SmoothPhase};
 use crate::motion::guard::Guard;
 use crate::motion::variation::saltation;
+
+impl<S: Simd, const N: usize> Series<S, N> {
+    /// Expands a displacement from the motion that has been expanded: the same equations to first order.
+    #[inline(always)]
+    pub(super) fn expand_displacement(
+        &self,
+        equations: &Equations<S, N>,
+        start: &Flow<S, N>,
+        displaced: &mut Self,
+    ) {
+        let [x, y, x_dot, y_dot] = start.table;
+        let [first, second, ..] = &mut displaced.terms;
+        first.table = [x, y];
+        second.table = [x_dot, y_dot];
+        for i in 0..N {
+            let [real, imaginary] = self.solver.directions[i];
+            let (angle, speed) = (start.angle[i], start.speed[i]);
+            let turned = [-(imaginary * angle), real * angle];
+            first.balls[i].speed = speed;
+            first.balls[i].direction = turned;
+            let own = self.terms[0].balls[i].speed;
+            let free = equations.balls[i].free;
+            second.balls[i].direction = [
+                -(free * own.mul_add_precise(turned[1], speed * imaginary)),
+                free * own.mul_add_precise(turned[0], speed * real),
+            ];
+        }
+        for k in 0..ORDER {
+            self.order_of_displacement(equations, displaced, k);
+        }
+    }
+
+    #[inline(never)]
+    fn order_of_displacement(
+        &self,
+        equations: &Equations<S, N>,
+        displaced: &mut Self,
+        k: usize,
+    ) {
+        equations.speed.simd.vectorize(
+            #[inline(always)]
+            || self.linear_order(equations, displaced, k),
+        );
+    }
+
+    #[inline(always)]
+    fn linear_order(&self, equations: &Equations<S, N>, displaced: &mut Self, k: usize) {
+        let mut sums = products(&self.terms, &displaced.terms, k);
+        let others = products(&displaced.terms, &self.terms, k);
+        let [pull_x, pull_y] = self.terms[k].pull;
+        for i in 0..N {
+            let ball = &equations.balls[i];
+            let [real, imaginary] = displaced.terms[0].balls[i].direction;
+            let accelerated = ball.free * self.terms[k + 1].balls[i].speed;
+            let sums = &mut sums[i];
+            sums.turning[0] += accelerated.mul_add_precise(real, others[i].turning[0]);
+            sums.turning[1] += accelerated.mul_add_precise(imaginary, others[i].turning[1]);
+            let drawn = imaginary * pull_x - real * pull_y;
+            sums.drawn += drawn + others[i].drawn;
+            let mut squared = sums.squared;
+            let along = displaced.terms[..=k].iter().rev();
+            for (own, along) in self.terms[..=k].iter().zip(along) {
+                squared = own.balls[i].speed.mul_add_precise(along.balls[i].speed, squared);
+            }
+            sums.squared = squared + squared;
+            // What is left of the speed of a ball that sticks.
+            let own = &self.terms[k].balls[i];
+            let residual = equations.double_speed.mul_add_precise(own.speed, own.squared);
+            let residual = ball.mass * ball.stuck * residual;
+            sums.push = [residual * real, residual * imaginary];
+        }
+        solve(&mut displaced.terms, &self.solver, equations, k, sums, Constants::None);
+    }
+}
+
+/// Carries displacements over a step of this length, in all lanes; `displaced` is room to work in.
+#[inline(always)]
+pub(super) fn carry<S: Simd, const N: usize>(
+    series: &Series<S, N>,
+    equations: &Equations<S, N>,
+    displacement: &Flow<S, N>,
+    length: Lanes<S>,
+    displaced: &mut Series<S, N>,
+) -> Flow<S, N> {
+    series.expand_displacement(equations, displacement, displaced);
+    displaced.at(equations, displacement, length)
+}
 
 /// What is known of a lane's displacement.
 #[derive(Clone, Copy, Debug)]

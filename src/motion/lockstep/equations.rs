@@ -1,32 +1,35 @@
-//! The equations of motion of a balancer for all lanes at once.
+//! The parameters of the equations of motion of a balancer for all lanes at once.
 //!
-//! The same as `model::equations` (for each ball first, then a 2×2 system for the table), written with
-//! fused multiply-adds and with what does not change within a smooth phase computed once. Friction is
+//! The equations are those of `model::equations`, solved by power series (`series`). Friction is
 //! `p f_n + q β̇`: Coulomb friction and viscous drag.
 
 use fearless_simd::{Simd, prelude::*};
 
-use super::trigonometry::sin_cos;
-use super::{Flow, Lanes};
+use super::Lanes;
+use crate::model::{Balancer, Contact};
+use crate::motion::contact::Phase;
 
-/// What a ball's equation needs.
+/// What a ball's equation needs, for what it does.
 #[derive(Clone, Copy)]
 pub(crate) struct Ball<S: Simd> {
     /// m
     pub(super) mass: Lanes<S>,
-    /// 1 where it may accelerate, 0 where it sticks.
+    /// 1 where it may move, 0 where it sticks.
     pub(super) free: Lanes<S>,
+    /// The other way round.
+    pub(super) stuck: Lanes<S>,
     /// 1 / (1 + 4 J) where it may accelerate, else 0.
     pub(super) mobility: Lanes<S>,
-    /// m times that.
-    pub(super) mobile_mass: Lanes<S>,
     /// p = ±μ; 0 where it sticks.
     pub(super) friction: Lanes<S>,
-    /// q; 0 where it sticks.
-    pub(super) drag: Lanes<S>,
-    /// -2 J d ω and 4 J (or 0): the rolling term, subtracted.
-    pub(super) rolling_linear: Lanes<S>,
-    pub(super) rolling_quadratic: Lanes<S>,
+    /// m / (1 + p²), and that times p.
+    pub(super) turned_mass: Lanes<S>,
+    pub(super) turned_friction: Lanes<S>,
+    /// What presses it on the ring at its speed β̇ but for the table's acceleration: `ω² + these times β̇
+    /// and β̇²`, the rolling term among them.
+    pub(super) pressed: [Lanes<S>; 2],
+    /// What holds it back but for that: these times 1, β̇ and β̇², `p pressed + q β̇`.
+    pub(super) held: [Lanes<S>; 3],
 }
 
 /// The parameters of one smooth phase.
@@ -45,47 +48,20 @@ pub(crate) struct Equations<S: Simd, const N: usize> {
     pub(super) balls: [Ball<S>; N],
 }
 
-/// The forces on a ball.
-#[derive(Clone, Copy)]
-pub(crate) struct Force<S: Simd> {
-    pub(super) sine: Lanes<S>,
-    pub(super) cosine: Lanes<S>,
-    /// Normal force.
-    pub(super) normal: Lanes<S>,
-    /// What sticking takes: s a_x - c a_y.
-    pub(super) tangential: Lanes<S>,
-}
-
-/// What the equations for a displacement need of a state.
-#[derive(Clone, Copy)]
-pub(crate) struct Linearised<S: Simd, const N: usize> {
-    /// Sine and cosine of the balls' angles.
-    pub(super) trigonometry: [(Lanes<S>, Lanes<S>); N],
-    /// Speeds of the balls.
-    pub(super) speed: [Lanes<S>; N],
-    /// Accelerations of the balls.
-    pub(super) acceleration: [Lanes<S>; N],
-    /// Absolute acceleration of the table.
-    pub(super) table: [Lanes<S>; 2],
-    /// The 2×2 system's coefficients and one over its determinant.
-    pub(super) system: [Lanes<S>; 4],
-    pub(super) inverse: Lanes<S>,
-}
-
 impl<S: Simd, const N: usize> Equations<S, N> {
     /// Zero in all lanes: what no run is computed with.
-    #[inline(always)]
     pub(super) fn blank(simd: S) -> Self {
         let zero = Lanes::splat(simd, 0.0);
         let ball = Ball {
             mass: zero,
             free: zero,
+            stuck: zero,
             mobility: zero,
-            mobile_mass: zero,
             friction: zero,
-            drag: zero,
-            rolling_linear: zero,
-            rolling_quadratic: zero,
+            turned_mass: zero,
+            turned_friction: zero,
+            pressed: [zero; 2],
+            held: [zero; 3],
         };
         Equations {
             speed: zero,
@@ -98,204 +74,41 @@ impl<S: Simd, const N: usize> Equations<S, N> {
         }
     }
 
-    /// Rate of change of a state. One function for all stages of a step: they are large, and so would
-    /// be the time to compile them.
-    #[inline(never)]
-    pub(super) fn rate(&self, state: &Flow<S, N>, rate: &mut Flow<S, N>) {
-        self.speed.simd.vectorize(
-            #[inline(always)]
-            || *rate = self.evaluate(state).0,
-        );
+    /// Sets the machine of a lane, but for what depends on what its balls do.
+    pub(super) fn set_machine(&mut self, lane: usize, balancer: &Balancer<N>) {
+        let speed = balancer.speed;
+        let damping = 2.0 * balancer.damping_ratio;
+        self.speed[lane] = speed;
+        self.double_speed[lane] = 2.0 * speed;
+        self.speed_squared[lane] = speed * speed;
+        self.drag[lane] = damping;
+        self.drag_speed[lane] = damping * speed;
+        self.imbalance[lane] = balancer.imbalance * speed * speed;
+        for (of_ball, ball) in self.balls.iter_mut().zip(&balancer.balls) {
+            of_ball.mass[lane] = ball.mass;
+            of_ball.pressed[0][lane] = 2.0 * speed - ball.rolling_linear;
+            of_ball.pressed[1][lane] = 1.0 - ball.rolling_quadratic;
+        }
     }
 
-    /// The same with what a displacement needs.
-    #[inline(never)]
-    pub(super) fn rate_and_linearised(
-        &self,
-        state: &Flow<S, N>,
-        rate: &mut Flow<S, N>,
-        linearised: &mut Linearised<S, N>,
-    ) {
-        self.speed.simd.vectorize(
-            #[inline(always)]
-            || (*rate, _, *linearised) = self.evaluate(state),
-        );
-    }
-
-    /// Rate of change, forces and what a displacement needs.
-    #[inline(always)]
-    pub(super) fn evaluate(
-        &self,
-        state: &Flow<S, N>,
-    ) -> (Flow<S, N>, [Force<S>; N], Linearised<S, N>) {
-        let [x, y, x_dot, y_dot] = state.table;
-        let one = Lanes::splat(x.simd, 1.0);
-        let zero = Lanes::splat(x.simd, 0.0);
-        let mut force_x = self.drag_speed.mul_add_precise(y, self.imbalance - x);
-        force_x = (-self.drag).mul_add_precise(x_dot, force_x);
-        let mut force_y = (-self.drag_speed).mul_add_precise(x, -y);
-        force_y = (-self.drag).mul_add_precise(y_dot, force_y);
-        let frame_x = self.double_speed.mul_add_precise(y_dot, self.speed_squared * x);
-        let frame_y = (-self.double_speed).mul_add_precise(x_dot, self.speed_squared * y);
-
-        let mut trigonometry = [(zero, zero); N];
-        let (mut u, mut v, mut held, mut pressed) = ([zero; N], [zero; N], [zero; N], [zero; N]);
-        // Sums over the balls stand apart from the table's own terms and are not fused, so that two
-        // balls exchanged give the same to the last bit.
-        let (mut m_xx, mut m_xy, mut m_yx, mut m_yy) = (zero, zero, zero, zero);
-        let (mut push_x, mut push_y) = (zero, zero);
-        for i in 0..N {
-            let ball = &self.balls[i];
-            let speed = state.speed[i];
-            let (s, c) = sin_cos(state.angle[i]);
-            trigonometry[i] = (s, c);
-            let w = self.speed + speed;
-            let w_squared = w * w;
-            let rolling = ball.rolling_quadratic.mul_add_precise(speed, ball.rolling_linear);
-            pressed[i] = rolling.mul_add_precise(speed, w_squared);
-            u[i] = ball.friction.mul_add_precise(c, s);
-            v[i] = ball.friction.mul_add_precise(s, -c);
-            held[i] = ball.friction.mul_add_precise(pressed[i], ball.drag * speed);
-            let along_x = ball.mobile_mass * u[i];
-            let along_y = ball.mobile_mass * v[i];
-            let outward = ball.mass * w_squared;
-            let pulled = ball.mobile_mass * held[i];
-            let terms = [
-                s * along_x,
-                s * along_y,
-                c * along_x,
-                c * along_y,
-                c.mul_add_precise(outward, -(s * pulled)),
-                s.mul_add_precise(outward, c * pulled),
-            ];
-            if i == 0 {
-                [m_xx, m_xy, m_yx, m_yy, push_x, push_y] = terms;
-            } else {
-                m_xx += terms[0];
-                m_xy += terms[1];
-                m_yx += terms[2];
-                m_yy += terms[3];
-                push_x += terms[4];
-                push_y += terms[5];
-            }
+    /// Sets what depends on what the balls of a lane do.
+    pub(super) fn set_phases(&mut self, lane: usize, balancer: &Balancer<N>, phases: &[Phase; N]) {
+        let speed = balancer.speed;
+        for ((of_ball, ball), phase) in self.balls.iter_mut().zip(&balancer.balls).zip(phases) {
+            let free = if *phase == Phase::Stick { 0.0 } else { 1.0 };
+            let Contact { signed_friction: friction, drag, .. } =
+                phase.contact(&ball.friction, 1.0);
+            let turned = ball.mass / (1.0 + friction * friction);
+            of_ball.free[lane] = free;
+            of_ball.stuck[lane] = 1.0 - free;
+            of_ball.mobility[lane] = ball.mobility * free;
+            of_ball.friction[lane] = friction;
+            of_ball.turned_mass[lane] = turned;
+            of_ball.turned_friction[lane] = turned * friction;
+            of_ball.held[0][lane] = friction * (speed * speed);
+            of_ball.held[1][lane] = friction * (2.0 * speed - ball.rolling_linear) + drag;
+            of_ball.held[2][lane] = friction * (1.0 - ball.rolling_quadratic);
         }
-        force_x += push_x;
-        force_y += push_y;
-        // a_x = (d F_x + m_xy F_y) / det, a_y = (a F_y - m_yx F_x) / det, det = a d + m_xy m_yx
-        let (a, d) = (one - m_xx, one + m_yy);
-        let determinant = a.mul_add_precise(d, m_xy * m_yx);
-        let inverse = one / determinant;
-        let a_x = d.mul_add_precise(force_x, m_xy * force_y) * inverse;
-        let a_y = a.mul_add_precise(force_y, -(m_yx * force_x)) * inverse;
-
-        let mut rate = Flow {
-            table: [x_dot, y_dot, a_x + frame_x, a_y + frame_y],
-            angle: [zero; N],
-            speed: [zero; N],
-        };
-        let nothing = Force { sine: zero, cosine: zero, normal: zero, tangential: zero };
-        let mut forces = [nothing; N];
-        let mut acceleration = [zero; N];
-        for i in 0..N {
-            let ball = &self.balls[i];
-            let (s, c) = trigonometry[i];
-            let speed = state.speed[i];
-            acceleration[i] =
-                ball.mobility * u[i].mul_add_precise(a_x, v[i].mul_add_precise(a_y, -held[i]));
-            // A ball that sticks keeps its angle, and what is left of its speed dies out.
-            rate.angle[i] = ball.free * speed;
-            rate.speed[i] = acceleration[i] + (rate.angle[i] - speed);
-            forces[i] = Force {
-                sine: s,
-                cosine: c,
-                normal: pressed[i] - c.mul_add_precise(a_x, s * a_y),
-                tangential: s.mul_add_precise(a_x, -(c * a_y)),
-            };
-        }
-        let linearised = Linearised {
-            trigonometry,
-            speed: state.speed,
-            acceleration,
-            table: [a_x, a_y],
-            system: [a, m_xy, m_yx, d],
-            inverse,
-        };
-        (rate, forces, linearised)
-    }
-
-    /// Rate of change of a small displacement from a state.
-    #[inline(never)]
-    pub(super) fn displacement_rate(
-        &self,
-        at: &Linearised<S, N>,
-        displacement: &Flow<S, N>,
-        rate: &mut Flow<S, N>,
-    ) {
-        self.speed.simd.vectorize(
-            #[inline(always)]
-            || *rate = self.linear(at, displacement),
-        );
-    }
-
-    #[inline(always)]
-    fn linear(&self, at: &Linearised<S, N>, displacement: &Flow<S, N>) -> Flow<S, N> {
-        let [x, y, x_dot, y_dot] = displacement.table;
-        let [a_x, a_y] = at.table;
-        let zero = Lanes::splat(x.simd, 0.0);
-        let two = Lanes::splat(x.simd, 2.0);
-        let mut force_x = self.drag_speed.mul_add_precise(y, -x);
-        force_x = (-self.drag).mul_add_precise(x_dot, force_x);
-        let mut force_y = (-self.drag_speed).mul_add_precise(x, -y);
-        force_y = (-self.drag).mul_add_precise(y_dot, force_y);
-        let frame_x = self.double_speed.mul_add_precise(y_dot, self.speed_squared * x);
-        let frame_y = (-self.double_speed).mul_add_precise(x_dot, self.speed_squared * y);
-        let (mut u, mut v, mut own) = ([zero; N], [zero; N], [zero; N]);
-        let (mut push_x, mut push_y) = (zero, zero);
-        for i in 0..N {
-            let ball = &self.balls[i];
-            let (s, c) = at.trigonometry[i];
-            let (turned, speed) = (displacement.angle[i], displacement.speed[i]);
-            let w = self.speed + at.speed[i];
-            u[i] = ball.friction.mul_add_precise(c, s);
-            v[i] = ball.friction.mul_add_precise(s, -c);
-            let rolling =
-                (ball.rolling_quadratic * two).mul_add_precise(at.speed[i], ball.rolling_linear);
-            let pressed = two.mul_add_precise(w, rolling);
-            let held = ball.friction.mul_add_precise(pressed, ball.drag);
-            own[i] =
-                u[i].mul_add_precise(a_y, -(v[i] * a_x)).mul_add_precise(turned, -(held * speed));
-            let w_squared = w * w;
-            let pulled = ball.mobile_mass * own[i];
-            let acceleration = at.acceleration[i];
-            let around_x = c.mul_add_precise(acceleration, -(s * w_squared)) * turned;
-            let around_y = s.mul_add_precise(acceleration, c * w_squared) * turned;
-            let faster = two * w * speed;
-            let x = s.mul_add_precise(pulled, ball.mass * c.mul_add_precise(faster, around_x));
-            let y = (-c).mul_add_precise(pulled, ball.mass * s.mul_add_precise(faster, around_y));
-            if i == 0 {
-                (push_x, push_y) = (x, y);
-            } else {
-                (push_x, push_y) = (push_x + x, push_y + y);
-            }
-        }
-        force_x += push_x;
-        force_y += push_y;
-        let [a, m_xy, m_yx, d] = at.system;
-        let table_x = d.mul_add_precise(force_x, m_xy * force_y) * at.inverse;
-        let table_y = a.mul_add_precise(force_y, -(m_yx * force_x)) * at.inverse;
-        let mut rate = Flow {
-            table: [x_dot, y_dot, table_x + frame_x, table_y + frame_y],
-            angle: [zero; N],
-            speed: [zero; N],
-        };
-        for i in 0..N {
-            let ball = &self.balls[i];
-            let speed = displacement.speed[i];
-            let pulled = u[i].mul_add_precise(table_x, v[i].mul_add_precise(table_y, own[i]));
-            rate.angle[i] = ball.free * speed;
-            rate.speed[i] = ball.mobility.mul_add_precise(pulled, rate.angle[i] - speed);
-        }
-        rate
     }
 }
 

@@ -2,50 +2,45 @@
 
 use fearless_simd::{Simd, prelude::*};
 
-use super::conditions::{InLanes, Watched, of_one, watched};
-use super::equations::{Equations, Force, Linearised};
+use super::conditions::Watched;
+use super::equations::Equations;
 use super::lane::{Lane, Saved, rest_radius_squared};
-use super::step::Tried;
+use super::series::Series;
 use super::{Flow, LANES, Lanes};
-use crate::model::{Forces, State, System};
-use crate::motion::contact::{Phase, SmoothPhase};
+use crate::model::{State, System};
+use crate::motion::{Effort, Step};
+use crate::motion::contact::Phase;
 use crate::motion::driver::{Course, Motion};
 use crate::motion::first_switch::LastStep;
-use crate::motion::{Effort, Step};
+use crate::motion::interpolant::Interpolant;
 
-/// How much longer than one by one steps may be while all balls slip: more than twice as long they are of
-/// no use, as the tolerance then keeps them short. While a ball sticks, the force that holds it ripples
-/// fast, and a short break-away could fall between the ends of a longer step.
-const LONGEST: f64 = 2.0;
+/// How much longer than one by one steps may be. No event is missed in a longer one; it keeps short what a
+/// run that may be continued has to be kept for.
+const LONGEST: f64 = 8.0;
 
 /// Eight lanes, some of them empty.
 pub(crate) struct Group<S: Simd, const N: usize> {
     pub(super) state: Flow<S, N>,
-    pub(super) rate: Flow<S, N>,
     pub(super) time: Lanes<S>,
     pub(super) until: Lanes<S>,
     pub(super) attention: Lanes<S>,
     pub(super) longest: Lanes<S>,
     pub(super) next: Lanes<S>,
-    /// The length of a step that looks for an event; else infinite.
-    pub(super) trial: Lanes<S>,
     pub(super) tolerance: [Lanes<S>; 2],
     pub(super) equations: Equations<S, N>,
     pub(super) watched: [Watched<S>; N],
-    pub(super) conditions: InLanes<S, N>,
     pub(super) turns: [Lanes<S>; N],
     pub(super) slow: Lanes<S>,
     pub(super) slow_since: [Lanes<S>; N],
     pub(super) rest: [Lanes<S>; 2],
     pub(super) rest_radius_squared: Lanes<S>,
-    /// Steps tried.
-    pub(super) tried: Lanes<S>,
+    /// Steps taken.
+    pub(super) taken: Lanes<S>,
     pub(super) most: Lanes<S>,
     pub(super) displacement: Flow<S, N>,
     pub(super) lanes: [Option<Lane<N>>; LANES],
-    /// Bit masks: lanes with a run, with a search, with a ball that cannot stick.
+    /// Bit masks: lanes with a run, with a ball that cannot stick.
     pub(super) alive: u64,
-    pub(super) searching: u64,
     pub(super) sliding: u64,
     /// Before the latest step.
     pub(super) before: Flow<S, N>,
@@ -54,32 +49,20 @@ pub(crate) struct Group<S: Simd, const N: usize> {
 
 /// Room to take a step in; what of it the latest step has left.
 pub(crate) struct Room<S: Simd, const N: usize> {
-    pub(super) stages: [Flow<S, N>; 12],
-    pub(super) linearised: [Linearised<S, N>; 12],
-    pub(super) rates: [Flow<S, N>; 12],
-    pub(super) tried: Tried<S, N>,
+    pub(super) series: Series<S, N>,
+    pub(super) displaced: Series<S, N>,
+    /// The step's end, angles not yet brought back into one turn.
+    pub(super) end: Flow<S, N>,
     pub(super) length: Lanes<S>,
 }
 
 impl<S: Simd, const N: usize> Room<S, N> {
     pub(crate) fn new(simd: S) -> Self {
-        let zero = Lanes::splat(simd, 0.0);
-        let flow = Flow::zero(simd);
-        let force = Force { sine: zero, cosine: zero, normal: zero, tangential: zero };
-        let linearised = Linearised {
-            trigonometry: [(zero, zero); N],
-            speed: [zero; N],
-            acceleration: [zero; N],
-            table: [zero; 2],
-            system: [zero; 4],
-            inverse: zero,
-        };
         Room {
-            stages: [flow; 12],
-            linearised: [linearised; 12],
-            rates: [flow; 12],
-            tried: Tried { end: flow, rate: flow, forces: [force; N], error_squared: zero },
-            length: zero,
+            series: Series::zero(simd),
+            displaced: Series::zero(simd),
+            end: Flow::zero(simd),
+            length: Lanes::splat(simd, 0.0),
         }
     }
 }
@@ -89,38 +72,26 @@ impl<S: Simd, const N: usize> Group<S, N> {
     pub(crate) fn new(simd: S) -> Self {
         let constant = |value: f64| Lanes::splat(simd, value);
         let zero = constant(0.0);
-        let nothing = Watched {
-            sign: zero,
-            offset: constant(1.0),
-            transition: zero,
-            stuck: zero,
-            limit: zero,
-            slack: zero,
-        };
         Group {
             state: Flow::zero(simd),
-            rate: Flow::zero(simd),
             time: zero,
             until: constant(1.0),
             attention: constant(f64::INFINITY),
             longest: zero,
-            next: zero,
-            trial: zero,
+            next: constant(1.0),
             tolerance: [constant(1.0); 2],
             equations: Equations::blank(simd),
-            watched: [nothing; N],
-            conditions: InLanes::met(simd),
+            watched: [Watched::nothing(simd); N],
             turns: [zero; N],
             slow: zero,
             slow_since: [zero; N],
             rest: [zero; 2],
             rest_radius_squared: constant(-1.0),
-            tried: zero,
+            taken: zero,
             most: constant(f64::INFINITY),
             displacement: Flow::zero(simd),
             lanes: std::array::from_fn(|_| None),
             alive: 0,
-            searching: 0,
             sliding: 0,
             before: Flow::zero(simd),
             time_before: zero,
@@ -142,22 +113,9 @@ impl<S: Simd, const N: usize> Group<S, N> {
     pub(crate) fn put(&mut self, lane: usize, saved: &Saved<N>, until: f64) {
         let Saved { lane: own, .. } = saved;
         let balancer = &own.balancer;
-        let speed = balancer.speed;
-        let damping = 2.0 * balancer.damping_ratio;
-        let equations = &mut self.equations;
-        equations.speed[lane] = speed;
-        equations.double_speed[lane] = 2.0 * speed;
-        equations.speed_squared[lane] = speed * speed;
-        equations.drag[lane] = damping;
-        equations.drag_speed[lane] = damping * speed;
-        equations.imbalance[lane] = balancer.imbalance * speed * speed;
+        self.equations.set_machine(lane, balancer);
         for (i, ball) in balancer.balls.iter().enumerate() {
-            let of_ball = &mut equations.balls[i];
-            of_ball.mass[lane] = ball.mass;
-            of_ball.rolling_linear[lane] = -ball.rolling_linear;
-            of_ball.rolling_quadratic[lane] = -ball.rolling_quadratic;
             self.watched[i].limit[lane] = ball.friction.limit;
-            self.watched[i].slack[lane] = own.margins.slack;
             self.turns[i][lane] = saved.turns[i];
             self.slow_since[i][lane] = saved.slow_since[i];
         }
@@ -168,21 +126,17 @@ impl<S: Simd, const N: usize> Group<S, N> {
         self.until[lane] = until;
         self.attention[lane] = f64::INFINITY;
         self.next[lane] = saved.next;
-        self.trial[lane] = saved.trial;
         self.slow[lane] = own.slow;
-        self.tried[lane] = saved.tried;
+        self.taken[lane] = saved.taken;
         self.most[lane] = own.settings.effort_limit as f64;
         self.displacement.set_lane(lane, &saved.displacement);
         let bit = 1 << lane;
         self.alive |= bit;
-        self.searching = self.searching & !bit | if own.search.is_some() { bit } else { 0 };
         let slides = balancer.balls.iter().any(|ball| !ball.friction.can_stick());
         self.sliding = self.sliding & !bit | if slides { bit } else { 0 };
         self.lanes[lane] = Some(own.clone());
         self.set_phases(lane, &own.phases);
         self.state.set_lane(lane, &saved.state);
-        self.rate.set_lane(lane, &saved.rate);
-        self.conditions.set_lane(lane, &saved.conditions);
         self.set_rest(lane);
     }
 
@@ -190,24 +144,11 @@ impl<S: Simd, const N: usize> Group<S, N> {
     fn set_phases(&mut self, lane: usize, phases: &[Phase; N]) {
         let Some(own) = &mut self.lanes[lane] else { return };
         own.phases = *phases;
-        let factor = if phases.contains(&Phase::Stick) { 1.0 } else { LONGEST };
-        self.longest[lane] = factor * own.balancer.longest_step();
-        for (i, phase) in phases.iter().enumerate() {
-            let ball = &own.balancer.balls[i];
-            let free = if *phase == Phase::Stick { 0.0 } else { 1.0 };
-            let contact = phase.contact(&ball.friction, 1.0);
-            let of_ball = &mut self.equations.balls[i];
-            of_ball.free[lane] = free;
-            of_ball.mobility[lane] = ball.mobility * free;
-            of_ball.mobile_mass[lane] = ball.mass * (ball.mobility * free);
-            of_ball.friction[lane] = contact.signed_friction;
-            of_ball.drag[lane] = contact.drag;
-            let watched_ball = &mut self.watched[i];
-            let [sign, offset, transition, stuck] = watched(*phase, own.margins.band);
-            watched_ball.sign[lane] = sign;
-            watched_ball.offset[lane] = offset;
-            watched_ball.transition[lane] = transition;
-            watched_ball.stuck[lane] = stuck;
+        self.longest[lane] = LONGEST * own.balancer.longest_step();
+        self.equations.set_phases(lane, &own.balancer, phases);
+        let margins = [own.margins.band, own.margins.slack, 0.5 * own.width];
+        for (watched, phase) in self.watched.iter_mut().zip(phases) {
+            watched.set(lane, *phase, margins);
         }
     }
 
@@ -223,22 +164,10 @@ impl<S: Simd, const N: usize> Group<S, N> {
     }
 
     /// Begins a phase in a lane.
-    pub(super) fn enter(
-        &mut self,
-        lane: usize,
-        state: &State<N>,
-        phases: &[Phase; N],
-        forces: &Forces<N>,
-    ) {
+    pub(super) fn enter(&mut self, lane: usize, state: &State<N>, phases: &[Phase; N]) {
         self.state.set_lane(lane, state);
         self.set_phases(lane, phases);
         self.set_rest(lane);
-        let Some(own) = &self.lanes[lane] else { return };
-        let rate = SmoothPhase::new(&own.balancer, phases).derivative_with(state, forces);
-        self.rate.set_lane(lane, &rate);
-        let margins = [own.margins.band, own.margins.slack];
-        let conditions = of_one(&own.balancer, phases, margins, (state, &rate, forces));
-        self.conditions.set_lane(lane, &conditions);
     }
 
     /// Takes a run out of its lane.
@@ -246,11 +175,10 @@ impl<S: Simd, const N: usize> Group<S, N> {
         let saved = self.copy(lane);
         let bit = 1 << lane;
         self.alive &= !bit;
-        self.searching &= !bit;
         self.sliding &= !bit;
         self.lanes[lane] = None;
         // The lane takes steps of no length until it has a run again.
-        self.trial[lane] = 0.0;
+        self.until[lane] = self.time[lane];
         self.rest_radius_squared[lane] = -1.0;
         self.attention[lane] = f64::INFINITY;
         self.most[lane] = f64::INFINITY;
@@ -264,13 +192,10 @@ impl<S: Simd, const N: usize> Group<S, N> {
             lane: own.clone(),
             time: self.time[lane],
             state: self.state.lane(lane),
-            rate: self.rate.lane(lane),
             turns: self.turns.each_ref().map(|turns| turns[lane]),
             slow_since: self.slow_since.each_ref().map(|since| since[lane]),
             next: self.next[lane],
-            trial: self.trial[lane],
-            tried: self.tried[lane],
-            conditions: self.conditions.lane(lane),
+            taken: self.taken[lane],
             displacement: self.displacement.lane(lane),
         })
     }
@@ -292,7 +217,7 @@ impl<S: Simd, const N: usize> Group<S, N> {
 
     /// Whether the next step of a lane may be cut short by a time.
     pub(crate) fn reaches(&self, lane: usize, time: f64) -> bool {
-        self.next[lane].min(self.longest[lane]) >= time - self.time[lane]
+        self.longest[lane] >= time - self.time[lane]
     }
 
     /// The longest step that a lane may ever take.
@@ -304,7 +229,7 @@ impl<S: Simd, const N: usize> Group<S, N> {
     /// What the run in a lane has cost.
     pub(super) fn effort(&self, lane: usize) -> Effort {
         let own = self.lanes[lane].as_ref();
-        own.map_or_else(Effort::default, |own| own.effort(self.tried[lane]))
+        own.map_or_else(Effort::default, |own| own.effort(self.taken[lane]))
     }
 
     /// Turns of balls, both ways, and switches since the start of the run.
@@ -343,7 +268,7 @@ impl<S: Simd, const N: usize> Group<S, N> {
         lane: usize,
     ) -> Option<([Phase; N], State<N>)> {
         let mut state = self.state.lane(lane);
-        state.beta = room.tried.end.lane(lane).beta;
+        state.beta = room.end.lane(lane).beta;
         Some((self.lanes[lane].as_ref()?.phases, state))
     }
 
@@ -382,26 +307,24 @@ impl<S: Simd, const N: usize> Group<S, N> {
     ) -> Option<Motion<'a, crate::model::Balancer<N>, N>> {
         let own = self.lanes[lane].as_ref()?;
         let mut course = self.course(lane)?;
-        let end = room.tried.end.lane(lane);
+        let end = room.end.lane(lane);
         for ball in 0..N {
             let turns =
                 ((end.beta[ball] - course.state.beta[ball]) / std::f64::consts::TAU).round();
             course.turns[ball] -= turns as i64;
             course.state.beta[ball] = end.beta[ball];
         }
-        let step = Step {
-            start: self.before.lane(lane),
-            end,
-            length: room.length[lane],
-            stages: room.stages.each_ref().map(|stage| stage.lane(lane)),
-        };
+        let start = self.before.lane(lane);
+        let length = room.length[lane];
+        let phases = if had_event { own.during } else { own.phases };
+        let powers = room.series.powers(lane, &start, length, &phases);
         let last = LastStep {
-            step,
-            phases: if had_event { own.during } else { own.phases },
-            end_derivative: room.tried.rate.lane(lane),
+            step: Step::without_stages(start, end, length),
+            phases,
+            end_derivative: State::zero(),
             start_time: self.time_before[lane],
             used: 1.0,
-            interpolant: None,
+            interpolant: Some(Interpolant::of_powers(powers)),
             ended_by: None,
         };
         Some(Motion::resume(balancer, own.settings, course, Some(last)))

@@ -1,8 +1,7 @@
 //! One run of those in lockstep: what of it is not in vectors, and all of it when it is taken out.
 
-use super::conditions::of_one;
-use super::locate::{Conditions, Search, width};
-use crate::model::{Balancer, Method, RestPoint, State};
+use super::locate::width;
+use crate::model::{Balancer, Method, RestPoint, State, System};
 use crate::motion::contact::Phase;
 use crate::motion::driver::Motion;
 use crate::motion::guard::Margins;
@@ -22,18 +21,16 @@ pub(crate) struct Lane<const N: usize> {
     pub(super) during: [Phase; N],
     pub(super) last_switches: [f64; N],
     pub(super) switches: u64,
-    pub(super) not_taken: u64,
-    pub(super) search: Option<Search<N>>,
     /// Whether a displacement met a switch by grazing.
     pub(super) grazed: bool,
 }
 
 impl<const N: usize> Lane<N> {
-    /// What the run has cost in so many steps tried.
-    pub(super) fn effort(&self, tried: f64) -> Effort {
+    /// What the run has cost in so many steps.
+    pub(super) fn effort(&self, taken: f64) -> Effort {
         Effort {
-            steps: (tried as u64).saturating_sub(self.not_taken),
-            rejected_steps: self.not_taken,
+            steps: taken as u64,
+            rejected_steps: 0,
             switches: self.switches,
         }
     }
@@ -60,13 +57,10 @@ pub(crate) struct Saved<const N: usize> {
     pub(super) lane: Lane<N>,
     pub(super) time: f64,
     pub(super) state: State<N>,
-    pub(super) rate: State<N>,
     pub(super) turns: [f64; N],
     pub(super) slow_since: [f64; N],
     pub(super) next: f64,
-    pub(super) trial: f64,
-    pub(super) tried: f64,
-    pub(super) conditions: Conditions<N>,
+    pub(super) taken: f64,
     pub(super) displacement: State<N>,
 }
 
@@ -82,14 +76,8 @@ impl<const N: usize> Saved<N> {
     ) -> Result<Self, Failure> {
         let motion = Motion::new(balancer, settings, state)?;
         let margins = motion.margins();
-        let (state, rate) = (*motion.state(), *motion.derivative());
+        let state = *motion.state();
         let phases = *motion.phases();
-        let conditions = of_one(
-            balancer,
-            &phases,
-            [margins.band, margins.slack],
-            (&state, &rate, motion.forces()),
-        );
         let lane = Lane {
             balancer: *balancer,
             settings,
@@ -100,21 +88,16 @@ impl<const N: usize> Saved<N> {
             during: phases,
             last_switches: [0.0; N],
             switches: 0,
-            not_taken: 0,
-            search: None,
             grazed: false,
         };
         Ok(Saved {
             lane,
             time: 0.0,
             state,
-            rate,
             turns: [0.0; N],
             slow_since: [0.0; N],
-            next: motion.next_length(),
-            trial: f64::INFINITY,
-            tried: 0.0,
-            conditions,
+            next: balancer.longest_step(),
+            taken: 0.0,
             displacement: State::zero(),
         })
     }
@@ -128,7 +111,7 @@ impl<const N: usize> Saved<N> {
 
     /// What it has cost.
     pub(crate) fn effort(&self) -> Effort {
-        self.lane.effort(self.tried)
+        self.lane.effort(self.taken)
     }
 }
 

@@ -1,17 +1,16 @@
-//! Where in a step a condition fails, found by the length of the step: a lane in which one has failed
-//! takes the same step again, shorter, until it ends where the condition has just failed. No dense
-//! output is needed, and the state at the event has the full order of the method.
+//! Where in a step a condition fails first: the first fall through zero of a polynomial.
+//!
+//! A part of the step is compared with the cubic that has the polynomial's values and slopes at its ends:
+//! they differ by no more than `M t² (1 - t)² / 24` over a part of length 1, where `M` bounds the fourth
+//! derivative. In Bernstein's form of degree four that changes the middle coefficient only, and where no
+//! coefficient is below zero the polynomial is not, either; where they change their sign once, it falls
+//! through zero once. Parts of which neither can be said are halved.
 
-/// Values and slopes in time of the conditions of all balls at a point of a step.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Conditions<const N: usize> {
-    pub(super) values: [[f64; 3]; N],
-    pub(super) slopes: [[f64; 3]; N],
-}
+use super::series::ORDER;
 
-/// An event is located when its condition is below zero by no more than the width: a part of the relative
-/// tolerance, within these bounds. It also keeps an event that is met to rounding only from being met
-/// twice. The search aims for the middle of it.
+/// An event is located where its condition is below zero by half of this: a part of the relative tolerance,
+/// within these bounds. So it has failed for certain, and one that is met to rounding only is not met
+/// twice.
 const WIDTH_OVER_TOLERANCE: f64 = 1e-3;
 const WIDTHS: (f64, f64) = (1e-12, 1e-9);
 
@@ -20,252 +19,244 @@ pub(super) fn width(relative_tolerance: f64) -> f64 {
     (WIDTH_OVER_TOLERANCE * relative_tolerance).clamp(WIDTHS.0, WIDTHS.1)
 }
 
-const MOST_TRIALS: u32 = 80;
-/// Trials that follow the curve; the others halve.
-const CURVED_TRIALS: u32 = 10;
+/// Parts no longer than this are not halved.
+const SHORTEST_PART: f64 = 1e-9;
 
-/// A search in progress: `low` and `high` are lengths of steps.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum Search<const N: usize> {
-    /// A look at where a condition may have dipped below zero.
-    Dip,
-    /// All conditions hold at `low`, one fails at `high`.
-    Bracket { low: (f64, Conditions<N>), high: (f64, Conditions<N>), trials: u32 },
+/// What becomes of a condition in a step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Course {
+    /// It holds to the end.
+    Holds,
+    /// It first fails at this part of the step.
+    Fails(f64),
+    /// It does not hold from the start on.
+    FailsAtOnce,
 }
 
-/// What to do with a step that has been tried.
+/// A polynomial over a step, as a function of the part of it that has passed.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Verdict<const N: usize> {
-    /// It stands.
-    Commit,
-    /// It ends at an event: this ball's condition with this number has failed.
-    Event(usize, usize),
-    /// Try another length.
-    Retry(f64, Search<N>),
-    /// Not to be decided here.
-    GiveUp,
+pub(super) struct Polynomial(pub(super) [f64; ORDER + 1]);
+
+/// A place with value and slope.
+#[derive(Clone, Copy, Debug)]
+struct Place {
+    at: f64,
+    value: f64,
+    slope: f64,
 }
 
-/// Judges a step of `length` from `start` to `end`.
-pub(super) fn judge<const N: usize>(
-    search: Option<&Search<N>>,
-    width: f64,
-    start: &Conditions<N>,
-    length: f64,
-    end: &Conditions<N>,
-) -> Verdict<N> {
-    let aim = 0.5 * width;
-    let fails = end.values.iter().flatten().any(|value| *value < 0.0);
-    let (low, high, trials) = match search {
-        None | Some(Search::Dip) => {
-            if !fails {
-                let dip = if search.is_none() { first_dip(start, length, end) } else { None };
-                return match dip {
-                    Some(theta) => Verdict::Retry(theta * length, Search::Dip),
-                    None => Verdict::Commit,
-                };
-            }
-            ((0.0, *start), (length, *end), 0)
+/// `k (k - 1) (k - 2) (k - 3)`: what the power `k` brings into the fourth derivative.
+pub(super) const FOURTH: [f64; ORDER + 1] = {
+    let mut all = [0.0; ORDER + 1];
+    let mut k = 4;
+    while k <= ORDER {
+        all[k] = (k * (k - 1) * (k - 2) * (k - 3)) as f64;
+        k += 1;
+    }
+    all
+};
+
+impl Polynomial {
+    /// To be inlined where the processor's fused multiply-add is at hand.
+    #[inline(always)]
+    fn place(&self, at: f64) -> Place {
+        let (mut value, mut slope) = (0.0_f64, 0.0_f64);
+        for coefficient in self.0.iter().rev() {
+            slope = slope.mul_add(at, value);
+            value = value.mul_add(at, *coefficient);
         }
-        Some(Search::Bracket { low, trials, .. }) if fails => (*low, (length, *end), *trials),
-        Some(Search::Bracket { high, trials, .. }) => ((length, *end), *high, *trials),
-    };
-    if fails && end.values.iter().flatten().all(|value| *value >= -width) {
-        return lowest(end);
+        Place { at, value, slope }
     }
-    if trials > MOST_TRIALS {
-        return Verdict::GiveUp;
+
+    /// A bound of its fourth derivative.
+    #[inline(always)]
+    fn fourth_derivative(&self) -> f64 {
+        let mut bound = 0.0;
+        for (weight, coefficient) in FOURTH.iter().zip(&self.0).skip(4) {
+            bound += weight * coefficient.abs();
+        }
+        bound
     }
-    let span = high.0 - low.0;
-    if span <= 1e-15 {
-        // Nothing between: the failing end is taken, if that is where this trial was.
-        return if fails { lowest(end) } else { Verdict::GiveUp };
-    }
-    let mut theta: f64 = 1.0;
-    for ball in 0..N {
-        for which in 0..3 {
-            let [from, to] = [low.1, high.1].map(|at| at.values[ball][which] + aim);
-            if to < 0.0 {
-                let slopes = [low.1, high.1].map(|at| at.slopes[ball][which]);
-                match Cubic::new([from, to], slopes, span).fall(aim) {
-                    Some(fall) => theta = theta.min(fall),
-                    None => return Verdict::GiveUp,
+
+    /// Where it first falls below zero.
+    #[inline(always)]
+    pub(super) fn first_fall(&self) -> Course {
+        let bound = self.fourth_derivative();
+        let [value, slope, ..] = self.0;
+        let mut low = Place { at: 0.0, value, slope };
+        if low.value <= 0.0 {
+            // Beyond the boundary by rounding: if it rises, the fall comes after.
+            let risen = (1..30).map(|halvings| self.place(0.5_f64.powi(halvings)));
+            match risen.into_iter().find(|place| place.value > 0.0) {
+                Some(place) => low = place,
+                None => return Course::FailsAtOnce,
+            }
+        }
+        let mut ends = [1.0; 32];
+        let mut left = 1;
+        while left > 0 {
+            let high = self.place(ends[left - 1]);
+            match part(low, high, bound) {
+                Part::Holds => {}
+                Part::Falls => return Course::Fails(self.fall(low, high)),
+                Part::Open => {
+                    if high.at - low.at > SHORTEST_PART && left < ends.len() {
+                        ends[left] = 0.5 * (low.at + high.at);
+                        left += 1;
+                        continue;
+                    }
+                    if high.value < 0.0 {
+                        return Course::Fails(self.fall(low, high));
+                    }
                 }
             }
+            low = high;
+            left -= 1;
         }
-    }
-    if trials > CURVED_TRIALS || theta >= 1.0 {
-        theta = 0.5;
-    }
-    let trial = low.0 + theta * span;
-    Verdict::Retry(trial, Search::Bracket { low, high, trials: trials + 1 })
-}
-
-/// The condition that has failed most.
-fn lowest<const N: usize>(end: &Conditions<N>) -> Verdict<N> {
-    let (mut ball, mut which) = (0, 0);
-    for i in 0..N {
-        for j in 0..3 {
-            if end.values[i][j] < end.values[ball][which] {
-                (ball, which) = (i, j);
-            }
-        }
-    }
-    Verdict::Event(ball, which)
-}
-
-/// The least place of the first condition that seems to dip below zero in a step.
-fn first_dip<const N: usize>(
-    start: &Conditions<N>,
-    length: f64,
-    end: &Conditions<N>,
-) -> Option<f64> {
-    let mut first: Option<f64> = None;
-    for ball in 0..N {
-        for which in 0..3 {
-            let values = [start, end].map(|at| at.values[ball][which]);
-            let slopes = [start, end].map(|at| at.slopes[ball][which]);
-            let change = length * slopes[0].abs().max(slopes[1].abs());
-            if values[0].min(values[1]) >= 0.5 * change {
-                continue;
-            }
-            if let Some(dip) = Cubic::new(values, slopes, length).dip()
-                && first.is_none_or(|first| dip < first)
-            {
-                first = Some(dip);
-            }
-        }
-    }
-    first
-}
-
-/// A cubic polynomial on [0, 1] by its values and slopes at the ends.
-struct Cubic([f64; 4]);
-
-impl Cubic {
-    fn new([a, b]: [f64; 2], slopes: [f64; 2], length: f64) -> Self {
-        let [p, q] = slopes.map(|slope| slope * length);
-        Cubic([a, p, 3.0 * (b - a) - 2.0 * p - q, 2.0 * (a - b) + p + q])
+        Course::Holds
     }
 
-    fn at(&self, t: f64) -> f64 {
-        let [a, b, c, d] = self.0;
-        ((d * t + c) * t + b) * t + a
-    }
-
-    fn slope(&self, t: f64) -> f64 {
-        let [_, b, c, d] = self.0;
-        (3.0 * d * t + 2.0 * c) * t + b
-    }
-
-    /// Where it is least in the inside, if it is below zero there.
-    fn dip(&self) -> Option<f64> {
-        let [_, b, c, d] = self.0;
-        let discriminant = c * c - 3.0 * b * d;
-        if discriminant <= 0.0 {
-            return None;
-        }
-        let root = discriminant.sqrt();
-        // The minimum is where the curvature 2c + 6dt = 2 root.
-        let t = if c > 0.0 { -b / (c + root) } else { (root - c) / (3.0 * d) };
-        (t > 1e-6 && t < 1.0 - 1e-6 && self.at(t) < 0.0).then_some(t)
-    }
-
-    /// Where it first falls through zero, its end being below; a start up to `aim` counts as on it.
-    fn fall(&self, aim: f64) -> Option<f64> {
-        const MOST_HALVINGS: u32 = 30;
-        let (mut low, mut high) = (0.0, 1.0);
-        if self.0[0] <= aim {
-            // It starts on the boundary. If it rises, the fall comes after; if not, at once.
-            let rise = (1..MOST_HALVINGS)
-                .map(|halvings| 0.5_f64.powi(halvings as i32))
-                .find(|t| self.at(*t) > aim.max(2.0 * self.0[0]));
-            match rise {
-                Some(t) => (low, high) = (t, (2.0 * t).min(1.0)),
-                None if self.0[0] > 0.0 && self.0[1] < 0.0 => {
-                    return Some((-self.0[0] / self.0[1]).min(1.0));
-                }
-                None if self.0[0] <= 0.0 => return None,
-                None => {}
-            }
-            while high < 1.0 && self.at(high) > 0.0 {
-                (low, high) = (high, (2.0 * high).min(1.0));
-            }
-        }
-        let mut t = self.0[0] / (self.0[0] - self.at(1.0));
-        if !(t > low && t < high) {
-            t = 0.5 * (low + high);
-        }
-        for _ in 0..40 {
-            let value = self.at(t);
-            if value > 0.0 {
-                low = t;
+    /// The fall between two places, by Newton's method kept between them.
+    #[inline(always)]
+    fn fall(&self, low: Place, high: Place) -> f64 {
+        const MOST: u32 = 60;
+        let (mut least, mut most) = (low.at, high.at);
+        let mut at = low.at + (high.at - low.at) * low.value / (low.value - high.value);
+        for _ in 0..MOST {
+            let place = self.place(at);
+            if place.value > 0.0 {
+                least = at;
             } else {
-                high = t;
+                most = at;
             }
-            let newton = t - value / self.slope(t);
-            if (newton - t).abs() < 1e-9 * t && newton > 0.0 && newton < 1.0 {
-                return Some(newton);
+            let newton = at - place.value / place.slope;
+            let next =
+                if newton > least && newton < most { newton } else { 0.5 * (least + most) };
+            // What is left is of the square of this, as the value is.
+            if (next - at).abs() <= 1e-8 {
+                return next;
             }
-            t = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
+            at = next;
         }
-        Some(t)
+        at
     }
+}
+
+enum Part {
+    Holds,
+    Falls,
+    Open,
+}
+
+/// What is known of the part between two places, at the first of which the condition holds.
+fn part(low: Place, high: Place, fourth_derivative: f64) -> Part {
+    let length = high.at - low.at;
+    let third = length / 3.0;
+    let (one, two) = (low.value + third * low.slope, high.value - third * high.slope);
+    let square = length * length;
+    let doubt = fourth_derivative * (square * square) / 144.0;
+    let second = 0.25 * (low.value + 3.0 * one);
+    let middle = 0.5 * (one + two);
+    let fourth = 0.25 * (3.0 * two + high.value);
+    if second.min(middle - doubt).min(fourth).min(high.value) >= 0.0 {
+        return Part::Holds;
+    }
+    if high.value >= 0.0 {
+        return Part::Open;
+    }
+    // One change of sign, whatever the middle is within its doubt.
+    let falls = |middle: f64| {
+        let signs = [second >= 0.0, middle >= 0.0, fourth >= 0.0];
+        signs.windows(2).all(|pair| pair[0] || !pair[1])
+    };
+    if falls(middle - doubt) && falls(middle + doubt) { Part::Falls } else { Part::Open }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{Conditions, Search, Verdict, judge, width};
+    use super::{Course, ORDER, Polynomial};
 
-    /// Locates the fall of a function of time in a step of length 1 as the lanes do, in how many
-    /// trials; `None` where the step stands.
-    fn locate(f: impl Fn(f64) -> (f64, f64)) -> Option<(f64, u32)> {
-        let at = |time: f64| {
-            let (value, slope) = f(time);
-            Conditions { values: [[value, 1.0, 1.0]], slopes: [[slope, 0.0, 0.0]] }
-        };
-        let (mut search, mut length, mut tried): (Option<Search<1>>, f64, u32) = (None, 1.0, 0);
-        loop {
-            tried += 1;
-            match judge(search.as_ref(), width(1e-8), &at(0.0), length, &at(length)) {
-                Verdict::Commit if length == 1.0 => return None,
-                // A look at a dip showed nothing: the step goes on from there.
-                Verdict::Commit => return None,
-                Verdict::Event(ball, which) => {
-                    assert_eq!((ball, which), (0, 0));
-                    return Some((length, tried));
-                }
-                Verdict::Retry(trial, next) => (length, search) = (trial, Some(next)),
-                Verdict::GiveUp => panic!("given up after {tried}"),
-            }
+    /// The Taylor polynomial of a function with these derivatives at 0.
+    fn polynomial(derivative: impl Fn(usize) -> f64) -> Polynomial {
+        let mut factorial = 1.0;
+        Polynomial(std::array::from_fn(|k| {
+            factorial *= k.max(1) as f64;
+            derivative(k) / factorial
+        }))
+    }
+
+    fn at(course: Course) -> f64 {
+        match course {
+            Course::Fails(at) => at,
+            other => panic!("{other:?}"),
         }
     }
 
     #[test]
     fn falls_are_located() {
-        let fall = |t: f64| (0.3 - t, -1.0);
-        let (time, tried) = locate(fall).unwrap();
-        assert!((time - 0.3).abs() < 1e-11 && tried <= 2, "{time} {tried}");
+        let line = polynomial(|k| [0.3, -1.0].get(k).copied().unwrap_or(0.0));
+        assert!((at(line.first_fall()) - 0.3).abs() < 1e-15);
 
-        // A sine that starts at zero, rises and falls.
-        let hump = |t: f64| ((4.0 * t).sin(), 4.0 * (4.0 * t).cos());
-        let (time, tried) = locate(hump).unwrap();
-        let expected = std::f64::consts::PI / 4.0;
-        assert!((time - expected).abs() < 1e-11 && tried <= 6, "{time} {tried}");
+        // sin(4 t) from just above zero: it rises, and falls at π/4.
+        let sine = |k: usize| [0.0, 1.0, 0.0, -1.0][k % 4] * 4.0_f64.powi(k as i32);
+        let hump = polynomial(|k| sine(k) + if k == 0 { 1e-12 } else { 0.0 });
+        assert!((at(hump.first_fall()) - std::f64::consts::FRAC_PI_4).abs() < 1e-5);
+        // The same from just below.
+        let hump = polynomial(|k| sine(k) - if k == 0 { 1e-12 } else { 0.0 });
+        assert!((at(hump.first_fall()) - std::f64::consts::FRAC_PI_4).abs() < 1e-5);
 
-        // A dip between two places at which all is well.
-        let dip = |t: f64| ((t - 0.4) * (t - 0.4) - 1e-4, 2.0 * (t - 0.4));
-        let (time, tried) = locate(dip).unwrap();
-        assert!((time - 0.39).abs() < 1e-9 && tried <= 8, "{time} {tried}");
-        let no_dip = |t: f64| ((t - 0.4) * (t - 0.4) + 1e-4, 2.0 * (t - 0.4));
-        assert_eq!(locate(no_dip), None);
+        // A dip between two places at which all is well, and one that does not reach zero.
+        let dip = |over: f64| {
+            let dip = [0.16 + over, -0.8, 2.0];
+            polynomial(move |k| dip.get(k).copied().unwrap_or(0.0))
+        };
+        assert!((at(dip(-1e-4).first_fall()) - 0.39).abs() < 1e-12);
+        assert!((at(dip(-1e-14).first_fall()) - 0.4).abs() < 1e-6);
+        assert_eq!(dip(1e-14).first_fall(), Course::Holds);
 
-        // On the boundary and on the way out: at once, but by more than rounding.
-        let out = |t: f64| (-1e-15 - 0.1 * t, -0.1);
-        let (time, _) = locate(out).unwrap();
-        assert!(time > 1e-12 && time < 1e-9, "{time}");
-        // Beyond it by rounding only, for ever: at the step's end.
-        let hovering = |t: f64| (-1e-14 * t, -1e-14);
-        assert_eq!(locate(hovering).unwrap().0, 1.0);
+        // Three falls: the first counts. cos(6 t) - 0.2 falls at acos(0.2)/6, rises and falls again.
+        let wave = |k: usize| [1.0, 0.0, -1.0, 0.0][k % 4] * 6.0_f64.powi(k as i32);
+        let wave = polynomial(|k| wave(k) - if k == 0 { 0.2 } else { 0.0 });
+        assert!((at(wave.first_fall()) - libm::acos(0.2) / 6.0).abs() < 1e-6);
+
+        // Beyond the boundary and on the way out.
+        let out = polynomial(|k| [-1e-15, -0.1].get(k).copied().unwrap_or(0.0));
+        assert_eq!(out.first_fall(), Course::FailsAtOnce);
+    }
+
+    /// Against looking at very many places, for polynomials with all their coefficients drawn.
+    #[test]
+    fn first_falls_are_first() {
+        let mut seed = 1_u64;
+        let mut draw = || {
+            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (seed >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+        };
+        let mut falls = 0;
+        for _ in 0..2000 {
+            let mut coefficients = [0.0; ORDER + 1];
+            for (k, coefficient) in coefficients.iter_mut().enumerate() {
+                *coefficient = draw() * 0.7_f64.powi(k as i32);
+            }
+            coefficients[0] = 0.2 * coefficients[0].abs() + 1e-12;
+            let polynomial = Polynomial(coefficients);
+            let looked = (1..=4000).map(|k| f64::from(k) / 4000.0);
+            let below = looked.into_iter().find(|t| polynomial.place(*t).value < 0.0);
+            match (polynomial.first_fall(), below) {
+                (Course::Holds, None) => {}
+                (Course::Fails(t), Some(below)) => {
+                    falls += 1;
+                    let found = polynomial.place(t);
+                    assert!(t <= below && found.value.abs() < 1e-14, "{t} {below} {found:?}");
+                    assert!(t > below - 1.0 / 3999.0 || polynomial.place(t + 1e-7).value < 0.0);
+                }
+                // A dip between two places.
+                (Course::Fails(t), None) => {
+                    assert!(polynomial.place(t + 1e-6).value < 0.0, "{t}");
+                }
+                other => panic!("{other:?} {coefficients:?}"),
+            }
+        }
+        assert!(falls > 500, "{falls}");
     }
 }

@@ -1,10 +1,10 @@
 //! Motions in lockstep: eight runs side by side in the lanes of SIMD vectors.
 //!
-//! Each lane has its own parameters, time, step and phases. All eight take a step of the same method
-//! at once; a lane whose step was not good enough, or in which a condition has failed, takes it again,
-//! shorter, while the others go on: an event ends a step that is as long as it takes, so that nothing
-//! needs to leave the vectors but what is rare (deciding stick and slip at an event, endings), which is
-//! done lane by lane.
+//! Each lane has its own parameters, time, step and phases. From the states in all eight the motion is
+//! expanded into power series (`series`); these tell how far they hold (`step`) and where a ball first
+//! changes what it does (`conditions`, `locate`). Each lane then goes as far as that: no step is tried in
+//! vain, none goes beyond an event, and nothing needs to leave the vectors but what is rare (locating an
+//! event, deciding stick and slip there, endings), which is done lane by lane.
 //!
 //! What a lane computes depends on its own values only: no operation mixes lanes, and all of them are
 //! correctly rounded (`+ - * /`, square root, fused multiply-add). So a run is the same to the last bit
@@ -18,6 +18,7 @@ mod group;
 mod lane;
 mod level;
 mod locate;
+mod series;
 mod step;
 mod trigonometry;
 
@@ -25,6 +26,7 @@ pub(crate) use advance::{Happened, advance};
 pub(crate) use group::{Group, Room};
 pub(crate) use lane::{Saved, Trouble};
 pub use level::VectorLevel;
+pub(super) use series::TERMS;
 
 use fearless_simd::f64x8;
 

@@ -1,162 +1,80 @@
-//! One step of DOP853 in all lanes: in each its own start, length and smooth phase. The same method and
-//! the same estimate of the error as in `motion::dop853`.
+//! How long a step may be, from what the series have last.
+//!
+//! The part of a step's end that the last two coefficients of the speeds' series make stays below the
+//! tolerance: as series like these shrink from term to term, what is cut off is smaller still.
 
 use fearless_simd::{Simd, prelude::*};
 
-use super::equations::{Equations, Force, Linearised};
-use super::{Flow, Lanes};
-use crate::motion::dop853_tableau::{ERROR_FIFTH, ERROR_THIRD, SOLUTION, STAGES};
+use super::Lanes;
+use super::series::{ORDER, Series};
 
-/// What came of a step that was tried.
-#[derive(Clone, Copy)]
-pub(crate) struct Tried<S: Simd, const N: usize> {
-    /// State at its end.
-    pub(super) end: Flow<S, N>,
-    /// Rate of change there.
-    pub(super) rate: Flow<S, N>,
-    /// Forces there.
-    pub(super) forces: [Force<S>; N],
-    /// Square of the estimated error over what is allowed.
-    pub(super) error_squared: Lanes<S>,
-}
+/// The last coefficients may make this part of the tolerance. With it errors are those of DOP853 at the same
+/// tolerance (`benches/README.md`).
+const SAFETY: f64 = 0.1;
 
-/// A linear combination of the stages' values of one component.
-macro_rules! combined {
-    ($terms:expr, $stages:expr, $($component:tt)+) => {{
-        let (first, coefficient) = $terms[0];
-        let simd = $stages[first].$($component)+.simd;
-        let mut sum = $stages[first].$($component)+ * Lanes::splat(simd, coefficient);
-        for &(stage, coefficient) in &$terms[1..] {
-            let coefficient = Lanes::splat(simd, coefficient);
-            sum = $stages[stage].$($component)+.mul_add_precise(coefficient, sum);
-        }
-        sum
-    }};
-}
-
-/// `start + length · Σ a k` in each component.
-macro_rules! moved {
-    ($state:expr, $start:expr, $length:expr, $terms:expr, $stages:expr) => {
-        for i in 0..4 {
-            $state.table[i] =
-                $length.mul_add_precise(combined!($terms, $stages, table[i]), $start.table[i]);
-        }
-        for i in 0..N {
-            $state.angle[i] =
-                $length.mul_add_precise(combined!($terms, $stages, angle[i]), $start.angle[i]);
-            $state.speed[i] =
-                $length.mul_add_precise(combined!($terms, $stages, speed[i]), $start.speed[i]);
-        }
-    };
-}
-
-/// Tries a step. `stages` is left with the rates of change at its stages; `linearised`, where it is
-/// given, with what a displacement needs there.
+/// The longest step within the tolerance; `before` is what it was in the step before.
 #[inline(always)]
-pub(super) fn attempt<S: Simd, const N: usize>(
+pub(super) fn within_tolerance<S: Simd, const N: usize>(
+    series: &Series<S, N>,
     [relative, absolute]: [Lanes<S>; 2],
-    equations: &Equations<S, N>,
-    (start, rate): (&Flow<S, N>, &Flow<S, N>),
-    length: Lanes<S>,
-    stages: &mut [Flow<S, N>; 12],
-    mut linearised: Option<&mut [Linearised<S, N>; 12]>,
-    tried: &mut Tried<S, N>,
-) {
-    let simd = length.simd;
-    stages[0] = *rate;
-    let mut state = *start;
-    if let Some(linearised) = &mut linearised {
-        equations.rate_and_linearised(start, &mut stages[0], &mut linearised[0]);
-        stages[0] = *rate;
-    }
-    macro_rules! stages {
-        ($($index:literal)*) => {$(
-            moved!(state, start, length, STAGES[$index], stages);
-            if let Some(linearised) = &mut linearised {
-                equations.rate_and_linearised(
-                    &state,
-                    &mut stages[$index + 1],
-                    &mut linearised[$index + 1],
-                );
-            } else {
-                equations.rate(&state, &mut stages[$index + 1]);
-            }
-        )*};
-    }
-    stages!(0 1 2 3 4 5 6 7 8 9 10);
-    let mut end = *start;
-    moved!(end, start, length, SOLUTION, stages);
-    (tried.rate, tried.forces, _) = equations.evaluate(&end);
-    tried.end = end;
-    // Σ (e_i / s_i)², two components over one denominator: half of the divisions. Table and balls are
-    // summed apart, so that two balls exchanged give the same to the last bit.
-    macro_rules! part {
-        ($scale:expr, $($component:tt)+) => {{
-            let scale = $scale;
-            let fifth = combined!(ERROR_FIFTH, stages, $($component)+);
-            let third = combined!(ERROR_THIRD, stages, $($component)+);
-            (scale * scale, fifth * fifth, third * third)
-        }};
-    }
-    macro_rules! scale {
-        ($($component:tt)+) => {
-            relative
-                .mul_add_precise(start.$($component)+.abs().max(end.$($component)+.abs()), absolute)
-        };
-    }
-    macro_rules! pair {
-        ($one:expr, $other:expr) => {{
-            let (s_i, f_i, t_i) = $one;
-            let (s_j, f_j, t_j) = $other;
-            let inverse = Lanes::splat(simd, 1.0) / (s_i * s_j);
-            ((f_i * s_j + f_j * s_i) * inverse, (t_i * s_j + t_j * s_i) * inverse)
-        }};
-    }
-    let (fifth_1, third_1) =
-        pair!(part!(scale!(table[0]), table[0]), part!(scale!(table[1]), table[1]));
-    let (fifth_2, third_2) =
-        pair!(part!(scale!(table[2]), table[2]), part!(scale!(table[3]), table[3]));
-    let mut fifth = fifth_1 + fifth_2;
-    let mut third = third_1 + third_2;
-    let angular = relative + absolute;
-    let (mut fifth_balls, mut third_balls) = (fifth, third);
-    for i in 0..N {
-        let (f, t) = pair!(part!(angular, angle[i]), part!(scale!(speed[i]), speed[i]));
-        if i == 0 {
-            (fifth_balls, third_balls) = (f, t);
+    before: Lanes<S>,
+) -> Lanes<S> {
+    const _: () = assert!(ORDER == 16, "the root is taken for this order");
+    let simd = before.simd;
+    let terms = &series.terms;
+    let highest = Lanes::splat(simd, (ORDER + 1) as f64);
+    let second = Lanes::splat(simd, ORDER as f64);
+    let mut last = Lanes::splat(simd, 0.0);
+    let mut last_but_one = last;
+    for i in 0..2 + N {
+        let (size, one, other) = if i < 2 {
+            let of = |k: usize| terms[k].table[i];
+            (of(1), highest * of(ORDER + 1), second * of(ORDER))
         } else {
-            (fifth_balls, third_balls) = (fifth_balls + f, third_balls + t);
-        }
+            let of = |k: usize| terms[k].balls[i - 2].speed;
+            (of(0), of(ORDER), of(ORDER - 1))
+        };
+        let scale = Lanes::splat(simd, 1.0) / relative.mul_add_precise(size.abs(), absolute);
+        last = last.max(one.abs() * scale);
+        last_but_one = last_but_one.max(other.abs() * scale);
     }
-    fifth += fifth_balls;
-    third += third_balls;
-    let tiny = Lanes::splat(simd, 1e-60);
-    let weight = third.mul_add_precise(Lanes::splat(simd, 0.01), fifth + tiny);
-    let scaled = length * fifth;
-    let components = (4 + 2 * N) as f64;
-    tried.error_squared = scaled * scaled / (weight * Lanes::splat(simd, components));
+    // The last but one has a power of time less: the one that the step before had.
+    let most = last.max(last_but_one / before);
+    inverse_sixteenth_root(most * Lanes::splat(simd, 1.0 / SAFETY))
 }
 
-/// Carries a displacement over the step whose stages `linearised` has, in the lanes in which the step
-/// stands; `rates` is room to work in.
+/// `x^(-1/16)` of positive numbers, to 2 %: the exponent by integers, its last fourth by square roots.
 #[inline(always)]
-pub(super) fn carry<S: Simd, const N: usize>(
-    equations: &Equations<S, N>,
-    displacement: &Flow<S, N>,
-    length: Lanes<S>,
-    linearised: &[Linearised<S, N>; 12],
-    rates: &mut [Flow<S, N>; 12],
-) -> Flow<S, N> {
-    equations.displacement_rate(&linearised[0], displacement, &mut rates[0]);
-    let mut state = *displacement;
-    macro_rules! stages {
-        ($($index:literal)*) => {$(
-            moved!(state, displacement, length, STAGES[$index], rates);
-            equations.displacement_rate(&linearised[$index + 1], &state, &mut rates[$index + 1]);
-        )*};
+fn inverse_sixteenth_root<S: Simd>(x: Lanes<S>) -> Lanes<S> {
+    /// Five fourths of the bits of 1.
+    const ONE: u64 = 0x4fec_0000_0000_0000;
+    let bits: fearless_simd::u64x8<S> = x.max(Lanes::splat(x.simd, 1e-200)).bitcast();
+    let fourth: Lanes<S> = (fearless_simd::u64x8::splat(x.simd, ONE) - (bits >> 2)).bitcast();
+    fourth.sqrt().sqrt()
+}
+
+#[cfg(all(test, target_arch = "x86_64"))]
+mod tests {
+    use super::super::{LANES, Lanes, VectorLevel};
+    use super::inverse_sixteenth_root;
+    use fearless_simd::prelude::*;
+
+    #[test]
+    fn sixteenth_roots() {
+        let Some(simd) = VectorLevel::best().avx2() else { return };
+        for exponent in -100..100 {
+            let number = |lane: usize| libm::exp10(f64::from(exponent) + 0.13 * lane as f64);
+            let mut numbers = Lanes::splat(simd, 0.0);
+            (0..LANES).for_each(|lane| numbers[lane] = number(lane));
+            let roots = simd.vectorize(
+                #[inline(always)]
+                || inverse_sixteenth_root(numbers),
+            );
+            for lane in 0..LANES {
+                let expected = libm::pow(number(lane), -1.0 / 16.0);
+                let off = (roots[lane] / expected - 1.0).abs();
+                assert!(off < 0.02, "{off} of {}", number(lane));
+            }
+        }
     }
-    stages!(0 1 2 3 4 5 6 7 8 9 10);
-    let mut end = *displacement;
-    moved!(end, displacement, length, SOLUTION, rates);
-    end
 }
