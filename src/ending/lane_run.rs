@@ -9,7 +9,7 @@ use fearless_simd::Simd;
 use super::balancer::{BalancerRun, Ending, Late, Prepared, Units};
 use super::certificate::certified;
 use super::follow::{Horizons, Run, continues};
-use super::orbit::OrbitWatch;
+use super::orbit::{GoneRound, OrbitWatch};
 use super::outcome::Outcome;
 use super::recorder::Recorder;
 use super::settled::SettledWatch;
@@ -171,7 +171,7 @@ impl<const N: usize> LaneRun<N> {
             }
         }
         if (happened.event | happened.round | happened.turned) & bit != 0
-            && let Some(orbit) = self.closes(group, room, lane, happened.event & bit != 0)
+            && let Some(orbit) = self.closes(group, room, lane)
         {
             return self.ends(group, lane, Ending::Cycle(orbit));
         }
@@ -207,12 +207,14 @@ impl<const N: usize> LaneRun<N> {
         group: &Group<S, N>,
         room: &Room<S, N>,
         lane: usize,
-        had_event: bool,
     ) -> Option<super::Orbit<N>> {
         let (phases, end) = group.at_end_of_step(room, lane)?;
         let reference = self.watch.goes_round(&phases, &end)?;
-        let mut motion = group.motion_with_step(room, lane, had_event, &self.balancer)?;
-        self.watch.take_in(&self.balancer, &self.settings, &mut motion, reference)
+        let passage = group.passage(room, lane, reference);
+        let last_switches = group.last_switches(lane)?;
+        let direction = end.beta_dot[reference].signum();
+        let round = GoneRound { reference, direction, passage, phases: &phases, last_switches };
+        self.watch.take_in(&self.balancer, &self.settings, round)
     }
 
     /// Whether all balls stick and can never break loose again.

@@ -54,6 +54,20 @@ struct Passage<const N: usize> {
     differences: [f64; MOST_TURNS + 1],
 }
 
+/// A step in which a ball has gone round.
+pub(super) struct GoneRound<'a, const N: usize> {
+    /// The ball.
+    pub(super) reference: usize,
+    /// Its direction at the step's end.
+    pub(super) direction: f64,
+    /// Time and state at which it went through the angle 0.
+    pub(super) passage: Option<(f64, State<N>)>,
+    /// What the balls do after the step.
+    pub(super) phases: &'a [Phase; N],
+    /// When each ball last changed that.
+    pub(super) last_switches: &'a [f64; N],
+}
+
 /// Watches a motion for a closing orbit.
 #[derive(Clone, Debug)]
 pub struct OrbitWatch<const N: usize> {
@@ -95,7 +109,11 @@ impl<const N: usize> OrbitWatch<N> {
         motion: &mut Motion<Balancer<N>, N>,
     ) -> Option<Orbit<N>> {
         let reference = self.goes_round(motion.phases(), motion.state())?;
-        self.take_in(balancer, settings, motion, reference)
+        let passage = motion.passage(reference);
+        let (phases, last_switches) = (motion.phases(), motion.last_switches());
+        let direction = motion.state().beta_dot[reference].signum();
+        let round = GoneRound { reference, direction, passage, phases, last_switches };
+        self.take_in(balancer, settings, round)
     }
 
     /// The ball that has gone round in a step, if it marks the section, or may; `phases` and `state`
@@ -121,17 +139,16 @@ impl<const N: usize> OrbitWatch<N> {
         &mut self,
         balancer: &Balancer<N>,
         settings: &Settings,
-        motion: &mut Motion<Balancer<N>, N>,
-        reference: usize,
+        round: GoneRound<N>,
     ) -> Option<Orbit<N>> {
-        let beta_dot = motion.state().beta_dot;
-        let Some((time, state)) = motion.passage(reference) else {
+        let GoneRound { reference, direction, passage, phases, last_switches } = round;
+        let Some((time, state)) = passage else {
             self.restart();
             return None;
         };
-        self.ball = Some((reference, beta_dot[reference].signum()));
+        self.ball = Some((reference, direction));
         let differences = [f64::INFINITY; MOST_TURNS + 1];
-        let passage = Passage { time, state, phases: *motion.phases(), differences };
+        let passage = Passage { time, state, phases: *phases, differences };
         let turns = self.record(reference, passage)?;
         if self.attempts >= MOST_ATTEMPTS || time < self.wait_until {
             return None;
@@ -140,7 +157,7 @@ impl<const N: usize> OrbitWatch<N> {
         // After a look that showed nothing, give the motion time to settle; longer each time.
         let looked_at = time - self.passages.front()?.time;
         self.wait_until = time + f64::from(1 << self.attempts) * looked_at;
-        match self.examine(balancer, settings, reference, turns, motion.last_switches()) {
+        match self.examine(balancer, settings, reference, turns, last_switches) {
             Verdict::Stable(orbit) => return Some(orbit),
             Verdict::Unstable(orbit) => self.unstable = Some((turns, Box::new(orbit))),
             Verdict::Open => {}

@@ -198,10 +198,6 @@ impl<'a, S: System<N, FREE>, const N: usize, const FREE: usize> Motion<'a, S, N,
         self.slow
     }
 
-    pub(super) fn next_length(&self) -> f64 {
-        self.next_length
-    }
-
     /// The latest step; none before the first.
     pub(super) fn last_step(&self) -> Option<&LastStep<N, FREE>> {
         self.last.as_ref()

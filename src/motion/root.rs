@@ -47,6 +47,7 @@ pub fn fall_through_zero(
 
 /// The same for a smooth function with its slope, by Newton's method kept inside the bracket: far fewer
 /// evaluations. The place is right to `width`, on either side of zero.
+#[inline(always)]
 pub(super) fn fall_of_smooth(
     f: impl Fn(f64) -> (f64, f64),
     (mut low, f_low): (f64, f64),

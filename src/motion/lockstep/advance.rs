@@ -8,7 +8,7 @@ use super::conditions::{Ends, doubtful, first_failure};
 use super::displacement::{carry, over_switch};
 use super::group::{Group, Room};
 use super::lane::{Trouble, next_phases};
-use super::series::Series;
+use super::series::{ORDER, Series};
 use super::step::within_tolerance;
 use super::{LANES, Lanes};
 use crate::motion::Failure;
@@ -101,7 +101,7 @@ fn step<S: Simd, const N: usize>(
             Ends::AtOnce => happened.trouble[lane] = Some(Trouble::GiveUp),
         }
     }
-    let end = series.at(&g.equations, &g.state, length);
+    let end = series.at(&g.equations, &g.state, length, ORDER);
     let mut largest = within;
     for value in end.table.iter().chain(&end.angle).chain(&end.speed) {
         largest = largest.max(value.abs());

@@ -16,7 +16,7 @@ use fearless_simd::{Simd, prelude::*};
 use super::equations::Equations;
 use super::lane::Lane;
 use super::locate::{Course, FOURTH, Polynomial};
-use super::series::{ORDER, Series};
+use super::series::{DYING, ORDER, Series};
 use super::Lanes;
 use crate::motion::Phase;
 
@@ -176,17 +176,18 @@ fn held<S: Simd, const N: usize>(
 ) -> [Curve<S>; 2] {
     let simd = length.simd;
     let number = |value: f64| Lanes::splat(simd, value);
-    let [c, s] = series.solver.directions[i];
+    let [c, s] = series.solver.trigonometry[i];
     let Watched { limit, slack, .. } = watched[i];
+    let left = series.solver.residual[i];
     let ball = &equations.balls[i];
+    let pressed = [ball.pressed[0] * left, ball.pressed[1] * (left * left)];
     // Reserve μ N and tangential force: value and slope at the end, at the start, and the bound.
     let mut all = [[number(0.0); 5]; 2];
     for (k, term) in series.terms[..ORDER].iter().enumerate().rev() {
         let [x, y] = term.pull;
-        let own = &term.balls[i];
-        let pressed = ball.pressed[0]
-            .mul_add_precise(own.speed, ball.pressed[1].mul_add_precise(own.squared, -(c * x)));
-        let mut normal = (-s).mul_add_precise(y, pressed);
+        let [slower, faster] = DYING[k];
+        let left = pressed[0].mul_add_precise(number(slower), pressed[1] * number(faster));
+        let mut normal = left - c.mul_add_precise(x, s * y);
         if k == 0 {
             normal += equations.speed_squared;
         }
@@ -273,8 +274,10 @@ fn first_of_all<S: Simd, const N: usize>(
         if !loose && doubts.of_balls[ball] & 1 << lane == 0 {
             continue;
         }
-        let speeds: [f64; ORDER + 1] =
-            std::array::from_fn(|k| series.terms[k].balls[ball].speed[lane]);
+        let mut speeds = [0.0; ORDER + 1];
+        for (speed, term) in speeds.iter_mut().zip(&series.terms) {
+            *speed = term.balls[ball].speed[lane];
+        }
         match *phase {
             Phase::Slip(direction) => {
                 let out = |k: usize| direction * speeds[k];
@@ -325,9 +328,12 @@ fn polynomial(
     of: impl Fn(usize) -> f64,
     powers: &[f64; ORDER + 1],
 ) -> Polynomial {
-    let mut polynomial = Polynomial(std::array::from_fn(|k| of(k) * powers[k]));
-    polynomial.0[0] += offset;
-    polynomial
+    let mut coefficients = [0.0; ORDER + 1];
+    for k in 0..=ORDER {
+        coefficients[k] = of(k) * powers[k];
+    }
+    coefficients[0] += offset;
+    Polynomial(coefficients)
 }
 
 /// The series of μ times the normal force on a ball that sticks, and of what sticking takes.
@@ -338,16 +344,17 @@ fn forces_on_resting<S: Simd, const N: usize>(
     lane: usize,
     ball: usize,
 ) -> [[f64; 2]; ORDER + 1] {
-    let [c, s] = series.solver.directions[ball].map(|of_all| of_all[lane]);
+    let [c, s] = &series.solver.trigonometry[ball];
+    let (c, s) = (c[lane], s[lane]);
     let limit = own.balancer.balls[ball].friction.limit;
-    std::array::from_fn(|k| {
-        if k == ORDER {
-            return [0.0; 2];
-        }
-        let [x, y] = series.terms[k].pull.map(|of_all| of_all[lane]);
+    let mut forces = [[0.0; 2]; ORDER + 1];
+    for (k, forces) in forces[..ORDER].iter_mut().enumerate() {
+        let [x, y] = &series.terms[k].pull;
+        let (x, y) = (x[lane], y[lane]);
         let normal = pressed(series, own, lane, ball, k) - (c * x + s * y);
-        [limit * normal, s * x - c * y]
-    })
+        *forces = [limit * normal, s * x - c * y];
+    }
+    forces
 }
 
 /// What presses a ball on the ring but for the table's acceleration.
@@ -363,9 +370,13 @@ fn pressed<S: Simd, const N: usize>(
     let speed = own.balancer.speed;
     let of_ball = &series.terms[k].balls[ball];
     let constant = if k == 0 { speed * speed } else { 0.0 };
+    // Either the one or the other is zero.
+    let left = series.solver.residual[ball][lane];
+    let linear = of_ball.speed[lane] + DYING[k][0] * left;
+    let quadratic = of_ball.squared[lane] + DYING[k][1] * (left * left);
     constant
-        + ((2.0 * speed - parameters.rolling_linear) * of_ball.speed[lane]
-            + (1.0 - parameters.rolling_quadratic) * of_ball.squared[lane])
+        + ((2.0 * speed - parameters.rolling_linear) * linear
+            + (1.0 - parameters.rolling_quadratic) * quadratic)
 }
 
 /// The series of the normal force on a ball of a lane.
@@ -378,7 +389,7 @@ fn normal_force<S: Simd, const N: usize>(
 ) -> [f64; ORDER + 1] {
     let contact = own.phases[ball].contact(&own.balancer.balls[ball].friction, 1.0);
     let friction = contact.signed_friction;
-    let share = 1.0 / (1.0 + friction * friction);
+    let share = 1.0 / own.balancer.balls[ball].mass;
     let along = |k: usize, j: usize| {
         let [real, imaginary] = series.terms[j].balls[ball].direction.map(|of_all| of_all[lane]);
         let [x, y] = series.terms[k - j].pull.map(|of_all| of_all[lane]);

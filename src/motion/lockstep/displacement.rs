@@ -5,7 +5,7 @@ use fearless_simd::{Simd, prelude::*};
 
 use super::equations::Equations;
 use super::lane::Lane;
-use super::series::{Constants, ORDER, Series, products, solve};
+use super::series::{Constants, ORDER, Series, Solving, products, solve};
 use super::{Flow, Group, Lanes};
 use crate::model::State;
 use crate::motion::contact::{Phase, SmoothPhase};
@@ -25,18 +25,36 @@ impl<S: Simd, const N: usize> Series<S, N> {
         let [first, second, ..] = &mut displaced.terms;
         first.table = [x, y];
         second.table = [x_dot, y_dot];
+        let zero = Lanes::splat(x.simd, 0.0);
+        let two = Lanes::splat(x.simd, 2.0);
+        displaced.residual = [[zero; 2]; 2];
         for i in 0..N {
-            let [real, imaginary] = self.solver.directions[i];
-            let (angle, speed) = (start.angle[i], start.speed[i]);
+            let ball = &equations.balls[i];
+            let [real, imaginary] = self.terms[0].balls[i].direction;
+            let own = self.terms[0].balls[i].speed;
+            let angle = start.angle[i];
+            let speed = ball.free * start.speed[i];
             let turned = [-(imaginary * angle), real * angle];
             first.balls[i].speed = speed;
             first.balls[i].direction = turned;
-            let own = self.terms[0].balls[i].speed;
-            let free = equations.balls[i].free;
             second.balls[i].direction = [
-                -(free * own.mul_add_precise(turned[1], speed * imaginary)),
-                free * own.mul_add_precise(turned[0], speed * real),
+                -own.mul_add_precise(turned[1], speed * imaginary),
+                own.mul_add_precise(turned[0], speed * real),
             ];
+            // What is left of the speed of a ball that sticks: (2ω r + r²) e, to first order.
+            let [c, s] = self.solver.trigonometry[i];
+            let left = self.solver.residual[i];
+            let displaced_left = start.speed[i] - speed;
+            let forces = [
+                [equations.double_speed * displaced_left, equations.double_speed * left],
+                [two * left * displaced_left, left * left],
+            ];
+            for which in 0..2 {
+                let [speed, turned] = forces[which];
+                let turned = turned * angle;
+                displaced.residual[which][0] += ball.mass * (speed * c - turned * s);
+                displaced.residual[which][1] += ball.mass * (speed * s + turned * c);
+            }
         }
         for k in 0..ORDER {
             self.order_of_displacement(equations, displaced, k);
@@ -62,27 +80,23 @@ impl<S: Simd, const N: usize> Series<S, N> {
         let others = products(&displaced.terms, &self.terms, k);
         let [pull_x, pull_y] = self.terms[k].pull;
         for i in 0..N {
-            let ball = &equations.balls[i];
             let [real, imaginary] = displaced.terms[0].balls[i].direction;
-            let accelerated = ball.free * self.terms[k + 1].balls[i].speed;
+            let next = self.terms[k + 1].balls[i].speed;
             let sums = &mut sums[i];
-            sums.turning[0] += accelerated.mul_add_precise(real, others[i].turning[0]);
-            sums.turning[1] += accelerated.mul_add_precise(imaginary, others[i].turning[1]);
-            let drawn = imaginary * pull_x - real * pull_y;
-            sums.drawn += drawn + others[i].drawn;
+            sums.turning[0] += next.mul_add_precise(real, others[i].turning[0]);
+            sums.turning[1] += next.mul_add_precise(imaginary, others[i].turning[1]);
+            sums.drawn += others[i].drawn + (imaginary * pull_x - real * pull_y);
             let mut squared = sums.squared;
             let along = displaced.terms[..=k].iter().rev();
             for (own, along) in self.terms[..=k].iter().zip(along) {
                 squared = own.balls[i].speed.mul_add_precise(along.balls[i].speed, squared);
             }
             sums.squared = squared + squared;
-            // What is left of the speed of a ball that sticks.
-            let own = &self.terms[k].balls[i];
-            let residual = equations.double_speed.mul_add_precise(own.speed, own.squared);
-            let residual = ball.mass * ball.stuck * residual;
-            sums.push = [residual * real, residual * imaginary];
         }
-        solve(&mut displaced.terms, &self.solver, equations, k, sums, Constants::None);
+        let start: [[Lanes<S>; 2]; N] = self.directions();
+        let Series { terms, residual, .. } = displaced;
+        let by = Solving { solver: &self.solver, start, residual };
+        solve(terms, equations, &by, k, sums, Constants::None);
     }
 }
 
@@ -96,7 +110,7 @@ pub(super) fn carry<S: Simd, const N: usize>(
     displaced: &mut Series<S, N>,
 ) -> Flow<S, N> {
     series.expand_displacement(equations, displacement, displaced);
-    displaced.at(equations, displacement, length)
+    displaced.at(equations, displacement, length, ORDER)
 }
 
 /// What is known of a lane's displacement.

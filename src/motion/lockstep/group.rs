@@ -14,9 +14,11 @@ use crate::motion::driver::{Course, Motion};
 use crate::motion::first_switch::LastStep;
 use crate::motion::interpolant::Interpolant;
 
-/// How much longer than one by one steps may be. No event is missed in a longer one; it keeps short what a
-/// run that may be continued has to be kept for.
-const LONGEST: f64 = 8.0;
+/// How much longer than one by one steps may be: 4.5 over the highest frequency of the table in the turning
+/// frame, `1 + |ω|`. In longer ones the tolerance holds, as what it lets grow shows in the next step, but
+/// in a displacement, of which no tolerance is kept, that frequency would: 16 powers of `exp(i z)` leave
+/// 1 - 4e-4 of it at most up to `z = 4.5`.
+const LONGEST: f64 = 4.5 / std::f64::consts::FRAC_PI_2;
 
 /// Eight lanes, some of them empty.
 pub(crate) struct Group<S: Simd, const N: usize> {
@@ -260,6 +262,11 @@ impl<S: Simd, const N: usize> Group<S, N> {
         self.lanes[lane].as_ref().is_some_and(all)
     }
 
+    /// When each ball of a lane last changed what it does.
+    pub(crate) fn last_switches(&self, lane: usize) -> Option<&[f64; N]> {
+        self.lanes[lane].as_ref().map(|own| &own.last_switches)
+    }
+
     /// What the balls of a lane do after its latest step, and the state then, angles not yet brought
     /// back into one turn.
     pub(crate) fn at_end_of_step(
@@ -317,7 +324,7 @@ impl<S: Simd, const N: usize> Group<S, N> {
         let start = self.before.lane(lane);
         let length = room.length[lane];
         let phases = if had_event { own.during } else { own.phases };
-        let powers = room.series.powers(lane, &start, length, &phases);
+        let powers = room.series.powers(lane, &start, length);
         let last = LastStep {
             step: Step::without_stages(start, end, length),
             phases,

@@ -57,15 +57,21 @@ pub(super) const FOURTH: [f64; ORDER + 1] = {
 };
 
 impl Polynomial {
-    /// To be inlined where the processor's fused multiply-add is at hand.
+    /// Value and slope. To be inlined where the processor's fused multiply-add is at hand; even and odd
+    /// powers apart, so that neither waits for the other.
     #[inline(always)]
     fn place(&self, at: f64) -> Place {
-        let (mut value, mut slope) = (0.0_f64, 0.0_f64);
-        for coefficient in self.0.iter().rev() {
-            slope = slope.mul_add(at, value);
-            value = value.mul_add(at, *coefficient);
+        let square = at * at;
+        let (mut even, mut even_slope) = (self.0[ORDER], 0.0_f64);
+        let (mut odd, mut odd_slope) = (0.0_f64, 0.0_f64);
+        for pair in self.0[..ORDER].chunks_exact(2).rev() {
+            even_slope = even_slope.mul_add(square, even);
+            even = even.mul_add(square, pair[0]);
+            odd_slope = odd_slope.mul_add(square, odd);
+            odd = odd.mul_add(square, pair[1]);
         }
-        Place { at, value, slope }
+        let slope = 2.0 * at * at.mul_add(odd_slope, even_slope) + odd;
+        Place { at, value: at.mul_add(odd, even), slope }
     }
 
     /// A bound of its fourth derivative.
@@ -116,12 +122,14 @@ impl Polynomial {
         Course::Holds
     }
 
-    /// The fall between two places, by Newton's method kept between them.
+    /// The fall between two places, by Newton's method kept between them; from where the cubic by their
+    /// values and slopes falls.
     #[inline(always)]
     fn fall(&self, low: Place, high: Place) -> f64 {
         const MOST: u32 = 60;
         let (mut least, mut most) = (low.at, high.at);
-        let mut at = low.at + (high.at - low.at) * low.value / (low.value - high.value);
+        let length = high.at - low.at;
+        let mut at = length.mul_add(fall_of_cubic(low, high), low.at);
         for _ in 0..MOST {
             let place = self.place(at);
             if place.value > 0.0 {
@@ -130,16 +138,37 @@ impl Polynomial {
                 most = at;
             }
             let newton = at - place.value / place.slope;
-            let next =
-                if newton > least && newton < most { newton } else { 0.5 * (least + most) };
             // What is left is of the square of this, as the value is.
-            if (next - at).abs() <= 1e-8 {
-                return next;
+            if (newton - at).abs() <= 1e-8 && place.slope < 0.0 {
+                return newton.clamp(least, most);
             }
-            at = next;
+            at = if newton > least && newton < most { newton } else { 0.5 * (least + most) };
         }
         at
     }
+}
+
+/// Where between two places, from 0 to 1, their cubic falls: a guess.
+#[inline(always)]
+fn fall_of_cubic(low: Place, high: Place) -> f64 {
+    let length = high.at - low.at;
+    let (a, b) = (low.value, length * low.slope);
+    let rise = high.value - low.value;
+    let last = b + length * high.slope - 2.0 * rise;
+    let square = rise - b - last;
+    // Where it rises first, from the other end.
+    let mut at = if b > 0.0 { 1.0 } else { a / -rise };
+    for _ in 0..3 {
+        let value = last.mul_add(at, square).mul_add(at, b).mul_add(at, a);
+        let slope = (3.0 * last).mul_add(at, 2.0 * square).mul_add(at, b);
+        let newton = at - value / slope;
+        // Not a number, or beyond the ends: the chord has to do.
+        if !(newton > 0.0 && newton < 1.0) {
+            break;
+        }
+        at = newton;
+    }
+    at
 }
 
 enum Part {

@@ -11,6 +11,8 @@
 //! in any lane, beside any neighbours, and in vectors of any width.
 
 mod advance;
+#[cfg(all(test, target_arch = "x86_64"))]
+mod against_one_run;
 mod conditions;
 mod displacement;
 mod equations;
@@ -18,6 +20,7 @@ mod group;
 mod lane;
 mod level;
 mod locate;
+mod passage;
 mod series;
 mod step;
 mod trigonometry;

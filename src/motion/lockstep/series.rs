@@ -14,16 +14,18 @@
 //!
 //! where `held` is a polynomial of degree two in `β̇`. Coefficient `k` of `a` and of all `β̈` enter each
 //! other's equations with the factors that they have in the start state: the 2×2 system for the table is
-//! solved by the same inverse for every `k`. `(1 + ip) e` is kept in place of `e`, as the product with
-//! `a` is what takes the time.
+//! solved by the same inverse for every `k`. In place of `e` its *direction* `U = m (1 + ip) e / (1 + p²)`
+//! is kept, as the products with it are what takes the time.
+//!
+//! In the switch model a ball that sticks may have a speed, up to the width of the band, that dies out as
+//! `exp(-t)`. It is kept apart from the series.
 
 use fearless_simd::{Simd, prelude::*};
 
-use super::equations::{Ball, Equations};
+use super::equations::Equations;
 use super::trigonometry::sin_cos;
 use super::{Flow, Lanes};
 use crate::model::State;
-use crate::motion::contact::Phase;
 
 /// The highest power of time in the series of speeds.
 pub(super) const ORDER: usize = 16;
@@ -37,7 +39,7 @@ pub(super) struct BallTerm<S: Simd> {
     pub(super) speed: Lanes<S>,
     /// Its square.
     pub(super) squared: Lanes<S>,
-    /// (1 + ip) e^{iβ}: real and imaginary part.
+    /// m (1 + ip) e^{iβ} / (1 + p²): real and imaginary part.
     pub(super) direction: [Lanes<S>; 2],
 }
 
@@ -55,19 +57,25 @@ pub(super) struct Term<S: Simd, const N: usize> {
 #[derive(Clone, Copy)]
 pub(super) struct Solver<S: Simd, const N: usize> {
     /// The inverse of the table's 2×2 system: first row, second row.
-    pub(super) inverse: [Lanes<S>; 4],
-    /// m s and m c.
-    pub(super) reaction: [[Lanes<S>; 2]; N],
+    inverse: [Lanes<S>; 4],
+    /// How a ball's acceleration pushes the table: m s and -m c.
+    reaction: [[Lanes<S>; 2]; N],
     /// How the table's acceleration enters a ball's.
-    pub(super) drawn: [[Lanes<S>; 2]; N],
-    /// Directions of the balls at the start.
-    pub(super) directions: [[Lanes<S>; 2]; N],
+    drawn: [[Lanes<S>; 2]; N],
+    /// Cosine and sine of the angles at the start.
+    pub(super) trigonometry: [[Lanes<S>; 2]; N],
+    /// What is left of the speeds of balls that stick, at the start.
+    pub(super) residual: [Lanes<S>; N],
 }
+
+/// What the residual speeds add to the force on the table, as they die out: times exp(-t), times exp(-2t).
+pub(super) type ResidualForce<S> = [[Lanes<S>; 2]; 2];
 
 /// The series of all lanes.
 pub(super) struct Series<S: Simd, const N: usize> {
     pub(super) terms: [Term<S, N>; TERMS],
     pub(super) solver: Solver<S, N>,
+    pub(super) residual: ResidualForce<S>,
 }
 
 /// What of an order follows from the lower ones, of one ball.
@@ -79,8 +87,6 @@ pub(super) struct Sums<S: Simd> {
     pub(super) drawn: Lanes<S>,
     /// Of the speed's square.
     pub(super) squared: Lanes<S>,
-    /// Further force on the table.
-    pub(super) push: [Lanes<S>; 2],
 }
 
 /// What the equations have at order 0 only.
@@ -101,9 +107,10 @@ impl<S: Simd, const N: usize> Series<S, N> {
             inverse: [zero; 4],
             reaction: [[zero; 2]; N],
             drawn: [[zero; 2]; N],
-            directions: [[zero; 2]; N],
+            trigonometry: [[zero; 2]; N],
+            residual: [zero; N],
         };
-        Series { terms: [term; TERMS], solver }
+        Series { terms: [term; TERMS], solver, residual: [[zero; 2]; 2] }
     }
 
     /// Expands the motion from a state.
@@ -127,36 +134,42 @@ impl<S: Simd, const N: usize> Series<S, N> {
         // Sums over the balls stand apart from the table's own terms and are not fused, so that two
         // balls exchanged give the same to the last bit.
         let (mut m_xx, mut m_xy, mut m_yx, mut m_yy) = (zero, zero, zero, zero);
+        let mut residual = [[zero; 2]; 2];
         for i in 0..N {
             let ball = &equations.balls[i];
             let (s, c) = sin_cos(start.angle[i]);
-            let speed = start.speed[i];
-            let real = (-ball.friction).mul_add_precise(s, c);
-            let imaginary = ball.friction.mul_add_precise(c, s);
-            let drawn = [ball.mobility * imaginary, -(ball.mobility * real)];
-            let reaction = [ball.mass * s, ball.mass * c];
-            let terms = [
-                reaction[0] * drawn[0],
-                reaction[0] * drawn[1],
-                reaction[1] * drawn[0],
-                reaction[1] * drawn[1],
-            ];
+            let speed = ball.free * start.speed[i];
+            let left = start.speed[i] - speed;
+            let real = ball.turned * (c - ball.friction * s);
+            let imaginary = ball.turned * (s + ball.friction * c);
+            let drawn = [ball.drawing * imaginary, -(ball.drawing * real)];
+            let (m_s, m_c) = (ball.mass * s, ball.mass * c);
+            let linear = equations.double_speed * left;
+            let square = left * left;
+            let terms = [m_s * drawn[0], m_s * drawn[1], m_c * drawn[0], m_c * drawn[1]];
+            let forces = [[m_c * linear, m_s * linear], [m_c * square, m_s * square]];
             if i == 0 {
                 [m_xx, m_xy, m_yx, m_yy] = terms;
+                residual = forces;
             } else {
                 m_xx += terms[0];
                 m_xy += terms[1];
                 m_yx += terms[2];
                 m_yy += terms[3];
+                for which in 0..2 {
+                    residual[which][0] += forces[which][0];
+                    residual[which][1] += forces[which][1];
+                }
             }
-            let turns = ball.free * speed;
             first.balls[i].speed = speed;
             first.balls[i].direction = [real, imaginary];
-            second.balls[i].direction = [-(turns * imaginary), turns * real];
-            self.solver.reaction[i] = reaction;
+            second.balls[i].direction = [-(speed * imaginary), speed * real];
+            self.solver.reaction[i] = [m_s, -m_c];
             self.solver.drawn[i] = drawn;
-            self.solver.directions[i] = [real, imaginary];
+            self.solver.trigonometry[i] = [c, s];
+            self.solver.residual[i] = left;
         }
+        self.residual = residual;
         // a_x = (d F_x + m_xy F_y) / det, a_y = (a F_y - m_yx F_x) / det, det = a d + m_xy m_yx
         let (a, d) = (one - m_xx, one + m_yy);
         let inverse = one / a.mul_add_precise(d, m_xy * m_yx);
@@ -171,9 +184,21 @@ impl<S: Simd, const N: usize> Series<S, N> {
             #[inline(always)]
             || {
                 let sums = self.sums(k);
-                solve(&mut self.terms, &self.solver, equations, k, sums, Constants::Whole);
+                let start: [[Lanes<S>; 2]; N] = self.directions();
+                let by = Solving { solver: &self.solver, start, residual: &self.residual };
+                solve(&mut self.terms, equations, &by, k, sums, Constants::Whole);
             },
         );
+    }
+
+    /// Directions at the start.
+    #[inline(always)]
+    pub(super) fn directions(&self) -> [[Lanes<S>; 2]; N] {
+        let mut directions = [[self.terms[0].table[0]; 2]; N];
+        for i in 0..N {
+            directions[i] = self.terms[0].balls[i].direction;
+        }
+        directions
     }
 
     #[inline(always)]
@@ -205,21 +230,21 @@ impl<S: Simd, const N: usize> Series<S, N> {
         sums
     }
 
-    /// The state a time later.
+    /// The state a time later, from speeds up to a power.
     #[inline(always)]
     pub(super) fn at(
         &self,
         equations: &Equations<S, N>,
         start: &Flow<S, N>,
         time: Lanes<S>,
+        order: usize,
     ) -> Flow<S, N> {
         let zero = Lanes::splat(time.simd, 0.0);
-        let last = &self.terms[TERMS - 1];
-        let mut position = last.table;
+        let mut position = self.terms[order + 1].table;
         let mut velocity = [zero; 2];
         let mut speed = [zero; N];
         let mut angle = [zero; N];
-        for (k, term) in self.terms[..TERMS - 1].iter().enumerate().rev() {
+        for (k, term) in self.terms[..=order].iter().enumerate().rev() {
             for axis in 0..2 {
                 velocity[axis] = velocity[axis].mul_add_precise(time, position[axis]);
                 position[axis] = position[axis].mul_add_precise(time, term.table[axis]);
@@ -236,9 +261,11 @@ impl<S: Simd, const N: usize> Series<S, N> {
             angle: start.angle,
             speed,
         };
+        let left = decay(time);
         for i in 0..N {
-            let turned = equations.balls[i].free * time;
-            end.angle[i] = turned.mul_add_precise(angle[i], start.angle[i]);
+            end.angle[i] = time.mul_add_precise(angle[i], start.angle[i]);
+            let residual = equations.balls[i].stuck * start.speed[i];
+            end.speed[i] = residual.mul_add_precise(left, speed[i]);
         }
         end
     }
@@ -251,7 +278,6 @@ impl<S: Simd, const N: usize> Series<S, N> {
         lane: usize,
         start: &State<N>,
         length: f64,
-        phases: &[Phase; N],
     ) -> Box<[State<N>; TERMS]> {
         let mut powers = Box::new([State::zero(); TERMS]);
         let mut power = 1.0;
@@ -265,19 +291,50 @@ impl<S: Simd, const N: usize> Series<S, N> {
         }
         powers[0].beta = start.beta;
         for k in 1..TERMS {
-            for (ball, phase) in phases.iter().enumerate() {
-                if *phase != Phase::Stick {
-                    powers[k].beta[ball] =
-                        length * powers[k - 1].beta_dot[ball] * RECIPROCALS[k];
-                }
+            for ball in 0..N {
+                powers[k].beta[ball] = length * powers[k - 1].beta_dot[ball] * RECIPROCALS[k];
             }
+        }
+        let mut dying = 1.0;
+        for (k, to) in powers.iter_mut().enumerate() {
+            for ball in 0..N {
+                to.beta_dot[ball] += dying * self.solver.residual[ball][lane];
+            }
+            dying *= -length * RECIPROCALS[k + 1];
         }
         powers
     }
 }
 
+/// `exp(-time)`, for times from 0 to some 100.
+#[inline(always)]
+fn decay<S: Simd>(time: Lanes<S>) -> Lanes<S> {
+    const HALVINGS: i32 = 6;
+    let part = time * Lanes::splat(time.simd, -1.0 / (1 << HALVINGS) as f64);
+    let mut sum = Lanes::splat(time.simd, 1.0);
+    for k in (1..=12).rev() {
+        let factor = part * Lanes::splat(time.simd, RECIPROCALS[k]);
+        sum = factor.mul_add_precise(sum, Lanes::splat(time.simd, 1.0));
+    }
+    for _ in 0..HALVINGS {
+        sum = sum * sum;
+    }
+    sum
+}
+
+/// Coefficient `k` of exp(-t) and of exp(-2t).
+pub(super) const DYING: [[f64; 2]; TERMS] = {
+    let mut all = [[1.0; 2]; TERMS];
+    let mut k = 1;
+    while k < TERMS {
+        all[k] = [-all[k - 1][0] / k as f64, -2.0 * all[k - 1][1] / k as f64];
+        k += 1;
+    }
+    all
+};
+
 /// 1/k.
-const RECIPROCALS: [f64; TERMS + 1] = {
+pub(super) const RECIPROCALS: [f64; TERMS + 1] = {
     let mut all = [1.0; TERMS + 1];
     let mut k = 1;
     while k <= TERMS {
@@ -296,8 +353,7 @@ pub(super) fn products<S: Simd, const N: usize>(
     k: usize,
 ) -> [Sums<S>; N] {
     let zero = Lanes::splat(of[0].table[0].simd, 0.0);
-    let nothing =
-        Sums { turning: [zero; 2], drawn: zero, squared: zero, push: [zero; 2] };
+    let nothing = Sums { turning: [zero; 2], drawn: zero, squared: zero };
     let mut sums = [nothing; N];
     let mut along = [zero; N];
     let mut across = [zero; N];
@@ -344,12 +400,20 @@ pub(super) fn products<S: Simd, const N: usize>(
     sums
 }
 
+/// What is the same for all orders of a series.
+pub(super) struct Solving<'a, S: Simd, const N: usize> {
+    pub(super) solver: &'a Solver<S, N>,
+    /// Directions at the start.
+    pub(super) start: [[Lanes<S>; 2]; N],
+    pub(super) residual: &'a ResidualForce<S>,
+}
+
 /// Solves the equations for coefficient `k` of the accelerations, and enters what follows from it.
 #[inline(always)]
 pub(super) fn solve<S: Simd, const N: usize>(
     terms: &mut [Term<S, N>; TERMS],
-    solver: &Solver<S, N>,
     equations: &Equations<S, N>,
+    by: &Solving<S, N>,
     k: usize,
     sums: [Sums<S>; N],
     constants: Constants,
@@ -357,47 +421,48 @@ pub(super) fn solve<S: Simd, const N: usize>(
     let simd = equations.speed.simd;
     let number = |value: f64| Lanes::splat(simd, value);
     let (of_next, of_after) = (RECIPROCALS[k + 1], RECIPROCALS[k + 2]);
-    let factor = number((k + 1) as f64);
+    let (factor, minus) = (number((k + 1) as f64), number(-((k + 1) as f64)));
     let (lower, higher) = terms.split_at_mut(k + 1);
     let (now, [next, after, ..]) = (&mut lower[k], higher) else { return };
+    let solver = by.solver;
     let whole = constants == Constants::Whole && k == 0;
     let [x, y] = now.table;
     let [x_dot, y_dot] = [next.table[0] * factor, next.table[1] * factor];
     let mut force_x = equations.drag_speed.mul_add_precise(y, -x);
-    let mut force_y = (-equations.drag_speed).mul_add_precise(x, -y);
+    let mut force_y = equations.minus_drag_speed.mul_add_precise(x, -y);
     if whole {
         force_x += equations.imbalance;
     }
-    force_x = (-equations.drag).mul_add_precise(x_dot, force_x);
-    force_y = (-equations.drag).mul_add_precise(y_dot, force_y);
+    force_x = equations.minus_drag.mul_add_precise(x_dot, force_x);
+    force_y = equations.minus_drag.mul_add_precise(y_dot, force_y);
+    for (force, dying) in by.residual.iter().zip(DYING[k]) {
+        force_x = number(dying).mul_add_precise(force[0], force_x);
+        force_y = number(dying).mul_add_precise(force[1], force_y);
+    }
     let mut own = [number(0.0); N];
     let (mut push_x, mut push_y) = (number(0.0), number(0.0));
     for i in 0..N {
         let ball = &equations.balls[i];
-        let Sums { turning, drawn, squared, push } = sums[i];
+        let Sums { turning, drawn, squared } = sums[i];
         let speed = now.balls[i].speed;
         let [c, s] = now.balls[i].direction;
         let [c_next, s_next] = next.balls[i].direction;
-        let [m_s, m_c] = solver.reaction[i];
         let mut held = ball.held[1].mul_add_precise(speed, ball.held[2] * squared);
         if whole {
             held += ball.held[0];
         }
-        own[i] = ball.mobility * (drawn - held);
-        // ë + 2iω ė - ω² e, but for what the acceleration itself brings, turned by 1 + ip.
+        own[i] = ball.drawing.mul_add_precise(drawn, -held);
+        // -(ë + 2iω ė - ω² e) but for what the acceleration itself brings, times 1 + ip.
         let real = equations.double_speed.mul_add_precise(c_next, turning[0]);
         let imaginary = equations.double_speed.mul_add_precise(s_next, turning[1]);
-        let inward = factor.mul_add_precise(imaginary, equations.speed_squared * c);
-        let across = factor.mul_add_precise(real, -(equations.speed_squared * s));
-        let residual = ball.stuck * equations.double_speed.mul_add_precise(speed, squared);
-        let around_x = ball.turned_mass.mul_add_precise(inward, push[0]);
-        let around_x = residual.mul_add_precise(m_c, around_x);
-        let around_x = (-ball.turned_friction).mul_add_precise(across, around_x);
-        let around_y = (-ball.turned_mass).mul_add_precise(across, push[1]);
-        let around_y = residual.mul_add_precise(m_s, around_y);
-        let around_y = (-ball.turned_friction).mul_add_precise(inward, around_y);
-        let of_ball_x = m_s.mul_add_precise(own[i], around_x);
-        let of_ball_y = (-m_c).mul_add_precise(own[i], around_y);
+        let around_x = factor.mul_add_precise(imaginary, equations.speed_squared * c);
+        let around_y = minus.mul_add_precise(real, equations.speed_squared * s);
+        // The same times 1 only, with what the acceleration brings.
+        let [along, across] = solver.reaction[i];
+        let of_ball_x = ball.friction.mul_add_precise(around_y, around_x);
+        let of_ball_x = along.mul_add_precise(own[i], of_ball_x);
+        let of_ball_y = ball.minus_friction.mul_add_precise(around_x, around_y);
+        let of_ball_y = across.mul_add_precise(own[i], of_ball_y);
         if i == 0 {
             (push_x, push_y) = (of_ball_x, of_ball_y);
         } else {
@@ -411,24 +476,19 @@ pub(super) fn solve<S: Simd, const N: usize>(
     let pull_y = d.mul_add_precise(force_y, c * force_x);
     now.pull = [pull_x, pull_y];
     let frame_x = equations.double_speed.mul_add_precise(y_dot, equations.speed_squared * x);
-    let frame_y = (-equations.double_speed).mul_add_precise(x_dot, equations.speed_squared * y);
+    let frame_y = equations.minus_double_speed.mul_add_precise(x_dot, equations.speed_squared * y);
     let twice = number(of_next * of_after);
-    let table = [twice * (pull_x + frame_x), twice * (pull_y + frame_y)];
-    after.table = table;
+    after.table = [twice * (pull_x + frame_x), twice * (pull_y + frame_y)];
     for i in 0..N {
         let [along, across] = solver.drawn[i];
         let acceleration = along.mul_add_precise(pull_x, across.mul_add_precise(pull_y, own[i]));
-        // What is left of the speed of a ball that sticks dies out.
-        let Ball { stuck, free, .. } = equations.balls[i];
-        let speed =
-            number(of_next) * (-stuck).mul_add_precise(now.balls[i].speed, acceleration);
+        let speed = number(of_next) * acceleration;
         next.balls[i].speed = speed;
-        let [real, imaginary] = solver.directions[i];
-        let part = number(of_after) * free;
+        let [real, imaginary] = by.start[i];
         let turning = sums[i].turning;
         after.balls[i].direction = [
-            -(part * speed.mul_add_precise(imaginary, turning[1])),
-            part * speed.mul_add_precise(real, turning[0]),
+            number(-of_after) * speed.mul_add_precise(imaginary, turning[1]),
+            number(of_after) * speed.mul_add_precise(real, turning[0]),
         ];
     }
 }

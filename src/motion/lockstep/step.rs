@@ -26,17 +26,19 @@ pub(super) fn within_tolerance<S: Simd, const N: usize>(
     let second = Lanes::splat(simd, ORDER as f64);
     let mut last = Lanes::splat(simd, 0.0);
     let mut last_but_one = last;
-    for i in 0..2 + N {
-        let (size, one, other) = if i < 2 {
-            let of = |k: usize| terms[k].table[i];
-            (of(1), highest * of(ORDER + 1), second * of(ORDER))
+    let one = Lanes::splat(simd, 1.0);
+    // The table's two velocities count by the larger of them.
+    let table = |k: usize| terms[k].table[0].abs().max(terms[k].table[1].abs());
+    for i in 0..=N {
+        let (size, ultimate, penultimate) = if i == N {
+            (table(1), highest * table(ORDER + 1), second * table(ORDER))
         } else {
-            let of = |k: usize| terms[k].balls[i - 2].speed;
-            (of(0), of(ORDER), of(ORDER - 1))
+            let speed = |k: usize| terms[k].balls[i].speed.abs();
+            (speed(0), speed(ORDER), speed(ORDER - 1))
         };
-        let scale = Lanes::splat(simd, 1.0) / relative.mul_add_precise(size.abs(), absolute);
-        last = last.max(one.abs() * scale);
-        last_but_one = last_but_one.max(other.abs() * scale);
+        let scale = one / relative.mul_add_precise(size, absolute);
+        last = last.max(ultimate * scale);
+        last_but_one = last_but_one.max(penultimate * scale);
     }
     // The last but one has a power of time less: the one that the step before had.
     let most = last.max(last_but_one / before);
