@@ -171,7 +171,7 @@ impl<const N: usize> LaneRun<N> {
             }
         }
         if (happened.event | happened.round | happened.turned) & bit != 0
-            && let Some(orbit) = self.closes(group, room, lane)
+            && let Some(orbit) = self.closes(group, room, lane, happened.event & bit != 0)
         {
             return self.ends(group, lane, Ending::Cycle(orbit));
         }
@@ -207,13 +207,15 @@ impl<const N: usize> LaneRun<N> {
         group: &Group<S, N>,
         room: &Room<S, N>,
         lane: usize,
+        had_event: bool,
     ) -> Option<super::Orbit<N>> {
         let (phases, end) = group.at_end_of_step(room, lane)?;
         let reference = self.watch.goes_round(&phases, &end)?;
         let passage = group.passage(room, lane, reference);
         let last_switches = group.last_switches(lane)?;
         let direction = end.beta_dot[reference].signum();
-        let round = GoneRound { reference, direction, passage, phases: &phases, last_switches };
+        let phases = group.phases_during_step(lane, had_event)?;
+        let round = GoneRound { reference, direction, passage, phases, last_switches };
         self.watch.take_in(&self.balancer, &self.settings, round)
     }
 

@@ -62,7 +62,7 @@ pub(super) struct GoneRound<'a, const N: usize> {
     pub(super) direction: f64,
     /// Time and state at which it went through the angle 0.
     pub(super) passage: Option<(f64, State<N>)>,
-    /// What the balls do after the step.
+    /// What the balls did in the step, before a switch at its end.
     pub(super) phases: &'a [Phase; N],
     /// When each ball last changed that.
     pub(super) last_switches: &'a [f64; N],
@@ -110,7 +110,7 @@ impl<const N: usize> OrbitWatch<N> {
     ) -> Option<Orbit<N>> {
         let reference = self.goes_round(motion.phases(), motion.state())?;
         let passage = motion.passage(reference);
-        let (phases, last_switches) = (motion.phases(), motion.last_switches());
+        let (phases, last_switches) = (motion.phases_during_step(), motion.last_switches());
         let direction = motion.state().beta_dot[reference].signum();
         let round = GoneRound { reference, direction, passage, phases, last_switches };
         self.take_in(balancer, settings, round)

@@ -160,6 +160,12 @@ impl<'a, S: System<N, FREE>, const N: usize, const FREE: usize> Motion<'a, S, N,
         &self.phases
     }
 
+    /// What each ball did in the latest step, before a switch at its end; what it does where there was
+    /// none.
+    pub fn phases_during_step(&self) -> &[Phase; N] {
+        self.last.as_ref().map_or(&self.phases, |last| &last.phases)
+    }
+
     /// The time derivative of the present state.
     pub fn derivative(&self) -> &State<N, f64, FREE> {
         &self.derivative

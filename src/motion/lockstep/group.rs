@@ -14,11 +14,11 @@ use crate::motion::driver::{Course, Motion};
 use crate::motion::first_switch::LastStep;
 use crate::motion::interpolant::Interpolant;
 
-/// How much longer than one by one steps may be: 4.5 over the highest frequency of the table in the turning
-/// frame, `1 + |ω|`. In longer ones the tolerance holds, as what it lets grow shows in the next step, but
-/// in a displacement, of which no tolerance is kept, that frequency would: 16 powers of `exp(i z)` leave
-/// 1 - 4e-4 of it at most up to `z = 4.5`.
-const LONGEST: f64 = 4.5 / std::f64::consts::FRAC_PI_2;
+/// How much longer than one by one steps may be: 3.6 over the highest frequency of the table in the turning
+/// frame, `1 + |ω|`. In longer steps the tolerance would hold, as what is wrong of it shows in the next one,
+/// but of a displacement no tolerance is kept: 16 powers of `exp(i z)` are right to 8e-6 up to
+/// `z = 3.6`, and to 4e-4 up to 4.5.
+const LONGEST: f64 = 3.6 / std::f64::consts::FRAC_PI_2;
 
 /// Eight lanes, some of them empty.
 pub(crate) struct Group<S: Simd, const N: usize> {
@@ -262,6 +262,12 @@ impl<S: Simd, const N: usize> Group<S, N> {
         self.lanes[lane].as_ref().is_some_and(all)
     }
 
+    /// What the balls of a lane did in its latest step, before an event at its end.
+    pub(crate) fn phases_during_step(&self, lane: usize, had_event: bool) -> Option<&[Phase; N]> {
+        let own = self.lanes[lane].as_ref()?;
+        Some(if had_event { &own.during } else { &own.phases })
+    }
+
     /// When each ball of a lane last changed what it does.
     pub(crate) fn last_switches(&self, lane: usize) -> Option<&[f64; N]> {
         self.lanes[lane].as_ref().map(|own| &own.last_switches)
@@ -323,7 +329,7 @@ impl<S: Simd, const N: usize> Group<S, N> {
         }
         let start = self.before.lane(lane);
         let length = room.length[lane];
-        let phases = if had_event { own.during } else { own.phases };
+        let phases = *self.phases_during_step(lane, had_event)?;
         let powers = room.series.powers(lane, &start, length);
         let last = LastStep {
             step: Step::without_stages(start, end, length),
