@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use super::support::{Scratch, assert_has, study_text};
+use super::support::{Scratch, assert_has, of_older_model, study_text};
 
 const PRECISE: &str = "precision: {equilibrium_fraction: 0.2, max_runs: 64}\n";
 
@@ -60,8 +60,7 @@ fn what_does_not_belong_together_is_named() {
     scratch.refused("merge 1 nowhere 3 --out merged", &["nowhere: this directory holds no study"]);
     scratch
         .refused("merge 1 2 3 --out 1", &["1: this directory holds the results of another shard"]);
-    let older =
-        scratch.manifest("3").to_string().replace("\"model_version\":1", "\"model_version\":0");
+    let older = of_older_model(&scratch.manifest("3").to_string());
     scratch.write("3/manifest.json", older);
     scratch
         .refused("merge 1 2 3 --out merged", &["3: these runs were computed by another version"]);

@@ -5,7 +5,7 @@ use std::fs;
 use serde_json::Value;
 
 use super::summary::{REST, finished, kill, rewrite, study, without};
-use super::support::{AT_ONCE, Scratch, assert_has, counts, words};
+use super::support::{AT_ONCE, Scratch, assert_has, counts, of_older_model, words};
 
 /// What the page's script reads.
 fn data(page: &str) -> Value {
@@ -238,8 +238,7 @@ fn what_cannot_be_shown_is_refused() {
     scratch.refused("report out", &said);
     fs::remove_file(scratch.path("out/rest.parquet")).unwrap();
     scratch.refused("report out", &["rest.parquet: this is not the file that was written"]);
-    let other = scratch.manifest("out").to_string();
-    let other = other.replace("\"model_version\":1", "\"model_version\":0");
+    let other = of_older_model(&scratch.manifest("out").to_string());
     let manifest = scratch.manifest("out").to_string();
     scratch.write("out/manifest.json", other);
     scratch.refused("report out", &["another version", "version 0 of the model", "allowed: "]);

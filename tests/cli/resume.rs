@@ -3,7 +3,9 @@
 use std::fs;
 use std::path::PathBuf;
 
-use super::support::{Scratch, assert_has, study_text};
+use stickslip::ending::MODEL_VERSION;
+
+use super::support::{Scratch, assert_has, of_older_model, study_text};
 
 /// Runs of a tenth of a millisecond or so.
 fn study(seed_and_more: &str) -> String {
@@ -202,8 +204,7 @@ fn what_cannot_be_resumed_is_refused() {
     scratch.write("out/study.yaml", study("seed: 6\n"));
     let edited = ["the study has been edited since", "found:   a study.yaml", "allowed: "];
     scratch.refused("resume out", &edited);
-    let older =
-        scratch.manifest("out").to_string().replace("\"model_version\":1", "\"model_version\":0");
+    let older = of_older_model(&scratch.manifest("out").to_string());
     scratch.write("out/manifest.json", older);
     scratch.refused("resume out", &["another version", "version 0 of the model", "allowed: "]);
 }
@@ -237,9 +238,11 @@ fn runs_of_another_version_are_not_used() {
         fs::write(path, text.replace(from, to)).unwrap();
     };
     let list = folder.join("manifest.jsonl");
-    change(list.clone(), "\"model_version\":1", "\"model_version\":0");
-    change(scratch.path("out/manifest.json"), "\"model_version\":1", "\"model_version\":0");
-    let version = ["of which no run can be used", "version of the model: 0 -> 1", "--recompute"];
+    for path in [list.clone(), scratch.path("out/manifest.json")] {
+        fs::write(&path, of_older_model(&fs::read_to_string(&path).unwrap())).unwrap();
+    }
+    let versions = format!("version of the model: 0 -> {MODEL_VERSION}");
+    let version = ["of which no run can be used", &versions, "--recompute"];
     scratch.refused("run a.yaml --out out", &version);
     let ended = scratch.stickslip("run a.yaml --out out --recompute --chunk 50");
     assert_eq!(ended.code, Some(0), "{}", ended.err);

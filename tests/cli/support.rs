@@ -10,6 +10,7 @@ use arrow::array::{ArrayRef, AsArray, RecordBatch};
 use arrow::compute::concat_batches;
 use arrow::datatypes::{DataType, Float64Type, Int32Type, UInt64Type};
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
+use stickslip::ending::MODEL_VERSION;
 use stickslip::study::Study;
 use tempfile::TempDir;
 
@@ -130,6 +131,13 @@ impl Ended {
         let text = |bytes| String::from_utf8(bytes).unwrap();
         Ended { code: output.status.code(), out: text(output.stdout), err: text(output.stderr) }
     }
+}
+
+/// What a program with an older version of the model would have written of itself.
+pub fn of_older_model(text: &str) -> String {
+    let written = format!("\"model_version\":{MODEL_VERSION}");
+    assert!(text.contains(&written), "{text}");
+    text.replace(&written, "\"model_version\":0")
 }
 
 /// The text of a study: a name, a design, an end time, and lines with all else.

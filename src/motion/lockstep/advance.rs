@@ -204,11 +204,7 @@ fn step<S: Simd, const N: usize>(
 
 /// Where, without dry friction, everything is slow at the step's start.
 #[inline(always)]
-fn still<S: Simd, const N: usize>(
-    g: &Group<S, N>,
-    series: &Series<S, N>,
-    happened: &mut Happened,
-) {
+fn still<S: Simd, const N: usize>(g: &Group<S, N>, series: &Series<S, N>, happened: &mut Happened) {
     let [first, second, third, ..] = &series.terms;
     let two = Lanes::splat(g.time.simd, 2.0);
     let mut most = Lanes::splat(g.time.simd, 0.0);

@@ -78,13 +78,8 @@ fn against_one_run<const N: usize>() {
     room.series.expand(&group.equations, &group.state);
     let order = super::series::ORDER;
     let end: Flow<_, N> = room.series.at(&group.equations, &group.state, length, order);
-    let moved = carry(
-        &room.series,
-        &group.equations,
-        &group.displacement,
-        length,
-        &mut room.displaced,
-    );
+    let moved =
+        carry(&room.series, &group.equations, &group.displacement, length, &mut room.displaced);
     let mut sticks = 0;
     for (lane, balancer) in balancers.iter().enumerate() {
         let saved = group.copy(lane).unwrap();

@@ -13,11 +13,11 @@
 
 use fearless_simd::{Simd, prelude::*};
 
+use super::Lanes;
 use super::equations::Equations;
 use super::lane::Lane;
 use super::locate::{Course, FOURTH, Polynomial};
 use super::series::{DYING, ORDER, Series};
-use super::Lanes;
 use crate::motion::Phase;
 
 /// What the conditions of a ball depend on.
@@ -210,18 +210,12 @@ fn held<S: Simd, const N: usize>(
     [
         Curve {
             values: [reserve[2] - tangential[2] + slack, reserve[0] - tangential[0] + slack],
-            changes: [
-                (reserve[3] - tangential[3]) * length,
-                (reserve[1] - tangential[1]) * length,
-            ],
+            changes: [(reserve[3] - tangential[3]) * length, (reserve[1] - tangential[1]) * length],
             bound,
         },
         Curve {
             values: [reserve[2] + tangential[2] + slack, reserve[0] + tangential[0] + slack],
-            changes: [
-                (reserve[3] + tangential[3]) * length,
-                (reserve[1] + tangential[1]) * length,
-            ],
+            changes: [(reserve[3] + tangential[3]) * length, (reserve[1] + tangential[1]) * length],
             bound,
         },
     ]
@@ -323,11 +317,7 @@ impl Ends {
 }
 
 #[inline(always)]
-fn polynomial(
-    offset: f64,
-    of: impl Fn(usize) -> f64,
-    powers: &[f64; ORDER + 1],
-) -> Polynomial {
+fn polynomial(offset: f64, of: impl Fn(usize) -> f64, powers: &[f64; ORDER + 1]) -> Polynomial {
     let mut coefficients = [0.0; ORDER + 1];
     for k in 0..=ORDER {
         coefficients[k] = of(k) * powers[k];
@@ -403,4 +393,3 @@ fn normal_force<S: Simd, const N: usize>(
         pressed(series, own, lane, ball, k) - share * pulled
     })
 }
-

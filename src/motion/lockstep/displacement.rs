@@ -62,12 +62,7 @@ impl<S: Simd, const N: usize> Series<S, N> {
     }
 
     #[inline(never)]
-    fn order_of_displacement(
-        &self,
-        equations: &Equations<S, N>,
-        displaced: &mut Self,
-        k: usize,
-    ) {
+    fn order_of_displacement(&self, equations: &Equations<S, N>, displaced: &mut Self, k: usize) {
         equations.speed.simd.vectorize(
             #[inline(always)]
             || self.linear_order(equations, displaced, k),

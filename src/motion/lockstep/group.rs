@@ -8,11 +8,11 @@ use super::lane::{Lane, Saved, rest_radius_squared};
 use super::series::Series;
 use super::{Flow, LANES, Lanes};
 use crate::model::{State, System};
-use crate::motion::{Effort, Step};
 use crate::motion::contact::Phase;
 use crate::motion::driver::{Course, Motion};
 use crate::motion::first_switch::LastStep;
 use crate::motion::interpolant::Interpolant;
+use crate::motion::{Effort, Step};
 
 /// How much longer than one by one steps may be: 3.3 over the highest frequency of the table in the turning
 /// frame, `1 + |ω|`. In longer steps the tolerance would hold, as what is wrong of it shows in the next one,

@@ -28,11 +28,7 @@ pub(crate) struct Lane<const N: usize> {
 impl<const N: usize> Lane<N> {
     /// What the run has cost in so many steps.
     pub(super) fn effort(&self, taken: f64) -> Effort {
-        Effort {
-            steps: taken as u64,
-            rejected_steps: 0,
-            switches: self.switches,
-        }
+        Effort { steps: taken as u64, rejected_steps: 0, switches: self.switches }
     }
 }
 

@@ -258,7 +258,9 @@ mod tests {
     fn first_falls_are_first() {
         let mut seed = 1_u64;
         let mut draw = || {
-            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            seed = seed
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
             (seed >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
         };
         let mut falls = 0;
