@@ -102,12 +102,12 @@ fn step<S: Simd, const N: usize>(
         }
     }
     let end = series.at(&g.equations, &g.state, length, ORDER);
-    let mut largest = within;
+    // Nought, but for what is infinite or not a number.
+    let mut nought = within * c!(0.0);
     for value in end.table.iter().chain(&end.angle).chain(&end.speed) {
-        largest = largest.max(value.abs());
+        nought = value.mul_add_precise(c!(0.0), nought);
     }
-    // Not so where anything is not a number, either.
-    let finite = largest.simd_lt(c!(f64::MAX)) & (largest - largest).simd_eq(c!(0.0));
+    let finite = nought.simd_eq(c!(0.0));
     let moves = within.simd_ge(g.time.max(c!(1.0)) * c!(SHORTEST));
     let commits = finite & moves;
     let mut stopped = g.alive & !commits.to_bitmask();
