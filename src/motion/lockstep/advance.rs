@@ -4,8 +4,9 @@ use std::f64::consts::TAU;
 
 use fearless_simd::{Simd, mask64x8, prelude::*};
 
-use super::conditions::{Ends, doubtful, first_failure};
+use super::conditions::doubtful;
 use super::displacement::{carry, over_switch};
+use super::first_failure::{Ends, first_failure};
 use super::group::{Group, Room};
 use super::lane::{Trouble, next_phases};
 use super::series::{ORDER, Series};

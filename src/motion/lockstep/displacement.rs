@@ -5,7 +5,8 @@ use fearless_simd::{Simd, prelude::*};
 
 use super::equations::Equations;
 use super::lane::Lane;
-use super::series::{Constants, ORDER, Series, Solving, products, solve};
+use super::recurrence::{Constants, Solving, products, solve};
+use super::series::{ORDER, Series};
 use super::{Flow, Group, Lanes};
 use crate::model::State;
 use crate::motion::contact::{Phase, SmoothPhase};
@@ -49,11 +50,10 @@ impl<S: Simd, const N: usize> Series<S, N> {
                 [equations.double_speed * displaced_left, equations.double_speed * left],
                 [two * left * displaced_left, left * left],
             ];
-            for which in 0..2 {
-                let [speed, turned] = forces[which];
+            for ([speed, turned], residual) in forces.into_iter().zip(&mut displaced.residual) {
                 let turned = turned * angle;
-                displaced.residual[which][0] += ball.mass * (speed * c - turned * s);
-                displaced.residual[which][1] += ball.mass * (speed * s + turned * c);
+                residual[0] += ball.mass * (speed * c - turned * s);
+                residual[1] += ball.mass * (speed * s + turned * c);
             }
         }
         for k in 0..ORDER {

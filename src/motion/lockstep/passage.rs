@@ -2,7 +2,8 @@
 
 use fearless_simd::Simd;
 
-use super::series::{RECIPROCALS, Series, TERMS};
+use super::recurrence::RECIPROCALS;
+use super::series::{Series, TERMS};
 use super::{Group, Room};
 use crate::model::State;
 use crate::motion::root::fall_of_smooth;

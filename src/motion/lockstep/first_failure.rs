@@ -1,0 +1,183 @@
+//! What ends a step of one lane: the condition that fails first (`conditions`), located on the series.
+
+use fearless_simd::Simd;
+
+use super::conditions::Doubts;
+use super::lane::Lane;
+use super::locate::{Course, Polynomial};
+use super::recurrence::DYING;
+use super::series::{ORDER, Series};
+use crate::motion::Phase;
+
+/// What ends a step of a lane.
+pub(super) enum Ends {
+    /// Nothing.
+    Nothing,
+    /// A ball's condition with this number fails, at this part of the step.
+    At(f64, (usize, usize)),
+    /// A condition does not hold from the start on.
+    AtOnce,
+}
+
+/// What ends a step of one lane.
+#[inline(never)]
+pub(super) fn first_failure<S: Simd, const N: usize>(
+    series: &Series<S, N>,
+    own: &Lane<N>,
+    lane: usize,
+    length: f64,
+    doubts: &Doubts<N>,
+) -> Ends {
+    // In here the fused multiply-add is an instruction.
+    series.terms[0].table[0].simd.vectorize(
+        #[inline(always)]
+        || first_of_all(series, own, lane, length, doubts),
+    )
+}
+
+#[inline(always)]
+fn first_of_all<S: Simd, const N: usize>(
+    series: &Series<S, N>,
+    own: &Lane<N>,
+    lane: usize,
+    length: f64,
+    doubts: &Doubts<N>,
+) -> Ends {
+    let mut powers = [1.0; ORDER + 1];
+    for k in 1..=ORDER {
+        powers[k] = powers[k - 1] * length;
+    }
+    let mut first = Ends::Nothing;
+    let band = own.margins.band;
+    let aim = 0.5 * own.width;
+    let slack = own.margins.slack + aim;
+    for (ball, phase) in own.phases.iter().enumerate() {
+        let loose = doubts.loose & 1 << lane != 0;
+        if !loose && doubts.of_balls[ball] & 1 << lane == 0 {
+            continue;
+        }
+        let mut speeds = [0.0; ORDER + 1];
+        for (speed, term) in speeds.iter_mut().zip(&series.terms) {
+            *speed = term.balls[ball].speed[lane];
+        }
+        match *phase {
+            Phase::Slip(direction) => {
+                let out = |k: usize| direction * speeds[k];
+                first.or(polynomial(aim - band, out, &powers), (ball, 0));
+            }
+            Phase::Transition(direction) => {
+                let inside = |k: usize| -direction * speeds[k];
+                first.or(polynomial(aim + band, inside, &powers), (ball, 0));
+                let accelerating = |k: usize| match speeds.get(k + 1) {
+                    Some(speed) => direction * ((k + 1) as f64 * speed),
+                    None => 0.0,
+                };
+                first.or(polynomial(slack, accelerating, &powers), (ball, 1));
+            }
+            Phase::Stick => {
+                let forces = forces_on_resting(series, own, lane, ball);
+                for (which, sign) in [1.0, -1.0].into_iter().enumerate() {
+                    let left = |k: usize| forces[k][0] - sign * forces[k][1];
+                    first.or(polynomial(slack, left, &powers), (ball, which));
+                }
+            }
+            Phase::Free => {}
+        }
+        if loose {
+            let normal = normal_force(series, own, lane, ball);
+            first.or(polynomial(aim, |k| normal[k], &powers), (ball, 2));
+        }
+    }
+    first
+}
+
+impl Ends {
+    /// The first of this and of what becomes of another condition.
+    #[inline(always)]
+    fn or(&mut self, condition: Polynomial, which: (usize, usize)) {
+        match (condition.first_fall(), &self) {
+            (Course::Holds, _) | (_, Ends::AtOnce) => {}
+            (Course::FailsAtOnce, _) => *self = Ends::AtOnce,
+            (Course::Fails(at), Ends::At(earlier, _)) if *earlier <= at => {}
+            (Course::Fails(at), _) => *self = Ends::At(at, which),
+        }
+    }
+}
+
+#[inline(always)]
+fn polynomial(offset: f64, of: impl Fn(usize) -> f64, powers: &[f64; ORDER + 1]) -> Polynomial {
+    let mut coefficients = [0.0; ORDER + 1];
+    for k in 0..=ORDER {
+        coefficients[k] = of(k) * powers[k];
+    }
+    coefficients[0] += offset;
+    Polynomial(coefficients)
+}
+
+/// The series of μ times the normal force on a ball that sticks, and of what sticking takes.
+#[inline(always)]
+fn forces_on_resting<S: Simd, const N: usize>(
+    series: &Series<S, N>,
+    own: &Lane<N>,
+    lane: usize,
+    ball: usize,
+) -> [[f64; 2]; ORDER + 1] {
+    let [c, s] = &series.solver.trigonometry[ball];
+    let (c, s) = (c[lane], s[lane]);
+    let limit = own.balancer.balls[ball].friction.limit;
+    let mut forces = [[0.0; 2]; ORDER + 1];
+    for (k, forces) in forces[..ORDER].iter_mut().enumerate() {
+        let [x, y] = &series.terms[k].pull;
+        let (x, y) = (x[lane], y[lane]);
+        let normal = pressed(series, own, lane, ball, k) - (c * x + s * y);
+        *forces = [limit * normal, s * x - c * y];
+    }
+    forces
+}
+
+/// What presses a ball on the ring but for the table's acceleration.
+#[inline(always)]
+fn pressed<S: Simd, const N: usize>(
+    series: &Series<S, N>,
+    own: &Lane<N>,
+    lane: usize,
+    ball: usize,
+    k: usize,
+) -> f64 {
+    let parameters = &own.balancer.balls[ball];
+    let speed = own.balancer.speed;
+    let of_ball = &series.terms[k].balls[ball];
+    let constant = if k == 0 { speed * speed } else { 0.0 };
+    // Either the one or the other is zero.
+    let left = series.solver.residual[ball][lane];
+    let linear = of_ball.speed[lane] + DYING[k][0] * left;
+    let quadratic = of_ball.squared[lane] + DYING[k][1] * (left * left);
+    constant
+        + ((2.0 * speed - parameters.rolling_linear) * linear
+            + (1.0 - parameters.rolling_quadratic) * quadratic)
+}
+
+/// The series of the normal force on a ball of a lane.
+#[inline(never)]
+fn normal_force<S: Simd, const N: usize>(
+    series: &Series<S, N>,
+    own: &Lane<N>,
+    lane: usize,
+    ball: usize,
+) -> [f64; ORDER + 1] {
+    let contact = own.phases[ball].contact(&own.balancer.balls[ball].friction, 1.0);
+    let friction = contact.signed_friction;
+    let share = 1.0 / own.balancer.balls[ball].mass;
+    let along = |k: usize, j: usize| {
+        let [real, imaginary] = series.terms[j].balls[ball].direction.map(|of_all| of_all[lane]);
+        let [x, y] = series.terms[k - j].pull.map(|of_all| of_all[lane]);
+        (real + friction * imaginary) * x + (imaginary - friction * real) * y
+    };
+    std::array::from_fn(|k| {
+        if k == ORDER {
+            return 0.0;
+        }
+        let pulled: f64 = (0..=k).map(|j| along(k, j)).sum();
+        pressed(series, own, lane, ball, k) - share * pulled
+    })
+}
