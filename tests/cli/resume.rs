@@ -232,11 +232,6 @@ fn changed_tables_are_made_again() {
 fn runs_of_another_version_are_not_used() {
     let scratch = stopped();
     let folder = chunks(&scratch, "out");
-    let change = |path: PathBuf, from: &str, to: &str| {
-        let text = fs::read_to_string(&path).unwrap();
-        assert!(text.contains(from), "{text}");
-        fs::write(path, text.replace(from, to)).unwrap();
-    };
     let list = folder.join("manifest.jsonl");
     for path in [list.clone(), scratch.path("out/manifest.json")] {
         fs::write(&path, of_older_model(&fs::read_to_string(&path).unwrap())).unwrap();
