@@ -150,11 +150,25 @@ pub(super) fn doubtful<S: Simd, const N: usize>(
         };
         let mut holds = curve.holds();
         let ball = &equations.balls[i];
-        for at in 0..2 {
-            let own = ball.pressed[1].mul_add_precise(speeds[at], ball.pressed[0]);
-            let own = own.mul_add_precise(speeds[at], equations.speed_squared);
-            doubts.loose |= !own.simd_gt(pulls[at]).to_bitmask();
+        let mut pressed = ball.least_pressed.simd_gt(pulls[0].max(pulls[1]));
+        if !pressed.all_true() {
+            // How it is pressed is a parabola in its speed. On one side of the bottom, and not so near that
+            // it may have been there on the way, the ends tell.
+            let mut plain = length.simd_eq(length);
+            let mut steepness = [zero; 2];
+            for at in 0..2 {
+                let half = ball.pressed[1] * speeds[at];
+                steepness[at] = half + half + ball.pressed[0];
+                let own =
+                    (half + ball.pressed[0]).mul_add_precise(speeds[at], equations.speed_squared);
+                plain &= own.simd_gt(pulls[at]);
+            }
+            let reach = second.balls[i].speed.abs().max(slope.abs()) * length * ball.pressed[1];
+            plain &= (steepness[0] * steepness[1]).simd_gt(zero);
+            plain &= steepness[0].abs().min(steepness[1].abs()).simd_gt(reach);
+            pressed |= plain;
         }
+        doubts.loose |= !pressed.to_bitmask();
         let stuck = watched[i].stuck.simd_gt(zero);
         if stuck.any_true() {
             let held = held(series, equations, watched, i, length);

@@ -28,6 +28,8 @@ pub(crate) struct Ball<S: Simd> {
     /// What presses it on the ring at its speed β̇ but for the table's acceleration: `ω² + these times β̇
     /// and β̇²`, the rolling term among them.
     pub(super) pressed: [Lanes<S>; 2],
+    /// The least of that at any speed.
+    pub(super) least_pressed: Lanes<S>,
     /// What holds it back but for that, over 1 + 4 J: these times 1, β̇ and β̇², of `p pressed + q β̇`.
     pub(super) held: [Lanes<S>; 3],
 }
@@ -63,6 +65,7 @@ impl<S: Simd, const N: usize> Equations<S, N> {
             turned: zero,
             drawing: zero,
             pressed: [zero; 2],
+            least_pressed: zero,
             held: [zero; 3],
         };
         Equations {
@@ -92,8 +95,11 @@ impl<S: Simd, const N: usize> Equations<S, N> {
         self.imbalance[lane] = balancer.imbalance * speed * speed;
         for (of_ball, ball) in self.balls.iter_mut().zip(&balancer.balls) {
             of_ball.mass[lane] = ball.mass;
-            of_ball.pressed[0][lane] = 2.0 * speed - ball.rolling_linear;
-            of_ball.pressed[1][lane] = 1.0 - ball.rolling_quadratic;
+            let linear = 2.0 * speed - ball.rolling_linear;
+            let quadratic = 1.0 - ball.rolling_quadratic;
+            of_ball.pressed[0][lane] = linear;
+            of_ball.pressed[1][lane] = quadratic;
+            of_ball.least_pressed[lane] = speed * speed - linear * linear / (4.0 * quadratic);
         }
     }
 

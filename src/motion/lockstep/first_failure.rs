@@ -181,3 +181,101 @@ fn normal_force<S: Simd, const N: usize>(
         pressed(series, own, lane, ball, k) - share * pulled
     })
 }
+
+#[cfg(all(test, target_arch = "x86_64"))]
+mod tests {
+    use super::super::conditions::doubtful;
+    use super::super::{Group, LANES, Lanes, Room, Saved, VectorLevel};
+    use super::{Ends, first_failure};
+    use crate::model::{Balancer, FrictionLaw, Machine, Method, NormalForce, State};
+    use crate::motion::contact::SmoothPhase;
+    use crate::motion::{Settings, Tolerance};
+    use fearless_simd::{Simd, SimdBase};
+
+    const PLACES: u32 = 400;
+
+    /// Balls that turn about as fast as the disc, but backwards, are hardly pressed on the ring: where one
+    /// leaves it within a step, as the forces of one run at many places have it, that is seen, and no later.
+    #[test]
+    fn balls_that_leave_the_ring_are_seen() {
+        let Some(simd) = VectorLevel::best().avx2() else { return };
+        let machine = Machine {
+            speed_rad_s: -216.3772,
+            normal_force: NormalForce::Newton,
+            ..Machine::default()
+        };
+        // With so much drag a ball that runs backwards faster than the disc is slowed down to its speed within
+        // a step, however little the table moves.
+        let of_critical_drag = machine.balls[0].mass_kg * machine.natural_frequency_rad_s();
+        let dragged = Machine {
+            friction: FrictionLaw::Viscous { viscous_coefficient_n_s_m: of_critical_drag },
+            ..machine.clone()
+        };
+        seen_in(simd, &machine, 0.3);
+        seen_in(simd, &dragged, 3e-3);
+    }
+
+    fn seen_in(simd: impl Simd, machine: &Machine, moved: f64) {
+        let balancer = Balancer::<2>::new(machine).unwrap();
+        let settings = Settings {
+            method: Method::Event,
+            band: 0.0,
+            tolerance: Tolerance { relative: 1e-8, absolute: 1e-10 },
+            effort_limit: 1000,
+        };
+        let (mut left, mut stayed, mut unseen) = (0, 0, 0);
+        for round in 0..100 {
+            let mut group = Group::<_, 2>::new(simd);
+            let mut room = Room::<_, 2>::new(simd);
+            let value = |lane: usize, k: usize| {
+                libm::sin((1 + 97 * round + 13 * lane) as f64 * (1.0 + 0.37 * k as f64))
+            };
+            for lane in 0..LANES {
+                let start = State {
+                    position: [moved * value(lane, 0), moved * value(lane, 1)],
+                    velocity: [moved * value(lane, 2), moved * value(lane, 3)],
+                    beta: [3.0 + 3.0 * value(lane, 4), 3.0 + 3.0 * value(lane, 5)],
+                    beta_dot: [
+                        -balancer.speed * (1.0 + 0.6 * value(lane, 6)),
+                        -balancer.speed * (1.0 + 0.6 * value(lane, 7)),
+                    ],
+                };
+                // Some are not pressed on the ring to begin with.
+                if let Ok(saved) = Saved::start(&balancer, settings, start) {
+                    group.put(lane, &saved, 10.0);
+                }
+            }
+            room.series.expand(&group.equations, &group.state);
+            let length = 0.8;
+            let lengths = Lanes::splat(simd, length);
+            let doubts = doubtful(&room.series, &group.equations, &group.watched, lengths);
+            for lane in 0..LANES {
+                let Some(own) = &group.lanes[lane] else { continue };
+                let powers = room.series.powers(lane, &group.state(lane), length);
+                let phase = SmoothPhase::new(&balancer, &own.phases);
+                let fails =
+                    (1..=PLACES).map(|place| f64::from(place) / f64::from(PLACES)).find(|part| {
+                        let mut state = State::zero();
+                        for power in powers.iter().rev() {
+                            let higher = state;
+                            state = *power;
+                            state.add_scaled(*part, &higher);
+                        }
+                        phase.forces(&state).normal.iter().any(|normal| *normal < -1e-6)
+                    });
+                let Some(fails) = fails else {
+                    stayed += 1;
+                    unseen += usize::from(doubts.any() & 1 << lane == 0);
+                    continue;
+                };
+                left += 1;
+                assert!(doubts.any() & 1 << lane != 0, "{round} {lane}: at {fails}");
+                match first_failure(&room.series, own, lane, length, &doubts) {
+                    Ends::At(part, _) => assert!(part <= fails, "{part} {fails}"),
+                    Ends::AtOnce | Ends::Nothing => panic!("{round} {lane}: at {fails}"),
+                }
+            }
+        }
+        assert!(left > 50 && stayed > 50 && unseen > 5, "{left} {stayed} {unseen}");
+    }
+}
