@@ -1,4 +1,4 @@
-//! One step of all lanes of a group: tried, judged, and taken where it stands.
+//! One step of all lanes of a group: as long as the series hold, or to the first event; and what follows from it.
 
 use std::f64::consts::TAU;
 
