@@ -9,7 +9,7 @@ use super::displacement::{carry, over_switch};
 use super::first_failure::{Ends, first_failure};
 use super::group::{Group, Room};
 use super::lane::{Trouble, next_phases};
-use super::series::{ORDER, Series};
+use super::series::Series;
 use super::step::within_tolerance;
 use super::{LANES, Lanes};
 use crate::motion::Failure;
@@ -102,7 +102,7 @@ fn step<S: Simd, const N: usize>(
             Ends::AtOnce => happened.trouble[lane] = Some(Trouble::GiveUp),
         }
     }
-    let end = series.at(&g.equations, &g.state, length, ORDER);
+    let end = series.at(&g.equations, &g.state, length);
     // Nought, but for what is infinite or not a number.
     let mut nought = within * c!(0.0);
     for value in end.table.iter().chain(&end.angle).chain(&end.speed) {

@@ -76,8 +76,7 @@ fn against_one_run<const N: usize>() {
     }
     let length = Lanes::splat(simd, LENGTH);
     room.series.expand(&group.equations, &group.state);
-    let order = super::series::ORDER;
-    let end: Flow<_, N> = room.series.at(&group.equations, &group.state, length, order);
+    let end: Flow<_, N> = room.series.at(&group.equations, &group.state, length);
     let moved =
         carry(&room.series, &group.equations, &group.displacement, length, &mut room.displaced);
     let mut sticks = 0;

@@ -6,12 +6,15 @@ use fearless_simd::{Simd, prelude::*};
 use super::equations::Equations;
 use super::lane::Lane;
 use super::recurrence::{Constants, Solving, products, solve};
-use super::series::{ORDER, Series};
+use super::series::{Higher, ORDER, Series};
 use super::{Flow, Group, Lanes};
 use crate::model::State;
 use crate::motion::contact::{Phase, SmoothPhase};
 use crate::motion::guard::Guard;
 use crate::motion::variation::saltation;
+
+/// How many powers of a displacement beyond those of its series are taken.
+const BEYOND: usize = 8;
 
 impl<S: Simd, const N: usize> Series<S, N> {
     /// Expands a displacement from the motion that has been expanded: the same equations to first order.
@@ -105,7 +108,71 @@ pub(super) fn carry<S: Simd, const N: usize>(
     displaced: &mut Series<S, N>,
 ) -> Flow<S, N> {
     series.expand_displacement(equations, displacement, displaced);
-    displaced.at(equations, displacement, length, ORDER)
+    let higher = series.beyond(equations, displaced, length);
+    displaced.at_with(equations, displacement, length, higher)
+}
+
+impl<S: Simd, const N: usize> Series<S, N> {
+    /// Powers of a displacement beyond those of its series, by the table's own equations and by how it draws
+    /// balls where they are at the start: what moving balls of a ten-thousandth of its mass bring to these
+    /// counts for nothing.
+    #[inline(always)]
+    fn beyond(
+        &self,
+        equations: &Equations<S, N>,
+        displaced: &Self,
+        length: Lanes<S>,
+    ) -> Higher<S, N> {
+        let number = |value: f64| Lanes::splat(length.simd, value);
+        let [a, b, c, d] = self.solver.inverse;
+        let mut table = [[number(0.0); 2]; BEYOND + 2];
+        let mut speeds = [[number(0.0); N]; BEYOND + 1];
+        table[0] = displaced.terms[ORDER].table;
+        table[1] = displaced.terms[ORDER + 1].table;
+        for (speed, ball) in speeds[0].iter_mut().zip(&displaced.terms[ORDER].balls) {
+            *speed = ball.speed;
+        }
+        for at in 0..BEYOND {
+            let k = ORDER + at;
+            let [x, y] = table[at];
+            let factor = number((k + 1) as f64);
+            let [x_dot, y_dot] = [table[at + 1][0] * factor, table[at + 1][1] * factor];
+            let force_x = equations.drag_speed.mul_add_precise(y, -x);
+            let force_y = equations.minus_drag_speed.mul_add_precise(x, -y);
+            let force_x = equations.minus_drag.mul_add_precise(x_dot, force_x);
+            let force_y = equations.minus_drag.mul_add_precise(y_dot, force_y);
+            let pull_x = a.mul_add_precise(force_x, b * force_y);
+            let pull_y = d.mul_add_precise(force_y, c * force_x);
+            let frame_x =
+                equations.double_speed.mul_add_precise(y_dot, equations.speed_squared * x);
+            let frame_y =
+                equations.minus_double_speed.mul_add_precise(x_dot, equations.speed_squared * y);
+            let twice = number(1.0 / ((k + 1) * (k + 2)) as f64);
+            table[at + 2] = [twice * (pull_x + frame_x), twice * (pull_y + frame_y)];
+            let part = number(1.0 / (k + 1) as f64);
+            for i in 0..N {
+                let [along, across] = self.solver.drawn[i];
+                let drawn = along.mul_add_precise(pull_x, across * pull_y);
+                let held = equations.balls[i].held[1] * speeds[at][i];
+                speeds[at + 1][i] = part * (drawn - held);
+            }
+        }
+        let mut higher = Higher::none(length.simd);
+        for at in (0..BEYOND).rev() {
+            for axis in 0..2 {
+                let position = higher.position[axis];
+                higher.slope[axis] = higher.slope[axis].mul_add_precise(length, position);
+                higher.position[axis] = position.mul_add_precise(length, table[at + 2][axis]);
+            }
+            let part = number(1.0 / (ORDER + at + 2) as f64);
+            for i in 0..N {
+                let speed = speeds[at + 1][i];
+                higher.speed[i] = higher.speed[i].mul_add_precise(length, speed);
+                higher.angle[i] = higher.angle[i].mul_add_precise(length, part * speed);
+            }
+        }
+        higher
+    }
 }
 
 /// What is known of a lane's displacement.

@@ -18,7 +18,7 @@ use crate::motion::{Effort, Step};
 /// frame, `1 + |ω|`. In longer steps the tolerance would hold, as what is wrong of it shows in the next one,
 /// but of a displacement no tolerance is kept: 16 powers of `exp(i z)` are right to 2e-6 up to
 /// `z = 3.3`, to 4e-4 up to 4.5, and exponents to 1e-9, as a test has it, only with the former.
-const LONGEST: f64 = 3.3 / std::f64::consts::FRAC_PI_2;
+const LONGEST: f64 = 5.0 / std::f64::consts::FRAC_PI_2;
 
 /// Eight lanes, some of them empty.
 pub(crate) struct Group<S: Simd, const N: usize> {

@@ -72,6 +72,25 @@ pub(super) struct Solver<S: Simd, const N: usize> {
 /// What the residual speeds add to the force on the table, as they die out: times exp(-t), times exp(-2t).
 pub(super) type ResidualForce<S> = [[Lanes<S>; 2]; 2];
 
+/// What powers beyond those of the series come to, over the first of them.
+pub(super) struct Higher<S: Simd, const N: usize> {
+    /// Of the table's position, from the power `TERMS` on, and the slope of that.
+    pub(super) position: [Lanes<S>; 2],
+    pub(super) slope: [Lanes<S>; 2],
+    /// Of the balls' speeds, from the power `ORDER + 1` on, and of their angles, from the next one on.
+    pub(super) speed: [Lanes<S>; N],
+    pub(super) angle: [Lanes<S>; N],
+}
+
+impl<S: Simd, const N: usize> Higher<S, N> {
+    /// Nothing.
+    #[inline(always)]
+    pub(super) fn none(simd: S) -> Self {
+        let zero = Lanes::splat(simd, 0.0);
+        Higher { position: [zero; 2], slope: [zero; 2], speed: [zero; N], angle: [zero; N] }
+    }
+}
+
 /// The series of all lanes.
 pub(super) struct Series<S: Simd, const N: usize> {
     pub(super) terms: [Term<S, N>; TERMS],
@@ -211,21 +230,33 @@ impl<S: Simd, const N: usize> Series<S, N> {
         sums
     }
 
-    /// The state a time later, from speeds up to a power.
+    /// The state a time later.
     #[inline(always)]
     pub(super) fn at(
         &self,
         equations: &Equations<S, N>,
         start: &Flow<S, N>,
         time: Lanes<S>,
-        order: usize,
     ) -> Flow<S, N> {
-        let zero = Lanes::splat(time.simd, 0.0);
-        let mut position = self.terms[order + 1].table;
-        let mut velocity = [zero; 2];
-        let mut speed = [zero; N];
-        let mut angle = [zero; N];
-        for (k, term) in self.terms[..=order].iter().enumerate().rev() {
+        self.at_with(equations, start, time, Higher::none(time.simd))
+    }
+
+    /// The state a time later, with higher powers as well.
+    #[inline(always)]
+    pub(super) fn at_with(
+        &self,
+        equations: &Equations<S, N>,
+        start: &Flow<S, N>,
+        time: Lanes<S>,
+        higher: Higher<S, N>,
+    ) -> Flow<S, N> {
+        let Higher { mut position, slope: mut velocity, mut speed, mut angle } = higher;
+        for axis in 0..2 {
+            velocity[axis] = velocity[axis].mul_add_precise(time, position[axis]);
+            position[axis] =
+                position[axis].mul_add_precise(time, self.terms[ORDER + 1].table[axis]);
+        }
+        for (k, term) in self.terms[..=ORDER].iter().enumerate().rev() {
             for axis in 0..2 {
                 velocity[axis] = velocity[axis].mul_add_precise(time, position[axis]);
                 position[axis] = position[axis].mul_add_precise(time, term.table[axis]);
