@@ -15,9 +15,8 @@ use fearless_simd::{Simd, prelude::*};
 
 use super::Lanes;
 use super::equations::Equations;
-use super::locate::FOURTH;
-use super::recurrence::DYING;
-use super::series::{ORDER, Series};
+use super::locate::{FOURTH, Outline, Place};
+use super::series::{ORDER, Series, decay};
 use crate::motion::Phase;
 
 /// What the conditions of a ball depend on.
@@ -63,15 +62,19 @@ impl<S: Simd> Watched<S> {
     }
 }
 
-/// Lanes, as bit masks, that have to be looked at.
-pub(super) struct Doubts<const N: usize> {
+/// Lanes, as bit masks, that have to be looked at, and what is known of the conditions in them.
+pub(super) struct Doubts<S: Simd, const N: usize> {
     /// A condition of the ball may fail.
     pub(super) of_balls: [u64; N],
     /// A ball may leave the ring.
     pub(super) loose: u64,
+    /// That a ball that slips goes on.
+    pub(super) slips: [Curve<S>; N],
+    /// That a ball that sticks is held, against a forward and against a backward force.
+    pub(super) held: [[Curve<S>; 2]; N],
 }
 
-impl<const N: usize> Doubts<N> {
+impl<S: Simd, const N: usize> Doubts<S, N> {
     /// Lanes in which anything may happen.
     pub(super) fn any(&self) -> u64 {
         self.of_balls.iter().fold(self.loose, |any, of_ball| any | of_ball)
@@ -80,13 +83,31 @@ impl<const N: usize> Doubts<N> {
 
 /// Values and slopes of a polynomial at both ends of a step, times its length, and a bound of its fourth
 /// derivative times the fourth power of that.
-struct Curve<S: Simd> {
+#[derive(Clone, Copy)]
+pub(super) struct Curve<S: Simd> {
     values: [Lanes<S>; 2],
     changes: [Lanes<S>; 2],
     bound: Lanes<S>,
 }
 
 impl<S: Simd> Curve<S> {
+    #[inline(always)]
+    fn zero(simd: S) -> Self {
+        let zero = Lanes::splat(simd, 0.0);
+        Curve { values: [zero; 2], changes: [zero; 2], bound: zero }
+    }
+
+    /// The same of one lane.
+    #[inline(always)]
+    pub(super) fn outline(&self, lane: usize) -> Outline {
+        let end = |which: usize| Place {
+            at: which as f64,
+            value: self.values[which][lane],
+            slope: self.changes[which][lane],
+        };
+        Outline { ends: [end(0), end(1)], fourth_derivative: self.bound[lane] }
+    }
+
     /// Where it plainly stays above zero: no coefficient of its Bernstein form of degree four is negative
     /// (`locate`).
     #[inline(always)]
@@ -110,22 +131,23 @@ pub(super) fn doubtful<S: Simd, const N: usize>(
     equations: &Equations<S, N>,
     watched: &[Watched<S>; N],
     length: Lanes<S>,
-) -> Doubts<N> {
+) -> Doubts<S, N> {
     let simd = length.simd;
     let number = |value: f64| Lanes::splat(simd, value);
     let zero = number(0.0);
     let [first, second, ..] = &series.terms;
     let square = length * length;
-    let mut doubts = Doubts { of_balls: [0; N], loose: 0 };
-    let mut pull = [zero; 2];
-    for term in series.terms[..ORDER].iter().rev() {
-        for (pull, coefficient) in pull.iter_mut().zip(term.pull) {
-            *pull = pull.mul_add_precise(length, coefficient);
-        }
+    let blank = Curve::zero(simd);
+    let mut doubts =
+        Doubts { of_balls: [0; N], loose: 0, slips: [blank; N], held: [[blank; 2]; N] };
+    let mut sticks = zero.simd_gt(zero);
+    for watched in watched {
+        sticks |= watched.stuck.simd_gt(zero);
     }
+    let pull = Pull::over(series, length, sticks.any_true());
     // The table pulls a ball off with no more than this.
     let most = |[x, y]: [Lanes<S>; 2]| number(2.0) * (x.abs() + y.abs());
-    let pulls = [most(first.pull), most(pull)];
+    let pulls = [most(first.pull), most(pull.end)];
     for i in 0..N {
         let Watched { sign, offset, .. } = watched[i];
         let (mut bound, mut speed, mut slope) = (zero, zero, zero);
@@ -149,6 +171,7 @@ pub(super) fn doubtful<S: Simd, const N: usize>(
             bound: sign.abs() * bound * (square * square),
         };
         let mut holds = curve.holds();
+        doubts.slips[i] = curve;
         let ball = &equations.balls[i];
         let mut pressed = ball.least_pressed.simd_gt(pulls[0].max(pulls[1]));
         if !pressed.all_true() {
@@ -171,66 +194,107 @@ pub(super) fn doubtful<S: Simd, const N: usize>(
         doubts.loose |= !pressed.to_bitmask();
         let stuck = watched[i].stuck.simd_gt(zero);
         if stuck.any_true() {
-            let held = held(series, equations, watched, i, length);
+            let held = held(series, equations, watched, (i, &pull), length);
             holds &= held[0].holds() & held[1].holds() | !stuck;
+            doubts.held[i] = held;
         }
         doubts.of_balls[i] = !holds.to_bitmask();
     }
     doubts
 }
 
-/// What is left of friction for a ball that sticks, against a forward and against a backward force.
+/// The table's acceleration over a step.
+struct Pull<S: Simd> {
+    end: [Lanes<S>; 2],
+    /// Its change there, with the step's length as the unit of time.
+    change: [Lanes<S>; 2],
+    /// A bound of its fourth derivative, likewise.
+    bound: [Lanes<S>; 2],
+}
+
+impl<S: Simd> Pull<S> {
+    /// At the end of a step; what is not its value only where asked for.
+    #[inline(always)]
+    fn over<const N: usize>(series: &Series<S, N>, length: Lanes<S>, whole: bool) -> Self {
+        let zero = Lanes::splat(length.simd, 0.0);
+        let (mut end, mut change, mut bound) = ([zero; 2], [zero; 2], [zero; 2]);
+        let terms = &series.terms[..ORDER];
+        if !whole {
+            for term in terms.iter().rev() {
+                for axis in 0..2 {
+                    end[axis] = end[axis].mul_add_precise(length, term.pull[axis]);
+                }
+            }
+            return Pull { end, change, bound };
+        }
+        for (term, weight) in terms.iter().zip(FOURTH).rev() {
+            let weight = Lanes::splat(length.simd, weight);
+            for axis in 0..2 {
+                let coefficient = term.pull[axis];
+                change[axis] = change[axis].mul_add_precise(length, end[axis]);
+                end[axis] = end[axis].mul_add_precise(length, coefficient);
+                bound[axis] = bound[axis].mul_add_precise(length, weight * coefficient.abs());
+            }
+        }
+        for axis in 0..2 {
+            change[axis] *= length;
+        }
+        Pull { end, change, bound }
+    }
+}
+
+/// What is left of friction for a ball that sticks, against a forward and against a backward force: the
+/// table's acceleration turned.
 #[inline(always)]
 fn held<S: Simd, const N: usize>(
     series: &Series<S, N>,
     equations: &Equations<S, N>,
     watched: &[Watched<S>; N],
-    i: usize,
+    (i, pull): (usize, &Pull<S>),
     length: Lanes<S>,
 ) -> [Curve<S>; 2] {
-    let simd = length.simd;
-    let number = |value: f64| Lanes::splat(simd, value);
+    let number = |value: f64| Lanes::splat(length.simd, value);
+    let [first, second, ..] = &series.terms;
     let [c, s] = series.solver.trigonometry[i];
     let Watched { limit, slack, .. } = watched[i];
+    // What is left of its speed presses it on the ring, too, and dies out.
     let left = series.solver.residual[i];
-    let ball = &equations.balls[i];
-    let pressed = [ball.pressed[0] * left, ball.pressed[1] * (left * left)];
-    // Reserve μ N and tangential force: value and slope at the end, at the start, and the bound.
-    let mut all = [[number(0.0); 5]; 2];
-    for (k, term) in series.terms[..ORDER].iter().enumerate().rev() {
-        let [x, y] = term.pull;
-        let [slower, faster] = DYING[k];
-        let left = pressed[0].mul_add_precise(number(slower), pressed[1] * number(faster));
-        let mut normal = left - c.mul_add_precise(x, s * y);
-        if k == 0 {
-            normal += equations.speed_squared;
-        }
-        let coefficients = [limit * normal, s.mul_add_precise(x, -(c * y))];
-        for which in 0..2 {
-            let coefficient = coefficients[which];
-            let [value, slope, at_start, slope_at_start, bound] = &mut all[which];
-            *slope = slope.mul_add_precise(length, *value);
-            *value = value.mul_add_precise(length, coefficient);
-            (*slope_at_start, *at_start) = (*at_start, coefficient);
-            if k >= 4 {
-                let weight = number(FOURTH[k]);
-                *bound = bound.mul_add_precise(length, weight * coefficient.abs());
-            }
-        }
+    let mut pressed = [number(0.0); 5];
+    if !left.simd_eq(number(0.0)).all_true() {
+        let ball = &equations.balls[i];
+        let [slower, faster] = [ball.pressed[0] * left, ball.pressed[1] * (left * left)];
+        let dying = decay(length);
+        let [slow_end, fast_end] = [slower * dying, faster * (dying * dying)];
+        let square = length * length;
+        pressed = [
+            slower + faster,
+            slow_end + fast_end,
+            -(length * (slower + number(2.0) * faster)),
+            -(length * (slow_end + number(2.0) * fast_end)),
+            (slower.abs() + number(16.0) * faster.abs()) * (square * square),
+        ];
     }
-    let square = length * length;
-    let [reserve, tangential] = all;
-    let bound = (reserve[4] + tangential[4]) * (square * square);
+    let along = |[x, y]: [Lanes<S>; 2]| c.mul_add_precise(x, s * y);
+    let across = |[x, y]: [Lanes<S>; 2]| s.mul_add_precise(x, -(c * y));
+    let change = [second.pull[0] * length, second.pull[1] * length];
+    let reserves = [
+        limit * (equations.speed_squared + pressed[0] - along(first.pull)) + slack,
+        limit * (equations.speed_squared + pressed[1] - along(pull.end)) + slack,
+        limit * (pressed[2] - along(change)),
+        limit * (pressed[3] - along(pull.change)),
+    ];
+    let forces = [across(first.pull), across(pull.end), across(change), across(pull.change)];
+    let (size_c, size_s) = (c.abs(), s.abs());
+    let weights = [
+        limit.mul_add_precise(size_c, size_s),
+        limit.mul_add_precise(size_s, size_c),
+    ];
+    let bound = weights[0].mul_add_precise(pull.bound[0], weights[1] * pull.bound[1]);
+    let bound = limit.mul_add_precise(pressed[4], bound);
+    let [a, b, p, q] = reserves;
+    let [f, g, u, v] = forces;
     [
-        Curve {
-            values: [reserve[2] - tangential[2] + slack, reserve[0] - tangential[0] + slack],
-            changes: [(reserve[3] - tangential[3]) * length, (reserve[1] - tangential[1]) * length],
-            bound,
-        },
-        Curve {
-            values: [reserve[2] + tangential[2] + slack, reserve[0] + tangential[0] + slack],
-            changes: [(reserve[3] + tangential[3]) * length, (reserve[1] + tangential[1]) * length],
-            bound,
-        },
+        Curve { values: [a - f, b - g], changes: [p - u, q - v], bound },
+        Curve { values: [a + f, b + g], changes: [p + u, q + v], bound },
     ]
 }

@@ -31,7 +31,8 @@ impl<S: Simd, const N: usize> Series<S, N> {
         second.table = [x_dot, y_dot];
         let zero = Lanes::splat(x.simd, 0.0);
         let two = Lanes::splat(x.simd, 2.0);
-        displaced.residual = [[zero; 2]; 2];
+        let mut residual = [[zero; 2]; 2];
+        let mut left_over = zero;
         for i in 0..N {
             let ball = &equations.balls[i];
             let [real, imaginary] = self.terms[0].balls[i].direction;
@@ -49,16 +50,18 @@ impl<S: Simd, const N: usize> Series<S, N> {
             let [c, s] = self.solver.trigonometry[i];
             let left = self.solver.residual[i];
             let displaced_left = start.speed[i] - speed;
+            left_over = left_over.max(left.abs()).max(displaced_left.abs());
             let forces = [
                 [equations.double_speed * displaced_left, equations.double_speed * left],
                 [two * left * displaced_left, left * left],
             ];
-            for ([speed, turned], residual) in forces.into_iter().zip(&mut displaced.residual) {
+            for ([speed, turned], residual) in forces.into_iter().zip(&mut residual) {
                 let turned = turned * angle;
                 residual[0] += ball.mass * (speed * c - turned * s);
                 residual[1] += ball.mass * (speed * s + turned * c);
             }
         }
+        displaced.residual = (!left_over.simd_eq(zero).all_true()).then_some(residual);
         for k in 0..ORDER {
             self.order_of_displacement(equations, displaced, k);
         }
@@ -93,7 +96,7 @@ impl<S: Simd, const N: usize> Series<S, N> {
         }
         let start: [[Lanes<S>; 2]; N] = self.directions();
         let Series { terms, residual, .. } = displaced;
-        let by = Solving { solver: &self.solver, start, residual };
+        let by = Solving { solver: &self.solver, start, residual: residual.as_ref() };
         solve(terms, equations, &by, k, sums, Constants::None);
     }
 }

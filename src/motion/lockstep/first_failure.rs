@@ -4,7 +4,7 @@ use fearless_simd::Simd;
 
 use super::conditions::Doubts;
 use super::lane::Lane;
-use super::locate::{Course, Polynomial};
+use super::locate::{Course, Outline, Polynomial};
 use super::recurrence::DYING;
 use super::series::{ORDER, Series};
 use crate::motion::Phase;
@@ -26,7 +26,7 @@ pub(super) fn first_failure<S: Simd, const N: usize>(
     own: &Lane<N>,
     lane: usize,
     length: f64,
-    doubts: &Doubts<N>,
+    doubts: &Doubts<S, N>,
 ) -> Ends {
     // In here the fused multiply-add is an instruction.
     series.terms[0].table[0].simd.vectorize(
@@ -41,12 +41,8 @@ fn first_of_all<S: Simd, const N: usize>(
     own: &Lane<N>,
     lane: usize,
     length: f64,
-    doubts: &Doubts<N>,
+    doubts: &Doubts<S, N>,
 ) -> Ends {
-    let mut powers = [1.0; ORDER + 1];
-    for k in 1..=ORDER {
-        powers[k] = powers[k - 1] * length;
-    }
     let mut first = Ends::Nothing;
     let band = own.margins.band;
     let aim = 0.5 * own.width;
@@ -56,36 +52,36 @@ fn first_of_all<S: Simd, const N: usize>(
         if !loose && doubts.of_balls[ball] & 1 << lane == 0 {
             continue;
         }
-        let mut speeds = [0.0; ORDER + 1];
-        for (speed, term) in speeds.iter_mut().zip(&series.terms) {
-            *speed = term.balls[ball].speed[lane];
-        }
+        let speed = |k: usize| series.terms[k].balls[ball].speed[lane];
         match *phase {
             Phase::Slip(direction) => {
-                let out = |k: usize| direction * speeds[k];
-                first.or(polynomial(aim - band, out, &powers), (ball, 0));
+                let out = polynomial(length, aim - band, |k| direction * speed(k));
+                first.or(&out, &doubts.slips[ball].outline(lane), (ball, 0));
             }
             Phase::Transition(direction) => {
-                let inside = |k: usize| -direction * speeds[k];
-                first.or(polynomial(aim + band, inside, &powers), (ball, 0));
-                let accelerating = |k: usize| match speeds.get(k + 1) {
-                    Some(speed) => direction * ((k + 1) as f64 * speed),
-                    None => 0.0,
-                };
-                first.or(polynomial(slack, accelerating, &powers), (ball, 1));
+                let inside = polynomial(length, aim + band, |k| -direction * speed(k));
+                first.or(&inside, &inside.outline(), (ball, 0));
+                let accelerating = polynomial(length, slack, |k| match k {
+                    ORDER => 0.0,
+                    _ => direction * ((k + 1) as f64 * speed(k + 1)),
+                });
+                first.or(&accelerating, &accelerating.outline(), (ball, 1));
             }
             Phase::Stick => {
-                let forces = forces_on_resting(series, own, lane, ball);
                 for (which, sign) in [1.0, -1.0].into_iter().enumerate() {
-                    let left = |k: usize| forces[k][0] - sign * forces[k][1];
-                    first.or(polynomial(slack, left, &powers), (ball, which));
+                    let outline = doubts.held[ball][which].outline(lane);
+                    if !outline.holds() {
+                        let left = held(series, own, lane, ball, sign);
+                        first.or(&polynomial(length, slack, left), &outline, (ball, which));
+                    }
                 }
             }
             Phase::Free => {}
         }
         if loose {
             let normal = normal_force(series, own, lane, ball);
-            first.or(polynomial(aim, |k| normal[k], &powers), (ball, 2));
+            let normal = polynomial(length, aim, |k| normal[k]);
+            first.or(&normal, &normal.outline(), (ball, 2));
         }
     }
     first
@@ -94,8 +90,8 @@ fn first_of_all<S: Simd, const N: usize>(
 impl Ends {
     /// The first of this and of what becomes of another condition.
     #[inline(always)]
-    fn or(&mut self, condition: Polynomial, which: (usize, usize)) {
-        match (condition.first_fall(), &self) {
+    fn or(&mut self, condition: &Polynomial, outline: &Outline, which: (usize, usize)) {
+        match (condition.first_fall(outline), &self) {
             (Course::Holds, _) | (_, Ends::AtOnce) => {}
             (Course::FailsAtOnce, _) => *self = Ends::AtOnce,
             (Course::Fails(at), Ends::At(earlier, _)) if *earlier <= at => {}
@@ -105,34 +101,37 @@ impl Ends {
 }
 
 #[inline(always)]
-fn polynomial(offset: f64, of: impl Fn(usize) -> f64, powers: &[f64; ORDER + 1]) -> Polynomial {
+fn polynomial(length: f64, offset: f64, of: impl Fn(usize) -> f64) -> Polynomial {
     let mut coefficients = [0.0; ORDER + 1];
-    for k in 0..=ORDER {
-        coefficients[k] = of(k) * powers[k];
+    for (k, coefficient) in coefficients.iter_mut().enumerate() {
+        *coefficient = of(k);
     }
     coefficients[0] += offset;
-    Polynomial(coefficients)
+    Polynomial { coefficients, length }
 }
 
-/// The series of μ times the normal force on a ball that sticks, and of what sticking takes.
+/// The series of what is left of friction for a ball that sticks, against a force in this direction: μ times
+/// the normal force less what sticking takes.
 #[inline(always)]
-fn forces_on_resting<S: Simd, const N: usize>(
+fn held<S: Simd, const N: usize>(
     series: &Series<S, N>,
     own: &Lane<N>,
     lane: usize,
     ball: usize,
-) -> [[f64; 2]; ORDER + 1] {
+    sign: f64,
+) -> impl Fn(usize) -> f64 {
     let [c, s] = &series.solver.trigonometry[ball];
     let (c, s) = (c[lane], s[lane]);
     let limit = own.balancer.balls[ball].friction.limit;
-    let mut forces = [[0.0; 2]; ORDER + 1];
-    for (k, forces) in forces[..ORDER].iter_mut().enumerate() {
+    move |k| {
+        if k == ORDER {
+            return 0.0;
+        }
         let [x, y] = &series.terms[k].pull;
         let (x, y) = (x[lane], y[lane]);
         let normal = pressed(series, own, lane, ball, k) - (c * x + s * y);
-        *forces = [limit * normal, s * x - c * y];
+        limit * normal - sign * (s * x - c * y)
     }
-    forces
 }
 
 /// What presses a ball on the ring but for the table's acceleration.

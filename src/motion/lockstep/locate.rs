@@ -33,16 +33,27 @@ pub(super) enum Course {
     FailsAtOnce,
 }
 
-/// A polynomial over a step, as a function of the part of it that has passed.
+/// A polynomial in time over a step of this length.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Polynomial(pub(super) [f64; ORDER + 1]);
+pub(super) struct Polynomial {
+    pub(super) coefficients: [f64; ORDER + 1],
+    pub(super) length: f64,
+}
 
-/// A place with value and slope.
+/// A place in a step, 0 at its start and 1 at its end, with value and slope there.
 #[derive(Clone, Copy, Debug)]
-struct Place {
-    at: f64,
-    value: f64,
-    slope: f64,
+pub(super) struct Place {
+    pub(super) at: f64,
+    pub(super) value: f64,
+    pub(super) slope: f64,
+}
+
+/// What is known of a polynomial without looking at its coefficients: its ends, and a bound of its fourth
+/// derivative, with the step's length as the unit of time.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Outline {
+    pub(super) ends: [Place; 2],
+    pub(super) fourth_derivative: f64,
 }
 
 /// `k (k - 1) (k - 2) (k - 3)`: what the power `k` brings into the fourth derivative.
@@ -56,40 +67,54 @@ pub(super) const FOURTH: [f64; ORDER + 1] = {
     all
 };
 
+impl Outline {
+    /// Whether the condition plainly holds all along.
+    #[inline(always)]
+    pub(super) fn holds(&self) -> bool {
+        let [low, high] = self.ends;
+        matches!(part(low, high, self.fourth_derivative), Part::Holds)
+    }
+}
+
 impl Polynomial {
     /// Value and slope. To be inlined where the processor's fused multiply-add is at hand; even and odd
     /// powers apart, so that neither waits for the other.
     #[inline(always)]
     fn place(&self, at: f64) -> Place {
-        let square = at * at;
-        let (mut even, mut even_slope) = (self.0[ORDER], 0.0_f64);
+        let time = at * self.length;
+        let square = time * time;
+        let (mut even, mut even_slope) = (self.coefficients[ORDER], 0.0_f64);
         let (mut odd, mut odd_slope) = (0.0_f64, 0.0_f64);
-        for pair in self.0[..ORDER].chunks_exact(2).rev() {
+        for pair in self.coefficients[..ORDER].chunks_exact(2).rev() {
             even_slope = even_slope.mul_add(square, even);
             even = even.mul_add(square, pair[0]);
             odd_slope = odd_slope.mul_add(square, odd);
             odd = odd.mul_add(square, pair[1]);
         }
-        let slope = 2.0 * at * at.mul_add(odd_slope, even_slope) + odd;
-        Place { at, value: at.mul_add(odd, even), slope }
+        let slope = 2.0 * time * time.mul_add(odd_slope, even_slope) + odd;
+        Place { at, value: time.mul_add(odd, even), slope: slope * self.length }
     }
 
-    /// A bound of its fourth derivative.
+    /// Its ends and a bound of its fourth derivative.
     #[inline(always)]
-    fn fourth_derivative(&self) -> f64 {
-        let mut bound = 0.0;
-        for (weight, coefficient) in FOURTH.iter().zip(&self.0).skip(4) {
-            bound += weight * coefficient.abs();
+    pub(super) fn outline(&self) -> Outline {
+        let mut bound = 0.0_f64;
+        for k in (4..=ORDER).rev() {
+            bound = bound.mul_add(self.length, FOURTH[k] * self.coefficients[k].abs());
         }
-        bound
+        let square = self.length * self.length;
+        let [value, slope, ..] = self.coefficients;
+        let start = Place { at: 0.0, value, slope: slope * self.length };
+        Outline {
+            ends: [start, self.place(1.0)],
+            fourth_derivative: bound * (square * square),
+        }
     }
 
     /// Where it first falls below zero.
     #[inline(always)]
-    pub(super) fn first_fall(&self) -> Course {
-        let bound = self.fourth_derivative();
-        let [value, slope, ..] = self.0;
-        let mut low = Place { at: 0.0, value, slope };
+    pub(super) fn first_fall(&self, outline: &Outline) -> Course {
+        let Outline { ends: [mut low, end], fourth_derivative: bound } = *outline;
         if low.value <= 0.0 {
             // Beyond the boundary by rounding: if it rises, the fall comes after.
             let risen = (1..30).map(|halvings| self.place(0.5_f64.powi(halvings)));
@@ -98,38 +123,32 @@ impl Polynomial {
                 None => return Course::FailsAtOnce,
             }
         }
-        let mut ends = [1.0; 32];
-        let mut left = 1;
-        while left > 0 {
-            let high = self.place(ends[left - 1]);
+        let mut high = end;
+        loop {
             match part(low, high, bound) {
-                Part::Holds => {}
                 Part::Falls => return Course::Fails(self.fall(low, high)),
-                Part::Open => {
-                    if high.at - low.at > SHORTEST_PART && left < ends.len() {
-                        ends[left] = 0.5 * (low.at + high.at);
-                        left += 1;
-                        continue;
-                    }
-                    if high.value < 0.0 {
-                        return Course::Fails(self.fall(low, high));
-                    }
+                Part::Open if high.at - low.at > SHORTEST_PART => {
+                    high = self.place(0.5 * (low.at + high.at));
+                    continue;
                 }
+                Part::Open if high.value < 0.0 => return Course::Fails(self.fall(low, high)),
+                Part::Holds | Part::Open => {}
             }
-            low = high;
-            left -= 1;
+            if high.at >= 1.0 {
+                return Course::Holds;
+            }
+            (low, high) = (high, end);
         }
-        Course::Holds
     }
 
-    /// The fall between two places, by Newton's method kept between them; from where the cubic by their
+    /// The fall between two places, by Newton's method kept between them; from where the curve by their
     /// values and slopes falls.
     #[inline(always)]
     fn fall(&self, low: Place, high: Place) -> f64 {
         const MOST: u32 = 60;
         let (mut least, mut most) = (low.at, high.at);
         let length = high.at - low.at;
-        let mut at = length.mul_add(fall_of_cubic(low, high), low.at);
+        let mut at = length.mul_add(guess(low, high), low.at);
         for _ in 0..MOST {
             let place = self.place(at);
             if place.value > 0.0 {
@@ -146,6 +165,22 @@ impl Polynomial {
         }
         at
     }
+}
+
+/// Where between two places, from 0 to 1, the value falls through zero: a guess.
+#[inline(always)]
+fn guess(low: Place, high: Place) -> f64 {
+    let length = high.at - low.at;
+    let (fall, slopes) = (low.value - high.value, [length * low.slope, length * high.slope]);
+    // The place as the cubic of the value by both ends.
+    let part = low.value / fall;
+    let left = 1.0 - part;
+    let bent = part * left * (part / slopes[1] - left / slopes[0]) * fall;
+    let at = (part * part).mul_add(2.0_f64.mul_add(left, 1.0), bent);
+    if slopes[0] < 0.0 && slopes[1] < 0.0 && at > 0.0 && at < 1.0 {
+        return at;
+    }
+    fall_of_cubic(low, high)
 }
 
 /// Where between two places, from 0 to 1, their cubic falls: a guess.
@@ -208,10 +243,15 @@ mod tests {
     /// The Taylor polynomial of a function with these derivatives at 0.
     fn polynomial(derivative: impl Fn(usize) -> f64) -> Polynomial {
         let mut factorial = 1.0;
-        Polynomial(std::array::from_fn(|k| {
+        let coefficients = std::array::from_fn(|k| {
             factorial *= k.max(1) as f64;
             derivative(k) / factorial
-        }))
+        });
+        Polynomial { coefficients, length: 1.0 }
+    }
+
+    fn first_fall(of: Polynomial) -> Course {
+        of.first_fall(&of.outline())
     }
 
     fn at(course: Course) -> f64 {
@@ -224,33 +264,33 @@ mod tests {
     #[test]
     fn falls_are_located() {
         let line = polynomial(|k| [0.3, -1.0].get(k).copied().unwrap_or(0.0));
-        assert!((at(line.first_fall()) - 0.3).abs() < 1e-15);
+        assert!((at(first_fall(line)) - 0.3).abs() < 1e-15);
 
         // sin(4 t) from just above zero: it rises, and falls at π/4.
         let sine = |k: usize| [0.0, 1.0, 0.0, -1.0][k % 4] * 4.0_f64.powi(k as i32);
         let hump = polynomial(|k| sine(k) + if k == 0 { 1e-12 } else { 0.0 });
-        assert!((at(hump.first_fall()) - std::f64::consts::FRAC_PI_4).abs() < 1e-5);
+        assert!((at(first_fall(hump)) - std::f64::consts::FRAC_PI_4).abs() < 1e-5);
         // The same from just below.
         let hump = polynomial(|k| sine(k) - if k == 0 { 1e-12 } else { 0.0 });
-        assert!((at(hump.first_fall()) - std::f64::consts::FRAC_PI_4).abs() < 1e-5);
+        assert!((at(first_fall(hump)) - std::f64::consts::FRAC_PI_4).abs() < 1e-5);
 
         // A dip between two places at which all is well, and one that does not reach zero.
         let dip = |over: f64| {
             let dip = [0.16 + over, -0.8, 2.0];
             polynomial(move |k| dip.get(k).copied().unwrap_or(0.0))
         };
-        assert!((at(dip(-1e-4).first_fall()) - 0.39).abs() < 1e-12);
-        assert!((at(dip(-1e-14).first_fall()) - 0.4).abs() < 1e-6);
-        assert_eq!(dip(1e-14).first_fall(), Course::Holds);
+        assert!((at(first_fall(dip(-1e-4))) - 0.39).abs() < 1e-12);
+        assert!((at(first_fall(dip(-1e-14))) - 0.4).abs() < 1e-6);
+        assert_eq!(first_fall(dip(1e-14)), Course::Holds);
 
         // Three falls: the first counts. cos(6 t) - 0.2 falls at acos(0.2)/6, rises and falls again.
         let wave = |k: usize| [1.0, 0.0, -1.0, 0.0][k % 4] * 6.0_f64.powi(k as i32);
         let wave = polynomial(|k| wave(k) - if k == 0 { 0.2 } else { 0.0 });
-        assert!((at(wave.first_fall()) - libm::acos(0.2) / 6.0).abs() < 1e-6);
+        assert!((at(first_fall(wave)) - libm::acos(0.2) / 6.0).abs() < 1e-6);
 
         // Beyond the boundary and on the way out.
         let out = polynomial(|k| [-1e-15, -0.1].get(k).copied().unwrap_or(0.0));
-        assert_eq!(out.first_fall(), Course::FailsAtOnce);
+        assert_eq!(first_fall(out), Course::FailsAtOnce);
     }
 
     /// Against looking at very many places, for polynomials with all their coefficients drawn.
@@ -264,16 +304,22 @@ mod tests {
             (seed >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
         };
         let mut falls = 0;
-        for _ in 0..2000 {
+        for round in 0..2000 {
             let mut coefficients = [0.0; ORDER + 1];
             for (k, coefficient) in coefficients.iter_mut().enumerate() {
                 *coefficient = draw() * 0.7_f64.powi(k as i32);
             }
             coefficients[0] = 0.2 * coefficients[0].abs() + 1e-12;
-            let polynomial = Polynomial(coefficients);
+            // The same in units of time other than the step.
+            let length = [1.0, 0.37][round % 2];
+            let mut scaled = coefficients;
+            for (k, coefficient) in scaled.iter_mut().enumerate() {
+                *coefficient /= libm::pow(length, k as f64);
+            }
+            let polynomial = Polynomial { coefficients: scaled, length };
             let looked = (1..=4000).map(|k| f64::from(k) / 4000.0);
             let below = looked.into_iter().find(|t| polynomial.place(*t).value < 0.0);
-            match (polynomial.first_fall(), below) {
+            match (first_fall(polynomial), below) {
                 (Course::Holds, None) => {}
                 (Course::Fails(t), Some(below)) => {
                     falls += 1;

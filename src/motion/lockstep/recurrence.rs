@@ -110,7 +110,7 @@ pub(super) struct Solving<'a, S: Simd, const N: usize> {
     pub(super) solver: &'a Solver<S, N>,
     /// Directions at the start.
     pub(super) start: [[Lanes<S>; 2]; N],
-    pub(super) residual: &'a ResidualForce<S>,
+    pub(super) residual: Option<&'a ResidualForce<S>>,
 }
 
 /// Solves the equations for coefficient `k` of the accelerations, and enters what follows from it.
@@ -133,19 +133,23 @@ pub(super) fn solve<S: Simd, const N: usize>(
     let whole = constants == Constants::Whole && k == 0;
     let [x, y] = now.table;
     let [x_dot, y_dot] = [next.table[0] * factor, next.table[1] * factor];
-    let mut force_x = equations.drag_speed.mul_add_precise(y, -x);
-    let mut force_y = equations.minus_drag_speed.mul_add_precise(x, -y);
+    // No zero with a sign, which what is left of speeds in other lanes would change.
+    let zero = number(0.0);
+    let mut force_x = equations.drag_speed.mul_add_precise(y, zero - x);
+    let mut force_y = equations.minus_drag_speed.mul_add_precise(x, zero - y);
     if whole {
         force_x += equations.imbalance;
     }
     force_x = equations.minus_drag.mul_add_precise(x_dot, force_x);
     force_y = equations.minus_drag.mul_add_precise(y_dot, force_y);
-    for (force, dying) in by.residual.iter().zip(DYING[k]) {
-        force_x = number(dying).mul_add_precise(force[0], force_x);
-        force_y = number(dying).mul_add_precise(force[1], force_y);
+    if let Some(residual) = by.residual {
+        for (force, dying) in residual.iter().zip(DYING[k]) {
+            force_x = number(dying).mul_add_precise(force[0], force_x);
+            force_y = number(dying).mul_add_precise(force[1], force_y);
+        }
     }
-    let mut own = [number(0.0); N];
-    let (mut push_x, mut push_y) = (number(0.0), number(0.0));
+    let mut own = [zero; N];
+    let (mut push_x, mut push_y) = (zero, zero);
     for i in 0..N {
         let ball = &equations.balls[i];
         let Sums { turning, drawn, squared } = sums[i];

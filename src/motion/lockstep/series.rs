@@ -95,7 +95,8 @@ impl<S: Simd, const N: usize> Higher<S, N> {
 pub(super) struct Series<S: Simd, const N: usize> {
     pub(super) terms: [Term<S, N>; TERMS],
     pub(super) solver: Solver<S, N>,
-    pub(super) residual: ResidualForce<S>,
+    /// None where no ball that sticks has a speed.
+    pub(super) residual: Option<ResidualForce<S>>,
 }
 
 impl<S: Simd, const N: usize> Series<S, N> {
@@ -110,7 +111,7 @@ impl<S: Simd, const N: usize> Series<S, N> {
             trigonometry: [[zero; 2]; N],
             residual: [zero; N],
         };
-        Series { terms: [term; TERMS], solver, residual: [[zero; 2]; 2] }
+        Series { terms: [term; TERMS], solver, residual: None }
     }
 
     /// Expands the motion from a state.
@@ -169,7 +170,8 @@ impl<S: Simd, const N: usize> Series<S, N> {
             self.solver.trigonometry[i] = [c, s];
             self.solver.residual[i] = left;
         }
-        self.residual = residual;
+        let nothing = residual.iter().flatten().fold(zero, |most, force| most.max(force.abs()));
+        self.residual = (!nothing.simd_eq(zero).all_true()).then_some(residual);
         // a_x = (d F_x + m_xy F_y) / det, a_y = (a F_y - m_yx F_x) / det, det = a d + m_xy m_yx
         let (a, d) = (one - m_xx, one + m_yy);
         let inverse = one / a.mul_add_precise(d, m_xy * m_yx);
@@ -185,7 +187,7 @@ impl<S: Simd, const N: usize> Series<S, N> {
             || {
                 let sums = self.sums(k);
                 let start: [[Lanes<S>; 2]; N] = self.directions();
-                let by = Solving { solver: &self.solver, start, residual: &self.residual };
+                let by = Solving { solver: &self.solver, start, residual: self.residual.as_ref() };
                 solve(&mut self.terms, equations, &by, k, sums, Constants::Whole);
             },
         );
@@ -273,11 +275,15 @@ impl<S: Simd, const N: usize> Series<S, N> {
             angle: start.angle,
             speed,
         };
-        let left = decay(time);
         for i in 0..N {
             end.angle[i] = time.mul_add_precise(angle[i], start.angle[i]);
-            let residual = equations.balls[i].stuck * start.speed[i];
-            end.speed[i] = residual.mul_add_precise(left, speed[i]);
+        }
+        if self.residual.is_some() {
+            let left = decay(time);
+            for i in 0..N {
+                let residual = equations.balls[i].stuck * start.speed[i];
+                end.speed[i] = residual.mul_add_precise(left, speed[i]);
+            }
         }
         end
     }
@@ -320,7 +326,7 @@ impl<S: Simd, const N: usize> Series<S, N> {
 
 /// `exp(-time)`, for times from 0 to some 100.
 #[inline(always)]
-fn decay<S: Simd>(time: Lanes<S>) -> Lanes<S> {
+pub(super) fn decay<S: Simd>(time: Lanes<S>) -> Lanes<S> {
     const HALVINGS: i32 = 6;
     let part = time * Lanes::splat(time.simd, -1.0 / (1 << HALVINGS) as f64);
     let mut sum = Lanes::splat(time.simd, 1.0);
