@@ -6,15 +6,17 @@ use fearless_simd::{Simd, prelude::*};
 use super::equations::Equations;
 use super::lane::Lane;
 use super::recurrence::{Constants, Solving, products, solve};
-use super::series::{Higher, ORDER, Series};
+use super::series::{Higher, Series};
 use super::{Flow, Group, Lanes};
 use crate::model::State;
 use crate::motion::contact::{Phase, SmoothPhase};
 use crate::motion::guard::Guard;
 use crate::motion::variation::saltation;
 
-/// How many powers of a displacement beyond those of its series are taken.
-const BEYOND: usize = 8;
+/// The highest power of time in the series of a displacement's speeds.
+const LINEAR: usize = 14;
+/// How many powers beyond those are taken.
+const BEYOND: usize = 10;
 
 impl<S: Simd, const N: usize> Series<S, N> {
     /// Expands a displacement from the motion that has been expanded: the same equations to first order.
@@ -62,7 +64,7 @@ impl<S: Simd, const N: usize> Series<S, N> {
             }
         }
         displaced.residual = (!left_over.simd_eq(zero).all_true()).then_some(residual);
-        for k in 0..ORDER {
+        for k in 0..LINEAR {
             self.order_of_displacement(equations, displaced, k);
         }
     }
@@ -112,7 +114,7 @@ pub(super) fn carry<S: Simd, const N: usize>(
 ) -> Flow<S, N> {
     series.expand_displacement(equations, displacement, displaced);
     let higher = series.beyond(equations, displaced, length);
-    displaced.at_with(equations, displacement, length, higher)
+    displaced.at_with(equations, displacement, length, LINEAR, higher)
 }
 
 impl<S: Simd, const N: usize> Series<S, N> {
@@ -128,55 +130,93 @@ impl<S: Simd, const N: usize> Series<S, N> {
     ) -> Higher<S, N> {
         let number = |value: f64| Lanes::splat(length.simd, value);
         let [a, b, c, d] = self.solver.inverse;
-        let mut table = [[number(0.0); 2]; BEYOND + 2];
-        let mut speeds = [[number(0.0); N]; BEYOND + 1];
-        table[0] = displaced.terms[ORDER].table;
-        table[1] = displaced.terms[ORDER + 1].table;
-        for (speed, ball) in speeds[0].iter_mut().zip(&displaced.terms[ORDER].balls) {
-            *speed = ball.speed;
+        // z̈ = pulled by the place and by the speed, and by the turning frame.
+        let Equations { minus_drag, drag_speed, minus_drag_speed, .. } = *equations;
+        let by_place = [
+            b.mul_add_precise(minus_drag_speed, -a),
+            a.mul_add_precise(drag_speed, -b),
+            d.mul_add_precise(minus_drag_speed, -c),
+            c.mul_add_precise(drag_speed, -d),
+        ];
+        let by_speed = [a * minus_drag, b * minus_drag, c * minus_drag, d * minus_drag];
+        let frame = [equations.double_speed, equations.minus_double_speed];
+        let [whole_b, whole_c] = [by_speed[1] + frame[0], by_speed[2] + frame[1]];
+        let of = |matrix: [Lanes<S>; 4], [x, y]: [Lanes<S>; 2]| {
+            [
+                matrix[0].mul_add_precise(x, matrix[1] * y),
+                matrix[2].mul_add_precise(x, matrix[3] * y),
+            ]
+        };
+        // Derivatives, not coefficients: their recurrence has no factors.
+        let factorial = number(FACTORIALS[LINEAR]);
+        let next_factorial = number(FACTORIALS[LINEAR + 1]);
+        let mut place = displaced.terms[LINEAR].table.map(|x| x * factorial);
+        let mut speed = displaced.terms[LINEAR + 1].table.map(|x| x * next_factorial);
+        let mut turning = [number(0.0); N];
+        for (turning, ball) in turning.iter_mut().zip(&displaced.terms[LINEAR].balls) {
+            *turning = ball.speed * factorial;
         }
+        let mut table = [[number(0.0); 2]; BEYOND];
+        let mut speeds = [[number(0.0); N]; BEYOND];
         for at in 0..BEYOND {
-            let k = ORDER + at;
-            let [x, y] = table[at];
-            let factor = number((k + 1) as f64);
-            let [x_dot, y_dot] = [table[at + 1][0] * factor, table[at + 1][1] * factor];
-            let force_x = equations.drag_speed.mul_add_precise(y, -x);
-            let force_y = equations.minus_drag_speed.mul_add_precise(x, -y);
-            let force_x = equations.minus_drag.mul_add_precise(x_dot, force_x);
-            let force_y = equations.minus_drag.mul_add_precise(y_dot, force_y);
-            let pull_x = a.mul_add_precise(force_x, b * force_y);
-            let pull_y = d.mul_add_precise(force_y, c * force_x);
-            let frame_x =
-                equations.double_speed.mul_add_precise(y_dot, equations.speed_squared * x);
-            let frame_y =
-                equations.minus_double_speed.mul_add_precise(x_dot, equations.speed_squared * y);
-            let twice = number(1.0 / ((k + 1) * (k + 2)) as f64);
-            table[at + 2] = [twice * (pull_x + frame_x), twice * (pull_y + frame_y)];
-            let part = number(1.0 / (k + 1) as f64);
+            let drawn_by_place = of(by_place, place);
+            let rest = [
+                equations.speed_squared.mul_add_precise(place[0], drawn_by_place[0]),
+                equations.speed_squared.mul_add_precise(place[1], drawn_by_place[1]),
+            ];
+            let pull = [
+                by_speed[0].mul_add_precise(
+                    speed[0],
+                    by_speed[1].mul_add_precise(speed[1], drawn_by_place[0]),
+                ),
+                by_speed[2].mul_add_precise(
+                    speed[0],
+                    by_speed[3].mul_add_precise(speed[1], drawn_by_place[1]),
+                ),
+            ];
+            let acceleration = [
+                by_speed[0].mul_add_precise(speed[0], whole_b.mul_add_precise(speed[1], rest[0])),
+                by_speed[3].mul_add_precise(speed[1], whole_c.mul_add_precise(speed[0], rest[1])),
+            ];
             for i in 0..N {
                 let [along, across] = self.solver.drawn[i];
-                let drawn = along.mul_add_precise(pull_x, across * pull_y);
-                let held = equations.balls[i].held[1] * speeds[at][i];
-                speeds[at + 1][i] = part * (drawn - held);
+                let drawn = along.mul_add_precise(pull[0], across * pull[1]);
+                turning[i] = (-equations.balls[i].held[1]).mul_add_precise(turning[i], drawn);
+                speeds[at][i] = turning[i];
             }
+            (place, speed) = (speed, acceleration);
+            table[at] = acceleration;
         }
         let mut higher = Higher::none(length.simd);
         for at in (0..BEYOND).rev() {
+            let part = number(1.0 / FACTORIALS[LINEAR + at + 2]);
             for axis in 0..2 {
                 let position = higher.position[axis];
                 higher.slope[axis] = higher.slope[axis].mul_add_precise(length, position);
-                higher.position[axis] = position.mul_add_precise(length, table[at + 2][axis]);
+                let coefficient = part * table[at][axis];
+                higher.position[axis] = position.mul_add_precise(length, coefficient);
             }
-            let part = number(1.0 / (ORDER + at + 2) as f64);
+            let of_speed = number(1.0 / FACTORIALS[LINEAR + at + 1]);
             for i in 0..N {
-                let speed = speeds[at + 1][i];
+                let [speed, angle] = [of_speed * speeds[at][i], part * speeds[at][i]];
                 higher.speed[i] = higher.speed[i].mul_add_precise(length, speed);
-                higher.angle[i] = higher.angle[i].mul_add_precise(length, part * speed);
+                higher.angle[i] = higher.angle[i].mul_add_precise(length, angle);
             }
         }
         higher
     }
 }
+
+/// k!
+const FACTORIALS: [f64; LINEAR + BEYOND + 2] = {
+    let mut all = [1.0; LINEAR + BEYOND + 2];
+    let mut k = 1;
+    while k < all.len() {
+        all[k] = all[k - 1] * k as f64;
+        k += 1;
+    }
+    all
+};
 
 /// What is known of a lane's displacement.
 #[derive(Clone, Copy, Debug)]

@@ -240,7 +240,7 @@ impl<S: Simd, const N: usize> Series<S, N> {
         start: &Flow<S, N>,
         time: Lanes<S>,
     ) -> Flow<S, N> {
-        self.at_with(equations, start, time, Higher::none(time.simd))
+        self.at_with(equations, start, time, ORDER, Higher::none(time.simd))
     }
 
     /// The state a time later, with higher powers as well.
@@ -250,15 +250,16 @@ impl<S: Simd, const N: usize> Series<S, N> {
         equations: &Equations<S, N>,
         start: &Flow<S, N>,
         time: Lanes<S>,
+        order: usize,
         higher: Higher<S, N>,
     ) -> Flow<S, N> {
         let Higher { mut position, slope: mut velocity, mut speed, mut angle } = higher;
         for axis in 0..2 {
             velocity[axis] = velocity[axis].mul_add_precise(time, position[axis]);
             position[axis] =
-                position[axis].mul_add_precise(time, self.terms[ORDER + 1].table[axis]);
+                position[axis].mul_add_precise(time, self.terms[order + 1].table[axis]);
         }
-        for (k, term) in self.terms[..=ORDER].iter().enumerate().rev() {
+        for (k, term) in self.terms[..=order].iter().enumerate().rev() {
             for axis in 0..2 {
                 velocity[axis] = velocity[axis].mul_add_precise(time, position[axis]);
                 position[axis] = position[axis].mul_add_precise(time, term.table[axis]);
