@@ -12,7 +12,7 @@ use super::recorder::Recorder;
 use super::settled::SettledWatch;
 use super::simulate::{WINDOW, effort_limit, stiff_pace};
 use super::window::{Moment, Window, angles};
-use crate::model::{Balancer, Machine, RestPoint, Simulation, Start, State, System};
+use crate::model::{Balancer, Endings, Machine, RestPoint, Simulation, Start, State, System};
 use crate::motion::{Failure, Motion, Settings};
 
 /// All that a run begins with.
@@ -22,6 +22,7 @@ pub(super) struct Prepared<const N: usize> {
     pub(super) settings: Settings,
     pub(super) units: Units,
     pub(super) horizons: Horizons<Late<N>>,
+    pub(super) watch: Option<OrbitWatch<N>>,
 }
 
 impl<const N: usize> Prepared<N> {
@@ -30,7 +31,8 @@ impl<const N: usize> Prepared<N> {
     pub(super) fn new(machine: &Machine, start: &Start, simulation: &Simulation) -> Option<Self> {
         let (balancer, state) = (Balancer::<N>::new(machine)?, start.of_balls()?);
         let natural = machine.natural_frequency_rad_s();
-        let horizons = Horizons::new(simulation, natural, Late::until);
+        let late = |end: f64| Late::until(end, simulation.endings);
+        let horizons = Horizons::new(simulation, natural, late);
         let weight = balancer.speed * balancer.speed;
         let rates = balancer.balls.iter().map(|ball| ball.friction.damping_rate(weight));
         let stiff = stiff_pace(rates.fold(0.0, f64::max));
@@ -39,7 +41,8 @@ impl<const N: usize> Prepared<N> {
         let least = 1.0 / balancer.longest_step() + 0.2 * balancer.damping_ratio;
         let settings = Settings::new(simulation, effort_limit(horizons.latest_end(), pace, least));
         let units = Units { natural, radius: machine.ring_radius_m };
-        Some(Prepared { balancer, state, settings, units, horizons })
+        let watch = (simulation.endings == Endings::All).then(|| OrbitWatch::new(&settings));
+        Some(Prepared { balancer, state, settings, units, horizons, watch })
     }
 }
 
@@ -59,7 +62,7 @@ pub(super) fn simulate_balancer<const N: usize>(
     let Some(prepared) = Prepared::<N>::new(machine, start, simulation) else {
         return other_number_of_balls();
     };
-    let Prepared { balancer, state, settings, units, horizons } = prepared;
+    let Prepared { balancer, state, settings, units, horizons, watch } = prepared;
     match Motion::new(&balancer, settings, state) {
         Ok(motion) => {
             let run = BalancerRun {
@@ -68,7 +71,7 @@ pub(super) fn simulate_balancer<const N: usize>(
                 units,
                 motion,
                 horizons,
-                watch: OrbitWatch::new(&settings),
+                watch,
                 settled: SettledWatch::default(),
                 rest: None,
             };
@@ -98,7 +101,8 @@ pub(super) struct BalancerRun<'a, const N: usize> {
     pub(super) units: Units,
     pub(super) motion: Motion<'a, Balancer<N>, N>,
     pub(super) horizons: Horizons<Late<N>>,
-    pub(super) watch: OrbitWatch<N>,
+    /// None where limit cycles are not looked for.
+    pub(super) watch: Option<OrbitWatch<N>>,
     pub(super) settled: SettledWatch,
     pub(super) rest: Option<RestPoint<N>>,
 }
@@ -112,10 +116,14 @@ pub(super) struct Late<const N: usize> {
 
 impl<const N: usize> Late<N> {
     /// For a run that ends at a time.
-    fn until(end: f64) -> Self {
+    fn until(end: f64, endings: Endings) -> Self {
+        let separation = match endings {
+            Endings::All => (1.0 - SEPARATION_WINDOW) * end,
+            Endings::Rest => f64::INFINITY,
+        };
         Late {
             means: Window::new((1.0 - WINDOW) * end),
-            separation: Separation::new((1.0 - SEPARATION_WINDOW) * end, end),
+            separation: Separation::new(separation, end),
         }
     }
 
@@ -182,7 +190,8 @@ impl<const N: usize> Run for BalancerRun<'_, N> {
         if self.settled.look(self.balancer, &self.motion, end) {
             return Some(Ending::Settled);
         }
-        let cycle = self.watch.look(self.balancer, &self.settings, &mut self.motion);
+        let watch = self.watch.as_mut()?;
+        let cycle = watch.look(self.balancer, &self.settings, &mut self.motion);
         cycle.map(Ending::Cycle)
     }
 
@@ -254,7 +263,7 @@ impl<const N: usize> Run for BalancerRun<'_, N> {
                 let Late { means, separation } = self.horizons.window();
                 let means = means.means(&self.motion);
                 let means = means.as_ref();
-                let unstable = self.watch.unstable_orbit();
+                let unstable = self.watch.as_ref().and_then(OrbitWatch::unstable_orbit);
                 Outcome {
                     evidence: if unstable.is_some() {
                         Evidence::UnstableOrbit

@@ -17,7 +17,7 @@ use super::outcome::{Evidence, Outcome};
 use super::recorder::Recorder;
 use super::settled::SettledWatch;
 use super::simulate::{WINDOW, effort_limit, stiff_pace};
-use crate::model::{Block, Simulation, Slider, SliderState, Start, System};
+use crate::model::{Block, Endings, Simulation, Slider, SliderState, Start, System};
 use crate::motion::{Failure, Motion, Settings};
 
 /// Simulates a block until its ending is known.
@@ -52,6 +52,7 @@ pub(super) fn simulate_block(
                 length,
                 motion,
                 horizons,
+                looks_for_cycles: simulation.endings == Endings::All,
                 last_break_away: None,
                 settled: SettledWatch::default(),
             };
@@ -68,6 +69,7 @@ struct BlockRun<'a> {
     length: f64,
     motion: Motion<'a, Slider, 1, 0>,
     horizons: Horizons<Extremes>,
+    looks_for_cycles: bool,
     last_break_away: Option<BreakAway>,
     settled: SettledWatch,
 }
@@ -157,7 +159,7 @@ impl Run for BlockRun<'_> {
             return Some(Ending::Settled);
         }
         let breaks_away = stuck && !self.motion.all_stick();
-        let period = if breaks_away { self.break_away() } else { None };
+        let period = if breaks_away && self.looks_for_cycles { self.break_away() } else { None };
         period.map(|period| Ending::Cycle { period })
     }
 

@@ -31,7 +31,8 @@ pub(super) struct LaneRun<const N: usize> {
     units: Units,
     extend: Option<Extend>,
     horizons: Horizons<Late<N>>,
-    watch: OrbitWatch<N>,
+    /// None where limit cycles are not looked for.
+    watch: Option<OrbitWatch<N>>,
     settled: SettledWatch,
     still: bool,
     /// The run as it was before anything depended on its end time, where it may be continued.
@@ -63,7 +64,7 @@ impl<const N: usize> LaneRun<N> {
         prepared: Prepared<N>,
         simulation: &Simulation,
     ) -> Result<(Saved<N>, Self), Failure> {
-        let Prepared { balancer, state, settings, units, horizons } = prepared;
+        let Prepared { balancer, state, settings, units, horizons, watch } = prepared;
         let saved = Saved::start(&balancer, settings, state)?;
         let run = LaneRun {
             number,
@@ -72,7 +73,7 @@ impl<const N: usize> LaneRun<N> {
             units,
             extend: simulation.extend,
             horizons,
-            watch: OrbitWatch::new(&settings),
+            watch,
             settled: SettledWatch::default(),
             still: false,
             kept: None,
@@ -101,6 +102,7 @@ impl<const N: usize> LaneRun<N> {
         if let Some(ending) = self.rests(group, lane) {
             return (self.ends(group, lane, ending), None);
         }
+        group.set_told(lane, self.watch.is_some());
         self.plan(group, lane);
         (Next::Stay, Some(self))
     }
@@ -209,14 +211,15 @@ impl<const N: usize> LaneRun<N> {
         lane: usize,
         had_event: bool,
     ) -> Option<super::Orbit<N>> {
+        let watch = self.watch.as_mut()?;
         let (phases, end) = group.at_end_of_step(room, lane)?;
-        let reference = self.watch.goes_round(&phases, &end)?;
+        let reference = watch.goes_round(&phases, &end)?;
         let passage = group.passage(room, lane, reference);
         let last_switches = group.last_switches(lane)?;
         let direction = end.beta_dot[reference].signum();
         let phases = group.phases_during_step(lane, had_event)?;
         let round = GoneRound { reference, direction, passage, phases, last_switches };
-        self.watch.take_in(&self.balancer, &self.settings, round)
+        watch.take_in(&self.balancer, &self.settings, round)
     }
 
     /// Whether all balls stick and can never break loose again.

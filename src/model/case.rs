@@ -60,6 +60,17 @@ pub struct Extend {
     pub irregular: bool,
 }
 
+/// Which endings of a run are looked for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub enum Endings {
+    /// Rest, limit cycles and irregular motion.
+    #[default]
+    All,
+    /// Rest only: what else a run ends in stays undecided, and most of what is computed beside the
+    /// motion is not.
+    Rest,
+}
+
 /// How a case is integrated and for how long.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Simulation {
@@ -72,6 +83,8 @@ pub struct Simulation {
     pub end_time_s: f64,
     /// Which of these runs are continued, to a later time.
     pub extend: Option<Extend>,
+    /// Which endings are looked for.
+    pub endings: Endings,
     /// Relative error allowed per step.
     pub relative_tolerance: f64,
     /// Absolute error allowed per step, non-dimensional.
@@ -92,6 +105,7 @@ impl Default for Simulation {
             band: 1.0e-8,
             end_time_s: 16.5,
             extend: None,
+            endings: Endings::All,
             relative_tolerance: 1.0e-8,
             absolute_tolerance: 1.0e-10,
         }

@@ -63,6 +63,17 @@ impl<const N: usize, T: Number> Balancer<N, T> {
     /// meet exactly where one takes over from the other.
     #[inline]
     pub fn forces(&self, state: &State<N, T>, contacts: &[Contact<T>; N]) -> Forces<N, T> {
+        self.forces_turned(state, contacts, &state.beta.map(T::sin_cos))
+    }
+
+    /// The same where sine and cosine of each ball's angle are known.
+    #[inline]
+    pub fn forces_turned(
+        &self,
+        state: &State<N, T>,
+        contacts: &[Contact<T>; N],
+        turned: &[(T, T); N],
+    ) -> Forces<N, T> {
         let zero = T::constant(0.0);
         let one = T::constant(1.0);
         let two = T::constant(2.0);
@@ -80,7 +91,7 @@ impl<const N: usize, T: Number> Balancer<N, T> {
         for i in 0..N {
             let ball = &self.balls[i];
             let Contact { free, signed_friction, drag } = contacts[i];
-            let (s, c) = state.beta[i].sin_cos();
+            let (s, c) = turned[i];
             let beta_dot = state.beta_dot[i];
             let w = omega + beta_dot;
             let w_squared = w * w;

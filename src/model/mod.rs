@@ -22,7 +22,7 @@ mod system;
 pub use balancer::{Balancer, BalancerBall, State};
 pub use block::{Block, Ground, Slider, SliderState};
 pub use block_closed_form::{StickSlipCycle, Stopping};
-pub use case::{Case, Extend, Method, Simulation, Start};
+pub use case::{Case, Endings, Extend, Method, Simulation, Start};
 pub use dual::Dual;
 pub use equations::{Contact, Forces};
 pub use existence::{ExistenceVerdict, SAFE_FRICTION};

@@ -1,11 +1,11 @@
 //! From the simulation settings as written to checked ones with all defaults.
 
 use super::error::{Fault, Locate, StudyError};
-use super::file::{MethodKind, SimulationFile, ToleranceFile};
+use super::file::{EndingsKind, MethodKind, SimulationFile, ToleranceFile};
 use super::key_path::KeyPath;
 use super::node::describe_number;
 use super::resolve_extend::{extend_to_file, resolve_extend};
-use crate::model::{Method, Simulation};
+use crate::model::{Endings, Method, Simulation};
 
 /// In a wider band, balls that move count as standing, and may switch between stick and transition
 /// without end.
@@ -49,6 +49,10 @@ pub(crate) fn resolve_simulation(
         band,
         end_time_s,
         extend,
+        endings: match given.endings {
+            None | Some(EndingsKind::All) => Endings::All,
+            Some(EndingsKind::Rest) => Endings::Rest,
+        },
         relative_tolerance: positive(
             "simulation.tolerance.relative",
             tolerance.relative,
@@ -72,6 +76,10 @@ pub(crate) fn simulation_to_file(simulation: &Simulation) -> SimulationFile {
         band: Some(simulation.band),
         end_time_s: Some(simulation.end_time_s),
         extend: simulation.extend.map(extend_to_file),
+        endings: Some(match simulation.endings {
+            Endings::All => EndingsKind::All,
+            Endings::Rest => EndingsKind::Rest,
+        }),
         tolerance: Some(ToleranceFile {
             relative: Some(simulation.relative_tolerance),
             absolute: Some(simulation.absolute_tolerance),

@@ -8,13 +8,15 @@ use super::conditions::doubtful;
 use super::displacement::{carry, over_switch};
 use super::first_failure::{Ends, first_failure};
 use super::group::{Group, Room};
-use super::lane::{Trouble, next_phases};
+use super::decision::{InPlace, next_phases};
+use super::lane::Trouble;
 use super::series::Series;
 use super::step::within_tolerance;
 use super::{LANES, Lanes};
 use crate::motion::Failure;
 use crate::motion::contact::{SmoothPhase, check_forces};
 use crate::motion::driver::SHORTEST;
+use crate::motion::guard::Guard;
 
 /// No component of the rate of change is larger where everything is slow.
 const STILL: f64 = 1e-6;
@@ -38,6 +40,8 @@ pub(crate) struct Happened {
     pub(crate) still: u64,
     /// Without dry friction: a ball has turned back, which no condition tells.
     pub(crate) turned: u64,
+    /// The lanes in which events, balls that have gone round and balls that have turned back are told.
+    pub(crate) told: u64,
     /// A lane that cannot go on.
     pub(crate) trouble: [Option<Trouble>; LANES],
 }
@@ -48,7 +52,7 @@ impl Happened {
         let troubles = self.trouble.iter().enumerate();
         let troubles = troubles.filter(|(_, trouble)| trouble.is_some());
         let bits = troubles.fold(0, |bits, (lane, _)| bits | 1 << lane);
-        let happened = self.event | self.round | self.turned;
+        let happened = (self.event | self.round | self.turned) & self.told;
         happened | self.attention | self.rest | self.still | bits
     }
 }
@@ -79,7 +83,7 @@ fn step<S: Simd, const N: usize>(
         };
     }
     let g = group;
-    let mut happened = Happened::default();
+    let mut happened = Happened { told: g.told, ..Happened::default() };
     room.series.expand(&g.equations, &g.state);
     let series = &room.series;
     let within = within_tolerance(series, g.tolerance, g.next).min(g.longest);
@@ -235,9 +239,19 @@ fn switch<S: Simd, const N: usize>(
     if which == 2 {
         return Err(Failure::ContactLost { ball: ball + 1 }.into());
     }
+    let system = InPlace::new(own, &state);
     let mut phases = before;
-    let forces = next_phases(own, &mut state, &mut phases)?;
+    let forces = next_phases(own, &system, &mut state, &mut phases)?;
     check_forces(&forces)?;
+    let mut grazed = false;
+    if displaced {
+        let rate = SmoothPhase::new(&system, &phases).derivative_with(&state, &forces);
+        let phase = SmoothPhase::new(&system, &before);
+        let guard = Guard::of(ball, before[ball], which);
+        let failed = (&phase, guard);
+        grazed = over_switch(&mut g.displacement, lane, (&system, own.margins), failed, (&state, &rate));
+    }
+    own.grazed |= grazed;
     for ball in 0..N {
         if phases[ball] != before[ball] {
             own.switches += 1;
@@ -245,10 +259,5 @@ fn switch<S: Simd, const N: usize>(
         }
     }
     g.enter(lane, &state, &phases);
-    if displaced && let Some(own) = &mut g.lanes[lane] {
-        let rate = SmoothPhase::new(&own.balancer, &phases).derivative_with(&state, &forces);
-        let failed = (&before, (ball, which));
-        over_switch(&mut g.displacement, lane, own, failed, (&state, &rate));
-    }
     Ok(())
 }

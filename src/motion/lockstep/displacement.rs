@@ -3,14 +3,14 @@
 
 use fearless_simd::{Simd, prelude::*};
 
+use super::decision::InPlace;
 use super::equations::Equations;
-use super::lane::Lane;
 use super::recurrence::{Constants, Solving, products, solve};
 use super::series::{Higher, Series};
 use super::{Flow, Group, Lanes};
 use crate::model::State;
-use crate::motion::contact::{Phase, SmoothPhase};
-use crate::motion::guard::Guard;
+use crate::motion::contact::SmoothPhase;
+use crate::motion::guard::{Guard, Margins};
 use crate::motion::variation::saltation;
 
 /// The highest power of time in the series of a displacement's speeds.
@@ -255,21 +255,17 @@ impl<S: Simd, const N: usize> Group<S, N> {
     }
 }
 
-/// Takes a lane's displacement over a switch, at which a condition of a ball has failed; `state` and
-/// `rate` are those with which the next phase begins.
+/// Takes a lane's displacement over a switch, at which a condition of the phase before has failed; `state` and
+/// `rate` are those with which the next phase begins. Whether it was met by grazing.
 pub(super) fn over_switch<S: Simd, const N: usize>(
     displacement: &mut Flow<S, N>,
-    index: usize,
-    lane: &mut Lane<N>,
-    (before, (ball, which)): (&[Phase; N], (usize, usize)),
-    (state, rate): (&State<N>, &State<N>),
-) {
-    let mut directions = [displacement.lane(index)];
-    lane.grazed |= saltation(
-        (&lane.balancer, lane.margins),
-        (&SmoothPhase::new(&lane.balancer, before), Guard::of(ball, before[ball], which)),
-        (state, rate),
-        &mut directions,
-    );
-    displacement.set_lane(index, &directions[0]);
+    lane: usize,
+    system: (&InPlace<N>, Margins),
+    failed: (&SmoothPhase<InPlace<N>, N, 2>, Guard),
+    next: (&State<N>, &State<N>),
+) -> bool {
+    let mut directions = [displacement.lane(lane)];
+    let grazed = saltation(system, failed, next, &mut directions);
+    displacement.set_lane(lane, &directions[0]);
+    grazed
 }

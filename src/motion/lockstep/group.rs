@@ -44,6 +44,8 @@ pub(crate) struct Group<S: Simd, const N: usize> {
     /// Bit masks: lanes with a run, with a ball that cannot stick.
     pub(super) alive: u64,
     pub(super) sliding: u64,
+    /// Of which turns and switches are told.
+    pub(super) told: u64,
     /// Before the latest step.
     pub(super) before: Flow<S, N>,
     pub(super) time_before: Lanes<S>,
@@ -95,6 +97,7 @@ impl<S: Simd, const N: usize> Group<S, N> {
             lanes: std::array::from_fn(|_| None),
             alive: 0,
             sliding: 0,
+            told: 0,
             before: Flow::zero(simd),
             time_before: zero,
         }
@@ -215,6 +218,12 @@ impl<S: Simd, const N: usize> Group<S, N> {
     /// Asks that a lane be reported from a time on, after each step.
     pub(crate) fn set_attention(&mut self, lane: usize, from: f64) {
         self.attention[lane] = from;
+    }
+
+    /// Sets whether it is told when a ball of a lane goes round or changes what it does.
+    pub(crate) fn set_told(&mut self, lane: usize, told: bool) {
+        let bit = 1 << lane;
+        self.told = self.told & !bit | if told { bit } else { 0 };
     }
 
     /// Whether the next step of a lane may be cut short by a time.

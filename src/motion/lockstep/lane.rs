@@ -1,7 +1,7 @@
 //! One run of those in lockstep: what of it is not in vectors, and all of it when it is taken out.
 
 use super::locate::width;
-use crate::model::{Balancer, Method, RestPoint, State, System};
+use crate::model::{Balancer, RestPoint, State, System};
 use crate::motion::contact::Phase;
 use crate::motion::driver::Motion;
 use crate::motion::guard::Margins;
@@ -13,6 +13,8 @@ pub(crate) struct Lane<const N: usize> {
     pub(crate) balancer: Balancer<N>,
     pub(crate) settings: Settings,
     pub(super) margins: Margins,
+    /// Whether stick and slip are decided in one way only, wherever the balls are.
+    pub(super) surely_one_solution: bool,
     pub(super) slow: f64,
     /// How closely events are located.
     pub(super) width: f64,
@@ -78,6 +80,7 @@ impl<const N: usize> Saved<N> {
             balancer: *balancer,
             settings,
             margins,
+            surely_one_solution: balancer.surely_one_solution(),
             slow: motion.slow(),
             width: width(settings.tolerance.relative),
             phases,
@@ -128,18 +131,4 @@ pub(super) fn rest_radius_squared<const N: usize>(
     // A little more, so that rounding leaves the decision to the certificate itself.
     let radius = least / balancer.acceleration_bound(1.0) * (1.0 + 1e-9);
     radius * radius
-}
-
-/// What comes after an event, by the run's method.
-pub(super) fn next_phases<const N: usize>(
-    lane: &Lane<N>,
-    state: &mut State<N>,
-    phases: &mut [Phase; N],
-) -> Result<crate::model::Forces<N>, Failure> {
-    match lane.settings.method {
-        Method::Switch => {
-            crate::motion::switch_model::switch(&lane.balancer, lane.settings.band, state, phases)
-        }
-        Method::Event => crate::motion::event_driven::switch(&lane.balancer, state, phases, None),
-    }
 }

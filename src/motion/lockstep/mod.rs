@@ -14,6 +14,7 @@ mod advance;
 #[cfg(all(test, target_arch = "x86_64"))]
 mod against_one_run;
 mod conditions;
+mod decision;
 mod displacement;
 mod equations;
 mod first_failure;
