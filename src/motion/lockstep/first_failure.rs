@@ -123,13 +123,15 @@ fn held<S: Simd, const N: usize>(
     let [c, s] = &series.solver.trigonometry[ball];
     let (c, s) = (c[lane], s[lane]);
     let limit = own.balancer.balls[ball].friction.limit;
+    let left = series.solver.residual[ball][lane] != 0.0;
     move |k| {
         if k == ORDER {
             return 0.0;
         }
         let [x, y] = &series.terms[k].pull;
         let (x, y) = (x[lane], y[lane]);
-        let normal = pressed(series, own, lane, ball, k) - (c * x + s * y);
+        let pressed = if k == 0 || left { pressed(series, own, lane, ball, k) } else { 0.0 };
+        let normal = pressed - (c * x + s * y);
         limit * normal - sign * (s * x - c * y)
     }
 }
