@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use fearless_simd::{Simd, mask64x8, prelude::*};
 
-use super::conditions::doubtful;
+use super::conditions::look_over;
 use super::displacement::{carry, over_switch};
 use super::first_failure::{Ends, first_failure};
 use super::group::{Group, Room};
@@ -86,17 +86,18 @@ fn step<S: Simd, const N: usize>(
     let mut happened = Happened { told: g.told, ..Happened::default() };
     room.series.expand(&g.equations, &g.state);
     let series = &room.series;
+    let doubts = &mut room.doubts;
     let within = within_tolerance(series, g.tolerance, g.next).min(g.longest);
     let left = g.until - g.time;
     let mut length = within.min(left);
-    let doubts = doubtful(series, &g.equations, &g.watched, length);
+    look_over(series, &g.equations, &g.watched, length, doubts);
     let mut failed = [(0, 0); LANES];
     let mut looks = doubts.any() & g.alive;
     while looks != 0 {
         let lane = looks.trailing_zeros() as usize;
         looks &= looks - 1;
         let Some(own) = &g.lanes[lane] else { continue };
-        match first_failure(series, own, lane, length[lane], &doubts) {
+        match first_failure(series, own, lane, length[lane], doubts) {
             Ends::Nothing => {}
             Ends::At(part, condition) => {
                 length[lane] *= part;

@@ -75,6 +75,12 @@ pub(super) struct Doubts<S: Simd, const N: usize> {
 }
 
 impl<S: Simd, const N: usize> Doubts<S, N> {
+    /// None.
+    pub(super) fn none(simd: S) -> Self {
+        let blank = Curve::zero(simd);
+        Doubts { of_balls: [0; N], loose: 0, slips: [blank; N], held: [[blank; 2]; N] }
+    }
+
     /// Lanes in which anything may happen.
     pub(super) fn any(&self) -> u64 {
         self.of_balls.iter().fold(self.loose, |any, of_ball| any | of_ball)
@@ -124,22 +130,21 @@ impl<S: Simd> Curve<S> {
     }
 }
 
-/// Where a condition may fail in a step of this length.
+/// Notes where a condition may fail in a step of this length.
 #[inline(always)]
-pub(super) fn doubtful<S: Simd, const N: usize>(
+pub(super) fn look_over<S: Simd, const N: usize>(
     series: &Series<S, N>,
     equations: &Equations<S, N>,
     watched: &[Watched<S>; N],
     length: Lanes<S>,
-) -> Doubts<S, N> {
+    doubts: &mut Doubts<S, N>,
+) {
     let simd = length.simd;
     let number = |value: f64| Lanes::splat(simd, value);
     let zero = number(0.0);
     let [first, second, ..] = &series.terms;
     let square = length * length;
-    let blank = Curve::zero(simd);
-    let mut doubts =
-        Doubts { of_balls: [0; N], loose: 0, slips: [blank; N], held: [[blank; 2]; N] };
+    doubts.loose = 0;
     let mut sticks = zero.simd_gt(zero);
     for watched in watched {
         sticks |= watched.stuck.simd_gt(zero);
@@ -200,7 +205,6 @@ pub(super) fn doubtful<S: Simd, const N: usize>(
         }
         doubts.of_balls[i] = !holds.to_bitmask();
     }
-    doubts
 }
 
 /// The table's acceleration over a step.

@@ -185,7 +185,7 @@ fn normal_force<S: Simd, const N: usize>(
 
 #[cfg(all(test, target_arch = "x86_64"))]
 mod tests {
-    use super::super::conditions::doubtful;
+    use super::super::conditions::look_over;
     use super::super::{Group, LANES, Lanes, Room, Saved, VectorLevel};
     use super::{Ends, first_failure};
     use crate::model::{Balancer, FrictionLaw, Machine, Method, NormalForce, State};
@@ -249,10 +249,11 @@ mod tests {
             room.series.expand(&group.equations, &group.state);
             let length = 0.8;
             let lengths = Lanes::splat(simd, length);
-            let doubts = doubtful(&room.series, &group.equations, &group.watched, lengths);
+            let Room { series, doubts, .. } = &mut room;
+            look_over(series, &group.equations, &group.watched, lengths, doubts);
             for lane in 0..LANES {
                 let Some(own) = &group.lanes[lane] else { continue };
-                let powers = room.series.powers(lane, &group.state(lane), length);
+                let powers = series.powers(lane, &group.state(lane), length);
                 let phase = SmoothPhase::new(&balancer, &own.phases);
                 let fails =
                     (1..=PLACES).map(|place| f64::from(place) / f64::from(PLACES)).find(|part| {
@@ -271,7 +272,7 @@ mod tests {
                 };
                 left += 1;
                 assert!(doubts.any() & 1 << lane != 0, "{round} {lane}: at {fails}");
-                match first_failure(&room.series, own, lane, length, &doubts) {
+                match first_failure(series, own, lane, length, doubts) {
                     Ends::At(part, _) => assert!(part <= fails, "{part} {fails}"),
                     Ends::AtOnce | Ends::Nothing => panic!("{round} {lane}: at {fails}"),
                 }

@@ -2,7 +2,7 @@
 
 use fearless_simd::{Simd, prelude::*};
 
-use super::conditions::Watched;
+use super::conditions::{Doubts, Watched};
 use super::equations::Equations;
 use super::lane::{Lane, Saved, rest_radius_squared};
 use super::series::Series;
@@ -55,6 +55,7 @@ pub(crate) struct Group<S: Simd, const N: usize> {
 pub(crate) struct Room<S: Simd, const N: usize> {
     pub(super) series: Series<S, N>,
     pub(super) displaced: Series<S, N>,
+    pub(super) doubts: Doubts<S, N>,
     /// The step's end, angles not yet brought back into one turn.
     pub(super) end: Flow<S, N>,
     pub(super) length: Lanes<S>,
@@ -65,6 +66,7 @@ impl<S: Simd, const N: usize> Room<S, N> {
         Room {
             series: Series::zero(simd),
             displaced: Series::zero(simd),
+            doubts: Doubts::none(simd),
             end: Flow::zero(simd),
             length: Lanes::splat(simd, 0.0),
         }
