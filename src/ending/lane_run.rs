@@ -150,16 +150,16 @@ impl<const N: usize> LaneRun<N> {
             None => {}
         }
         let time = group.time(lane);
-        let (began, before) = group.before(lane);
         let displaced = self.is_displaced(time);
         let late = self.horizons.window_mut();
-        if late.means.takes(began) {
+        if late.means.takes(group.time_before(lane)) {
+            let (began, before) = group.before(lane);
             let now = Moment::at(time, &group.state(lane));
             let angles = || group.unwrapped_angles(lane);
             late.means.take_in(Moment::at(began, &before), now, angles);
         }
         if displaced {
-            self.separate(group, lane, time);
+            self.separate(group, lane, time, happened.attention & bit != 0);
         } else if late.separation.follows(time) && !late.separation.has_begun() {
             group.displace(lane);
             late.separation.begin(time, group.courses(lane));
@@ -191,7 +191,10 @@ impl<const N: usize> LaneRun<N> {
 
     /// Tells by how much the displacement has grown, when that is due or its size gets out of hand:
     /// whatever else the run is looked at for changes nothing.
-    fn separate<S: Simd>(&mut self, group: &mut Group<S, N>, lane: usize, time: f64) {
+    fn separate<S: Simd>(&mut self, group: &mut Group<S, N>, lane: usize, time: f64, asked: bool) {
+        if !asked {
+            return;
+        }
         let displaced = group.displaced(lane);
         let due = time >= self.horizons.window().separation.next_mark();
         if !due && HANDY.contains(&displaced.size) {

@@ -19,7 +19,7 @@ use std::collections::VecDeque;
 
 use super::closed_orbit::{Orbit, REACH, Verdict, examine};
 use super::return_map::ReturnMap;
-use super::section::{Section, wrapped};
+use super::section::{Section, wrapped_small};
 use crate::model::{Balancer, State};
 use crate::motion::{Motion, Phase, Settings, Tolerance};
 
@@ -264,7 +264,7 @@ fn difference<const N: usize>(a: &Passage<N>, b: &Passage<N>, reference: usize) 
             largest = largest.max((a.beta_dot[ball] - b.beta_dot[ball]).abs());
         }
         if ball != reference {
-            largest = largest.max(wrapped(a.beta[ball] - b.beta[ball]).abs());
+            largest = largest.max(wrapped_small(a.beta[ball] - b.beta[ball]).abs());
         }
     }
     largest

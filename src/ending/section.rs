@@ -88,7 +88,8 @@ impl<const N: usize> Section<N> {
 }
 
 /// Whole turns taken off a difference that is small otherwise; anything smaller is left alone.
-fn wrapped_small(difference: f64) -> f64 {
+#[inline]
+pub(super) fn wrapped_small(difference: f64) -> f64 {
     if difference.abs() > std::f64::consts::PI { wrapped(difference) } else { difference }
 }
 

@@ -88,8 +88,8 @@ impl<const N: usize, const FREE: usize> LastStep<N, FREE> {
                 let (position, slope) = interpolant.position_at(contact, theta);
                 (before(position), -sign * slope)
             },
-            (0.0, start),
-            (used, end),
+            (0.0, used),
+            used * start / (start - end),
             1e-13,
         );
         Some((start_time + theta * length, interpolant.at(theta)))

@@ -45,17 +45,17 @@ pub fn fall_through_zero(
     high
 }
 
-/// The same for a smooth function with its slope, by Newton's method kept inside the bracket: far fewer
-/// evaluations. The place is right to `width`, on either side of zero.
+/// The same for a smooth function with its slope, by Newton's method from a guess, kept inside the bracket: far
+/// fewer evaluations. The place is right to `width`, on either side of zero.
 #[inline(always)]
 pub(super) fn fall_of_smooth(
     f: impl Fn(f64) -> (f64, f64),
-    (mut low, f_low): (f64, f64),
-    (mut high, f_high): (f64, f64),
+    (mut low, mut high): (f64, f64),
+    guess: f64,
     width: f64,
 ) -> f64 {
     const MOST: u32 = 100;
-    let mut at = low + (high - low) * f_low / (f_low - f_high);
+    let mut at = guess;
     for _ in 0..MOST {
         let (value, slope) = f(at);
         if value > 0.0 {
@@ -114,7 +114,8 @@ mod tests {
                 calls.set(calls.get() + 1);
                 f(t)
             };
-            let found = fall_of_smooth(count, (0.0, f(0.0).0), (1.0, f(1.0).0), 1e-13);
+            let chord = f(0.0).0 / (f(0.0).0 - f(1.0).0);
+            let found = fall_of_smooth(count, (0.0, 1.0), chord, 1e-13);
             assert!((0.0..=1.0).contains(&found) && f(found).0.abs() < 1e-12, "{found}");
             assert!(calls.get() <= 80, "{} calls to {found}", calls.get());
         }

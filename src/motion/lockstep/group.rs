@@ -212,6 +212,11 @@ impl<S: Simd, const N: usize> Group<S, N> {
         self.time[lane]
     }
 
+    /// The time of a lane before its latest step.
+    pub(crate) fn time_before(&self, lane: usize) -> f64 {
+        self.time_before[lane]
+    }
+
     /// Time and state of a lane before its latest step.
     pub(crate) fn before(&self, lane: usize) -> (f64, State<N>) {
         (self.time_before[lane], self.before.lane(lane))

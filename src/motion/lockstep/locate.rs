@@ -187,7 +187,7 @@ impl Polynomial {
 
 /// Where between two places, from 0 to 1, the value falls through zero: a guess.
 #[inline(always)]
-fn guess(low: Place, high: Place) -> f64 {
+pub(super) fn guess(low: Place, high: Place) -> f64 {
     let length = high.at - low.at;
     let (fall, slopes) = (low.value - high.value, [length * low.slope, length * high.slope]);
     // The place as the cubic of the value by both ends.

@@ -2,6 +2,7 @@
 
 use fearless_simd::Simd;
 
+use super::locate::{Place, guess};
 use super::recurrence::RECIPROCALS;
 use super::series::{Series, TERMS};
 use super::{Group, Room};
@@ -29,6 +30,8 @@ impl<S: Simd, const N: usize> Group<S, N> {
         };
         let before = |angle: f64| sign * (mark - angle);
         let length = room.length[lane];
+        let slope = |speed: f64| -sign * (speed * length);
+        let last = room.end.speed[ball][lane];
         let series = &room.series;
         // In here the fused multiply-add is an instruction.
         let (part, state) = self.time.simd.vectorize(
@@ -43,10 +46,13 @@ impl<S: Simd, const N: usize> Group<S, N> {
                     |part| {
                         let time = part * length;
                         let (turned, speed) = turned(&speeds, time);
-                        (before(angle + turned), -sign * (speed * length))
+                        (before(angle + turned), slope(speed))
                     },
-                    (0.0, before(angle)),
-                    (1.0, before(end)),
+                    (0.0, 1.0),
+                    guess(
+                        Place { at: 0.0, value: before(angle), slope: slope(start.beta_dot[ball]) },
+                        Place { at: 1.0, value: before(end), slope: slope(last) },
+                    ),
                     1e-13,
                 );
                 (part, state_at(series, lane, &start, part * length))
