@@ -8,6 +8,7 @@ use super::node::describe_number;
 use super::parameter::{Parameter, ParameterValue};
 use super::plan::Study;
 use super::resolve_sweep::resolve_value;
+use crate::model::Endings;
 
 /// Ranges of the shares of runs per label and of the audit's flip rate, expected at every point that the selector matches.
 #[derive(Clone, Debug, PartialEq)]
@@ -67,7 +68,7 @@ pub(crate) fn resolve_expectations(
         let point = resolve_selector(locate, study, parameters, &path.key("point"), file)?;
         let expectation = Expectation {
             point,
-            fractions: fractions(locate, &path, file)?,
+            fractions: fractions(locate, study, &path, file)?,
             audit_flip_rate: audit_flip_rate(locate, study, &path, file)?,
         };
         if !study.has_point(&expectation) {
@@ -113,6 +114,7 @@ fn resolve_selector(
 
 fn fractions(
     locate: &dyn Locate,
+    study: &Study,
     path: &KeyPath,
     file: &ExpectationFile,
 ) -> Result<Vec<(&'static str, [f64; 2])>, StudyError> {
@@ -125,6 +127,13 @@ fn fractions(
         ("failed", file.failed_fraction),
     ] {
         let Some(range) = range else { continue };
+        let only_rest = study.simulation().endings == Endings::Rest;
+        if only_rest && ["limit_cycle", "irregular"].contains(&label) {
+            let allowed = "simulation: {endings: all}, or no such range";
+            let found = "a study with `endings: rest`";
+            let fault = Fault::new("such runs are not looked for", found, allowed);
+            return Err(locate.refuse_key(&path.key(&format!("{label}_fraction")), fault));
+        }
         fractions.push((label, shares(locate, &path.key(&format!("{label}_fraction")), range)?));
     }
     if fractions.is_empty() && file.audit_flip_rate.is_none() {

@@ -30,9 +30,9 @@ pub fn errors(method: Method, tolerance: f64, band: f64) -> Errors {
         method,
         band,
         end_time_s: 100.0,
-        extend: None,
         relative_tolerance: tolerance,
         absolute_tolerance: 1e-2 * tolerance,
+        ..Simulation::default()
     };
     let run = |block: &Block, start: [f64; 2]| {
         simulate(&Case { model: block.clone().into(), start: Start(start.to_vec()), simulation })

@@ -54,6 +54,7 @@ fn mixed() -> Vec<Case> {
     let mut all = cases(5, extended, 2, rest);
     all.extend(cases(4, "{end_time_s: 4.0, method: event}", 2, rest));
     all.extend(cases(2, "{end_time_s: 2.0, method: event}", 3, rest));
+    all.extend(cases(3, "{end_time_s: 4.0, endings: rest}", 2, rest));
     for (number, case) in all.iter_mut().enumerate() {
         let machine = case.model.ball_balancer_mut().unwrap();
         if number % 7 == 3 {

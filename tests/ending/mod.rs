@@ -6,6 +6,7 @@ mod certificate;
 pub mod convergence;
 mod effort;
 mod effort_pinned;
+mod endings;
 mod extend;
 mod friction_laws;
 mod limit_cycle;

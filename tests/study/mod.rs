@@ -11,6 +11,7 @@ mod bad_tables;
 mod bad_values;
 mod designs;
 mod distributions;
+mod endings;
 mod models;
 mod parquet_tables;
 mod plan;

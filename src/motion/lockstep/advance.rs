@@ -5,10 +5,10 @@ use std::f64::consts::TAU;
 use fearless_simd::{Simd, mask64x8, prelude::*};
 
 use super::conditions::look_over;
+use super::decision::{InPlace, next_phases};
 use super::displacement::{carry, over_switch};
 use super::first_failure::{Ends, first_failure};
 use super::group::{Group, Room};
-use super::decision::{InPlace, next_phases};
 use super::lane::Trouble;
 use super::series::Series;
 use super::step::within_tolerance;
@@ -250,7 +250,8 @@ fn switch<S: Simd, const N: usize>(
         let phase = SmoothPhase::new(&system, &before);
         let guard = Guard::of(ball, before[ball], which);
         let failed = (&phase, guard);
-        grazed = over_switch(&mut g.displacement, lane, (&system, own.margins), failed, (&state, &rate));
+        grazed =
+            over_switch(&mut g.displacement, lane, (&system, own.margins), failed, (&state, &rate));
     }
     own.grazed |= grazed;
     for ball in 0..N {

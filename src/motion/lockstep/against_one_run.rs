@@ -1,6 +1,7 @@
 //! Tests: the series of eight different machines side by side against the equations of one run.
 
 use super::displacement::carry;
+use super::step::within_tolerance;
 use super::{Flow, Group, LANES, Lanes, Room, Saved, VectorLevel};
 use crate::model::{Balancer, Dual, FrictionLaw, Machine, Method, Number, State};
 use crate::motion::contact::{Phase, SmoothPhase};
@@ -53,6 +54,62 @@ fn largest<const N: usize>(state: &State<N>) -> f64 {
     let State { position, velocity, beta, beta_dot } = state;
     let all = position.iter().chain(velocity).chain(beta).chain(beta_dot);
     all.fold(0.0, |most: f64, value| most.max(value.abs()))
+}
+
+/// Displacements over the longest steps that a coarse tolerance allows, where the table moves as slowly as it
+/// does after a while, and is displaced as balls displace it, by some part of what they are.
+fn over_longest_steps<const N: usize>() {
+    let Some(simd) = VectorLevel::best().avx2() else { return };
+    let settings = Settings {
+        method: Method::Event,
+        band: 0.0,
+        tolerance: Tolerance { relative: 1e-6, absolute: 1e-8 },
+        effort_limit: 1000,
+    };
+    let mut group = Group::<_, N>::new(simd);
+    let mut room = Room::<_, N>::new(simd);
+    let balancers: Vec<Balancer<N>> =
+        (0..LANES).map(|lane| Balancer::new(&machine(lane, N)).unwrap()).collect();
+    let mut longest = Lanes::splat(simd, 0.0);
+    for (lane, balancer) in balancers.iter().enumerate() {
+        let mut start = state::<N>(lane, |_| 0.0);
+        let rest = balancer.rest_point(&start.beta);
+        let [x, y] = rest.position;
+        (start.position, start.velocity) = ([x, y], [balancer.speed * y, -balancer.speed * x]);
+        group.put(lane, &Saved::start(balancer, settings, start).unwrap(), 100.0);
+        let mut displaced: State<N> = state(lane + 100, |_| 0.3);
+        for axis in 0..2 {
+            displaced.position[axis] *= 1e-2;
+            displaced.velocity[axis] *= 1e-2;
+        }
+        displaced.beta = displaced.beta.map(|angle| angle / 6.0);
+        group.displacement.set_lane(lane, &displaced);
+        longest[lane] = group.longest(lane);
+    }
+    room.series.expand(&group.equations, &group.state);
+    let lengths = within_tolerance(&room.series, group.tolerance, group.next).min(longest);
+    let moved =
+        carry(&room.series, &group.equations, &group.displacement, lengths, &mut room.displaced);
+    for (lane, balancer) in balancers.iter().enumerate() {
+        let saved = group.copy(lane).unwrap();
+        let phase = SmoothPhase::new(balancer, &saved.lane.phases);
+        let mut along: State<N, Dual> = saved.state.along(&group.displacement.lane(lane));
+        for _ in 0..64 {
+            let rate = |state: &State<N, Dual>| phase.along(state).1;
+            let part = Dual::constant(lengths[lane] / 64.0);
+            along = Step::attempt(rate, &along, &rate(&along), part).end;
+        }
+        let mut difference = along.slope();
+        difference.add_scaled(-1.0, &moved.lane(lane));
+        assert!(largest(&difference) < 1e-8, "{difference:?} in lane {lane}");
+    }
+}
+
+#[test]
+fn longest_steps() {
+    over_longest_steps::<1>();
+    over_longest_steps::<2>();
+    over_longest_steps::<4>();
 }
 
 fn against_one_run<const N: usize>() {

@@ -289,10 +289,7 @@ fn held<S: Simd, const N: usize>(
     ];
     let forces = [across(first.pull), across(pull.end), across(change), across(pull.change)];
     let (size_c, size_s) = (c.abs(), s.abs());
-    let weights = [
-        limit.mul_add_precise(size_c, size_s),
-        limit.mul_add_precise(size_s, size_c),
-    ];
+    let weights = [limit.mul_add_precise(size_c, size_s), limit.mul_add_precise(size_s, size_c)];
     let bound = weights[0].mul_add_precise(pull.bound[0], weights[1] * pull.bound[1]);
     let bound = limit.mul_add_precise(pressed[4], bound);
     let [a, b, p, q] = reserves;

@@ -14,10 +14,10 @@ use crate::motion::first_switch::LastStep;
 use crate::motion::interpolant::Interpolant;
 use crate::motion::{Effort, Step};
 
-/// How much longer than one by one steps may be: 3.3 over the highest frequency of the table in the turning
+/// How much longer than one by one steps may be: 5 over the highest frequency of the table in the turning
 /// frame, `1 + |ω|`. In longer steps the tolerance would hold, as what is wrong of it shows in the next one,
-/// but of a displacement no tolerance is kept: 16 powers of `exp(i z)` are right to 2e-6 up to
-/// `z = 3.3`, to 4e-4 up to 4.5, and exponents to 1e-9, as a test has it, only with the former.
+/// but of a displacement no tolerance is kept, and the powers of it that are taken (`displacement`) are right
+/// up to here. Hardly a step is as long as that.
 const LONGEST: f64 = 5.0 / std::f64::consts::FRAC_PI_2;
 
 /// Eight lanes, some of them empty.

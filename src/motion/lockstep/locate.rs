@@ -121,10 +121,7 @@ impl Polynomial {
         let square = self.length * self.length;
         let [value, slope, ..] = self.coefficients;
         let start = Place { at: 0.0, value, slope: slope * self.length };
-        Outline {
-            ends: [start, self.place(1.0)],
-            fourth_derivative: bound * (square * square),
-        }
+        Outline { ends: [start, self.place(1.0)], fourth_derivative: bound * (square * square) }
     }
 
     /// Where it first falls below zero.

@@ -13,6 +13,7 @@
 mod advance;
 #[cfg(all(test, target_arch = "x86_64"))]
 mod against_one_run;
+mod beyond;
 mod conditions;
 mod decision;
 mod displacement;
