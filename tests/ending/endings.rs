@@ -44,16 +44,20 @@ fn compare([all, rest]: [Outcome; 2]) -> Label {
 fn balls_come_to_rest_as_they_do_where_all_endings_are_looked_for() {
     let mut seen = [0; 5];
     let extend = Some(Extend { factor: 1.5, undecided: true, irregular: true });
-    for (speed_rad_s, balls, extend) in
-        [(-160.8, 2, None), (-191.6372, 2, extend), (-216.3772, 2, None), (-247.3, 3, None)]
-    {
+    for (speed_rad_s, balls, friction_coefficient, extend) in [
+        (-160.8, 2, 2.75e-3, None),
+        (-191.6372, 2, 2.75e-3, extend),
+        (-216.3772, 2, 2.75e-4, None),
+        (-247.3, 3, 2.75e-3, None),
+    ] {
         let mut machine = Machine { speed_rad_s, ..Machine::default() };
+        machine.balls[0].friction_coefficient = friction_coefficient;
         machine.balls.resize(balls, machine.balls[0]);
         for method in [Method::Event, Method::Switch] {
             for (number, start) in starts(balls).enumerate() {
                 let model: Model = machine.clone().into();
                 let simulation =
-                    Simulation { method, end_time_s: 12.0, extend, ..Simulation::default() };
+                    Simulation { method, end_time_s: 16.5, extend, ..Simulation::default() };
                 let case = Case { model, start, simulation };
                 seen[compare(both(&case, simulate)) as usize] += 1;
                 if number < 2 {
