@@ -10,19 +10,19 @@ from pyarrow import parquet
 
 
 class Engine:
-    """The program at work on one work, by one of its methods."""
+    """The program at work on one work, with some settings of the simulation."""
 
-    def __init__(self, stickslip, work, folder, method):
-        self.stickslip, self.work, self.folder, self.method = stickslip, work, folder, method
-        self.title = f"stickslip, {method}" if method else "stickslip"
+    def __init__(self, stickslip, work, folder, title, settings):
+        self.stickslip, self.work, self.folder = stickslip, work, folder
+        self.title, self.settings = title, settings
 
     def study(self, source, relative, absolute):
-        """A study of the work with this tolerance and method."""
+        """A study of the work with this tolerance."""
         text = yaml.safe_load(source.read_text())
         text["simulation"]["tolerance"] = {"relative": relative, "absolute": absolute}
-        if self.method:
-            text["simulation"]["method"] = self.method
-        path = self.folder / f"{source.stem}-{self.method}-{relative}.yaml"
+        text["simulation"] |= self.settings
+        name = "-".join([source.stem, *self.settings.values(), str(relative)])
+        path = self.folder / f"{name}.yaml"
         path.write_text(yaml.safe_dump(text))
         return path
 

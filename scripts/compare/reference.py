@@ -29,7 +29,8 @@ class Reference:
         self.rest, self.state = np.array(result["rest"]), np.array(result["state"])
         self.about = f"{tool.title} at {relative:g}"
         if not work.smooth:
-            program = Engine(stickslip, work, folder, "event").run(1e-10, 1e-12)
+            exact = Engine(stickslip, work, folder, "stickslip, event", {"method": "event"})
+            program = exact.run(1e-10, 1e-12)
             differ = self.errors(program)["labels_that_differ"]
             self.about += f"; {differ} labels differ from stickslip's by event at 1e-10"
 

@@ -10,7 +10,7 @@ def print_table(table):
     smooth = any("largest_error" in row for row in table["rows"].values())
     print(f"\n{table['work'].upper()}: {table['runs']} runs. Reference: {table['reference']}.\n")
     errors = ["largest error"] if smooth else ["labels that differ", "median error of angles, rad"]
-    head = ["tool", "CPU ms per run", "over stickslip", "right-hand sides", "steps", "events"]
+    head = ["tool", "CPU ms per run", "over the first of stickslip", "right-hand sides", "steps", "events"]
     head += ["tolerance", *errors, "rounds"]
     print("| " + " | ".join(head) + " |")
     print("|---" * len(head) + "|")
