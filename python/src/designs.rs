@@ -1,6 +1,6 @@
 //! Designs as Python has them: rows, columns, or an Arrow table of any library.
 
-use arrow::ffi_stream::RecordBatchStreamReader;
+use arrow_array::ffi_stream::RecordBatchStreamReader;
 use pyo3::exceptions::{PyImportError, PyTypeError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyCapsule};

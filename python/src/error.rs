@@ -78,8 +78,8 @@ impl From<PlaceError> for Trouble {
     }
 }
 
-impl From<arrow::error::ArrowError> for Trouble {
-    fn from(error: arrow::error::ArrowError) -> Self {
+impl From<arrow_schema::ArrowError> for Trouble {
+    fn from(error: arrow_schema::ArrowError) -> Self {
         Trouble::Defect(format!("a defect of stickslip: {error}"))
     }
 }

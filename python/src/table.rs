@@ -1,11 +1,12 @@
 //! Tables for Python: Arrow's C data interface, without a copy, and Python's own lists.
 
-use arrow::array::{Array, ArrayRef, AsArray, RecordBatchIterator};
-use arrow::compute::cast;
-use arrow::datatypes::{DataType, Float64Type, Int32Type, UInt8Type, UInt64Type};
-use arrow::ffi::FFI_ArrowSchema;
-use arrow::ffi_stream::FFI_ArrowArrayStream;
-use pyo3::exceptions::PyKeyError;
+use arrow_array::cast::AsArray;
+use arrow_array::ffi_stream::FFI_ArrowArrayStream;
+use arrow_array::types::{Float64Type, Int32Type, UInt8Type, UInt64Type};
+use arrow_array::{Array, ArrayRef, RecordBatchIterator, StringArray};
+use arrow_schema::DataType;
+use arrow_schema::ffi::FFI_ArrowSchema;
+use pyo3::exceptions::{PyKeyError, PyTypeError};
 use pyo3::prelude::*;
 use pyo3::types::{PyCapsule, PyDict, PyList};
 use stickslip::table::MemoryTable;
@@ -166,12 +167,21 @@ fn append(list: &Bound<'_, PyList>, column: &ArrayRef) -> PyResult<()> {
             }
             Ok(())
         }
-        // Text, and words in a dictionary.
-        _ => {
-            let texts = cast(column, &DataType::Utf8).map_err(Trouble::from)?;
-            append_all(list, texts.as_string::<i32>())
+        DataType::Dictionary(..) => {
+            let words = column.as_dictionary::<Int32Type>();
+            match words.downcast_dict::<StringArray>() {
+                Some(words) => append_all(list, words),
+                None => Err(unknown(column)),
+            }
         }
+        DataType::Utf8 => append_all(list, column.as_string::<i32>()),
+        _ => Err(unknown(column)),
     }
+}
+
+/// For a column of a type that our tables do not have.
+fn unknown(column: &ArrayRef) -> PyErr {
+    PyTypeError::new_err(format!("a column of {}", column.data_type()))
 }
 
 fn append_all<'py, V: IntoPyObject<'py>>(

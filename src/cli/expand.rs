@@ -2,8 +2,7 @@
 
 use std::path::PathBuf;
 
-use arrow::error::ArrowError;
-use arrow::util::display::{ArrayFormatter, FormatOptions};
+use arrow_schema::ArrowError;
 use clap::Args;
 
 use super::arguments::StudyArgument;
@@ -11,6 +10,7 @@ use super::exit::{CliError, End};
 use super::output::{Reader, print};
 use crate::farm::Shard;
 use crate::study::PlannedRun;
+use crate::table::cell::cell_text;
 use crate::table::column::{Column, batch, schema};
 use crate::table::{TableWriter, planned_columns, provenance};
 
@@ -87,15 +87,9 @@ pub fn expand(arguments: &ExpandArguments) -> Result<End, CliError> {
 
 fn csv(columns: &[Column<PlannedRun>], rows: &[PlannedRun]) -> Result<String, ArrowError> {
     let batch = batch(columns, rows)?;
-    let options = FormatOptions::default();
-    let formatters: Vec<ArrayFormatter> = batch
-        .columns()
-        .iter()
-        .map(|column| ArrayFormatter::try_new(column.as_ref(), &options))
-        .collect::<Result<_, _>>()?;
     let mut writer = csv::Writer::from_writer(Vec::new());
     for row in 0..rows.len() {
-        let cells = formatters.iter().map(|column| column.value(row).to_string());
+        let cells = batch.columns().iter().map(|column| cell_text(column, row, ""));
         writer.write_record(cells).map_err(|error| ArrowError::CsvError(error.to_string()))?;
     }
     let bytes = writer.into_inner().map_err(|error| ArrowError::CsvError(error.to_string()))?;

@@ -5,12 +5,14 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use arrow::array::{
-    ArrayRef, BooleanArray, Float64Array, Float64Builder, Int32Array, ListBuilder, RecordBatch,
-    StringArray, StringDictionaryBuilder, UInt8Array, UInt64Array,
+use arrow_array::builder::{Float64Builder, ListBuilder, StringDictionaryBuilder};
+use arrow_array::types::Int32Type;
+use arrow_array::{
+    ArrayRef, BooleanArray, Float64Array, Int32Array, RecordBatch, StringArray, UInt8Array,
+    UInt64Array,
 };
-use arrow::datatypes::{DataType, Field, Int32Type, Schema};
-use arrow::error::ArrowError;
+use arrow_schema::ArrowError;
+use arrow_schema::{DataType, Field, Schema};
 
 type Build<R> = Box<dyn Fn(&[R]) -> ArrayRef + Send + Sync>;
 

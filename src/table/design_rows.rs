@@ -2,9 +2,13 @@
 
 use std::path::Path;
 
-use arrow::array::{ArrayRef, AsArray, RecordBatchReader};
-use arrow::compute::cast;
-use arrow::datatypes::{DataType, Float64Type};
+use arrow_array::cast::AsArray;
+use arrow_array::types::{
+    Float16Type, Float32Type, Float64Type, Int8Type, Int16Type, Int32Type, Int64Type, UInt8Type,
+    UInt16Type, UInt32Type, UInt64Type,
+};
+use arrow_array::{ArrayRef, RecordBatchReader};
+use arrow_schema::DataType;
 
 use crate::study::file_values::Entry;
 use crate::study::{DesignValue, Fault, MAX_VALUES, Study, StudyError};
@@ -56,21 +60,42 @@ pub fn designs_in_arrow(
 
 /// The values of a column; none where they are neither numbers nor text.
 fn entries(column: &ArrayRef) -> Option<Vec<Option<Entry>>> {
-    let values = match column.data_type() {
-        DataType::Dictionary(_, values) => values.as_ref(),
-        other => other,
-    };
-    if values.is_integer() || values.is_floating() {
-        let numbers = cast(column, &DataType::Float64).ok()?;
-        let numbers = numbers.as_primitive_opt::<Float64Type>()?.iter();
-        return Some(numbers.map(|number| number.map(Entry::Number)).collect());
+    macro_rules! numbers {
+        ($type:ty, $number:expr) => {
+            column
+                .as_primitive_opt::<$type>()?
+                .iter()
+                .map(|number| number.map($number).map(Entry::Number))
+                .collect()
+        };
     }
-    if matches!(values, DataType::Utf8 | DataType::LargeUtf8 | DataType::Utf8View) {
-        let texts = cast(column, &DataType::Utf8).ok()?;
-        let texts = texts.as_string_opt::<i32>()?.iter();
-        return Some(texts.map(|text| Some(Entry::Text(text?.to_owned()))).collect());
-    }
-    None
+    let text = |text: Option<&str>| Some(Entry::Text(text?.to_owned()));
+    Some(match column.data_type() {
+        DataType::Int8 => numbers!(Int8Type, f64::from),
+        DataType::Int16 => numbers!(Int16Type, f64::from),
+        DataType::Int32 => numbers!(Int32Type, f64::from),
+        DataType::Int64 => numbers!(Int64Type, |number| number as f64),
+        DataType::UInt8 => numbers!(UInt8Type, f64::from),
+        DataType::UInt16 => numbers!(UInt16Type, f64::from),
+        DataType::UInt32 => numbers!(UInt32Type, f64::from),
+        DataType::UInt64 => numbers!(UInt64Type, |number| number as f64),
+        DataType::Float16 => numbers!(Float16Type, f64::from),
+        DataType::Float32 => numbers!(Float32Type, f64::from),
+        DataType::Float64 => numbers!(Float64Type, f64::from),
+        DataType::Utf8 => column.as_string_opt::<i32>()?.iter().map(text).collect(),
+        DataType::LargeUtf8 => column.as_string_opt::<i64>()?.iter().map(text).collect(),
+        DataType::Utf8View => column.as_string_view_opt()?.iter().map(text).collect(),
+        DataType::Dictionary(..) => {
+            let words = column.as_any_dictionary_opt()?;
+            let values = entries(words.values())?;
+            let places = words.normalized_keys().into_iter().enumerate();
+            let entry = |(row, place): (usize, usize)| {
+                if column.is_null(row) { None } else { values.get(place).cloned().flatten() }
+            };
+            places.map(entry).collect()
+        }
+        _ => return None,
+    })
 }
 
 #[cfg(test)]
@@ -78,11 +103,11 @@ mod tests {
     use std::path::Path;
     use std::sync::Arc;
 
-    use arrow::array::{
+    use arrow_array::types::Int8Type;
+    use arrow_array::{
         ArrayRef, BooleanArray, DictionaryArray, Float32Array, Int16Array, LargeStringArray,
         RecordBatch, RecordBatchIterator, UInt64Array,
     };
-    use arrow::datatypes::Int8Type;
 
     use super::{designs_in_arrow, entries};
     use crate::study::file_values::Entry;

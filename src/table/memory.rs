@@ -3,12 +3,13 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use arrow::array::{
-    AsArray, RecordBatch, StringArray, StringDictionaryBuilder, TypedDictionaryArray,
-};
-use arrow::compute::concat_batches;
-use arrow::datatypes::{Int32Type, SchemaRef};
-use arrow::error::ArrowError;
+use arrow_array::builder::StringDictionaryBuilder;
+use arrow_array::cast::AsArray;
+use arrow_array::types::Int32Type;
+use arrow_array::{RecordBatch, StringArray, TypedDictionaryArray};
+use arrow_schema::ArrowError;
+use arrow_schema::SchemaRef;
+use arrow_select::concat::concat_batches;
 
 use super::column::{Column, batch, schema};
 
@@ -148,8 +149,9 @@ pub fn in_memory<R>(
 mod tests {
     use std::sync::Arc;
 
-    use arrow::array::{AsArray, StringArray};
-    use arrow::datatypes::{Int32Type, UInt64Type};
+    use arrow_array::StringArray;
+    use arrow_array::cast::AsArray;
+    use arrow_array::types::{Int32Type, UInt64Type};
 
     use super::{BATCH, Column, in_memory};
 

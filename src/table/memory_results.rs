@@ -1,6 +1,6 @@
 //! The tables of a study in memory: what [`super::Results`] writes to a directory.
 
-use arrow::error::ArrowError;
+use arrow_schema::ArrowError;
 
 use super::cycles::{CycleRow, cycle_columns};
 use super::density::{DensityRow, density_columns};

@@ -3,6 +3,7 @@
 //! The only room that knows Arrow, and that writes Parquet (`study` reads tables in it, behind guards
 //! that the reading of results shares).
 
+pub mod cell;
 pub mod column;
 mod cycles;
 mod density;

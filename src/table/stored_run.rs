@@ -4,13 +4,14 @@ use std::fs::{self, File};
 use std::panic::{self, AssertUnwindSafe};
 use std::path::{Path, PathBuf};
 
-use arrow::array::{Array, AsArray, RecordBatch};
-use arrow::datatypes::UInt64Type;
-use arrow::error::ArrowError;
-use arrow::util::display::{ArrayFormatter, FormatOptions};
+use arrow_array::cast::AsArray;
+use arrow_array::types::UInt64Type;
+use arrow_array::{Array, RecordBatch};
+use arrow_schema::ArrowError;
 use parquet::arrow::ProjectionMask;
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 
+use super::cell::cell_text;
 use super::column::batch;
 use super::record::RunRecord;
 use super::results::{RUNS, ResultsError};
@@ -83,7 +84,6 @@ impl StoredRun {
         let columns = run_columns(study);
         let replayed = batch(&columns, std::slice::from_ref(record)).map_err(broken)?;
         let schema = replayed.schema();
-        let options = FormatOptions::default().with_null("null");
         let mut differences = Vec::new();
         for (field, replayed) in schema.fields().iter().zip(replayed.columns()) {
             let stored = self.row.column_by_name(field.name()).ok_or_else(|| {
@@ -100,13 +100,10 @@ impl StoredRun {
                 return Err(unusable(&self.path, "a column of this table has another type", found));
             }
             if stored != replayed {
-                let text = |array: &dyn Array| {
-                    ArrayFormatter::try_new(array, &options).map(|cells| cells.value(0).to_string())
-                };
                 differences.push(Difference {
                     column: field.name().clone(),
-                    stored: text(stored).map_err(broken)?,
-                    replayed: text(replayed).map_err(broken)?,
+                    stored: cell_text(stored, 0, "null"),
+                    replayed: cell_text(replayed, 0, "null"),
                 });
             }
         }
