@@ -59,8 +59,10 @@ impl<S: Simd, const N: usize> Series<S, N> {
         // Derivatives, not coefficients: their recurrence has no factors.
         let factorial = number(FACTORIALS[LINEAR]);
         let next_factorial = number(FACTORIALS[LINEAR + 1]);
-        let mut place = displaced.terms[LINEAR].table.map(|x| x * factorial);
-        let mut speed = displaced.terms[LINEAR + 1].table.map(|x| x * next_factorial);
+        let [x, y] = displaced.terms[LINEAR].table;
+        let [x_dot, y_dot] = displaced.terms[LINEAR + 1].table;
+        let mut place = [x * factorial, y * factorial];
+        let mut speed = [x_dot * next_factorial, y_dot * next_factorial];
         let mut turning = [number(0.0); N];
         for (turning, ball) in turning.iter_mut().zip(&displaced.terms[LINEAR].balls) {
             *turning = ball.speed * factorial;
@@ -97,17 +99,16 @@ impl<S: Simd, const N: usize> Series<S, N> {
             table[at] = acceleration;
         }
         let mut higher = Higher::none(length.simd);
-        for at in (0..BEYOND).rev() {
+        for (at, (table, speeds)) in table.iter().zip(&speeds).enumerate().rev() {
             let part = number(1.0 / FACTORIALS[LINEAR + at + 2]);
-            for axis in 0..2 {
+            for (axis, derivative) in table.iter().enumerate() {
                 let position = higher.position[axis];
                 higher.slope[axis] = higher.slope[axis].mul_add_precise(length, position);
-                let coefficient = part * table[at][axis];
-                higher.position[axis] = position.mul_add_precise(length, coefficient);
+                higher.position[axis] = position.mul_add_precise(length, part * *derivative);
             }
             let of_speed = number(1.0 / FACTORIALS[LINEAR + at + 1]);
-            for i in 0..N {
-                let [speed, angle] = [of_speed * speeds[at][i], part * speeds[at][i]];
+            for (i, derivative) in speeds.iter().enumerate() {
+                let [speed, angle] = [of_speed * *derivative, part * *derivative];
                 higher.speed[i] = higher.speed[i].mul_add_precise(length, speed);
                 higher.angle[i] = higher.angle[i].mul_add_precise(length, angle);
             }

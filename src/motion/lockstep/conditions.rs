@@ -225,8 +225,8 @@ impl<S: Simd> Pull<S> {
         let terms = &series.terms[..ORDER];
         if !whole {
             for term in terms.iter().rev() {
-                for axis in 0..2 {
-                    end[axis] = end[axis].mul_add_precise(length, term.pull[axis]);
+                for (end, coefficient) in end.iter_mut().zip(term.pull) {
+                    *end = end.mul_add_precise(length, coefficient);
                 }
             }
             return Pull { end, change, bound };
@@ -240,8 +240,8 @@ impl<S: Simd> Pull<S> {
                 bound[axis] = bound[axis].mul_add_precise(length, weight * coefficient.abs());
             }
         }
-        for axis in 0..2 {
-            change[axis] *= length;
+        for change in &mut change {
+            *change *= length;
         }
         Pull { end, change, bound }
     }

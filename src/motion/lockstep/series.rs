@@ -276,14 +276,14 @@ impl<S: Simd, const N: usize> Series<S, N> {
             angle: start.angle,
             speed,
         };
-        for i in 0..N {
-            end.angle[i] = time.mul_add_precise(angle[i], start.angle[i]);
+        for (end, turned) in end.angle.iter_mut().zip(angle) {
+            *end = time.mul_add_precise(turned, *end);
         }
         if self.residual.is_some() {
             let left = decay(time);
-            for i in 0..N {
+            for (i, end) in end.speed.iter_mut().enumerate() {
                 let residual = equations.balls[i].stuck * start.speed[i];
-                end.speed[i] = residual.mul_add_precise(left, speed[i]);
+                *end = residual.mul_add_precise(left, *end);
             }
         }
         end
