@@ -7,7 +7,7 @@ use super::arguments::StudyArgument;
 use super::existence::Existence;
 use super::exit::{CliError, End};
 use super::output::print;
-use crate::model::{Extend, FrictionLaw, Method, Model, Simulation};
+use crate::model::{Endings, Extend, FrictionLaw, Method, Model, Simulation};
 use crate::study::{Response, Study, Variable, VariedParameter};
 
 const EXAMPLES: &str = "\
@@ -54,6 +54,7 @@ pub fn check(arguments: &CheckArguments) -> Result<End, CliError> {
             "runs": study.run_count(),
             "model": study.model().kind(),
             "method": method,
+            "only_rest": study.simulation().endings == Endings::Rest,
             "balls": study.model().balls(),
             "swept": swept,
             "uncertain": uncertain,
@@ -105,6 +106,10 @@ pub fn check(arguments: &CheckArguments) -> Result<End, CliError> {
             precision.equilibrium_fraction,
         ),
     };
+    let only = match study.simulation().endings {
+        Endings::All => "",
+        Endings::Rest => ", looked for rest only",
+    };
     let audit = study.audit().map_or_else(String::new, |audit| {
         let method = method_name(study.simulation().counter_check().method);
         let fraction = audit.fraction;
@@ -128,7 +133,7 @@ pub fn check(arguments: &CheckArguments) -> Result<End, CliError> {
          uncertain     {}\n\
          {evaluate}\
          points        {}\n\
-         runs          {runs}, each to {} s{extended} or until its ending is known, method {method}\n\
+         runs          {runs}, each to {} s{extended} or until its ending is known, method {method}{only}\n\
          {audit}expectations  {}\n\
          cost          {bound} {} on one core{cost_remark}\n",
         study.name(),

@@ -47,6 +47,21 @@ fn check_counts_and_computes_nothing() {
     assert_eq!(scratch.files(), before);
 }
 
+#[test]
+fn check_says_where_only_rest_is_looked_for() {
+    let scratch = Scratch::new();
+    for (name, written, only) in [("a.yaml", "all", false), ("b.yaml", "rest", true)] {
+        let plain = study_text("a", "{sobol: {samples: 7}}", AT_ONCE, "");
+        let simulation = format!("simulation: {{endings: {written}, ");
+        scratch.write(name, plain.replace("simulation: {", &simulation));
+        let text = scratch.well(&format!("check {name}"));
+        assert_eq!(text.contains("method switch, looked for rest only\n"), only, "{text}");
+        let report: Value =
+            serde_json::from_str(&scratch.well(&format!("check {name} --json"))).unwrap();
+        assert_eq!(report["only_rest"], json!(only));
+    }
+}
+
 /// What an optimiser's side needs to know of a study, which many do not have.
 #[test]
 fn check_lists_variables_and_responses() {
