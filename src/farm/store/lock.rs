@@ -64,3 +64,33 @@ impl Lock {
         Ok(())
     }
 }
+
+impl Drop for Lock {
+    /// Gives the directory free at once. A process that another thread is just starting has a copy of the
+    /// open file until it becomes another program; to close ours alone would leave the lock in its hands.
+    fn drop(&mut self) {
+        if let Some(file) = &self.file {
+            // Where this fails, closing the file is what is left.
+            let _ = file.unlock();
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use tempfile::TempDir;
+
+    use super::*;
+
+    #[test]
+    fn a_copy_of_the_file_in_a_process_just_started_does_not_hold_the_lock() {
+        let directory = TempDir::new().unwrap();
+        let take = || Lock::take(directory.path().join("lock"), directory.path());
+        let lock = take().unwrap();
+        let copy = lock.file.as_ref().unwrap().try_clone().unwrap();
+        assert!(matches!(take(), Err(StoreError::Busy { .. })));
+        drop(lock);
+        take().unwrap();
+        drop(copy);
+    }
+}
