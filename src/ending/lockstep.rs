@@ -43,7 +43,7 @@ pub fn simulate_in_lockstep(level: VectorLevel, runs: &mut dyn Runs) {
                 runs.next()
             }
             1 => at::<1>(level, runs, (number, case)),
-            2 => two_balls(level, runs, (number, case)),
+            2 => at::<2>(level, runs, (number, case)),
             3 => at::<3>(level, runs, (number, case)),
             4 => at::<4>(level, runs, (number, case)),
             5 => at::<5>(level, runs, (number, case)),
@@ -62,21 +62,15 @@ fn lanes_for(case: &Case) -> usize {
     if sound { machine.balls.len() } else { 0 }
 }
 
-/// Two balls are what most machines have. Only for them the widest vectors are used: each number of balls
-/// at each level takes the compiler seconds. Results do not depend on it.
-fn two_balls(level: VectorLevel, runs: &mut dyn Runs, first: (u64, Case)) -> Option<(u64, Case)> {
-    #[cfg(target_arch = "x86_64")]
-    if let Some(simd) = level.avx512() {
-        return Lockstep::<_, 2>::new(simd, runs, first).go();
-    }
-    at::<2>(level, runs, first)
-}
-
 fn at<const N: usize>(
     level: VectorLevel,
     runs: &mut dyn Runs,
     first: (u64, Case),
 ) -> Option<(u64, Case)> {
+    #[cfg(target_arch = "x86_64")]
+    if let Some(simd) = level.avx512() {
+        return Lockstep::<_, N>::new(simd, runs, first).go();
+    }
     #[cfg(target_arch = "x86_64")]
     if let Some(simd) = level.avx2() {
         return Lockstep::<_, N>::new(simd, runs, first).go();
