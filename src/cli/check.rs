@@ -4,11 +4,12 @@ use clap::Args;
 use serde_json::{Value, json};
 
 use super::arguments::StudyArgument;
+use super::cost::most_core_seconds;
 use super::existence::Existence;
 use super::exit::{CliError, End};
 use super::output::print;
-use crate::model::{Endings, Extend, FrictionLaw, Method, Model, Simulation};
-use crate::study::{Response, Study, Variable, VariedParameter};
+use crate::model::{Endings, Extend, FrictionLaw, Method};
+use crate::study::{Response, Variable, VariedParameter};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -188,52 +189,6 @@ fn method_name(method: Method) -> &'static str {
     match method {
         Method::Switch => "switch",
         Method::Event => "event",
-    }
-}
-
-/// Core seconds if no run ended before the latest end time, from what a unit of non-dimensional time
-/// costs on a core of 2024: 1.5 µs with two balls at a relative tolerance of 1e-8, growing with the
-/// number of components and, the method being of order 8, with the tolerance's eighth root. Audited
-/// runs are computed twice.
-fn most_core_seconds(study: &Study) -> f64 {
-    let simulation = study.simulation();
-    let [_, latest_end_time_s] = simulation.end_times_s();
-    let units = latest_end_time_s * study.model().natural_frequency_rad_s();
-    let components = (4 + 2 * study.model().balls()) as f64 / 8.0;
-    let steps = |simulation: &Simulation| (1e-8 / simulation.relative_tolerance).powf(0.125);
-    let audited = study.audit().map_or(0.0, |audit| audit.fraction);
-    let tolerance = steps(simulation) + audited * steps(&simulation.counter_check());
-    let stiffness = (damping_rate(study.model()) / STABLE).max(1.0);
-    1.5e-6 * units * components * tolerance * stiffness * study.run_count() as f64
-}
-
-/// A step of the integrator times the rate of damping that it can still follow: the length of the
-/// stability region of a Runge-Kutta method of order 8 on the negative real axis, about.
-const STABLE: f64 = 6.0;
-
-/// The rate at which friction that grows with speed damps it, over the natural frequency: of the
-/// lightest ball, or of a block.
-fn damping_rate(model: &Model) -> f64 {
-    let natural = model.natural_frequency_rad_s();
-    let (mass_kg, ratio, acceleration) = match model {
-        Model::BallBalancer(machine) => {
-            let balls = &machine.balls;
-            let mass = balls.iter().map(|ball| ball.mass_kg).fold(f64::INFINITY, f64::min);
-            let ratio = balls.iter().map(|ball| ball.friction_coefficient).fold(0.0, f64::max);
-            (mass, ratio, machine.speed_rad_s * machine.speed_rad_s)
-        }
-        Model::Block(block) => {
-            (block.mass_kg, block.friction_coefficient, block.normal_force_n / block.mass_kg)
-        }
-    };
-    match *model.friction() {
-        FrictionLaw::Coulomb | FrictionLaw::Stribeck { .. } => 0.0,
-        FrictionLaw::Smooth { smoothing_speed } => {
-            ratio * acceleration * std::f64::consts::FRAC_2_PI / (smoothing_speed * natural)
-        }
-        FrictionLaw::Viscous { viscous_coefficient_n_s_m } => {
-            viscous_coefficient_n_s_m / (mass_kg * natural)
-        }
     }
 }
 

@@ -3,6 +3,7 @@
 mod arguments;
 mod check;
 mod completions;
+mod cost;
 mod equilibria;
 mod equilibria_report;
 mod evaluate;

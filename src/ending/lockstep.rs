@@ -31,8 +31,8 @@ pub trait Runs {
     }
 }
 
-/// Simulates runs until there are no more, in lockstep where their models allow it: balancers whose
-/// friction does not depend on speed, or in proportion only (Coulomb, viscous). Each outcome is that of [`super::simulate`], to the last bit.
+/// Simulates runs until there are no more, in lockstep where their models allow it (see
+/// [`goes_in_lockstep`]). Each outcome is that of [`super::simulate`], to the last bit.
 pub fn simulate_in_lockstep(level: VectorLevel, runs: &mut dyn Runs) {
     let mut upcoming = runs.next();
     while let Some((number, case)) = upcoming.take() {
@@ -56,10 +56,16 @@ pub fn simulate_in_lockstep(level: VectorLevel, runs: &mut dyn Runs) {
 
 /// How many balls the lanes for a case have; 0 where it is computed by itself.
 fn lanes_for(case: &Case) -> usize {
-    let Model::BallBalancer(machine) = &case.model else { return 0 };
+    let sound = case.model.validate().is_ok() && goes_in_lockstep(&case.model);
+    if sound { case.model.balls() } else { 0 }
+}
+
+/// Whether runs of this machine are computed in lockstep: balancers whose friction does not depend on speed, or
+/// in proportion only.
+pub fn goes_in_lockstep(model: &Model) -> bool {
+    let Model::BallBalancer(machine) = model else { return false };
     let is_linear = |ball: &Ball| machine.friction.is_linear(ball.friction_coefficient);
-    let sound = case.model.validate().is_ok() && machine.balls.iter().all(is_linear);
-    if sound { machine.balls.len() } else { 0 }
+    machine.balls.iter().all(is_linear)
 }
 
 fn at<const N: usize>(

@@ -44,7 +44,7 @@ pub const MODEL_VERSION: u32 = 3;
 pub use certificate::{certified, certified_by_closed_form};
 pub use closed_orbit::Orbit;
 pub use cycle::{Cycle, Doing};
-pub use lockstep::{Runs, simulate_in_lockstep};
+pub use lockstep::{Runs, goes_in_lockstep, simulate_in_lockstep};
 pub use orbit::OrbitWatch;
 pub use outcome::{Evidence, Label, LyapunovExponent, Outcome};
 pub use recorder::{ContactSample, Instants, Recorder, Recording, Sample, Switch};
