@@ -43,7 +43,7 @@ fn cases(samples: u32, simulation: &str, balls: u32, rest: &str) -> Vec<Case> {
     (0..study.run_count()).map(|run| study.planned_run(run).case.unwrap()).collect()
 }
 
-/// Two and three balls, both methods, several speeds and coefficients, viscous drag, uncertain masses,
+/// One to eight balls, both methods, several speeds and coefficients, viscous drag, uncertain masses,
 /// some runs continued: whatever lanes can have side by side.
 fn mixed() -> Vec<Case> {
     let rest = "sweep: [{grid: {speed_rad_s: [-179.2671, -247.3], \
@@ -55,6 +55,9 @@ fn mixed() -> Vec<Case> {
     all.extend(cases(4, "{end_time_s: 4.0, method: event}", 2, rest));
     all.extend(cases(2, "{end_time_s: 2.0, method: event}", 3, rest));
     all.extend(cases(3, "{end_time_s: 4.0, endings: rest}", 2, rest));
+    for balls in [1, 4, 5, 6, 7, 8] {
+        all.extend(cases(1, "{end_time_s: 1.0}", balls, rest));
+    }
     for (number, case) in all.iter_mut().enumerate() {
         let machine = case.model.ball_balancer_mut().unwrap();
         if number % 7 == 3 {
