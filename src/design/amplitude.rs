@@ -76,13 +76,14 @@ pub fn standard_deviation(sample: &Sample) -> Estimate {
     }
 }
 
-/// A quantile, with its interval between order statistics.
+/// A quantile, with its interval between order statistics and the bootstrap's standard error.
 pub fn quantile(sample: &Sample, share: f64) -> Estimate {
     let values = ascending(sample);
     let Some(value) = order_statistics::quantile(&values, share) else {
         return Estimate::unknown(NO_AMPLITUDE);
     };
-    Estimate::within(value, order_statistics::interval(&values, share), NO_BOUND)
+    let error = order_statistics::standard_error(order_statistics::cumulative(&values), share);
+    Estimate::within(value, error, order_statistics::interval(&values, share), NO_BOUND)
 }
 
 /// The largest of all runs; what other runs would have shown has no bound.

@@ -2,7 +2,6 @@
 
 use std::borrow::Cow;
 
-use crate::analysis::Z_95;
 use crate::ending::Label;
 
 /// What one run has shown.
@@ -60,18 +59,18 @@ pub struct Estimate {
 }
 
 impl Estimate {
-    /// A value between the ends of its interval. Its standard error is the interval's width over that of a
-    /// normal distribution (R. S. Woodruff, J. Am. Stat. Assoc. 47 (1952) 635,
-    /// doi:10.1080/01621459.1952.10483443); where an end has no bound there is none, for a reason.
-    pub fn within(value: f64, [low, high]: [Option<f64>; 2], unbounded: &'static str) -> Self {
-        let both = low.zip(high);
-        Estimate {
-            value: Some(value),
-            standard_error: both.map(|(low, high)| (high - low) / (2.0 * Z_95)),
-            low,
-            high,
-            reason: both.is_none().then_some(Cow::Borrowed(unbounded)),
-        }
+    /// A value with its standard error, between the ends of its interval. Where an end has no bound there is
+    /// no standard error either, for a reason.
+    pub fn within(
+        value: f64,
+        standard_error: Option<f64>,
+        [low, high]: [Option<f64>; 2],
+        unbounded: &'static str,
+    ) -> Self {
+        let both = low.zip(high).is_some();
+        let standard_error = standard_error.filter(|_| both);
+        let reason = standard_error.is_none().then_some(Cow::Borrowed(unbounded));
+        Estimate { value: Some(value), standard_error, low, high, reason }
     }
 
     /// Nothing is known, for a reason.

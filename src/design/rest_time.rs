@@ -1,11 +1,12 @@
 //! The median time to rest.
 
 use super::estimate::{Estimate, Sample};
+use super::order_statistics::{Cumulative, standard_error};
 use super::probability::times;
-use crate::analysis::SurvivalCurve;
+use crate::analysis::{SurvivalCurve, SurvivalStep};
 
 /// The time by which half of the runs have come to rest, s (Kaplan-Meier, with the interval of
-/// Brookmeyer and Crowley, see [`SurvivalCurve`]). Failed runs are left out.
+/// Brookmeyer and Crowley, see [`SurvivalCurve`], and the bootstrap's standard error). Failed runs are left out.
 pub fn median_time_to_rest(sample: &Sample) -> Estimate {
     let curve = SurvivalCurve::new(times(sample).groups());
     if curve.steps.is_empty() {
@@ -19,7 +20,18 @@ pub fn median_time_to_rest(sample: &Sample) -> Estimate {
             ..Estimate::unknown("less than half of the runs come to rest")
         };
     };
-    Estimate::within(value, [low, high], "too few runs at rest for both ends of the interval")
+    let error = standard_error(curve.steps.iter().map(cumulative), 0.5);
+    let too_few = "too few runs at rest for both ends of the interval";
+    Estimate::within(value, error, [low, high], too_few)
+}
+
+/// The proportion at rest by a step, and the number of runs that would give it Greenwood's variance.
+fn cumulative(step: &SurvivalStep) -> Cumulative {
+    let (moving, rest) = (step.moving, 1.0 - step.moving);
+    // Where nothing moves any more the number does not matter.
+    let effective = |error: f64| moving * rest / (error * error);
+    let runs = step.standard_error().map_or(step.at_risk as f64, effective);
+    Cumulative { value: step.time_s, proportion: rest, runs }
 }
 
 #[cfg(test)]

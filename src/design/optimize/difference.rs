@@ -21,7 +21,8 @@ pub fn difference(one: &Estimate, other: &Estimate) -> Estimate {
 }
 
 /// `one / other` of positive quantities (A. Donner, G. Y. Zou, Stat. Methods Med. Res. 21 (2012) 347,
-/// doi:10.1177/0962280210383082); unknown where their intervals reach zero.
+/// doi:10.1177/0962280210383082); unknown where their intervals reach zero. Its standard error is that of
+/// independent samples, to first order.
 pub fn ratio(one: &Estimate, other: &Estimate) -> Estimate {
     let Some((x, y)) = one.value.zip(other.value) else { return unknown(one, other) };
     let intervals = one.low.zip(one.high).zip(other.low.zip(other.high));
@@ -36,7 +37,11 @@ pub fn ratio(one: &Estimate, other: &Estimate) -> Estimate {
         (over > 0.0 && end.is_finite()).then_some(end)
     };
     let (low, high) = (end(l1, u2, -1.0), end(u1, l2, 1.0));
-    Estimate::within(x / y, [low, high], "too wide an interval of what it is compared with")
+    let error = one.standard_error.zip(other.standard_error).map(|(a, b)| {
+        let (a, b) = (a / x, b / y);
+        x / y * (a * a + b * b).sqrt()
+    });
+    Estimate::within(x / y, error, [low, high], "too wide an interval of what it is compared with")
 }
 
 fn unknown(one: &Estimate, other: &Estimate) -> Estimate {
@@ -51,7 +56,7 @@ mod tests {
 
     fn estimate(value: f64, low: f64, high: f64) -> Estimate {
         let ends = [Some(low), Some(high)];
-        Estimate::within(value, ends, "none")
+        Estimate::within(value, Some((high - low) / 3.92), ends, "none")
     }
 
     /// Newcombe's example: the shares 5/56 and 0/29 with Wilson's intervals (0.0387, 0.1926) and (0, 0.1170)

@@ -62,8 +62,11 @@ fn sensitivity_json(one: &Sensitivity) -> Value {
         indices.map(|own| (own.first_order, own.first_order_interval)),
         indices.map(|own| (own.total, own.total_interval)),
     ];
-    let json = |index: Option<(f64, [f64; 2])>| {
-        index.map(|(value, [low, high])| json!({"value": value, "low": low, "high": high}))
+    let json = |index: Option<(f64, Option<[f64; 2]>)>| {
+        index.map(|(value, interval)| {
+            let [low, high] = [0, 1].map(|end| interval.map(|ends| ends[end]));
+            json!({"value": value, "low": low, "high": high})
+        })
     };
     json!({
         "response": one.response,

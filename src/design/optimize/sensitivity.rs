@@ -24,9 +24,13 @@ pub struct Sensitivity {
     pub samples: u64,
     /// The indices, where there are any.
     pub indices: Option<Indices>,
-    /// Why there are none.
+    /// Why they, or their intervals, are missing.
     pub reason: Option<String>,
 }
+
+/// Why a surrogate's indices have no intervals.
+const SURROGATE: &str =
+    "no interval: the surrogate's own error is not known; sensitivity: {from: runs} gives one";
 
 /// The indices of all variables for all responses that count, over all ranges and choices with equal shares.
 /// `finished` is told of each run, if runs are needed; none where the search was stopped.
@@ -57,9 +61,14 @@ pub fn sensitivities(
         }
         SensitivityFrom::Runs => from_runs(search, &goal, &designs, finished)?,
     };
+    let (bootstrap_seed, no_interval) = match optimization.sensitivity_from {
+        SensitivityFrom::Surrogates => (None, Some(SURROGATE.to_owned())),
+        SensitivityFrom::Runs => (Some(seed), None),
+    };
     let mut rows = Vec::new();
     for (quantity, values) in goal.quantities().iter().zip(by_quantity) {
-        let indices = values.and_then(|values| sobol_indices(&values, variables.len(), seed));
+        let indices =
+            values.and_then(|values| sobol_indices(&values, variables.len(), bootstrap_seed));
         for (index, variable) in variables.iter().enumerate() {
             let own = indices.as_ref().map(|all| all.get(index).copied());
             rows.push(Sensitivity {
@@ -71,7 +80,7 @@ pub fn sensitivities(
                 from: optimization.sensitivity_from,
                 samples: optimization.sensitivity_samples,
                 indices: own.ok().flatten(),
-                reason: own.err().cloned(),
+                reason: own.err().cloned().or_else(|| no_interval.clone()),
             });
         }
     }

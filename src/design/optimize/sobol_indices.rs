@@ -13,17 +13,17 @@ use rand_chacha::rand_core::{Rng, SeedableRng};
 /// Bootstrap samples.
 const RESAMPLES: usize = 1000;
 
-/// Indices of a variable with their 95 % intervals.
+/// Indices of a variable, with their 95 % intervals where the values come from runs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Indices {
     /// The share of the variance that the variable alone explains.
     pub first_order: f64,
     /// Its interval.
-    pub first_order_interval: [f64; 2],
+    pub first_order_interval: Option<[f64; 2]>,
     /// The share of the variance that is left while all other variables are known.
     pub total: f64,
     /// Its interval.
-    pub total_interval: [f64; 2],
+    pub total_interval: Option<[f64; 2]>,
 }
 
 /// The places of the pick-freeze design in the unit cube of so many variables: `A`, `B`, then `A` with each
@@ -49,11 +49,17 @@ pub(super) fn places(samples: u32, variables: u32, seed: u32) -> Vec<Vec<f64>> {
     all
 }
 
-/// The indices of each variable from values at the places of the design, in its order.
+/// The indices of each variable from values at the places of the design, in its order; with their intervals
+/// where there is a seed for the bootstrap. Of a surrogate's values the bootstrap would give the error of the
+/// pick-freeze design alone, not the surrogate's own, which is the larger one.
 ///
 /// # Errors
 /// Where there are not so many values, or they are all equal.
-pub fn sobol_indices(values: &[f64], variables: usize, seed: u64) -> Result<Vec<Indices>, String> {
+pub fn sobol_indices(
+    values: &[f64],
+    variables: usize,
+    bootstrap_seed: Option<u64>,
+) -> Result<Vec<Indices>, String> {
     let samples = values.len() / (variables + 2);
     if samples < 2 || values.len() != samples * (variables + 2) {
         return Err("another number of values than of places".to_owned());
@@ -64,25 +70,20 @@ pub fn sobol_indices(values: &[f64], variables: usize, seed: u64) -> Result<Vec<
     if of(0, &all).is_none() {
         return Err("the same value for all designs".to_owned());
     }
-    let mut generator = ChaCha8Rng::seed_from_u64(seed);
-    let resamples: Vec<Vec<usize>> = (0..RESAMPLES)
-        .map(|_| {
-            let draw = |_| (generator.next_u64() % samples as u64) as usize;
-            (0..samples).map(draw).collect()
-        })
-        .collect();
+    let resamples = bootstrap_seed.map(|seed| resamples(samples, seed));
     let estimate = |variable: usize| {
         let [first_order, total] = of(variable, &all).unwrap_or_default();
-        let drawn: Vec<[f64; 2]> =
-            resamples.iter().filter_map(|chosen| of(variable, chosen)).collect();
+        let drawn: Option<Vec<[f64; 2]>> = resamples
+            .as_ref()
+            .map(|all| all.iter().filter_map(|chosen| of(variable, chosen)).collect());
         let interval = |which: usize| {
-            let mut ascending: Vec<f64> = drawn.iter().map(|both| both[which]).collect();
+            let mut ascending: Vec<f64> = drawn.as_ref()?.iter().map(|both| both[which]).collect();
             ascending.sort_by(f64::total_cmp);
             let at = |share: f64| {
                 let place = (share * ascending.len().saturating_sub(1) as f64).round() as usize;
-                ascending.get(place).copied().unwrap_or(0.0)
+                ascending.get(place).copied()
             };
-            [at(0.025), at(0.975)]
+            Some([at(0.025)?, at(0.975)?])
         };
         Indices {
             first_order,
@@ -92,6 +93,13 @@ pub fn sobol_indices(values: &[f64], variables: usize, seed: u64) -> Result<Vec<
         }
     };
     Ok((0..variables).map(estimate).collect())
+}
+
+/// Base samples drawn anew from all of them, many times.
+fn resamples(samples: usize, seed: u64) -> Vec<Vec<usize>> {
+    let mut generator = ChaCha8Rng::seed_from_u64(seed);
+    let mut draw = |_| (generator.next_u64() % samples as u64) as usize;
+    (0..RESAMPLES).map(|_| (0..samples).map(&mut draw).collect()).collect()
 }
 
 /// First-order and total index of a variable from chosen base samples; none where nothing varies in them.
@@ -123,16 +131,17 @@ mod tests {
             x[0].sin() + 7.0 * x[1].sin().powi(2) + 0.1 * x[2].powi(4) * x[0].sin()
         };
         let values: Vec<f64> = places(4096, 3, 3).iter().map(function).collect();
-        let found = sobol_indices(&values, 3, 1).unwrap();
+        let found = sobol_indices(&values, 3, Some(1)).unwrap();
         for (found, [first, total]) in
             found.iter().zip([[0.3139, 0.5576], [0.4424, 0.4424], [0.0, 0.2437]])
         {
             assert!((found.first_order - first).abs() < 0.02, "{found:?} {first}");
             assert!((found.total - total).abs() < 0.02, "{found:?} {total}");
-            for (value, [low, high]) in [
+            for (value, interval) in [
                 (found.first_order, found.first_order_interval),
                 (found.total, found.total_interval),
             ] {
+                let [low, high] = interval.unwrap();
                 assert!(low <= value && value <= high && high - low < 0.12, "{found:?}");
             }
         }
@@ -150,8 +159,8 @@ mod tests {
                     place.iter().zip(weights).map(|(share, weight)| share * weight).sum()
                 };
                 let values: Vec<f64> = places(64, 3, seed).iter().map(function).collect();
-                let found = sobol_indices(&values, 3, u64::from(seed)).unwrap()[1];
-                let [low, high] = found.first_order_interval;
+                let found = sobol_indices(&values, 3, Some(u64::from(seed))).unwrap()[1];
+                let [low, high] = found.first_order_interval.unwrap();
                 low <= truth && truth <= high
             })
             .count();
@@ -160,7 +169,7 @@ mod tests {
 
     #[test]
     fn nothing_varies() {
-        assert!(sobol_indices(&[3.0; 40], 3, 1).is_err());
-        assert!(sobol_indices(&[1.0; 7], 3, 1).is_err());
+        assert!(sobol_indices(&[3.0; 40], 3, Some(1)).is_err());
+        assert!(sobol_indices(&[1.0; 7], 3, None).is_err());
     }
 }

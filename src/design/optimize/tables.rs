@@ -54,8 +54,10 @@ pub fn pareto_columns(study: &Study, optimization: &Optimization) -> Vec<Column<
 
 /// The columns of `sensitivities.parquet`: one row per response and variable.
 pub fn sensitivity_columns() -> Vec<Column<Sensitivity>> {
-    let number = |name: &str, meaning: &str, of: fn(&super::Indices) -> f64| {
-        Column::number(name, "1", meaning, move |row: &Sensitivity| row.indices.as_ref().map(of))
+    let number = |name: &str, meaning: &str, of: fn(&super::Indices) -> Option<f64>| {
+        Column::number(name, "1", meaning, move |row: &Sensitivity| {
+            row.indices.as_ref().and_then(of)
+        })
     };
     vec![
         Column::text("response", "name of the response", |row: &Sensitivity| {
@@ -71,19 +73,25 @@ pub fn sensitivity_columns() -> Vec<Column<Sensitivity>> {
         ),
         Column::count("samples", "base samples", |row: &Sensitivity| Some(row.samples)),
         number("first_order", "share of the variance that the variable alone explains", |one| {
-            one.first_order
+            Some(one.first_order)
         }),
-        number("first_order_low", "lower end of its 95 % interval", |one| {
-            one.first_order_interval[0]
+        number("first_order_low", "lower end of its 95 % interval, null from surrogates", |one| {
+            one.first_order_interval.map(|ends| ends[0])
         }),
-        number("first_order_high", "upper end of its 95 % interval", |one| {
-            one.first_order_interval[1]
+        number("first_order_high", "upper end of its 95 % interval, null from surrogates", |one| {
+            one.first_order_interval.map(|ends| ends[1])
         }),
         number("total", "share of the variance that is left while all others are known", |one| {
-            one.total
+            Some(one.total)
         }),
-        number("total_low", "lower end of its 95 % interval", |one| one.total_interval[0]),
-        number("total_high", "upper end of its 95 % interval", |one| one.total_interval[1]),
-        Column::text("reason", "why there are none", |row: &Sensitivity| row.reason.clone()),
+        number("total_low", "lower end of its 95 % interval, null from surrogates", |one| {
+            one.total_interval.map(|ends| ends[0])
+        }),
+        number("total_high", "upper end of its 95 % interval, null from surrogates", |one| {
+            one.total_interval.map(|ends| ends[1])
+        }),
+        Column::text("reason", "why indices or their intervals are missing", |row: &Sensitivity| {
+            row.reason.clone()
+        }),
     ]
 }
