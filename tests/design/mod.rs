@@ -3,6 +3,7 @@
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
+use crate::docs::generated::compare_or_write_part;
 use stickslip::farm::Crew;
 use stickslip::study::{DesignValue, Study};
 
@@ -107,6 +108,10 @@ fn differences_between_neighbours_are_known_better() {
     println!(
         "standard error of the difference, times smaller: slow balls {slow:.1}, all {fast:.1}"
     );
+    let times = |factor: f64, digits: usize| format!("{factor:.digits$} times");
+    let page = "docs/evaluate.md";
+    compare_or_write_part(page, "common-draws-slow", &times(slow, 0));
+    compare_or_write_part(page, "common-draws", &times(fast, 1));
     assert!(slow > 5.0, "{slow}");
     assert!(fast > 0.9 && fast < slow, "{fast}");
 }

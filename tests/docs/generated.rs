@@ -1,13 +1,78 @@
-//! Files of the documentation that are computed: compared with what is checked in, or written.
+//! Files of the documentation, and numbers in its pages, that are computed: compared with what is checked in,
+//! or written.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
+
+/// One test at a time rewrites a page.
+static PAGES: Mutex<()> = Mutex::new(());
+
+/// Every computed part of a page.
+const PARTS: [(&str, &[&str]); 4] = [
+    ("README.md", &["labels-below", "labels-above", "labels-irregular"]),
+    (
+        "docs/endings.md",
+        &[
+            "distance-ratios",
+            "kernel-widths",
+            "escape-rate-thesis",
+            "escape-from-thesis",
+            "escape-rate",
+            "slow-exponents",
+        ],
+    ),
+    ("docs/evaluate.md", &["common-draws-slow", "common-draws"]),
+    (
+        "docs/optimize.md",
+        &[
+            "cd-rom",
+            "cd-rom-ratio",
+            "cd-rom-relative",
+            "cd-rom-relative-thesis",
+            "cd-rom-indices",
+            "cd-rom-indices-rest",
+        ],
+    ),
+];
+
+fn writes() -> bool {
+    std::env::var_os("STICKSLIP_WRITE_DOCS").is_some_and(|value| value == "1")
+}
+
+fn in_repository(path: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join(path)
+}
+
+/// Compares what a page has between `<!-- computed: NAME -->` and `<!-- /computed -->` with what was computed. With
+/// `STICKSLIP_WRITE_DOCS` set to 1 writes it instead (`scripts/docs`).
+#[track_caller]
+pub fn compare_or_write_part(page: &str, name: &str, computed: &str) {
+    let known = PARTS.iter().any(|(own, parts)| *own == page && parts.contains(&name));
+    assert!(known, "{page}: `{name}` is missing in PARTS");
+    let _alone = PAGES.lock().unwrap_or_else(PoisonError::into_inner);
+    let text = std::fs::read_to_string(in_repository(page)).expect("a page");
+    let (begin, end) = (format!("<!-- computed: {name} -->"), "<!-- /computed -->");
+    let (before, rest) = text.split_once(&begin).unwrap_or_else(|| panic!("{page}: no {begin}"));
+    assert!(!rest.contains(&begin), "{page}: {begin} stands there twice");
+    let (found, after) = rest.split_once(end).unwrap_or_else(|| panic!("{page}: no end of {name}"));
+    if writes() {
+        std::fs::write(in_repository(page), format!("{before}{begin}{computed}{end}{after}"))
+            .expect("written");
+        return;
+    }
+    assert!(
+        found == computed,
+        "{page}: `{name}` is out of date; `scripts/docs` writes it anew\n  found:    {found}\n  \
+         computed: {computed}"
+    );
+}
 
 /// Compares a file, named relative to the repository's root, with what it should contain, byte for
 /// byte. With `STICKSLIP_WRITE_DOCS` set to 1 writes it instead (`scripts/docs`).
 #[track_caller]
 pub fn compare_or_write(path: &str, contents: &str) {
-    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join(path);
-    if std::env::var_os("STICKSLIP_WRITE_DOCS").is_some_and(|value| value == "1") {
+    let file = in_repository(path);
+    if writes() {
         if let Some(folder) = file.parent() {
             std::fs::create_dir_all(folder).expect("a folder");
         }
@@ -19,4 +84,21 @@ pub fn compare_or_write(path: &str, contents: &str) {
     let differs = found.lines().zip(contents.lines()).position(|(found, due)| found != due);
     let line = differs.map_or_else(|| "its length".to_owned(), |line| format!("line {}", line + 1));
     assert!(found == contents, "{path} is out of date at {line}; `scripts/docs` writes it anew");
+}
+
+/// No page has a part that no test computes.
+#[test]
+fn parts_of_pages_are_computed() {
+    let pages = std::fs::read_dir(in_repository("docs"))
+        .expect("pages")
+        .map(|entry| format!("docs/{}", entry.expect("a page").file_name().to_string_lossy()));
+    for page in pages.filter(|page| page.ends_with(".md")).chain(["README.md".to_owned()]) {
+        let text = std::fs::read_to_string(in_repository(&page)).expect("a page");
+        let found = text.split("<!-- computed: ").skip(1).map(|rest| rest.split(' ').next());
+        let mut found: Vec<&str> = found.flatten().collect();
+        let own = PARTS.iter().filter(|(own, _)| *own == page);
+        let mut expected: Vec<&str> = own.flat_map(|(_, parts)| parts.iter().copied()).collect();
+        (found.sort_unstable(), expected.sort_unstable());
+        assert_eq!(found, expected, "{page}");
+    }
 }

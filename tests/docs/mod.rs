@@ -2,10 +2,13 @@
 
 mod convergence;
 pub mod generated;
+mod records;
 mod tutorial;
 
 use std::path::Path;
 use std::process::{Command, Output};
+
+use crate::cli::support::{numbers, table};
 
 const README: &str = include_str!("../../README.md");
 
@@ -34,6 +37,21 @@ fn output_of_the_first_command() {
     assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
     let printed = String::from_utf8_lossy(&output.stdout).into_owned();
     assert_eq!(printed, block_after("<!-- tested: preferred-equilibria -->"));
+    // Numbers that other pages take from this study.
+    let points = table(&out.path().join("results/points.parquet"));
+    let irregular = numbers(&points, "speed_rad_s").iter().position(|one| *one == Some(-191.6372));
+    let rate = records::escape_rate(&points, irregular.expect("the irregular speed"));
+    let rate_in_words = records::rate_in_words(&rate);
+    generated::compare_or_write_part("docs/endings.md", "escape-rate-thesis", &rate_in_words);
+    let from = format!("{:.1} s", rate["from_s"].as_f64().expect("a time"));
+    generated::compare_or_write_part("docs/endings.md", "escape-from-thesis", &from);
+    let density = table(&out.path().join("results/density.parquet"));
+    let widths: Vec<f64> = numbers(&density, "kernel_width_rad").into_iter().flatten().collect();
+    let (least, most) = widths
+        .iter()
+        .fold((f64::INFINITY, 0.0_f64), |(least, most), one| (least.min(*one), most.max(*one)));
+    let widths = format!("{least:.2} to {most:.2} rad");
+    generated::compare_or_write_part("docs/endings.md", "kernel-widths", &widths);
     // And the pictures are of this study.
     let drawn = stickslip(&["report", folder, "--figures", "svg"]);
     assert_eq!(drawn.status.code(), Some(0), "{}", String::from_utf8_lossy(&drawn.stderr));

@@ -1,5 +1,6 @@
 //! Counts of equilibria, time to rest, and how labels differ between methods and tolerances.
 
+use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::Path;
 
@@ -9,6 +10,7 @@ use stickslip::ending::{Label, Outcome, simulate};
 use stickslip::model::{Case, Machine, Method, NormalForce, Simulation};
 use stickslip::study::Study;
 
+use crate::docs::generated::compare_or_write_part;
 use crate::ending::reference::{distance, label_agrees, references, run_all};
 
 /// The thesis's counts (figures 5.7 to 5.9 and section 5.3), in the order of the study's points.
@@ -247,6 +249,7 @@ compared where both are at rest.
 |---|---|---|---|---|
 "
     .to_owned();
+    let mut totals: BTreeMap<(&str, &str), [usize; 2]> = BTreeMap::new();
     for speed in ["160.8103", "173.1803", "179.2671", "191.6372", "216.3772"] {
         let references = references(speed);
         for (name, method) in [("switch", Method::Switch), ("event", Method::Event)] {
@@ -255,6 +258,9 @@ compared where both are at rest.
             let pairs = || references.iter().zip(&outcomes);
             let agree = pairs().filter(|(reference, outcome)| label_agrees(reference, outcome));
             let agree = agree.count();
+            let below = ["160.8103", "173.1803", "179.2671"].contains(&speed);
+            let total = totals.entry((name, if below { "below" } else { speed })).or_default();
+            *total = [total[0] + agree, total[1] + references.len()];
             let mut differences: Vec<f64> = pairs()
                 .filter(|(reference, outcome)| {
                     reference.label == "equilibrium" && outcome.label() == Label::Equilibrium
@@ -275,6 +281,22 @@ compared where both are at rest.
                 below(0.99),
             );
         }
+    }
+    let agree = |name: &str, place: &str| {
+        let [agree, all] = totals[&(name, place)];
+        format!("{agree} of {all}")
+    };
+    let irregular = format!(
+        "{} (`switch`) and {} (`event`)",
+        agree("switch", "191.6372"),
+        agree("event", "191.6372")
+    );
+    for (part, words) in [
+        ("labels-below", agree("switch", "below")),
+        ("labels-above", agree("switch", "216.3772")),
+        ("labels-irregular", irregular),
+    ] {
+        compare_or_write_part("README.md", part, &words);
     }
     text
 }

@@ -10,6 +10,8 @@ use stickslip::ending::{Evidence, Label, Outcome, simulate};
 use stickslip::model::{Case, Machine, Model, Simulation, Start};
 use stickslip::study::Study;
 
+use crate::docs::generated::compare_or_write_part;
+
 fn machine(speed_rad_s: f64) -> Machine {
     Machine { speed_rad_s, ..Machine::default() }
 }
@@ -83,6 +85,10 @@ end. *Elsewhere* is a prototype by other hands, with other start states.
             let deviation = (2.0 * 256.0 * share * (1.0 - share)).sqrt();
             let difference = (found as f64 - expected as f64).abs();
             assert!(difference <= 4.0 * deviation, "{speed}: {found}, elsewhere {expected}");
+        }
+        if speed == -216.3772 {
+            let part = format!("{exponents}/s").replace(" .. ", " to ");
+            compare_or_write_part("docs/endings.md", "slow-exponents", &part);
         }
         if speed == -191.6372 {
             let moving = runs.len() - at_rest[3];

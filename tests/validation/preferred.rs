@@ -7,6 +7,8 @@ use stickslip::analysis::{StableEquilibria, Z_95, wilson};
 use stickslip::ending::{Label, Outcome};
 use stickslip::model::Machine;
 
+use crate::docs::generated::compare_or_write_part;
+
 /// The section, from the machines of the thesis's points and what became of their runs.
 pub fn near_frictionless<'a>(points: impl Iterator<Item = (&'a Machine, &'a [Outcome])>) -> String {
     let mut text = "\
@@ -22,6 +24,7 @@ if the set were all that mattered, with Wilson's 95 % interval.
 |---|---|---|---|---|---|---|---|
 "
     .to_owned();
+    let mut ratios = [f64::INFINITY, 0.0_f64];
     for (machine, outcomes) in points {
         let stable = StableEquilibria::of(machine).expect("stable equilibria");
         let chance = stable.median_of_even_spread().expect("a set");
@@ -39,6 +42,7 @@ if the set were all that mattered, with Wilson's 95 % interval.
         distances.sort_by(f64::total_cmp);
         let all = distances.len();
         let median = 0.5 * (distances[(all - 1) / 2] + distances[all / 2]);
+        ratios = [ratios[0].min(median / chance), ratios[1].max(median / chance)];
         let nearer = distances.partition_point(|distance| *distance < chance);
         let (low, high) = wilson(nearer as u64, all as u64, Z_95);
         let kinds: Vec<&str> = kinds.into_keys().collect();
@@ -52,5 +56,8 @@ if the set were all that mattered, with Wilson's 95 % interval.
             median / chance,
         );
     }
+    let [least, most] = ratios.map(|ratio| format!("{ratio:.2}"));
+    let range = format!("{least} to {most}");
+    compare_or_write_part("docs/endings.md", "distance-ratios", &range);
     text
 }

@@ -90,8 +90,10 @@ pub fn sensitivity_columns() -> Vec<Column<Sensitivity>> {
         number("total_high", "upper end of its 95 % interval, null from surrogates", |one| {
             one.total_interval.map(|ends| ends[1])
         }),
-        Column::text("reason", "why indices or their intervals are missing", |row: &Sensitivity| {
-            row.reason.clone()
-        }),
+        Column::text(
+            "reason",
+            "why indices or their intervals are missing",
+            |row: &Sensitivity| row.reason.clone(),
+        ),
     ]
 }

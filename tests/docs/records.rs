@@ -1,0 +1,178 @@
+//! Numbers in the documentation that take minutes to compute: stored in `docs/records`, each with the study and the
+//! version of the model that gave them, so that a stale record fails. `scripts/docs --records` computes them anew.
+
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+
+use serde_json::{Value, json};
+use sha2::{Digest, Sha256};
+use stickslip::ending::MODEL_VERSION;
+use stickslip::study::Study;
+
+use super::generated::compare_or_write_part;
+use crate::cli::support::{numbers, table, words};
+
+/// Runs the program, a release build where `STICKSLIP` names it.
+fn stickslip(arguments: &[&str]) -> String {
+    let program = std::env::var("STICKSLIP");
+    let program = program.unwrap_or_else(|_| env!("CARGO_BIN_EXE_stickslip").to_owned());
+    let output = Command::new(program)
+        .current_dir(env!("CARGO_MANIFEST_DIR"))
+        .args(arguments)
+        .output()
+        .expect("the program starts");
+    let told = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{arguments:?}: {told}");
+    String::from_utf8(output.stdout).expect("text")
+}
+
+/// The values of a record; with `STICKSLIP_WRITE_RECORDS` set to 1 they are computed, into a directory given, and
+/// stored.
+fn record(name: &str, study: &str, compute: impl FnOnce(&str) -> Value) -> Value {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let file = root.join("docs/records").join(name).with_extension("json");
+    let resolved = Study::load(&root.join(study)).expect("a study").resolved_yaml();
+    let digest = Sha256::digest(resolved.as_bytes());
+    let about = json!({
+        "study": study,
+        "resolved_study_sha256": digest.iter().map(|byte| format!("{byte:02x}")).collect::<String>(),
+        "model_version": MODEL_VERSION,
+    });
+    if std::env::var_os("STICKSLIP_WRITE_RECORDS").is_some_and(|value| value == "1") {
+        let scratch = tempfile::tempdir().expect("a folder");
+        let out = scratch.path().join("out");
+        let values = compute(out.to_str().expect("a plain name"));
+        let stored = json!({"of": about, "values": values});
+        fs::write(&file, format!("{stored:#}\n")).expect("written");
+        return values;
+    }
+    let text = fs::read_to_string(&file).unwrap_or_else(|error| panic!("{name}: {error}"));
+    let mut stored: Value = serde_json::from_str(&text).expect("JSON");
+    let of = &stored["of"];
+    assert!(
+        of == &about,
+        "{name} is stale: it is of {of}, not of {about}; `scripts/docs --records`"
+    );
+    stored["values"].take()
+}
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap_or_else(|| panic!("a number, not {value}"))
+}
+
+/// An estimate in so many digits after the point, such as `0.133 (0.130 to 0.136)`.
+fn estimate(value: &Value, scale: f64, digits: usize) -> String {
+    let [value, low, high] = ["value", "low", "high"].map(|key| scale * number(&value[key]));
+    format!("{value:.digits$} ({low:.digits$} to {high:.digits$})")
+}
+
+/// The search for the best CD-ROM drive: `optimum.json`, and the mean amplitudes relative to no balls at the three
+/// speeds.
+fn cd_rom_values(out: &str) -> Value {
+    let study = "studies/cd-rom.yaml";
+    stickslip(&["optimize", study, "--out", out, "--quiet"]);
+    let text = fs::read_to_string(Path::new(out).join("optimum.json")).expect("optimum.json");
+    let optimum: Value = serde_json::from_str(&text).expect("JSON");
+    let finals = table(&Path::new(out).join("finals.parquet"));
+    let (roles, relative) = (words(&finals, "role"), numbers(&finals, "relative"));
+    let of = |role: &str| -> Vec<f64> {
+        let rows = roles.iter().zip(&relative).filter(|(own, _)| own.as_deref() == Some(role));
+        rows.filter_map(|(_, value)| *value).collect()
+    };
+    let relative = json!({"best": of("best"), "compare_with": of("compare_with")});
+    json!({"optimum": optimum, "relative": relative})
+}
+
+/// What docs/optimize.md says of the CD-ROM drive is what its search gave. The best unit does next to nothing,
+/// and the thesis's machine does harm: the page's words rest on both.
+#[test]
+fn the_cd_rom_drive() {
+    let values = record("cd-rom", "studies/cd-rom.yaml", cd_rom_values);
+    let optimum = &values["optimum"];
+    let (best, other) = (&optimum["best"], &optimum["compare_with"]);
+    let described = |design: &Value| {
+        let values = design["values"].as_object().expect("values");
+        let each = values.iter().map(|(name, value)| match value {
+            Value::String(choice) => format!("{name}: {choice}"),
+            number => format!("{name}: {number}"),
+        });
+        each.collect::<Vec<_>>().join("<br>")
+    };
+    let row = |title: &str, response: &str, scale: f64, digits: usize| {
+        let of = |design: &Value| estimate(&design["responses"][response], scale, digits);
+        format!("| {title} | {} | {} |\n", of(other), of(best))
+    };
+    assert_eq!(best["runs"], other["runs"]);
+    let page = "docs/optimize.md";
+    compare_or_write_part(
+        page,
+        "cd-rom",
+        &format!(
+            "\nThe search looks at {} designs. The final runs, {} for each of both:\n\n\
+             | | thesis's machine | best design |\n|---|---|---|\n{}{}| design | {} | {} |\n",
+            optimum["search"]["designs"],
+            best["runs"],
+            row("95 % quantile, µm", "vibration_95", 1e6, 2),
+            row("at rest by 2.5 s", "quiet", 1.0, 3),
+            described(other),
+            described(best),
+        ),
+    );
+    let ratio = &optimum["best_over_compare_with"][0]["ratio"];
+    compare_or_write_part(page, "cd-rom-ratio", &estimate(ratio, 1.0, 3));
+    let relative = |role: &str| -> [f64; 2] {
+        let all: Vec<f64> =
+            values["relative"][role].as_array().expect("a list").iter().map(number).collect();
+        let ends = |f: fn(f64, f64) -> f64, start| all.iter().copied().fold(start, f);
+        [ends(f64::min, f64::INFINITY), ends(f64::max, f64::NEG_INFINITY)]
+    };
+    let (of_best, of_other) = (relative("best"), relative("compare_with"));
+    assert!(of_best[0] > 0.9 && of_best[1] < 1.1 && of_other[0] > 1.3, "{of_best:?} {of_other:?}");
+    let range = |[low, high]: [f64; 2]| format!("{low:.2} to {high:.2}");
+    compare_or_write_part(page, "cd-rom-relative", &range(of_best));
+    compare_or_write_part(page, "cd-rom-relative-thesis", &range(of_other));
+    // The two largest first-order indices of each response.
+    let largest = |response: &str| {
+        let all = optimum["sensitivities"].as_array().expect("a list");
+        let mut own: Vec<(f64, &str)> = all
+            .iter()
+            .filter(|one| one["response"] == response)
+            .map(|one| {
+                (number(&one["first_order"]["value"]), one["variable"].as_str().expect("a name"))
+            })
+            .collect();
+        own.sort_by(|one, other| other.0.total_cmp(&one.0));
+        let each = own.iter().take(2).map(|(index, name)| format!("`{name}` {index:.2}"));
+        each.collect::<Vec<_>>().join(" and ")
+    };
+    compare_or_write_part(page, "cd-rom-indices", &largest("vibration_95"));
+    compare_or_write_part(page, "cd-rom-indices-rest", &largest("quiet"));
+}
+
+/// The rate at which irregular motion comes to rest, from 400 runs of 300 s; docs/endings.md sets it beside that of
+/// the thesis's study.
+#[test]
+fn the_escape_rate() {
+    let values = record("escape-rate", "studies/escape-rate.yaml", |out| {
+        stickslip(&["run", "studies/escape-rate.yaml", "--out", out, "--quiet"]);
+        escape_rate(&table(&Path::new(out).join("points.parquet")), 0)
+    });
+    compare_or_write_part("docs/endings.md", "escape-rate", &rate_in_words(&values));
+}
+
+/// The escape rate of a point in `points.parquet`.
+pub fn escape_rate(points: &arrow::array::RecordBatch, point: usize) -> Value {
+    let of = |name: &str| numbers(points, name)[point];
+    json!({
+        "value": of("escape_rate_1_s"),
+        "low": of("escape_rate_low_1_s"),
+        "high": of("escape_rate_high_1_s"),
+        "from_s": of("escape_from_s"),
+    })
+}
+
+/// Such as `0.0029/s (0.0025 to 0.0034)`.
+pub fn rate_in_words(rate: &Value) -> String {
+    estimate(rate, 1.0, 4).replacen(" (", "/s (", 1)
+}
