@@ -42,6 +42,7 @@ pub mod cli;
 pub mod design;
 pub mod ending;
 pub mod farm;
+mod foreign;
 pub mod model;
 pub mod motion;
 pub mod report;

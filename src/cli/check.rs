@@ -7,7 +7,7 @@ use super::arguments::StudyArgument;
 use super::cost::most_core_seconds;
 use super::existence::Existence;
 use super::exit::{CliError, End};
-use super::output::print;
+use super::output::{print, print_json};
 use crate::model::{Endings, Extend, FrictionLaw, Method};
 use crate::study::{Response, Variable, VariedParameter};
 
@@ -74,7 +74,7 @@ pub fn check(arguments: &CheckArguments) -> Result<End, CliError> {
         if let Some(existence) = existence {
             report["existence"] = existence.json();
         }
-        print(&format!("{report:#}\n"))?;
+        print_json(&format!("{report:#}\n"))?;
         return Ok(End::Well);
     }
     let listed = |names: &[String]| {

@@ -12,7 +12,7 @@ use serde_json::json;
 use super::arguments::{StudyArgument, threads};
 use super::equilibria_report::Report;
 use super::exit::{CliError, End};
-use super::output::print;
+use super::output::{print, print_json};
 use super::speeds::Speeds;
 use crate::analysis::{
     EquilibriumSet, FEWEST_GRID_POINTS, FrictionlessEquilibrium, MOST_BALL_DAMPING, REPLICATES,
@@ -136,7 +136,7 @@ pub fn equilibria(arguments: &EquilibriaArguments) -> Result<End, CliError> {
     let report = pool.install(|| compute(arguments, &study, resolution, &mut tables))?;
     tables.finish()?;
     if arguments.json {
-        print(&format!("{:#}\n", report.json(&files.options, &directory)))?;
+        print_json(&format!("{:#}\n", report.json(&files.options, &directory)))?;
     } else if !arguments.quiet {
         print(&report.text())?;
     }

@@ -9,7 +9,7 @@ use std::time::Duration;
 use serde_json::json;
 
 use super::exit::{CliError, End};
-use super::output::{Reader, print};
+use super::output::{Reader, print_json};
 use crate::design::{Neighbours, Refusal, Request, respond, to_json};
 use crate::farm::Crew;
 use crate::study::Study;
@@ -70,7 +70,7 @@ pub fn serve(study: &Study, crew: &Crew, stop: &AtomicBool) -> Result<End, CliEr
             }
         };
         number += 1;
-        if print(&format!("{answer}\n"))? == Reader::Gone {
+        if print_json(&format!("{answer}\n"))? == Reader::Gone {
             return Ok(End::Well);
         }
     }

@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 
 use super::arguments::FarmArguments;
 use super::exit::{CliError, End};
-use super::output::print;
+use super::output::{print, print_json};
 use super::point_line::PointLine;
 use super::points_table::{MOST_LINES, PointsTable};
 use crate::analysis::PointDetail;
@@ -71,7 +71,7 @@ impl Ran {
             if let Some(expectations) = expectations {
                 report["expectations"] = expectations;
             }
-            print(&format!("{report:#}\n"))?;
+            print_json(&format!("{report:#}\n"))?;
         } else if !arguments.quiet {
             print(&self.table.text())?;
         }

@@ -10,6 +10,7 @@ use super::exit::{CliError, End};
 use super::results_study::results_study;
 use super::run::carry_out;
 use crate::farm::{Place, Shard};
+use crate::foreign::shell_word;
 use crate::study::Study;
 
 const EXAMPLES: &str = "\
@@ -104,7 +105,7 @@ fn whole(parts: &[PathBuf]) -> Result<Study, CliError> {
                 "shard {shard} is not finished: {} of {} runs when it was last stopped",
                 manifest.runs_finished, manifest.runs_planned
             );
-            let allowed = format!("finished shards; `stickslip resume {}`", part.display());
+            let allowed = format!("finished shards; `stickslip resume {}`", shell_word(part));
             return refuse(part, reason, &allowed);
         }
         places.push((shard.part(), part));

@@ -21,9 +21,13 @@ use crate::design::optimize::{
 };
 use crate::ending::Label;
 use crate::farm::{Crew, Lock, Planned, Progress, Show, say, stop_on_signals};
+use crate::foreign::{shell_word, shorten};
 use crate::study::{Optimization, SensitivityFrom, Study};
 use crate::table::column::Column;
-use crate::table::{ResultsError, TableWriter, WriteError, provenance_with, write_atomically};
+use crate::table::{
+    FILES, FileList, ResultsError, TableWriter, WriteError, clear_temporaries, is_one_of,
+    provenance_with,
+};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -37,8 +41,9 @@ give the same designs on any number of threads. The best are looked at again wit
 luck is reported.
 
 DIR holds evaluations.parquet (every design), finals.parquet, pareto.parquet of two objectives,
-sensitivities.parquet (Sobol' indices), surrogates.json and optimum.json. Started again with the same DIR it
-goes on where it was, also towards more designs.";
+sensitivities.parquet (Sobol' indices), surrogates.json, optimum.json, and files.json with the hash of each.
+Started again with the same DIR it goes on where it was, also towards more designs, if evaluations.parquet is
+the file that was written.";
 
 /// Look for the design that does best, by surrogates
 #[derive(Clone, Debug, Args)]
@@ -77,9 +82,12 @@ pub fn optimize(arguments: &OptimizeArguments) -> Result<End, CliError> {
     check_answerable(&study, &arguments.study.study).map_err(CliError::Usage)?;
     let usual = || Path::new("optimum").join(study.name());
     let directory = arguments.out.clone().unwrap_or_else(usual);
-    let place = Place::new(&study, optimization, &directory)?;
+    let mut place = Place::new(&study, optimization, &directory)?;
     let mut evaluations =
         read_evaluations(&study, &directory).map_err(|error| CliError::Usage(error.to_string()))?;
+    for name in &place.changed {
+        say(&format!("{name} has been changed since it was written: it is made again"));
+    }
     let cores = || std::thread::available_parallelism().unwrap_or(NonZeroUsize::MIN);
     let crew = Crew::new(arguments.threads.unwrap_or_else(cores).get());
     let crew = crew.map_err(CliError::Threads)?;
@@ -143,7 +151,7 @@ pub fn optimize(arguments: &OptimizeArguments) -> Result<End, CliError> {
 }
 
 fn interrupted(directory: &Path) -> End {
-    say(&format!("interrupted; started again with --out {} it goes on", directory.display()));
+    say(&format!("interrupted; started again with --out {} it goes on", shell_word(directory)));
     End::Interrupted
 }
 
@@ -200,17 +208,21 @@ struct Place<'a> {
     study: &'a Study,
     optimization: &'a Optimization,
     directory: &'a Path,
+    list: FileList,
+    /// Files that are not those that were written.
+    changed: Vec<String>,
     _lock: Lock,
 }
 
-/// What a search writes, each also with `.partial` while it is being written.
-const FILES: [&str; 7] = [
+/// What a search writes, each also under temporary names while it is being written.
+const OWN: [&str; 8] = [
     "evaluations.parquet",
     "finals.parquet",
     "pareto.parquet",
     "sensitivities.parquet",
     "surrogates.json",
     "optimum.json",
+    FILES,
     "lock",
 ];
 
@@ -223,18 +235,17 @@ impl<'a> Place<'a> {
         directory: &'a Path,
     ) -> Result<Self, CliError> {
         let unusable = |cause| ResultsError::Unusable { path: directory.to_owned(), cause };
-        let own = |name: &str| FILES.contains(&name.strip_suffix(".partial").unwrap_or(name));
         let entries = match fs::read_dir(directory) {
             Ok(entries) => entries.collect::<Result<Vec<_>, _>>().map_err(unusable)?,
             Err(error) if error.kind() == io::ErrorKind::NotFound => Vec::new(),
             Err(error) => return Err(unusable(error).into()),
         };
         let names = entries.iter().map(|entry| entry.file_name().to_string_lossy().into_owned());
-        if let Some(other) = names.into_iter().find(|name| !own(name)) {
+        if let Some(other) = names.into_iter().find(|name| !is_one_of(name, &OWN)) {
             return Err(ResultsError::Occupied {
                 path: directory.to_owned(),
                 reason: "this directory is not empty and holds no search".to_owned(),
-                found: format!("{other} and perhaps more"),
+                found: format!("{} and perhaps more", shorten(&other)),
                 allowed: "another directory, with --out DIR, or this one removed or renamed first"
                     .to_owned(),
             }
@@ -242,19 +253,28 @@ impl<'a> Place<'a> {
         }
         fs::create_dir_all(directory).map_err(unusable)?;
         let lock = Lock::take(directory.join("lock"), directory)?;
-        Ok(Place { study, optimization, directory, _lock: lock })
+        clear_temporaries(directory, &OWN).map_err(unusable)?;
+        let found = FileList::read(directory)?;
+        let mut list = found.clone().unwrap_or_default();
+        let changed = list.settle(directory);
+        if found.is_some_and(|found| found != list) {
+            list.save(directory).map_err(unusable)?;
+        }
+        Ok(Place { study, optimization, directory, list, changed, _lock: lock })
     }
 
     /// Removes what an earlier end of the search says: there are more designs now.
-    fn remove_ends(&self) {
-        for name in FILES.iter().filter(|name| !["evaluations.parquet", "lock"].contains(name)) {
+    fn remove_ends(&mut self) {
+        let kept = ["evaluations.parquet", FILES, "lock"];
+        for name in OWN.iter().filter(|name| !kept.contains(name)) {
             // What is not there need not be removed, and what cannot be is written over in the end.
             let _ = fs::remove_file(self.directory.join(name));
+            self.list.forget(name);
         }
     }
 
     fn write<R>(
-        &self,
+        &mut self,
         name: &str,
         columns: Vec<Column<R>>,
         rows: impl IntoIterator<Item = R>,
@@ -265,18 +285,19 @@ impl<'a> Place<'a> {
         for row in rows {
             table.push(row)?;
         }
-        table.finish()?;
+        let Place { list, directory, .. } = self;
+        table.finish_after(|files| list.announce(directory, files))?;
         Ok(())
     }
 
-    fn write_evaluations(&self, evaluations: &[Evaluation]) -> Result<(), WriteError> {
+    fn write_evaluations(&mut self, evaluations: &[Evaluation]) -> Result<(), WriteError> {
         let rows = evaluations
             .iter()
             .flat_map(|one| one.answers.iter().map(|answer| (one.origin, answer.clone())));
         self.write("evaluations", evaluation_columns(self.study), rows)
     }
 
-    fn write_finals(&self, finals: &Finals) -> Result<(), WriteError> {
+    fn write_finals(&mut self, finals: &Finals) -> Result<(), WriteError> {
         let rows = finals
             .all
             .iter()
@@ -289,7 +310,7 @@ impl<'a> Place<'a> {
         self.write("pareto", pareto_columns(self.study, self.optimization), front)
     }
 
-    fn write_surrogates(&self, what: &Search, evaluations: &[Evaluation]) -> Result<(), CliError> {
+    fn write_surrogates(&mut self, what: &Search, evaluations: &[Evaluation]) -> Result<(), CliError> {
         let all = what.crew.install(|| surrogates(what, evaluations));
         let states = all.into_iter().filter_map(|(response, surrogate)| {
             let name = &self.study.responses().get(response)?.name;
@@ -303,10 +324,10 @@ impl<'a> Place<'a> {
         self.write_json("surrogates.json", &json!({"format": 1, "surrogates": states}))
     }
 
-    fn write_json(&self, name: &str, value: &serde_json::Value) -> Result<(), CliError> {
-        let path = self.directory.join(name);
+    fn write_json(&mut self, name: &str, value: &serde_json::Value) -> Result<(), CliError> {
         let text = format!("{value:#}\n");
-        write_atomically(&path, text.as_bytes())
-            .map_err(|cause| WriteError { path, cause: cause.into() }.into())
+        let written = self.list.write(self.directory, name, text.as_bytes());
+        let path = self.directory.join(name);
+        written.map_err(|cause| WriteError { path, cause: cause.into() }.into())
     }
 }

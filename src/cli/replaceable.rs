@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use sha2::{Digest, Sha256};
 
 use super::exit::CliError;
-use crate::table::ResultsError;
+use crate::table::{ResultsError, write_atomically};
 
 /// The largest file that may be one of this program's.
 const MOST_BYTES: u64 = 64 << 20;
@@ -40,17 +40,11 @@ fn hash(text: &str) -> String {
 /// # Errors
 /// Where it cannot be written.
 pub fn replace(path: &Path, content: &[u8]) -> Result<(), CliError> {
-    let temporary = path.with_added_extension(format!("{}.partial", std::process::id()));
     let written = || {
         if let Some(parent) = path.parent().filter(|parent| !parent.as_os_str().is_empty()) {
             fs::create_dir_all(parent)?;
         }
-        match fs::remove_file(&temporary) {
-            Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
-            _ => {}
-        }
-        fs::write(&temporary, content)?;
-        fs::rename(&temporary, path)
+        write_atomically(path, content)
     };
     written().map_err(|error| {
         CliError::Usage(format!(

@@ -7,16 +7,17 @@ use clap::Args;
 use serde_json::{Value, json};
 
 use super::exit::{CliError, End};
-use super::output::print;
+use super::output::{print, print_json};
 use super::replay_pictures::draw;
 use super::replay_times::{MOST_TIMES, Times};
 use super::results_study::results_study;
 use crate::ending::{Recording, Switch};
 use crate::farm::{record, say};
+use crate::foreign::{one_line, shorten};
 use crate::study::Study;
 use crate::table::column::Column;
 use crate::table::{
-    Difference, EquilibriumFiles, Manifest, ResultsError, RunRecord, StoredRun, TableWriter, Units,
+    Difference, EquilibriumFiles, FILES, FileList, Manifest, ResultsError, RunRecord, StoredRun, TableWriter, Units,
     phase_name, provenance_with, switch_columns, trajectory_columns,
 };
 
@@ -31,6 +32,9 @@ all columns, to the last bit. What differs (on another kind of processor, perhap
 code is 1. trajectory.parquet has the motion: table, angles, speeds, what each ball does, friction and
 its limit; switches.parquet, and standard output, each change between stick and slip; replay.svg a figure
 of it, and replay.html, for any browser, disc and balls as they move.";
+
+/// The most characters of what went wrong in a run.
+const LONGEST_ERROR: usize = 400;
 
 /// Compute one run of a study's results again, and write its motion
 #[derive(Clone, Debug, Args)]
@@ -91,14 +95,21 @@ pub fn replay(arguments: &ReplayArguments) -> Result<End, CliError> {
         Some(stored) => Some(stored.differences(&study, &record)?),
         None => None,
     };
-    write(&out, &study, arguments, &record, &recording)?;
+    let claim = EquilibriumFiles::claim(&out)?;
+    let mut list = FileList::default();
+    write(&out, &mut list, &study, arguments, &record, &recording)?;
     let mut files = vec!["trajectory.parquet", "switches.parquet"];
-    files.extend(draw(&out, &study, &record, arguments.times)?);
+    files.extend(draw(&out, &mut list, &study, &record, arguments.times)?);
+    files.push(FILES);
+    drop(claim);
     let (out, study) = (&*out, &study);
     let report = Report { directory, out, study, record, recording, differences, files };
     let manifest = stored.is_none().then_some(&manifest);
     report.say(arguments.times, stored.as_ref().map_or(0, StoredRun::columns), manifest);
-    print(&if arguments.json { format!("{:#}\n", report.json()) } else { report.text() })?;
+    match arguments.json {
+        true => print_json(&format!("{:#}\n", report.json()))?,
+        false => print(&report.text())?,
+    };
     let same = report.differences.is_none_or(|differences| differences.is_empty());
     Ok(if same { End::Well } else { End::NotReproduced })
 }
@@ -124,7 +135,7 @@ fn stored_run(
         };
         return refused(format!("run {run_id} of a study with {runs} runs"), allowed);
     }
-    let stored = StoredRun::find(directory, run_id)?;
+    let stored = StoredRun::find(directory, manifest, run_id)?;
     if stored.is_none() && manifest.complete {
         let found = format!(
             "run {run_id}, which is not among the {} runs of these results (shard {})",
@@ -152,13 +163,12 @@ fn beside(directory: &Path, run_id: u64) -> Result<PathBuf, ResultsError> {
 
 fn write(
     out: &Path,
+    list: &mut FileList,
     study: &Study,
     arguments: &ReplayArguments,
     record: &RunRecord,
     recording: &Recording,
 ) -> Result<(), CliError> {
-    let unusable = |cause| ResultsError::Unusable { path: out.to_owned(), cause };
-    std::fs::create_dir_all(out).map_err(unusable)?;
     let times = arguments.times.map(|times| times.values().collect::<Vec<f64>>());
     let options = json!({
         "run_id": arguments.run_id,
@@ -166,12 +176,13 @@ fn write(
     });
     // Parameters without physical sense have no units either: the table is empty then.
     let model = record.planned.case.as_ref().map_or(study.model(), |case| &case.model);
-    table(out, study, "trajectory", &options, trajectory_columns(model), &recording.samples)?;
-    table(out, study, "switches", &options, switch_columns(model), &recording.switches)
+    table(out, list, study, "trajectory", &options, trajectory_columns(model), &recording.samples)?;
+    table(out, list, study, "switches", &options, switch_columns(model), &recording.switches)
 }
 
 fn table<R: Clone>(
     out: &Path,
+    list: &mut FileList,
     study: &Study,
     name: &str,
     options: &Value,
@@ -183,7 +194,7 @@ fn table<R: Clone>(
     for row in rows {
         table.push(row.clone())?;
     }
-    table.finish()?;
+    table.finish_after(|files| list.announce(out, files))?;
     Ok(())
 }
 
@@ -210,7 +221,7 @@ impl Report<'_> {
         let end = end.unwrap_or_default();
         say(&format!("run {run_id}: {label} ({evidence}){end}"));
         if let Some(error) = &record.outcome.error {
-            say(&format!("  {}", error.replace(char::is_control, " ")));
+            say(&format!("  {}", one_line(error, LONGEST_ERROR)));
         }
         if let Some(Manifest { runs_finished, runs_planned, .. }) = unfinished {
             say(&format!(
@@ -229,6 +240,7 @@ impl Report<'_> {
                     differences.len()
                 ));
                 for Difference { column, stored, replayed } in differences {
+                    let [stored, replayed] = [stored, replayed].map(|value| shorten(value));
                     say(&format!("  {column}: {stored} in the row, {replayed} now"));
                 }
             }

@@ -1,6 +1,5 @@
 //! The pictures of a replayed run.
 
-use std::fs;
 use std::path::Path;
 
 use super::exit::CliError;
@@ -9,7 +8,7 @@ use crate::ending::{Evidence, Instants, Recorder, Recording, simulate_recorded};
 use crate::model::Case;
 use crate::report::{animation, figure, frames, time_text};
 use crate::study::Study;
-use crate::table::{ResultsError, RunRecord};
+use crate::table::{FileList, ResultsError, RunRecord};
 
 /// Instants inside of each step, so that curves are smooth; none where the run has so many steps that it
 /// makes no difference.
@@ -23,6 +22,7 @@ const MANY_STEPS: u64 = 50_000;
 /// Where a file cannot be written.
 pub fn draw(
     out: &Path,
+    list: &mut FileList,
     study: &Study,
     record: &RunRecord,
     times: Option<Times>,
@@ -49,9 +49,9 @@ pub fn draw(
     let mut dense = recorded(case, Instants::EveryStep { inside });
     dense.samples.retain(|sample| (from..=to).contains(&(sample.time / natural)));
     let mut files = Vec::new();
-    let write = |name: &str, content: String| {
-        let path = out.join(name);
-        fs::write(&path, content).map_err(|cause| ResultsError::Unusable { path, cause })
+    let mut write = |name: &str, content: String| {
+        let unusable = |cause| ResultsError::Unusable { path: out.join(name), cause };
+        list.write(out, name, content.as_bytes()).map_err(unusable)
     };
     write(FIGURE, figure(&case.model, &dense.samples, &title).map_err(std::io::Error::other)?)?;
     files.push(FIGURE);

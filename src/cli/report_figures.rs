@@ -14,7 +14,7 @@ use super::summary::no_tables;
 use crate::model::Machine;
 use crate::report::chart::Figure;
 use crate::report::paper::{Format, is_ours, sheets};
-use crate::report::{Budget, Gathered, figures, of_results};
+use crate::report::{Budget, Gathered, ResultTables, figures, of_results};
 use crate::study::Study;
 use crate::table::{ResultsError, Table, manifest_of};
 
@@ -79,7 +79,8 @@ fn figures_of(directory: &Path) -> Result<Vec<Figure>, CliError> {
         if manifest.files.is_empty() {
             return Err(no_tables(directory, &study, &manifest)?);
         }
-        of_results(&Gathered::read(directory, &study, &manifest, Budget::SCREEN)?)
+        let tables = ResultTables::open(directory, &manifest)?;
+        of_results(&Gathered::read(&tables, &study, &manifest, Budget::SCREEN)?)
     } else if has("frictionless.parquet") {
         let (table, about) = Table::of_itself(directory, "frictionless")?;
         let study = study_of(directory, &about)?;

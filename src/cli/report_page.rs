@@ -6,7 +6,8 @@ use super::exit::CliError;
 use super::replaceable::{beside, outside, replace, replaceable, sealed};
 use super::results_study::results_study;
 use super::summary::no_tables;
-use crate::report::{Budget, Gathered, OWN, of_results, page};
+use crate::foreign::{shell_word, shown_path};
+use crate::report::{Budget, Gathered, OWN, ResultTables, of_results, page};
 use crate::table::manifest_of;
 
 /// A page that can be mailed; of larger results less is shown.
@@ -23,8 +24,9 @@ pub fn write(directory: &Path, out: Option<&Path>) -> Result<PathBuf, CliError> 
     {
         return Err(CliError::Usage(format!(
             "{0}: no page is made of this\n  found:   {found}, but no manifest.json\n  allowed: results of \
-             `stickslip run`; `stickslip report {0} --figures svg` draws this",
-            directory.display()
+             `stickslip run`; `stickslip report {1} --figures svg` draws this",
+            shown_path(directory),
+            shell_word(directory)
         )));
     }
     let (study, manifest) = results_study(directory)?;
@@ -37,9 +39,10 @@ pub fn write(directory: &Path, out: Option<&Path>) -> Result<PathBuf, CliError> 
     };
     outside(directory, &file)?;
     replaceable(&file, is_page)?;
+    let tables = ResultTables::open(directory, &manifest)?;
     let mut budget = Budget::SCREEN;
     let page = loop {
-        let gathered = Gathered::read(directory, &study, &manifest, budget)?;
+        let gathered = Gathered::read(&tables, &study, &manifest, budget)?;
         let page = page(directory, &gathered, &of_results(&gathered));
         if page.len() <= MOST_BYTES || budget == budget.halved() {
             break page;

@@ -4,14 +4,29 @@ use std::path::Path;
 
 use super::exit::CliError;
 use crate::ending::MODEL_VERSION;
+use crate::foreign::shell_word;
 use crate::study::Study;
 use crate::table::{Manifest, ResultsError, VERSION, manifest_of};
 
-/// The study and the manifest of a directory with results, finished or not.
+const STUDY: &str = "study.yaml";
+
+/// The study and the manifest of a directory with results, finished or not, to be shown: the study is the file
+/// that was written.
 ///
 /// # Errors
 /// Where there are none, where they are another version's, or where the study has been edited since.
 pub fn results_study(directory: &Path) -> Result<(Study, Manifest), CliError> {
+    let (study, manifest) = begun_study(directory)?;
+    manifest.check_file(directory, STUDY)?;
+    Ok((study, manifest))
+}
+
+/// The study and the manifest of a directory with results to go on with; all that does not decide the runs may have been
+/// edited since.
+///
+/// # Errors
+/// Where there are none, where they are another version's, or where other runs are planned.
+pub fn begun_study(directory: &Path) -> Result<(Study, Manifest), CliError> {
     let occupied = |reason: &str, found: String, allowed: String| ResultsError::Occupied {
         path: directory.to_owned(),
         reason: reason.to_owned(),
@@ -30,19 +45,20 @@ pub fn results_study(directory: &Path) -> Result<(Study, Manifest), CliError> {
             manifest.version, manifest.model_version,
         );
         let allowed = format!(
-            "that version of the program; or all anew, with `stickslip run {}/study.yaml --out DIR`",
-            directory.display()
+            "that version of the program; or all anew, with `stickslip run {} --out DIR`",
+            shell_word(&directory.join(STUDY))
         );
         let reason = "these runs were computed by another version";
         return Err(occupied(reason, found, allowed).into());
     }
-    let study = Study::load(&directory.join("study.yaml"))?;
+    let study = Study::load(&directory.join(STUDY))?;
     if study.hash() != manifest.study_hash {
         let found = format!("a study.yaml whose runs are not those of study {}", manifest.study);
         let allowed = format!(
-            "the study.yaml that was written; or `stickslip run {0}/study.yaml --out {0}{1}`, which \
+            "the study.yaml that was written; or `stickslip run {} --out {}{}`, which \
              computes what is new in it",
-            directory.display(),
+            shell_word(&directory.join(STUDY)),
+            shell_word(directory),
             match manifest.shard.as_str() {
                 "1/1" => String::new(),
                 shard => format!(" --shard {shard}"),

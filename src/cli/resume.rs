@@ -6,7 +6,7 @@ use clap::Args;
 
 use super::arguments::FarmArguments;
 use super::exit::{CliError, End};
-use super::results_study::results_study;
+use super::results_study::begun_study;
 use super::run::carry_out;
 use crate::farm::{Place, Shard};
 
@@ -37,7 +37,7 @@ pub struct ResumeArguments {
 /// Where the directory holds no study or cannot be used, or a table cannot be written.
 pub fn resume(arguments: &ResumeArguments) -> Result<End, CliError> {
     let directory = &arguments.directory;
-    let (study, manifest) = results_study(directory)?;
+    let (study, manifest) = begun_study(directory)?;
     let shard: Shard = manifest.shard.parse().map_err(|error| {
         CliError::Usage(format!("{}: `shard` in manifest.json: {error}", directory.display()))
     })?;

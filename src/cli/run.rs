@@ -8,7 +8,7 @@ use serde_json::json;
 use super::arguments::{FarmArguments, ShardArgument, StudyArgument};
 use super::exit::{CliError, End};
 use super::farming::farm_study;
-use super::output::print;
+use super::output::{print, print_json};
 use super::points_table::{MOST_LINES, PointsTable};
 use crate::ending::Label;
 use crate::farm::{FarmOptions, Place, Ready, say};
@@ -132,7 +132,7 @@ fn complete(
             if study.precision().is_some() {
                 report["points_not_precise"] = table.not_precise().into();
             }
-            print(&format!("{report:#}\n"))?;
+            print_json(&format!("{report:#}\n"))?;
         } else {
             print(&table.text())?;
         }

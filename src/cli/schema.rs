@@ -3,7 +3,7 @@
 use clap::Args;
 
 use super::exit::{CliError, End};
-use super::output::print;
+use super::output::print_json;
 use crate::study::json_schema;
 
 const EXAMPLES: &str = "\
@@ -24,6 +24,6 @@ pub struct SchemaArguments {}
 /// # Errors
 /// Where standard output cannot be written to.
 pub fn schema(_: &SchemaArguments) -> Result<End, CliError> {
-    print(&format!("{:#}\n", json_schema()))?;
+    print_json(&format!("{:#}\n", json_schema()))?;
     Ok(End::Well)
 }

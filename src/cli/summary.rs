@@ -1,16 +1,18 @@
 //! `stickslip summary`: the points of results, as `run` prints them or with all that is known of them.
 
+use std::io;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use serde_json::{Map, Value, json};
 
 use super::exit::{CliError, End};
-use super::output::{Reader, print};
+use super::output::{Reader, print, print_json};
 use super::points_table::{MOST_LINES, PointsTable};
 use super::results_study::results_study;
 use crate::ending::Label;
 use crate::farm::{listed_runs, say};
+use crate::foreign::{shell_word, shown_path};
 use crate::study::{ParameterValue, Study};
 use crate::table::{Batch, Manifest, Table, Values};
 
@@ -89,7 +91,7 @@ pub fn summary(arguments: &SummaryArguments) -> Result<End, CliError> {
             say(&title);
             print_csv(&table, most)?;
         }
-        Format::Json => print_json(&facts(&study, &manifest, &points), &table, most)?,
+        Format::Json => print_document(&facts(&study, &manifest, &points), &table, most)?,
     }
     Ok(End::Well)
 }
@@ -109,7 +111,7 @@ fn title(study: &Study, manifest: &Manifest, points: &PointsTable, directory: &P
             format!(
                 "{runs_finished} of {bound}{runs_planned} runs finished, {bound}{missing} are missing \
                  (`stickslip resume {}` goes on)",
-                directory.display()
+                shell_word(directory)
             )
         }
     });
@@ -160,9 +162,10 @@ pub fn no_tables(
     Ok(CliError::Usage(format!(
         "{0}: there are no tables yet: this study is being run, or was killed\n  found:   {listed} of \
          {bound}{1} runs finished, in chunks/\n  allowed: results whose tables are written; if nothing is \
-         running there, `stickslip resume {0}` goes on",
-        directory.display(),
+         running there, `stickslip resume {2}` goes on",
+        shown_path(directory),
         manifest.runs_planned,
+        shell_word(directory),
     )))
 }
 
@@ -170,6 +173,7 @@ pub fn no_tables(
 fn print_rows(
     table: &Table,
     most: usize,
+    print: fn(&str) -> io::Result<Reader>,
     mut text: impl FnMut(&Batch, usize) -> Result<String, CliError>,
 ) -> Result<Reader, CliError> {
     let mut left = most;
@@ -188,16 +192,16 @@ fn print_rows(
 fn print_csv(table: &Table, most: usize) -> Result<(), CliError> {
     let record = |cells: &[String]| -> Result<String, CliError> {
         let mut writer = csv::Writer::from_writer(Vec::new());
-        writer.write_record(cells).map_err(std::io::Error::other)?;
+        writer.write_record(cells).map_err(io::Error::other)?;
         let bytes =
-            writer.into_inner().map_err(|error| std::io::Error::other(error.to_string()))?;
+            writer.into_inner().map_err(|error| io::Error::other(error.to_string()))?;
         Ok(String::from_utf8_lossy(&bytes).into_owned())
     };
     let names: Vec<String> = table.columns().iter().map(|(name, _)| name.clone()).collect();
     if print(&record(&names)?)? == Reader::Gone {
         return Ok(());
     }
-    print_rows(table, most, |batch, row| {
+    print_rows(table, most, print, |batch, row| {
         let cells = batch.columns.iter().map(|(_, values)| match cell(values, row) {
             Value::Null => String::new(),
             Value::String(text) => text,
@@ -214,15 +218,15 @@ fn print_csv(table: &Table, most: usize) -> Result<(), CliError> {
 }
 
 /// One document, written point by point.
-fn print_json(facts: &Value, table: &Table, most: usize) -> Result<(), CliError> {
+fn print_document(facts: &Value, table: &Table, most: usize) -> Result<(), CliError> {
     let head = format!("{facts:#}");
     // An object that is not empty ends in a line break and a brace.
     let head = head.trim_end_matches(['\n', '}']);
-    if print(&format!("{head},\n  \"points\": ["))? == Reader::Gone {
+    if print_json(&format!("{head},\n  \"points\": ["))? == Reader::Gone {
         return Ok(());
     }
     let mut separator = "\n    ";
-    let reader = print_rows(table, most, |batch, row| {
+    let reader = print_rows(table, most, print_json, |batch, row| {
         let cells = batch.columns.iter().map(|(name, values)| (name.clone(), cell(values, row)));
         let object = Value::Object(cells.collect::<Map<String, Value>>());
         let before = std::mem::replace(&mut separator, ",\n    ");

@@ -13,6 +13,7 @@ use serde_json::{Value, json};
 
 use crate::analysis::{Z_95, wilson_with_failures};
 use crate::ending::Label;
+use crate::foreign::{harmless, harmless_json};
 
 /// How progress is shown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -159,9 +160,19 @@ impl Now {
     }
 }
 
-/// Writes a line to standard error. Where nobody can read it any more (a terminal that was closed, a
-/// reader that has gone) it is lost, and the runs are not: `eprintln` would end the program.
-pub fn say(line: &str) {
+/// Writes a message to standard error, without what a terminal acts on. Where nobody can read it any more (a
+/// terminal that was closed, a reader that has gone) it is lost, and the runs are not: `eprintln` would end the
+/// program.
+pub fn say(message: &str) {
+    write_line(&harmless(message).replace('\t', " "));
+}
+
+/// Writes an event for programs to standard error.
+fn say_json(event: &Value) {
+    write_line(&harmless_json(&event.to_string()));
+}
+
+fn write_line(line: &str) {
     // One write, so that lines of several threads do not mix.
     let _ = io::stderr().lock().write_all(format!("{line}\n").as_bytes());
 }
@@ -195,7 +206,7 @@ impl Progress {
                 "runs_are_at_most": at_most,
                 "points_planned": points,
             });
-            say(&begun.to_string());
+            say_json(&begun);
         }
         let bar = match show {
             Show::Bar => bar(runs, at_most, &counts),
@@ -245,7 +256,7 @@ impl Progress {
         }
         let now = self.counts.now();
         if self.show == Show::Json {
-            say(&now.event("progress").to_string());
+            say_json(&now.event("progress"));
             return;
         }
         let left = now.left_s().map_or_else(|| "?".to_owned(), |left| format!("{left:.0}"));
@@ -271,7 +282,7 @@ impl Progress {
                 if let (Value::Object(event), Value::Object(facts)) = (&mut event, facts()) {
                     event.extend(facts);
                 }
-                say(&event.to_string());
+                say_json(&event);
             }
             Show::Bar | Show::Lines => {
                 // What a panic elsewhere leaves of it is of use still.
@@ -295,7 +306,7 @@ impl Progress {
     /// Writes a line, above the bar where there is one.
     fn line(&self, line: &str) {
         match self.show {
-            Show::Bar => self.bar.println(line),
+            Show::Bar => self.bar.println(harmless(line)),
             _ => say(line),
         }
     }
@@ -315,7 +326,7 @@ impl Progress {
         if self.show == Show::Json {
             let mut event = self.counts.now().event("ended");
             event["interrupted"] = interrupted.into();
-            say(&event.to_string());
+            say_json(&event);
         }
     }
 }

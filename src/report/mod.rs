@@ -10,6 +10,6 @@ pub mod paper;
 mod replay;
 
 pub use figures::of_results;
-pub use gathered::{Budget, Gathered, heading};
+pub use gathered::{Budget, Gathered, ResultTables, heading};
 pub use page::{OWN, page};
 pub use replay::{FigureError, animation, figure, frames, time_text};

@@ -4,6 +4,8 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 
 use super::key_path::KeyPath;
+pub(crate) use crate::foreign::shorten;
+use crate::foreign::shown_path;
 
 /// Why a study cannot be used: one message with file, line, key, finding and remedy.
 ///
@@ -125,7 +127,7 @@ impl StudyError {
 impl fmt::Display for StudyError {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         let message = &self.0;
-        write!(out, "{}", message.file.display())?;
+        write!(out, "{}", shown_path(&message.file))?;
         if let Some(place) = message.place {
             write!(out, ":{}:{}", place.line, place.column)?;
         }
@@ -176,7 +178,7 @@ pub(crate) trait Locate {
 /// The names that are allowed, the nearest to `found` first and marked.
 pub(crate) fn list_names<S: AsRef<str>>(found: &str, names: &[S]) -> String {
     // Comparing takes time and memory in proportion to both lengths.
-    let found: String = found.chars().take(LONGEST).collect();
+    let found: String = found.chars().take(LONGEST_COMPARED).collect();
     let found = found.as_str();
     let likeness = |name: &str| {
         let edits = strsim::normalized_damerau_levenshtein(found, name);
@@ -197,15 +199,5 @@ pub(crate) fn list_names<S: AsRef<str>>(found: &str, names: &[S]) -> String {
     parts.join(", ")
 }
 
-/// The most characters of a file that a message quotes at a time.
-const LONGEST: usize = 96;
-
-/// Text as it is quoted in a message: one line, not too long, no control characters.
-pub(crate) fn shorten(text: &str) -> String {
-    let clean = |character: char| if character.is_control() { ' ' } else { character };
-    let mut short: String = text.trim_end().chars().take(LONGEST).map(clean).collect();
-    if text.trim_end().chars().count() > LONGEST {
-        short.push_str(" ...");
-    }
-    short
-}
+/// The most characters of a name that are compared with those that are allowed.
+const LONGEST_COMPARED: usize = 96;

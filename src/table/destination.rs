@@ -4,14 +4,19 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use super::manifest::{FileEntry, MANIFEST, Manifest, sync_directory};
+use super::manifest::{FileEntry, MANIFEST, Manifest};
 use super::provenance::{FORMAT, VERSION};
 use super::results::{DATA_FILES, ResultsError, STUDY};
+use super::temporary::{sync_directory, will_become};
 use crate::ending::MODEL_VERSION;
+use crate::foreign::one_line;
 use crate::study::Study;
 
 /// Folder of earlier results in an output directory.
 pub const EARLIER: &str = "earlier";
+
+/// The most characters of what was found that are shown.
+const LONGEST_FOUND: usize = 400;
 
 /// What an output directory holds before a study is run.
 #[derive(Debug)]
@@ -40,7 +45,7 @@ pub fn manifest_of(directory: &Path) -> Result<Option<Manifest>, ResultsError> {
         io::ErrorKind::InvalidData => ResultsError::Occupied {
             path: directory.to_owned(),
             reason: format!("{MANIFEST} is damaged, or no manifest of ours"),
-            found: cause.to_string(),
+            found: one_line(&cause.to_string(), LONGEST_FOUND),
             allowed: format!(
                 "another directory, with --out DIR; or, if these are results of a study, {MANIFEST} \
                  removed and the study run again: finished runs are found without it"
@@ -65,8 +70,7 @@ pub fn inspect(
     let occupied = |reason: &str, found: String| ResultsError::Occupied {
         path: directory.to_owned(),
         reason: reason.to_owned(),
-        // What a manifest says comes from a file: no control characters, not too long.
-        found: found.replace(char::is_control, " ").chars().take(400).collect(),
+        found: one_line(&found, LONGEST_FOUND),
         allowed: "another directory, with --out DIR, or this one removed or renamed first"
             .to_owned(),
     };
@@ -81,7 +85,7 @@ pub fn inspect(
             // What a run that was killed at its very start may have left.
             let name = entry.map_err(unusable)?.file_name();
             let name = name.to_string_lossy();
-            let file = name.strip_suffix(".partial").unwrap_or(&name);
+            let file = will_become(&name).unwrap_or(&name);
             loose |= DATA_FILES.contains(&&*name) && name != STUDY;
             let of_results = DATA_FILES.contains(&file) || file == MANIFEST || ours.contains(&file);
             if !of_results {

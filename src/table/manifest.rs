@@ -3,15 +3,19 @@
 use std::collections::BTreeMap;
 use std::fs;
 use std::io::{self, Read};
-use std::path::{Component, Path};
+use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
+use super::checked::{Listed, is_file_name};
 use super::provenance::{COMMIT, FORMAT, VERSION};
-use super::results::Circumstances;
+use super::read::TableError;
+use super::results::{Circumstances, RUNS};
+use super::temporary::write_atomically;
 use crate::analysis::LabelCounts;
 use crate::ending::{Label, MODEL_VERSION};
+use crate::foreign::{is_acted_on, one_line, shell_word, shorten};
 use crate::study::Study;
 
 /// Name of the manifest in an output directory.
@@ -19,6 +23,9 @@ pub const MANIFEST: &str = "manifest.json";
 
 /// The largest manifest that is read, bytes.
 const MAX_BYTES: u64 = 4 * 1024 * 1024;
+
+/// The most characters of a text in a manifest.
+const LONGEST_TEXT: usize = 256;
 
 /// The manifest. Times and host are here and nowhere else.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -80,10 +87,23 @@ impl FileEntry {
     pub fn of(path: &Path, rows: Option<u64>) -> io::Result<Self> {
         let mut hasher = HashWriter { hasher: Sha256::new(), bytes: 0 };
         io::copy(&mut fs::File::open(path)?, &mut hasher)?;
-        let digest = hasher.hasher.finalize();
-        let sha256 = digest.iter().map(|byte| format!("{byte:02x}")).collect();
-        Ok(FileEntry { rows, bytes: hasher.bytes, sha256 })
+        Ok(FileEntry { rows, bytes: hasher.bytes, sha256: hexadecimal(&hasher.hasher.finalize()) })
     }
+
+    /// The entry of a file of this content that is not a table.
+    pub(super) fn of_content(content: &[u8]) -> Self {
+        let sha256 = hexadecimal(&Sha256::digest(content));
+        FileEntry { rows: None, bytes: content.len() as u64, sha256 }
+    }
+
+    /// Whether two files have the same content.
+    pub(super) fn has_content_of(&self, other: &Self) -> bool {
+        (self.bytes, &self.sha256) == (other.bytes, &other.sha256)
+    }
+}
+
+fn hexadecimal(digest: &[u8]) -> String {
+    digest.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 struct HashWriter {
@@ -148,8 +168,9 @@ impl Manifest {
                     let problem = format!("{MANIFEST} has layout {format}; allowed: {FORMAT}");
                     return Err(io::Error::new(io::ErrorKind::InvalidData, problem));
                 }
-                manifest.check_names()?;
-                Ok(Some(manifest))
+                let checked = manifest.check_names().and_then(|()| manifest.check_values());
+                let damaged = |problem| io::Error::new(io::ErrorKind::InvalidData, problem);
+                checked.map(|()| Some(manifest)).map_err(damaged)
             }
             Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
             Err(error) => Err(error),
@@ -157,17 +178,72 @@ impl Manifest {
     }
 
     /// Whether every file is one of the directory itself.
-    fn check_names(&self) -> io::Result<()> {
-        let inside = |part: Component<'_>| matches!(part, Component::Normal(_));
-        let plain = |name: &str| !name.is_empty() && Path::new(name).components().all(inside);
-        match self.files.keys().find(|name| !plain(name)) {
+    fn check_names(&self) -> Result<(), String> {
+        match self.files.keys().find(|name| !is_file_name(name)) {
             None => Ok(()),
             Some(name) => {
-                let found: String = name.escape_debug().take(100).collect();
-                let problem = format!("{MANIFEST} names a file outside of its directory: {found}");
-                Err(io::Error::new(io::ErrorKind::InvalidData, problem))
+                let found = one_line(name, LONGEST_TEXT);
+                Err(format!("{MANIFEST} names a file outside of its directory: {found}"))
             }
         }
+    }
+
+    /// Whether all else is such as this program writes: texts that can be shown, the part of a study, and
+    /// numbers of runs that agree with one another.
+    fn check_values(&self) -> Result<(), String> {
+        let names = self.files.keys().chain(self.labels.keys());
+        let texts = [&self.study, &self.study_hash, &self.version, &self.commit, &self.host];
+        let shown = |text: &&String| {
+            text.chars().count() > LONGEST_TEXT || text.chars().any(is_acted_on)
+        };
+        if let Some(text) = texts.into_iter().chain(names).find(shown) {
+            return Err(format!("{MANIFEST} has a text that cannot be shown: {}", shorten(text)));
+        }
+        let numbers = self.shard.split_once('/').map(|(part, of)| (part.parse(), of.parse()));
+        let is_part = |(part, parts): (u64, u64)| {
+            (1..=parts).contains(&part) && self.shard == format!("{part}/{parts}")
+        };
+        if !matches!(numbers, Some((Ok(part), Ok(parts))) if is_part((part, parts))) {
+            let found = shorten(&self.shard);
+            return Err(format!("`shard` in {MANIFEST} is {found:?}; allowed: K/N, such as 2/8"));
+        }
+        let finished = self.runs_finished;
+        let of_labels = self.labels.values().copied().fold(0, u64::saturating_add);
+        let is_run_table = |name: &str| name == RUNS || name.starts_with(&format!("{RUNS}/"));
+        let tables = self.files.iter().filter(|(name, _)| is_run_table(name));
+        let rows = tables.map(|(_, entry)| entry.rows.unwrap_or(0)).reduce(u64::saturating_add);
+        if of_labels != finished || rows.is_some_and(|rows| rows != finished) {
+            return Err(format!(
+                "{MANIFEST} says {finished} finished runs, {of_labels} by label and {} in {RUNS}",
+                rows.map_or("none".to_owned(), |rows| rows.to_string())
+            ));
+        }
+        Ok(())
+    }
+
+    /// Checks a file of the directory that this is the manifest of, if it has it: whether it is the one that
+    /// was written.
+    ///
+    /// # Errors
+    /// Where it is not.
+    pub fn check_file(&self, directory: &Path, name: &str) -> Result<(), TableError> {
+        let remedy = self.remedy(directory);
+        let entry = self.files.get(name);
+        let listed = self.in_directory(directory, &remedy);
+        entry.map_or(Ok(()), |entry| listed.check(name, entry).map(drop))
+    }
+
+    /// The files of the manifest in its directory, with [`Self::remedy`].
+    pub(super) fn in_directory<'a>(&'a self, directory: &'a Path, remedy: &'a str) -> Listed<'a> {
+        Listed { directory, list: MANIFEST, files: &self.files, remedy }
+    }
+
+    /// What to do about a file of the directory that is another one.
+    pub(super) fn remedy(&self, directory: &Path) -> String {
+        format!(
+            "`stickslip resume {}` makes it again from the finished runs",
+            shell_word(directory)
+        )
     }
 
     /// Writes the manifest into a directory, whole or not at all.
@@ -195,38 +271,4 @@ pub(crate) fn read_regular(path: &Path, most: u64) -> io::Result<Vec<u8>> {
         return Err(io::Error::other(format!("larger than {most} bytes")));
     }
     Ok(bytes)
-}
-
-/// Writes a file under a temporary name, syncs it and renames it.
-///
-/// # Errors
-/// Where it cannot be written or renamed.
-pub fn write_atomically(path: &Path, content: &[u8]) -> io::Result<()> {
-    use std::io::Write;
-    let temporary = path.with_added_extension("partial");
-    // Whatever has that name, a link or a pipe, is replaced, never written through.
-    match fs::remove_file(&temporary) {
-        Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
-        _ => {}
-    }
-    let mut file = fs::File::create_new(&temporary)?;
-    file.write_all(content)?;
-    file.sync_all()?;
-    fs::rename(&temporary, path)?;
-    sync_directory(path.parent().unwrap_or(Path::new("")))
-}
-
-/// Makes what has been made and renamed in a directory last through a power cut.
-///
-/// # Errors
-/// Where it cannot be done. File systems that know of no such thing are left alone.
-pub fn sync_directory(directory: &Path) -> io::Result<()> {
-    if !cfg!(unix) {
-        return Ok(());
-    }
-    let here = if directory.as_os_str().is_empty() { Path::new(".") } else { directory };
-    match fs::File::open(here)?.sync_all() {
-        Err(error) if error.kind() == io::ErrorKind::InvalidInput => Ok(()),
-        other => other,
-    }
 }

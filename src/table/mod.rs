@@ -4,6 +4,7 @@
 //! that the reading of results shares).
 
 pub mod cell;
+mod checked;
 pub mod column;
 mod cycles;
 mod density;
@@ -11,6 +12,7 @@ mod design_rows;
 mod destination;
 mod equilibria;
 mod equilibrium_files;
+mod file_list;
 mod frictionless;
 mod manifest;
 mod memory;
@@ -28,6 +30,7 @@ mod runs;
 mod set;
 mod staging;
 mod stored_run;
+mod temporary;
 mod writer;
 
 pub use cycles::{CycleRow, cycle_columns};
@@ -36,9 +39,11 @@ pub use design_rows::designs_in_arrow;
 pub use destination::{Destination, EARLIER, inspect, manifest_of, put_aside};
 pub use equilibria::{EquilibriumRow, equilibrium_columns};
 pub use equilibrium_files::{EquilibriumFiles, EquilibriumTables};
+pub use file_list::{FILES, FileList};
 pub use frictionless::{FrictionlessRow, frictionless_columns};
 pub(crate) use manifest::read_regular;
-pub use manifest::{FileEntry, MANIFEST, Manifest, sync_directory, write_atomically};
+pub(crate) use temporary::is_one_of;
+pub use manifest::{FileEntry, MANIFEST, Manifest};
 pub use memory::{MemoryTable, MemoryWriter, in_memory};
 pub use memory_results::{MemoryResults, TABLES};
 pub use points::{PointRow, point_columns};
@@ -52,4 +57,5 @@ pub use results::{Circumstances, Results, ResultsError};
 pub use runs::{planned_columns, run_columns};
 pub use set::{PointKey, SetRow, SetSummaryRow, set_columns, set_summary_columns};
 pub use stored_run::{Difference, StoredRun};
+pub use temporary::{clear_temporaries, sync_directory, write_atomically};
 pub use writer::{TableWriter, WriteCause, WriteError};

@@ -1,11 +1,11 @@
 //! Tables of a results directory, read batch by batch.
 //!
-//! Which files a table has is what the manifest says; each is checked against it and by what it says of
-//! itself: its size, its number of rows, the layout and the study under the metadata key `stickslip`. What
-//! is read is guarded as tables of studies are: no file makes the program panic or take memory without
+//! Which files a table has is what the manifest says, or `files.json` where there is none; each is checked against it
+//! when the table is opened, down to its hash, and by what it says of itself: its number of rows, the layout
+//! and the study under the metadata key `stickslip`. What is read is guarded as tables of studies are: no file makes the program panic or take memory without
 //! bound, and a batch is the most that is held.
 
-use std::fs::{self, File};
+use std::fs::File;
 use std::path::{Path, PathBuf};
 
 use parquet::column::reader::ColumnReader;
@@ -13,9 +13,11 @@ use parquet::file::reader::{FileReader, SerializedFileReader};
 use serde_json::Value;
 use thiserror::Error;
 
+use super::file_list::{FILES, FileList};
 use super::manifest::{MANIFEST, Manifest};
 use super::provenance::FORMAT;
 use super::read_values::{Batch, Kind, Values, next};
+use crate::foreign::shown_path;
 use crate::study::{Bounds, Fault, check_footer, check_pages, guarded, list_names, said, shorten};
 
 /// Rows of a batch.
@@ -23,7 +25,7 @@ const BATCH: usize = 1024;
 
 /// Why a table cannot be read: file, column, what was found and what is allowed.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
-#[error("{}: {}{problem}\n  found:   {found}\n  allowed: {allowed}", file.display(), place(column))]
+#[error("{}: {}{problem}\n  found:   {found}\n  allowed: {allowed}", shown_path(file), place(column))]
 pub struct TableError {
     /// The file, or the directory where there is no such table.
     pub file: PathBuf,
@@ -67,37 +69,12 @@ impl Table {
     /// Opens a table by its name without `.parquet`, as `points`.
     ///
     /// # Errors
-    /// Where the manifest has no such table, a file is missing or not the one that was written, or what
-    /// the first one says of itself is another layout's or study's.
+    /// Where the manifest has no such table, a file is missing or not the one that was written to the last bit, or
+    /// what the first one says of itself is another layout's or study's.
     pub fn open(directory: &Path, manifest: &Manifest, name: &str) -> Result<Self, TableError> {
         let file = format!("{name}.parquet");
-        let of_table = |entry: &str| {
-            entry.strip_prefix(&file).is_some_and(|rest| rest.is_empty() || rest.starts_with('/'))
-        };
-        let mut parts = Vec::new();
-        for (entry, expected) in manifest.files.iter().filter(|(entry, _)| of_table(entry)) {
-            let path = directory.join(entry);
-            let changed = |found: String| {
-                let allowed = format!(
-                    "{} bytes, as {MANIFEST} says; `stickslip run {}/study.yaml --out {}` makes it \
-                     again from the finished runs",
-                    expected.bytes,
-                    directory.display(),
-                    directory.display()
-                );
-                let problem = "this is not the file that was written";
-                TableError::new(&path, None, Fault::new(problem, found, allowed))
-            };
-            // Asked before it is opened: opening a named pipe would wait for a writer.
-            let found = fs::metadata(&path).map_err(|error| changed(error.to_string()))?;
-            if !found.is_file() {
-                return Err(changed("not a regular file".to_owned()));
-            }
-            if found.len() != expected.bytes {
-                return Err(changed(format!("{} bytes", found.len())));
-            }
-            parts.push((path, expected.rows.unwrap_or(0)));
-        }
+        let remedy = manifest.remedy(directory);
+        let parts = manifest.in_directory(directory, &remedy).check_table(name)?;
         let mut table = Table {
             name: name.to_owned(),
             study_hash: manifest.study_hash.clone(),
@@ -121,47 +98,35 @@ impl Table {
         Ok(table)
     }
 
-    /// Opens a table of a directory without a manifest, as `stickslip equilibria` and `stickslip replay`
-    /// write, by what its files say of themselves. With it comes its provenance.
+    /// Opens a table of a directory without a manifest, as `stickslip equilibria`, `optimize` and `replay` write. With
+    /// it comes its provenance.
     ///
     /// # Errors
-    /// Where there is no such table, or it is not one of this program's.
+    /// Where there is no such table or no list of files with it, a file is not the one that was written, or not
+    /// one of this program's.
     pub fn of_itself(directory: &Path, name: &str) -> Result<(Self, Value), TableError> {
         let path = directory.join(format!("{name}.parquet"));
         let refuse = |problem: &str, found: String, allowed: &str| {
             TableError::new(&path, None, Fault::new(problem, found, allowed))
         };
-        let unread = |error: std::io::Error| {
-            refuse("this table cannot be read", error.to_string(), "a readable file")
+        let Some(list) = FileList::read(directory)? else {
+            let found = format!("no {FILES} in its directory");
+            let allowed = "a directory as this program has written it";
+            return Err(refuse("nothing says what was written", found, allowed));
         };
-        let mut files = vec![path.clone()];
-        if fs::metadata(&path).map_err(unread)?.is_dir() {
-            let entries = fs::read_dir(&path).map_err(unread)?;
-            let entries: Result<Vec<_>, _> =
-                entries.map(|entry| entry.map(|entry| entry.path())).collect();
-            files = entries.map_err(unread)?;
-            files.sort();
-        }
-        let mut parts = Vec::new();
-        let mut about = None;
-        for file in files {
-            if !fs::metadata(&file).map_err(unread)?.is_file() {
-                let found = format!("{}: not a regular file", file.display());
-                return Err(refuse("this table cannot be read", found, "a readable file"));
-            }
-            let (reader, provenance) = open_file(&file)?;
-            let rows = reader.metadata().file_metadata().num_rows();
-            parts.push((file, u64::try_from(rows).unwrap_or(0)));
-            about = about.or(provenance);
-        }
-        let (Some(about), Some((path, rows))) = (about, parts.first().cloned()) else {
+        let parts = list.in_directory(directory).check_table(name)?;
+        let Some((first, rows)) = parts.first().cloned() else {
+            let found = format!("a file that {FILES} does not have");
+            return Err(refuse("nothing says what was written", found, "a table on that list"));
+        };
+        let Some(about) = open_file(&first)?.1 else {
             let found = "no key `stickslip` in its metadata".to_owned();
             let allowed = "a table that this program has written";
             return Err(refuse("this is not a table of this program", found, allowed));
         };
         let study_hash = about["study_hash"].as_str().unwrap_or_default().to_owned();
         let mut table = Table { name: name.to_owned(), study_hash, parts, columns: Vec::new() };
-        table.columns = table.open_part(&path, rows)?.columns();
+        table.columns = table.open_part(&first, rows)?.columns();
         Ok((table, about))
     }
 

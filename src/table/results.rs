@@ -11,12 +11,13 @@ use thiserror::Error;
 use super::cycles::{CycleRow, cycle_columns};
 use super::density::{DensityRow, density_columns};
 use super::equilibria::{EquilibriumRow, equilibrium_columns};
-use super::manifest::{FileEntry, Manifest, write_atomically};
+use super::manifest::{FileEntry, MANIFEST, Manifest};
 use super::points::{PointRow, point_columns};
 use super::provenance::provenance;
 use super::record::RunRecord;
 use super::rest::{RestRow, rest_columns};
 use super::runs::run_columns;
+use super::temporary::{clear_temporaries, write_atomically};
 use super::writer::{TableWriter, WriteError};
 use crate::analysis::{LabelCounts, PointDetail};
 use crate::study::Study;
@@ -107,13 +108,16 @@ const DENSITY: &str = "density.parquet";
 pub(super) const STUDY: &str = "study.yaml";
 
 impl Results {
-    /// Makes the directory, if need be, and starts the tables.
+    /// Makes the directory, if need be, and starts the tables. It is under the lock of this process: what killed
+    /// ones have left under temporary names is cleared away.
     ///
     /// # Errors
     /// Where it cannot be made or written to.
     pub fn create(directory: &Path, study: &Study) -> Result<Self, ResultsError> {
         let unusable = |cause| ResultsError::Unusable { path: directory.to_owned(), cause };
         fs::create_dir_all(directory).map_err(unusable)?;
+        let names: Vec<&str> = DATA_FILES.into_iter().chain([MANIFEST]).collect();
+        clear_temporaries(directory, &names).map_err(unusable)?;
         write_atomically(&directory.join(STUDY), study.resolved_yaml().as_bytes())
             .map_err(unusable)?;
         Ok(Results {

@@ -1,24 +1,31 @@
 //! Where a table's parts are until it is whole, and how it gets its name.
 //!
-//! All that is unfinished is in one directory beside the table, `NAME.partial`: in `table` the parts
-//! that are being written, in `replaced` for an instant what had the name before. The name is given by
-//! one renaming, so that it never belongs to a part of a table; a table that is one part is that file,
-//! one of several is the directory. What an interrupted program leaves, the next one clears away, and
-//! nothing else.
+//! All that is unfinished is in one temporary directory beside the table, which belongs to this process alone: in
+//! `table` the parts that are being written, in `replaced-0` for an instant what had the name before. The name is
+//! given by one renaming, so that it never belongs to a part of a table; a table that is one part is that
+//! file, one of several is the directory. Of two processes that write the same table the last one gives it
+//! the name, each a whole table. The directory goes away with the value, however the writing ends.
 
-use std::fs::{self, File};
+use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use tempfile::TempDir;
+
+use super::temporary::{self, parent, sync_directory};
+use crate::foreign::shorten;
+
 /// In the directory: the parts.
 const TABLE: &str = "table";
-/// In the directory: what had the name before.
+/// In the directory, with a number: what had the name before.
 const REPLACED: &str = "replaced";
+/// How often another process may take the name in the same instant.
+const MOST_TRIES: u32 = 100;
 
 /// The directory of an unfinished table.
 pub(super) struct Staging {
     target: PathBuf,
-    directory: PathBuf,
+    directory: TempDir,
 }
 
 /// The name of a part in the directory of its table; names sort like numbers up to 100,000 parts.
@@ -26,31 +33,28 @@ pub(super) fn part_name(number: usize) -> String {
     format!("part-{number:05}.parquet")
 }
 
+/// Whether a name is one of [`part_name`].
+fn is_part(name: &str) -> bool {
+    let number = name.strip_prefix("part-").and_then(|rest| rest.strip_suffix(".parquet"));
+    number.is_some_and(|number| number.len() >= 5 && number.bytes().all(|b| b.is_ascii_digit()))
+}
+
 impl Staging {
-    /// Makes the directory for the table `target`, without what an interrupted program left in it; one
-    /// that holds anything else is not ours to clear away.
+    /// Makes the directory for the table `target`.
     pub(super) fn create(target: &Path) -> io::Result<Self> {
-        let directory = target.with_added_extension("partial");
-        if let Some(foreign) = foreign(&directory)? {
-            return Err(io::Error::other(format!(
-                "{} is in the way: it holds {foreign}, which is not part of a table",
-                directory.display()
-            )));
-        }
-        remove(&directory)?;
-        fs::create_dir(&directory)?;
-        let staging = Staging { target: target.to_owned(), directory };
+        let staging =
+            Staging { target: target.to_owned(), directory: temporary::directory(target)? };
         fs::create_dir(staging.table())?;
         Ok(staging)
     }
 
     /// Removes the directory with the parts.
     pub(super) fn clear(self) -> io::Result<()> {
-        remove(&self.directory)
+        self.directory.close()
     }
 
     fn table(&self) -> PathBuf {
-        self.directory.join(TABLE)
+        self.directory.path().join(TABLE)
     }
 
     /// Where part `number` is to be written.
@@ -58,78 +62,87 @@ impl Staging {
         self.table().join(part_name(number))
     }
 
-    /// Gives the table its name, in place of whatever had it; `parts` have been written and synced.
-    /// Returns their names from the directory on that the table is in.
-    pub(super) fn settle(self, parts: usize) -> io::Result<Vec<String>> {
-        let source = if parts == 1 { self.part(0) } else { self.table() };
-        sync_directory(&self.table())?;
-        // A file gives way to a file in the renaming itself; a directory that is not empty to nothing.
-        let old = fs::symlink_metadata(&self.target).ok();
-        if old.is_some_and(|old| old.is_dir() || parts > 1) {
-            fs::rename(&self.target, self.directory.join(REPLACED))?;
-        }
-        fs::rename(source, &self.target)?;
-        sync_directory(parent(&self.target))?;
-        remove(&self.directory)?;
+    /// The names that so many parts will have, from the directory on that the table is in.
+    pub(super) fn names(&self, parts: usize) -> Vec<String> {
         let name = self.target.file_name().unwrap_or_default().to_string_lossy();
-        Ok(match parts {
+        match parts {
             1 => vec![name.into_owned()],
             _ => (0..parts).map(|number| format!("{name}/{}", part_name(number))).collect(),
-        })
+        }
+    }
+
+    /// Gives the table its name, in place of the table that had it; `parts` have been written and synced.
+    pub(super) fn settle(self, parts: usize) -> io::Result<()> {
+        sync_directory(&self.table())?;
+        self.take_name(&if parts == 1 { self.part(0) } else { self.table() })?;
+        sync_directory(parent(&self.target))?;
+        self.directory.close()
+    }
+
+    fn take_name(&self, source: &Path) -> io::Result<()> {
+        for number in 0..MOST_TRIES {
+            // A file gives way to a file in the renaming itself; a directory that is not empty to nothing.
+            let Err(refused) = fs::rename(source, &self.target) else { return Ok(()) };
+            match fs::symlink_metadata(&self.target) {
+                Ok(old) if old.is_dir() || source.is_dir() => {}
+                _ => return Err(refused),
+            }
+            if let Some(name) = foreign(&self.target)? {
+                return Err(io::Error::other(format!(
+                    "a directory of this name is in the way: it holds {}, which is not part of a table",
+                    shorten(&name)
+                )));
+            }
+            let aside = self.directory.path().join(format!("{REPLACED}-{number}"));
+            match fs::rename(&self.target, aside) {
+                // Another process has taken it away, and may put its own there.
+                Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
+                _ => {}
+            }
+        }
+        Err(io::Error::other("other processes write this table at the same time"))
     }
 }
 
-/// Something in a directory that is not left from an unfinished table; none where there is no such
-/// directory.
+/// Something in a directory that is not part of a table; none where there is no such directory.
 fn foreign(directory: &Path) -> io::Result<Option<String>> {
     if !fs::symlink_metadata(directory).is_ok_and(|found| found.is_dir()) {
         return Ok(None);
     }
     for entry in fs::read_dir(directory)? {
-        let name = entry?.file_name();
-        if name != TABLE && name != REPLACED {
-            return Ok(Some(name.to_string_lossy().into_owned()));
+        let name = entry?.file_name().to_string_lossy().into_owned();
+        if !is_part(&name) {
+            return Ok(Some(name));
         }
     }
     Ok(None)
-}
-
-/// Removes a file, or a directory with all that is in it; does not follow links.
-fn remove(path: &Path) -> io::Result<()> {
-    match fs::symlink_metadata(path) {
-        Ok(found) if found.is_dir() => fs::remove_dir_all(path),
-        Ok(_) => fs::remove_file(path),
-        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
-        Err(error) => Err(error),
-    }
-}
-
-fn parent(path: &Path) -> &Path {
-    path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."))
-}
-
-/// Has the names in a directory outlive a loss of power; elsewhere than on Unix, where directories
-/// cannot be opened, that is left to the system.
-fn sync_directory(path: &Path) -> io::Result<()> {
-    if cfg!(unix) { File::open(path)?.sync_all() } else { Ok(()) }
 }
 
 #[cfg(test)]
 mod tests {
     use std::fs;
     use std::path::Path;
+    use std::thread;
 
     use tempfile::tempdir;
 
     use super::{Staging, part_name};
 
-    /// Writes a table of parts with these contents.
-    fn write(target: &Path, parts: &[&str]) -> Vec<String> {
+    /// Starts a table of parts with these contents.
+    fn begin(target: &Path, parts: &[&str]) -> Staging {
         let staging = Staging::create(target).unwrap();
         for (number, content) in parts.iter().enumerate() {
             fs::write(staging.part(number), content).unwrap();
         }
-        staging.settle(parts.len()).unwrap()
+        staging
+    }
+
+    /// Writes a table of parts with these contents; returns their names.
+    fn write(target: &Path, parts: &[&str]) -> Vec<String> {
+        let staging = begin(target, parts);
+        let names = staging.names(parts.len());
+        staging.settle(parts.len()).unwrap();
+        names
     }
 
     /// The contents of a table's parts.
@@ -166,37 +179,69 @@ mod tests {
         let scratch = tempdir().unwrap();
         let target = scratch.path().join("t.parquet");
         write(&target, &["a", "b"]);
-        let staging = Staging::create(&target).unwrap();
-        fs::write(staging.part(0), "c").unwrap();
+        let staging = begin(&target, &["c"]);
         assert_eq!(read(&target), ["a", "b"]);
         staging.settle(1).unwrap();
         assert_eq!(read(&target), ["c"]);
     }
 
+    /// Neither disturbs the other, and the last one gives the name, whatever kinds of tables they are.
     #[test]
-    fn leftovers_of_an_interrupted_program_are_cleared_away() {
+    fn two_that_write_the_same_table() {
+        let tables: [&[&str]; 2] = [&["a"], &["b", "c"]];
+        for first in tables {
+            for last in tables {
+                let scratch = tempdir().unwrap();
+                let target = scratch.path().join("t.parquet");
+                let (one, other) = (begin(&target, first), begin(&target, last));
+                one.settle(first.len()).unwrap();
+                assert_eq!(read(&target), first);
+                other.settle(last.len()).unwrap();
+                assert_eq!(read(&target), last);
+                assert_eq!(fs::read_dir(scratch.path()).unwrap().count(), 1, "only the table");
+            }
+        }
+    }
+
+    /// Many at once: whoever is last, its table is whole.
+    #[test]
+    fn many_that_write_the_same_table() {
         let scratch = tempdir().unwrap();
         let target = scratch.path().join("t.parquet");
-        let partial = scratch.path().join("t.parquet.partial");
-        fs::write(&partial, "half a file").unwrap();
-        write(&target, &["a"]);
-        assert_eq!((read(&target), partial.exists()), (vec!["a".to_owned()], false));
-        // Interrupted between the two renamings, with more parts than the next table has.
-        fs::create_dir_all(partial.join("table")).unwrap();
-        (0..3).for_each(|n| fs::write(partial.join("table").join(part_name(n)), "x").unwrap());
-        fs::rename(&target, partial.join("replaced")).unwrap();
-        write(&target, &["b", "c"]);
-        assert_eq!((read(&target), partial.exists()), (vec!["b".into(), "c".into()], false));
+        thread::scope(|scope| {
+            for writer in 0..4 {
+                let target = &target;
+                scope.spawn(move || {
+                    let content = writer.to_string();
+                    (0..50).for_each(|_| drop(write(target, &[&content, &content])));
+                });
+            }
+        });
+        let table = read(&target);
+        assert!(table.len() == 2 && table[0] == table[1], "{table:?}");
+        assert_eq!(fs::read_dir(scratch.path()).unwrap().count(), 1, "only the table");
     }
 
     #[test]
-    fn a_foreign_directory_is_left_alone() {
+    fn nothing_is_left_of_a_table_that_was_given_up() {
         let scratch = tempdir().unwrap();
-        let partial = scratch.path().join("t.parquet.partial");
-        fs::create_dir(&partial).unwrap();
-        fs::write(partial.join("thesis.tex"), "years of work").unwrap();
-        let error = Staging::create(&scratch.path().join("t.parquet")).err().unwrap().to_string();
-        assert!(error.contains("t.parquet.partial is in the way: it holds thesis.tex"), "{error}");
-        assert_eq!(fs::read_to_string(partial.join("thesis.tex")).unwrap(), "years of work");
+        drop(begin(&scratch.path().join("t.parquet"), &["a", "b"]));
+        assert_eq!(fs::read_dir(scratch.path()).unwrap().count(), 0);
+    }
+
+    /// Of the user's is nothing that has not the name of the table, and no directory of other files.
+    #[test]
+    fn what_is_no_table_is_left_alone() {
+        let scratch = tempdir().unwrap();
+        let (partial, mine) = (scratch.path().join("t.parquet.partial"), scratch.path().join("mine"));
+        fs::write(&partial, "years of work").unwrap();
+        write(&scratch.path().join("t.parquet"), &["a"]);
+        assert_eq!(fs::read_to_string(&partial).unwrap(), "years of work");
+        fs::create_dir(&mine).unwrap();
+        fs::write(mine.join("thesis.tex"), "years of work").unwrap();
+        let error = begin(&mine, &["a"]).settle(1).unwrap_err().to_string();
+        assert!(error.contains("in the way: it holds thesis.tex"), "{error}");
+        assert_eq!(fs::read_to_string(mine.join("thesis.tex")).unwrap(), "years of work");
+        assert_eq!(fs::read_dir(scratch.path()).unwrap().count(), 3);
     }
 }

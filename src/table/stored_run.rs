@@ -1,6 +1,6 @@
 //! A run's row in `runs.parquet`, and whether a run that has been computed again is the same.
 
-use std::fs::{self, File};
+use std::fs::File;
 use std::panic::{self, AssertUnwindSafe};
 use std::path::{Path, PathBuf};
 
@@ -13,10 +13,12 @@ use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 
 use super::cell::cell_text;
 use super::column::batch;
+use super::manifest::Manifest;
+use super::read::TableError;
 use super::record::RunRecord;
-use super::results::{RUNS, ResultsError};
 use super::runs::run_columns;
-use crate::study::Study;
+use crate::foreign::one_line;
+use crate::study::{Fault, Study};
 
 /// A column in which two rows of one run differ.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -35,17 +37,14 @@ pub struct StoredRun {
     row: RecordBatch,
 }
 
+/// The most characters of what was found that are shown.
+const LONGEST_FOUND: usize = 400;
+
 /// Why a table cannot be used.
-fn unusable(path: &Path, reason: &str, found: String) -> ResultsError {
-    ResultsError::Occupied {
-        path: path.to_owned(),
-        reason: reason.to_owned(),
-        found: found.replace(char::is_control, " ").chars().take(400).collect(),
-        allowed:
-            "the tables that `stickslip run` has written; it writes them again from chunks/, with \
-                  the same command"
-                .to_owned(),
-    }
+fn unusable(path: &Path, problem: &str, found: &str) -> TableError {
+    let allowed = "the tables that `stickslip run` has written; it writes them again from chunks/, with \
+                   the same command";
+    TableError::new(path, None, Fault::new(problem, one_line(found, LONGEST_FOUND), allowed))
 }
 
 impl StoredRun {
@@ -53,14 +52,21 @@ impl StoredRun {
     /// in it.
     ///
     /// # Errors
-    /// Where the table cannot be read or has no run numbers.
-    pub fn find(directory: &Path, run_id: u64) -> Result<Option<Self>, ResultsError> {
-        for path in parts(&directory.join(RUNS))? {
+    /// Where a file of the table is not the one that was written, cannot be read or has no run numbers.
+    pub fn find(
+        directory: &Path,
+        manifest: &Manifest,
+        run_id: u64,
+    ) -> Result<Option<Self>, TableError> {
+        let remedy = manifest.remedy(directory);
+        let listed = manifest.in_directory(directory, &remedy);
+        for (name, entry) in listed.of_table("runs") {
+            let path = listed.check(name, entry)?;
             // The library has assertions that damaged files fail. Nothing outlives the unwinding.
             let found = panic::catch_unwind(AssertUnwindSafe(|| row(&path, run_id)));
             let found = found.unwrap_or_else(|_| Err("damaged contents".to_owned()));
             let found = found.map_err(|found| {
-                unusable(&path, "this is no table of runs that can be read", found)
+                unusable(&path, "this is no table of runs that can be read", &found)
             })?;
             if let Some(row) = found {
                 return Ok(Some(StoredRun { path, row }));
@@ -77,9 +83,9 @@ impl StoredRun {
         &self,
         study: &Study,
         record: &RunRecord,
-    ) -> Result<Vec<Difference>, ResultsError> {
+    ) -> Result<Vec<Difference>, TableError> {
         let broken = |error: ArrowError| {
-            unusable(&self.path, "this is no table of runs that can be read", error.to_string())
+            unusable(&self.path, "this is no table of runs that can be read", &error.to_string())
         };
         let columns = run_columns(study);
         let replayed = batch(&columns, std::slice::from_ref(record)).map_err(broken)?;
@@ -88,7 +94,7 @@ impl StoredRun {
         for (field, replayed) in schema.fields().iter().zip(replayed.columns()) {
             let stored = self.row.column_by_name(field.name()).ok_or_else(|| {
                 let found = format!("no column {}", field.name());
-                unusable(&self.path, "this table of runs lacks a column", found)
+                unusable(&self.path, "this table of runs lacks a column", &found)
             })?;
             if stored.data_type() != replayed.data_type() {
                 let found = format!(
@@ -97,7 +103,8 @@ impl StoredRun {
                     stored.data_type(),
                     replayed.data_type()
                 );
-                return Err(unusable(&self.path, "a column of this table has another type", found));
+                let problem = "a column of this table has another type";
+                return Err(unusable(&self.path, problem, &found));
             }
             if stored != replayed {
                 differences.push(Difference {
@@ -113,34 +120,6 @@ impl StoredRun {
     /// How many columns the row has.
     pub fn columns(&self) -> usize {
         self.row.num_columns()
-    }
-}
-
-/// The files of a table, in order; none where there is no table.
-fn parts(table: &Path) -> Result<Vec<PathBuf>, ResultsError> {
-    let refuse = |cause| ResultsError::Unusable { path: table.to_owned(), cause };
-    match fs::metadata(table) {
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(Vec::new()),
-        Err(error) => Err(refuse(error)),
-        Ok(found) if found.is_file() => Ok(vec![table.to_owned()]),
-        Ok(found) if found.is_dir() => {
-            let entries = fs::read_dir(table).map_err(refuse)?;
-            let mut parts = Vec::new();
-            for entry in entries {
-                let path = entry.map_err(refuse)?.path();
-                if path.extension().is_some_and(|extension| extension == "parquet")
-                    && path.is_file()
-                {
-                    parts.push(path);
-                }
-            }
-            parts.sort();
-            Ok(parts)
-        }
-        Ok(_) => {
-            let found = "neither a file nor a directory".to_owned();
-            Err(unusable(table, "this is no table of runs that can be read", found))
-        }
     }
 }
 

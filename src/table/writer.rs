@@ -60,9 +60,10 @@ pub struct TableWriter<R> {
     columns: Vec<Column<R>>,
     provenance: String,
     path: PathBuf,
-    staging: Staging,
     rows: Vec<R>,
+    // Closed before its directory goes away with `staging`.
     part: Part,
+    staging: Staging,
     finished: Vec<FileEntry>,
     most_rows: u64,
 }
@@ -103,9 +104,9 @@ impl<R> TableWriter<R> {
             columns,
             provenance: provenance.to_owned(),
             path: path.to_owned(),
-            staging,
             rows: Vec::with_capacity(BLOCK),
             part,
+            staging,
             finished: Vec::new(),
             most_rows,
         })
@@ -131,7 +132,7 @@ impl<R> TableWriter<R> {
     /// # Errors
     /// Where what was written cannot be removed.
     pub fn abandon(self) -> Result<(), WriteError> {
-        let TableWriter { path, staging, part, .. } = self;
+        let TableWriter { path, part, staging, .. } = self;
         drop(part);
         staging.clear().map_err(|error| WriteError { path, cause: error.into() })
     }
@@ -160,13 +161,27 @@ impl<R> TableWriter<R> {
     ///
     /// # Errors
     /// Where a file cannot be written or renamed.
-    pub fn finish(mut self) -> Result<Vec<(String, FileEntry)>, WriteError> {
+    pub fn finish(self) -> Result<Vec<(String, FileEntry)>, WriteError> {
+        self.finish_after(|_| Ok(()))
+    }
+
+    /// As [`Self::finish`]; `announce` is told of the files when they are written, before the table has its name.
+    ///
+    /// # Errors
+    /// Where a file cannot be written or renamed, or `announce` fails: nothing of the table is left then.
+    pub fn finish_after(
+        mut self,
+        announce: impl FnOnce(&[(String, FileEntry)]) -> io::Result<()>,
+    ) -> Result<Vec<(String, FileEntry)>, WriteError> {
         self.flush().map_err(|cause| self.error(cause))?;
-        let TableWriter { path, staging, part, mut finished, .. } = self;
+        let TableWriter { path, part, staging, mut finished, .. } = self;
         let settle = || -> Result<_, WriteCause> {
             finished.push(part.close(&staging.part(finished.len()))?);
-            let names = staging.settle(finished.len())?;
-            Ok(names.into_iter().zip(finished).collect())
+            let names = staging.names(finished.len());
+            let files: Vec<_> = names.into_iter().zip(finished).collect();
+            announce(&files)?;
+            staging.settle(files.len())?;
+            Ok(files)
         };
         settle().map_err(|cause| WriteError { path, cause })
     }
@@ -183,7 +198,7 @@ impl Part {
                 provenance.to_owned(),
             )]))
             .build();
-        let file = File::create(path)?;
+        let file = File::create_new(path)?;
         Ok(Part { writer: ArrowWriter::try_new(file, schema(columns), Some(properties))?, rows: 0 })
     }
 

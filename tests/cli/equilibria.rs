@@ -45,7 +45,8 @@ fn tables_agree_with_one_another() {
     let header = "point  speed_rad_s  normal_force  friction_coefficient   share  parts";
     assert_has(&text, &[header, "a1_plus", "b1", "0 .. 5.514e-5", "6                4"]);
     assert_eq!(text.lines().count(), 4);
-    let expected = ["frictionless.parquet", "set.parquet", "sets.parquet"].map(String::from);
+    let expected = ["files.json", "frictionless.parquet", "set.parquet", "sets.parquet"];
+    let expected = expected.map(String::from);
     assert_eq!(files(&scratch, "out"), expected.into_iter().collect());
 
     let set = scratch.table("out", "set");

@@ -2,6 +2,7 @@
 
 pub mod support;
 
+mod at_once;
 mod commands;
 mod directories;
 mod edited;
@@ -11,12 +12,14 @@ mod evaluate_requests;
 mod evaluate_tables;
 mod existence;
 mod expand;
+mod foreign;
 mod interrupt;
 mod limits;
 mod memory;
 mod merged;
 mod network;
 mod optimize;
+mod other_bits;
 mod progress;
 mod replay;
 mod report;

@@ -222,8 +222,10 @@ fn refusals() {
 #[test]
 fn a_directory_of_a_search() {
     let scratch = scratch();
-    fs::create_dir_all(scratch.path("here/evaluations.parquet.partial/table")).unwrap();
+    let left = "here/evaluations.parquet.abc123.stickslip-partial";
+    fs::create_dir_all(scratch.path(left).join("table")).unwrap();
     scratch.well("optimize block.yaml --out here --quiet");
+    assert!(!scratch.path(left).exists());
     fs::remove_file(scratch.path("here/evaluations.parquet")).unwrap();
     scratch.well("optimize block.yaml --out here --quiet");
     let text = fs::read_to_string(scratch.path("block.yaml")).unwrap();

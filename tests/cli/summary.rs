@@ -10,6 +10,7 @@ use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use parquet::file::metadata::KeyValue;
 use parquet::file::properties::WriterProperties;
 use serde_json::{Value, json};
+use sha2::{Digest, Sha256};
 
 use super::support::{
     AT_ONCE, Scratch, assert_has, counts, numbers, of_older_model, study_text, words,
@@ -261,7 +262,7 @@ fn what_has_no_tables_is_refused() {
     scratch.refused("summary out", &["another version", "version 0 of the model", "allowed: "]);
 }
 
-/// Writes a table again with other columns, and its size into the manifest.
+/// Writes a table again with other columns, and its size and hash into the manifest.
 pub fn rewrite(scratch: &Scratch, name: &str, change: impl Fn(RecordBatch) -> RecordBatch) {
     let entry = format!("{name}.parquet");
     let path = scratch.path("out").join(&entry);
@@ -276,6 +277,7 @@ pub fn rewrite(scratch: &Scratch, name: &str, change: impl Fn(RecordBatch) -> Re
     writer.close().unwrap();
     let mut manifest = scratch.manifest("out");
     manifest["files"][entry.as_str()]["bytes"] = size(&path).into();
+    manifest["files"][entry.as_str()]["sha256"] = sha256(&fs::read(&path).unwrap()).into();
     scratch.write("out/manifest.json", manifest.to_string());
 }
 
@@ -284,6 +286,10 @@ pub fn without(batch: RecordBatch, name: &str) -> RecordBatch {
     let index = batch.schema().index_of(name).unwrap();
     let kept: Vec<usize> = (0..batch.num_columns()).filter(|other| *other != index).collect();
     batch.project(&kept).unwrap()
+}
+
+pub fn sha256(content: &[u8]) -> String {
+    Sha256::digest(content).iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 fn size(path: &Path) -> u64 {
@@ -302,5 +308,5 @@ fn tables_that_are_not_as_they_should_be_are_refused() {
     scratch.write("out/points.parquet", &bytes[1..]);
     scratch.refused("summary out", &["points.parquet: this is not the file that was written"]);
     fs::remove_file(scratch.path("out/points.parquet")).unwrap();
-    scratch.refused("summary out", &["points.parquet: this is not the file", "stickslip run out/"]);
+    scratch.refused("summary out", &["points.parquet: this is not the file", "`stickslip resume out`"]);
 }

@@ -185,16 +185,46 @@ fn files_that_are_not_those_that_were_written_are_named() {
     refused(open(&more), &["not as many rows", "10 rows", "11, as manifest.json says"]);
     let bytes = fs::read(&path).unwrap();
     fs::write(&path, &bytes[..bytes.len() - 1]).unwrap();
-    refused(open(&manifest), &["not the file that was written", "stickslip run"]);
+    refused(open(&manifest), &["not the file that was written", "stickslip resume"]);
     fs::write(&path, vec![b'x'; bytes.len()]).unwrap();
-    refused(open(&manifest), &["t.parquet: not a readable Parquet file", "PAR1"]);
+    refused(open(&manifest), &["not the file that was written", "other content, with SHA-256"]);
+    let no_table = listing(&path, &manifest);
+    refused(open(&no_table), &["t.parquet: not a readable Parquet file", "PAR1"]);
     fs::remove_file(&path).unwrap();
     refused(open(&manifest), &["not the file that was written", "No such file"]);
     fs::create_dir(&path).unwrap();
     refused(open(&manifest), &["not a regular file"]);
 }
 
-/// Any byte of a file may be another one: the table is read or refused, and nothing panics.
+/// A manifest that says of a table that it is the file that is there.
+fn listing(path: &Path, manifest: &Manifest) -> Manifest {
+    let mut manifest = manifest.clone();
+    let entry = manifest.files.get_mut("t.parquet").unwrap();
+    *entry = FileEntry::of(path, entry.rows).unwrap();
+    manifest
+}
+
+/// Wherever a single bit is another one, the table is refused before anything of it is read.
+#[test]
+fn a_file_with_another_bit_is_refused() {
+    let (folder, manifest) = one_table(300, &right());
+    let path = folder.path().join("t.parquet");
+    let right = fs::read(&path).unwrap();
+    let bits = right.len() * 8;
+    for sample in 0..120 {
+        let bit = sample * bits / 120 + (sample * 7) % (bits / 120);
+        let mut bytes = right.clone();
+        bytes[bit / 8] ^= 1 << (bit % 8);
+        fs::write(&path, &bytes).unwrap();
+        let opened = Table::open(folder.path(), &manifest, "t");
+        refused(opened, &["t.parquet: this is not the file that was written", "other content"]);
+    }
+    fs::write(&path, &right).unwrap();
+    assert!(Table::open(folder.path(), &manifest, "t").is_ok());
+}
+
+/// Any byte of a file may be another one, and a foreign manifest may say so: the table is read or refused, and
+/// nothing panics.
 #[test]
 fn damaged_files_are_read_or_refused() {
     let (folder, manifest) = one_table(300, &right());
@@ -206,7 +236,7 @@ fn damaged_files_are_read_or_refused() {
         bytes[place] ^= 1 << (place % 8);
         fs::write(&path, &bytes).unwrap();
         let read = || -> Result<usize, TableError> {
-            let table = Table::open(folder.path(), &manifest, "t")?;
+            let table = Table::open(folder.path(), &listing(&path, &manifest), "t")?;
             table.read_all()?.map(|batch| batch.map(|batch| batch.rows)).sum()
         };
         match read() {

@@ -69,7 +69,10 @@ pub fn read_evaluations(
     if !path.exists() {
         return Ok(Vec::new());
     }
-    let (table, about) = Table::of_itself(directory, "evaluations")?;
+    let (table, about) = Table::of_itself(directory, "evaluations").map_err(|mut error| {
+        error.allowed += "; or this table removed: the search then begins anew, with the same designs";
+        error
+    })?;
     let other = |what: &str| {
         EvaluationsError::Other(format!(
             "{}: evaluations of another search\n  found:   another {what}\n  allowed: another directory with \

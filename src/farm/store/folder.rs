@@ -16,6 +16,7 @@ use super::StoreError;
 use super::chunk::Chunk;
 use crate::ending::MODEL_VERSION;
 use crate::farm::say;
+use crate::foreign::shown_path;
 use crate::table::{read_regular, sync_directory};
 
 /// The list of finished chunks, a line of JSON each.
@@ -63,7 +64,7 @@ pub(super) struct Folder {
 
 /// A file and what is wrong with it.
 fn fault(path: &Path, what: impl std::fmt::Display) -> String {
-    format!("{}: {what}", path.display())
+    format!("{}: {what}", shown_path(path))
 }
 
 impl Folder {
@@ -97,7 +98,7 @@ impl Folder {
                     if damaged <= MOST_TOLD {
                         say(&format!(
                             "{}: line {} is damaged: the runs of its chunk are computed again",
-                            list.display(),
+                            shown_path(&list),
                             index + 1
                         ));
                     }
@@ -105,7 +106,7 @@ impl Folder {
             }
         }
         if damaged > MOST_TOLD {
-            say(&format!("{}: {damaged} lines are damaged in all", list.display()));
+            say(&format!("{}: {damaged} lines are damaged in all", shown_path(&list)));
         }
         let next = Self::next_number(&path, &listed);
         Ok(Folder { path, study_hash: study_hash.to_owned(), listed, next })

@@ -50,6 +50,27 @@ impl Budget {
     }
 }
 
+/// The tables of a results directory that a report reads, all their files checked.
+#[derive(Clone, Debug)]
+pub struct ResultTables {
+    points: Table,
+    runs: Table,
+    rest: Table,
+    cycles: Table,
+}
+
+impl ResultTables {
+    /// Opens the tables.
+    ///
+    /// # Errors
+    /// Where a table is missing or is not the one that was written.
+    pub fn open(directory: &Path, manifest: &Manifest) -> Result<Self, TableError> {
+        let open = |name: &str| Table::open(directory, manifest, name);
+        let (points, runs) = (open("points")?, open("runs")?);
+        Ok(ResultTables { points, runs, rest: open("rest")?, cycles: open("cycles")? })
+    }
+}
+
 /// Results as a report needs them.
 #[derive(Clone, Debug)]
 pub struct Gathered<'a> {
@@ -79,23 +100,21 @@ impl<'a> Gathered<'a> {
     /// Reads the tables of a results directory.
     ///
     /// # Errors
-    /// Where a table is missing, is not the one that was written, or lacks a column.
+    /// Where a table lacks a column or cannot be read.
     pub fn read(
-        directory: &Path,
+        tables: &ResultTables,
         study: &'a Study,
         manifest: &'a Manifest,
         budget: Budget,
     ) -> Result<Self, TableError> {
-        let open = |name: &str| Table::open(directory, manifest, name);
-        let table = open("points")?;
-        let point_count = table.rows();
-        let points = points::read(study, &table)?;
+        let point_count = tables.points.rows();
+        let points = points::read(study, &tables.points)?;
         let detailed = evenly(points.len(), budget.details);
         let of: Vec<&PointFacts> = detailed.iter().filter_map(|&place| points.get(place)).collect();
-        let (runs, notable) = runs::read(study, &open("runs")?, &of, budget.runs)?;
+        let (runs, notable) = runs::read(study, &tables.runs, &of, budget.runs)?;
         let shown: Vec<u64> = of.iter().map(|point| point.point_id).collect();
-        let rest = rest::read(&open("rest")?, &shown)?;
-        let cycles = cycles::read(&open("cycles")?)?;
+        let rest = rest::read(&tables.rest, &shown)?;
+        let cycles = cycles::read(&tables.cycles)?;
         Ok(Gathered {
             study,
             manifest,

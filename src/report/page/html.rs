@@ -1,5 +1,7 @@
 //! Text of a page, escaped.
 
+use crate::foreign::is_acted_on;
+
 /// A page that grows line by line.
 #[derive(Debug, Default)]
 pub struct Html(String);
@@ -50,7 +52,7 @@ pub fn escaped(text: &str) -> String {
             '>' => escaped += "&gt;",
             '"' => escaped += "&quot;",
             '\n' | '\t' => escaped.push(c),
-            c if c.is_control() => escaped.push('\u{fffd}'),
+            c if is_acted_on(c) => escaped.push('\u{fffd}'),
             c => escaped.push(c),
         }
     }

@@ -13,6 +13,7 @@ use serde_json::json;
 
 use super::chart::Figure;
 use super::gathered::Gathered;
+use crate::foreign::{harmless_json, shell_word, shown_path};
 use html::{Html, escaped};
 
 const PAGE: &str = include_str!("assets/page.html");
@@ -65,15 +66,15 @@ pub fn page(directory: &Path, gathered: &Gathered<'_>, figures: &[Figure]) -> St
         body.element("pre", "", &study);
         body.line("</details></section>\n</main>");
     } else {
-        let file = escaped(&directory.join("study.yaml").display().to_string());
+        let file = escaped(&shown_path(&directory.join("study.yaml")));
         body.line(&format!("<p>It is long: see {file}.</p></section>\n</main>"));
     }
     let data = json!({
-        "directory": quoted(directory),
+        "directory": shell_word(directory),
         "figures": figures.iter().map(encode::figure).collect::<Vec<_>>(),
     });
     // Nothing in the data can end the script that holds it.
-    let data = data.to_string().replace('<', "\\u003c");
+    let data = harmless_json(&data.to_string()).replace('<', "\\u003c");
     let parts = [
         ("<!--title-->", escaped(&format!("{name}: stickslip report"))),
         ("<!--style-->", STYLE.to_owned()),
@@ -112,37 +113,13 @@ fn section(body: &mut Html, figure: &Figure) {
     body.line("</figcaption></figure>\n</section>");
 }
 
-/// A directory as a shell takes it.
-fn quoted(directory: &Path) -> String {
-    let mut text = directory.display().to_string();
-    if text.starts_with('-') {
-        // No command takes it for an option.
-        text.insert_str(0, "./");
-    }
-    let plain = |c: char| c.is_alphanumeric() || "/._-+:,@%=".contains(c);
-    if !text.is_empty() && text.chars().all(plain) {
-        return text;
-    }
-    format!("'{}'", text.replace('\'', "'\\''"))
-}
-
 #[cfg(test)]
 mod tests {
-    use std::path::Path;
-
-    use super::{fill, quoted};
+    use super::fill;
 
     #[test]
     fn what_is_put_in_is_not_looked_at_again() {
         let parts = [("<!--a-->", "<!--b-->".to_owned()), ("<!--b-->", "2".to_owned())];
         assert_eq!(fill("1 <!--a--> <!--b--> 3", &parts), "1 <!--b--> 2 3");
-    }
-
-    #[test]
-    fn directories_for_a_shell() {
-        assert_eq!(quoted(Path::new("results/night-1")), "results/night-1");
-        assert_eq!(quoted(Path::new("-x")), "./-x");
-        assert_eq!(quoted(Path::new("my results")), "'my results'");
-        assert_eq!(quoted(Path::new("it's; rm")), "'it'\\''s; rm'");
     }
 }

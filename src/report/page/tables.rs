@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use super::html::{Html, escaped};
-use super::quoted;
 use crate::ending::Label;
+use crate::foreign::{one_line, shell_word};
 use crate::model::Method;
 use crate::report::figures::significant;
 use crate::report::gathered::{Gathered, Notable, PointFacts, Share, said};
@@ -12,6 +12,8 @@ use crate::study::ParameterKind;
 
 /// Longer tables are folded, so that figures are not far away.
 const SHORT_TABLE: usize = 24;
+/// The most characters of what went wrong in a run.
+const LONGEST_ERROR: usize = 400;
 /// Most rows of a table.
 const MOST_ROWS: usize = 200;
 
@@ -80,7 +82,7 @@ pub fn warnings(body: &mut Html, directory: &Path, gathered: &Gathered<'_>) {
              {bound}{planned} runs are missing ({share:.1} %): what follows is of the {finished} runs \
              that have finished, and points whose runs came last may have none. <code \
              class=\"command\">stickslip resume {}</code> computes the rest.</p>",
-            escaped(&quoted(directory)),
+            escaped(&shell_word(directory)),
         ));
     }
     let count = |label: Label| manifest.labels.get(label.name()).copied().unwrap_or(0);
@@ -167,7 +169,7 @@ pub fn points(body: &mut Html, directory: &Path, gathered: &Gathered<'_>) {
     if long {
         body.line("</details>");
     }
-    let dir = escaped(&quoted(directory));
+    let dir = escaped(&shell_word(directory));
     if gathered.point_count > rows.len() as u64 {
         body.line(&format!(
             "<p>The first {} of {} points; <code class=\"command\">stickslip summary {dir} --points \
@@ -189,7 +191,7 @@ pub fn notable(body: &mut Html, directory: &Path, gathered: &Gathered<'_>) {
     }
     let head =
         ["run", "label", "evidence", "computed more precisely", "what went wrong", "to see it"];
-    let dir = escaped(&quoted(directory));
+    let dir = escaped(&shell_word(directory));
     let row = |run: &Notable| {
         let Notable { run_id, label, evidence, audited, error } = run;
         let words = |text: &str| escaped(&text.replace('_', " "));
@@ -198,7 +200,7 @@ pub fn notable(body: &mut Html, directory: &Path, gathered: &Gathered<'_>) {
             words(label),
             words(evidence),
             audited.as_deref().map_or_else(|| "–".to_owned(), words),
-            format!("<span class=\"free\">{}</span>", escaped(error)),
+            format!("<span class=\"free\">{}</span>", escaped(&one_line(error, LONGEST_ERROR))),
             format!("<code>stickslip replay {dir} {run_id}</code>"),
         ]
     };

@@ -3,6 +3,7 @@
 use std::fmt::Write;
 
 use super::scene::{Anchor, Box2, Item, Paint, Scene, Step, Stroke};
+use crate::foreign::is_acted_on;
 use crate::report::chart::Figure;
 use crate::table::VERSION;
 
@@ -27,7 +28,7 @@ pub fn escaped(text: &str) -> String {
             '"' => safe.push_str("&quot;"),
             '\n' => safe.push('\n'),
             '\u{fffe}' | '\u{ffff}' => safe.push(' '),
-            letter if letter.is_control() => safe.push(' '),
+            letter if is_acted_on(letter) => safe.push(' '),
             letter => safe.push(letter),
         }
     }

@@ -3,7 +3,7 @@
 use std::f64::consts::{PI, TAU};
 
 use stickslip::report::chart::{Figure, Mark, Symbol};
-use stickslip::report::{Budget, Gathered, of_results};
+use stickslip::report::{Budget, Gathered, ResultTables, of_results};
 use stickslip::table::Manifest;
 
 use super::shipped;
@@ -40,7 +40,8 @@ fn dots_are_densest_at_the_balancing_positions() {
     let directory = scratch.path("out");
     let manifest = Manifest::read(&directory).unwrap().unwrap();
     let study = shipped("preferred-equilibria");
-    let gathered = Gathered::read(&directory, &study, &manifest, Budget::SCREEN).unwrap();
+    let tables = ResultTables::open(&directory, &manifest).unwrap();
+    let gathered = Gathered::read(&tables, &study, &manifest, Budget::SCREEN).unwrap();
     let figures = of_results(&gathered);
     let figure = figures.iter().find(|figure| figure.id == "preferred-equilibria").unwrap();
     assert_eq!(figure.panels.len(), 6);

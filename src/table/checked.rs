@@ -1,0 +1,98 @@
+//! Files are the ones that were written, by what a list of them says: their kind, their size and their hash.
+//!
+//! Nothing of a directory is shown before every file that it comes from has been checked, each once.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Component, Path, PathBuf};
+
+use super::manifest::FileEntry;
+use super::read::TableError;
+use crate::foreign::is_acted_on;
+use crate::study::Fault;
+
+/// Whether a name on a list is that of a file in the directory itself, or below it, and can be shown.
+pub(super) fn is_file_name(name: &str) -> bool {
+    let inside = |part: Component<'_>| matches!(part, Component::Normal(_));
+    !name.is_empty()
+        && !name.chars().any(is_acted_on)
+        && Path::new(name).components().all(inside)
+}
+
+/// Files of a directory as a list in it has them.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Listed<'a> {
+    /// The directory.
+    pub directory: &'a Path,
+    /// The name of the list.
+    pub list: &'a str,
+    /// Its entries.
+    pub files: &'a BTreeMap<String, FileEntry>,
+    /// What to do about a file that is another one.
+    pub remedy: &'a str,
+}
+
+impl<'a> Listed<'a> {
+    /// The entries of a table, by its name without `.parquet`: its file, or those of its parts in their order.
+    pub fn of_table(self, name: &str) -> impl Iterator<Item = (&'a str, &'a FileEntry)> {
+        let file = format!("{name}.parquet");
+        let of_table = move |entry: &str| {
+            entry.strip_prefix(&file).is_some_and(|rest| rest.is_empty() || rest.starts_with('/'))
+        };
+        let files = self.files.iter().map(|(name, entry)| (name.as_str(), entry));
+        files.filter(move |(name, _)| of_table(name))
+    }
+
+    /// Checks a file and returns its path.
+    ///
+    /// # Errors
+    /// Where it is missing, cannot be read, or is not the file that was written.
+    pub fn check(self, name: &str, expected: &FileEntry) -> Result<PathBuf, TableError> {
+        let path = self.directory.join(name);
+        let changed = |found: String| {
+            let FileEntry { bytes, sha256, .. } = expected;
+            let allowed = format!(
+                "{bytes} bytes with SHA-256 {}..., as {} says; {}",
+                sha256.chars().take(12).collect::<String>(),
+                self.list,
+                self.remedy
+            );
+            let problem = "this is not the file that was written";
+            TableError::new(&path, None, Fault::new(problem, found, allowed))
+        };
+        // Asked before it is opened: opening a named pipe would wait for a writer.
+        let found = fs::metadata(&path).map_err(|error| changed(error.to_string()))?;
+        if !found.is_file() {
+            return Err(changed("not a regular file".to_owned()));
+        }
+        if found.len() != expected.bytes {
+            return Err(changed(format!("{} bytes", found.len())));
+        }
+        let content = FileEntry::of(&path, expected.rows);
+        let content = content.map_err(|error| changed(error.to_string()))?;
+        match content == *expected {
+            true => Ok(path),
+            false => Err(changed(format!(
+                "other content, with SHA-256 {}...",
+                content.sha256.chars().take(12).collect::<String>()
+            ))),
+        }
+    }
+
+    /// Checks all files of the list.
+    #[cfg(test)]
+    pub fn check_all(self) -> Result<(), TableError> {
+        self.files.iter().try_for_each(|(name, entry)| self.check(name, entry).map(drop))
+    }
+
+    /// Checks all files of a table and returns their paths and numbers of rows.
+    ///
+    /// # Errors
+    /// As for [`Self::check`].
+    pub fn check_table(self, name: &str) -> Result<Vec<(PathBuf, u64)>, TableError> {
+        let checked = self.of_table(name).map(|(name, entry)| {
+            self.check(name, entry).map(|path| (path, entry.rows.unwrap_or(0)))
+        });
+        checked.collect()
+    }
+}

@@ -1,0 +1,192 @@
+//! Files and directories under temporary names, until they are whole and get their own.
+//!
+//! A temporary name is that of the file it will become with six random letters and an ending that nobody else
+//! uses: `r.parquet.x4kT0b.stickslip-partial`. It is taken exclusively, so that it belongs to one
+//! process alone, and is given free when the value goes out of scope. What a process that was killed has left
+//! can be told from everything else by its name; in a directory that is under a lock the next process clears
+//! it away.
+
+use std::fs;
+use std::io;
+use std::path::Path;
+
+use tempfile::{Builder, NamedTempFile, TempDir};
+
+/// What all temporary names end with.
+const ENDING: &str = ".stickslip-partial";
+/// How many random letters and digits they have.
+const RANDOM: usize = 6;
+
+/// The name that a temporary file or directory will get, by its temporary name; none of another name.
+pub(super) fn will_become(name: &str) -> Option<&str> {
+    let (target, random) = name.strip_suffix(ENDING)?.rsplit_once('.')?;
+    let usual = random.len() == RANDOM && random.bytes().all(|byte| byte.is_ascii_alphanumeric());
+    (usual && !target.is_empty()).then_some(target)
+}
+
+/// Calls a function with a builder of temporary names beside `target`, and the directory.
+fn beside<T>(
+    target: &Path,
+    make: impl FnOnce(&mut Builder<'_, '_>, &Path) -> io::Result<T>,
+) -> io::Result<T> {
+    let mut prefix = target.file_name().unwrap_or_default().to_owned();
+    prefix.push(".");
+    let mut builder = Builder::new();
+    make(builder.prefix(&prefix).suffix(ENDING).rand_bytes(RANDOM), parent(target))
+}
+
+/// The directory that a file is in.
+pub(super) fn parent(path: &Path) -> &Path {
+    path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."))
+}
+
+/// A directory beside `target`, for this process alone.
+pub(super) fn directory(target: &Path) -> io::Result<TempDir> {
+    beside(target, |builder, parent| builder.tempdir_in(parent))
+}
+
+/// An empty file beside `target`, for this process alone, which others may read once it has its name.
+fn file(target: &Path) -> io::Result<NamedTempFile> {
+    beside(target, |builder, parent| {
+        #[cfg(unix)]
+        {
+            use std::os::unix::fs::PermissionsExt;
+            builder.permissions(fs::Permissions::from_mode(0o666));
+        }
+        builder.tempfile_in(parent)
+    })
+}
+
+/// Writes a file under a temporary name, syncs it and renames it.
+///
+/// # Errors
+/// Where it cannot be written or renamed; nothing of it is left then.
+pub fn write_atomically(path: &Path, content: &[u8]) -> io::Result<()> {
+    use std::io::Write;
+    let mut file = file(path)?;
+    file.write_all(content)?;
+    file.as_file().sync_all()?;
+    file.persist(path).map_err(|error| error.error)?;
+    sync_directory(parent(path))
+}
+
+/// Makes what has been made and renamed in a directory last through a power cut.
+///
+/// # Errors
+/// Where it cannot be done. File systems that know of no such thing are left alone.
+pub fn sync_directory(directory: &Path) -> io::Result<()> {
+    if !cfg!(unix) {
+        return Ok(());
+    }
+    let here = if directory.as_os_str().is_empty() { Path::new(".") } else { directory };
+    match fs::File::open(here)?.sync_all() {
+        Err(error) if error.kind() == io::ErrorKind::InvalidInput => Ok(()),
+        other => other,
+    }
+}
+
+/// Whether a name in a directory is one of `names`, or a temporary one of them.
+pub(crate) fn is_one_of(name: &str, names: &[&str]) -> bool {
+    names.contains(&will_become(name).unwrap_or(name))
+}
+
+/// Removes what killed processes have left of the files `names` in a directory that is under a lock: under temporary
+/// names only, never what has another name.
+///
+/// # Errors
+/// Where it cannot be removed.
+pub fn clear_temporaries(directory: &Path, names: &[&str]) -> io::Result<()> {
+    for entry in fs::read_dir(directory)? {
+        let entry = entry?;
+        let name = entry.file_name();
+        if !name.to_str().and_then(will_become).is_some_and(|target| names.contains(&target)) {
+            continue;
+        }
+        // Of a link the link itself.
+        match entry.file_type()?.is_dir() {
+            true => fs::remove_dir_all(entry.path())?,
+            false => fs::remove_file(entry.path())?,
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fs;
+
+    use tempfile::tempdir;
+
+    use super::{clear_temporaries, directory, file, will_become, write_atomically};
+
+    #[test]
+    fn temporary_names_are_unique_and_known_again() {
+        let scratch = tempdir().unwrap();
+        let target = scratch.path().join("r.parquet");
+        let (one, other) = (directory(&target).unwrap(), directory(&target).unwrap());
+        assert_ne!(one.path(), other.path());
+        for path in [one.path(), other.path(), file(&target).unwrap().path()] {
+            let name = path.file_name().unwrap().to_str().unwrap();
+            assert_eq!(will_become(name), Some("r.parquet"), "{name}");
+        }
+        for name in [
+            "r.parquet",
+            "r.parquet.partial",
+            "r.parquet.stickslip-partial",
+            "r.parquet.abc.stickslip-partial",
+            "r.parquet.abc-ef.stickslip-partial",
+            "r.parquet.abcdef.stickslip-partial2",
+            ".abcdef.stickslip-partial",
+        ] {
+            assert_eq!(will_become(name), None, "{name}");
+        }
+    }
+
+    #[test]
+    fn files_are_written_whole_or_not_at_all() {
+        let scratch = tempdir().unwrap();
+        let path = scratch.path().join("a.json");
+        fs::write(scratch.path().join("a.json.partial"), "mine").unwrap();
+        write_atomically(&path, b"one").unwrap();
+        write_atomically(&path, b"two").unwrap();
+        assert_eq!(fs::read_to_string(&path).unwrap(), "two");
+        assert_eq!(fs::read_to_string(scratch.path().join("a.json.partial")).unwrap(), "mine");
+        #[cfg(unix)]
+        {
+            use std::os::unix::fs::PermissionsExt;
+            let mode = |name: &str| {
+                let found = fs::metadata(scratch.path().join(name)).unwrap();
+                found.permissions().mode()
+            };
+            assert_eq!(mode("a.json"), mode("a.json.partial"), "as any new file");
+        }
+        // A directory does not give way; nothing is left of the try.
+        fs::create_dir_all(scratch.path().join("b/full")).unwrap();
+        assert!(write_atomically(&scratch.path().join("b"), b"x").is_err());
+        assert_eq!(fs::read_dir(scratch.path()).unwrap().count(), 3);
+    }
+
+    #[test]
+    fn only_temporaries_of_these_files_are_cleared_away() {
+        let scratch = tempdir().unwrap();
+        let kept = [
+            "a.parquet",
+            "a.parquet.partial",
+            "c.parquet.abcdef.stickslip-partial",
+            "a.parquet.abc.stickslip-partial",
+        ];
+        kept.iter().for_each(|name| fs::write(scratch.path().join(name), "kept").unwrap());
+        let gone = ["a.parquet.abcdef.stickslip-partial", "b.json.012345.stickslip-partial"];
+        fs::create_dir_all(scratch.path().join(gone[0]).join("table")).unwrap();
+        fs::write(scratch.path().join(gone[1]), "half").unwrap();
+        clear_temporaries(scratch.path(), &["a.parquet", "b.json"]).unwrap();
+        let mut left: Vec<String> = fs::read_dir(scratch.path())
+            .unwrap()
+            .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+            .collect();
+        left.sort();
+        let mut kept = kept.to_vec();
+        kept.sort_unstable();
+        assert_eq!(left, kept);
+    }
+}

@@ -1,0 +1,142 @@
+//! Two processes that write the same table at the same time, and files of the user beside it.
+
+#![cfg(unix)]
+
+use std::fs;
+use std::process::{Child, Command};
+
+use stickslip::table::EquilibriumFiles;
+
+use super::evaluate::BALLS;
+use super::support::{AT_ONCE, Ended, Scratch, study_text, table};
+
+/// The temporary names in a directory.
+fn temporaries(scratch: &Scratch) -> Vec<String> {
+    let names = fs::read_dir(scratch.path(".")).unwrap().map(|entry| entry.unwrap().file_name());
+    let names = names.map(|name| name.into_string().unwrap());
+    names.filter(|name| name.ends_with("partial") && !name.starts_with("mine")).collect()
+}
+
+fn signal(child: &Child, name: &str) {
+    let sent = Command::new("kill").args([name, &child.id().to_string()]).status().unwrap();
+    assert!(sent.success());
+}
+
+/// Starts a program, holds it where it has begun its table, runs a second one to its end, and lets the first one
+/// go on. Both end well, and whenever one has, the table is whole and its own.
+fn both_end_well(scratch: &Scratch, first: &str, second: &str, rows: [usize; 2]) {
+    let rows_now = || table(&scratch.path("r.parquet")).num_rows();
+    let mut held = scratch.command(first).spawn().unwrap();
+    while temporaries(scratch).is_empty() {
+        assert!(held.try_wait().unwrap().is_none(), "it has ended before it was held");
+        std::thread::yield_now();
+    }
+    signal(&held, "-STOP");
+    let ended = scratch.stickslip(second);
+    let now = if ended.code == Some(0) { rows_now() } else { 0 };
+    signal(&held, "-CONT");
+    assert_eq!((ended.code, now), (Some(0), rows[1]), "{}", ended.err);
+    let ended = Ended::of(held.wait_with_output().unwrap());
+    assert_eq!(ended.code, Some(0), "{}", ended.err);
+    assert_eq!(rows_now(), rows[0]);
+    assert_eq!(temporaries(scratch), [""; 0]);
+}
+
+fn with_files_of_the_user() -> Scratch {
+    let scratch = Scratch::new();
+    // What a program that knows no better would take for its own.
+    scratch.write("r.parquet.partial", "years of work");
+    fs::rename(scratch.path("r.parquet.partial"), scratch.path("mine.partial")).unwrap();
+    scratch
+}
+
+#[test]
+fn two_evaluations() {
+    let scratch = with_files_of_the_user();
+    scratch.write("balls.yaml", BALLS);
+    let designs = |count: usize| {
+        let lines = (0..count).map(|n| format!("{},2,steel\n", -260.0 + 100.0 * n as f64 / 400.0));
+        "speed_rad_s,balls,material\n".to_owned() + &lines.collect::<String>()
+    };
+    scratch.write("many.csv", designs(400));
+    scratch.write("few.csv", designs(2));
+    let command = |designs| format!("evaluate balls.yaml --designs {designs} --out r.parquet -q");
+    both_end_well(&scratch, &command("many.csv"), &command("few.csv"), [400, 2]);
+}
+
+#[test]
+fn two_expansions() {
+    let scratch = with_files_of_the_user();
+    scratch.write("many.yaml", study_text("many", "{monte_carlo: {samples: 600000}}", AT_ONCE, ""));
+    scratch.write("few.yaml", study_text("few", "{monte_carlo: {samples: 7}}", AT_ONCE, ""));
+    let command = |study| format!("expand {study} --out r.parquet");
+    both_end_well(&scratch, &command("many.yaml"), &command("few.yaml"), [600_000, 7]);
+}
+
+/// Whatever the user has beside a table, under whatever name, is there afterwards.
+#[test]
+fn files_of_the_user_are_left_alone() {
+    let scratch = Scratch::new();
+    scratch.write("a.yaml", study_text("a", "{monte_carlo: {samples: 3}}", AT_ONCE, ""));
+    scratch.write("r.parquet.partial", "years of work");
+    fs::create_dir_all(scratch.path("s.parquet.partial/table")).unwrap();
+    scratch.write("s.parquet.partial/table/mine", "years of work");
+    let before = scratch.files();
+    scratch.well("expand a.yaml --out r.parquet");
+    scratch.well("expand a.yaml --out s.parquet");
+    let mut after = scratch.files();
+    assert!(after.remove(&scratch.path("r.parquet")).is_some());
+    assert!(after.remove(&scratch.path("s.parquet")).is_some());
+    assert_eq!(after, before);
+}
+
+/// A table that could not be written leaves nothing.
+#[test]
+fn nothing_is_left_of_a_table_that_failed() {
+    let scratch = Scratch::new();
+    scratch.write("a.yaml", study_text("a", "{monte_carlo: {samples: 3}}", AT_ONCE, ""));
+    let before = scratch.files();
+    let ended = scratch.stickslip("expand a.yaml --out nowhere/r.parquet");
+    assert_eq!(ended.code, Some(2), "{}", ended.err);
+    assert_eq!(scratch.files(), before);
+}
+
+/// A directory is claimed by one process, and what it has begun is not mixed with the files of another one.
+#[test]
+fn a_replay_has_its_directory_alone() {
+    let scratch = Scratch::new();
+    scratch.write("a.yaml", study_text("a", "{monte_carlo: {samples: 3}}", 0.02, ""));
+    scratch.well("run a.yaml --out out -q");
+    let claim = EquilibriumFiles::claim(&scratch.path("motion")).unwrap();
+    let second = EquilibriumFiles::claim(&scratch.path("motion"));
+    let message = second.err().unwrap().to_string();
+    assert!(message.contains("another process writes into this directory"), "{message}");
+    scratch.refused("replay out 1 --out motion", &["motion: this directory is not empty"]);
+    drop(claim);
+    scratch.well("replay out 1 --out motion");
+    let mut names: Vec<_> = scratch.files().into_keys().collect();
+    names.retain(|path| path.parent() == Some(&scratch.path("motion")));
+    assert_eq!(names.len(), 5, "{names:?}");
+}
+
+/// What killed processes have left in a directory of results is cleared away by the next one, and nothing else.
+#[test]
+fn leftovers_in_results_do_not_accumulate() {
+    let scratch = Scratch::new();
+    scratch.write("a.yaml", study_text("a", "{monte_carlo: {samples: 3}}", AT_ONCE, ""));
+    fs::create_dir_all(scratch.path("out/runs.parquet.abc123.stickslip-partial/table")).unwrap();
+    scratch.write("out/study.yaml.XYZ987.stickslip-partial", "half");
+    scratch.well("run a.yaml --out out -q");
+    scratch.well("run a.yaml --out alone -q");
+    let names = |directory: &str| {
+        let entries = fs::read_dir(scratch.path(directory)).unwrap();
+        let mut names: Vec<_> = entries.map(|entry| entry.unwrap().file_name()).collect();
+        names.sort();
+        names
+    };
+    assert_eq!(names("out"), names("alone"));
+    // Other names are the user's: that is no directory of results.
+    fs::create_dir(scratch.path("other")).unwrap();
+    scratch.write("other/runs.parquet.partial", "mine");
+    scratch.refused("run a.yaml --out other", &["other: this directory is not empty"]);
+}

@@ -1,0 +1,121 @@
+//! Whatever is shown was checked: a file with a single other bit is named and refused, wherever the bit is.
+
+use std::fs;
+
+use super::evaluate::BLOCK;
+use super::summary::finished;
+use super::support::{Scratch, assert_has};
+
+/// How many places are tried.
+const PLACES: usize = 120;
+
+/// Puts other bits into a file, one at a time, all over it; calls `look` with each, and puts it right again.
+fn with_other_bits(scratch: &Scratch, name: &str, places: usize, look: impl Fn(usize)) {
+    let right = fs::read(scratch.path(name)).unwrap();
+    let bits = right.len() * 8;
+    for sample in 0..places {
+        // Even distances, and a step within them that takes all bits of bytes.
+        let bit = (sample * bits / places + sample * 7).min(bits - 1);
+        let mut wrong = right.clone();
+        wrong[bit / 8] ^= 1 << (bit % 8);
+        scratch.write(name, wrong);
+        look(bit);
+    }
+    scratch.write(name, right);
+}
+
+#[track_caller]
+fn refused(scratch: &Scratch, command: &str, name: &str, bit: usize) {
+    let ended = scratch.stickslip(command);
+    let seen = (ended.code, ended.out.as_str());
+    assert_eq!(seen, (Some(2), ""), "{command}, bit {bit}: {}", ended.err);
+    assert_has(&ended.err, &[name, "allowed: "]);
+}
+
+#[test]
+fn of_results() {
+    let (scratch, _) = finished();
+    with_other_bits(&scratch, "out/points.parquet", PLACES, |bit| {
+        refused(&scratch, "summary out", "points.parquet: this is not the file", bit);
+    });
+    for name in ["points", "runs", "rest", "cycles"] {
+        let name = format!("{name}.parquet");
+        with_other_bits(&scratch, &format!("out/{name}"), 10, |bit| {
+            refused(&scratch, "report out", &name, bit);
+            refused(&scratch, "report out --figures svg", &name, bit);
+        });
+    }
+    with_other_bits(&scratch, "out/runs.parquet", 10, |bit| {
+        refused(&scratch, "replay out 1", "runs.parquet: this is not the file", bit);
+    });
+    with_other_bits(&scratch, "out/study.yaml", 40, |bit| {
+        refused(&scratch, "summary out", "study", bit);
+    });
+    scratch.well("summary out");
+    scratch.well("report out");
+}
+
+/// Numbers of runs in a manifest agree with one another, or it is refused.
+#[test]
+fn of_a_manifest() {
+    let (scratch, _) = finished();
+    let text = fs::read_to_string(scratch.path("out/manifest.json")).unwrap();
+    for (key, other) in [("\"runs_finished\": 60", "\"runs_finished\": 61"), ("failed\": ", "failed\": 1")] {
+        assert!(text.contains(key));
+        scratch.write("out/manifest.json", text.replacen(key, other, 1));
+        refused(&scratch, "summary out", "manifest.json is damaged", 0);
+    }
+}
+
+#[test]
+fn of_a_search() {
+    let scratch = Scratch::new();
+    scratch.write("block.yaml", format!("{BLOCK}optimize: {{minimize: stop, designs: 12}}\n"));
+    scratch.well("optimize block.yaml --out search -q");
+    let name = "search/evaluations.parquet";
+    with_other_bits(&scratch, name, PLACES, |bit| {
+        refused(&scratch, "optimize block.yaml --out search", "evaluations.parquet: this is not", bit);
+    });
+    // Another list: either it cannot be read, or it says that the table is another one, or nothing that is
+    // used has changed.
+    let best = fs::read(scratch.path("search/optimum.json")).unwrap();
+    with_other_bits(&scratch, "search/files.json", PLACES, |bit| {
+        let before = fs::read(scratch.path(name)).unwrap();
+        let ended = scratch.stickslip("optimize block.yaml --out search -q");
+        assert!([Some(0), Some(2)].contains(&ended.code), "bit {bit}: {}", ended.err);
+        assert_eq!(fs::read(scratch.path(name)).unwrap(), before);
+        assert_eq!(fs::read(scratch.path("search/optimum.json")).unwrap(), best);
+    });
+    // Without the list nobody knows; without the table the search begins anew and ends in the same.
+    let evaluations = fs::read(scratch.path(name)).unwrap();
+    fs::remove_file(scratch.path("search/files.json")).unwrap();
+    scratch.refused("optimize block.yaml --out search", &["nothing says what was written"]);
+    fs::remove_file(scratch.path(name)).unwrap();
+    scratch.well("optimize block.yaml --out search -q");
+    assert_eq!(fs::read(scratch.path(name)).unwrap(), evaluations);
+    assert_eq!(fs::read(scratch.path("search/optimum.json")).unwrap(), best);
+    // What is not gone on from is made again, and said.
+    scratch.write("search/optimum.json", "{}");
+    let ended = scratch.stickslip("optimize block.yaml --out search -q");
+    assert_eq!(ended.code, Some(0), "{}", ended.err);
+    assert_has(&ended.err, &["optimum.json has been changed since it was written"]);
+    assert_eq!(fs::read(scratch.path("search/optimum.json")).unwrap(), best);
+}
+
+/// Figures of directories without a manifest.
+#[test]
+fn of_sets_and_motions() {
+    let (scratch, _) = finished();
+    scratch.well("equilibria out/study.yaml --grid 32 --out sets -q");
+    scratch.well("replay out 1 --out motion");
+    for name in ["sets/frictionless.parquet", "motion/trajectory.parquet"] {
+        let directory = name.split('/').next().unwrap();
+        let command = format!("report {directory} --figures svg");
+        with_other_bits(&scratch, name, 10, |bit| {
+            refused(&scratch, &command, "this is not the file that was written", bit);
+        });
+        scratch.well(&command);
+        fs::remove_file(scratch.path(directory).join("files.json")).unwrap();
+        refused(&scratch, &command, "nothing says what was written", 0);
+    }
+}
