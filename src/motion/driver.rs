@@ -4,6 +4,7 @@
 //! a condition of that fails ends the step, and the method (the switch model or its limit) says
 //! what comes next; no step crosses a switch, so that the integrator keeps its order.
 
+use super::cancellation::unwind_if_cancelled;
 use super::contact::{Phase, SmoothPhase, check_forces, derivative};
 use super::dop853::Step;
 use super::first_switch::{FirstSwitch, LastStep};
@@ -297,6 +298,7 @@ impl<'a, S: System<N, FREE>, const N: usize, const FREE: usize> Motion<'a, S, N,
     fn sound_step(&mut self, until: f64) -> Result<(Step<N, f64, FREE>, f64), Failure> {
         let phase = SmoothPhase::new(self.system, &self.phases);
         loop {
+            unwind_if_cancelled();
             let effort = self.effort;
             if effort.steps + effort.rejected_steps + effort.switches >= self.settings.effort_limit
             {

@@ -1,6 +1,7 @@
 //! How the system moves: integration of smooth phases, stick and slip, switches between them.
 
 mod ambiguity;
+mod cancellation;
 mod contact;
 mod dop853;
 mod dop853_tableau;
@@ -16,6 +17,8 @@ mod settings;
 mod switch_model;
 mod variation;
 
+pub(crate) use cancellation::unwind_if_cancelled;
+pub use cancellation::{Cancellation, is_cancelled};
 pub use contact::{Phase, contacts, derivative, forces, stick_reserve};
 pub use dop853::{Step, Tolerance};
 pub use driver::{Motion, SLOW};

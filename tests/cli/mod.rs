@@ -11,6 +11,7 @@ mod evaluate_requests;
 mod evaluate_tables;
 mod existence;
 mod expand;
+mod hopeless;
 mod interrupt;
 mod limits;
 mod memory;
