@@ -9,7 +9,7 @@ use super::contact::{Phase, SmoothPhase, check_forces, derivative};
 use super::dop853::Step;
 use super::first_switch::{FirstSwitch, LastStep};
 use super::guard::Margins;
-use super::settings::{Effort, Settings};
+use super::settings::{Effort, Settings, most_steps_by};
 use super::{Failure, event_driven, switch_model};
 use crate::model::{Forces, Method, State, System};
 
@@ -23,6 +23,7 @@ pub struct Motion<'a, S, const N: usize, const FREE: usize = 2> {
     settings: Settings,
     margins: Margins,
     slow: f64,
+    pace: f64,
     time: f64,
     state: State<N, f64, FREE>,
     turns: [i64; N],
@@ -86,6 +87,7 @@ impl<'a, S: System<N, FREE>, const N: usize, const FREE: usize> Motion<'a, S, N,
             settings,
             margins,
             slow,
+            pace: system.pace(),
             time: 0.0,
             derivative: derivative(system, &phases, &state),
             state,
@@ -121,6 +123,7 @@ impl<'a, S: System<N, FREE>, const N: usize, const FREE: usize> Motion<'a, S, N,
             settings,
             margins,
             slow,
+            pace: system.pace(),
             time,
             state,
             turns,
@@ -299,9 +302,8 @@ impl<'a, S: System<N, FREE>, const N: usize, const FREE: usize> Motion<'a, S, N,
         let phase = SmoothPhase::new(self.system, &self.phases);
         loop {
             unwind_if_cancelled();
-            let effort = self.effort;
-            if effort.steps + effort.rejected_steps + effort.switches >= self.settings.effort_limit
-            {
+            let sound = most_steps_by(self.time, self.pace);
+            if self.effort.total() >= sound.min(self.settings.effort_limit) {
                 return Err(Failure::StepLimit);
             }
             let length = self.next_length.min(self.longest);

@@ -26,7 +26,7 @@ pub use instant::Instant;
 pub use interpolant::Interpolant;
 pub use lockstep::VectorLevel;
 pub use root::fall_through_zero;
-pub use settings::{Effort, Settings};
+pub use settings::{Effort, Settings, most_steps_by};
 pub use switch_model::{SLACK, decide};
 pub use variation::Variation;
 

@@ -3,6 +3,7 @@
 pub mod support;
 
 mod commands;
+mod cost;
 mod directories;
 mod edited;
 mod equilibria;
