@@ -13,7 +13,7 @@ use pyo3::prelude::*;
 /// How often signals are looked for.
 const LOOK: Duration = Duration::from_millis(20);
 /// How long work that was interrupted is waited for. It goes on in its thread until the runs that have begun
-/// are finished; a run may take minutes, and Python's user should not.
+/// are finished or given up, about a second, and until tables are written.
 const PATIENCE: Duration = Duration::from_millis(700);
 
 /// Does work and gives what comes out. When Python is interrupted, `work` finds its flag set.

@@ -57,7 +57,10 @@ pub struct FarmArguments {
     #[arg(allow_negative_numbers = true)]
     chunk: NonZeroUsize,
 
-    /// Begin no further run after so many seconds; exit code 130, and the same command goes on
+    /// Stop after so many seconds; exit code 130, and the same command goes on
+    ///
+    /// Runs in progress have one more second; those that take longer are given up and computed anew when the
+    /// study goes on. So this should be many times what a run takes.
     #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
     max_seconds: Option<Duration>,
 

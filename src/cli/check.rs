@@ -4,11 +4,11 @@ use clap::Args;
 use serde_json::{Value, json};
 
 use super::arguments::StudyArgument;
-use super::cost::most_core_seconds;
+use super::cost::Cost;
 use super::existence::Existence;
 use super::exit::{CliError, End};
 use super::output::{print, print_json};
-use crate::model::{Endings, Extend, FrictionLaw, Method};
+use crate::model::{Endings, Extend, Method};
 use crate::study::{Response, Variable, VariedParameter};
 
 const EXAMPLES: &str = "\
@@ -44,7 +44,7 @@ pub fn check(arguments: &CheckArguments) -> Result<End, CliError> {
     };
     let (swept, uncertain) = (names(study.swept()), names(study.uncertain()));
     let method = method_name(study.simulation().method);
-    let core_seconds = most_core_seconds(&study);
+    let cost = Cost::of(&study);
     let existence = arguments.existence.then(|| Existence::of(&study));
     if arguments.json {
         let mut report = json!({
@@ -62,7 +62,10 @@ pub fn check(arguments: &CheckArguments) -> Result<End, CliError> {
             "design": study.variables().iter().map(variable).collect::<Vec<Value>>(),
             "responses": study.responses().iter().map(response).collect::<Vec<Value>>(),
             "expectations": study.expectations().len(),
-            "most_core_seconds": core_seconds,
+            "steps": cost.steps,
+            "core_seconds": cost.core_seconds,
+            "most_steps": cost.most_steps,
+            "most_core_seconds": cost.most_core_seconds,
         });
         if let Some(audit) = study.audit() {
             report["audit_fraction"] = json!(audit.fraction);
@@ -84,12 +87,6 @@ pub fn check(arguments: &CheckArguments) -> Result<End, CliError> {
         0 => study.model().kind().to_owned(),
         1 => "ball_balancer with 1 ball".to_owned(),
         balls => format!("ball_balancer with {balls} balls"),
-    };
-    let smooth = matches!(study.model().friction(), FrictionLaw::Smooth { .. });
-    let (bound, cost_remark) = if smooth {
-        ("about", ", more where the law is steep")
-    } else {
-        ("at most about", "; less where runs come to rest early")
     };
     let natural = study.model().natural_frequency_rad_s();
     let simulation = study.simulation();
@@ -136,7 +133,7 @@ pub fn check(arguments: &CheckArguments) -> Result<End, CliError> {
          points        {}\n\
          runs          {runs}, each to {} s{extended} or until its ending is known, method {method}{only}\n\
          {audit}expectations  {}\n\
-         cost          {bound} {} on one core{cost_remark}\n",
+         cost          {} on one core, less where runs come to rest early; {}\n",
         study.name(),
         &study.hash()[..12],
         study.seed(),
@@ -146,7 +143,8 @@ pub fn check(arguments: &CheckArguments) -> Result<End, CliError> {
         study.point_count(),
         simulation.end_time_s,
         study.expectations().len(),
-        duration(core_seconds),
+        about(cost.core_seconds),
+        at_most(cost.most_core_seconds),
     ))?;
     if let Some(existence) = existence {
         print(&existence.text())?;
@@ -192,12 +190,28 @@ fn method_name(method: Method) -> &'static str {
     }
 }
 
-fn duration(seconds: f64) -> String {
-    match seconds {
+const HUNDRED_YEARS_S: f64 = 100.0 * 365.25 * 86_400.0;
+
+fn about(seconds: f64) -> String {
+    let duration = duration(seconds);
+    duration
+        .map_or_else(|| "more than 100 years".to_owned(), |duration| format!("about {duration}"))
+}
+
+fn at_most(seconds: f64) -> String {
+    let words = |duration| format!("at most {duration}, where runs go on until they are given up");
+    duration(seconds).map_or_else(|| "no bound below 100 years".to_owned(), words)
+}
+
+/// A duration in words; none beyond a hundred years.
+fn duration(seconds: f64) -> Option<String> {
+    Some(match seconds {
         s if s < 1.0 => "a second".to_owned(),
         s if s < 120.0 => format!("{s:.0} s"),
         s if s < 7200.0 => format!("{:.0} min", s / 60.0),
         s if s < 172_800.0 => format!("{:.0} h", s / 3600.0),
-        s => format!("{:.0} days", s / 86_400.0),
-    }
+        s if s < 2.0 * 365.25 * 86_400.0 => format!("{:.0} days", s / 86_400.0),
+        s if s < HUNDRED_YEARS_S => format!("{:.0} years", s / (365.25 * 86_400.0)),
+        _ => return None,
+    })
 }

@@ -1,34 +1,106 @@
-//! What a study will cost, from what runs of its kind have cost (`benches/README.md`).
+//! What a study will cost: about, where no run ends early, and at most, where runs go on until they are given up.
 
-use crate::ending::goes_in_lockstep;
+use crate::ending::{
+    goes_in_lockstep, most_steps_of_a_run, most_steps_of_any_run, seconds_per_step,
+};
 use crate::model::{FrictionLaw, Model, Simulation};
 use crate::study::Study;
 
-/// Core seconds if no run ended before the latest end time. Audited runs are computed twice.
-pub(super) fn most_core_seconds(study: &Study) -> f64 {
-    let simulation = study.simulation();
-    let [_, latest_end_time_s] = simulation.end_times_s();
-    let units = latest_end_time_s * study.model().natural_frequency_rad_s();
-    let cost = |simulation: &Simulation| seconds_per_unit(study.model(), simulation);
-    let audited =
-        study.audit().map_or(0.0, |audit| audit.fraction * cost(&simulation.counter_check()));
-    let stiffness = (damping_rate(study.model()) / STABLE).max(1.0);
-    (cost(simulation) + audited) * units * stiffness * study.run_count() as f64
+/// Points that are looked at, at most; of more they are a sample.
+const MOST_POINTS: u64 = 10_000;
+
+/// What a study costs, all its runs together; audited runs are computed twice.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Cost {
+    /// Steps if no run ended before the latest end time, about.
+    pub(super) steps: f64,
+    /// Seconds on one core for these.
+    pub(super) core_seconds: f64,
+    /// A bound of the steps, which no run exceeds before it is given up.
+    pub(super) most_steps: f64,
+    /// Seconds on one core for these.
+    pub(super) most_core_seconds: f64,
 }
 
-/// Seconds on a core of 2024, with vectors of four numbers, per unit of non-dimensional time.
+impl Cost {
+    /// What a study costs.
+    pub(super) fn of(study: &Study) -> Cost {
+        let points = study.point_count();
+        let stride = points.div_ceil(MOST_POINTS).max(1);
+        // What is drawn anew for each run, and what has not been looked at, may be anything.
+        let all_known = study.uncertain().is_empty() && stride == 1;
+        let (mut cost, mut runs) = (Cost::default(), 0.0);
+        for number in (0..points).step_by(usize::try_from(stride).unwrap_or(usize::MAX)) {
+            let point = study.point(number);
+            runs += point.sampling.most as f64;
+            cost.add(study, point.model(), point.sampling.most, all_known);
+        }
+        let all = study.run_count() as f64 / f64::max(runs, 1.0);
+        Cost {
+            steps: all * cost.steps,
+            core_seconds: all * cost.core_seconds,
+            most_steps: all * cost.most_steps,
+            most_core_seconds: all * cost.most_core_seconds,
+        }
+    }
+
+    /// Adds so many runs of a model, whose parameters are those of the runs where they are `known`.
+    fn add(&mut self, study: &Study, model: &Model, runs: u64, known: bool) {
+        let simulation = study.simulation();
+        // A run in lockstep of which an event cannot be located is computed once more, by itself; and what is
+        // continued to a later end time goes on from some time before the first one.
+        let lockstep = if goes_in_lockstep(model) { 2.0 } else { 1.0 };
+        let times = if simulation.extend.is_some() { 2.0 * lockstep } else { lockstep };
+        let of_a_run = |simulation: &Simulation| {
+            let own = if known { most_steps_of_a_run(model, simulation) } else { None };
+            let most = own.unwrap_or_else(|| most_steps_of_any_run(model.balls()));
+            let most = times * most as f64;
+            [steps_to_the_end(model, simulation).min(most), most]
+        };
+        let [mut steps, mut most_steps] = of_a_run(simulation);
+        if let Some(audit) = study.audit() {
+            let [again, most_again] = of_a_run(&simulation.counter_check());
+            // By chance all of them may be audited.
+            (steps, most_steps) = (steps + audit.fraction * again, most_steps + most_again);
+        }
+        let [steps, most_steps] = [steps, most_steps].map(|one| one * runs as f64);
+        let most_core_seconds = most_steps * seconds_per_step(model);
+        self.steps += steps;
+        self.core_seconds += (steps * usual_seconds_per_step(model)).min(most_core_seconds);
+        self.most_steps += most_steps;
+        self.most_core_seconds += most_core_seconds;
+    }
+}
+
+/// Steps of a run that goes on to its latest end time, about, as many as where every ball sticks and slips
+/// twice a turn all along, as with little damping.
 ///
-/// In lockstep a unit takes from 0.27 µs with one ball to 2.3 µs with eight at a relative tolerance of 1e-8, as
-/// events become more; stricter tolerances cost by their sixteenth root, the order of the series, coarser ones save
-/// little. One by one it takes 1.5 µs with two balls, and grows with the number of components and, the method being
-/// of order 8, with the tolerance's eighth root.
-fn seconds_per_unit(model: &Model, simulation: &Simulation) -> f64 {
+/// At a relative tolerance of 1e-8; power series, of order 16, take more by the sixteenth root of a stricter one,
+/// DOP853 by the eighth.
+fn steps_to_the_end(model: &Model, simulation: &Simulation) -> f64 {
+    let natural = model.natural_frequency_rad_s();
+    let [_, latest_end_time_s] = simulation.end_times_s();
+    let speed = model.ball_balancer().map_or(0.0, |machine| machine.speed_rad_s.abs() / natural);
+    let balls = model.balls() as f64;
     let strictness = 1e-8 / simulation.relative_tolerance;
+    let steps = if goes_in_lockstep(model) {
+        (0.6 * (1.0 + speed) + 0.5 * balls * speed) * strictness.max(1.0).powf(1.0 / 16.0)
+    } else {
+        (2.2 * (1.0 + speed) + balls * speed) * strictness.powf(0.125)
+    };
+    latest_end_time_s * natural * steps.max(damping_rate(model) / STABLE)
+}
+
+/// Seconds that a step takes beside others, on a core of 2024 with vectors of four numbers.
+fn usual_seconds_per_step(model: &Model) -> f64 {
     let balls = model.balls() as f64;
     if goes_in_lockstep(model) {
-        return 0.27e-6 * balls * (1.0 + balls / 20.0) * strictness.max(1.0).powf(1.0 / 16.0);
+        0.25e-6 * balls * (1.0 + balls / 20.0)
+    } else if model.balls() == 0 {
+        0.6e-6
+    } else {
+        2.4e-6 * balls
     }
-    1.5e-6 * (4.0 + 2.0 * balls) / 8.0 * strictness.powf(0.125)
 }
 
 /// A step of the integrator times the rate of damping that it can still follow: the length of the

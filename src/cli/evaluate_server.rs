@@ -2,7 +2,7 @@
 
 use std::io::{self, BufRead, Read};
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
 use std::thread;
 use std::time::Duration;
 
@@ -30,6 +30,7 @@ type Line = Option<Vec<u8>>;
 /// Where standard input cannot be read or standard output not be written.
 pub fn serve(study: &Study, crew: &Crew, stop: &AtomicBool) -> Result<End, CliError> {
     let lines = lines();
+    let writer = Writer::start();
     let mut neighbours = Neighbours::new(study.point_count());
     let mut number = 0;
     loop {
@@ -70,8 +71,47 @@ pub fn serve(study: &Study, crew: &Crew, stop: &AtomicBool) -> Result<End, CliEr
             }
         };
         number += 1;
-        if print_json(&format!("{answer}\n"))? == Reader::Gone {
-            return Ok(End::Well);
+        match writer.write(format!("{answer}\n"), stop)? {
+            Some(Reader::Reading) => {}
+            Some(Reader::Gone) => return Ok(End::Well),
+            None => return Ok(End::Interrupted),
+        }
+    }
+}
+
+/// Writes answers to standard output in a thread of its own: one that waits for its reader sees no signal, and may
+/// wait for ever. It is left behind when the server ends.
+struct Writer {
+    texts: SyncSender<String>,
+    written: Receiver<io::Result<Reader>>,
+}
+
+impl Writer {
+    fn start() -> Self {
+        let (texts, to_write) = sync_channel::<String>(1);
+        let (tell, written) = sync_channel(1);
+        thread::spawn(move || {
+            for text in to_write {
+                // Where nobody listens any more, the server has ended.
+                if tell.send(print_json(&text)).is_err() {
+                    return;
+                }
+            }
+        });
+        Writer { texts, written }
+    }
+
+    /// Writes a text, all of it, and tells whether it is read; none where `stop` becomes true before.
+    fn write(&self, text: String, stop: &AtomicBool) -> io::Result<Option<Reader>> {
+        let ended = || io::Error::other("the thread that writes has ended");
+        self.texts.send(text).map_err(|_| ended())?;
+        loop {
+            match self.written.recv_timeout(LOOK) {
+                Ok(written) => return written.map(Some),
+                Err(RecvTimeoutError::Timeout) if stop.load(Ordering::Relaxed) => return Ok(None),
+                Err(RecvTimeoutError::Timeout) => {}
+                Err(RecvTimeoutError::Disconnected) => return Err(ended()),
+            }
         }
     }
 }

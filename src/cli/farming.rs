@@ -117,8 +117,13 @@ impl Ran {
         let runs = self.tally.counts.total();
         let planned = self.circumstances.runs_planned;
         let bound = if study.precision().is_some() { "at most " } else { "" };
+        let given_up = match self.tally.given_up {
+            0 => String::new(),
+            1 => "; 1 run in progress was given up".to_owned(),
+            more => format!("; {more} runs in progress were given up"),
+        };
         Some(format!(
-            "{cause} after {runs} of {bound}{planned} runs; what is finished is kept, and {goes_on}"
+            "{cause} after {runs} of {bound}{planned} runs{given_up}; what is finished is kept, and {goes_on}"
         ))
     }
 }

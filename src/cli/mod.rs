@@ -38,6 +38,8 @@ use clap::{Parser, Subcommand};
 
 pub use exit::{CliError, End};
 
+use crate::farm::{say, survive_file_size_limit};
+
 const EXAMPLES: &str = "\
 Examples:
   stickslip check studies/preferred-equilibria.yaml     is the study right, what will it cost?
@@ -82,6 +84,9 @@ enum Command {
 
 /// Reads the arguments of the process, does what they say, and returns the exit code.
 pub fn main() -> ExitCode {
+    if let Err(error) = survive_file_size_limit() {
+        say(&format!("warning: a limit of the size of files may end the program: {error}"));
+    }
     // clap prints help and wrong usage itself, with exit codes 0 and 2.
     let result = match Cli::parse().command {
         Command::Run(arguments) => run::run(&arguments),
@@ -102,7 +107,7 @@ pub fn main() -> ExitCode {
     match result {
         Ok(end) => end.code(),
         Err(error) => {
-            crate::farm::say(&format!("error: {error}"));
+            say(&format!("error: {error}"));
             error.code()
         }
     }

@@ -29,8 +29,8 @@ finished runs, which are written as they come. A table of more than 524,288 rows
 name, with files of as many rows each: part-00000.parquet and so on.
 
 Whatever ends it (Ctrl-C, a kill, a power cut, a full disk), the same command goes on where it was and
-ends in the same bytes. Ctrl-C finishes the runs in progress, keeps everything and exits with 130; a
-second Ctrl-C stops at once. A study that has been edited may be run into the directory of its
+ends in the same bytes. Ctrl-C waits a second for the runs in progress, gives up those that take longer,
+keeps what is finished and exits with 130; a second Ctrl-C stops at once. A study that has been edited may be run into the directory of its
 results: only runs that are new are computed; the tables before go to earlier/.";
 
 /// Run a study: thousands of simulations, their endings as Parquet tables

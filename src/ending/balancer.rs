@@ -4,15 +4,16 @@ use super::certificate::{certified, certified_by_closed_form};
 use super::closed_orbit::Orbit;
 use super::creep::creeps;
 use super::cycle::{Cycle, Doing};
+use super::effort::effort_limit;
 use super::follow::{Horizons, Run, follow};
 use super::lyapunov::{SEPARATION_WINDOW, Separation};
 use super::orbit::OrbitWatch;
 use super::outcome::{Evidence, LyapunovExponent, Outcome};
 use super::recorder::Recorder;
 use super::settled::SettledWatch;
-use super::simulate::{WINDOW, effort_limit, stiff_pace};
+use super::simulate::WINDOW;
 use super::window::{Moment, Window, angles};
-use crate::model::{Balancer, Endings, Machine, RestPoint, Simulation, Start, State, System};
+use crate::model::{Balancer, Endings, Machine, RestPoint, Simulation, Start, State};
 use crate::motion::{Failure, Motion, Settings};
 
 /// All that a run begins with.
@@ -33,13 +34,7 @@ impl<const N: usize> Prepared<N> {
         let natural = machine.natural_frequency_rad_s();
         let late = |end: f64| Late::until(end, simulation.endings);
         let horizons = Horizons::new(simulation, natural, late);
-        let weight = balancer.speed * balancer.speed;
-        let rates = balancer.balls.iter().map(|ball| ball.friction.damping_rate(weight));
-        let stiff = stiff_pace(rates.fold(0.0, f64::max));
-        let pace = 1.0 + balancer.speed.abs() + balancer.damping_ratio + stiff;
-        // An explicit method takes some tenth of the rate at which the table is damped.
-        let least = 1.0 / balancer.longest_step() + 0.2 * balancer.damping_ratio;
-        let settings = Settings::new(simulation, effort_limit(horizons.latest_end(), pace, least));
+        let settings = Settings::new(simulation, effort_limit(&balancer, horizons.latest_end()));
         let units = Units { natural, radius: machine.ring_radius_m };
         let watch = (simulation.endings == Endings::All).then(|| OrbitWatch::new(&settings));
         Some(Prepared { balancer, state, settings, units, horizons, watch })

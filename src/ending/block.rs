@@ -11,13 +11,14 @@
 
 use super::block_cycle::BlockCourse;
 use super::cycle::Cycle;
+use super::effort::effort_limit;
 use super::extremes::{Extremes, Passed};
 use super::follow::{Horizons, Run, follow};
 use super::outcome::{Evidence, Outcome};
 use super::recorder::Recorder;
 use super::settled::SettledWatch;
-use super::simulate::{WINDOW, effort_limit, stiff_pace};
-use crate::model::{Block, Endings, Simulation, Slider, SliderState, Start, System};
+use super::simulate::WINDOW;
+use crate::model::{Block, Endings, Simulation, Slider, SliderState, Start};
 use crate::motion::{Failure, Motion, Settings};
 
 /// Simulates a block until its ending is known.
@@ -41,9 +42,7 @@ pub(super) fn simulate_block(
         beta_dot: [velocity_m_s / (length * natural) - slider.belt_speed],
     };
     let horizons = Horizons::new(simulation, natural, |end| Extremes::from((1.0 - WINDOW) * end));
-    let pace = 1.0 + stiff_pace(slider.friction.damping_rate(1.0));
-    let least = 1.0 / slider.longest_step();
-    let settings = Settings::new(simulation, effort_limit(horizons.latest_end(), pace, least));
+    let settings = Settings::new(simulation, effort_limit(&slider, horizons.latest_end()));
     match Motion::new(&slider, settings, state) {
         Ok(motion) => {
             let run = BlockRun {

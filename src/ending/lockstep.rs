@@ -14,8 +14,8 @@ use super::outcome::{Evidence, Outcome};
 use super::recorder::Recorder;
 use super::simulate::one_by_one;
 use crate::model::{Ball, Case, Model};
-use crate::motion::VectorLevel;
 use crate::motion::lockstep::{Group, Happened, LANES, Room, Saved, advance};
+use crate::motion::{VectorLevel, unwind_if_cancelled};
 
 /// Where runs come from and outcomes go to.
 pub trait Runs {
@@ -194,6 +194,7 @@ impl<'a, S: Simd, const N: usize> Lockstep<'a, S, N> {
 
     /// Takes a step in all lanes of a team.
     fn step(&mut self, team: usize) {
+        unwind_if_cancelled();
         let group = &mut self.teams[team].group;
         let happened = advance(self.simd, group, &mut self.room, team == 1);
         if self.recorded {

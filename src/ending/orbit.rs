@@ -15,9 +15,11 @@
 //!
 //! One ball at least must go round without stopping; the others may run, rest, or stick and slip.
 
+use std::cell::Cell;
 use std::collections::VecDeque;
 
 use super::closed_orbit::{Orbit, REACH, Verdict, examine};
+use super::effort::{MOST_LOOKS, MOST_STEPS_OF_A_LOOK};
 use super::return_map::ReturnMap;
 use super::section::{Section, wrapped_small};
 use crate::model::{Balancer, State};
@@ -37,8 +39,6 @@ const CLOSE_RETURNS: usize = 16;
 /// to finer ones. As much as the default tolerances ask for. With more, a spiral of some turns that
 /// draws motions near would itself seem to close.
 const CLOSED: f64 = 1.01e-6;
-/// How often per run the multipliers are computed at most.
-const MOST_ATTEMPTS: u32 = 4;
 
 fn near(turns: usize) -> f64 {
     NEAR / turns as f64
@@ -150,7 +150,7 @@ impl<const N: usize> OrbitWatch<N> {
         let differences = [f64::INFINITY; MOST_TURNS + 1];
         let passage = Passage { time, state, phases: *phases, differences };
         let turns = self.record(reference, passage)?;
-        if self.attempts >= MOST_ATTEMPTS || time < self.wait_until {
+        if self.attempts >= MOST_LOOKS || time < self.wait_until {
             return None;
         }
         self.attempts += 1;
@@ -225,8 +225,10 @@ impl<const N: usize> OrbitWatch<N> {
     ) -> Verdict<N> {
         let Some(passage) = self.passages.back() else { return Verdict::Open };
         let earlier = self.passages[self.passages.len() - 1 - turns].time;
+        let steps_left = Cell::new(MOST_STEPS_OF_A_LOOK);
         let map = ReturnMap {
             balancer,
+            steps_left: &steps_left,
             settings: Settings {
                 tolerance: Tolerance {
                     relative: settings.tolerance.relative.min(1e-10),

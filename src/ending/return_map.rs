@@ -4,6 +4,8 @@
 //! The derivative is the linearised flow, corrected at each switch by the saltation matrix
 //! ([`crate::motion::Variation`]), and projected on the section.
 
+use std::cell::Cell;
+
 use nalgebra::DMatrix;
 
 use super::period::Period;
@@ -20,6 +22,8 @@ pub(super) struct ReturnMap<'a, const N: usize> {
     pub(super) turns: usize,
     /// Give up after this time.
     pub(super) longest: f64,
+    /// Give up after so many further steps, over all that is followed with this.
+    pub(super) steps_left: &'a Cell<u64>,
 }
 
 /// Where the map leads.
@@ -34,14 +38,15 @@ impl<const N: usize> ReturnMap<'_, N> {
     /// One return; `None` where a ball that should rest moves, or the marking ball stops or does not
     /// come back.
     pub(super) fn follow(&self, start: &State<N>) -> Option<Return<N>> {
-        self.go(start, |_, _, _| {})
+        self.go(start, 0, |_, _, _| {})
     }
 
     /// One return with the derivative of the map.
     pub(super) fn follow_with_slope(&self, start: &State<N>) -> Option<(Return<N>, DMatrix<f64>)> {
         let mut variation = Variation::new(self.section.directions());
         let mut columns = Vec::new();
-        let end = self.go(start, |motion, phases, end| match end {
+        let neighbours = self.section.directions().len() as u64;
+        let end = self.go(start, neighbours, |motion, phases, end| match end {
             None => variation.follow(motion),
             Some((time, state)) => {
                 let rate = derivative(self.balancer, phases, state);
@@ -57,23 +62,41 @@ impl<const N: usize> ReturnMap<'_, N> {
     /// One return with what happens on the way.
     pub(super) fn follow_closely(&self, start: &State<N>) -> Option<(Return<N>, Period<N>)> {
         let mut period = Period::new(self.balancer, &self.section, start);
-        let end = self.go(start, |motion, phases, end| {
+        let end = self.go(start, 0, |motion, phases, end| {
             period.take_in(self.balancer, motion, phases, end.map(|(time, state)| (time, *state)));
         })?;
         Some((end, period))
     }
 
-    /// Follows the motion; `watch` sees each step, with the phases during it, and the last one with
-    /// time and state of the return in it.
+    /// Follows the motion, with so many neighbours; `watch` sees each step, with the phases during it, and the last
+    /// one with time and state of the return in it.
     fn go(
         &self,
+        start: &State<N>,
+        neighbours: u64,
+        watch: impl FnMut(&mut Motion<'_, Balancer<N>, N>, &[Phase; N], Option<(f64, &State<N>)>),
+    ) -> Option<Return<N>> {
+        let mut start = *start;
+        start.beta[self.section.reference] = 0.0;
+        let left = self.steps_left.get();
+        let cost = 1 + neighbours;
+        let effort_limit = self.settings.effort_limit.min(left / cost);
+        let settings = Settings { effort_limit, ..self.settings };
+        let mut motion = Motion::new(self.balancer, settings, start).ok()?;
+        let end = self.come_back(&mut motion, &start, watch);
+        let taken = motion.effort().total().saturating_mul(cost);
+        self.steps_left.set(left.saturating_sub(taken));
+        end
+    }
+
+    /// Follows a motion from its start until it comes back to the section.
+    fn come_back(
+        &self,
+        motion: &mut Motion<'_, Balancer<N>, N>,
         start: &State<N>,
         mut watch: impl FnMut(&mut Motion<'_, Balancer<N>, N>, &[Phase; N], Option<(f64, &State<N>)>),
     ) -> Option<Return<N>> {
         let Section { reference, phases, rests } = self.section;
-        let mut start = *start;
-        start.beta[reference] = 0.0;
-        let mut motion = Motion::new(self.balancer, self.settings, start).ok()?;
         // Angles go on from where the start has them, whatever whole turns the motion takes off.
         let taken_off: [f64; N] =
             std::array::from_fn(|ball| start.beta[ball] - motion.unwrapped_angle(ball));
@@ -91,13 +114,13 @@ impl<const N: usize> ReturnMap<'_, N> {
             let passage = motion.passage(reference);
             passed += usize::from(passage.is_some());
             let Some((time, mut state)) = passage.filter(|_| passed == self.turns) else {
-                watch(&mut motion, &during, None);
+                watch(motion, &during, None);
                 continue;
             };
             if during != phases {
                 return None;
             }
-            watch(&mut motion, &during, Some((time, &state)));
+            watch(motion, &during, Some((time, &state)));
             for (ball, taken_off) in taken_off.into_iter().enumerate() {
                 let turns = motion.unwrapped_angle(ball) - motion.state().beta[ball];
                 state.beta[ball] += turns + taken_off;

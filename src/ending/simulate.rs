@@ -93,21 +93,3 @@ fn simulate_balls(
     };
     run(machine, start, simulation, recorder)
 }
-
-/// Far more steps than any sound run takes over the non-dimensional time `end`: it takes ten steps
-/// and a few switches per unit of time, more the faster the system can change (`pace`). However
-/// long a run is, it is given up after a few minutes of computing; after a second, where it would have
-/// to go on for longer (it takes at least `least` steps per unit of time): it comes to rest soon or
-/// never.
-pub(super) fn effort_limit(end: f64, pace: f64, least: f64) -> u64 {
-    const MOST: f64 = 1e8;
-    let hopeless = end * least > MOST;
-    100_000 + (1000.0 * end * pace).min(if hopeless { 0.01 * MOST } else { MOST }) as u64
-}
-
-/// What friction that damps speed at this rate adds to the pace: an explicit method takes some sixth
-/// of the rate in steps per unit of time, far fewer than allowed. Beyond a rate of 1e5 a run is too
-/// stiff to be waited for.
-pub(super) fn stiff_pace(damping_rate: f64) -> f64 {
-    1e-3 * damping_rate.min(1e5)
-}

@@ -9,7 +9,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use crate::ending::{Evidence, Outcome, Runs, simulate, simulate_in_lockstep};
 use crate::model::Case;
-use crate::motion::VectorLevel;
+use crate::motion::{VectorLevel, is_cancelled};
 use crate::study::Study;
 use crate::table::RunRecord;
 
@@ -55,8 +55,8 @@ fn together(runs: &mut dyn Runs, all: impl Fn(&mut dyn Runs), alone: impl Fn(&Ca
         let computed = panic::catch_unwind(AssertUnwindSafe(|| all(&mut tracked)));
         IN_A_RUN.set(false);
         let Err(payload) = computed else { return };
-        if tracked.begun.is_empty() {
-            // No run is to blame, and nothing would be different the next time.
+        if tracked.begun.is_empty() || is_cancelled(payload.as_ref()) {
+            // No run is to blame, and nothing would be different the next time; or all are given up.
             panic::resume_unwind(payload);
         }
         let mut begun: Vec<(u64, Case)> = tracked.begun.drain().collect();
@@ -114,8 +114,11 @@ fn guarded(case: &Case, simulate: &impl Fn(&Case) -> Outcome) -> Outcome {
     // Nothing outlives a run that unwinds: case and outcome are plain values.
     let result = panic::catch_unwind(AssertUnwindSafe(|| simulate(case)));
     IN_A_RUN.set(false);
-    result
-        .unwrap_or_else(|payload| Outcome::failed(Evidence::Panic, panic_message(payload.as_ref())))
+    match result {
+        Ok(outcome) => outcome,
+        Err(payload) if is_cancelled(payload.as_ref()) => panic::resume_unwind(payload),
+        Err(payload) => Outcome::failed(Evidence::Panic, panic_message(payload.as_ref())),
+    }
 }
 
 fn panic_message(payload: &(dyn Any + Send)) -> String {

@@ -8,9 +8,10 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use rayon::prelude::*;
 
 use super::compute::{Engine, InLockstep};
+use super::patience::with_patience;
 use crate::ending::{Evidence, Label, Outcome, Runs};
 use crate::model::Case;
-use crate::motion::VectorLevel;
+use crate::motion::{Cancellation, VectorLevel};
 use crate::study::{PlannedRun, Study};
 
 /// Worker threads.
@@ -35,7 +36,7 @@ impl Crew {
     }
 
     /// All runs of a point in the order of their numbers, each told to `finished` as it ends; none where
-    /// `stop` became true before all of them had begun. A panic in a run is that run's failure.
+    /// `stop` became true before all of them had ended. A panic in a run is that run's failure.
     pub fn point(
         &self,
         study: &Study,
@@ -46,15 +47,22 @@ impl Crew {
         let point = study.point(point_id);
         let (first, end) = (point.first_run, point.first_run + point.sampling.first);
         let next = AtomicU64::new(first);
-        let mut runs: Vec<(PlannedRun, Outcome)> = self.pool.install(|| {
-            let share = |_| {
-                let (open, done) = (HashMap::new(), Vec::new());
-                let mut share = Share { study, end, next: &next, stop, finished, open, done };
-                InLockstep(VectorLevel::best()).compute(&mut share);
-                share.done
-            };
-            (0..self.threads).into_par_iter().with_max_len(1).flat_map_iter(share).collect()
-        });
+        let share = |cancellation: &Cancellation| {
+            let (open, done) = (HashMap::new(), Vec::new());
+            let mut share = Share { study, end, next: &next, stop, finished, open, done };
+            // Where it was cancelled, runs are missing in the end.
+            let engine = InLockstep(VectorLevel::best());
+            let _ = cancellation.unless_cancelled(|| engine.compute(&mut share));
+            share.done
+        };
+        let in_parallel = |cancellation: &Cancellation| {
+            let shares = (0..self.threads).into_par_iter().with_max_len(1);
+            shares.flat_map_iter(|_| share(cancellation)).collect()
+        };
+        let is_over = || stop.load(Ordering::Relaxed);
+        // Parts of a sample are of no use: nothing is waited for.
+        let mut runs: Vec<(PlannedRun, Outcome)> =
+            with_patience(is_over, |cancellation| self.pool.install(|| in_parallel(cancellation)));
         runs.sort_unstable_by_key(|(planned, _)| planned.run_id);
         (runs.len() as u64 == end - first).then_some(runs)
     }

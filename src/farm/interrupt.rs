@@ -1,4 +1,5 @@
-//! Ctrl-C and termination: finish what is running and keep it; the second time, stop at once.
+//! Ctrl-C and termination: wait a second for what is running and keep what is finished; the second time, stop at
+//! once. And a limit of the size of files, which is an error of what is written and not the end of the program.
 
 use std::io;
 use std::sync::Arc;
@@ -22,4 +23,15 @@ pub fn stop_on_signals() -> io::Result<Arc<AtomicBool>> {
         flag::register(signal, Arc::clone(&stop))?;
     }
     Ok(stop)
+}
+
+/// Makes a write beyond the limit of the size of files (`ulimit -f`) an error like that of a full disk; by default
+/// its signal, SIGXFSZ, ends the program without a word.
+///
+/// # Errors
+/// Where the operating system refuses.
+pub fn survive_file_size_limit() -> io::Result<()> {
+    #[cfg(unix)]
+    flag::register(signal_hook::consts::SIGXFSZ, Arc::new(AtomicBool::new(false)))?;
+    Ok(())
 }

@@ -10,6 +10,7 @@ mod crew;
 mod halt;
 mod interrupt;
 mod keeping;
+mod patience;
 mod place;
 mod progress;
 mod recorded;
@@ -21,7 +22,7 @@ mod work;
 pub use compute::{compute, quietly};
 pub use crew::Crew;
 pub use halt::StopReason;
-pub use interrupt::stop_on_signals;
+pub use interrupt::{stop_on_signals, survive_file_size_limit};
 pub use place::{Place, PlaceError, Ready};
 pub use progress::{Planned, Progress, Show, say};
 pub use recorded::record;
@@ -40,13 +41,14 @@ use thiserror::Error;
 use self::compute::{Engine, InLockstep, OneByOne};
 use self::halt::Halt;
 use self::keeping::{keep, outbox};
+use self::patience::with_patience;
 use self::rounds::Rounds;
 use self::store::{Fresh, Reuse, Shelves};
 use self::work::{Disk, Work};
 use crate::analysis::{LabelCounts, NearestFinder, PointAccumulator, PointDetail};
 use crate::ending::Outcome;
 use crate::model::Case;
-use crate::motion::VectorLevel;
+use crate::motion::{Cancellation, VectorLevel};
 use crate::study::Study;
 use crate::table::{PointRow, RunRecord};
 
@@ -59,7 +61,7 @@ pub struct FarmOptions {
     pub chunk: usize,
     /// The part of the study to compute.
     pub shard: Shard,
-    /// When to begin no further run.
+    /// When to begin no further run; those in progress are given up a second later.
     pub deadline: Option<Instant>,
     /// How many runs may fail before no further run is begun; any number if none.
     pub most_failed: Option<u64>,
@@ -123,6 +125,8 @@ pub struct Tally {
     pub stopped: Option<StopReason>,
     /// How many of the finished runs did not have to be computed.
     pub kept: u64,
+    /// How many runs had begun and were given up; nothing of them is kept.
+    pub given_up: u64,
 }
 
 impl Tally {
@@ -135,8 +139,8 @@ impl Tally {
 /// Computes the runs of a study's shard in lockstep and hands runs and points to `sink`. Runs that are in
 /// `store` are not computed; all others go there.
 ///
-/// When `stop` becomes true, runs in progress are finished, all finished runs are handed on, and
-/// the farm returns. A panic in a run is that run's failure and nobody else's.
+/// When `stop` becomes true, runs in progress are finished, or given up where that takes longer than a second;
+/// all finished runs are handed on, and the farm returns. A panic in a run is that run's failure and nobody else's.
 ///
 /// # Errors
 /// Where threads cannot be started, the sink refuses or the store cannot be written.
@@ -191,14 +195,27 @@ impl Farm<'_> {
         store: Option<&mut Store>,
         sink: &mut S,
     ) -> Result<Tally, FarmError<S::Error>> {
+        let mut stopped = None;
+        let is_over = || self.halt.gives_up(&mut stopped);
+        with_patience(is_over, |cancellation| self.run_under(cancellation, engine, store, sink))
+    }
+
+    fn run_under<S: Sink>(
+        &self,
+        cancellation: &Cancellation,
+        engine: &impl Engine,
+        store: Option<&mut Store>,
+        sink: &mut S,
+    ) -> Result<Tally, FarmError<S::Error>> {
         let Some(Store { keeper, shelves, reuse, .. }) = store else {
-            return self.compute_all(engine, None, sink);
+            return self.compute_all(cancellation, engine, None, sink);
         };
         let (outbox, finished) = outbox();
         let (halt, chunk) = (&self.halt, self.options.chunk);
         thread::scope(|scope| {
             let keeping = scope.spawn(move || keep(keeper, &finished, chunk, halt));
-            let tally = self.compute_all(engine, Some(Reading { shelves, reuse, outbox }), sink);
+            let reading = Some(Reading { shelves, reuse, outbox });
+            let tally = self.compute_all(cancellation, engine, reading, sink);
             // It has nothing to panic about; if it does, that is a failure of the program.
             keeping
                 .join()
@@ -210,6 +227,7 @@ impl Farm<'_> {
 
     fn compute_all<S: Sink>(
         &self,
+        cancellation: &Cancellation,
         engine: &impl Engine,
         mut disk: Option<Reading<'_>>,
         sink: &mut S,
@@ -250,7 +268,8 @@ impl Farm<'_> {
                 let batch =
                     work::Batch { study, run_ids, begun, finder: &finder, halt, progress, disk };
                 let waiting = std::mem::take(&mut finished);
-                let compute = || compute_batch(engine, options.threads.max(1), &batch);
+                let compute =
+                    || compute_batch(cancellation, engine, options.threads.max(1), &batch);
                 let (computed, taken) =
                     pool.install(|| rayon::join(compute, || intake.take_all(waiting)));
                 taken.map_err(FarmError::Sink)?;
@@ -263,18 +282,26 @@ impl Farm<'_> {
         }
         let counts = intake.finish().map_err(FarmError::Sink)?;
         let stopped = (counts.total() < due).then(|| halt.reason().unwrap_or(StopReason::Asked));
-        Ok(Tally { counts, stopped, kept: kept.into_inner() })
+        Ok(Tally { counts, stopped, kept: kept.into_inner(), given_up: halt.given_up() })
     }
 }
 
 /// The finished runs of a batch, in the order of their numbers.
-fn compute_batch(engine: &impl Engine, threads: usize, batch: &work::Batch<'_>) -> Vec<RunRecord> {
+fn compute_batch(
+    cancellation: &Cancellation,
+    engine: &impl Engine,
+    threads: usize,
+    batch: &work::Batch<'_>,
+) -> Vec<RunRecord> {
     let mut finished: Vec<RunRecord> = (0..threads)
         .into_par_iter()
         .with_max_len(1)
         .flat_map_iter(|_| {
             let mut work = Work::new(batch);
-            engine.compute(&mut work);
+            let computed = cancellation.unless_cancelled(|| engine.compute(&mut work));
+            if computed.is_none() {
+                batch.halt.gave_up(work.in_progress());
+            }
             work.finished
         })
         .collect();

@@ -65,6 +65,11 @@ impl<'a> Work<'a> {
         Work { batch, disk, again: VecDeque::new(), open: HashMap::new(), finished: Vec::new() }
     }
 
+    /// How many of its runs have begun and not been finished.
+    pub(super) fn in_progress(&self) -> u64 {
+        self.open.len() as u64
+    }
+
     fn key(&self, planned: &PlannedRun) -> CaseKey {
         CaseKey::of(planned, !self.batch.study.uncertain().is_empty())
     }

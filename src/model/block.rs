@@ -15,6 +15,7 @@
 use serde::Serialize;
 
 use super::machine::{not_negative, positive};
+use super::system::stiff_pace;
 use super::{
     Contact, Dual, Forces, Friction, FrictionLaw, InvalidParameter, Number, State, System,
 };
@@ -186,6 +187,10 @@ impl System<1, 0> for Slider {
     /// A quarter of a period.
     fn longest_step(&self) -> f64 {
         std::f64::consts::FRAC_PI_2
+    }
+
+    fn pace(&self) -> f64 {
+        1.0 + stiff_pace(self.friction.damping_rate(1.0))
     }
 
     /// The normal force does not depend on the acceleration.

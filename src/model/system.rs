@@ -33,6 +33,14 @@ pub trait System<const N: usize, const FREE: usize> {
     /// The longest step within which a friction force can hardly rise and fall back unseen.
     fn longest_step(&self) -> f64;
 
+    /// How fast the motion may change, over the natural frequency: sound motions take steps in proportion to it.
+    fn pace(&self) -> f64;
+
+    /// The fewest steps per unit of time that its motion is computed in.
+    fn fewest_steps(&self) -> f64 {
+        1.0 / self.longest_step()
+    }
+
     /// Whether stick and slip are surely decided in exactly one way in every state, by a test that
     /// takes next to no time.
     fn surely_one_solution(&self) -> bool;
@@ -42,6 +50,13 @@ pub trait System<const N: usize, const FREE: usize> {
 
     /// The size of the forces: what their rounding is relative to.
     fn force_scale(&self) -> f64;
+}
+
+/// What friction that damps speed at this rate adds to the pace: an explicit method takes some sixth of the rate in
+/// steps per unit of time, far fewer than a pace of so much allows. Beyond a rate of 1e5 a run is too stiff to be
+/// waited for.
+pub(super) fn stiff_pace(damping_rate: f64) -> f64 {
+    1e-3 * damping_rate.min(1e5)
 }
 
 impl<const N: usize> System<N, 2> for Balancer<N> {
@@ -81,6 +96,17 @@ impl<const N: usize> System<N, 2> for Balancer<N> {
     /// A quarter of the shortest period of the table in the turning frame.
     fn longest_step(&self) -> f64 {
         0.5 * std::f64::consts::PI / (self.speed.abs() + 1.0)
+    }
+
+    fn pace(&self) -> f64 {
+        let weight = self.speed * self.speed;
+        let rates = self.balls.iter().map(|ball| ball.friction.damping_rate(weight));
+        1.0 + self.speed.abs() + self.damping_ratio + stiff_pace(rates.fold(0.0, f64::max))
+    }
+
+    /// An explicit method takes some tenth of the rate at which the table is damped.
+    fn fewest_steps(&self) -> f64 {
+        1.0 / self.longest_step() + 0.2 * self.damping_ratio
     }
 
     #[inline]

@@ -4,11 +4,12 @@
 //! a condition of that fails ends the step, and the method (the switch model or its limit) says
 //! what comes next; no step crosses a switch, so that the integrator keeps its order.
 
+use super::cancellation::unwind_if_cancelled;
 use super::contact::{Phase, SmoothPhase, check_forces, derivative};
 use super::dop853::Step;
 use super::first_switch::{FirstSwitch, LastStep};
 use super::guard::Margins;
-use super::settings::{Effort, Settings};
+use super::settings::{Effort, Settings, most_steps_by};
 use super::{Failure, event_driven, switch_model};
 use crate::model::{Forces, Method, State, System};
 
@@ -22,6 +23,7 @@ pub struct Motion<'a, S, const N: usize, const FREE: usize = 2> {
     settings: Settings,
     margins: Margins,
     slow: f64,
+    pace: f64,
     time: f64,
     state: State<N, f64, FREE>,
     turns: [i64; N],
@@ -85,6 +87,7 @@ impl<'a, S: System<N, FREE>, const N: usize, const FREE: usize> Motion<'a, S, N,
             settings,
             margins,
             slow,
+            pace: system.pace(),
             time: 0.0,
             derivative: derivative(system, &phases, &state),
             state,
@@ -120,6 +123,7 @@ impl<'a, S: System<N, FREE>, const N: usize, const FREE: usize> Motion<'a, S, N,
             settings,
             margins,
             slow,
+            pace: system.pace(),
             time,
             state,
             turns,
@@ -297,9 +301,9 @@ impl<'a, S: System<N, FREE>, const N: usize, const FREE: usize> Motion<'a, S, N,
     fn sound_step(&mut self, until: f64) -> Result<(Step<N, f64, FREE>, f64), Failure> {
         let phase = SmoothPhase::new(self.system, &self.phases);
         loop {
-            let effort = self.effort;
-            if effort.steps + effort.rejected_steps + effort.switches >= self.settings.effort_limit
-            {
+            unwind_if_cancelled();
+            let sound = most_steps_by(self.time, self.pace);
+            if self.effort.total() >= sound.min(self.settings.effort_limit) {
                 return Err(Failure::StepLimit);
             }
             let length = self.next_length.min(self.longest);

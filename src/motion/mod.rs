@@ -1,6 +1,7 @@
 //! How the system moves: integration of smooth phases, stick and slip, switches between them.
 
 mod ambiguity;
+mod cancellation;
 mod contact;
 mod dop853;
 mod dop853_tableau;
@@ -16,6 +17,8 @@ mod settings;
 mod switch_model;
 mod variation;
 
+pub(crate) use cancellation::unwind_if_cancelled;
+pub use cancellation::{Cancellation, is_cancelled};
 pub use contact::{Phase, contacts, derivative, forces, stick_reserve};
 pub use dop853::{Step, Tolerance};
 pub use driver::{Motion, SLOW};
@@ -23,7 +26,7 @@ pub use instant::Instant;
 pub use interpolant::Interpolant;
 pub use lockstep::VectorLevel;
 pub use root::fall_through_zero;
-pub use settings::{Effort, Settings};
+pub use settings::{Effort, Settings, most_steps_by};
 pub use switch_model::{SLACK, decide};
 pub use variation::Variation;
 

@@ -173,9 +173,24 @@ impl<'de> Deserializer<'de> for At<'de> {
         visitor.visit_enum(choice).map_err(|error| error.at(self.0.place))
     }
 
+    /// Keys and values only: serde's own structs would take a list of their values in order as well.
+    fn deserialize_struct<V: Visitor<'de>>(
+        self,
+        _name: &'static str,
+        fields: &'static [&'static str],
+        visitor: V,
+    ) -> Result<V::Value, DecodeError> {
+        if let Content::Map(_) = self.0.content {
+            return self.deserialize_any(visitor);
+        }
+        let keys: Vec<String> = fields.iter().map(|field| format!("{field}: ...")).collect();
+        let allowed = format!("keys and values, {}", shorten(&keys.join(", ")));
+        Err(DecodeError::new(Fault::new("wrong type", self.0.describe(), allowed)).at(self.0.place))
+    }
+
     forward_to_deserialize_any! {
         bool i8 i16 i32 i64 i128 u8 u16 u32 u64 u128 f32 f64 char str string bytes byte_buf
-        unit unit_struct seq tuple tuple_struct map struct identifier ignored_any
+        unit unit_struct seq tuple tuple_struct map identifier ignored_any
     }
 }
 
@@ -303,9 +318,9 @@ impl<'de> VariantAccess<'de> for Choice<'de> {
 
     fn struct_variant<V: Visitor<'de>>(
         self,
-        _fields: &'static [&'static str],
+        fields: &'static [&'static str],
         visitor: V,
     ) -> Result<V::Value, DecodeError> {
-        self.read(|node| node.deserialize_any(visitor))
+        self.read(|node| node.deserialize_struct("", fields, visitor))
     }
 }

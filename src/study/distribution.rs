@@ -145,12 +145,16 @@ fn positive(key: &'static str, number: f64) -> Checked<()> {
 }
 
 fn ordered(min: f64, max: f64) -> Checked<()> {
-    if min < max && (max - min).is_finite() {
-        Ok(())
-    } else {
+    if min >= max {
         let allowed = format!("a number above min, which is {}", describe_number(min));
-        Err(("max", fault("reversed or empty range", max, &allowed)))
+        return Err(("max", fault("reversed or empty range", max, &allowed)));
     }
+    if !(max - min).is_finite() {
+        let found = format!("min {}, max {}", describe_number(min), describe_number(max));
+        let allowed = "max - min of at most 1.79e308, the largest number";
+        return Err(("max", Fault::new("too wide a range", found, allowed)));
+    }
+    Ok(())
 }
 
 fn normal(mean: f64, std_dev: f64) -> Checked<Normal> {

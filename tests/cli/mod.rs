@@ -4,6 +4,7 @@ pub mod support;
 
 mod at_once;
 mod commands;
+mod cost;
 mod directories;
 mod edited;
 mod equilibria;
@@ -13,6 +14,7 @@ mod evaluate_tables;
 mod existence;
 mod expand;
 mod foreign;
+mod hopeless;
 mod interrupt;
 mod limits;
 mod memory;

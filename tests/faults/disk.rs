@@ -62,3 +62,28 @@ fn a_read_only_directory_is_refused() {
     scratch.well("resume out");
     assert_eq!(scratch.data("out"), scratch.data("whole"));
 }
+
+/// A limit of the size of files is an error with the file's name, not the silent end of the program.
+#[test]
+fn a_limit_of_the_size_of_files_is_told_with_the_file() {
+    let scratch = Scratch::new();
+    scratch.write("a.yaml", study());
+    scratch.well("run a.yaml --out whole");
+    // At most one block of 512 or 1024 bytes in a file.
+    let limited = |arguments: &str| {
+        let script = format!("ulimit -f 1; exec {} {arguments}", env!("CARGO_BIN_EXE_stickslip"));
+        let mut command = Command::new("sh");
+        command.args(["-c", &script]).current_dir(scratch.path("."));
+        Ended::of(command.output().unwrap())
+    };
+    for arguments in ["run a.yaml --out out", "report whole --out page.html"] {
+        let ended = limited(arguments);
+        assert!(matches!(ended.code, Some(1 | 2)), "{arguments}: {:?} {}", ended.code, ended.err);
+        assert!(ended.err.contains("File too large"), "{arguments}: {}", ended.err);
+        let file = if arguments.starts_with("run") { "out" } else { "page.html" };
+        assert!(ended.err.contains(file), "{arguments}: {}", ended.err);
+    }
+    let resumed = scratch.stickslip("run a.yaml --out out");
+    assert_eq!(resumed.code, Some(0), "{}", resumed.err);
+    assert_eq!(scratch.data("out"), scratch.data("whole"));
+}

@@ -102,6 +102,15 @@ fn unknown_keys_come_with_the_nearest() {
 }
 
 #[test]
+fn a_range_too_wide_for_a_number_is_not_called_reversed() {
+    let key = "uncertain.imbalance_mass_kg.uniform.max";
+    let old = "{min: 5.0e-5, max: 6.0e-5}";
+    let wide = "{min: -1e308, max: 1e308}";
+    refused(old, wide, 23, key, "min -1e308, max 1e308", "max - min of at most 1.79e308");
+    refused(old, "{min: 6.0e-5, max: 5.0e-5}", 23, key, "5e-5", "above min, which is 6e-5");
+}
+
+#[test]
 fn what_is_not_in_this_version_is_an_unknown_choice() {
     refused("ball_balancer", "pendulum", 5, "model.kind", "pendulum", "ball_balancer");
     refused("coulomb", "{lugre: {a: 1}}", 14, "model.friction", "lugre", "coulomb");

@@ -9,6 +9,7 @@ mod audit;
 mod bad_files;
 mod bad_tables;
 mod bad_values;
+mod blocks;
 mod designs;
 mod distributions;
 mod endings;

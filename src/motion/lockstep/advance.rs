@@ -17,6 +17,7 @@ use crate::motion::Failure;
 use crate::motion::contact::{SmoothPhase, check_forces};
 use crate::motion::driver::SHORTEST;
 use crate::motion::guard::Guard;
+use crate::motion::settings::MOST_AT_ONCE;
 
 /// No component of the rate of change is larger where everything is slow.
 const STILL: f64 = 1e-6;
@@ -199,7 +200,8 @@ fn step<S: Simd, const N: usize>(
         }
         happened.turned = turned.to_bitmask() & commit & g.sliding;
     }
-    let mut overdone = g.taken.simd_ge(g.most).to_bitmask() & g.alive;
+    let sound = g.most_per_time.mul_add_precise(g.time, c!(MOST_AT_ONCE as f64));
+    let mut overdone = g.taken.simd_ge(sound.min(g.most)).to_bitmask() & g.alive;
     while overdone != 0 {
         let lane = overdone.trailing_zeros() as usize;
         overdone &= overdone - 1;

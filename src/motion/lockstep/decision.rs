@@ -64,6 +64,10 @@ impl<const N: usize> System<N, 2> for InPlace<'_, N> {
         self.balancer.longest_step()
     }
 
+    fn pace(&self) -> f64 {
+        self.balancer.pace()
+    }
+
     #[inline]
     fn surely_one_solution(&self) -> bool {
         self.surely_one_solution

@@ -12,6 +12,7 @@ use crate::motion::contact::Phase;
 use crate::motion::driver::{Course, Motion};
 use crate::motion::first_switch::LastStep;
 use crate::motion::interpolant::Interpolant;
+use crate::motion::settings::MOST_PER_TIME;
 use crate::motion::{Effort, Step};
 
 /// How much longer than one by one steps may be: 5 over the highest frequency of the table in the turning
@@ -39,6 +40,8 @@ pub(crate) struct Group<S: Simd, const N: usize> {
     /// Steps taken.
     pub(super) taken: Lanes<S>,
     pub(super) most: Lanes<S>,
+    /// Steps allowed per unit of time.
+    pub(super) most_per_time: Lanes<S>,
     pub(super) displacement: Flow<S, N>,
     pub(super) lanes: [Option<Lane<N>>; LANES],
     /// Bit masks: lanes with a run, with a ball that cannot stick.
@@ -95,6 +98,7 @@ impl<S: Simd, const N: usize> Group<S, N> {
             rest_radius_squared: constant(-1.0),
             taken: zero,
             most: constant(f64::INFINITY),
+            most_per_time: zero,
             displacement: Flow::zero(simd),
             lanes: std::array::from_fn(|_| None),
             alive: 0,
@@ -136,6 +140,7 @@ impl<S: Simd, const N: usize> Group<S, N> {
         self.slow[lane] = own.slow;
         self.taken[lane] = saved.taken;
         self.most[lane] = own.settings.effort_limit as f64;
+        self.most_per_time[lane] = MOST_PER_TIME * balancer.pace();
         self.displacement.set_lane(lane, &saved.displacement);
         let bit = 1 << lane;
         self.alive |= bit;

@@ -1,0 +1,88 @@
+//! What `check` says of the cost, against the steps that runs take.
+
+use serde_json::Value;
+
+use super::support::{Scratch, assert_has, counts, study_text};
+
+/// The steps that all runs of a study have taken, without and with switches, and what `check` says of them: about,
+/// and at most.
+fn steps(rest: &str, end_time_s: f64, samples: u64) -> [f64; 4] {
+    let scratch = Scratch::new();
+    let design = format!("{{monte_carlo: {{samples: {samples}}}}}");
+    scratch.write("a.yaml", study_text("a", &design, end_time_s, rest));
+    let report: Value = serde_json::from_str(&scratch.well("check a.yaml --json")).unwrap();
+    let said = |key: &str| report[key].as_f64().unwrap();
+    scratch.stickslip("run a.yaml --out out");
+    let runs = scratch.table("out", "runs");
+    assert_eq!(runs.num_rows() as u64, samples);
+    let sum = |name: &str| counts(&runs, name).iter().sum::<u64>() as f64;
+    let steps = sum("steps") + sum("rejected_steps");
+    assert!(said("core_seconds") > 0.0 && said("most_core_seconds") > said("core_seconds"));
+    [steps, steps + sum("switches"), said("steps"), said("most_steps")]
+}
+
+/// With little damping and a fast disc every ball sticks and slips twice a turn: that alone is most of the steps.
+#[test]
+fn weakly_damped_runs_take_as_many_steps_as_said() {
+    for balls in [1, 2, 4, 8] {
+        for (law, samples) in [
+            ("coulomb", 8),
+            (
+                "{stribeck: {static_friction_coefficient: 3e-3, \
+                                             stribeck_speed_rad_s: 1}}",
+                2,
+            ),
+        ] {
+            let model = format!(
+                "model: {{kind: ball_balancer, friction: {law}, \
+                 parameters: {{balls: {balls}, speed_rad_s: 628, damping_n_s_m: 0.01}}}}\n"
+            );
+            let [taken, with_switches, about, most] = steps(&model, 2.0, samples);
+            let part = taken / about;
+            assert!((0.5..1.25).contains(&part), "{balls} balls, {law}: {part}");
+            assert!(with_switches <= most, "{balls} balls, {law}: {with_switches} of {most}");
+        }
+    }
+}
+
+#[test]
+fn no_run_takes_more_steps_than_said() {
+    for (model, end_time_s) in [
+        ("model: {kind: ball_balancer, parameters: {ball_diameter_m: 1.0e9}}\n", 1.0),
+        (
+            "model: {kind: ball_balancer, parameters: {speed_rad_s: -216, friction_coefficient: 2.75e-4}}\n",
+            5.0,
+        ),
+        ("model: {kind: ball_balancer, friction: {smooth: {smoothing_speed_rad_s: 0.01}}}\n", 0.5),
+        ("model: {kind: block_on_belt, parameters: {belt_speed_m_s: 0.1}}\n", 100.0),
+        (
+            "model: {kind: block_on_spring, friction: {viscous: {viscous_coefficient_n_s_m: 0}}}\n",
+            1e10,
+        ),
+        (
+            "model: {kind: ball_balancer, parameters: {speed_rad_s: -1.8e6, friction_coefficient: 1e-5}}\n",
+            2e-3,
+        ),
+    ] {
+        let [taken, with_switches, about, most] = steps(model, end_time_s, 4);
+        assert!(with_switches <= most, "{model}{with_switches} of {most}");
+        // What is given up goes beyond what is usual, and nothing else.
+        assert!(taken <= 1.25 * about || model.contains("1.0e9"), "{model}{taken}, about {about}");
+    }
+}
+
+#[test]
+fn a_cost_beyond_a_lifetime_is_not_counted_in_days() {
+    let scratch = Scratch::new();
+    let cost = |end_time_s: f64, samples: u64| {
+        let design = format!("{{monte_carlo: {{samples: {samples}}}}}");
+        scratch.write("a.yaml", study_text("a", &design, end_time_s, ""));
+        let said = scratch.well("check a.yaml");
+        said.lines().find(|line| line.starts_with("cost ")).unwrap().to_owned()
+    };
+    let many = cost(16.5, 100_000_000_000_000);
+    assert_has(&many, &["  more than 100 years on one core,", "; no bound below 100 years"]);
+    // Each of these runs is given up after a second.
+    let long = cost(1e150, 4);
+    assert_has(&long, &[" min on one core, ", "; at most ", " min, where runs go on"]);
+}

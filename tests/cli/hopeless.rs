@@ -1,0 +1,137 @@
+//! Runs that take very long: a stop reaches into them, and what was given up is computed again to the same bytes.
+
+#![cfg(target_os = "linux")]
+
+use std::process::Stdio;
+use std::time::{Duration, Instant};
+
+use super::interrupt::{catches, send, ticks, wait_until};
+use super::support::{Ended, Scratch, assert_has, counts, study_text};
+
+/// Far longer than a run may go on after a stop, which is a second, on any machine.
+const SOON: Duration = Duration::from_secs(20);
+
+/// Balls as large as a planet, which step ever more shortly; a disc so fast that a run takes a hundred million
+/// steps; and friction so steep at rest that an explicit method takes as many.
+fn studies() -> [(&'static str, String); 3] {
+    let study = |name, model: &str| {
+        let text = study_text(
+            name,
+            "{monte_carlo: {samples: 40}}",
+            1000.0,
+            &format!("model: {{kind: ball_balancer, {model}}}\n"),
+        );
+        (name, text)
+    };
+    [
+        study("large", "parameters: {ball_diameter_m: 1.0e9}"),
+        study("fast", "parameters: {speed_rad_s: -1.8e6, friction_coefficient: 1.0e-5}"),
+        study("steep", "friction: {smooth: {smoothing_speed_rad_s: 1.0e-6}}"),
+    ]
+}
+
+#[test]
+fn a_stop_reaches_into_hopeless_runs() {
+    let scratch = Scratch::new();
+    for (name, text) in studies() {
+        scratch.write(&format!("{name}.yaml"), text);
+        let command = format!("run {name}.yaml --threads 1 --out {name}");
+        let child = scratch.command(&command).spawn().unwrap();
+        wait_until("the program catches signals", || catches(&child, 15));
+        wait_until("it computes", || ticks(&child) >= 20);
+        send(&child, "TERM");
+        let sent = Instant::now();
+        let ended = Ended::of(child.wait_with_output().unwrap());
+        assert!(sent.elapsed() < SOON, "{name}: {:?}", sent.elapsed());
+        assert_eq!(ended.code, Some(130), "{name}: {}", ended.err);
+
+        let begun = Instant::now();
+        let ended = scratch.stickslip(&format!("{command} --max-seconds 1"));
+        assert!(begun.elapsed() < SOON, "{name}: {:?}", begun.elapsed());
+        assert_eq!(ended.code, Some(130), "{name}: {}", ended.err);
+        assert_has(&ended.err, &["out of time (--max-seconds) after ", " in progress w"]);
+    }
+}
+
+/// Runs that end at once beside runs of seconds, stopped amid the latter.
+#[test]
+fn what_was_given_up_is_computed_again_to_the_same_bytes() {
+    let scratch = Scratch::new();
+    let text = study_text(
+        "mixed",
+        "{monte_carlo: {samples: 8}}",
+        2.0e4,
+        "sweep: [{grid: {friction_coefficient: [1.0e-2, 0.0]}}]\n\
+         model: {kind: ball_balancer, parameters: {speed_rad_s: -216.0}}\n",
+    );
+    scratch.write("mixed.yaml", text);
+    let stopped = scratch.stickslip("run mixed.yaml --out out --threads 1 --max-seconds 0.2");
+    assert_eq!(stopped.code, Some(130), "{}", stopped.err);
+    assert_has(&stopped.err, &[" of 16 runs; ", " in progress w"]);
+    let finished = counts(&scratch.table("out", "runs"), "run_id").len();
+    assert!((1..16).contains(&finished), "{finished}");
+    assert_eq!(scratch.manifest("out")["runs_finished"], finished);
+    scratch.well("resume out");
+    scratch.well("run mixed.yaml --out whole --threads 1");
+    assert_eq!(scratch.data("out"), scratch.data("whole"));
+}
+
+/// The same of a request that a server is at work on.
+#[test]
+fn ctrl_c_ends_a_server_amid_a_long_request() {
+    let scratch = Scratch::new();
+    let text = study_text(
+        "slow",
+        "{monte_carlo: {samples: 8}}",
+        1.0e5,
+        "design: {friction_coefficient: {from: 0, to: 1}}\nresponses: {mean: {amplitude_mean: {}}}\n",
+    );
+    scratch.write("slow.yaml", text);
+    let mut command = scratch.command("evaluate slow.yaml --designs - --threads 1");
+    let mut child = command.stdin(Stdio::piped()).spawn().unwrap();
+    let mut stdin = child.stdin.take().unwrap();
+    std::io::Write::write_all(&mut stdin, b"{\"friction_coefficient\": 0}\n").unwrap();
+    wait_until("the program catches signals", || catches(&child, 2));
+    wait_until("it computes", || ticks(&child) >= 20);
+    send(&child, "INT");
+    let sent = Instant::now();
+    let ended = Ended::of(child.wait_with_output().unwrap());
+    assert!(sent.elapsed() < SOON, "{:?}", sent.elapsed());
+    assert_eq!((ended.code, ended.out.as_str()), (Some(130), ""), "{}", ended.err);
+}
+
+/// A server whose answers nobody reads waits for its reader, but not when it is interrupted.
+#[test]
+fn ctrl_c_ends_a_server_whose_answers_nobody_reads() {
+    let scratch = super::evaluate::scratch();
+    let mut child = super::evaluate::server(&scratch, "evaluate balls.yaml --designs -");
+    let mut stdin = child.stdin.take().unwrap();
+    wait_until("the program catches signals", || catches(&child, 2));
+    // More than pipes and buffers hold; it breaks off when the server ends.
+    let asking =
+        std::thread::spawn(
+            move || {
+                while std::io::Write::write_all(&mut stdin, b"no request\n").is_ok() {}
+            },
+        );
+    let written = || {
+        let text = std::fs::read_to_string(format!("/proc/{}/io", child.id())).unwrap_or_default();
+        let line = text.lines().find_map(|line| line.strip_prefix("wchar: ")).map(str::to_owned);
+        line.and_then(|bytes| bytes.parse::<u64>().ok()).unwrap_or(0)
+    };
+    wait_until("it waits for its reader", || {
+        let before = written();
+        std::thread::sleep(Duration::from_millis(300));
+        before > 30_000 && written() == before
+    });
+    send(&child, "INT");
+    // Its standard output stays open and unread until it has ended.
+    let sent = Instant::now();
+    wait_until("it has ended", || {
+        std::fs::read_to_string(format!("/proc/{}/stat", child.id()))
+            .is_ok_and(|stat| stat.contains(") Z "))
+    });
+    assert!(sent.elapsed() < SOON, "{:?}", sent.elapsed());
+    assert_eq!(child.wait().unwrap().code(), Some(130));
+    asking.join().unwrap();
+}
