@@ -23,7 +23,9 @@ use crate::ending::Label;
 use crate::farm::{Crew, Lock, Planned, Progress, Show, say, stop_on_signals};
 use crate::study::{Optimization, SensitivityFrom, Study};
 use crate::table::column::Column;
-use crate::table::{ResultsError, TableWriter, WriteError, provenance_with, write_atomically};
+use crate::table::{
+    ResultsError, TableWriter, WriteError, make_directory, provenance_with, write_atomically,
+};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -240,7 +242,7 @@ impl<'a> Place<'a> {
             }
             .into());
         }
-        fs::create_dir_all(directory).map_err(unusable)?;
+        make_directory(directory).map_err(unusable)?;
         let lock = Lock::take(directory.join("lock"), directory)?;
         Ok(Place { study, optimization, directory, _lock: lock })
     }

@@ -7,8 +7,9 @@ use clap::Args;
 use serde_json::{Value, json};
 
 use super::exit::{CliError, End};
+use super::filled_once::FilledOnce;
 use super::output::print;
-use super::replay_pictures::draw;
+use super::replay_pictures::{ANIMATION, FIGURE, draw};
 use super::replay_times::{MOST_TIMES, Times};
 use super::results_study::results_study;
 use crate::ending::{Recording, Switch};
@@ -16,8 +17,8 @@ use crate::farm::{record, say};
 use crate::study::Study;
 use crate::table::column::Column;
 use crate::table::{
-    Difference, EquilibriumFiles, Manifest, ResultsError, RunRecord, StoredRun, TableWriter, Units,
-    phase_name, provenance_with, switch_columns, trajectory_columns,
+    Difference, Manifest, ResultsError, RunRecord, StoredRun, TableWriter, Units, phase_name,
+    provenance_with, switch_columns, trajectory_columns,
 };
 
 const EXAMPLES: &str = "\
@@ -69,6 +70,11 @@ pub struct ReplayArguments {
     json: bool,
 }
 
+const TRAJECTORY: &str = "trajectory.parquet";
+const SWITCHES: &str = "switches.parquet";
+/// All that may be written.
+const FILES: [&str; 4] = [TRAJECTORY, SWITCHES, FIGURE, ANIMATION];
+
 /// Computes the run again and writes its motion.
 ///
 /// # Errors
@@ -78,7 +84,7 @@ pub fn replay(arguments: &ReplayArguments) -> Result<End, CliError> {
     let (study, manifest) = results_study(directory)?;
     let stored = stored_run(directory, &study, &manifest, *run_id)?;
     let out = arguments.out.clone().map_or_else(|| beside(directory, *run_id), Ok)?;
-    EquilibriumFiles::inspect(&out)?;
+    FilledOnce::inspect(&out, &FILES)?;
     let times = arguments.times.map(|times| times.values().collect::<Vec<f64>>());
     let (record, recording) = record(&study, *run_id, times.as_deref(), MOST_TIMES as usize);
     if recording.cut_off {
@@ -91,9 +97,11 @@ pub fn replay(arguments: &ReplayArguments) -> Result<End, CliError> {
         Some(stored) => Some(stored.differences(&study, &record)?),
         None => None,
     };
+    let place = FilledOnce::open(&out, &FILES)?;
     write(&out, &study, arguments, &record, &recording)?;
-    let mut files = vec!["trajectory.parquet", "switches.parquet"];
+    let mut files = vec![TRAJECTORY, SWITCHES];
     files.extend(draw(&out, &study, &record, arguments.times)?);
+    place.finish()?;
     let (out, study) = (&*out, &study);
     let report = Report { directory, out, study, record, recording, differences, files };
     let manifest = stored.is_none().then_some(&manifest);
@@ -157,8 +165,6 @@ fn write(
     record: &RunRecord,
     recording: &Recording,
 ) -> Result<(), CliError> {
-    let unusable = |cause| ResultsError::Unusable { path: out.to_owned(), cause };
-    std::fs::create_dir_all(out).map_err(unusable)?;
     let times = arguments.times.map(|times| times.values().collect::<Vec<f64>>());
     let options = json!({
         "run_id": arguments.run_id,
@@ -183,7 +189,7 @@ fn table<R: Clone>(
     for row in rows {
         table.push(row.clone())?;
     }
-    table.finish()?;
+    table.finish_once()?;
     Ok(())
 }
 

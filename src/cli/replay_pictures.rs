@@ -1,6 +1,5 @@
 //! The pictures of a replayed run.
 
-use std::fs;
 use std::path::Path;
 
 use super::exit::CliError;
@@ -9,7 +8,7 @@ use crate::ending::{Evidence, Instants, Recorder, Recording, simulate_recorded};
 use crate::model::Case;
 use crate::report::{animation, figure, frames, time_text};
 use crate::study::Study;
-use crate::table::{ResultsError, RunRecord};
+use crate::table::{ResultsError, RunRecord, write_once};
 
 /// Instants inside of each step, so that curves are smooth; none where the run has so many steps that it
 /// makes no difference.
@@ -51,7 +50,8 @@ pub fn draw(
     let mut files = Vec::new();
     let write = |name: &str, content: String| {
         let path = out.join(name);
-        fs::write(&path, content).map_err(|cause| ResultsError::Unusable { path, cause })
+        write_once(&path, content.as_bytes())
+            .map_err(|cause| ResultsError::Unusable { path, cause })
     };
     write(FIGURE, figure(&case.model, &dense.samples, &title).map_err(std::io::Error::other)?)?;
     files.push(FIGURE);
@@ -67,8 +67,10 @@ pub fn draw(
     Ok(files)
 }
 
-const FIGURE: &str = "replay.svg";
-const ANIMATION: &str = "replay.html";
+/// A figure of the motion.
+pub const FIGURE: &str = "replay.svg";
+/// An animation of it.
+pub const ANIMATION: &str = "replay.html";
 
 fn recorded(case: &Case, instants: Instants) -> Recording {
     let mut recorder = Recorder::new(instants, MOST_TIMES as usize);

@@ -91,14 +91,16 @@ pub fn carry_out(
         Ready::Complete(manifest) => return complete(study, place.directory, &manifest, arguments),
         Ready::Open(store, results) => (store, results),
     };
-    let ran = farm_study(study, options, arguments, Some(&mut *store), |record, point| {
-        match (record, point) {
-            (Some(record), _) => results.push_run(record),
-            (_, Some((point, detail))) => results.push_point(point.clone(), detail),
-            (None, None) => Ok(()),
-        }
-    })?;
+    let mut ran =
+        farm_study(study, options, arguments, Some(&mut *store), |record, point| {
+            match (record, point) {
+                (Some(record), _) => results.push_run(record),
+                (_, Some((point, detail))) => results.push_point(point.clone(), detail),
+                (None, None) => Ok(()),
+            }
+        })?;
     store.check()?;
+    ran.circumstances.merging = place.merging();
     results.finish(study, ran.circumstances.clone())?;
     ran.report(study, arguments, Some(place.directory), None)?;
     Ok(ran.end())

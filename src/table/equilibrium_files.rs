@@ -1,14 +1,11 @@
 //! The output directory of `stickslip equilibria`: up to three tables.
 
-use std::fs;
-use std::io;
 use std::path::Path;
 
 use serde_json::Value;
 
 use super::frictionless::{FrictionlessRow, frictionless_columns};
 use super::provenance::provenance_with;
-use super::results::ResultsError;
 use super::set::{SetRow, SetSummaryRow, set_columns, set_summary_columns};
 use super::writer::{TableWriter, WriteError};
 use crate::study::Study;
@@ -32,40 +29,17 @@ pub struct EquilibriumTables {
 }
 
 impl EquilibriumFiles {
-    /// Refuses a directory that holds anything. Changes nothing.
-    ///
-    /// # Errors
-    /// [`ResultsError::Occupied`] or [`ResultsError::Unusable`].
-    pub fn inspect(directory: &Path) -> Result<(), ResultsError> {
-        let unusable = |cause| ResultsError::Unusable { path: directory.to_owned(), cause };
-        let first = match fs::read_dir(directory) {
-            Ok(mut entries) => entries.next().transpose().map_err(unusable)?,
-            Err(error) if error.kind() == io::ErrorKind::NotFound => None,
-            Err(error) => return Err(unusable(error)),
-        };
-        first.map_or(Ok(()), |entry| {
-            Err(ResultsError::Occupied {
-                path: directory.to_owned(),
-                reason: "this directory is not empty".to_owned(),
-                found: format!("{} and perhaps more", entry.file_name().to_string_lossy()),
-                allowed: "another directory, with --out DIR, or this one removed or renamed first"
-                    .to_owned(),
-            })
-        })
+    /// The names of the tables.
+    pub fn names(&self) -> Vec<&'static str> {
+        let set = self.positions.then_some("set.parquet");
+        set.into_iter().chain(["sets.parquet", "frictionless.parquet"]).collect()
     }
 
-    /// Makes the directory, if need be, and starts the tables.
+    /// Starts the tables in a directory.
     ///
     /// # Errors
-    /// Where it is not empty or cannot be made or written to.
-    pub fn create(
-        &self,
-        directory: &Path,
-        study: &Study,
-    ) -> Result<EquilibriumTables, ResultsError> {
-        Self::inspect(directory)?;
-        let unusable = |cause| ResultsError::Unusable { path: directory.to_owned(), cause };
-        fs::create_dir_all(directory).map_err(unusable)?;
+    /// Where it cannot be written to.
+    pub fn create(&self, directory: &Path, study: &Study) -> Result<EquilibriumTables, WriteError> {
         let provenance = |table| provenance_with(study, table, &self.options);
         let path = |table| directory.join(format!("{table}.parquet"));
         let set = || TableWriter::create(&path("set"), set_columns(study), &provenance("set"));
@@ -115,16 +89,15 @@ impl EquilibriumTables {
         self.frictionless.push(row)
     }
 
-    /// Finishes all tables.
+    /// Finishes all tables; of those that are there already, nothing is replaced.
     ///
     /// # Errors
-    /// Where a file cannot be written.
+    /// Where a file cannot be written, or something else has its name.
     pub fn finish(self) -> Result<(), WriteError> {
         if let Some(set) = self.set {
-            set.finish()?;
+            set.finish_once()?;
         }
-        self.sets.finish()?;
-        self.frictionless.finish()?;
-        Ok(())
+        self.sets.finish_once()?;
+        self.frictionless.finish_once()
     }
 }

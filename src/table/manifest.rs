@@ -8,6 +8,7 @@ use std::path::{Component, Path};
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
+use super::directory::sync_directory;
 use super::provenance::{COMMIT, FORMAT, VERSION};
 use super::results::Circumstances;
 use crate::analysis::LabelCounts;
@@ -55,6 +56,10 @@ pub struct Manifest {
     pub wall_s: f64,
     /// Worker threads.
     pub threads: usize,
+    /// Directories of the shards that are being merged, as they were given; none where runs are computed,
+    /// and none once all are merged.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub merging: Vec<String>,
     /// Name of the machine.
     pub host: String,
     /// The data files; of a table that is a directory, each of its parts.
@@ -111,7 +116,7 @@ impl Manifest {
         counts: LabelCounts,
         files: BTreeMap<String, FileEntry>,
     ) -> Self {
-        let Circumstances { shard, runs_planned, runs_kept, complete, .. } = circumstances;
+        let Circumstances { shard, runs_planned, runs_kept, complete, merging, .. } = circumstances;
         let label = |label: Label| (label.name().to_owned(), counts.of(label));
         Manifest {
             format: FORMAT,
@@ -129,6 +134,8 @@ impl Manifest {
             started_unix_s: circumstances.started_unix_s,
             wall_s: circumstances.wall_s,
             threads: circumstances.threads,
+            // What is merged is a directory like any other.
+            merging: if complete { Vec::new() } else { merging },
             host: gethostname::gethostname().to_string_lossy().into_owned(),
             files,
         }
@@ -183,10 +190,10 @@ impl Manifest {
 /// Reads a regular file of at most so many bytes.
 ///
 /// # Errors
-/// Where it is another thing, larger, or cannot be read.
+/// Where it is another thing, a link included, larger, or cannot be read.
 pub(crate) fn read_regular(path: &Path, most: u64) -> io::Result<Vec<u8>> {
-    // Asked before it is opened: opening a named pipe would wait for a writer.
-    if !fs::metadata(path)?.is_file() {
+    // Asked before it is opened: opening a named pipe would wait for a writer, and a link may lead anywhere.
+    if !fs::symlink_metadata(path)?.is_file() {
         return Err(io::Error::other("not a regular file"));
     }
     let mut bytes = Vec::new();
@@ -195,6 +202,30 @@ pub(crate) fn read_regular(path: &Path, most: u64) -> io::Result<Vec<u8>> {
         return Err(io::Error::other(format!("larger than {most} bytes")));
     }
     Ok(bytes)
+}
+
+/// Writes a file whose place nothing else may lose: where it is there already, it has this very content, and
+/// is left as it is.
+///
+/// # Errors
+/// Where something else has the name, of the kind `AlreadyExists`; where it cannot be written.
+pub fn write_once(path: &Path, content: &[u8]) -> io::Result<()> {
+    match fs::symlink_metadata(path) {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => write_atomically(path, content),
+        Err(error) => Err(error),
+        Ok(found) => {
+            let same = found.is_file()
+                && found.len() == content.len() as u64
+                && read_regular(path, found.len())? == content;
+            if same { Ok(()) } else { Err(taken()) }
+        }
+    }
+}
+
+/// Something else has the name of a file that is to be written.
+pub(super) fn taken() -> io::Error {
+    let problem = "its name belongs to something else, which is not replaced";
+    io::Error::new(io::ErrorKind::AlreadyExists, problem)
 }
 
 /// Writes a file under a temporary name, syncs it and renames it.
@@ -214,19 +245,4 @@ pub fn write_atomically(path: &Path, content: &[u8]) -> io::Result<()> {
     file.sync_all()?;
     fs::rename(&temporary, path)?;
     sync_directory(path.parent().unwrap_or(Path::new("")))
-}
-
-/// Makes what has been made and renamed in a directory last through a power cut.
-///
-/// # Errors
-/// Where it cannot be done. File systems that know of no such thing are left alone.
-pub fn sync_directory(directory: &Path) -> io::Result<()> {
-    if !cfg!(unix) {
-        return Ok(());
-    }
-    let here = if directory.as_os_str().is_empty() { Path::new(".") } else { directory };
-    match fs::File::open(here)?.sync_all() {
-        Err(error) if error.kind() == io::ErrorKind::InvalidInput => Ok(()),
-        other => other,
-    }
 }

@@ -6,9 +6,11 @@
 //! one of several is the directory. What an interrupted program leaves, the next one clears away, and
 //! nothing else.
 
-use std::fs::{self, File};
+use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
+
+use super::directory::sync_directory;
 
 /// In the directory: the parts.
 const TABLE: &str = "table";
@@ -106,12 +108,6 @@ fn remove(path: &Path) -> io::Result<()> {
 
 fn parent(path: &Path) -> &Path {
     path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."))
-}
-
-/// Has the names in a directory outlive a loss of power; elsewhere than on Unix, where directories
-/// cannot be opened, that is left to the system.
-fn sync_directory(path: &Path) -> io::Result<()> {
-    if cfg!(unix) { File::open(path)?.sync_all() } else { Ok(()) }
 }
 
 #[cfg(test)]
