@@ -13,7 +13,7 @@ use super::points_table::{MOST_LINES, PointsTable};
 use crate::ending::Label;
 use crate::farm::{FarmOptions, Place, Ready, say};
 use crate::study::Study;
-use crate::table::{Manifest, Table};
+use crate::table::{Circumstances, Manifest, Table};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -91,17 +91,16 @@ pub fn carry_out(
         Ready::Complete(manifest) => return complete(study, place.directory, &manifest, arguments),
         Ready::Open(store, results) => (store, results),
     };
-    let mut ran =
-        farm_study(study, options, arguments, Some(&mut *store), |record, point| {
-            match (record, point) {
-                (Some(record), _) => results.push_run(record),
-                (_, Some((point, detail))) => results.push_point(point.clone(), detail),
-                (None, None) => Ok(()),
-            }
-        })?;
+    let ran = farm_study(study, options, arguments, Some(&mut *store), |record, point| {
+        match (record, point) {
+            (Some(record), _) => results.push_run(record),
+            (_, Some((point, detail))) => results.push_point(point.clone(), detail),
+            (None, None) => Ok(()),
+        }
+    })?;
     store.check()?;
-    ran.circumstances.merging = place.merging();
-    results.finish(study, ran.circumstances.clone())?;
+    let circumstances = Circumstances { merging: place.merging(), ..ran.circumstances.clone() };
+    results.finish(study, circumstances)?;
     ran.report(study, arguments, Some(place.directory), None)?;
     Ok(ran.end())
 }

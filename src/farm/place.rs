@@ -1,5 +1,6 @@
 //! An output directory made ready for a study: what is there is gone on with, used again, or refused.
 
+use std::mem::discriminant;
 use std::path::{Path, PathBuf};
 
 use thiserror::Error;
@@ -74,22 +75,26 @@ impl Place<'_> {
             Destination::Free | Destination::Begun(_) => {
                 (Store::open(self.directory, study)?, false)
             }
-            Destination::Complete(_) | Destination::Loose => {
+            Destination::Complete(_) | Destination::Loose | Destination::Changed(..) => {
                 (Store::open(self.directory, study)?, true)
-            }
-            Destination::Changed(manifest, difference) => {
-                let store = Store::open(self.directory, study)?;
-                let problem = match manifest.complete {
-                    true => "these results have been changed since they were written",
-                    false => "there is something in the way of these results",
-                };
-                tell(format!(
-                    "{directory}: {problem}: {difference}; they are made again from the finished runs"
-                ));
-                (store, true)
             }
             Destination::Another(manifest) => (self.reopen(study, manifest)?, true),
         };
+        // Until now another process may have written here: what it has left is looked at anew.
+        let locked = inspect(self.directory, study, &shard, &[CHUNKS, EARLIER])?;
+        if discriminant(&locked) != discriminant(&found) {
+            drop(store);
+            return self.prepare(study);
+        }
+        if let Destination::Changed(manifest, difference) = &found {
+            let problem = match manifest.complete {
+                true => "these results have been changed since they were written",
+                false => "there is something in the way of these results",
+            };
+            tell(format!(
+                "{directory}: {problem}: {difference}; they are made again from the finished runs"
+            ));
+        }
         for part in self.shards {
             let listed = store.add_shard(part)?;
             let finished = manifest_of(part)?.map_or(0, |manifest| manifest.runs_finished);
