@@ -134,6 +134,11 @@ impl PyStudy {
         progress: bool,
         recompute: bool,
     ) -> PyResult<Results> {
+        if out.as_ref().is_some_and(|out| out.as_os_str().is_empty()) {
+            let problem = "out: an empty path\n  found:   \"\"\n  allowed: a directory, \".\" for the current one; None \
+                           for tables in memory";
+            return Err(Trouble::Usage(problem.to_owned()).into());
+        }
         let study = Arc::clone(&self.study);
         let run =
             Run { threads: crate::threads::threads(threads)?, show: show(progress), recompute };

@@ -60,6 +60,24 @@ def test_a_directory_of_something_else_is_left_alone(small, tmp_path):
         small.run(file)
 
 
+def test_an_empty_path_is_no_directory(small, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(stickslip.StudyError, match="out: an empty path"):
+        small.run("")
+    (tmp_path / "mine.txt").write_text("mine")
+    with pytest.raises(stickslip.StudyError, match="allowed:"):
+        small.run("")
+    assert [path.name for path in tmp_path.iterdir()] == ["mine.txt"]
+
+
+def test_a_study_file_of_the_user_is_left_alone(small, tmp_path):
+    (tmp_path / "study.yaml").write_text("# mine\n" + SMALL)
+    with pytest.raises(FileExistsError, match="a study.yaml that is not what this study writes"):
+        small.run(tmp_path)
+    assert (tmp_path / "study.yaml").read_text() == "# mine\n" + SMALL
+    assert [path.name for path in tmp_path.iterdir()] == ["study.yaml"]
+
+
 def test_another_study_needs_recompute(small, tmp_path):
     small.run(tmp_path)
     other = stickslip.Study.from_text(SMALL.replace("seed: 5", "seed: 6"))

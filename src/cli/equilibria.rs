@@ -12,6 +12,7 @@ use serde_json::json;
 use super::arguments::{StudyArgument, threads};
 use super::equilibria_report::Report;
 use super::exit::{CliError, End};
+use super::filled_once::FilledOnce;
 use super::output::{print, print_json};
 use super::speeds::Speeds;
 use crate::analysis::{
@@ -37,6 +38,7 @@ margin), sets.parquet (a row per point of the sweep: share of all positions, sep
 amplitudes, balance) and frictionless.parquet (equilibria without dry friction and their stability).
 A table of more than 524,288 rows, such as set.parquet of three points on the grid of 512 x 512, is a
 directory of that name, with files of as many rows each.
+Whatever ends it, the same command goes on in the same directory; nothing else is ever written over.
 Nothing is simulated. At a speed of 0 no force acts, and every position is an equilibrium.";
 
 /// Compute equilibrium sets, and equilibria without friction, in closed form
@@ -132,9 +134,11 @@ pub fn equilibria(arguments: &EquilibriaArguments) -> Result<End, CliError> {
         .build()
         .map_err(CliError::Threads)?;
     let started = Instant::now();
+    let mut place = FilledOnce::open(&directory, &files.names())?;
     let mut tables = files.create(&directory, &study)?;
     let report = pool.install(|| compute(arguments, &study, resolution, &mut tables))?;
-    tables.finish()?;
+    tables.finish(&mut place.list)?;
+    place.finish()?;
     if arguments.json {
         print_json(&format!("{:#}\n", report.json(&files.options, &directory)))?;
     } else if !arguments.quiet {

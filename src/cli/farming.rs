@@ -199,6 +199,7 @@ pub fn farm_study(
             wall_s: wall.as_secs_f64(),
             threads: options.threads,
             complete: !tally.interrupted(),
+            merging: Vec::new(),
         },
         table: collector.table,
     })

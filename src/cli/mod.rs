@@ -12,6 +12,7 @@ mod existence;
 mod exit;
 mod expand;
 mod farming;
+mod filled_once;
 mod merge;
 mod optimize;
 mod output;

@@ -26,7 +26,7 @@ use crate::study::{Optimization, SensitivityFrom, Study};
 use crate::table::column::Column;
 use crate::table::{
     FILES, FileList, ResultsError, TableWriter, WriteError, clear_temporaries, is_one_of,
-    provenance_with,
+    make_directory, provenance_with,
 };
 
 const EXAMPLES: &str = "\
@@ -251,7 +251,7 @@ impl<'a> Place<'a> {
             }
             .into());
         }
-        fs::create_dir_all(directory).map_err(unusable)?;
+        make_directory(directory).map_err(unusable)?;
         let lock = Lock::take(directory.join("lock"), directory)?;
         clear_temporaries(directory, &OWN).map_err(unusable)?;
         let found = FileList::read(directory)?;
@@ -310,7 +310,11 @@ impl<'a> Place<'a> {
         self.write("pareto", pareto_columns(self.study, self.optimization), front)
     }
 
-    fn write_surrogates(&mut self, what: &Search, evaluations: &[Evaluation]) -> Result<(), CliError> {
+    fn write_surrogates(
+        &mut self,
+        what: &Search,
+        evaluations: &[Evaluation],
+    ) -> Result<(), CliError> {
         let all = what.crew.install(|| surrogates(what, evaluations));
         let states = all.into_iter().filter_map(|(response, surrogate)| {
             let name = &self.study.responses().get(response)?.name;

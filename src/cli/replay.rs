@@ -7,8 +7,9 @@ use clap::Args;
 use serde_json::{Value, json};
 
 use super::exit::{CliError, End};
+use super::filled_once::FilledOnce;
 use super::output::{print, print_json};
-use super::replay_pictures::draw;
+use super::replay_pictures::{ANIMATION, FIGURE, draw};
 use super::replay_times::{MOST_TIMES, Times};
 use super::results_study::results_study;
 use crate::ending::{Recording, Switch};
@@ -17,7 +18,7 @@ use crate::foreign::{one_line, shorten};
 use crate::study::Study;
 use crate::table::column::Column;
 use crate::table::{
-    Difference, EquilibriumFiles, FILES, FileList, Manifest, ResultsError, RunRecord, StoredRun, TableWriter, Units,
+    Difference, FILES, FileList, Manifest, ResultsError, RunRecord, StoredRun, TableWriter, Units,
     phase_name, provenance_with, switch_columns, trajectory_columns,
 };
 
@@ -73,6 +74,11 @@ pub struct ReplayArguments {
     json: bool,
 }
 
+const TRAJECTORY: &str = "trajectory.parquet";
+const SWITCHES: &str = "switches.parquet";
+/// All that may be written.
+const OWN: [&str; 4] = [TRAJECTORY, SWITCHES, FIGURE, ANIMATION];
+
 /// Computes the run again and writes its motion.
 ///
 /// # Errors
@@ -82,7 +88,7 @@ pub fn replay(arguments: &ReplayArguments) -> Result<End, CliError> {
     let (study, manifest) = results_study(directory)?;
     let stored = stored_run(directory, &study, &manifest, *run_id)?;
     let out = arguments.out.clone().map_or_else(|| beside(directory, *run_id), Ok)?;
-    EquilibriumFiles::inspect(&out)?;
+    FilledOnce::inspect(&out, &OWN)?;
     let times = arguments.times.map(|times| times.values().collect::<Vec<f64>>());
     let (record, recording) = record(&study, *run_id, times.as_deref(), MOST_TIMES as usize);
     if recording.cut_off {
@@ -95,13 +101,12 @@ pub fn replay(arguments: &ReplayArguments) -> Result<End, CliError> {
         Some(stored) => Some(stored.differences(&study, &record)?),
         None => None,
     };
-    let claim = EquilibriumFiles::claim(&out)?;
-    let mut list = FileList::default();
-    write(&out, &mut list, &study, arguments, &record, &recording)?;
-    let mut files = vec!["trajectory.parquet", "switches.parquet"];
-    files.extend(draw(&out, &mut list, &study, &record, arguments.times)?);
+    let mut place = FilledOnce::open(&out, &OWN)?;
+    write(&out, &mut place.list, &study, arguments, &record, &recording)?;
+    let mut files = vec![TRAJECTORY, SWITCHES];
+    files.extend(draw(&out, &mut place.list, &study, &record, arguments.times)?);
     files.push(FILES);
-    drop(claim);
+    place.finish()?;
     let (out, study) = (&*out, &study);
     let report = Report { directory, out, study, record, recording, differences, files };
     let manifest = stored.is_none().then_some(&manifest);
@@ -194,7 +199,7 @@ fn table<R: Clone>(
     for row in rows {
         table.push(row.clone())?;
     }
-    table.finish_after(|files| list.announce(out, files))?;
+    table.finish_once(|files| list.announce(out, files))?;
     Ok(())
 }
 

@@ -51,7 +51,7 @@ pub fn draw(
     let mut files = Vec::new();
     let mut write = |name: &str, content: String| {
         let unusable = |cause| ResultsError::Unusable { path: out.join(name), cause };
-        list.write(out, name, content.as_bytes()).map_err(unusable)
+        list.write_once(out, name, content.as_bytes()).map_err(unusable)
     };
     write(FIGURE, figure(&case.model, &dense.samples, &title).map_err(std::io::Error::other)?)?;
     files.push(FIGURE);
@@ -67,8 +67,10 @@ pub fn draw(
     Ok(files)
 }
 
-const FIGURE: &str = "replay.svg";
-const ANIMATION: &str = "replay.html";
+/// A figure of the motion.
+pub const FIGURE: &str = "replay.svg";
+/// An animation of it.
+pub const ANIMATION: &str = "replay.html";
 
 fn recorded(case: &Case, instants: Instants) -> Recording {
     let mut recorder = Recorder::new(instants, MOST_TIMES as usize);

@@ -1,6 +1,6 @@
 //! `stickslip resume`: goes on with a study that was interrupted.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 
@@ -9,6 +9,7 @@ use super::exit::{CliError, End};
 use super::results_study::begun_study;
 use super::run::carry_out;
 use crate::farm::{Place, Shard};
+use crate::table::{Manifest, ResultsError};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -38,6 +39,7 @@ pub struct ResumeArguments {
 pub fn resume(arguments: &ResumeArguments) -> Result<End, CliError> {
     let directory = &arguments.directory;
     let (study, manifest) = begun_study(directory)?;
+    refuse_merge(directory, &manifest)?;
     let shard: Shard = manifest.shard.parse().map_err(|error| {
         CliError::Usage(format!("{}: `shard` in manifest.json: {error}", directory.display()))
     })?;
@@ -51,4 +53,29 @@ pub fn resume(arguments: &ResumeArguments) -> Result<End, CliError> {
         quiet: arguments.farm.quiet,
     };
     carry_out(&study, &place, options, &arguments.farm)
+}
+
+/// The most directories of a merge that are named.
+const MOST_NAMED: usize = 20;
+
+/// Refuses a merge that was interrupted: the runs that it has not come to are finished, elsewhere.
+fn refuse_merge(directory: &Path, manifest: &Manifest) -> Result<(), ResultsError> {
+    let parts = &manifest.merging;
+    if parts.is_empty() {
+        return Ok(());
+    }
+    let out = directory.display();
+    let named: Vec<String> =
+        parts.iter().take(MOST_NAMED).map(|part| part.escape_debug().to_string()).collect();
+    let more = if parts.len() > MOST_NAMED { " ..." } else { "" };
+    Err(ResultsError::Occupied {
+        path: directory.to_owned(),
+        reason: "these results were being merged, not computed".to_owned(),
+        found: format!("an unfinished merge of {} directories", parts.len()),
+        allowed: format!(
+            "`stickslip merge {}{more} --out {out}`, which goes on; or `stickslip run {out}/study.yaml \
+             --out {out}`, which computes the runs that are missing",
+            named.join(" ")
+        ),
+    })
 }

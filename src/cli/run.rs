@@ -13,7 +13,7 @@ use super::points_table::{MOST_LINES, PointsTable};
 use crate::ending::Label;
 use crate::farm::{FarmOptions, Place, Ready, say};
 use crate::study::Study;
-use crate::table::{Manifest, Table};
+use crate::table::{Circumstances, Manifest, Table};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -99,7 +99,8 @@ pub fn carry_out(
         }
     })?;
     store.check()?;
-    results.finish(study, ran.circumstances.clone())?;
+    let circumstances = Circumstances { merging: place.merging(), ..ran.circumstances.clone() };
+    results.finish(study, circumstances)?;
     ran.report(study, arguments, Some(place.directory), None)?;
     Ok(ran.end())
 }

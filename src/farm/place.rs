@@ -1,5 +1,6 @@
 //! An output directory made ready for a study: what is there is gone on with, used again, or refused.
 
+use std::mem::discriminant;
 use std::path::{Path, PathBuf};
 
 use thiserror::Error;
@@ -8,8 +9,8 @@ use super::{CHUNKS, Shard, Store, StoreError, say};
 use crate::ending::MODEL_VERSION;
 use crate::study::{Study, difference};
 use crate::table::{
-    Circumstances, Destination, EARLIER, Manifest, Results, ResultsError, inspect, manifest_of,
-    put_aside,
+    Circumstances, Destination, EARLIER, Manifest, Results, ResultsError, close_earlier, inspect,
+    manifest_of, put_aside,
 };
 
 /// Lines of a difference that are shown.
@@ -74,19 +75,26 @@ impl Place<'_> {
             Destination::Free | Destination::Begun(_) => {
                 (Store::open(self.directory, study)?, false)
             }
-            Destination::Complete(_) | Destination::Loose => {
+            Destination::Complete(_) | Destination::Loose | Destination::Changed(..) => {
                 (Store::open(self.directory, study)?, true)
-            }
-            Destination::Changed(_, difference) => {
-                let store = Store::open(self.directory, study)?;
-                tell(format!(
-                    "{directory}: these results have been changed since they were written: {difference}; \
-                     they are made again from the finished runs"
-                ));
-                (store, true)
             }
             Destination::Another(manifest) => (self.reopen(study, manifest)?, true),
         };
+        // Until now another process may have written here: what it has left is looked at anew.
+        let locked = inspect(self.directory, study, &shard, &[CHUNKS, EARLIER])?;
+        if discriminant(&locked) != discriminant(&found) {
+            drop(store);
+            return self.prepare(study);
+        }
+        if let Destination::Changed(manifest, difference) = &found {
+            let problem = match manifest.complete {
+                true => "these results have been changed since they were written",
+                false => "there is something in the way of these results",
+            };
+            tell(format!(
+                "{directory}: {problem}: {difference}; they are made again from the finished runs"
+            ));
+        }
         for part in self.shards {
             let listed = store.add_shard(part)?;
             let finished = manifest_of(part)?.map_or(0, |manifest| manifest.runs_finished);
@@ -98,7 +106,12 @@ impl Place<'_> {
                 ));
             }
         }
-        if let (Destination::Begun(_), true) = (&found, self.shards.is_empty()) {
+        let unfinished = match &found {
+            Destination::Begun(_) => true,
+            Destination::Changed(manifest, _) => !manifest.complete,
+            _ => false,
+        };
+        if unfinished && self.shards.is_empty() {
             tell(format!(
                 "{directory}: going on with this study, of which up to {} runs are finished",
                 store.listed_runs(),
@@ -107,12 +120,22 @@ impl Place<'_> {
         if put_them_aside {
             let place = put_aside(self.directory)?;
             tell(format!("earlier results are now in {}", place.display()));
+        } else {
+            close_earlier(self.directory)?;
         }
         let results = Results::create(self.directory, study)?;
-        if !matches!(found, Destination::Begun(_)) {
-            results.announce(study, Circumstances::begin(shard, self.shard.most_runs(study)))?;
+        let merging = self.merging();
+        let announced = matches!(&found, Destination::Begun(before) if before.merging == merging);
+        if !announced {
+            let begun = Circumstances::begin(shard, self.shard.most_runs(study));
+            results.announce(study, Circumstances { merging, ..begun })?;
         }
         Ok(Ready::Open(Box::new(store), Box::new(results)))
+    }
+
+    /// The directories that are merged, for the manifest.
+    pub fn merging(&self) -> Vec<String> {
+        self.shards.iter().map(|part| part.display().to_string()).collect()
     }
 
     /// Opens the store of a directory with results of another study, if this one can use any of its runs.

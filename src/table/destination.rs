@@ -1,19 +1,17 @@
-//! What an output directory holds before a study is run, and how earlier results are put aside.
+//! What an output directory holds before a study is run. What is not, byte for byte, what the program has
+//! written there or would write is never taken for its own.
 
 use std::fs;
 use std::io;
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 
-use super::manifest::{FileEntry, MANIFEST, Manifest};
+use super::manifest::{FileEntry, MANIFEST, Manifest, read_regular};
 use super::provenance::{FORMAT, VERSION};
 use super::results::{DATA_FILES, ResultsError, STUDY};
-use super::temporary::{sync_directory, will_become};
+use super::temporary::will_become;
 use crate::ending::MODEL_VERSION;
 use crate::foreign::one_line;
 use crate::study::Study;
-
-/// Folder of earlier results in an output directory.
-pub const EARLIER: &str = "earlier";
 
 /// The most characters of what was found that are shown.
 const LONGEST_FOUND: usize = 400;
@@ -21,16 +19,16 @@ const LONGEST_FOUND: usize = 400;
 /// What an output directory holds before a study is run.
 #[derive(Debug)]
 pub enum Destination {
-    /// Nothing: the study can be run.
+    /// Nothing that would be replaced: the study can be run.
     Free,
-    /// Tables of which nothing says whose they are, the manifest being gone.
+    /// Files of results of which nothing says whose they are, the manifest being gone.
     Loose,
     /// A part of the results of this very study and shard: it can go on.
     Begun(Box<Manifest>),
     /// All results of this very study and shard.
     Complete(Box<Manifest>),
-    /// All results of this very study and shard, but not the files that were written; what differs, in
-    /// words.
+    /// Results of this very study and shard, all or a part, but not the files that the manifest names; what
+    /// differs, in words.
     Changed(Box<Manifest>, String),
     /// Results of another study, or of this one by another version of the program.
     Another(Box<Manifest>),
@@ -66,37 +64,10 @@ pub fn inspect(
     shard: &str,
     ours: &[&str],
 ) -> Result<Destination, ResultsError> {
+    check_path(directory)?;
     let unusable = |cause| ResultsError::Unusable { path: directory.to_owned(), cause };
-    let occupied = |reason: &str, found: String| ResultsError::Occupied {
-        path: directory.to_owned(),
-        reason: reason.to_owned(),
-        found: one_line(&found, LONGEST_FOUND),
-        allowed: "another directory, with --out DIR, or this one removed or renamed first"
-            .to_owned(),
-    };
-    let manifest = manifest_of(directory)?;
-    let Some(manifest) = manifest else {
-        let entries = match fs::read_dir(directory) {
-            Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Destination::Free),
-            entries => entries.map_err(unusable)?,
-        };
-        let mut loose = false;
-        for entry in entries {
-            // What a run that was killed at its very start may have left.
-            let name = entry.map_err(unusable)?.file_name();
-            let name = name.to_string_lossy();
-            let file = will_become(&name).unwrap_or(&name);
-            loose |= DATA_FILES.contains(&&*name) && name != STUDY;
-            let of_results = DATA_FILES.contains(&file) || file == MANIFEST || ours.contains(&file);
-            if !of_results {
-                let reason = "this directory is not empty and holds no finished study";
-                return Err(occupied(
-                    reason,
-                    format!("files without a {MANIFEST}, such as {name}"),
-                ));
-            }
-        }
-        return Ok(if loose { Destination::Loose } else { Destination::Free });
+    let Some(manifest) = manifest_of(directory)? else {
+        return without_manifest(directory, study, ours);
     };
     let another = |manifest: &Manifest| {
         format!(
@@ -110,74 +81,192 @@ pub fn inspect(
     };
     if manifest.shard != shard {
         let reason = "this directory holds the results of another shard";
-        return Err(occupied(reason, another(&manifest)));
+        return Err(occupied(directory, reason, &another(&manifest)));
     }
     let manifest = Box::new(manifest);
     let same_layout = (manifest.version.as_str(), manifest.format) == (VERSION, FORMAT);
     if manifest.study_hash != study.hash() || manifest.model_version != MODEL_VERSION {
         return Ok(Destination::Another(manifest));
     }
-    if !manifest.complete {
-        return Ok(Destination::Begun(manifest));
-    }
-    if !same_layout {
+    if manifest.complete && !same_layout {
         let found = format!("tables of stickslip {} (this is {VERSION})", manifest.version);
         return Ok(Destination::Changed(manifest, found));
     }
+    let changed = match manifest.complete {
+        true => missing_or_changed(directory, &manifest),
+        false => unnamed_or_changed(directory, &manifest, study),
+    };
+    if let Some(found) = changed.map_err(unusable)? {
+        return Ok(Destination::Changed(manifest, found));
+    }
+    if !manifest.complete {
+        return Ok(Destination::Begun(manifest));
+    }
+    if !is_own_study(&directory.join(STUDY), study).map_err(unusable)? {
+        return Ok(Destination::Changed(manifest, another_study()));
+    }
+    Ok(Destination::Complete(manifest))
+}
+
+/// Refuses an empty path, which the operating system would take for the current directory here and for
+/// nothing there.
+///
+/// # Errors
+/// [`ResultsError::Unusable`].
+pub fn check_path(directory: &Path) -> Result<(), ResultsError> {
+    if !directory.as_os_str().is_empty() {
+        return Ok(());
+    }
+    let cause = io::Error::other("an empty path; the current directory is `.`");
+    // Shown as it was given.
+    Err(ResultsError::Unusable { path: PathBuf::from("\"\""), cause })
+}
+
+fn occupied(directory: &Path, reason: &str, found: &str) -> ResultsError {
+    ResultsError::Occupied {
+        path: directory.to_owned(),
+        reason: reason.to_owned(),
+        found: one_line(found, LONGEST_FOUND),
+        allowed: "another directory, with --out DIR, or this one removed or renamed first"
+            .to_owned(),
+    }
+}
+
+/// What a directory without a manifest is. A program that was killed at its very start leaves finished runs,
+/// the study, and unfinished files; where there is anything else under their names, that is put aside with
+/// tables and finished runs beside it, and refused without.
+fn without_manifest(
+    directory: &Path,
+    study: &Study,
+    ours: &[&str],
+) -> Result<Destination, ResultsError> {
+    let unusable = |cause| ResultsError::Unusable { path: directory.to_owned(), cause };
+    let refused = |found: String| {
+        let reason = "this directory is not empty and holds no finished study";
+        Err(occupied(directory, reason, &found))
+    };
+    let entries = match fs::read_dir(directory) {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Destination::Free),
+        entries => entries.map_err(unusable)?,
+    };
+    let (mut tables, mut of_results, mut other) = (false, false, None);
+    for entry in entries {
+        let entry = entry.map_err(unusable)?;
+        let name = entry.file_name().to_string_lossy().into_owned();
+        let unfinished = will_become(&name);
+        if ours.contains(&&*name) {
+            of_results = true;
+        } else if DATA_FILES.contains(&&*name) && name != STUDY {
+            tables = true;
+        } else if name == STUDY {
+            if !is_own_study(&entry.path(), study).map_err(unusable)? {
+                other = Some(name);
+            }
+        } else if !unfinished.is_some_and(|of| DATA_FILES.contains(&of) || of == MANIFEST) {
+            return refused(format!("files without a {MANIFEST}, such as {name}"));
+        }
+    }
+    match other {
+        Some(name) if !(tables || of_results) => {
+            refused(format!("a {name} that is not what this study writes, and no {MANIFEST}"))
+        }
+        None if !tables => Ok(Destination::Free),
+        _ => Ok(Destination::Loose),
+    }
+}
+
+/// Whether a file is the study's with all defaults filled in.
+fn is_own_study(path: &Path, study: &Study) -> io::Result<bool> {
+    let text = study.resolved_yaml();
+    Ok(content(path, text.len())?.is_some_and(|found| found == text.as_bytes()))
+}
+
+/// The content of a regular file of at most so many bytes; none of anything else.
+fn content(path: &Path, most: usize) -> io::Result<Option<Vec<u8>>> {
+    let found = fs::symlink_metadata(path)?;
+    match found.is_file() && found.len() <= most as u64 {
+        true => read_regular(path, most as u64).map(Some),
+        false => Ok(None),
+    }
+}
+
+/// Which file of complete results is not what the manifest says of it, in words.
+fn missing_or_changed(directory: &Path, manifest: &Manifest) -> io::Result<Option<String>> {
     for (name, entry) in &manifest.files {
-        // The file itself: a link may lead anywhere.
-        let bytes = fs::symlink_metadata(directory.join(name)).and_then(|file| {
-            let other = || io::Error::other("not a regular file");
-            file.is_file().then_some(file.len()).ok_or_else(other)
-        });
+        let bytes = regular_file(directory, name);
         if bytes.as_ref().ok() != Some(&entry.bytes) {
-            let found = match bytes {
+            return Ok(Some(match bytes {
                 Ok(bytes) => format!("{name} of {bytes} bytes, {} in the manifest", entry.bytes),
                 Err(error) if error.kind() == io::ErrorKind::NotFound => {
                     format!("{name} is missing")
                 }
                 Err(error) => format!("{name}: {error}"),
-            };
-            return Ok(Destination::Changed(manifest, found));
+            }));
         }
-        let content = FileEntry::of(&directory.join(name), entry.rows).map_err(unusable)?;
-        if content != *entry {
-            let found = format!("the content of {name}");
-            return Ok(Destination::Changed(manifest, found));
+        if FileEntry::of(&directory.join(name), entry.rows)? != *entry {
+            return Ok(Some(format!("the content of {name}")));
         }
     }
-    if fs::read_to_string(directory.join(STUDY)).map_err(unusable)? != study.resolved_yaml() {
-        let found = format!("{STUDY}, by another name of the study or other expectations");
-        return Ok(Destination::Changed(manifest, found));
-    }
-    Ok(Destination::Complete(manifest))
+    Ok(None)
 }
 
-/// Moves the tables, the study and the manifest of earlier results into a folder of their own below
-/// `earlier/`, from which nothing is ever removed; returns that folder.
-///
-/// # Errors
-/// Where they cannot be moved; what is left is moved by the next try.
-pub fn put_aside(directory: &Path) -> Result<PathBuf, ResultsError> {
-    let unusable = |cause| ResultsError::Unusable { path: directory.to_owned(), cause };
-    let folder = directory.join(EARLIER);
-    fs::create_dir_all(&folder).map_err(unusable)?;
-    if !fs::symlink_metadata(&folder).map_err(unusable)?.is_dir() {
-        return Err(unusable(io::Error::other(format!("{EARLIER} is a link to somewhere else"))));
-    }
-    let number = (1..u64::MAX).find(|number| !folder.join(number.to_string()).exists());
-    let place = folder.join(number.unwrap_or(u64::MAX).to_string());
-    // A folder that a crash has left half full is filled up: the manifest is moved last.
-    let filling = place.with_extension("partial");
-    fs::create_dir_all(&filling).map_err(unusable)?;
-    for name in DATA_FILES.into_iter().chain([MANIFEST]) {
-        match fs::rename(directory.join(name), filling.join(name)) {
-            Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(unusable(error)),
-            _ => {}
+/// Which file of results that are not complete would be replaced without being what the manifest says of it,
+/// in words.
+fn unnamed_or_changed(
+    directory: &Path,
+    manifest: &Manifest,
+    study: &Study,
+) -> io::Result<Option<String>> {
+    let there = |name: &str| fs::symlink_metadata(directory.join(name)).ok();
+    for table in DATA_FILES.into_iter().filter(|name| *name != STUDY) {
+        let Some(found) = there(table) else { continue };
+        let mut names = vec![table.to_owned()];
+        if found.is_dir() {
+            let parts = fs::read_dir(directory.join(table))?;
+            let name =
+                |part: fs::DirEntry| format!("{table}/{}", part.file_name().to_string_lossy());
+            names = parts.map(|part| part.map(name)).collect::<io::Result<_>>()?;
+        }
+        for name in names {
+            let bytes = regular_file(directory, &name);
+            match (manifest.files.get(&name), bytes) {
+                (None, _) => return Ok(Some(format!("{name}, which {MANIFEST} does not name"))),
+                (Some(_), Err(error)) => return Ok(Some(format!("{name}: {error}"))),
+                (Some(entry), Ok(bytes)) => {
+                    if bytes != entry.bytes
+                        || FileEntry::of(&directory.join(&name), entry.rows)? != *entry
+                    {
+                        return Ok(Some(format!("the content of {name}")));
+                    }
+                }
+            }
         }
     }
-    fs::rename(&filling, &place).map_err(unusable)?;
-    sync_directory(&folder).map_err(unusable)?;
-    sync_directory(directory).map_err(unusable)?;
-    Ok(place)
+    if there(STUDY).is_some() && !is_own_study(&directory.join(STUDY), study)? {
+        return Ok(Some(another_study()));
+    }
+    Ok(None)
+}
+
+fn another_study() -> String {
+    format!("{STUDY}, by another name of the study or other expectations")
+}
+
+/// The size of a regular file below a directory, to which no link leads.
+fn regular_file(directory: &Path, name: &str) -> io::Result<u64> {
+    let mut path = directory.to_owned();
+    let mut parts = Path::new(name).components().peekable();
+    while let Some(part) = parts.next() {
+        if let Component::Normal(part) = part {
+            path.push(part);
+        }
+        let found = fs::symlink_metadata(&path)?;
+        if parts.peek().is_none() && found.is_file() {
+            return Ok(found.len());
+        }
+        if !found.is_dir() {
+            break;
+        }
+    }
+    Err(io::Error::other("not a regular file"))
 }

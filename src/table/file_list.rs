@@ -14,7 +14,7 @@ use super::checked::{Listed, is_file_name};
 use super::manifest::{FileEntry, read_regular};
 use super::provenance::FORMAT;
 use super::read::TableError;
-use super::temporary::write_atomically;
+use super::temporary::{write_atomically, write_once};
 use crate::foreign::shorten;
 use crate::study::Fault;
 
@@ -108,6 +108,15 @@ impl FileList {
         write_atomically(&directory.join(name), content)
     }
 
+    /// As [`Self::write`], of a file that replaces nothing: where its name is taken, by this very content.
+    ///
+    /// # Errors
+    /// Where something else has the name; where the file or the list cannot be written.
+    pub fn write_once(&mut self, directory: &Path, name: &str, content: &[u8]) -> io::Result<()> {
+        self.announce(directory, &[(name.to_owned(), FileEntry::of_content(content))])?;
+        write_once(&directory.join(name), content)
+    }
+
     /// Finds out which of its files the directory holds: of two that may have a name the one that is there; one
     /// that is gone is forgotten. Returns the names of those that are neither.
     pub fn settle(&mut self, directory: &Path) -> Vec<String> {
@@ -117,9 +126,8 @@ impl FileList {
             let Ok(found) = fs::symlink_metadata(&path) else { continue };
             // What is no file is not read: a pipe would be waited for.
             let found = found.is_file().then(|| FileEntry::of(&path, None).ok()).flatten();
-            let is_there = |entry: &FileEntry| {
-                found.as_ref().is_some_and(|found| found.has_content_of(entry))
-            };
+            let is_there =
+                |entry: &FileEntry| found.as_ref().is_some_and(|found| found.has_content_of(entry));
             let entry = match self.replaced.remove(&name) {
                 Some(before) if is_there(&before) => before,
                 _ => entry,
@@ -151,7 +159,8 @@ mod tests {
     #[test]
     fn a_process_may_be_ended_before_any_renaming() {
         let scratch = tempdir().unwrap();
-        let there = |name: &str, content: &str| fs::write(scratch.path().join(name), content).unwrap();
+        let there =
+            |name: &str, content: &str| fs::write(scratch.path().join(name), content).unwrap();
         let announced = |list: &mut FileList, content: &str| {
             let entry = FileEntry::of_content(content.as_bytes());
             list.announce(scratch.path(), &[("a".to_owned(), entry)]).unwrap();

@@ -62,6 +62,10 @@ pub struct Manifest {
     pub wall_s: f64,
     /// Worker threads.
     pub threads: usize,
+    /// Directories of the shards that are being merged, as they were given; none where runs are computed,
+    /// and none once all are merged.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub merging: Vec<String>,
     /// Name of the machine.
     pub host: String,
     /// The data files; of a table that is a directory, each of its parts.
@@ -131,7 +135,7 @@ impl Manifest {
         counts: LabelCounts,
         files: BTreeMap<String, FileEntry>,
     ) -> Self {
-        let Circumstances { shard, runs_planned, runs_kept, complete, .. } = circumstances;
+        let Circumstances { shard, runs_planned, runs_kept, complete, merging, .. } = circumstances;
         let label = |label: Label| (label.name().to_owned(), counts.of(label));
         Manifest {
             format: FORMAT,
@@ -149,6 +153,8 @@ impl Manifest {
             started_unix_s: circumstances.started_unix_s,
             wall_s: circumstances.wall_s,
             threads: circumstances.threads,
+            // What is merged is a directory like any other.
+            merging: if complete { Vec::new() } else { merging },
             host: gethostname::gethostname().to_string_lossy().into_owned(),
             files,
         }
@@ -193,9 +199,8 @@ impl Manifest {
     fn check_values(&self) -> Result<(), String> {
         let names = self.files.keys().chain(self.labels.keys());
         let texts = [&self.study, &self.study_hash, &self.version, &self.commit, &self.host];
-        let shown = |text: &&String| {
-            text.chars().count() > LONGEST_TEXT || text.chars().any(is_acted_on)
-        };
+        let shown =
+            |text: &&String| text.chars().count() > LONGEST_TEXT || text.chars().any(is_acted_on);
         if let Some(text) = texts.into_iter().chain(names).find(shown) {
             return Err(format!("{MANIFEST} has a text that cannot be shown: {}", shorten(text)));
         }
@@ -259,10 +264,10 @@ impl Manifest {
 /// Reads a regular file of at most so many bytes.
 ///
 /// # Errors
-/// Where it is another thing, larger, or cannot be read.
+/// Where it is another thing, a link included, larger, or cannot be read.
 pub(crate) fn read_regular(path: &Path, most: u64) -> io::Result<Vec<u8>> {
-    // Asked before it is opened: opening a named pipe would wait for a writer.
-    if !fs::metadata(path)?.is_file() {
+    // Asked before it is opened: opening a named pipe would wait for a writer, and a link may lead anywhere.
+    if !fs::symlink_metadata(path)?.is_file() {
         return Err(io::Error::other("not a regular file"));
     }
     let mut bytes = Vec::new();

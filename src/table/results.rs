@@ -1,7 +1,6 @@
 //! The output directory of a study: its tables, written as runs come in.
 
 use std::collections::BTreeMap;
-use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::time::{SystemTime, UNIX_EPOCH};
@@ -10,6 +9,7 @@ use thiserror::Error;
 
 use super::cycles::{CycleRow, cycle_columns};
 use super::density::{DensityRow, density_columns};
+use super::directory::make_directory;
 use super::equilibria::{EquilibriumRow, equilibrium_columns};
 use super::manifest::{FileEntry, MANIFEST, Manifest};
 use super::points::{PointRow, point_columns};
@@ -17,7 +17,7 @@ use super::provenance::provenance;
 use super::record::RunRecord;
 use super::rest::{RestRow, rest_columns};
 use super::runs::run_columns;
-use super::temporary::{clear_temporaries, write_atomically};
+use super::temporary::{clear_temporaries, write_once};
 use super::writer::{TableWriter, WriteError};
 use crate::analysis::{LabelCounts, PointDetail};
 use crate::study::Study;
@@ -71,6 +71,8 @@ pub struct Circumstances {
     pub wall_s: f64,
     /// Worker threads.
     pub threads: usize,
+    /// Directories of the shards that are merged, if that is what is done.
+    pub merging: Vec<String>,
 }
 
 impl Circumstances {
@@ -79,8 +81,16 @@ impl Circumstances {
         // A clock before 1970 is a clock that is wrong.
         let started = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
         let started_unix_s = started.as_secs_f64();
-        let (runs_kept, complete, wall_s, threads) = (0, false, 0.0, 0);
-        Circumstances { shard, runs_planned, runs_kept, complete, started_unix_s, wall_s, threads }
+        Circumstances {
+            shard,
+            runs_planned,
+            runs_kept: 0,
+            complete: false,
+            started_unix_s,
+            wall_s: 0.0,
+            threads: 0,
+            merging: Vec::new(),
+        }
     }
 }
 
@@ -108,18 +118,20 @@ const DENSITY: &str = "density.parquet";
 pub(super) const STUDY: &str = "study.yaml";
 
 impl Results {
-    /// Makes the directory, if need be, and starts the tables. It is under the lock of this process: what killed
+    /// Makes the directory, if need be, and starts the tables. Tables that are there are replaced when new
+    /// ones are finished, the study's file never. The directory is under the lock of this process: what killed
     /// ones have left under temporary names is cleared away.
     ///
     /// # Errors
-    /// Where it cannot be made or written to.
+    /// Where it cannot be made or written to, or has the file of another study.
     pub fn create(directory: &Path, study: &Study) -> Result<Self, ResultsError> {
         let unusable = |cause| ResultsError::Unusable { path: directory.to_owned(), cause };
-        fs::create_dir_all(directory).map_err(unusable)?;
+        make_directory(directory).map_err(unusable)?;
         let names: Vec<&str> = DATA_FILES.into_iter().chain([MANIFEST]).collect();
         clear_temporaries(directory, &names).map_err(unusable)?;
-        write_atomically(&directory.join(STUDY), study.resolved_yaml().as_bytes())
-            .map_err(unusable)?;
+        let study_file = directory.join(STUDY);
+        write_once(&study_file, study.resolved_yaml().as_bytes())
+            .map_err(|cause| ResultsError::Unusable { path: study_file, cause })?;
         Ok(Results {
             runs: TableWriter::create(
                 &directory.join(RUNS),

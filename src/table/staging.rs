@@ -12,7 +12,8 @@ use std::path::{Path, PathBuf};
 
 use tempfile::TempDir;
 
-use super::temporary::{self, parent, sync_directory};
+use super::directory::sync_directory;
+use super::temporary::{self, parent};
 use crate::foreign::shorten;
 
 /// In the directory: the parts.
@@ -233,7 +234,8 @@ mod tests {
     #[test]
     fn what_is_no_table_is_left_alone() {
         let scratch = tempdir().unwrap();
-        let (partial, mine) = (scratch.path().join("t.parquet.partial"), scratch.path().join("mine"));
+        let (partial, mine) =
+            (scratch.path().join("t.parquet.partial"), scratch.path().join("mine"));
         fs::write(&partial, "years of work").unwrap();
         write(&scratch.path().join("t.parquet"), &["a"]);
         assert_eq!(fs::read_to_string(&partial).unwrap(), "years of work");

@@ -10,6 +10,8 @@ use std::fs;
 use std::io;
 use std::path::Path;
 
+use super::directory::sync_directory;
+use super::manifest::read_regular;
 use tempfile::{Builder, NamedTempFile, TempDir};
 
 /// What all temporary names end with.
@@ -70,19 +72,28 @@ pub fn write_atomically(path: &Path, content: &[u8]) -> io::Result<()> {
     sync_directory(parent(path))
 }
 
-/// Makes what has been made and renamed in a directory last through a power cut.
+/// Writes a file whose name nothing else may lose: where it is there already, it has this very content, and
+/// is left as it is.
 ///
 /// # Errors
-/// Where it cannot be done. File systems that know of no such thing are left alone.
-pub fn sync_directory(directory: &Path) -> io::Result<()> {
-    if !cfg!(unix) {
-        return Ok(());
+/// Where something else has the name, of the kind `AlreadyExists`; where it cannot be written.
+pub fn write_once(path: &Path, content: &[u8]) -> io::Result<()> {
+    match fs::symlink_metadata(path) {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => write_atomically(path, content),
+        Err(error) => Err(error),
+        Ok(found) => {
+            let same = found.is_file()
+                && found.len() == content.len() as u64
+                && read_regular(path, found.len())? == content;
+            if same { Ok(()) } else { Err(taken()) }
+        }
     }
-    let here = if directory.as_os_str().is_empty() { Path::new(".") } else { directory };
-    match fs::File::open(here)?.sync_all() {
-        Err(error) if error.kind() == io::ErrorKind::InvalidInput => Ok(()),
-        other => other,
-    }
+}
+
+/// Something else has the name of a file that is to be written.
+pub(super) fn taken() -> io::Error {
+    let problem = "its name belongs to something else, which is not replaced";
+    io::Error::new(io::ErrorKind::AlreadyExists, problem)
 }
 
 /// Whether a name in a directory is one of `names`, or a temporary one of them.

@@ -1,6 +1,6 @@
 //! Writes one table as Parquet, in rows as they come, with memory that does not grow.
 
-use std::fs::File;
+use std::fs::{self, File};
 use std::io;
 use std::mem;
 use std::path::{Path, PathBuf};
@@ -15,7 +15,8 @@ use thiserror::Error;
 
 use super::column::{Column, batch, schema};
 use super::manifest::FileEntry;
-use super::staging::Staging;
+use super::staging::{Staging, part_name};
+use super::temporary::taken;
 
 /// Rows per write. Pages and row groups begin where they do because of this number alone, so that
 /// the bytes do not depend on how many runs were farmed at a time.
@@ -127,6 +128,24 @@ impl<R> TableWriter<R> {
         self.flush().map_err(|cause| self.error(cause))
     }
 
+    /// As [`Self::finish_after`], of a table that replaces nothing: where it is there already, it has these very
+    /// bytes, and is left as it is.
+    ///
+    /// # Errors
+    /// Where something else has the name, a file cannot be written or renamed, or `announce` fails.
+    pub fn finish_once(
+        self,
+        announce: impl FnOnce(&[(String, FileEntry)]) -> io::Result<()>,
+    ) -> Result<(), WriteError> {
+        self.settle(announce, |path, staging, files| match fs::symlink_metadata(path) {
+            Err(error) if error.kind() == io::ErrorKind::NotFound => staging.settle(files.len()),
+            Err(error) => Err(error),
+            Ok(_) if is_table_of(path, files)? => staging.clear(),
+            Ok(_) => Err(taken()),
+        })?;
+        Ok(())
+    }
+
     /// Leaves the name to whatever has it, and nothing of the rows.
     ///
     /// # Errors
@@ -170,8 +189,16 @@ impl<R> TableWriter<R> {
     /// # Errors
     /// Where a file cannot be written or renamed, or `announce` fails: nothing of the table is left then.
     pub fn finish_after(
+        self,
+        announce: impl FnOnce(&[(String, FileEntry)]) -> io::Result<()>,
+    ) -> Result<Vec<(String, FileEntry)>, WriteError> {
+        self.settle(announce, |_, staging, files| staging.settle(files.len()))
+    }
+
+    fn settle(
         mut self,
         announce: impl FnOnce(&[(String, FileEntry)]) -> io::Result<()>,
+        take_name: impl FnOnce(&Path, Staging, &[(String, FileEntry)]) -> io::Result<()>,
     ) -> Result<Vec<(String, FileEntry)>, WriteError> {
         self.flush().map_err(|cause| self.error(cause))?;
         let TableWriter { path, part, staging, mut finished, .. } = self;
@@ -180,11 +207,34 @@ impl<R> TableWriter<R> {
             let names = staging.names(finished.len());
             let files: Vec<_> = names.into_iter().zip(finished).collect();
             announce(&files)?;
-            staging.settle(files.len())?;
+            take_name(&path, staging, &files)?;
             Ok(files)
         };
-        settle().map_err(|cause| WriteError { path, cause })
+        settle().map_err(|cause| WriteError { path: path.clone(), cause })
     }
+}
+
+/// Whether a table on disk has these parts, to the byte, and no others.
+fn is_table_of(path: &Path, parts: &[(String, FileEntry)]) -> io::Result<bool> {
+    let is_part = |path: &Path, part: &FileEntry| -> io::Result<bool> {
+        let found = fs::symlink_metadata(path)?;
+        Ok(found.is_file() && found.len() == part.bytes && FileEntry::of(path, part.rows)? == *part)
+    };
+    if let [(_, part)] = parts {
+        return is_part(path, part);
+    }
+    if !fs::symlink_metadata(path)?.is_dir() || fs::read_dir(path)?.count() != parts.len() {
+        return Ok(false);
+    }
+    for (number, (_, part)) in parts.iter().enumerate() {
+        match is_part(&path.join(part_name(number)), part) {
+            Ok(true) => {}
+            Ok(false) => return Ok(false),
+            Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(false),
+            Err(error) => return Err(error),
+        }
+    }
+    Ok(true)
 }
 
 impl Part {
@@ -309,6 +359,45 @@ mod tests {
             drop(broken);
             let found = write(&path, 10, rows);
             assert_eq!(found.len(), files(scratch.path()).len(), "{rows} rows");
+        }
+    }
+
+    /// A table that may be there already: the same bytes stay, and nothing else is replaced.
+    #[test]
+    fn a_table_that_is_written_once_replaces_nothing() {
+        let again = |path: &Path, rows: u64| {
+            let mut table = TableWriter::with_parts_of(10, path, columns(), "here").unwrap();
+            (0..rows).for_each(|row| table.push(row).unwrap());
+            table.finish_once(|_| Ok(()))
+        };
+        let content = |path: &Path| files(path).into_iter().map(|file| fs::read(file).unwrap());
+        for rows in [7, 35] {
+            let scratch = tempdir().unwrap();
+            let path = scratch.path().join("t.parquet");
+            again(&path, rows).unwrap();
+            let before: Vec<_> = content(scratch.path()).collect();
+            again(&path, rows).unwrap();
+            assert!(content(scratch.path()).eq(before.iter().cloned()), "{rows} rows");
+            let other = [1, 6, 8, 34, 36].map(|rows| again(&path, rows).unwrap_err().to_string());
+            assert!(other.iter().all(|error| error.contains("is not replaced")), "{other:?}");
+            let mut kept = content(scratch.path());
+            assert!(before.iter().all(|file| kept.any(|other| other == *file)), "{rows} rows");
+        }
+        // Of several parts, one that has changed, one too many, and one that is missing.
+        type Change = fn(&Path);
+        let changes: [Change; 3] = [
+            |path| fs::write(path.join("part-00001.parquet"), "mine").unwrap(),
+            |path| fs::write(path.join("mine"), "mine").unwrap(),
+            |path| fs::remove_file(path.join("part-00003.parquet")).unwrap(),
+        ];
+        for change in changes {
+            let scratch = tempdir().unwrap();
+            let path = scratch.path().join("t.parquet");
+            again(&path, 35).unwrap();
+            change(&path);
+            let before: Vec<_> = content(&path).collect();
+            again(&path, 35).unwrap_err();
+            assert!(content(&path).eq(before));
         }
     }
 

@@ -5,8 +5,6 @@
 use std::fs;
 use std::process::{Child, Command};
 
-use stickslip::table::EquilibriumFiles;
-
 use super::evaluate::BALLS;
 use super::support::{AT_ONCE, Ended, Scratch, study_text, table};
 
@@ -101,18 +99,18 @@ fn nothing_is_left_of_a_table_that_failed() {
     assert_eq!(scratch.files(), before);
 }
 
-/// A directory is claimed by one process, and what it has begun is not mixed with the files of another one.
+/// A directory that a process is filling is refused to another one: what it has begun is not mixed with other files.
 #[test]
 fn a_replay_has_its_directory_alone() {
     let scratch = Scratch::new();
     scratch.write("a.yaml", study_text("a", "{monte_carlo: {samples: 3}}", 0.02, ""));
     scratch.well("run a.yaml --out out -q");
-    let claim = EquilibriumFiles::claim(&scratch.path("motion")).unwrap();
-    let second = EquilibriumFiles::claim(&scratch.path("motion"));
-    let message = second.err().unwrap().to_string();
-    assert!(message.contains("another process writes into this directory"), "{message}");
-    scratch.refused("replay out 1 --out motion", &["motion: this directory is not empty"]);
-    drop(claim);
+    fs::create_dir(scratch.path("motion")).unwrap();
+    let unfinished = fs::File::create(scratch.path("motion/unfinished")).unwrap();
+    unfinished.lock().unwrap();
+    scratch
+        .refused("replay out 1 --out motion", &["another process is writing into this directory"]);
+    unfinished.unlock().unwrap();
     scratch.well("replay out 1 --out motion");
     let mut names: Vec<_> = scratch.files().into_keys().collect();
     names.retain(|path| path.parent() == Some(&scratch.path("motion")));

@@ -91,6 +91,134 @@ fn foreign_files_are_left_alone() {
     );
 }
 
+/// What has the name of a file of results and is not what the program would write stays as it is, whoever
+/// would write there.
+#[test]
+fn files_under_our_names_are_left_alone() {
+    let scratch = Scratch::new();
+    let expect = "expect: [{point: {}, undecided_fraction: [0, 1]}]\n";
+    scratch.write("a.yaml", small("seed: 5\n") + expect);
+    scratch.write("other.yaml", small("seed: 6\n"));
+    scratch.well("run other.yaml --out other");
+    scratch.well("run a.yaml --out part --shard 1/1");
+    let content = fs::read(scratch.path("other/study.yaml")).unwrap();
+    for (name, what) in [
+        ("study.yaml", "a study.yaml that is not what this study writes"),
+        ("study.yaml.partial", "files without a manifest.json, such as study.yaml.partial"),
+        ("runs.parquet.partial", "files without a manifest.json, such as runs.parquet.partial"),
+    ] {
+        fs::create_dir(scratch.path("mine")).unwrap();
+        scratch.write(&format!("mine/{name}"), &content);
+        let found = format!("found:   {what}");
+        let refused = ["mine: this directory is not empty", &found, "allowed: another directory"];
+        for command in ["run a.yaml", "merge part", "verify a.yaml"] {
+            scratch.refused(&format!("{command} --out mine"), &refused);
+        }
+        fs::remove_dir_all(scratch.path("mine")).unwrap();
+    }
+    // The study's own file, into its own directory.
+    fs::create_dir(scratch.path("mine")).unwrap();
+    scratch.write("mine/study.yaml", small("seed: 5\n"));
+    scratch.refused("run mine/study.yaml --out mine", &["mine: this directory is not empty"]);
+    // What the program would write is nobody's loss.
+    fs::create_dir(scratch.path("same")).unwrap();
+    fs::copy(scratch.path("part/study.yaml"), scratch.path("same/study.yaml")).unwrap();
+    scratch.well("run same/study.yaml --out same");
+    assert_eq!(scratch.data("same"), scratch.data("part"));
+}
+
+/// What a run leaves that is killed at its very start: the study, or a part of it, unfinished tables, an empty
+/// list of finished runs.
+#[test]
+fn what_is_left_by_a_kill_at_the_start_is_gone_on_with() {
+    let scratch = Scratch::new();
+    scratch.write("a.yaml", small("seed: 5\n"));
+    scratch.well("run a.yaml --out whole");
+    let study = fs::read(scratch.path("whole/study.yaml")).unwrap();
+    for (number, (name, content)) in [
+        ("study.yaml", &study[..]),
+        ("study.yaml.abc123.stickslip-partial", &study[..100]),
+        ("study.yaml.abc123.stickslip-partial", &[]),
+        ("runs.parquet.abc123.stickslip-partial/table/part-00000.parquet", b"PAR1"),
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        let out = format!("out{number}");
+        let path = scratch.path(&out).join(name);
+        fs::create_dir_all(path.parent().unwrap()).unwrap();
+        fs::write(path, content).unwrap();
+        scratch.well(&format!("run a.yaml --out {out}"));
+        assert_eq!(scratch.data(&out), scratch.data("whole"), "{name}");
+        assert!(!scratch.path(&out).join("earlier").exists(), "{name}");
+    }
+    // With finished runs beside it, what may be somebody's is put aside.
+    fs::create_dir_all(scratch.path("aside/chunks")).unwrap();
+    scratch.write("aside/study.yaml", "mine");
+    scratch.well("run a.yaml --out aside");
+    assert_eq!(scratch.data("aside"), scratch.data("whole"));
+    let aside = fs::read_to_string(scratch.path("aside/earlier/1/study.yaml"));
+    assert_eq!(aside.unwrap(), "mine");
+}
+
+/// Where results are not complete, too, nothing is replaced that the program has not written.
+#[test]
+fn unfinished_results_are_gone_on_with_and_nothing_else_is_replaced() {
+    type Change = (&'static str, fn(Vec<u8>) -> Vec<u8>);
+    let changes: [Change; 3] = [
+        ("study.yaml", |mut study| {
+            study.extend(b"# years of work\n");
+            study
+        }),
+        ("runs.parquet", |mut table| {
+            table[40] ^= 1;
+            table
+        }),
+        ("points.parquet", |_| b"mine".to_vec()),
+    ];
+    for command in ["resume out", "run a.yaml --out out"] {
+        for (name, change) in changes {
+            let scratch = Scratch::new();
+            scratch.write("a.yaml", small("seed: 5\n"));
+            scratch.well("run a.yaml --out whole");
+            let stopped = scratch.stickslip("run a.yaml --out out --max-seconds 0");
+            assert_eq!(stopped.code, Some(130), "{}", stopped.err);
+            let path = scratch.path("out").join(name);
+            let changed = change(fs::read(&path).unwrap_or_default());
+            fs::write(&path, &changed).unwrap();
+            let ended = scratch.stickslip(command);
+            assert_eq!(ended.code, Some(0), "{}", ended.err);
+            let told = ["something in the way", name, "earlier results are now in out/earlier/1"];
+            assert_has(&ended.err, &told);
+            assert_eq!(fs::read(scratch.path("out/earlier/1").join(name)).unwrap(), changed);
+            assert_eq!(scratch.data("out"), scratch.data("whole"), "{name}");
+        }
+    }
+}
+
+/// An empty path is no directory, and not the current one.
+#[test]
+fn an_empty_path_is_no_directory() {
+    let scratch = Scratch::new();
+    scratch.write("a.yaml", small("seed: 5\n"));
+    scratch.well("run a.yaml --out part");
+    for command in
+        ["run a.yaml", "verify a.yaml", "merge part", "equilibria a.yaml", "replay part 0"]
+    {
+        let before = scratch.files();
+        let output = scratch.command(command).args(["--out", ""]).output().unwrap();
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(2), "{command}: {said}");
+        assert_has(&said, &["--out <DIR"]);
+        assert_eq!(scratch.files(), before, "{command}");
+    }
+    // Who calls the library is told the same.
+    let study = super::support::parse(&small("seed: 5\n"));
+    let error =
+        stickslip::table::inspect(std::path::Path::new(""), &study, "1/1", &[]).unwrap_err();
+    assert_has(&error.to_string(), &["\"\": cannot be used", "found:   an empty path"]);
+}
+
 /// Tests may run as root, whom no permission stops: a path below a file cannot be made by anyone.
 #[test]
 fn directories_that_cannot_be_made() {

@@ -114,3 +114,34 @@ fn an_interrupted_edit_goes_on() {
     scratch.well("run a.yaml --out alone");
     assert_eq!(scratch.data("out"), scratch.data("alone"));
 }
+
+/// A program that is killed while it moves earlier results, after any number of files, and two edits
+/// after that: no table of any of the studies is lost.
+#[test]
+fn earlier_results_survive_a_kill_and_two_edits() {
+    let files = [&super::support::DATA_FILES[..], &["manifest.json"]].concat();
+    for moved in 0..=files.len() {
+        let scratch = Scratch::new();
+        let speeds = ["[-160.0]", "[-160.0, -216.0]", "[-160.0, -216.0, -250.0]"];
+        for (number, speeds) in speeds.into_iter().enumerate() {
+            scratch.write(
+                &format!("{number}.yaml"),
+                study(speeds, |text| text.replace("2e-2", "1e-5")),
+            );
+        }
+        scratch.well("run 0.yaml --out out");
+        let first = scratch.data("out");
+        fs::create_dir_all(scratch.path("out/earlier/1.partial")).unwrap();
+        for name in &files[..moved] {
+            let to = scratch.path("out/earlier/1.partial").join(name);
+            fs::rename(scratch.path("out").join(name), to).unwrap();
+        }
+        scratch.well("run 1.yaml --out out");
+        let second = scratch.data("out");
+        scratch.well("run 2.yaml --out out");
+        assert_eq!(scratch.data("out/earlier/1"), first, "{moved} files were moved");
+        assert_eq!(scratch.data("out/earlier/2"), second, "{moved} files were moved");
+        scratch.well("run 2.yaml --out alone");
+        assert_eq!(scratch.data("out"), scratch.data("alone"));
+    }
+}

@@ -213,7 +213,10 @@ fn studies_and_their_tables() {
         text.replace("name: a", &format!("name: {long}")),
         format!("{text}{quoted}: 1\n"),
         text.replace("kind: ball_balancer", &format!("kind: {quoted}")),
-        text.replace("kind: ball_balancer", &format!("kind: ball_balancer, parameters: {{{long}: 1}}")),
+        text.replace(
+            "kind: ball_balancer",
+            &format!("kind: ball_balancer, parameters: {{{long}: 1}}"),
+        ),
         format!("{text}sweep: [{{zip: {{speed_rad_s: {quoted}}}}}]\n"),
         format!("{text}sweep: [{{table: {quoted}}}]\n"),
         format!("{text}# \u{1b}[2J\n]\n"),

@@ -60,7 +60,9 @@ fn of_results() {
 fn of_a_manifest() {
     let (scratch, _) = finished();
     let text = fs::read_to_string(scratch.path("out/manifest.json")).unwrap();
-    for (key, other) in [("\"runs_finished\": 60", "\"runs_finished\": 61"), ("failed\": ", "failed\": 1")] {
+    for (key, other) in
+        [("\"runs_finished\": 60", "\"runs_finished\": 61"), ("failed\": ", "failed\": 1")]
+    {
         assert!(text.contains(key));
         scratch.write("out/manifest.json", text.replacen(key, other, 1));
         refused(&scratch, "summary out", "manifest.json is damaged", 0);
@@ -74,7 +76,12 @@ fn of_a_search() {
     scratch.well("optimize block.yaml --out search -q");
     let name = "search/evaluations.parquet";
     with_other_bits(&scratch, name, PLACES, |bit| {
-        refused(&scratch, "optimize block.yaml --out search", "evaluations.parquet: this is not", bit);
+        refused(
+            &scratch,
+            "optimize block.yaml --out search",
+            "evaluations.parquet: this is not",
+            bit,
+        );
     });
     // Another list: either it cannot be read, or it says that the table is another one, or nothing that is
     // used has changed.

@@ -308,5 +308,8 @@ fn tables_that_are_not_as_they_should_be_are_refused() {
     scratch.write("out/points.parquet", &bytes[1..]);
     scratch.refused("summary out", &["points.parquet: this is not the file that was written"]);
     fs::remove_file(scratch.path("out/points.parquet")).unwrap();
-    scratch.refused("summary out", &["points.parquet: this is not the file", "`stickslip resume out`"]);
+    scratch.refused(
+        "summary out",
+        &["points.parquet: this is not the file", "`stickslip resume out`"],
+    );
 }

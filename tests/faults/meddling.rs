@@ -48,6 +48,87 @@ fn links_are_not_written_through() {
     }
 }
 
+/// Nor through links deeper down: in place of a folder of chunks, of the study's own or of another one's, of
+/// their list, or of earlier results that are being moved.
+#[test]
+fn links_below_are_not_written_through() {
+    let names =
+        ["OWN", "0123456789abcdef", "OWN/manifest.jsonl"].map(|name| format!("chunks/{name}"));
+    for name in
+        names.into_iter().chain(["earlier/1.partial".to_owned(), "earlier/3.partial".to_owned()])
+    {
+        for command in ["resume out", "run a.yaml --out out", "run edited.yaml --out out"] {
+            let scratch = complete();
+            let edited = study().replace("samples: 3200", "samples: 41");
+            scratch.write("edited.yaml", edited);
+            fs::remove_file(scratch.path("out/runs.parquet")).unwrap();
+            let own = chunks(&scratch.path("out")).unwrap();
+            let name = name.replace("OWN", own.file_name().unwrap().to_str().unwrap());
+            let path = scratch.path("out").join(&name);
+            fs::create_dir_all(path.parent().unwrap()).unwrap();
+            // What was there is where the link leads to, so that nothing is missing.
+            let elsewhere = scratch.path("elsewhere");
+            if path.exists() {
+                fs::rename(&path, &elsewhere).unwrap();
+            } else {
+                fs::create_dir(&elsewhere).unwrap();
+            }
+            symlink(&elsewhere, &path).unwrap();
+            let before = scratch.files();
+            let ended = scratch.stickslip(command);
+            assert_eq!(ended.code, Some(2), "{command} with {name}: {}", ended.err);
+            assert_has(&ended.err, &["cannot be used as output directory", "allowed: "]);
+            assert_eq!(scratch.files(), before, "{command} with {name}");
+        }
+    }
+}
+
+/// What a link leads to is no chunk and no table, whatever is in it.
+#[test]
+fn links_are_not_read_through() {
+    let scratch = complete();
+    let before = scratch.data("out");
+    let chunk = chunks(&scratch.path("out")).unwrap().join("000000.chunk");
+    for path in [chunk, scratch.path("out/runs.parquet")] {
+        fs::rename(&path, scratch.path("elsewhere")).unwrap();
+        symlink(scratch.path("elsewhere"), &path).unwrap();
+    }
+    let ended = scratch.stickslip("resume out");
+    assert_eq!(ended.code, Some(0), "{}", ended.err);
+    let told =
+        ["runs.parquet: not a regular file", "000000.chunk: not a regular file", "\n80 runs in "];
+    assert_has(&ended.err, &told);
+    assert_eq!(scratch.data("out"), before);
+
+    // A table of many parts, of a study that was stopped: the link itself is put aside.
+    let scratch = complete();
+    assert_eq!(scratch.stickslip("run a.yaml --out new --max-seconds 0").code, Some(130));
+    fs::create_dir(scratch.path("elsewhere")).unwrap();
+    fs::remove_file(scratch.path("new/runs.parquet")).unwrap();
+    symlink(scratch.path("elsewhere"), scratch.path("new/runs.parquet")).unwrap();
+    scratch.well("resume new");
+    assert_eq!(fs::read_dir(scratch.path("elsewhere")).unwrap().count(), 0);
+    assert!(scratch.path("new/earlier/1/runs.parquet").is_symlink());
+    assert_eq!(scratch.data("new"), before);
+}
+
+/// Who merges changes nothing in the directory of a shard.
+#[test]
+fn shards_are_only_read() {
+    let scratch = complete();
+    scratch.well("run a.yaml --shard 1/1 --out part");
+    let chunk = chunks(&scratch.path("part")).unwrap().join("000000.chunk");
+    fs::rename(&chunk, chunk.with_added_extension("partial")).unwrap();
+    let files = || -> Vec<_> {
+        let files = scratch.files().into_iter();
+        files.filter(|(path, _)| path.starts_with(scratch.path("part"))).collect()
+    };
+    let before = files();
+    let ended = scratch.stickslip("merge part --out merged");
+    assert_has(&ended.err, &["80 were finished before, 0 computed"]);
+    assert_eq!(files(), before);
+}
+
 /// Pipes are not waited for.
 #[test]
 fn pipes_do_not_hang() {

@@ -4,6 +4,7 @@
 #![cfg(target_os = "linux")]
 
 mod disk;
+mod filled_once;
 mod killed;
 mod meddling;
 mod panics;
@@ -11,7 +12,9 @@ mod trifles;
 mod two_processes;
 
 use std::fs;
+use std::os::unix::process::ExitStatusExt;
 use std::path::{Path, PathBuf};
+use std::process::Command;
 
 use crate::cli::support::{Scratch, study_text};
 
@@ -34,6 +37,16 @@ fn finished(directory: &Path) -> Vec<String> {
     let list = chunks(directory).map(|folder| folder.join("manifest.jsonl"));
     let text = list.and_then(|list| fs::read_to_string(list).ok()).unwrap_or_default();
     text.lines().map(str::to_owned).collect()
+}
+
+/// Runs the program, which the kernel kills when it writes more than so many blocks of 512 bytes into a file.
+fn killed_at(scratch: &Scratch, blocks: u32, arguments: &str) {
+    let program = env!("CARGO_BIN_EXE_stickslip");
+    let script = format!("ulimit -c 0; ulimit -f {blocks}; exec {program} {arguments}");
+    let mut command = Command::new("sh");
+    let output = command.args(["-c", &script]).current_dir(scratch.path(".")).output().unwrap();
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.signal(), Some(libc::SIGXFSZ), "{arguments}: {said}");
 }
 
 /// A study that was stopped in the middle, in `out`, and the whole of it, in `whole`.

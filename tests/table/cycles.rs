@@ -180,6 +180,7 @@ fn farmed(study: &Study, folder: &Path, threads: usize, chunk: usize) -> Vec<u8>
         started_unix_s: 0.0,
         wall_s: 0.0,
         threads,
+        merging: Vec::new(),
     };
     let manifest = tables.0.finish(study, circumstances).unwrap();
     assert_eq!(manifest.files["cycles.parquet"].rows, Some(6));

@@ -17,7 +17,7 @@ use super::chunk::Chunk;
 use crate::ending::MODEL_VERSION;
 use crate::farm::say;
 use crate::foreign::shown_path;
-use crate::table::{read_regular, sync_directory};
+use crate::table::{is_inside, make_inside, read_regular, sync_directory};
 
 /// The list of finished chunks, a line of JSON each.
 pub(super) const LIST: &str = "manifest.jsonl";
@@ -56,6 +56,8 @@ pub(super) struct Folder {
     path: PathBuf,
     /// The hash of their study, or its first digits.
     study_hash: String,
+    /// Whether it is in the directory that is ours alone.
+    ours: bool,
     /// Finished chunks, in the order in which they were finished: a later one stands for an earlier one
     /// where both have the same run.
     pub listed: Vec<Listed>,
@@ -69,11 +71,15 @@ fn fault(path: &Path, what: impl std::fmt::Display) -> String {
 
 impl Folder {
     /// Reads the list of a folder; one that is not there has no chunks. Lines that cannot be read are
-    /// told of.
+    /// told of. Only in a directory that is ours are chunks completed.
     ///
     /// # Errors
-    /// Where the operating system refuses.
-    pub fn open(path: PathBuf, study_hash: &str) -> Result<Self, StoreError> {
+    /// Where the operating system refuses, or where a link leads to the folder or to its list.
+    pub fn open(path: PathBuf, study_hash: &str, ours: bool) -> Result<Self, StoreError> {
+        for folder in path.parent().into_iter().chain([path.as_path()]) {
+            is_inside(folder)
+                .map_err(|cause| StoreError::Unusable { path: folder.to_owned(), cause })?;
+        }
         let list = path.join(LIST);
         let unusable = |cause| StoreError::Unusable { path: list.clone(), cause };
         let content = match read_regular(&list, LONGEST_LIST) {
@@ -109,7 +115,7 @@ impl Folder {
             say(&format!("{}: {damaged} lines are damaged in all", shown_path(&list)));
         }
         let next = Self::next_number(&path, &listed);
-        Ok(Folder { path, study_hash: study_hash.to_owned(), listed, next })
+        Ok(Folder { path, study_hash: study_hash.to_owned(), ours, listed, next })
     }
 
     /// A number that no chunk has, not even one that is not on the list.
@@ -165,8 +171,10 @@ impl Folder {
             }
             other => other?,
         };
-        // Where this is not allowed, the content serves all the same.
-        let _ = fs::rename(&temporary, path);
+        if self.ours {
+            // Where this is not allowed, the content serves all the same.
+            let _ = fs::rename(&temporary, path);
+        }
         Ok(bytes)
     }
 
@@ -203,7 +211,9 @@ impl Folder {
         };
         let temporary = path.with_added_extension("partial");
         let write = || -> io::Result<()> {
-            fs::create_dir_all(&self.path)?;
+            if !is_inside(&self.path)? {
+                make_inside(&self.path)?;
+            }
             match fs::remove_file(&temporary) {
                 Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
                 _ => {}
@@ -256,8 +266,9 @@ fn ends_with_newline(path: &Path) -> io::Result<bool> {
 
 /// The bytes of a file that has the size and the hash that the list says.
 fn read_exactly(path: &Path, entry: &Listed) -> io::Result<Vec<u8>> {
-    let found = fs::metadata(path)?.len();
-    if found != entry.bytes {
+    let found = fs::symlink_metadata(path)?;
+    if found.is_file() && found.len() != entry.bytes {
+        let found = found.len();
         return Err(io::Error::other(format!("{found} bytes, {} on the list", entry.bytes)));
     }
     let bytes = read_regular(path, LARGEST_CHUNK)?;

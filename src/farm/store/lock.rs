@@ -24,6 +24,7 @@ impl Lock {
     /// no locks is warned of.
     pub fn take(path: PathBuf, directory: &Path) -> Result<Self, StoreError> {
         let unusable = |cause| StoreError::Unusable { path: path.clone(), cause };
+        let named = || path.strip_prefix(directory).unwrap_or(&path).to_owned();
         // Nothing is opened that another could have put there to be waited for, or to lead elsewhere.
         if fs::symlink_metadata(&path).is_ok_and(|found| !found.is_file()) {
             return Err(unusable(io::Error::other("not a regular file")));
@@ -33,7 +34,7 @@ impl Lock {
         let file = match file.try_lock() {
             Ok(()) => Some(file),
             Err(TryLockError::WouldBlock) => {
-                return Err(StoreError::Busy { path: directory.to_owned() });
+                return Err(StoreError::Busy { path: directory.to_owned(), lock: named() });
             }
             Err(TryLockError::Error(cause)) => {
                 say(&format!(
@@ -58,7 +59,8 @@ impl Lock {
             let place = |found: fs::Metadata| (found.dev(), found.ino());
             let ours = file.metadata().map(place).ok();
             if ours.is_none() || fs::symlink_metadata(&self.path).map(place).ok() != ours {
-                return Err(StoreError::Lost { path: self.directory.clone() });
+                let lock = self.path.strip_prefix(&self.directory).unwrap_or(&self.path).to_owned();
+                return Err(StoreError::Lost { path: self.directory.clone(), lock });
             }
         }
         Ok(())

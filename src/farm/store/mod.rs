@@ -28,6 +28,7 @@ use self::chunk::ChunkWriter;
 use self::folder::Folder;
 pub use self::lock::Lock;
 use crate::study::Study;
+use crate::table::{make_directory, make_inside, sync_directory};
 
 /// Folder of the chunks in an output directory.
 pub const CHUNKS: &str = "chunks";
@@ -51,24 +52,28 @@ pub enum StoreError {
     },
     /// Another process writes into the directory.
     #[error(
-        "{}: another process is writing into this directory\n  found:   its lock on {CHUNKS}/{LOCK}\n  \
-         allowed: wait until it has ended, or another directory, with --out DIR",
-        path.display()
+        "{}: another process is writing into this directory\n  found:   its lock on {}\n  allowed: \
+         wait until it has ended, or another directory, with --out DIR",
+        path.display(), lock.display()
     )]
     Busy {
         /// The directory.
         path: PathBuf,
+        /// The lock, from the directory on.
+        lock: PathBuf,
     },
     /// The lock was removed while this process had it.
     #[error(
-        "{}: this directory is no longer ours\n  found:   {CHUNKS}/{LOCK} was removed while it was held, so \
-         that another process may write here, too\n  allowed: no other process; the same command then goes on \
-         with all finished runs",
-        path.display()
+        "{}: this directory is no longer ours\n  found:   {} was removed while it was held, so that \
+         another process may write here, too\n  allowed: no other process; the same command then goes on \
+         with what is finished",
+        path.display(), lock.display()
     )]
     Lost {
         /// The directory.
         path: PathBuf,
+        /// The lock, from the directory on.
+        lock: PathBuf,
     },
     /// A chunk could not be written.
     #[error(
@@ -91,7 +96,7 @@ pub enum StoreError {
 /// [`StoreError::Unusable`].
 pub fn listed_runs(directory: &Path, study: &Study) -> Result<u64, StoreError> {
     let hash = study.hash();
-    Ok(Folder::open(directory.join(CHUNKS).join(&hash[..DIGITS]), &hash)?.runs())
+    Ok(Folder::open(directory.join(CHUNKS).join(&hash[..DIGITS]), &hash, false)?.runs())
 }
 
 /// The finished runs in an output directory, ours alone as long as this value lives.
@@ -115,17 +120,17 @@ impl Store {
             let path = path.to_owned();
             move |cause| StoreError::Unusable { path, cause }
         };
-        fs::create_dir_all(&chunks).map_err(unusable(&chunks))?;
-        if !fs::symlink_metadata(&chunks).map_err(unusable(&chunks))?.is_dir() {
-            let elsewhere = io::Error::other("a link to somewhere else");
-            return Err(unusable(&chunks)(elsewhere));
-        }
+        make_directory(directory).map_err(unusable(directory))?;
+        make_inside(&chunks).map_err(unusable(&chunks))?;
         let lock = Lock::take(chunks.join(LOCK), directory)?;
+        // Whoever made a folder here may have been killed before it had synced it.
+        sync_directory(&chunks).map_err(unusable(&chunks))?;
         let study_hash = study.hash();
         let own = chunks.join(&study_hash[..DIGITS]);
         let mut others = Vec::new();
         for entry in fs::read_dir(&chunks).map_err(unusable(&chunks))? {
             let path = entry.map_err(unusable(&chunks))?.path();
+            // Also what a link leads to: it is refused like a link in place of any other folder here.
             if path != own && path.is_dir() {
                 others.push(path);
             }
@@ -133,10 +138,10 @@ impl Store {
         others.sort();
         let open = |path: PathBuf| {
             let hash = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-            Folder::open(path, &hash)
+            Folder::open(path, &hash, true)
         };
         let others: Result<Vec<Folder>, StoreError> = others.into_iter().map(open).collect();
-        let own = Folder::open(own, &study_hash)?;
+        let own = Folder::open(own, &study_hash, true)?;
         Ok(Store {
             shelves: Shelves::new(own.clone()),
             keeper: Keeper { folder: own, study_hash },
@@ -152,7 +157,7 @@ impl Store {
     /// [`StoreError::Unusable`].
     pub fn add_shard(&mut self, directory: &Path) -> Result<u64, StoreError> {
         let hash = &self.keeper.study_hash;
-        let folder = Folder::open(directory.join(CHUNKS).join(&hash[..DIGITS]), hash)?;
+        let folder = Folder::open(directory.join(CHUNKS).join(&hash[..DIGITS]), hash, false)?;
         let runs = folder.runs();
         self.shelves.folders.push(folder);
         Ok(runs)

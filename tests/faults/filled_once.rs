@@ -1,0 +1,96 @@
+//! `equilibria` and `replay` are killed: the same command goes on in the same directory, and replaces nothing
+//! that it has not written.
+
+use std::fs;
+
+use super::killed_at;
+use crate::cli::support::{Scratch, assert_has, study_text};
+
+/// The commands, without `--out`, and what they write.
+const COMMANDS: [(&str, &[&str]); 2] = [
+    ("equilibria a.yaml --grid 64", &["set.parquet", "sets.parquet", "frictionless.parquet"]),
+    ("replay a 1", &["trajectory.parquet", "switches.parquet", "replay.svg", "replay.html"]),
+];
+
+/// Results of a small study in `a`.
+fn scratch() -> Scratch {
+    let scratch = Scratch::new();
+    let sweep = "sweep: [{grid: {speed_rad_s: [-160.0, -200.0]}}]\n";
+    scratch.write("a.yaml", study_text("a", "{monte_carlo: {samples: 4}}", 2.0, sweep));
+    scratch.well("run a.yaml --out a");
+    scratch
+}
+
+/// The files of a directory and their contents.
+fn files(scratch: &Scratch, directory: &str) -> Vec<(String, Vec<u8>)> {
+    let entries = fs::read_dir(scratch.path(directory)).unwrap().map(|entry| entry.unwrap());
+    let file = |entry: fs::DirEntry| {
+        (entry.file_name().into_string().unwrap(), fs::read(entry.path()).unwrap_or_default())
+    };
+    let mut files: Vec<_> = entries.map(file).collect();
+    files.sort();
+    files
+}
+
+#[test]
+fn a_killed_command_goes_on_in_its_directory() {
+    let scratch = scratch();
+    for (command, names) in COMMANDS {
+        let whole = format!("whole-{}", names.len());
+        scratch.well(&format!("{command} --out {whole}"));
+        let before = files(&scratch, &whole);
+        assert_eq!(before.len(), names.len());
+        killed_at(&scratch, 16, &format!("{command} --out out"));
+        let left = files(&scratch, "out");
+        assert!(left.contains(&("unfinished".to_owned(), Vec::new())), "{left:?}");
+        assert!(left.iter().any(|(name, _)| name.ends_with(".partial")));
+        scratch.well(&format!("{command} --out out"));
+        assert_eq!(files(&scratch, "out"), before, "{command}");
+        // It is filled once.
+        let occupied = ["out: this directory is not empty", "allowed: another directory"];
+        scratch.refused(&format!("{command} --out out"), &occupied);
+        // Killed when some of the files had their names.
+        for finished in 0..=names.len() {
+            fs::remove_dir_all(scratch.path("out")).unwrap();
+            fs::create_dir(scratch.path("out")).unwrap();
+            scratch.write("out/unfinished", "");
+            for name in &names[..finished] {
+                fs::copy(scratch.path(&whole).join(name), scratch.path("out").join(name)).unwrap();
+            }
+            scratch.well(&format!("{command} --out out"));
+            assert_eq!(files(&scratch, "out"), before, "{command}: {finished} files");
+        }
+        fs::remove_dir_all(scratch.path("out")).unwrap();
+    }
+}
+
+#[test]
+fn nothing_else_is_replaced() {
+    let scratch = scratch();
+    for (command, names) in COMMANDS {
+        // Not begun by the program, or with something of somebody else's in it.
+        for others in [&["sets.parquet"][..], &["trajectory.parquet"], &["unfinished", "notes.txt"]]
+        {
+            fs::create_dir(scratch.path("out")).unwrap();
+            others.iter().for_each(|name| drop(scratch.write(&format!("out/{name}"), "")));
+            let occupied = ["out: this directory is not empty", "allowed: another directory"];
+            scratch.refused(&format!("{command} --out out"), &occupied);
+            fs::remove_dir_all(scratch.path("out")).unwrap();
+        }
+        fs::create_dir(scratch.path("out")).unwrap();
+        scratch.write("out/unfinished", "years of work");
+        scratch.refused(&format!("{command} --out out"), &["out: this directory is not empty"]);
+        // Begun by the program, and a name taken since.
+        for name in names {
+            fs::remove_dir_all(scratch.path("out")).unwrap();
+            fs::create_dir(scratch.path("out")).unwrap();
+            scratch.write("out/unfinished", "");
+            scratch.write(&format!("out/{name}"), "mine");
+            let ended = scratch.stickslip(&format!("{command} --out out"));
+            assert!([Some(1), Some(2)].contains(&ended.code), "{name}: {}", ended.err);
+            assert_has(&ended.err, &[name, "is not replaced"]);
+            assert_eq!(fs::read(scratch.path("out").join(name)).unwrap(), b"mine");
+        }
+        fs::remove_dir_all(scratch.path("out")).unwrap();
+    }
+}
