@@ -55,9 +55,8 @@ pub(crate) fn shell_word(path: &Path) -> String {
     let path = shown_path(path);
     // What begins with a dash would be an option.
     let path = if path.starts_with('-') { format!("./{path}") } else { path };
-    let plain = |c: char| {
-        c.is_alphanumeric() || "_-./+=:,@%".contains(c) || (cfg!(windows) && c == '\\')
-    };
+    let plain =
+        |c: char| c.is_alphanumeric() || "_-./+=:,@%".contains(c) || (cfg!(windows) && c == '\\');
     match !path.is_empty() && path.chars().all(plain) {
         true => path,
         false => format!("'{}'", path.replace('\'', r"'\''")),

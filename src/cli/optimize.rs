@@ -257,7 +257,7 @@ impl<'a> Place<'a> {
         let found = FileList::read(directory)?;
         let mut list = found.clone().unwrap_or_default();
         let changed = list.settle(directory);
-        if found.is_some_and(|found| found != list) {
+        if found.is_some_and(|found| !found.has_files_of(&list)) {
             list.save(directory).map_err(unusable)?;
         }
         Ok(Place { study, optimization, directory, list, changed, _lock: lock })
@@ -310,7 +310,11 @@ impl<'a> Place<'a> {
         self.write("pareto", pareto_columns(self.study, self.optimization), front)
     }
 
-    fn write_surrogates(&mut self, what: &Search, evaluations: &[Evaluation]) -> Result<(), CliError> {
+    fn write_surrogates(
+        &mut self,
+        what: &Search,
+        evaluations: &[Evaluation],
+    ) -> Result<(), CliError> {
         let all = what.crew.install(|| surrogates(what, evaluations));
         let states = all.into_iter().filter_map(|(response, surrogate)| {
             let name = &self.study.responses().get(response)?.name;

@@ -17,8 +17,8 @@ use crate::foreign::{one_line, shorten};
 use crate::study::Study;
 use crate::table::column::Column;
 use crate::table::{
-    Difference, EquilibriumFiles, FILES, FileList, Manifest, ResultsError, RunRecord, StoredRun, TableWriter, Units,
-    phase_name, provenance_with, switch_columns, trajectory_columns,
+    Difference, EquilibriumFiles, FILES, FileList, Manifest, ResultsError, RunRecord, StoredRun,
+    TableWriter, Units, phase_name, provenance_with, switch_columns, trajectory_columns,
 };
 
 const EXAMPLES: &str = "\
@@ -31,7 +31,7 @@ The run is computed again, by the engine that computed it, and compared with its
 all columns, to the last bit. What differs (on another kind of processor, perhaps) is shown, and the exit
 code is 1. trajectory.parquet has the motion: table, angles, speeds, what each ball does, friction and
 its limit; switches.parquet, and standard output, each change between stick and slip; replay.svg a figure
-of it, and replay.html, for any browser, disc and balls as they move.";
+of it, and replay.html, for any browser, disc and balls as they move; files.json the hash of each file.";
 
 /// The most characters of what went wrong in a run.
 const LONGEST_ERROR: usize = 400;

@@ -193,8 +193,7 @@ fn print_csv(table: &Table, most: usize) -> Result<(), CliError> {
     let record = |cells: &[String]| -> Result<String, CliError> {
         let mut writer = csv::Writer::from_writer(Vec::new());
         writer.write_record(cells).map_err(io::Error::other)?;
-        let bytes =
-            writer.into_inner().map_err(|error| io::Error::other(error.to_string()))?;
+        let bytes = writer.into_inner().map_err(|error| io::Error::other(error.to_string()))?;
         Ok(String::from_utf8_lossy(&bytes).into_owned())
     };
     let names: Vec<String> = table.columns().iter().map(|(name, _)| name.clone()).collect();

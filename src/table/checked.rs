@@ -14,9 +14,7 @@ use crate::study::Fault;
 /// Whether a name on a list is that of a file in the directory itself, or below it, and can be shown.
 pub(super) fn is_file_name(name: &str) -> bool {
     let inside = |part: Component<'_>| matches!(part, Component::Normal(_));
-    !name.is_empty()
-        && !name.chars().any(is_acted_on)
-        && Path::new(name).components().all(inside)
+    !name.is_empty() && !name.chars().any(is_acted_on) && Path::new(name).components().all(inside)
 }
 
 /// Files of a directory as a list in it has them.

@@ -55,7 +55,10 @@ impl EquilibriumFiles {
             Err(ResultsError::Occupied {
                 path: directory.to_owned(),
                 reason: "this directory is not empty".to_owned(),
-                found: format!("{} and perhaps more", shorten(&entry.file_name().to_string_lossy())),
+                found: format!(
+                    "{} and perhaps more",
+                    shorten(&entry.file_name().to_string_lossy())
+                ),
                 allowed: "another directory, with --out DIR, or this one removed or renamed first"
                     .to_owned(),
             })

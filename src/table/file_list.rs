@@ -93,6 +93,11 @@ impl FileList {
         write_atomically(&directory.join(FILES), text.as_bytes())
     }
 
+    /// Whether two lists say the same of all files that have their names.
+    pub fn has_files_of(&self, other: &Self) -> bool {
+        self.files == other.files
+    }
+
     /// Takes a file off the list that has been removed.
     pub fn forget(&mut self, name: &str) {
         self.files.remove(name);
@@ -117,9 +122,8 @@ impl FileList {
             let Ok(found) = fs::symlink_metadata(&path) else { continue };
             // What is no file is not read: a pipe would be waited for.
             let found = found.is_file().then(|| FileEntry::of(&path, None).ok()).flatten();
-            let is_there = |entry: &FileEntry| {
-                found.as_ref().is_some_and(|found| found.has_content_of(entry))
-            };
+            let is_there =
+                |entry: &FileEntry| found.as_ref().is_some_and(|found| found.has_content_of(entry));
             let entry = match self.replaced.remove(&name) {
                 Some(before) if is_there(&before) => before,
                 _ => entry,
@@ -151,7 +155,8 @@ mod tests {
     #[test]
     fn a_process_may_be_ended_before_any_renaming() {
         let scratch = tempdir().unwrap();
-        let there = |name: &str, content: &str| fs::write(scratch.path().join(name), content).unwrap();
+        let there =
+            |name: &str, content: &str| fs::write(scratch.path().join(name), content).unwrap();
         let announced = |list: &mut FileList, content: &str| {
             let entry = FileEntry::of_content(content.as_bytes());
             list.announce(scratch.path(), &[("a".to_owned(), entry)]).unwrap();

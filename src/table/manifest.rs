@@ -193,9 +193,8 @@ impl Manifest {
     fn check_values(&self) -> Result<(), String> {
         let names = self.files.keys().chain(self.labels.keys());
         let texts = [&self.study, &self.study_hash, &self.version, &self.commit, &self.host];
-        let shown = |text: &&String| {
-            text.chars().count() > LONGEST_TEXT || text.chars().any(is_acted_on)
-        };
+        let shown =
+            |text: &&String| text.chars().count() > LONGEST_TEXT || text.chars().any(is_acted_on);
         if let Some(text) = texts.into_iter().chain(names).find(shown) {
             return Err(format!("{MANIFEST} has a text that cannot be shown: {}", shorten(text)));
         }

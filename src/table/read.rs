@@ -25,7 +25,11 @@ const BATCH: usize = 1024;
 
 /// Why a table cannot be read: file, column, what was found and what is allowed.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
-#[error("{}: {}{problem}\n  found:   {found}\n  allowed: {allowed}", shown_path(file), place(column))]
+#[error(
+    "{}: {}{problem}\n  found:   {found}\n  allowed: {allowed}",
+    shown_path(file),
+    place(column)
+)]
 pub struct TableError {
     /// The file, or the directory where there is no such table.
     pub file: PathBuf,

@@ -233,7 +233,8 @@ mod tests {
     #[test]
     fn what_is_no_table_is_left_alone() {
         let scratch = tempdir().unwrap();
-        let (partial, mine) = (scratch.path().join("t.parquet.partial"), scratch.path().join("mine"));
+        let (partial, mine) =
+            (scratch.path().join("t.parquet.partial"), scratch.path().join("mine"));
         fs::write(&partial, "years of work").unwrap();
         write(&scratch.path().join("t.parquet"), &["a"]);
         assert_eq!(fs::read_to_string(&partial).unwrap(), "years of work");

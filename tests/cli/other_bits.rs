@@ -2,6 +2,8 @@
 
 use std::fs;
 
+use serde_json::{Value, json};
+
 use super::evaluate::BLOCK;
 use super::summary::finished;
 use super::support::{Scratch, assert_has};
@@ -60,7 +62,9 @@ fn of_results() {
 fn of_a_manifest() {
     let (scratch, _) = finished();
     let text = fs::read_to_string(scratch.path("out/manifest.json")).unwrap();
-    for (key, other) in [("\"runs_finished\": 60", "\"runs_finished\": 61"), ("failed\": ", "failed\": 1")] {
+    for (key, other) in
+        [("\"runs_finished\": 60", "\"runs_finished\": 61"), ("failed\": ", "failed\": 1")]
+    {
         assert!(text.contains(key));
         scratch.write("out/manifest.json", text.replacen(key, other, 1));
         refused(&scratch, "summary out", "manifest.json is damaged", 0);
@@ -74,7 +78,12 @@ fn of_a_search() {
     scratch.well("optimize block.yaml --out search -q");
     let name = "search/evaluations.parquet";
     with_other_bits(&scratch, name, PLACES, |bit| {
-        refused(&scratch, "optimize block.yaml --out search", "evaluations.parquet: this is not", bit);
+        refused(
+            &scratch,
+            "optimize block.yaml --out search",
+            "evaluations.parquet: this is not",
+            bit,
+        );
     });
     // Another list: either it cannot be read, or it says that the table is another one, or nothing that is
     // used has changed.
@@ -86,6 +95,13 @@ fn of_a_search() {
         assert_eq!(fs::read(scratch.path(name)).unwrap(), before);
         assert_eq!(fs::read(scratch.path("search/optimum.json")).unwrap(), best);
     });
+    // Killed before the next table got its name: the one before is there, and is gone on from.
+    let list = fs::read_to_string(scratch.path("search/files.json")).unwrap();
+    let mut list: Value = serde_json::from_str(&list).unwrap();
+    list["replaced"] = json!({"evaluations.parquet": list["files"]["evaluations.parquet"]});
+    list["files"]["evaluations.parquet"]["sha256"] = "0".repeat(64).into();
+    scratch.write("search/files.json", list.to_string());
+    scratch.well("optimize block.yaml --out search -q");
     // Without the list nobody knows; without the table the search begins anew and ends in the same.
     let evaluations = fs::read(scratch.path(name)).unwrap();
     fs::remove_file(scratch.path("search/files.json")).unwrap();

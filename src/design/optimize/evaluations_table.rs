@@ -70,7 +70,8 @@ pub fn read_evaluations(
         return Ok(Vec::new());
     }
     let (table, about) = Table::of_itself(directory, "evaluations").map_err(|mut error| {
-        error.allowed += "; or this table removed: the search then begins anew, with the same designs";
+        error.allowed +=
+            "; or this table removed: the search then begins anew, with the same designs";
         error
     })?;
     let other = |what: &str| {
