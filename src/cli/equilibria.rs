@@ -35,7 +35,8 @@ Examples:
 
 The directory holds set.parquet (a row per ball position: amplitude, the friction that it takes,
 margin), sets.parquet (a row per point of the sweep: share of all positions, separate parts,
-amplitudes, balance) and frictionless.parquet (equilibria without dry friction and their stability).
+amplitudes, balance), frictionless.parquet (equilibria without dry friction and their stability) and
+files.json (the hash of each file).
 A table of more than 524,288 rows, such as set.parquet of three points on the grid of 512 x 512, is a
 directory of that name, with files of as many rows each.
 Whatever ends it, the same command goes on in the same directory; nothing else is ever written over.

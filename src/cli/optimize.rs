@@ -257,7 +257,7 @@ impl<'a> Place<'a> {
         let found = FileList::read(directory)?;
         let mut list = found.clone().unwrap_or_default();
         let changed = list.settle(directory);
-        if found.is_some_and(|found| found != list) {
+        if found.is_some_and(|found| !found.has_files_of(&list)) {
             list.save(directory).map_err(unusable)?;
         }
         Ok(Place { study, optimization, directory, list, changed, _lock: lock })

@@ -93,6 +93,11 @@ impl FileList {
         write_atomically(&directory.join(FILES), text.as_bytes())
     }
 
+    /// Whether two lists say the same of all files that have their names.
+    pub fn has_files_of(&self, other: &Self) -> bool {
+        self.files == other.files
+    }
+
     /// Takes a file off the list that has been removed.
     pub fn forget(&mut self, name: &str) {
         self.files.remove(name);

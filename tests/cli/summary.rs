@@ -1,7 +1,6 @@
 //! `stickslip summary`: the points of results as they were printed, and with all that is known of them.
 
 use std::fs::{self, File};
-use std::path::Path;
 
 use arrow::array::RecordBatch;
 use arrow::datatypes::DataType;
@@ -10,7 +9,6 @@ use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use parquet::file::metadata::KeyValue;
 use parquet::file::properties::WriterProperties;
 use serde_json::{Value, json};
-use sha2::{Digest, Sha256};
 
 use super::support::{
     AT_ONCE, Scratch, assert_has, counts, numbers, of_older_model, study_text, words,
@@ -275,10 +273,7 @@ pub fn rewrite(scratch: &Scratch, name: &str, change: impl Fn(RecordBatch) -> Re
     let mut writer = ArrowWriter::try_new(file, batch.schema(), Some(properties)).unwrap();
     writer.write(&batch).unwrap();
     writer.close().unwrap();
-    let mut manifest = scratch.manifest("out");
-    manifest["files"][entry.as_str()]["bytes"] = size(&path).into();
-    manifest["files"][entry.as_str()]["sha256"] = sha256(&fs::read(&path).unwrap()).into();
-    scratch.write("out/manifest.json", manifest.to_string());
+    scratch.list_again("out", &entry);
 }
 
 /// A table without one of its columns.
@@ -286,14 +281,6 @@ pub fn without(batch: RecordBatch, name: &str) -> RecordBatch {
     let index = batch.schema().index_of(name).unwrap();
     let kept: Vec<usize> = (0..batch.num_columns()).filter(|other| *other != index).collect();
     batch.project(&kept).unwrap()
-}
-
-pub fn sha256(content: &[u8]) -> String {
-    Sha256::digest(content).iter().map(|byte| format!("{byte:02x}")).collect()
-}
-
-fn size(path: &Path) -> u64 {
-    fs::metadata(path).unwrap().len()
 }
 
 #[test]

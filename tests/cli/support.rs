@@ -12,6 +12,7 @@ use arrow::datatypes::{DataType, Float64Type, Int32Type, UInt64Type};
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use stickslip::ending::MODEL_VERSION;
 use stickslip::study::Study;
+use stickslip::table::FileEntry;
 use tempfile::TempDir;
 
 /// The files of an output directory that hold data; their bytes depend on the study alone.
@@ -118,6 +119,15 @@ impl Scratch {
     pub fn manifest(&self, directory: &str) -> serde_json::Value {
         let text = fs::read_to_string(self.path(directory).join("manifest.json")).unwrap();
         serde_json::from_str(&text).unwrap()
+    }
+
+    /// Has the manifest of an output directory say of a file that it is the one that is there.
+    pub fn list_again(&self, directory: &str, name: &str) {
+        let entry = FileEntry::of(&self.path(directory).join(name), None).unwrap();
+        let mut manifest = self.manifest(directory);
+        manifest["files"][name]["bytes"] = entry.bytes.into();
+        manifest["files"][name]["sha256"] = entry.sha256.into();
+        self.write(&format!("{directory}/manifest.json"), manifest.to_string());
     }
 
     /// The data files of an output directory.

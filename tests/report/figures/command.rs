@@ -74,6 +74,14 @@ fn tables_of_others_are_refused() {
     fs::create_dir(scratch.path("mixed")).unwrap();
     let sets = fs::read(scratch.path("sets/sets.parquet")).unwrap();
     scratch.write("mixed/frictionless.parquet", &sets);
+    let said = ["nothing says what was written", "no files.json", "allowed:"];
+    scratch.refused("report mixed --figures svg", &said);
+    let list = fs::read_to_string(scratch.path("sets/files.json")).unwrap();
+    let list: serde_json::Value = serde_json::from_str(&list).unwrap();
+    let entry = &list["files"]["sets.parquet"];
+    let files = serde_json::json!({"frictionless.parquet": entry, "trajectory.parquet": entry});
+    let list = serde_json::json!({"format": list["format"], "files": files});
+    scratch.write("mixed/files.json", list.to_string());
     scratch.refused(
         "report mixed --figures svg",
         &["not a table of these results", "table sets", "table frictionless"],
