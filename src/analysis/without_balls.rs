@@ -1,16 +1,73 @@
 //! What the table does without balls, to which residual amplitudes are compared.
 
-use crate::model::{Balancer, Machine};
+use nalgebra::Complex;
 
-/// Amplitude of the table, m, when balls of the same mass cancel each other out: what the imbalance
-/// alone does (thesis section 5.2, "if no balls were present").
+use crate::model::Machine;
+
+/// Amplitude of the table, m, with all balls taken out of the ring: the steady vibration of the mass
+/// `M = M_T + m_I` on its suspension, forced by the imbalance alone, `m_I e ω² / |k - M ω² + i b ω|`
+/// (thesis section 5.2, "if no balls were present"). The balls' mass is gone too, so that the natural
+/// frequency is that of the empty machine. None at the resonance of a suspension without damping,
+/// where the amplitude grows without bound.
 pub fn amplitude_without_balls(machine: &Machine) -> Option<f64> {
-    let mut opposite = machine.clone();
-    opposite.balls.resize(2, *machine.balls.first()?);
-    let ball_mass = machine.balls.iter().map(|ball| ball.mass_kg).sum::<f64>() / 2.0;
-    for ball in &mut opposite.balls {
-        ball.mass_kg = ball_mass;
+    let speed = machine.speed_rad_s;
+    let mass = machine.table_mass_kg + machine.imbalance_mass_kg;
+    let force = machine.imbalance_mass_kg * machine.imbalance_radius_m * speed * speed;
+    let stiffness = machine.stiffness_n_m - mass * speed * speed;
+    let resistance = Complex::new(stiffness, machine.damping_n_s_m * speed).norm();
+    Some(force / resistance).filter(|amplitude| amplitude.is_finite())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::amplitude_without_balls;
+    use crate::model::{Balancer, Ball, Machine};
+
+    fn relative_error(found: f64, expected: f64) -> f64 {
+        (found / expected - 1.0).abs()
     }
-    let balancer = Balancer::<2>::new(&opposite)?;
-    Some(balancer.rest_amplitude(&[0.0, std::f64::consts::PI]) * machine.ring_radius_m)
+
+    /// The thesis's machine: 2.1651e-5 m, computed by hand from its table 3.2.
+    #[test]
+    fn of_the_thesis_machine() {
+        let found = amplitude_without_balls(&Machine::default()).unwrap();
+        assert!(relative_error(found, 2.165_104_571_8e-5) < 1e-10, "{found:e}");
+    }
+
+    /// Balls that weigh nothing move nothing: what remains of the machine with balls as they get
+    /// lighter is the machine without them. Six heavy balls that only cancel each other out are 6 %
+    /// away from that.
+    #[test]
+    fn the_balls_are_gone_with_their_mass() {
+        let of_mass = |mass_kg: f64| {
+            let ball = Ball { mass_kg, ..Ball::default() };
+            Machine { balls: vec![ball; 6], ..Machine::default() }
+        };
+        let opposite = |machine: &Machine| {
+            let beta = std::array::from_fn(|ball| std::f64::consts::PI * ball as f64);
+            let balancer = Balancer::<6>::new(machine).unwrap();
+            balancer.rest_amplitude(&beta) * machine.ring_radius_m
+        };
+        let heavy = of_mass(1e-3);
+        let found = amplitude_without_balls(&heavy).unwrap();
+        assert_eq!(Some(found), amplitude_without_balls(&of_mass(1e-12)));
+        assert!(relative_error(opposite(&of_mass(1e-12)), found) < 1e-9);
+        let kept = relative_error(opposite(&heavy), found);
+        assert!((0.04..0.1).contains(&kept), "{kept}");
+    }
+
+    #[test]
+    fn nothing_at_standstill_and_no_bound_at_resonance() {
+        let still = Machine { speed_rad_s: 0.0, ..Machine::default() };
+        assert_eq!(amplitude_without_balls(&still), Some(0.0));
+        let resonance = Machine {
+            table_mass_kg: 0.75,
+            imbalance_mass_kg: 0.25,
+            stiffness_n_m: 1e4,
+            damping_n_s_m: 0.0,
+            speed_rad_s: -100.0,
+            ..Machine::default()
+        };
+        assert_eq!(amplitude_without_balls(&resonance), None);
+    }
 }

@@ -134,7 +134,7 @@ mod tests {
         let together = balancer.rest_amplitude(&[0.0, 0.0]) * radius;
         assert!((together - 5.514e-5).abs() < 5e-9, "{together}");
 
-        // No balls: as if the balls' centrifugal forces cancelled each other.
+        // The balls' centrifugal forces cancel each other; their mass is still there.
         let opposite = balancer.rest_amplitude(&[1.0, 1.0 + std::f64::consts::PI]) * radius;
         assert!((opposite - 2.159e-5).abs() < 5e-9, "{opposite}");
 

@@ -2,7 +2,7 @@
 //!
 //! A table is a list of columns; its schema and its record batches come from the same list.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
 use arrow_array::builder::{Float64Builder, ListBuilder, StringDictionaryBuilder};
@@ -161,8 +161,18 @@ impl<R> Column<R> {
 }
 
 /// The schema of a table.
+///
+/// Two columns of one name are a defect of this program, which tests find by the assertion: readers refuse
+/// such a table, or read the wrong one.
 pub fn schema<R>(columns: &[Column<R>]) -> Arc<Schema> {
+    debug_assert_eq!(twice(columns), None, "two columns of one name");
     Arc::new(Schema::new(columns.iter().map(|column| column.field.clone()).collect::<Vec<_>>()))
+}
+
+/// A name that two columns have.
+fn twice<R>(columns: &[Column<R>]) -> Option<&str> {
+    let mut names = HashSet::new();
+    columns.iter().map(Column::name).find(|name| !names.insert(*name))
 }
 
 /// Rows as a record batch.

@@ -2,7 +2,7 @@
 
 use super::column::Column;
 use super::record::RunRecord;
-use super::runs::{position_columns, swept_columns};
+use super::runs::{drawn_columns, nominal_columns, position_columns};
 use crate::analysis::{Nearest, bin, sorted_where_alike};
 use crate::ending::Label;
 use crate::study::{ParameterValue, Study};
@@ -13,6 +13,7 @@ pub struct EquilibriumRow {
     run_id: u64,
     point_id: u64,
     swept: Vec<ParameterValue>,
+    uncertain: Vec<f64>,
     position: Vec<f64>,
     amplitude_m: Option<f64>,
     friction_margin: Option<f64>,
@@ -37,6 +38,7 @@ impl EquilibriumRow {
             run_id: planned.run_id,
             point_id: planned.point_id,
             swept: planned.swept.clone(),
+            uncertain: planned.uncertain.clone(),
             position,
             amplitude_m: outcome.amplitude_m,
             friction_margin: outcome.friction_margin,
@@ -59,7 +61,8 @@ pub fn equilibrium_columns(study: &Study) -> Vec<Column<EquilibriumRow>> {
             Some(row.point_id)
         }),
     ];
-    columns.extend(swept_columns(study, |row: &EquilibriumRow| &row.swept));
+    columns.extend(nominal_columns(study, |row: &EquilibriumRow| &row.swept));
+    columns.extend(drawn_columns(study, |row: &EquilibriumRow| &row.uncertain));
     columns.extend(position_columns(
         study,
         "angle at which the ball rests, from the imbalance, in [0, 2π); ascending among balls that \
@@ -76,7 +79,8 @@ pub fn equilibrium_columns(study: &Study) -> Vec<Column<EquilibriumRow>> {
         Column::number(
             "friction_margin",
             "1",
-            "least part of the friction limit that is left, 0 on the edge of the equilibrium set",
+            "least part of the friction limit that is left, 0 on the edge of the equilibrium set, where \
+             balls creep",
             |row: &EquilibriumRow| row.friction_margin,
         ),
         Column::number(

@@ -128,14 +128,15 @@ pub fn point_columns(study: &Study) -> Vec<Column<PointRow>> {
         Column::number(
             "amplitude_without_balls_m",
             "m",
-            "amplitude that the imbalance alone causes",
+            "amplitude that the imbalance alone causes, with all balls taken out of the machine: their mass \
+             is gone, too",
             |row: &PointRow| row.amplitude_without_balls_m,
         ),
         Column::number(
             "set_fraction",
             "1",
-            "share of all ball positions that are equilibria, to about 0.001 (0.005 for three \
-             balls and more); without uncertain draws",
+            "share of all ball positions that are equilibria: exact for one ball, to about 0.001 for two \
+             and 0.005 for three and more; without uncertain draws",
             |row: &PointRow| row.set_fraction,
         ),
         Column::number(
@@ -147,8 +148,9 @@ pub fn point_columns(study: &Study) -> Vec<Column<PointRow>> {
         Column::number(
             "distance_to_frictionless_p50_uniform_rad",
             "rad",
-            "the same for positions spread evenly over the equilibrium set (quasi-random): preferred \
-             equilibria lie nearer than by chance where theirs is smaller; without uncertain draws",
+            "the same for positions spread evenly over the equilibrium set (quasi-random; good to about \
+             0.01 rad, for three balls to about 0.05 rad): preferred equilibria lie nearer than by chance \
+             where theirs is smaller; without uncertain draws",
             |row: &PointRow| row.even_distance_rad,
         ),
         Column::word(

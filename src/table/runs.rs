@@ -27,40 +27,77 @@ pub fn planned_columns<R: 'static>(
             Some(planned(row).replicate)
         }),
     ];
-    columns.extend(swept_columns(study, move |row| &planned(row).swept));
-    for (index, parameter) in study.uncertain().iter().enumerate() {
-        let VariedParameter { name, unit, meaning, .. } = parameter;
-        let meaning = format!("{meaning} (drawn for this run)");
-        columns.push(Column::number(name, unit, &meaning, move |row| {
-            planned(row).uncertain.get(index).copied()
-        }));
-    }
+    columns.extend(nominal_columns(study, move |row| &planned(row).swept));
+    columns.extend(drawn_columns(study, move |row| &planned(row).uncertain));
     columns.extend(start_columns(study, planned));
     columns
 }
 
-/// One column for each swept parameter; `values` finds their values in a row.
+/// One column for each swept parameter in a table with one row per point; `values` finds their values in a row.
 pub fn swept_columns<R: 'static>(
     study: &Study,
     values: impl Fn(&R) -> &[ParameterValue] + Copy + Send + Sync + 'static,
 ) -> Vec<Column<R>> {
     let columns = study.swept().iter().enumerate();
     columns
-        .map(|(index, VariedParameter { name, unit, meaning, kind })| match kind {
-            ParameterKind::Number => {
-                Column::number(name, unit, meaning, move |row| match values(row).get(index) {
-                    Some(ParameterValue::Number(number)) => Some(*number),
-                    _ => None,
-                })
-            }
-            ParameterKind::Text => {
-                Column::word(name, meaning, move |row| match values(row).get(index) {
-                    Some(ParameterValue::Text(text)) => text,
-                    _ => "",
-                })
-            }
-        })
+        .map(|(index, swept)| swept_column(&swept.name, &swept.meaning, swept, index, values))
         .collect()
+}
+
+/// One column for each swept parameter in a table with one row per run. A parameter that is drawn for each
+/// run as well (a factor of what is swept, `times`) leaves its own name to the value that the run was
+/// computed with, see [`drawn_columns`]: the swept value is called `nominal_<parameter>` there.
+pub fn nominal_columns<R: 'static>(
+    study: &Study,
+    values: impl Fn(&R) -> &[ParameterValue] + Copy + Send + Sync + 'static,
+) -> Vec<Column<R>> {
+    let column = |(index, swept): (usize, &VariedParameter)| {
+        let VariedParameter { name, meaning, .. } = swept;
+        if study.uncertain().iter().all(|drawn| drawn.name != *name) {
+            return swept_column(name, meaning, swept, index, values);
+        }
+        let meaning = format!("{meaning}: the swept value, before the factor drawn for this run");
+        swept_column(&format!("nominal_{name}"), &meaning, swept, index, values)
+    };
+    study.swept().iter().enumerate().map(column).collect()
+}
+
+/// One column for each parameter that is drawn for each run, under its own name: the value that the run was
+/// computed with.
+pub fn drawn_columns<R: 'static>(
+    study: &Study,
+    values: impl Fn(&R) -> &[f64] + Copy + Send + Sync + 'static,
+) -> Vec<Column<R>> {
+    let column = |(index, drawn): (usize, &VariedParameter)| {
+        let meaning = format!("{} (drawn for this run)", drawn.meaning);
+        Column::number(&drawn.name, drawn.unit, &meaning, move |row| {
+            values(row).get(index).copied()
+        })
+    };
+    study.uncertain().iter().enumerate().map(column).collect()
+}
+
+fn swept_column<R: 'static>(
+    name: &str,
+    meaning: &str,
+    parameter: &VariedParameter,
+    index: usize,
+    values: impl Fn(&R) -> &[ParameterValue] + Copy + Send + Sync + 'static,
+) -> Column<R> {
+    match parameter.kind {
+        ParameterKind::Number => {
+            Column::number(name, parameter.unit, meaning, move |row| match values(row).get(index) {
+                Some(ParameterValue::Number(number)) => Some(*number),
+                _ => None,
+            })
+        }
+        ParameterKind::Text => {
+            Column::word(name, meaning, move |row| match values(row).get(index) {
+                Some(ParameterValue::Text(text)) => text,
+                _ => "",
+            })
+        }
+    }
 }
 
 fn start_columns<R: 'static>(study: &Study, planned: fn(&R) -> &PlannedRun) -> Vec<Column<R>> {
@@ -140,7 +177,7 @@ pub fn run_columns(study: &Study) -> Vec<Column<RunRecord>> {
         Column::number(
             "friction_margin",
             "1",
-            "least part of the friction limit left at rest, 0 on the edge of the equilibrium set",
+            "least part of the friction limit left at rest, 0 on the edge of the equilibrium set, where balls creep",
             |row: &RunRecord| row.outcome.friction_margin,
         ),
         Column::number("period_s", "s", "period of the limit cycle", |row: &RunRecord| {

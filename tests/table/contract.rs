@@ -104,6 +104,48 @@ fn runs() {
     assert_eq!(columns(&scratch.table("out", "runs")), expected);
 }
 
+/// A parameter that is swept and drawn by a factor has two values in a run: the one it was computed with under
+/// its own name, the swept one as the nominal one. A point has the swept one only, under its own name.
+#[test]
+fn a_parameter_that_is_swept_and_drawn() {
+    let rest = "sweep: [{grid: {friction_coefficient: [2.0e-3, 4.0e-3]}}]\n\
+                uncertain: {friction_coefficient: {times: {uniform: {min: 0.5, max: 1.5}}}}\n";
+    let scratch = results(&study_text("a", "{monte_carlo: {samples: 20}}", 5.0, rest));
+    let [runs, points, equilibria] =
+        ["runs", "points", "equilibria"].map(|name| scratch.table("out", name));
+    let named = |table: &RecordBatch| -> Vec<String> {
+        let mut names = columns(table);
+        names.retain(|name| name.contains("friction_coefficient"));
+        names
+    };
+    let both = ["nominal_friction_coefficient n 1", "friction_coefficient n 1"];
+    assert_eq!(named(&runs), both);
+    assert_eq!(named(&equilibria), both);
+    assert_eq!(named(&points), ["friction_coefficient n 1"]);
+    let swept = numbers(&points, "friction_coefficient");
+    assert_eq!(swept, [Some(2.0e-3), Some(4.0e-3)]);
+    for table in [&runs, &equilibria] {
+        let [nominal, drawn] = ["nominal_friction_coefficient", "friction_coefficient"]
+            .map(|name| numbers(table, name));
+        assert!(table.num_rows() > 1);
+        for ((nominal, drawn), point) in nominal.iter().zip(drawn).zip(counts(table, "point_id")) {
+            assert_eq!(*nominal, swept[point as usize]);
+            let factor = drawn.unwrap() / nominal.unwrap();
+            assert!((0.5..1.5).contains(&factor) && factor != 1.0, "{factor}");
+        }
+    }
+    let plan = scratch.well("expand a.yaml");
+    let header = plan.lines().next().unwrap();
+    assert_eq!(header.matches("nominal_friction_coefficient").count(), 1);
+    assert_eq!(header.matches("friction_coefficient").count(), 2);
+    let replayed = scratch.well("replay out 3 --json --out replayed");
+    let replayed: serde_json::Value = serde_json::from_str(&replayed).unwrap();
+    assert_eq!(replayed["differences"], serde_json::json!([]), "{replayed:#}");
+    for command in ["report out", "summary out"] {
+        scratch.well(command);
+    }
+}
+
 #[test]
 fn points() {
     let scratch = results(&study());

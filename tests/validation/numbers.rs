@@ -3,7 +3,8 @@
 use std::fmt::Write;
 
 use stickslip::analysis::{
-    EquilibriumSet, FrictionlessKind, Resolution, Stability, frictionless_equilibria,
+    EquilibriumSet, FrictionlessKind, Resolution, Stability, amplitude_without_balls,
+    frictionless_equilibria,
 };
 use stickslip::model::{Balancer, Machine};
 
@@ -44,11 +45,17 @@ pub fn closed_forms() -> String {
 |---|---|---|
 | natural frequency | 182 rad/s, 28.9 Hz | {natural:.3} rad/s, {:.3} Hz |
 | amplitude without balls, -216.3772 rad/s | 2.15e-5 m | {:.4e} m |
+| amplitude with both balls opposite each other, -216.3772 rad/s | | {:.4e} m |
 | amplitude with both balls at the imbalance, -216.3772 rad/s | 5.51e-5 m | {:.4e} m |
 | balancing angles | 2.27, 4.01 rad | {:.4}, {:.4} rad |
 | A1+ and A1- vanish for abs(ω) in | [179, 184] rad/s | [{low:.2}, {high:.2}] rad/s |
+
+The thesis gives 2.15e-5 m \"if no balls were present in the system\" and not how it was computed. It is compared
+with the machine from which the balls are taken out, their mass with them. Balls that only cancel each other out keep
+their mass, which lowers the natural frequency: that amplitude is beside it, and nearer to the thesis's.
 ",
         natural / std::f64::consts::TAU,
+        amplitude_without_balls(&machine).expect("a damped suspension"),
         amplitude([0.0, std::f64::consts::PI]),
         amplitude([0.0, 0.0]),
         balance[0],
@@ -109,9 +116,9 @@ pub fn equilibrium_sets() -> String {
     let mut text = "\
 ## Equilibrium sets (thesis section 5.2)
 
-On a grid of 2048 × 2048 ball positions (`stickslip equilibria`). The thesis counts 4 parts at
-2.75e-4, mirror images (balls exchanged) taken together, and finds that at 3.5e-3 every position is an
-equilibrium.
+On a grid of 2048 × 2048 ball positions (`stickslip equilibria`); amplitudes are the extremes in the set. The
+thesis counts 4 parts at 2.75e-4, mirror images (balls exchanged) taken together, and finds that at 3.5e-3 every
+position is an equilibrium.
 
 | speed [rad/s] | μ | share of all positions | parts | parts modulo exchange | smallest amplitude [m] | largest [m] |
 |---|---|---|---|---|---|---|

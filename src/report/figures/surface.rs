@@ -5,7 +5,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use crate::analysis::RestForm;
+use crate::analysis::{RestForm, amplitude_without_balls};
 use crate::model::Machine;
 use crate::report::chart::{Axis, AxisKind, Colour, ColourScale, Figure, Layer, Mark, Panel};
 
@@ -74,7 +74,7 @@ pub fn surface(machine: &Machine) -> Option<Figure> {
         layers.push(plain(Colour::Scale, Mark::Regions { rings, values }));
         layers.push(plain(Colour::Faint, Mark::Line { points: mesh, dashed: false }));
     }
-    let without = 1e6 * (form.transfer * form.imbalance).norm() * form.ring_radius_m;
+    let without = 1e6 * amplitude_without_balls(machine)?;
     let corners = [[0.0, 0.0], [TAU, 0.0], [TAU, TAU], [0.0, TAU], [0.0, 0.0]];
     layers.push(Layer {
         name: format!("amplitude without balls: {without:.1} µm"),
