@@ -2,9 +2,12 @@
 
 use rayon::prelude::*;
 
+use super::alike::sorted_where_alike;
 use super::balance::Balance;
 use super::frictionless::places;
+use super::one_ball::Arcs;
 use super::rest_form::{AtRest, RestForm};
+use super::set_extremes::calmest_and_most;
 use super::set_grid::{GridRow, SetGrid};
 use super::set_samples::{self, REPLICATES};
 use crate::model::Machine;
@@ -12,7 +15,8 @@ use crate::model::Machine;
 /// How finely a set is looked at.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Resolution {
-    /// A regular grid of so many points per axis: one or two balls.
+    /// A regular grid of so many points per axis: one or two balls. Of one ball only the positions shown
+    /// are on the grid; its set is known in closed form.
     Grid(usize),
     /// So many quasi-random samples in each of [`REPLICATES`] scrambles.
     Samples(u32),
@@ -31,10 +35,10 @@ pub struct EquilibriumSet {
     /// as one; the same as `parts` for balls that differ.
     pub parts_modulo_exchange: Option<u64>,
     /// Equilibria without friction, which are in the set, about which no grid point is: above 0 the
-    /// grid is too coarse to see all parts. None where positions were sampled.
+    /// grid is too coarse to see all parts. 0 of one ball; none where positions were sampled.
     pub unseen: Option<u64>,
-    /// The smallest and the largest amplitude in the set, m: of the positions looked at and of the
-    /// balanced one; none where none of them is in the set.
+    /// The smallest and the largest amplitude in the set, m, wherever they are in it; none where no
+    /// position is in the set.
     pub amplitude_m: Option<(f64, f64)>,
     /// The position with the smallest amplitude, one angle per ball, rad.
     pub calmest_rad: Option<Vec<f64>>,
@@ -48,9 +52,13 @@ impl EquilibriumSet {
     pub fn of(machine: &Machine, resolution: Resolution) -> Option<Self> {
         let form = RestForm::new(machine)?;
         let mut set = match resolution {
+            Resolution::Grid(_) if form.mass.len() == 1 => in_arcs(&form),
             Resolution::Grid(points) => on_grid(&form, &SetGrid::new(&form, points)?),
             Resolution::Samples(samples) => sampled(&form, samples),
         };
+        if form.mass.len() > 1 {
+            set.reach_extremes(&form);
+        }
         if let Some(beta) = set.balance.position()
             && form.transfer.is_finite()
         {
@@ -59,6 +67,22 @@ impl EquilibriumSet {
             set.calmest_rad = Some(beta.to_vec());
         }
         Some(set)
+    }
+
+    /// Takes the extremes of the amplitude where they are, which is between the positions looked at.
+    fn reach_extremes(&mut self, form: &RestForm) {
+        let in_metres = |(size, beta): (f64, Vec<f64>)| (size * form.ring_radius_m, beta);
+        let [calmest, most] = calmest_and_most(form).map(|found| found.map(in_metres));
+        if let Some((amplitude, beta)) = calmest
+            && self.amplitude_m.is_none_or(|(smallest, _)| amplitude < smallest)
+        {
+            let largest = self.amplitude_m.map_or(amplitude, |(_, largest)| largest);
+            self.amplitude_m = Some((amplitude, largest));
+            self.calmest_rad = Some(sorted_where_alike(&beta, &form.balls));
+        }
+        if let (Some((amplitude, _)), Some((_, largest))) = (most, &mut self.amplitude_m) {
+            *largest = amplitude.max(*largest);
+        }
     }
 }
 
@@ -105,6 +129,23 @@ impl Resolution {
     }
 }
 
+fn in_arcs(form: &RestForm) -> EquilibriumSet {
+    let arcs = Arcs::of(form);
+    let amplitude = |beta: &f64| form.at_rest(&[*beta]).amplitude_m;
+    let calmest = arcs.candidates().min_by(|a, b| amplitude(a).total_cmp(&amplitude(b)));
+    let largest_m = arcs.candidates().map(|beta| amplitude(&beta)).fold(0.0, f64::max);
+    EquilibriumSet {
+        share: arcs.share(),
+        share_interval: None,
+        parts: Some(arcs.count()),
+        parts_modulo_exchange: Some(arcs.count()),
+        unseen: Some(0),
+        amplitude_m: calmest.map(|beta| (amplitude(&beta), largest_m)),
+        calmest_rad: calmest.map(|beta| vec![beta]),
+        balance: Balance::of(form),
+    }
+}
+
 fn on_grid(form: &RestForm, grid: &SetGrid) -> EquilibriumSet {
     let summary = grid.summary();
     let (parts, exchanged) = summary.runs.parts();
@@ -140,10 +181,7 @@ fn sampled(form: &RestForm, samples: u32) -> EquilibriumSet {
         .map(|replicate| f64::from(replicate.inside) / f64::from(samples))
         .collect();
     let (share, interval) = set_samples::share_with_interval(&shares, samples);
-    // All balls at the imbalance: the largest amplitude of all, where it is in the set.
-    let mut extremes = Sampled::default();
-    extremes.add(form, vec![0.0; balls]);
-    let all = replicates.into_iter().fold(extremes, Sampled::joined);
+    let all = replicates.into_iter().fold(Sampled::default(), Sampled::joined);
     EquilibriumSet {
         share,
         share_interval: Some(interval),
@@ -190,16 +228,17 @@ impl Sampled {
     }
 }
 
-/// Points per axis for one ball, and for two.
-const SHARE_GRIDS: [usize; 2] = [16_384, 256];
-/// The share of all ball positions that are equilibria, quickly and on the calling thread: on a
-/// grid of 16384 points for one ball, of 256 × 256 for two, at 16384 quasi-random points for more.
-/// Good to about 0.001 for one ball and two, and to 0.005 for more. `None` for a machine without
-/// a number of balls that the model knows.
+/// Points per axis of the quick look at two balls.
+const SHARE_GRID: usize = 256;
+
+/// The share of all ball positions that are equilibria, quickly and on the calling thread: exact for
+/// one ball; on a grid of 256 × 256 points for two, good to about 0.001; at 16384 quasi-random points for
+/// more, good to 0.005. `None` for a machine without a number of balls that the model knows.
 pub fn set_fraction(machine: &Machine) -> Option<f64> {
     let form = RestForm::new(machine)?;
-    if let Some(points) = SHARE_GRIDS.get(form.mass.len() - 1) {
-        return Some(SetGrid::new(&form, *points)?.share());
+    match form.mass.len() {
+        1 => Some(Arcs::of(&form).share()),
+        2 => Some(SetGrid::new(&form, SHARE_GRID)?.share()),
+        _ => Some(set_samples::share(&form)),
     }
-    Some(set_samples::share(&form))
 }

@@ -148,7 +148,7 @@ impl<'a> SetGrid<'a> {
         (0..1_usize << beta.len()).any(|corners| self.form.at_rest(&corner(corners)).in_set())
     }
 
-    /// The share of the grid's points that are in the set, on the calling thread.
+    /// The share of the grid's points that are in the set of two balls, on the calling thread.
     pub fn share(&self) -> f64 {
         let inside = match &self.push[..] {
             [_, _] if self.form.balls[0] == self.form.balls[1] => {
@@ -163,26 +163,17 @@ impl<'a> SetGrid<'a> {
         inside as f64 / self.size() as f64
     }
 
-    /// How many points of some columns of a row are in the set.
+    /// How many points of some columns of a row are in the set of two balls.
     fn count(&self, row: usize, columns: Range<usize>) -> u64 {
+        let [[first_x, first_y], [push_x, push_y]] = &self.push[..] else { return 0 };
         let imbalance = self.form.transfer * self.form.imbalance;
-        let last = self.push.len() - 1; // at least one ball, see `RestForm::new`
-        let coefficient = self.form.friction_coefficient[last];
-        let [push_x, push_y] = &self.push[last];
+        let [of_first, coefficient] = [0, 1].map(|ball| self.form.friction_coefficient[ball]);
         let (push_x, push_y) = (&push_x[columns.clone()], &push_y[columns.clone()]);
         let (cosine, sine) = (&self.cosine[columns.clone()], &self.sine[columns]);
         let directions = cosine.iter().zip(sine).map(|(&c, &s)| [c, s]);
         let points = push_x.iter().zip(push_y).zip(directions);
-        if last == 0 {
-            let held = points.map(|((push_x, push_y), direction)| {
-                let z = [imbalance.re + push_x, imbalance.im + push_y];
-                u64::from(is_held(z, direction, coefficient))
-            });
-            return held.sum();
-        }
-        let [first_x, first_y] = [self.push[0][0][row], self.push[0][1][row]];
+        let [first_x, first_y] = [first_x[row], first_y[row]];
         let first = [self.cosine[row], self.sine[row]];
-        let of_first = self.form.friction_coefficient[0];
         let held = points.map(|((push_x, push_y), direction)| {
             let z = [imbalance.re + (first_x + push_x), imbalance.im + (first_y + push_y)];
             u64::from(is_held(z, direction, coefficient) & is_held(z, first, of_first))

@@ -114,7 +114,8 @@ pub fn set_summary_columns(study: &Study) -> Vec<Column<SetSummaryRow>> {
     columns.extend([
         Column::count(
             "positions",
-            "ball positions looked at: points of the grid, or samples",
+            "ball positions looked at: points of the grid, or samples; of one ball share, parts and \
+             amplitudes are exact, whatever the grid",
             |row: &SetSummaryRow| Some(row.positions),
         ),
         number("share", "1", "share of all ball positions that are in the set", |row| {
@@ -156,8 +157,7 @@ pub fn set_summary_columns(study: &Study) -> Vec<Column<SetSummaryRow>> {
         number(
             "amplitude_max_m",
             "m",
-            "largest amplitude at the positions looked at that are in the set; null in an empty \
-             set",
+            "largest amplitude in the set, wherever in it that is; null in an empty set",
             |row| row.set.amplitude_m.map(|(_, largest)| largest),
         ),
     ]);

@@ -4,7 +4,9 @@
 use std::convert::Infallible;
 use std::f64::consts::{PI, TAU};
 
-use stickslip::analysis::{Balance, EquilibriumSet, Resolution, RestForm, set_fraction};
+use stickslip::analysis::{
+    Balance, EquilibriumSet, Resolution, RestForm, frictionless_equilibria, set_fraction,
+};
 use stickslip::model::{Balancer, Ball, Machine};
 
 fn machine(speed_rad_s: f64, friction_coefficient: f64) -> Machine {
@@ -57,7 +59,7 @@ fn amplitudes_and_balance_of_the_thesis() {
     assert!((beta[0] - cosine.acos()).abs() < 1e-12, "{beta:?}");
     assert!((beta[1] - (TAU - cosine.acos())).abs() < 1e-12, "{beta:?}");
     assert!((beta[0] - 2.270).abs() < 5e-4 && (beta[1] - 4.013).abs() < 5e-4);
-    // Without the balls: as if they cancelled each other (thesis: 2.15e-5 m).
+    // Balls opposite each other: they cancel each other, but for their mass.
     let form = RestForm::new(&machine).unwrap();
     assert!((form.at_rest(&[1.0, 1.0 + PI]).amplitude_m - 2.159e-5).abs() < 5e-9);
 }
@@ -95,15 +97,39 @@ fn every_point_is_what_the_model_says() {
     }
 }
 
-/// One ball: the model's own condition on a fine scan of the circle.
+/// One ball: the model's own condition on a fine scan of the circle, share and extremes; the set is the
+/// same whatever the grid.
 #[test]
-fn quick_share_of_one_ball_against_a_fine_scan() {
-    let mut machine = machine(-216.3772, 1.0e-3);
+fn one_ball_against_a_fine_scan() {
+    for (speed, friction) in [(-216.3772, 1.0e-3), (-179.2671, 2.75e-3), (-150.0, 1.0e-3)] {
+        let mut machine = machine(speed, friction);
+        machine.balls.truncate(1);
+        let balancer = Balancer::<1>::new(&machine).unwrap();
+        let fine = 1_000_000;
+        let held = (0..fine)
+            .map(|i| [f64::from(i) * TAU / f64::from(fine)])
+            .filter(|beta| balancer.required_friction(beta) <= friction);
+        let amplitudes: Vec<f64> =
+            held.map(|beta| balancer.rest_amplitude(&beta) * machine.ring_radius_m).collect();
+        let share = amplitudes.len() as f64 / f64::from(fine);
+        for points in [1, 512] {
+            let found = set(&machine, points);
+            assert!((found.share - share).abs() < 4.0 / f64::from(fine), "{} {share}", found.share);
+            let (smallest, largest) = found.amplitude_m.unwrap();
+            let rounding = 1e-12 * largest;
+            let scanned =
+                amplitudes.iter().fold((f64::INFINITY, 0.0), |(low, high), &amplitude| {
+                    (f64::min(low, amplitude), f64::max(high, amplitude))
+                });
+            let [below, above] = [scanned.0 - smallest, largest - scanned.1];
+            assert!(-rounding <= below && below < 1e-5 * largest, "{smallest} {scanned:?}");
+            assert!(-rounding <= above && above < 1e-5 * largest, "{largest} {scanned:?}");
+        }
+        assert_eq!(set_fraction(&machine), Some(set(&machine, 512).share));
+    }
+    let mut machine = machine(-179.2671, 2.75e-3);
     machine.balls.truncate(1);
-    let balancer = Balancer::<1>::new(&machine).unwrap();
-    let held = |i: &i32| balancer.required_friction(&[f64::from(*i) * TAU / 1e6]) <= 1e-3;
-    let share = (0..1_000_000).filter(held).count() as f64 / 1e6;
-    assert!((set_fraction(&machine).unwrap() - share).abs() < 4.0 / 16_384.0, "{share}");
+    assert!((set(&machine, 512).share - 0.128_98).abs() < 5e-6);
 }
 
 /// One ball: the condition is |q| ≤ μ (1 + p) with q a sine of the angle, so that two arcs, about
@@ -176,7 +202,6 @@ fn samples_agree_with_the_grid() {
     assert!(high - low < 0.003, "{low} {high}");
     assert_eq!((sampled.parts, sampled.parts_modulo_exchange), (None, None));
     assert_eq!(sampled.balance.name(), "family");
-    // All balls at the imbalance is always looked at.
     let (_, largest) = sampled.amplitude_m.unwrap();
     assert!((largest - set(&two, 512).amplitude_m.unwrap().1).abs() < 1e-12);
 }
@@ -200,7 +225,12 @@ fn extremes() {
     let still = set(&machine(0.0, 0.0), 64);
     assert_eq!((still.share, still.parts, still.amplitude_m), (1.0, Some(1), Some((0.0, 0.0))));
     let smooth = set(&machine(-216.3772, 0.0), 64);
-    assert_eq!((smooth.share, smooth.parts, smooth.amplitude_m), (0.0, Some(0), Some((0.0, 0.0))));
+    assert_eq!((smooth.share, smooth.parts), (0.0, Some(0)));
+    // The set is then the equilibria without friction, of which the balanced one is the calmest.
+    let equilibria = frictionless_equilibria(&machine(-216.3772, 0.0), 1.0).unwrap();
+    let most = equilibria.iter().map(|one| one.amplitude_m()).fold(0.0, f64::max);
+    let (smallest, largest) = smooth.amplitude_m.unwrap();
+    assert!(smallest == 0.0 && (largest / most - 1.0).abs() < 1e-9, "{largest} {most}");
     assert!(smooth.calmest_rad.is_some());
     let mut resonant = Machine { damping_n_s_m: 0.0, ..machine(0.0, 1.0) };
     resonant.speed_rad_s = resonant.natural_frequency_rad_s();

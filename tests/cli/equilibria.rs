@@ -83,7 +83,7 @@ fn tables_agree_with_one_another() {
     assert_eq!(numbers(&sets, "share_low"), [None; 3]);
 
     // Row for row: in the set where the margin is not negative, which is where the friction is at
-    // least what the position takes; as many as the share says; the largest amplitude among them.
+    // least what the position takes; as many as the share says; no amplitude above the largest.
     let points = counts(&set, "point_id");
     let inside: Vec<bool> = column(&set, "in_set").as_boolean().iter().flatten().collect();
     let number = |name| -> Vec<f64> { numbers(&set, name).into_iter().flatten().collect() };
@@ -100,7 +100,9 @@ fn tables_agree_with_one_another() {
         let share = rows.clone().count() as f64 / f64::from(1 << 14);
         assert_eq!(numbers(&sets, "share")[point as usize], Some(share));
         let largest = rows.map(|row| amplitude[row]).fold(0.0, f64::max);
-        assert_eq!(numbers(&sets, "amplitude_max_m")[point as usize], Some(largest));
+        // The largest amplitude in the set is at a grid point or between two of them.
+        let found = numbers(&sets, "amplitude_max_m")[point as usize].unwrap();
+        assert!((0.0..5e-3).contains(&(found / largest - 1.0)), "{found} {largest}");
     }
 }
 
