@@ -11,7 +11,7 @@ use super::outcome::{Evidence, LyapunovExponent, Outcome};
 use super::recorder::Recorder;
 use super::settled::SettledWatch;
 use super::simulate::{WINDOW, effort_limit, stiff_pace};
-use super::window::{Moment, Window, angles};
+use super::window::{LatestStep, Window};
 use crate::model::{Balancer, Endings, Machine, RestPoint, Simulation, Start, State, System};
 use crate::motion::{Failure, Motion, Settings};
 
@@ -127,9 +127,9 @@ impl<const N: usize> Late<N> {
         }
     }
 
-    fn take_in(&mut self, before: Moment, motion: &Motion<Balancer<N>, N>) {
-        self.means.take_in(before, Moment::of(motion), || angles(motion));
+    fn take_in(&mut self, began: f64, motion: &mut Motion<Balancer<N>, N>) {
         self.separation.follow(motion);
+        self.means.take_in(LatestStep { motion, began });
     }
 }
 
@@ -180,13 +180,13 @@ impl<const N: usize> Run for BalancerRun<'_, N> {
         {
             return Some(Ending::Rest(rest));
         }
-        let before = Moment::of(&self.motion);
+        let began = self.motion.time();
         match self.motion.advance(end) {
             Ok(true) => self.rest = None,
             Ok(false) => {}
             Err(failure) => return Some(Ending::Failure(failure)),
         }
-        self.horizons.windows().for_each(|late| late.take_in(before, &self.motion));
+        self.horizons.windows().for_each(|late| late.take_in(began, &mut self.motion));
         if self.settled.look(self.balancer, &self.motion, end) {
             return Some(Ending::Settled);
         }
@@ -258,7 +258,12 @@ impl<const N: usize> Run for BalancerRun<'_, N> {
                 ..base
             },
             Ending::Settled => Outcome { friction_margin: None, ..slow(Evidence::Settled) },
-            Ending::EndTime if creeps(self.balancer, &self.motion) => slow(Evidence::Creep),
+            Ending::EndTime if creeps(self.balancer, &self.motion) => {
+                // On the edge of the set, which is approached from outside.
+                let slow = slow(Evidence::Creep);
+                let friction_margin = slow.friction_margin.map(|margin| margin.max(0.0));
+                Outcome { friction_margin, ..slow }
+            }
             Ending::EndTime => {
                 let Late { means, separation } = self.horizons.window();
                 let means = means.means(&self.motion);

@@ -13,7 +13,7 @@ use super::orbit::{GoneRound, OrbitWatch};
 use super::outcome::Outcome;
 use super::recorder::Recorder;
 use super::settled::SettledWatch;
-use super::window::Moment;
+use super::window::{NODES, Taken};
 use crate::model::{Balancer, Extend, Simulation};
 use crate::motion::lockstep::{Group, Happened, Room, Saved, Trouble};
 use crate::motion::{Failure, Settings};
@@ -152,11 +152,8 @@ impl<const N: usize> LaneRun<N> {
         let time = group.time(lane);
         let displaced = self.is_displaced(time);
         let late = self.horizons.window_mut();
-        if late.means.takes(group.time_before(lane)) {
-            let (began, before) = group.before(lane);
-            let now = Moment::at(time, &group.state(lane));
-            let angles = || group.unwrapped_angles(lane);
-            late.means.take_in(Moment::at(began, &before), now, angles);
+        if time > late.means.start() {
+            late.means.take_in(LaneStep { group, room, lane });
         }
         if displaced {
             self.separate(group, lane, time, happened.attention & bit != 0);
@@ -296,5 +293,26 @@ impl<const N: usize> LaneRun<N> {
             settled: self.settled,
             rest: None,
         })
+    }
+}
+
+/// The latest step of a lane.
+struct LaneStep<'a, S: Simd, const N: usize> {
+    group: &'a Group<S, N>,
+    room: &'a Room<S, N>,
+    lane: usize,
+}
+
+impl<S: Simd, const N: usize> Taken<N> for LaneStep<'_, S, N> {
+    fn ends(&self) -> [f64; 2] {
+        [self.group.time_before(self.lane), self.group.time(self.lane)]
+    }
+
+    fn angles(&mut self, after: f64) -> [f64; N] {
+        self.group.angles_within(self.room, self.lane, after)
+    }
+
+    fn squares(&mut self, after: [f64; NODES.len()]) -> [f64; NODES.len()] {
+        self.group.squares_within(self.room, self.lane, after)
     }
 }

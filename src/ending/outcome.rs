@@ -143,7 +143,7 @@ pub struct Outcome {
     /// position in that time; 0 at rest.
     pub amplitude_m: Option<f64>,
     /// The least part of the friction limit that is left to a resting ball: at the rest point, or
-    /// along the cycle.
+    /// along the cycle. 0 where balls creep: they are on the edge, as far as the run shows.
     pub friction_margin: Option<f64>,
     /// The cycle's period, s.
     pub period_s: Option<f64>,

@@ -48,6 +48,13 @@ impl<S: System<N, FREE>, const N: usize, const FREE: usize> Motion<'_, S, N, FRE
         Some(self.instant(time, state, phases))
     }
 
+    /// Angles with the whole turns made since the start, at a time within the latest step; none at any other
+    /// time.
+    pub fn unwrapped_in_last_step(&mut self, time: f64) -> Option<[f64; N]> {
+        let state = self.within_last_step(time)?;
+        Some(self.unwrapped(&state))
+    }
+
     /// When the latest step began; none before the first.
     pub fn last_step_began(&self) -> Option<f64> {
         self.last_step().map(|last| last.start_time)

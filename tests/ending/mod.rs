@@ -12,6 +12,7 @@ mod friction_laws;
 mod limit_cycle;
 mod lockstep;
 mod lyapunov;
+mod means;
 mod model_version;
 mod multipliers;
 mod recorder;

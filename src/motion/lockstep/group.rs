@@ -217,11 +217,6 @@ impl<S: Simd, const N: usize> Group<S, N> {
         self.time_before[lane]
     }
 
-    /// Time and state of a lane before its latest step.
-    pub(crate) fn before(&self, lane: usize) -> (f64, State<N>) {
-        (self.time_before[lane], self.before.lane(lane))
-    }
-
     /// Asks that a lane be reported from a time on, after each step.
     pub(crate) fn set_attention(&mut self, lane: usize, from: f64) {
         self.attention[lane] = from;
@@ -257,14 +252,6 @@ impl<S: Simd, const N: usize> Group<S, N> {
         };
         let turns: f64 = (0..N).map(|ball| angle(ball).abs()).sum();
         turns + self.lanes[lane].as_ref().map_or(0.0, |own| own.switches as f64)
-    }
-
-    /// Angles with the whole turns made since the start.
-    pub(crate) fn unwrapped_angles(&self, lane: usize) -> [f64; N] {
-        let angle = |ball: usize| {
-            self.state.angle[ball][lane] + self.turns[ball][lane] * std::f64::consts::TAU
-        };
-        std::array::from_fn(angle)
     }
 
     /// The present state in a lane.

@@ -28,6 +28,7 @@ mod recurrence;
 mod series;
 mod step;
 mod trigonometry;
+mod within;
 
 pub(crate) use advance::{Happened, advance};
 pub(crate) use group::{Group, Room};

@@ -75,7 +75,7 @@ fn turned(speeds: &[f64; TERMS - 1], time: f64) -> (f64, f64) {
 
 /// The state in one lane a time after the start of its step.
 #[inline(always)]
-fn state_at<S: Simd, const N: usize>(
+pub(super) fn state_at<S: Simd, const N: usize>(
     series: &Series<S, N>,
     lane: usize,
     start: &State<N>,
