@@ -9,7 +9,7 @@ use super::existence::Existence;
 use super::exit::{CliError, End};
 use super::output::{print, print_json};
 use crate::model::{Endings, Extend, Method};
-use crate::study::{Response, Variable, VariedParameter};
+use crate::study::{Response, Variable, VariedParameter, describe_number};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -92,7 +92,7 @@ pub fn check(arguments: &CheckArguments) -> Result<End, CliError> {
     let simulation = study.simulation();
     let [_, later] = simulation.end_times_s();
     let extended = match simulation.extend {
-        Some(extend) => format!(" ({} ones to {later} s)", labels(extend)),
+        Some(extend) => format!(" ({} ones to {} s)", labels(extend), describe_number(later)),
         None => String::new(),
     };
     let runs = match study.precision() {
@@ -141,7 +141,7 @@ pub fn check(arguments: &CheckArguments) -> Result<End, CliError> {
         listed(&swept),
         listed(&uncertain),
         study.point_count(),
-        simulation.end_time_s,
+        describe_number(simulation.end_time_s),
         study.expectations().len(),
         about(cost.core_seconds),
         at_most(cost.most_core_seconds),

@@ -74,6 +74,7 @@ pub use difference::difference;
 pub use error::StudyError;
 pub(crate) use error::{Fault, list_names, shorten};
 pub use expectation::Expectation;
+pub(crate) use node::describe_number;
 pub use optimization::{Limit, Objective, Optimization};
 pub use optimize_file::{OverPoints, SensitivityFrom};
 pub use parameter::{ParameterKind, ParameterValue, VariedParameter};

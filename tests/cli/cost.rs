@@ -78,6 +78,7 @@ fn a_cost_beyond_a_lifetime_is_not_counted_in_days() {
         let design = format!("{{monte_carlo: {{samples: {samples}}}}}");
         scratch.write("a.yaml", study_text("a", &design, end_time_s, ""));
         let said = scratch.well("check a.yaml");
+        assert!(said.lines().all(|line| line.len() < 200), "{said}");
         said.lines().find(|line| line.starts_with("cost ")).unwrap().to_owned()
     };
     let many = cost(16.5, 100_000_000_000_000);
