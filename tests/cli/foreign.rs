@@ -143,6 +143,8 @@ fn names_of_columns_and_texts_in_tables() {
         let batch = with(&batch, "ci_method", texts(batch.num_rows(), EVIL));
         with(&batch, EVIL, texts(batch.num_rows(), EVIL))
     });
+    // Longer than messages and pages show, and not too long for a table.
+    let long = format!("{EVIL}{}", "x".repeat(10_000));
     rewrite(&scratch, "runs", |batch| with(&batch, "error", texts(batch.num_rows(), &long)));
     for format in ["table", "markdown", "csv", "json"] {
         let ended = scratch.stickslip(&format!("summary out --format {format}"));
