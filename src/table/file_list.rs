@@ -186,7 +186,7 @@ mod tests {
         there("a", "three");
         let (changed, list) = settled();
         assert!(changed.is_empty() && list.in_directory(scratch.path()).check_all().is_ok());
-        for other in ["one", "two", "thre3", ""] {
+        for other in ["two", "thre3", ""] {
             there("a", other);
             let (changed, list) = settled();
             assert_eq!((changed, other), (vec!["a".to_owned()], other));
