@@ -86,7 +86,7 @@ fn steps_to_the_end(model: &Model, simulation: &Simulation) -> f64 {
     let steps = if goes_in_lockstep(model) {
         (0.6 * (1.0 + speed) + 0.5 * balls * speed) * strictness.max(1.0).powf(1.0 / 16.0)
     } else {
-        (2.2 * (1.0 + speed) + balls * speed) * strictness.powf(0.125)
+        (2.2 * (1.0 + speed) + 3.8 * balls * speed) * strictness.powf(0.125)
     };
     latest_end_time_s * natural * steps.max(damping_rate(model) / STABLE)
 }

@@ -100,8 +100,9 @@ fn a_replay_has_its_directory_alone() {
     fs::create_dir(scratch.path("motion")).unwrap();
     let unfinished = fs::File::create(scratch.path("motion/unfinished")).unwrap();
     unfinished.lock().unwrap();
-    scratch
-        .refused("replay out 1 --out motion", &["another process is writing into this directory"]);
+    let ended = scratch.stickslip("replay out 1 --out motion");
+    assert_eq!(ended.code, Some(1), "{}", ended.err);
+    assert!(ended.err.contains("another process is writing into this directory"), "{}", ended.err);
     unfinished.unlock().unwrap();
     scratch.well("replay out 1 --out motion");
     let mut names: Vec<_> = scratch.files().into_keys().collect();

@@ -43,6 +43,7 @@ fn runs_that_hardly_move_on_are_given_up_by_themselves() {
 #[test]
 fn a_stop_reaches_into_hopeless_runs() {
     let scratch = Scratch::new();
+    let mut given_up = false;
     for (name, text) in studies() {
         scratch.write(&format!("{name}.yaml"), text);
         let command = format!("run {name}.yaml --threads 1 --out {name}");
@@ -59,8 +60,10 @@ fn a_stop_reaches_into_hopeless_runs() {
         let ended = scratch.stickslip(&format!("{command} --max-seconds 1"));
         assert!(begun.elapsed() < SOON, "{name}: {:?}", begun.elapsed());
         assert_eq!(ended.code, Some(130), "{name}: {}", ended.err);
-        assert_has(&ended.err, &["out of time (--max-seconds) after ", " in progress w"]);
+        assert_has(&ended.err, &["out of time (--max-seconds) after "]);
+        given_up |= ended.err.contains(" in progress w");
     }
+    assert!(given_up, "one of the studies has runs that take longer than the grace");
 }
 
 /// Runs that end at once beside runs of seconds, stopped amid the latter.

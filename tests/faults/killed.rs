@@ -4,7 +4,7 @@ use std::process::Child;
 use std::thread::{sleep, yield_now};
 use std::time::Duration;
 
-use super::{CHUNKS, chunks, finished, killed_at, study};
+use super::{CHUNKS, chunks, finished, stopped_at, study};
 use crate::cli::support::{Scratch, assert_has};
 
 /// At least so many kills.
@@ -89,16 +89,16 @@ fn kills_lose_nothing() {
     println!("{kills} kills survived, {} chunks of at least {CHUNKS}, 0 rows lost", kept.len());
 }
 
-/// A merge that is killed once it has begun: no run of it is computed by `resume`, which names `merge`.
+/// A merge that ends on a file that is too large: no run of it is computed by `resume`, which names `merge`.
 #[test]
-fn a_killed_merge_is_merged() {
+fn a_merge_that_was_stopped_is_merged() {
     let scratch = Scratch::new();
     scratch.write("a.yaml", study().replace("samples: 3200", "samples: 200"));
     scratch.well("run a.yaml --out whole");
     for part in ["1", "2"] {
         scratch.well(&format!("run a.yaml --shard {part}/2 --out part{part}"));
     }
-    killed_at(&scratch, 16, "merge part1 part2 --out out");
+    stopped_at(&scratch, 16, "merge part1 part2 --out out");
     assert_eq!(scratch.manifest("out")["complete"], false);
     let merge = "`stickslip merge part1 part2 --out out`, which goes on";
     scratch.refused("resume out", &["out: these results were being merged", merge]);
@@ -108,8 +108,8 @@ fn a_killed_merge_is_merged() {
     assert_eq!(scratch.data("out"), scratch.data("whole"));
     assert!(scratch.manifest("out")["merging"].is_null());
     // Who wants the runs computed says so.
-    killed_at(&scratch, 16, "merge part1 part2 --out computed");
-    killed_at(&scratch, 16, "run a.yaml --out computed");
+    stopped_at(&scratch, 16, "merge part1 part2 --out computed");
+    stopped_at(&scratch, 16, "run a.yaml --out computed");
     scratch.well("resume computed");
     assert_eq!(scratch.data("computed"), scratch.data("whole"));
 }
