@@ -98,7 +98,8 @@ fn parts_of_pages_are_computed() {
         let mut found: Vec<&str> = found.flatten().collect();
         let own = PARTS.iter().filter(|(own, _)| *own == page);
         let mut expected: Vec<&str> = own.flat_map(|(_, parts)| parts.iter().copied()).collect();
-        (found.sort_unstable(), expected.sort_unstable());
+        found.sort_unstable();
+        expected.sort_unstable();
         assert_eq!(found, expected, "{page}");
     }
 }

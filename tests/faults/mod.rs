@@ -12,7 +12,6 @@ mod trifles;
 mod two_processes;
 
 use std::fs;
-use std::os::unix::process::ExitStatusExt;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
