@@ -258,8 +258,15 @@ fn two_limits_of_a_response() {
 fn the_cd_rom_drive() {
     let scratch = Scratch::new();
     let study = concat!(env!("CARGO_MANIFEST_DIR"), "/studies/cd-rom.yaml");
-    let designs = "balls,ball,ring,ring_radius_m,stiffness_n_m,damping_n_s_m\n\
-        1,steel_2_mm,polycarbonate,9.5e-3,6000,1.3089\n2,thesis_3_mm,polycarbonate,1.15e-2,10700,1.28\n";
+    let record: Value =
+        serde_json::from_str(include_str!("../../docs/records/cd-rom.json")).unwrap();
+    let names = ["balls", "ball", "ring", "ring_radius_m", "stiffness_n_m", "damping_n_s_m"];
+    let row = |role: &str| {
+        let values = &record["values"]["optimum"][role]["values"];
+        let text = |name| values[name].to_string().replace('"', "");
+        names.map(text).join(",")
+    };
+    let designs = [names.join(","), row("best"), row("compare_with")].join("\n");
     scratch.write("designs.csv", designs);
     scratch.well(&format!("evaluate {study} --designs designs.csv --out answers.parquet --quiet"));
     let answers = table(&scratch.path("answers.parquet"));

@@ -44,6 +44,7 @@ fn record(name: &str, study: &str, compute: impl FnOnce(&str) -> Value) -> Value
         let out = scratch.path().join("out");
         let values = compute(out.to_str().expect("a plain name"));
         let stored = json!({"of": about, "values": values});
+        fs::create_dir_all(root.join("docs/records")).expect("a folder");
         fs::write(&file, format!("{stored:#}\n")).expect("written");
         return values;
     }
@@ -95,7 +96,7 @@ fn the_cd_rom_drive() {
         let values = design["values"].as_object().expect("values");
         let each = values.iter().map(|(name, value)| match value {
             Value::String(choice) => format!("{name}: {choice}"),
-            number => format!("{name}: {number}"),
+            value => format!("{name}: {}", number(value)),
         });
         each.collect::<Vec<_>>().join("<br>")
     };
