@@ -103,6 +103,42 @@ fn commands_have_help_and_are_in_the_readme() {
     }
 }
 
+/// Every script in bash says what it does with `--help`, and does nothing else then.
+#[cfg(unix)]
+#[test]
+fn scripts_have_help() {
+    let scripts = Path::new(env!("CARGO_MANIFEST_DIR")).join("scripts");
+    let (mut folders, mut asked) = (vec![scripts], 0);
+    while let Some(folder) = folders.pop() {
+        for path in std::fs::read_dir(folder).expect("a folder").map(|entry| entry.unwrap().path())
+        {
+            if path.is_dir() {
+                folders.push(path);
+                continue;
+            }
+            let text = std::fs::read_to_string(&path).unwrap_or_default();
+            // That one needs its Python packages to say which peers it knows.
+            let needs_packages = path.ends_with("compare/run");
+            if needs_packages || !text.starts_with("#!/usr/bin/env bash") {
+                continue;
+            }
+            let elsewhere = tempfile::tempdir().expect("a folder");
+            let output = Command::new(&path)
+                .arg("--help")
+                .current_dir(elsewhere.path())
+                .output()
+                .expect("the script starts");
+            let help = String::from_utf8_lossy(&output.stdout);
+            let told = String::from_utf8_lossy(&output.stderr);
+            assert!(output.status.success() && told.is_empty(), "{}: {told}", path.display());
+            assert!(help.len() > 60 && !help.contains('#'), "{}: {help}", path.display());
+            assert_eq!(std::fs::read_dir(elsewhere.path()).unwrap().count(), 0);
+            asked += 1;
+        }
+    }
+    assert!(asked > 10, "{asked} scripts");
+}
+
 /// Files that the README links to are there.
 #[test]
 fn links_lead_somewhere() {
