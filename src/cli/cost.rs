@@ -72,8 +72,8 @@ impl Cost {
     }
 }
 
-/// Steps of a run that goes on to its latest end time, about, as many as where every ball sticks and slips
-/// twice a turn all along, as with little damping.
+/// An estimate of the steps of a run that goes on to its latest end time. It assumes that every ball sticks and
+/// slips twice per turn all the time, as balls do where the damping is weak.
 ///
 /// At a relative tolerance of 1e-8; power series, of order 16, take more by the sixteenth root of a stricter one,
 /// DOP853 by the eighth.

@@ -19,7 +19,7 @@ pub(super) const MOST_STEPS_OF_A_LOOK: u64 = 5_000_000;
 pub(super) const MOST_LOOKS: u32 = 4;
 
 /// A bound of the time that a step takes in a run that is computed alone, s on a core of 2024. One by one, a step
-/// with a neighbour takes 2.3 µs per ball; in eight lanes of which one is in use, with an event in every step, up
+/// with a neighbour takes 2.3 µs per ball; with one of eight lanes in use and an event in every step it takes up
 /// to 4 µs per ball. A step of a block takes 0.6 µs.
 pub fn seconds_per_step(model: &Model) -> f64 {
     seconds_per_step_with(model.balls())

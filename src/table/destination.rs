@@ -21,7 +21,7 @@ const LONGEST_FOUND: usize = 400;
 pub enum Destination {
     /// Nothing that would be replaced: the study can be run.
     Free,
-    /// Files of results of which nothing says whose they are, the manifest being gone.
+    /// Files of results without a manifest: nothing says which study they belong to.
     Loose,
     /// A part of the results of this very study and shard: it can go on.
     Begun(Box<Manifest>),

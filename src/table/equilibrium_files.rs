@@ -92,7 +92,7 @@ impl EquilibriumTables {
         self.frictionless.push(row)
     }
 
-    /// Finishes all tables, of which nothing that is there is replaced, and puts their files on the directory's list.
+    /// Finishes all tables and puts their files on the directory's list. No existing table is replaced.
     ///
     /// # Errors
     /// Where a file cannot be written, or something else has its name.

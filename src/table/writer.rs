@@ -184,7 +184,7 @@ impl<R> TableWriter<R> {
         self.finish_after(|_| Ok(()))
     }
 
-    /// As [`Self::finish`]; `announce` is told of the files when they are written, before the table has its name.
+    /// As [`Self::finish`]. It calls `announce` with the written files before the table gets its name.
     ///
     /// # Errors
     /// Where a file cannot be written or renamed, or `announce` fails: nothing of the table is left then.

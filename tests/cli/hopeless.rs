@@ -89,7 +89,7 @@ fn what_was_given_up_is_computed_again_to_the_same_bytes() {
     assert_eq!(scratch.data("out"), scratch.data("whole"));
 }
 
-/// The same of a request that a server is at work on.
+/// Ctrl-C also ends a server while it computes a long request.
 #[test]
 fn ctrl_c_ends_a_server_amid_a_long_request() {
     let scratch = Scratch::new();

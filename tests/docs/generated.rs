@@ -19,6 +19,7 @@ const PARTS: [(&str, &[&str]); 4] = [
             "escape-from-thesis",
             "escape-rate",
             "slow-exponents",
+            "stratified-narrower",
         ],
     ),
     ("docs/evaluate.md", &["common-draws-slow", "common-draws"]),

@@ -8,7 +8,10 @@ mod tutorial;
 use std::path::Path;
 use std::process::{Command, Output};
 
-use crate::cli::support::{numbers, table};
+use arrow::array::RecordBatch;
+use stickslip::analysis::{Z_95, wilson};
+
+use crate::cli::support::{counts, numbers, table, words};
 
 const README: &str = include_str!("../../README.md");
 
@@ -45,6 +48,11 @@ fn output_of_the_first_command() {
     generated::compare_or_write_part("docs/endings.md", "escape-rate-thesis", &rate_in_words);
     let from = format!("{:.1} s", rate["from_s"].as_f64().expect("a time"));
     generated::compare_or_write_part("docs/endings.md", "escape-from-thesis", &from);
+    generated::compare_or_write_part(
+        "docs/endings.md",
+        "stratified-narrower",
+        &stratified_narrower(&points),
+    );
     let density = table(&out.path().join("results/density.parquet"));
     let widths: Vec<f64> = numbers(&density, "kernel_width_rad").into_iter().flatten().collect();
     let (least, most) = widths
@@ -60,6 +68,22 @@ fn output_of_the_first_command() {
         let picture = std::fs::read_to_string(picture).expect("a picture");
         generated::compare_or_write(&format!("docs/{name}"), &picture);
     }
+}
+
+/// How much narrower than Wilson's the intervals of the points with stratified ones are.
+fn stratified_narrower(points: &RecordBatch) -> String {
+    let [low, high] = ["ci_low", "ci_high"].map(|name| numbers(points, name));
+    let (rests, runs) = (counts(points, "equilibrium_runs"), counts(points, "runs"));
+    let methods = words(points, "ci_method");
+    let stratified = |point: &usize| methods[*point].as_deref() == Some("stratified");
+    let narrower = (0..points.num_rows()).filter(stratified).map(|point| {
+        let (from, to) = wilson(rests[point], runs[point], Z_95);
+        1.0 - (high[point].unwrap() - low[point].unwrap()) / (to - from)
+    });
+    let narrower: Vec<f64> = narrower.collect();
+    let least = narrower.iter().copied().fold(f64::INFINITY, f64::min);
+    let most = narrower.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    format!("{:.0} to {:.0} %", (100.0 * least).abs(), 100.0 * most)
 }
 
 /// The equilibrium sets of the thesis, as the README shows them.
