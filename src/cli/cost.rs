@@ -72,8 +72,8 @@ impl Cost {
     }
 }
 
-/// An estimate of the steps of a run that goes on to its latest end time. It assumes that every ball sticks and
-/// slips twice per turn all the time, as balls do where the damping is weak.
+/// An estimate of the steps of a run that lasts until its latest end time. The estimate assumes that every ball sticks
+/// twice and slips twice in each turn, as balls do where the damping is weak.
 ///
 /// At a relative tolerance of 1e-8; power series, of order 16, take more by the sixteenth root of a stricter one,
 /// DOP853 by the eighth.

@@ -1,20 +1,10 @@
 //! Means over the last tenth of a run, against the recorded motion at 40,001 times of it.
 
-use std::path::Path;
-
 use stickslip::ending::{Evidence, simulate_recorded};
 use stickslip::ending::{Instants, Outcome, Recorder, Recording, simulate, simulate_one_by_one};
 use stickslip::model::Case;
-use stickslip::study::Study;
 
-fn cases(model: &str, samples: u32, simulation: &str) -> Vec<Case> {
-    let text = format!(
-        "schema: 1\nname: a\nseed: 7\nmodel: {model}\ninitial_conditions: {{design: {{monte_carlo: \
-         {{samples: {samples}}}}}}}\nsimulation: {simulation}\n"
-    );
-    let study = Study::parse(Path::new("a.yaml"), text).unwrap_or_else(|error| panic!("{error}"));
-    (0..study.run_count()).map(|run| study.planned_run(run).case.unwrap()).collect()
-}
+use super::recorder::cases;
 
 /// Times in the last tenth, both of its ends included.
 const TIMES: u32 = 40_000;

@@ -10,7 +10,7 @@ use stickslip::motion::{Motion, Phase, SLACK, Settings};
 use stickslip::study::Study;
 
 /// The cases of a study with a model, a design and a simulation.
-fn cases(model: &str, samples: u32, simulation: &str) -> Vec<Case> {
+pub fn cases(model: &str, samples: u32, simulation: &str) -> Vec<Case> {
     let text = format!(
         "schema: 1\nname: a\nseed: 7\nmodel: {model}\ninitial_conditions: {{design: {{monte_carlo: \
          {{samples: {samples}}}}}}}\nsimulation: {simulation}\n"
