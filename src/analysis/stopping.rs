@@ -76,7 +76,7 @@ mod tests {
                 let cell = run % CELLS;
                 let share = if cell < CELLS / 2 { share + spread } else { share - spread };
                 let outcome = if draws.uniform() < share { &rest } else { &moving };
-                point.add(Observed { cell, case: None, outcome, audit: None, nearest: None });
+                point.add(Observed { cell, case: None, outcome, audit: None });
             }
             runs += round;
             more = rule.more(runs, point.equilibrium_interval().ends());

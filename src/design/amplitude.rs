@@ -1,9 +1,8 @@
 //! Mean, standard deviation, quantile and worst of residual amplitudes. Failed runs are left out.
 
 use super::estimate::{Estimate, Sample};
-use super::moments;
+use super::moments::{self, student_95};
 use super::order_statistics;
-use super::student::student_95;
 
 const NO_AMPLITUDE: &str = "no run has an amplitude";
 const ONE_RUN: &str = "a single run has no standard error";

@@ -6,6 +6,8 @@
 //! level evenly (Bonferroni). Runs of neighbours start alike, so that chance makes their labels differ
 //! less than the test allows for. Of many runs a small change is seen as well as an abrupt one.
 
+use statrs::function::factorial::ln_binomial;
+
 use crate::analysis::LabelCounts;
 use crate::ending::Label;
 
@@ -68,12 +70,8 @@ pub(super) fn labels_differ(one: &LabelCounts, other: &LabelCounts, level: f64) 
 fn p_value(one: &LabelCounts, other: &LabelCounts, label: Label) -> f64 {
     let [a, b] = [one, other].map(|counts| counts.of(label));
     let [n, m] = [one, other].map(LabelCounts::total);
-    let choose = |n: u64, k: u64| {
-        let [n, k] = [n as f64, k as f64];
-        libm::lgamma(n + 1.0) - libm::lgamma(k + 1.0) - libm::lgamma(n - k + 1.0)
-    };
-    let all = choose(n + m, a + b);
-    let log = |k: u64| choose(n, k) + choose(m, a + b - k) - all;
+    let all = ln_binomial(n + m, a + b);
+    let log = |k: u64| ln_binomial(n, k) + ln_binomial(m, a + b - k) - all;
     let here = log(a);
     let range = (a + b).saturating_sub(m)..=n.min(a + b);
     range.map(log).filter(|log| *log <= here + 1e-9).map(libm::exp).sum()

@@ -18,7 +18,6 @@ mod request;
 mod respond;
 mod respond_to_all;
 mod rest_time;
-mod student;
 
 pub use amplitude::{mean, quantile, standard_deviation, worst};
 pub use answer_json::to_json;

@@ -11,6 +11,16 @@
 //! sections 5.4 and 5.16). Where a cell has fewer than two values the runs count one by one, which
 //! makes intervals wider than need be, not wrong.
 
+use statrs::distribution::{ContinuousCDF, StudentsT};
+
+/// The number that a Student variable with so many degrees of freedom exceeds in size with a probability of
+/// 0.05. Degrees of freedom that are no whole number are rounded down, which makes intervals wider, not
+/// wrong; there is at least one.
+pub(super) fn student_95(degrees: f64) -> f64 {
+    StudentsT::new(0.0, 1.0, degrees.floor().max(1.0))
+        .map_or(f64::INFINITY, |student| student.inverse_cdf(0.975))
+}
+
 /// A mean and how well it is known.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Mean {
@@ -69,4 +79,26 @@ fn stratified(cells: &[Vec<f64>]) -> Mean {
     // Without any variation the degrees of freedom do not matter.
     let degrees = if squares > 0.0 { variance * variance / squares } else { f64::MAX };
     Mean { value, variance: Some(variance), degrees }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::student_95;
+
+    /// The values that every table prints.
+    #[test]
+    fn the_table_of_student() {
+        for (degrees, printed) in [
+            (1.0, 12.706),
+            (2.0, 4.303),
+            (2.9, 4.303),
+            (5.0, 2.571),
+            (30.0, 2.042),
+            (120.0, 1.980),
+            (1.0e6, 1.960),
+        ] {
+            let found = student_95(degrees);
+            assert!((found - printed).abs() < 6e-4, "{degrees}: {found} {printed}");
+        }
+    }
 }

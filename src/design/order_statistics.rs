@@ -8,6 +8,7 @@
 //! cell vary less, so that for them it is wider than need be, not wrong.
 
 use statrs::function::beta::checked_beta_reg;
+use statrs::function::factorial::ln_binomial;
 
 /// The quantile of ascending values, linear between them (type 7 of Hyndman and Fan, Am. Stat. 50
 /// (1996) 361, doi:10.1080/00031305.1996.10473566); none of no values.
@@ -26,11 +27,10 @@ pub(super) fn interval(ascending: &[f64], share: f64) -> [Option<f64>; 2] {
     if n == 0 || share <= 0.0 || share >= 1.0 {
         return [None, None];
     }
-    let log_choose =
-        |k: f64, n: f64| libm::lgamma(n + 1.0) - libm::lgamma(k + 1.0) - libm::lgamma(n - k + 1.0);
     let probability = |k: usize| {
+        let choices = ln_binomial(n as u64, k as u64);
         let (k, n) = (k as f64, n as f64);
-        libm::exp(log_choose(k, n) + k * libm::log(share) + (n - k) * libm::log1p(-share))
+        libm::exp(choices + k * libm::log(share) + (n - k) * libm::log1p(-share))
     };
     // How many values are below with at most so much probability, from either end.
     let (mut below, mut low) = (0.0, None);

@@ -87,7 +87,7 @@ impl Runs for Tracked<'_> {
     }
 }
 
-/// Plans and simulates one run, an audited one twice; what is nearest to where it ended is left open.
+/// Plans and simulates one run, an audited one twice.
 /// Parameters without physical sense and panics are outcomes, not ends of the program.
 pub fn compute(study: &Study, run_id: u64, simulate: impl Fn(&Case) -> Outcome) -> RunRecord {
     quieten_panics_in_runs();
@@ -105,7 +105,7 @@ pub fn compute(study: &Study, run_id: u64, simulate: impl Fn(&Case) -> Outcome) 
             (guarded(case, &simulate), planned.audited.then(again))
         }
     };
-    RunRecord { planned, outcome, audit: again, nearest: None }
+    RunRecord { planned, outcome, audit: again }
 }
 
 /// Simulates a case; a panic is its outcome.

@@ -45,7 +45,7 @@ use self::patience::with_patience;
 use self::rounds::Rounds;
 use self::store::{Fresh, Reuse, Shelves};
 use self::work::{Disk, Work};
-use crate::analysis::{LabelCounts, NearestFinder, PointAccumulator, PointDetail};
+use crate::analysis::{LabelCounts, PointAccumulator, PointDetail};
 use crate::ending::Outcome;
 use crate::model::Case;
 use crate::motion::{Cancellation, VectorLevel};
@@ -235,7 +235,6 @@ impl Farm<'_> {
         let Farm { study, ref options, ref halt, progress } = *self;
         let pool = rayon::ThreadPoolBuilder::new().num_threads(options.threads.max(1)).build()?;
         let size = options.chunk.max(1) as u64;
-        let finder = NearestFinder::new(!study.uncertain().is_empty());
         let kept = AtomicU64::new(0);
         let mut intake = Intake { study, sink, point: None, counts: LabelCounts::default() };
         let mut rounds = Rounds::new(study, options.shard);
@@ -265,8 +264,7 @@ impl Farm<'_> {
                     kept: &kept,
                 });
                 let begun = AtomicU64::new(0);
-                let batch =
-                    work::Batch { study, run_ids, begun, finder: &finder, halt, progress, disk };
+                let batch = work::Batch { study, run_ids, begun, halt, progress, disk };
                 let waiting = std::mem::take(&mut finished);
                 let compute =
                     || compute_batch(cancellation, engine, options.threads.max(1), &batch);

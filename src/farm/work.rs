@@ -7,7 +7,6 @@ use std::sync::mpsc::SyncSender;
 use super::Progress;
 use super::halt::Halt;
 use super::store::{CaseKey, Finished, Found, Fresh, Reuse};
-use crate::analysis::NearestFinder;
 use crate::ending::{Evidence, Label, Outcome, Runs};
 use crate::model::Case;
 use crate::study::{PlannedRun, Study};
@@ -20,7 +19,6 @@ pub(super) struct Batch<'a> {
     pub(super) run_ids: Vec<u64>,
     /// How many of its runs have been begun.
     pub(super) begun: AtomicU64,
-    pub(super) finder: &'a NearestFinder,
     pub(super) halt: &'a Halt<'a>,
     pub(super) progress: &'a Progress,
     pub(super) disk: Option<Disk<'a>>,
@@ -71,7 +69,7 @@ impl<'a> Work<'a> {
     }
 
     fn key(&self, planned: &PlannedRun) -> CaseKey {
-        CaseKey::of(planned, !self.batch.study.uncertain().is_empty())
+        CaseKey::of(planned)
     }
 
     /// Takes a run from disk if it is there, with all that its plan asks for; gives it back if not.
@@ -87,11 +85,11 @@ impl<'a> Work<'a> {
             let retry = disk.retry_failed && finished.outcome.label() == Label::Failed;
             !retry && (!planned.audited || finished.audit.is_some())
         });
-        let Some(Finished { outcome, audit, nearest }) = usable else { return Some(planned) };
+        let Some(Finished { outcome, audit }) = usable else { return Some(planned) };
         let audit = audit.filter(|_| planned.audited);
         disk.kept.fetch_add(1, Ordering::Relaxed);
         self.batch.progress.found(outcome.label());
-        let record = RunRecord { planned, outcome, audit, nearest };
+        let record = RunRecord { planned, outcome, audit };
         self.finish(record, (!own).then_some(key));
         None
     }
@@ -118,10 +116,8 @@ impl<'a> Work<'a> {
             self.open.insert(place, Open { planned, outcome, again });
             return;
         };
-        let nearest =
-            planned.case.as_ref().ok().and_then(|case| self.batch.finder.nearest(case, outcome));
         self.batch.progress.finished(outcome.label());
-        let record = RunRecord { planned, outcome: outcome.clone(), audit: again, nearest };
+        let record = RunRecord { planned, outcome: outcome.clone(), audit: again };
         let key = self.disk.is_some().then(|| self.key(&record.planned));
         self.finish(record, key);
     }

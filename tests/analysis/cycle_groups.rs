@@ -17,7 +17,7 @@ fn case(machine: Machine) -> Case {
 fn groups(runs: &[(Case, Outcome)]) -> Vec<CycleGroup> {
     let mut point = PointAccumulator::default();
     for (case, outcome) in runs {
-        point.add(Observed { cell: 0, case: Some(case), outcome, audit: None, nearest: None });
+        point.add(Observed { cell: 0, case: Some(case), outcome, audit: None });
     }
     point.detail([16.5; 2]).cycles
 }

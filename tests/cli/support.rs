@@ -22,7 +22,7 @@ pub const DATA_FILES: [&str; 7] = [
     "rest.parquet",
     "cycles.parquet",
     "equilibria.parquet",
-    "density.parquet",
+    "equilibrium_histogram.parquet",
     "study.yaml",
 ];
 

@@ -1,5 +1,6 @@
 //! Blocks on springs: where and when they stop, their cycles, and when nothing is claimed.
 
+use crate::model::closed_forms::ClosedForms;
 use stickslip::ending::{Doing, Evidence, Label, Outcome, simulate};
 use stickslip::model::{Block, Case, FrictionLaw, Ground, Method, Simulation, Start};
 

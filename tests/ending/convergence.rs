@@ -8,6 +8,7 @@
 //! square; on a belt, the rest of the speed that a stuck block still has when it breaks away makes
 //! period and amplitude off in proportion to the band.
 
+use crate::model::closed_forms::ClosedForms;
 use stickslip::ending::{Evidence, simulate};
 use stickslip::model::{Block, Case, FrictionLaw, Method, Simulation, Start};
 

@@ -9,7 +9,7 @@ use crate::cli::support::{Scratch, assert_has, study_text};
 /// The commands, without `--out`, and what they write.
 const COMMANDS: [(&str, &[&str]); 2] = [
     ("equilibria a.yaml --grid 64", &["set.parquet", "sets.parquet", "frictionless.parquet"]),
-    ("replay a 1", &["trajectory.parquet", "switches.parquet", "replay.svg", "replay.html"]),
+    ("replay a 1", &["trajectory.parquet", "switches.parquet", "replay.html"]),
 ];
 
 /// Results of a small study in `a`.

@@ -18,6 +18,7 @@ use super::contract::{columns, results};
 use crate::cli::support::{
     AT_ONCE, Scratch, column, counts, numbers, parse, study_text, table, words,
 };
+use crate::model::closed_forms::ClosedForms;
 
 const OF_EVERY_MODEL: [&str; 7] = [
     "runs c -",

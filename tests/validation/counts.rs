@@ -92,7 +92,7 @@ impl ThesisRuns {
     fn summary(&self, way: usize, point: usize) -> PointSummary {
         let mut runs = PointAccumulator::default();
         self.outcomes[way][point].iter().for_each(|outcome| {
-            runs.add(Observed { cell: 0, case: None, outcome, audit: None, nearest: None });
+            runs.add(Observed { cell: 0, case: None, outcome, audit: None });
         });
         runs.summary()
     }

@@ -11,6 +11,7 @@ use stickslip::model::{Case, Machine, Model, Simulation, Start};
 use stickslip::study::Study;
 
 use crate::docs::generated::compare_or_write_part;
+use crate::model::closed_forms::ClosedForms;
 
 fn machine(speed_rad_s: f64) -> Machine {
     Machine { speed_rad_s, ..Machine::default() }

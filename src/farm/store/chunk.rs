@@ -13,7 +13,7 @@ use crate::ending::MODEL_VERSION;
 
 const MAGIC: &[u8; 16] = b"stickslip chunk\n";
 /// Version of the layout.
-const FORMAT: u32 = 1;
+const FORMAT: u32 = 2;
 const HASH_DIGITS: usize = 64;
 
 /// Why bytes are not a chunk.

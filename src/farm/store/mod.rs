@@ -183,8 +183,7 @@ impl Store {
 
     /// Whether another study has finished this very run, so that it need not be computed.
     pub fn can_reuse(&self, study: &Study, run_id: u64) -> bool {
-        let drawn = !study.uncertain().is_empty();
-        self.reuse.find(CaseKey::of(&study.planned_run(run_id), drawn)).is_some()
+        self.reuse.find(CaseKey::of(&study.planned_run(run_id))).is_some()
     }
 }
 

@@ -3,7 +3,6 @@
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
-use crate::analysis::Nearest;
 use crate::ending::{Evidence, MODEL_VERSION, Outcome};
 use crate::motion::VectorLevel;
 use crate::study::PlannedRun;
@@ -17,15 +16,13 @@ pub(in crate::farm) struct CaseKey(pub(super) [u8; Self::BYTES]);
 impl CaseKey {
     pub(super) const BYTES: usize = 16;
 
-    /// The key of a planned run; `drawn` says whether each run of its study has parameters of its own,
-    /// which decides how far the nearest equilibrium without friction is looked for.
-    pub fn of(planned: &PlannedRun, drawn: bool) -> Self {
+    /// The key of a planned run.
+    pub fn of(planned: &PlannedRun) -> Self {
         let case = planned.case.as_ref().map_err(ToString::to_string);
         // Last digits differ between runs in lockstep and one by one.
         let in_lockstep = VectorLevel::best().name() != "none";
         // Numbers and names in memory: there is nothing in them that could not be written.
-        let bytes =
-            postcard::to_stdvec(&(MODEL_VERSION, in_lockstep, drawn, case)).unwrap_or_default();
+        let bytes = postcard::to_stdvec(&(MODEL_VERSION, in_lockstep, case)).unwrap_or_default();
         let digest = Sha256::digest(&bytes);
         let mut key = [0; Self::BYTES];
         key.copy_from_slice(&digest[..Self::BYTES]);
@@ -40,16 +37,14 @@ pub(in crate::farm) struct Finished {
     pub outcome: Outcome,
     /// Why it ended as it did when it was computed a second time, if it was.
     pub audit: Option<Evidence>,
-    /// The stable equilibrium without friction that is nearest to where it came to rest.
-    pub nearest: Option<Nearest>,
 }
 
 impl Finished {
     /// The content of a run's record.
     pub fn encode(record: &RunRecord) -> Vec<u8> {
-        let RunRecord { outcome, audit, nearest, .. } = record;
+        let RunRecord { outcome, audit, .. } = record;
         // As above.
-        postcard::to_stdvec(&(outcome, audit, nearest)).unwrap_or_default()
+        postcard::to_stdvec(&(outcome, audit)).unwrap_or_default()
     }
 
     /// Reads what [`Finished::encode`] has written; `None` where it is something else, or not of a system

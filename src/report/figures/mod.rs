@@ -4,22 +4,15 @@ mod amplitudes;
 mod basins;
 mod branches;
 mod doubt;
-pub mod equilibrium_set;
+mod equilibrium_set;
 mod fractions;
-mod frictionless;
 mod layers;
 mod map;
-mod motion;
 mod preferred;
 mod rest;
-mod sets;
-mod surface;
 mod sweep_axis;
 
-pub use frictionless::branches;
 pub use layers::{failed as failed_runs, label_words, significant};
-pub use motion::motion;
-pub use sets::sets;
 
 use super::chart::Figure;
 use super::gathered::Gathered;

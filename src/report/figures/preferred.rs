@@ -91,7 +91,7 @@ fn pair(gathered: &Gathered<'_>, point: &PointFacts, [first, second]: [usize; 2]
     let machine = model.as_ref().and_then(|point| point.model().ball_balancer());
     let (scale, layers) = match machine.and_then(set_layers) {
         Some(SetLayers { scale, set, frictionless }) => {
-            (Some(scale), set.into_iter().chain([dots]).chain(frictionless).collect())
+            (Some(scale), [set, dots].into_iter().chain(frictionless).collect())
         }
         None => (None, vec![dots]),
     };

@@ -66,3 +66,27 @@ pub fn animation(machine: &Machine, samples: &[Sample], title: &str) -> String {
     // No text of the data can end the script: they are numbers and digits.
     PAGE.replace(TITLE, &escaped).replacen(DATA, &data.to_string(), 1)
 }
+
+/// A time, given in s, as text with its unit and four digits after the point.
+pub fn time_text(time_s: f64) -> String {
+    let (unit, factor) = match 5.0 * time_s {
+        span if time_s <= 0.0 || span >= 0.5 => ("s", 1.0),
+        span if span >= 5e-4 => ("ms", 1e3),
+        span if span >= 5e-7 => ("µs", 1e6),
+        _ => ("ns", 1e9),
+    };
+    format!("{:.4} {unit}", factor * time_s)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::time_text;
+
+    #[test]
+    fn times_have_a_unit_that_fits() {
+        assert_eq!(
+            [2.18754, 0.1, 0.00386, 1e-5, 1e-9, 0.0].map(time_text),
+            ["2.1875 s", "0.1000 s", "3.8600 ms", "10.0000 µs", "1.0000 ns", "0.0000 s"]
+        );
+    }
+}

@@ -7,12 +7,12 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use super::{Block, FrictionLaw, Ground};
+use stickslip::model::{Block, FrictionLaw, Ground};
 
 /// By how much of a half swing a turning point may miss the edge of the rest set by rounding.
 const EDGE: f64 = 1e-12;
 
-/// How a block on rigid ground comes to rest, by [`Block::stopping`].
+/// How a block on rigid ground comes to rest, by [`ClosedForms::stopping`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stopping {
     /// Where it first stands still, m: it stays, or begins the first whole half swing.
@@ -42,7 +42,7 @@ impl Stopping {
     }
 }
 
-/// The limit cycle of a block on a belt, by [`Block::stick_slip_cycle`].
+/// The limit cycle of a block on a belt, by [`ClosedForms::stick_slip_cycle`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StickSlipCycle {
     /// Time of a whole cycle, s.
@@ -61,21 +61,8 @@ pub struct StickSlipCycle {
     pub amplitude_m: f64,
 }
 
-impl Block {
-    /// Static and kinetic friction over spring stiffness, `μ_s F_n / k` and `μ F_n / k`, m, where
-    /// friction does not depend on speed otherwise.
-    fn reaches_m(&self) -> Option<[f64; 2]> {
-        let kinetic = self.friction_coefficient;
-        let fixed = match self.friction {
-            FrictionLaw::Coulomb => kinetic,
-            FrictionLaw::Stribeck { static_friction_coefficient, stribeck_speed: 0.0 } => {
-                static_friction_coefficient
-            }
-            _ => return None,
-        };
-        Some([fixed, kinetic].map(|coefficient| coefficient * self.unit_length_m()))
-    }
-
+/// What a block does, where a closed form is known.
+pub trait ClosedForms {
     /// How the block comes to rest on rigid ground (thesis figure 4.2).
     ///
     /// From `(x_0, v_0)` it slides along the circle of radius
@@ -87,8 +74,57 @@ impl Block {
     /// the edge of that interval stays there.
     ///
     /// None on a belt, without friction, and with friction that depends on speed.
-    pub fn stopping(&self, position_m: f64, velocity_m_s: f64) -> Option<Stopping> {
-        let [hold, slide] = self.reaches_m()?;
+    fn stopping(&self, position_m: f64, velocity_m_s: f64) -> Option<Stopping>;
+
+    /// The stick-slip limit cycle of a block on a belt whose friction drops at once from a static to
+    /// a kinetic coefficient (R. I. Leine, D. H. van Campen, A. de Kraker, L. van den Steen,
+    /// Nonlinear Dynamics 16 (1998) 41, doi:10.1023/A:1008289604683).
+    ///
+    /// The belt carries the block to `x = μ_s F_n / k`, where it breaks away with the belt's speed
+    /// `v_b`. It slips along the circle about `μ F_n / k` with the radius
+    /// `R = sqrt(d² + (v_b / ω_n)²)`, where `d = (μ_s - μ) F_n / k`, and is as fast as the belt again
+    /// at the mirror image of that place, `x = μ F_n / k - d`, after the angle
+    /// `π + 2 atan(v_b / (ω_n d))`. There it sticks for the time `2 d / v_b`.
+    ///
+    /// None on rigid ground, and unless the static coefficient is above the kinetic one and the
+    /// friction does not depend on speed otherwise: with equal coefficients the circle touches the
+    /// belt's speed in one point only.
+    fn stick_slip_cycle(&self) -> Option<StickSlipCycle>;
+
+    /// Position, m, and velocity, m/s, of a block with viscous friction after a time: the damped
+    /// oscillation `m ẍ + c (ẋ - v_b) + k x = 0` about `c v_b / k`. None with another law.
+    fn damped_oscillation(
+        &self,
+        position_m: f64,
+        velocity_m_s: f64,
+        time_s: f64,
+    ) -> Option<[f64; 2]>;
+
+    /// Where a block with the smooth law has crept to after a time, m: without inertia,
+    /// `μ F_n (2/π) atan(ẋ / v_0) = -k x`, so that with `ℓ = μ F_n / k`
+    /// `ẋ = -v_0 tan(π x / (2 ℓ))` and `sin(π x / (2 ℓ))` decays as `e^{-π v_0 t / (2 ℓ)}`.
+    ///
+    /// None with another law, on a belt, and outside `|x| < ℓ`, where no friction could hold it.
+    fn creep_position_m(&self, position_m: f64, time_s: f64) -> Option<f64>;
+}
+
+/// Static and kinetic friction over spring stiffness, `μ_s F_n / k` and `μ F_n / k`, m, where
+/// friction does not depend on speed otherwise.
+fn reaches_m(block: &Block) -> Option<[f64; 2]> {
+    let kinetic = block.friction_coefficient;
+    let fixed = match block.friction {
+        FrictionLaw::Coulomb => kinetic,
+        FrictionLaw::Stribeck { static_friction_coefficient, stribeck_speed: 0.0 } => {
+            static_friction_coefficient
+        }
+        _ => return None,
+    };
+    Some([fixed, kinetic].map(|coefficient| coefficient * block.unit_length_m()))
+}
+
+impl ClosedForms for Block {
+    fn stopping(&self, position_m: f64, velocity_m_s: f64) -> Option<Stopping> {
+        let [hold, slide] = reaches_m(self)?;
         if self.ground != Ground::Fixed || slide <= 0.0 {
             return None;
         }
@@ -115,21 +151,8 @@ impl Block {
         Some(stopping)
     }
 
-    /// The stick-slip limit cycle of a block on a belt whose friction drops at once from a static to
-    /// a kinetic coefficient (R. I. Leine, D. H. van Campen, A. de Kraker, L. van den Steen,
-    /// Nonlinear Dynamics 16 (1998) 41, doi:10.1023/A:1008289604683).
-    ///
-    /// The belt carries the block to `x = μ_s F_n / k`, where it breaks away with the belt's speed
-    /// `v_b`. It slips along the circle about `μ F_n / k` with the radius
-    /// `R = sqrt(d² + (v_b / ω_n)²)`, where `d = (μ_s - μ) F_n / k`, and is as fast as the belt again
-    /// at the mirror image of that place, `x = μ F_n / k - d`, after the angle
-    /// `π + 2 atan(v_b / (ω_n d))`. There it sticks for the time `2 d / v_b`.
-    ///
-    /// None on rigid ground, and unless the static coefficient is above the kinetic one and the
-    /// friction does not depend on speed otherwise: with equal coefficients the circle touches the
-    /// belt's speed in one point only.
-    pub fn stick_slip_cycle(&self) -> Option<StickSlipCycle> {
-        let [hold, slide] = self.reaches_m()?;
+    fn stick_slip_cycle(&self) -> Option<StickSlipCycle> {
+        let [hold, slide] = reaches_m(self)?;
         let Ground::Belt { speed_m_s } = self.ground else { return None };
         let drop = hold - slide;
         if drop <= 0.0 {
@@ -150,9 +173,7 @@ impl Block {
         })
     }
 
-    /// Position, m, and velocity, m/s, of a block with viscous friction after a time: the damped
-    /// oscillation `m ẍ + c (ẋ - v_b) + k x = 0` about `c v_b / k`. None with another law.
-    pub fn damped_oscillation(
+    fn damped_oscillation(
         &self,
         position_m: f64,
         velocity_m_s: f64,
@@ -187,12 +208,7 @@ impl Block {
         ])
     }
 
-    /// Where a block with the smooth law has crept to after a time, m: without inertia,
-    /// `μ F_n (2/π) atan(ẋ / v_0) = -k x`, so that with `ℓ = μ F_n / k`
-    /// `ẋ = -v_0 tan(π x / (2 ℓ))` and `sin(π x / (2 ℓ))` decays as `e^{-π v_0 t / (2 ℓ)}`.
-    ///
-    /// None with another law, on a belt, and outside `|x| < ℓ`, where no friction could hold it.
-    pub fn creep_position_m(&self, position_m: f64, time_s: f64) -> Option<f64> {
+    fn creep_position_m(&self, position_m: f64, time_s: f64) -> Option<f64> {
         let FrictionLaw::Smooth { smoothing_speed } = self.friction else { return None };
         let reach = self.friction_coefficient * self.unit_length_m();
         if self.ground != Ground::Fixed || position_m.abs() >= reach {

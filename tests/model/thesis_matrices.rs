@@ -1,6 +1,6 @@
 //! The thesis's own form of the equations of motion, "extended Lagrange with constraints"
 //! (its equations 3.13-3.16), for all nine stick/slip/transition configurations of two balls
-//! (appendix C). Far too slow to simulate with: it is the cross-check of the 2×2 form in [`super::Balancer::forces`].
+//! (appendix C). It is the cross-check of the 2×2 form in `Balancer::forces`; it is far too slow to simulate with.
 //!
 //! Generalised coordinates `q = (x, y, β_1, β_2, l_1, l_2)`; `l_i`, the distance of ball `i` from
 //! the ring's centre, is kept constant by a constraint whose multiplier is the normal force. A
@@ -17,7 +17,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::{Balancer, Forces, State};
+use stickslip::model::{Balancer, Forces, State};
 
 /// What one ball does, as in the thesis's table 4.2. Slip and transition share their equations.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -4,9 +4,9 @@ use std::f64::consts::{PI, TAU};
 
 use stickslip::report::chart::{Figure, Mark, Symbol};
 use stickslip::report::{Budget, Gathered, ResultTables, of_results};
+use stickslip::study::Study;
 use stickslip::table::Manifest;
 
-use super::shipped;
 use crate::cli::support::Scratch;
 
 /// The dots of the panel whose title begins so.
@@ -39,7 +39,7 @@ fn dots_are_densest_at_the_balancing_positions() {
     scratch.well(&format!("run {study} --out out --quiet"));
     let directory = scratch.path("out");
     let manifest = Manifest::read(&directory).unwrap().unwrap();
-    let study = shipped("preferred-equilibria");
+    let study = Study::load(study.as_ref()).unwrap();
     let tables = ResultTables::open(&directory, &manifest).unwrap();
     let gathered = Gathered::read(&tables, &study, &manifest, Budget::SCREEN).unwrap();
     let figures = of_results(&gathered);
