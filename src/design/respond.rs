@@ -7,9 +7,10 @@ use super::estimate::{Estimate, Sample, Seen};
 use super::probability::{above, at_rest_by};
 use super::rest_time::median_time_to_rest;
 use crate::analysis::{LabelCounts, amplitude_without_balls};
-use crate::ending::{Label, Outcome};
-use crate::farm::Crew;
-use crate::study::{DesignValue, Measure, ParameterValue, PlannedRun, Response, Study};
+use crate::ending::Label;
+use crate::farm::WorkerPool;
+use crate::study::{DesignValue, Measure, ParameterValue, Response, Study};
+use crate::table::RunRecord;
 
 /// A design at one point of the study's sweep: what is answered.
 #[derive(Clone, Debug, PartialEq)]
@@ -34,7 +35,7 @@ pub struct Answer {
 /// or several that differ from each other in their master seeds, whose runs are taken together; `finished`
 /// is told of each run. None where `stop` became true.
 pub fn respond(
-    crew: &Crew,
+    workers: &WorkerPool,
     sets: &[Study],
     responses: &[Response],
     (design, values): (u64, &[DesignValue]),
@@ -43,20 +44,20 @@ pub fn respond(
 ) -> Option<Vec<Answer>> {
     let Some(first) = sets.first() else { return Some(Vec::new()) };
     let answer = |point_id| {
-        let runs = |set: &Study| crew.point(set, point_id, stop, finished);
+        let runs = |set: &Study| workers.sample(set, point_id, stop, finished);
         let runs: Option<Vec<_>> = sets.iter().map(runs).collect();
         let runs: Vec<_> = runs?.into_iter().flatten().collect();
         let point = first.point(point_id);
         let sample = |relative| Sample {
             cells: point.cells,
-            runs: runs.iter().map(|(planned, outcome)| seen(planned, outcome, relative)).collect(),
+            runs: runs.iter().map(|run| seen(run, relative)).collect(),
         };
         let [plain, relative] = [sample(false), sample(true)];
         let estimate = |response: &Response| {
             estimate(response.measure, if response.relative { &relative } else { &plain })
         };
         let mut counts = LabelCounts::default();
-        runs.iter().for_each(|(_, outcome)| counts.add(outcome.label()));
+        runs.iter().for_each(|run| counts.add(run.outcome.label()));
         Some(Answer {
             design,
             values: values.to_vec(),
@@ -70,7 +71,8 @@ pub fn respond(
     (0..first.point_count()).map(answer).collect()
 }
 
-fn seen(planned: &PlannedRun, outcome: &Outcome, relative: bool) -> Seen {
+fn seen(run: &RunRecord, relative: bool) -> Seen {
+    let RunRecord { planned, outcome, .. } = run;
     let without = || {
         let machine = planned.case.as_ref().ok()?.model.ball_balancer()?;
         amplitude_without_balls(machine).filter(|amplitude| *amplitude > 0.0)

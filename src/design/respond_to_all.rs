@@ -7,7 +7,7 @@ use super::discontinuity::discontinuous;
 use super::respond::{Answer, respond};
 use crate::analysis::LabelCounts;
 use crate::ending::Label;
-use crate::farm::Crew;
+use crate::farm::WorkerPool;
 use crate::study::{DesignValue, Study};
 
 /// Checks that a study has designs and asks for responses; `file` is what messages call it.
@@ -48,7 +48,7 @@ pub fn run_count(study: &Study, designs: &[Vec<DesignValue>]) -> Result<u64, Str
 /// # Errors
 /// A design whose values make no physical sense together.
 pub fn respond_to_all(
-    crew: &Crew,
+    workers: &WorkerPool,
     study: &Study,
     designs: &[Vec<DesignValue>],
     stop: &AtomicBool,
@@ -57,7 +57,7 @@ pub fn respond_to_all(
     let mut answers: Vec<Answer> = Vec::new();
     for (number, values) in (0..).zip(designs) {
         let (set, design) = ([study.set(values)?], (number, values.as_slice()));
-        let Some(own) = respond(crew, &set, study.responses(), design, stop, finished) else {
+        let Some(own) = respond(workers, &set, study.responses(), design, stop, finished) else {
             return Ok(None);
         };
         answers.extend(own);

@@ -6,7 +6,6 @@
 //! written.
 
 mod compute;
-mod crew;
 mod halt;
 mod interrupt;
 mod keeping;
@@ -18,9 +17,9 @@ mod rounds;
 mod shard;
 mod store;
 mod work;
+mod worker_pool;
 
 pub use compute::{compute, quietly};
-pub use crew::Crew;
 pub use halt::StopReason;
 pub use interrupt::{stop_on_signals, survive_file_size_limit};
 pub use place::{Place, PlaceError, Ready};
@@ -28,6 +27,7 @@ pub use progress::{Planned, Progress, Show, say};
 pub use recorded::record;
 pub use shard::{Shard, ShardError};
 pub use store::{CHUNKS, Chunk, ChunkFault, Listed, Lock, Store, StoreError, listed_runs};
+pub use worker_pool::WorkerPool;
 
 use std::collections::HashMap;
 use std::sync::atomic::{AtomicBool, AtomicU64};
@@ -35,7 +35,6 @@ use std::sync::mpsc::SyncSender;
 use std::thread;
 use std::time::Instant;
 
-use rayon::prelude::*;
 use thiserror::Error;
 
 use self::compute::{Engine, InLockstep, OneByOne};
@@ -44,7 +43,7 @@ use self::keeping::{keep, outbox};
 use self::patience::with_patience;
 use self::rounds::Rounds;
 use self::store::{Fresh, Reuse, Shelves};
-use self::work::{Disk, Work};
+use self::work::{Batch, Disk};
 use crate::analysis::{LabelCounts, PointAccumulator, PointDetail};
 use crate::ending::Outcome;
 use crate::model::Case;
@@ -233,7 +232,9 @@ impl Farm<'_> {
         sink: &mut S,
     ) -> Result<Tally, FarmError<S::Error>> {
         let Farm { study, ref options, ref halt, progress } = *self;
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(options.threads.max(1)).build()?;
+        let pool = WorkerPool::new(options.threads)?;
+        let computed = |label| progress.finished(label);
+        let taken = |label| progress.found(label);
         let size = options.chunk.max(1) as u64;
         let kept = AtomicU64::new(0);
         let mut intake = Intake { study, sink, point: None, counts: LabelCounts::default() };
@@ -258,20 +259,21 @@ impl Farm<'_> {
                 };
                 let disk = disk.as_ref().map(|Reading { reuse, outbox, .. }| Disk {
                     found: &found,
+                    taken: &taken,
                     reuse,
                     retry_failed: options.retry_failed,
                     outbox: outbox.clone(),
                     kept: &kept,
                 });
                 let begun = AtomicU64::new(0);
-                let batch = work::Batch { study, run_ids, begun, halt, progress, disk };
+                let batch =
+                    Batch { study, run_ids, begun, audits: true, halt, finished: &computed, disk };
                 let waiting = std::mem::take(&mut finished);
-                let compute =
-                    || compute_batch(cancellation, engine, options.threads.max(1), &batch);
-                let (computed, taken) =
+                let compute = || pool.compute(cancellation, engine, &batch);
+                let (records, handed_on) =
                     pool.install(|| rayon::join(compute, || intake.take_all(waiting)));
-                taken.map_err(FarmError::Sink)?;
-                finished = computed;
+                handed_on.map_err(FarmError::Sink)?;
+                finished = records;
             }
             intake.take_all(finished).map_err(FarmError::Sink)?;
             if intake.counts.total() < due {
@@ -282,29 +284,6 @@ impl Farm<'_> {
         let stopped = (counts.total() < due).then(|| halt.reason().unwrap_or(StopReason::Asked));
         Ok(Tally { counts, stopped, kept: kept.into_inner(), given_up: halt.given_up() })
     }
-}
-
-/// The finished runs of a batch, in the order of their numbers.
-fn compute_batch(
-    cancellation: &Cancellation,
-    engine: &impl Engine,
-    threads: usize,
-    batch: &work::Batch<'_>,
-) -> Vec<RunRecord> {
-    let mut finished: Vec<RunRecord> = (0..threads)
-        .into_par_iter()
-        .with_max_len(1)
-        .flat_map_iter(|_| {
-            let mut work = Work::new(batch);
-            let computed = cancellation.unless_cancelled(|| engine.compute(&mut work));
-            if computed.is_none() {
-                batch.halt.gave_up(work.in_progress());
-            }
-            work.finished
-        })
-        .collect();
-    finished.sort_unstable_by_key(|record| record.planned.run_id);
-    finished
 }
 
 /// Hands runs to the sink and collects them point by point.

@@ -4,7 +4,6 @@ use std::collections::{HashMap, VecDeque};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::SyncSender;
 
-use super::Progress;
 use super::halt::Halt;
 use super::store::{CaseKey, Finished, Found, Fresh, Reuse};
 use crate::ending::{Evidence, Label, Outcome, Runs};
@@ -20,7 +19,10 @@ pub(super) struct Batch<'a> {
     /// How many of its runs have been begun.
     pub(super) begun: AtomicU64,
     pub(super) halt: &'a Halt<'a>,
-    pub(super) progress: &'a Progress,
+    /// Whether audited runs are computed a second time.
+    pub(super) audits: bool,
+    /// Is called for each run that has been computed.
+    pub(super) finished: &'a (dyn Fn(Label) + Sync),
     pub(super) disk: Option<Disk<'a>>,
 }
 
@@ -29,6 +31,8 @@ pub(super) struct Batch<'a> {
 pub(super) struct Disk<'a> {
     /// Runs of this study, by number.
     pub(super) found: &'a HashMap<u64, Found>,
+    /// Is called for each run that need not be computed.
+    pub(super) taken: &'a (dyn Fn(Label) + Sync),
     /// Runs of other studies, by case.
     pub(super) reuse: &'a Reuse,
     /// Whether runs that failed are computed again.
@@ -88,7 +92,7 @@ impl<'a> Work<'a> {
         let Some(Finished { outcome, audit }) = usable else { return Some(planned) };
         let audit = audit.filter(|_| planned.audited);
         disk.kept.fetch_add(1, Ordering::Relaxed);
-        self.batch.progress.found(outcome.label());
+        (disk.taken)(outcome.label());
         let record = RunRecord { planned, outcome, audit };
         self.finish(record, (!own).then_some(key));
         None
@@ -116,7 +120,7 @@ impl<'a> Work<'a> {
             self.open.insert(place, Open { planned, outcome, again });
             return;
         };
-        self.batch.progress.finished(outcome.label());
+        (self.batch.finished)(outcome.label());
         let record = RunRecord { planned, outcome: outcome.clone(), audit: again };
         let key = self.disk.is_some().then(|| self.key(&record.planned));
         self.finish(record, key);
@@ -135,7 +139,8 @@ impl Runs for Work<'_> {
             }
             let place = self.batch.begun.fetch_add(1, Ordering::Relaxed);
             let run_id = *self.batch.run_ids.get(usize::try_from(place).ok()?)?;
-            let planned = self.batch.study.planned_run(run_id);
+            let mut planned = self.batch.study.planned_run(run_id);
+            planned.audited &= self.batch.audits;
             let Some(planned) = self.take_kept(planned) else { continue };
             if self.batch.halt.now() {
                 continue;

@@ -4,7 +4,7 @@ use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
 use crate::docs::generated::compare_or_write_part;
-use stickslip::farm::Crew;
+use stickslip::farm::WorkerPool;
 use stickslip::study::{DesignValue, Study};
 
 fn study(text: &str) -> Study {
@@ -70,10 +70,9 @@ fn designs_share_their_draws() {
 
 /// The amplitudes of all runs of a design.
 fn amplitudes(study: &Study) -> Vec<f64> {
-    let crew = Crew::new(2).unwrap();
-    let runs = crew.point(study, 0, &AtomicBool::new(false), &|_| {}).unwrap();
-    let amplitude = |(_, outcome): &(_, stickslip::ending::Outcome)| outcome.amplitude_m;
-    runs.iter().map(|run| amplitude(run).expect("no failure")).collect()
+    let workers = WorkerPool::new(2).unwrap();
+    let runs = workers.sample(study, 0, &AtomicBool::new(false), &|_| {}).unwrap();
+    runs.iter().map(|run| run.outcome.amplitude_m.expect("no failure")).collect()
 }
 
 fn variance(values: &[f64]) -> f64 {

@@ -137,7 +137,7 @@ fn again(
     values: &[DesignValue],
     finished: &(dyn Fn(Label) + Sync),
 ) -> Option<Vec<Answer>> {
-    let Search { study, crew, stop, .. } = *search;
+    let Search { study, workers, stop, .. } = *search;
     let purpose = match role {
         Role::Finalist | Role::Pareto => "optimize finalists",
         Role::Best => "optimize best",
@@ -150,7 +150,7 @@ fn again(
     };
     let sets: Vec<Study> = (0..samples(search)).map(with).collect::<Option<_>>()?;
     let asked = (design.unwrap_or(0), values);
-    respond(crew, &sets, study.responses(), asked, stop, finished)
+    respond(workers, &sets, study.responses(), asked, stop, finished)
 }
 
 /// The designs that are looked at again: the best by rank, or the Pareto front of those that meet the

@@ -8,7 +8,7 @@ use super::space::Space;
 use super::suggest::{all_values, suggest};
 use crate::design::respond;
 use crate::ending::Label;
-use crate::farm::Crew;
+use crate::farm::WorkerPool;
 use crate::study::{DesignValue, Optimization, Study};
 
 /// How many designs are passed over, as they have been looked at, before there are taken to be no more.
@@ -21,7 +21,7 @@ pub struct Search<'a> {
     /// What it looks for.
     pub optimization: &'a Optimization,
     /// Who computes the runs.
-    pub crew: &'a Crew,
+    pub workers: &'a WorkerPool,
     /// Becomes true where it is to stop.
     pub stop: &'a AtomicBool,
 }
@@ -50,7 +50,7 @@ pub fn search<E>(
     finished: &(dyn Fn(Label) + Sync),
     mut observe: impl FnMut(&[Evaluation]) -> Result<(), E>,
 ) -> Result<SearchEnd, E> {
-    let Search { study, optimization, crew, stop } = *search;
+    let Search { study, optimization, workers, stop } = *search;
     let goal = Goal::new(study, optimization);
     while (evaluations.len() as u64) < optimization.designs {
         if evaluations.len() as u64 == optimization.start_designs
@@ -61,10 +61,10 @@ pub fn search<E>(
         if stop.load(Ordering::Relaxed) {
             return Ok(SearchEnd::Stopped);
         }
-        let next = crew.install(|| next_design(study, optimization, &goal, evaluations));
+        let next = workers.install(|| next_design(study, optimization, &goal, evaluations));
         let Some(Next { origin, values, set }) = next else { return Ok(SearchEnd::NoMoreDesigns) };
         let asked = (evaluations.len() as u64, values.as_slice());
-        let answers = respond(crew, &[set], study.responses(), asked, stop, finished);
+        let answers = respond(workers, &[set], study.responses(), asked, stop, finished);
         let Some(answers) = answers else { return Ok(SearchEnd::Stopped) };
         evaluations.push(Evaluation { origin, values, answers });
         observe(evaluations)?;

@@ -39,7 +39,7 @@ pub fn sensitivities(
     evaluations: &[Evaluation],
     finished: &(dyn Fn(Label) + Sync),
 ) -> Option<Vec<Sensitivity>> {
-    let Search { study, optimization, crew, .. } = *search;
+    let Search { study, optimization, workers, .. } = *search;
     let (space, goal) = (Space::new(study), Goal::new(study, optimization));
     let variables = study.variables();
     // The study says how many of both there are at most.
@@ -51,7 +51,7 @@ pub fn sensitivities(
         places(samples, dimensions, seed as u32).iter().map(|place| space.at(place)).collect();
     let by_quantity: Vec<Result<Vec<f64>, String>> = match optimization.sensitivity_from {
         SensitivityFrom::Surrogates => {
-            let surrogates = crew.install(|| surrogates(search, evaluations));
+            let surrogates = workers.install(|| surrogates(search, evaluations));
             let coordinates: Vec<Vec<f64>> =
                 designs.iter().map(|design| space.coordinates(design)).collect();
             surrogates
@@ -115,13 +115,13 @@ fn from_runs(
     designs: &[Vec<DesignValue>],
     finished: &(dyn Fn(Label) + Sync),
 ) -> Option<Vec<Result<Vec<f64>, String>>> {
-    let Search { study, crew, stop, .. } = *search;
+    let Search { study, workers, stop, .. } = *search;
     let mut values: Vec<Vec<Option<f64>>> = vec![Vec::new(); goal.quantities().len()];
     for (number, design) in (0..).zip(designs) {
         let own = match study.set(design) {
             Ok(set) => {
                 let asked = (number, design.as_slice());
-                let answers = respond(crew, &[set], study.responses(), asked, stop, finished)?;
+                let answers = respond(workers, &[set], study.responses(), asked, stop, finished)?;
                 goal.estimates(&answers)
             }
             Err(_) => vec![Estimate::default(); values.len()],

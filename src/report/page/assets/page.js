@@ -202,7 +202,7 @@
     return { type: 'custom', silent: true, clip: false, data: [[0]], encode: { x: -1, y: -1 }, renderItem: () => ({ type: 'group', children }) };
   }
   // A picture of values on a grid, in the colours of a scale.
-  function raster(layer, scale) {
+  function raster(layer, scale, aspect) {
     const [columns, rows] = layer.size;
     const canvas = Object.assign(document.createElement('canvas'), { width: columns, height: rows });
     const context = canvas.getContext('2d');
@@ -211,7 +211,12 @@
       context.fillStyle = scaled(value, scale);
       context.fillRect(i % columns, rows - 1 - Math.floor(i / columns), 1, 1);
     });
-    return canvas;
+    // In the proportions in which it is shown: SVG keeps those of a picture.
+    const shown = Object.assign(document.createElement('canvas'), { width: 4 * columns, height: Math.round(4 * columns / aspect) });
+    const onto = shown.getContext('2d');
+    onto.imageSmoothingEnabled = false;
+    onto.drawImage(canvas, 0, 0, shown.width, shown.height);
+    return shown;
   }
   function seriesOf(panel, layer, order) {
     unpack(layer);
@@ -233,7 +238,7 @@
           renderItem: (params, api) => {
             const a = api.coord([panel.x.range[0], panel.y.range[1]]);
             const b = api.coord([panel.x.range[1], panel.y.range[0]]);
-            return { type: 'image', style: { image: raster(layer, panel.scale),
+            return { type: 'image', style: { image: raster(layer, panel.scale, (b[0] - a[0]) / (b[1] - a[1])),
               x: a[0], y: a[1], width: b[0] - a[0], height: b[1] - a[1] } };
           } });
       case 'intervals':
@@ -444,7 +449,7 @@
     save(format) {
       const panel = this.panel();
       const square = panel.x.kind === 'angle' && panel.y.kind === 'angle';
-      const [width, height] = square ? [760, 640] : [900, 560];
+      const [width, height] = square ? [760, 710] : [900, 560];
       const zoomed = this.chart ? this.window() : [[0, 100], [0, 100]];
       document.documentElement.dataset.paper = 'true';
       readTheme();
