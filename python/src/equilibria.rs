@@ -9,7 +9,7 @@ use stickslip::analysis::{
     EquilibriumSet as Set, FEWEST_GRID_POINTS, MOST_BALL_DAMPING, REPLICATES, Resolution, RestForm,
     SAMPLE_COUNTS, frictionless_equilibria,
 };
-use stickslip::farm::WorkerPool;
+use stickslip::engine::WorkerPool;
 use stickslip::study::Study;
 use stickslip::table::{
     FrictionlessRow, MemoryTable, MemoryWriter, PointKey, SetRow, SetSummaryRow,

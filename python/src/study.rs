@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use pyo3::prelude::*;
-use stickslip::design::{check_answerable, respond_to_all, response_columns, run_count};
-use stickslip::farm::{Planned, Progress, Show, WorkerPool};
+use stickslip::engine::{Planned, Progress, Show, WorkerPool};
+use stickslip::responses::{check_answerable, respond_to_all, response_columns, run_count};
 use stickslip::study::Study;
 use stickslip::table::{in_memory, provenance};
 

@@ -86,7 +86,7 @@ mod tests {
     use statrs::distribution::{ChiSquared, ContinuousCDF};
 
     use super::{BINS, EquilibriumHistogram, bin, bin_edges};
-    use crate::analysis::draws::Draws;
+    use crate::analysis::test_rng::Draws;
 
     fn alike(balls: usize) -> Vec<Vec<usize>> {
         vec![(0..balls).collect()]

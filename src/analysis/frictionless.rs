@@ -18,8 +18,8 @@ use std::f64::consts::PI;
 use nalgebra::Complex;
 use serde::{Deserialize, Serialize};
 
-use super::alike::{groups_of_alike, sorted_where_alike};
 use super::balance::{Balance, wrapped};
+use super::identical_balls::{groups_of_alike, sorted_where_alike};
 use super::linearised::{SmallMotions, Stability};
 use super::rest_form::RestForm;
 use crate::model::Machine;

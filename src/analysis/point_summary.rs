@@ -1,16 +1,16 @@
 //! One point of the sweep in numbers: how its runs ended, how soon, with what amplitude.
 
-use super::alike::{groups_of_alike, sorted_where_alike};
 use super::audit::AuditCounts;
 use super::cycles::{CycleClasses, CycleGroup};
 use super::equilibrium_histogram::{EquilibriumHistogram, HistogramBin};
 use super::escape::{EscapeRate, Group, escape_rate};
+use super::identical_balls::{groups_of_alike, sorted_where_alike};
 use super::interval::{Interval, IntervalMethod, Z_95, simultaneous, wilson_with_failures};
 use super::rest_curve::{RestStep, rest_curve};
 use super::stratified::Cells;
 use super::survival::SurvivalCurve;
 use super::tally::Tally;
-use crate::ending::{Label, Outcome};
+use crate::classification::{Label, Outcome};
 use crate::model::{Ball, Case};
 
 /// Runs per label, in the order of [`Label::ALL`].
@@ -233,7 +233,7 @@ impl PointAccumulator {
 #[cfg(test)]
 mod tests {
     use super::{Observed, PointAccumulator};
-    use crate::ending::{Evidence, Outcome};
+    use crate::classification::{Evidence, Outcome};
 
     fn add(point: &mut PointAccumulator, outcome: &Outcome) {
         point.add(Observed { cell: 0, case: None, outcome, audit: None });

@@ -1,6 +1,6 @@
 //! What a study will cost: about, where no run ends early, and at most, where runs go on until they are given up.
 
-use crate::ending::{
+use crate::classification::{
     goes_in_lockstep, most_steps_of_a_run, most_steps_of_any_run, seconds_per_step,
 };
 use crate::model::{Model, Simulation};

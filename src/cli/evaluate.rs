@@ -10,11 +10,11 @@ use clap::Args;
 use super::arguments::{StudyArgument, threads};
 use super::evaluate_server::serve;
 use super::exit::{CliError, End};
-use crate::design::{
+use crate::classification::Label;
+use crate::engine::{Planned, Progress, Show, WorkerPool, say, stop_on_signals};
+use crate::responses::{
     Answer, MOST_DESIGNS, check_answerable, respond_to_all, response_columns, run_count,
 };
-use crate::ending::Label;
-use crate::farm::{Planned, Progress, Show, WorkerPool, say, stop_on_signals};
 use crate::study::{DesignValue, Study};
 use crate::table::{TableWriter, provenance};
 

@@ -10,8 +10,8 @@ use serde_json::json;
 
 use super::exit::{CliError, End};
 use super::output::{Reader, print_json};
-use crate::design::{Neighbours, Refusal, Request, respond, to_json};
-use crate::farm::WorkerPool;
+use crate::engine::WorkerPool;
+use crate::responses::{Neighbours, Refusal, Request, respond, to_json};
 use crate::study::Study;
 
 /// The longest line that is read, bytes.

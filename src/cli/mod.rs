@@ -38,7 +38,7 @@ use clap::{Parser, Subcommand};
 
 pub use exit::{CliError, End};
 
-use crate::farm::{say, survive_file_size_limit};
+use crate::engine::{say, survive_file_size_limit};
 
 const EXAMPLES: &str = "\
 Examples:

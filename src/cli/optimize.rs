@@ -13,15 +13,15 @@ use serde_json::json;
 use super::arguments::{StudyArgument, threads};
 use super::exit::{CliError, End};
 use super::output::print;
-use crate::design::check_answerable;
-use crate::design::optimize::{
+use crate::classification::Label;
+use crate::engine::{Lock, Planned, Progress, Show, WorkerPool, say, stop_on_signals};
+use crate::foreign::{shell_word, shorten};
+use crate::optimize::{
     Evaluation, Finals, Origin, Role, Search, SearchEnd, evaluation_columns, final_columns,
     final_runs, finals, optimum_json, pareto_columns, read_evaluations, result_in_words, search,
     search_facts, search_line, sensitivities, sensitivity_columns, surrogates,
 };
-use crate::ending::Label;
-use crate::farm::{Lock, Planned, Progress, Show, WorkerPool, say, stop_on_signals};
-use crate::foreign::{shell_word, shorten};
+use crate::responses::check_answerable;
 use crate::study::{Optimization, SensitivityFrom, Study};
 use crate::table::column::Column;
 use crate::table::{

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::exit::CliError;
 use super::replay_times::Times;
-use crate::ending::{Evidence, Instants, Recorder, simulate_recorded};
+use crate::classification::{Evidence, Instants, Recorder, simulate_recorded};
 use crate::report::{animation, frames, time_text};
 use crate::study::Study;
 use crate::table::{FileList, ResultsError, RunRecord};

@@ -2,7 +2,7 @@
 
 use serde_json::json;
 
-use crate::ending::Sample;
+use crate::classification::Sample;
 use crate::model::{Machine, Model};
 use crate::motion::Phase;
 use crate::table::Units;

@@ -2,11 +2,11 @@
 
 mod animation;
 pub mod chart;
+mod data;
 mod figures;
-mod gathered;
 mod page;
 
 pub use animation::{animation, frames, time_text};
+pub use data::{Budget, Gathered, ResultTables};
 pub use figures::of_results;
-pub use gathered::{Budget, Gathered, ResultTables};
 pub use page::{OWN, page};

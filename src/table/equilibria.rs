@@ -4,7 +4,7 @@ use super::column::Column;
 use super::record::RunRecord;
 use super::runs::{drawn_columns, nominal_columns, position_columns};
 use crate::analysis::{bin, sorted_where_alike};
-use crate::ending::Label;
+use crate::classification::Label;
 use crate::study::{ParameterValue, Study};
 
 /// A run that ended in equilibrium, balls that are alike in ascending order of their angles.

@@ -5,7 +5,7 @@ use super::runs::swept_columns;
 use crate::analysis::{
     AuditCounts, EscapeRate, PointSummary, amplitude_without_balls, is_narrow, set_fraction,
 };
-use crate::ending::Label;
+use crate::classification::Label;
 use crate::model::{ExistenceVerdict, Machine};
 use crate::study::{ParameterValue, Point, Study};
 

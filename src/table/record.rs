@@ -1,7 +1,7 @@
 //! One row of the run table: what was planned and what came out.
 
 use crate::analysis::Observed;
-use crate::ending::{Evidence, Outcome};
+use crate::classification::{Evidence, Outcome};
 use crate::study::PlannedRun;
 
 /// A run with its outcome.

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use proptest::prelude::*;
 use stickslip::analysis::{CycleGroup, Observed, PointAccumulator, Z_95, wilson_with_failures};
-use stickslip::ending::{Cycle, Doing, Evidence, Outcome};
+use stickslip::classification::{Cycle, Doing, Evidence, Outcome};
 use stickslip::model::{Case, Machine, Simulation, Start};
 
 use super::cycle_classes::sample;

@@ -5,7 +5,7 @@ use std::fmt::Write;
 use stickslip::model::Method;
 
 use super::generated::compare_or_write;
-use crate::ending::convergence::{Errors, errors};
+use crate::classification::convergence::{Errors, errors};
 
 /// One series of measurements over powers of ten.
 struct Series {
@@ -36,7 +36,7 @@ const SERIES: [Series; 3] = [
     },
 ];
 
-/// What the tests in `tests/ending/convergence.rs` assert, as numbers.
+/// What the tests in `tests/classification/convergence.rs` assert, as numbers.
 #[test]
 fn table_of_convergence() {
     let mut text =

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use rayon::prelude::*;
 use stickslip::analysis::CycleClass;
-use stickslip::ending::{Evidence, Label, Outcome, simulate};
+use stickslip::classification::{Evidence, Label, Outcome, simulate};
 use stickslip::model::{Case, Machine, Model, Simulation, Start};
 use stickslip::study::Study;
 

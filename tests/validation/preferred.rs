@@ -9,7 +9,7 @@ use stickslip::analysis::{
     FrictionlessKind, HIGH_DRAG, Resolution, RestForm, Stability, Z_95, frictionless_equilibria,
     wilson,
 };
-use stickslip::ending::{Label, Outcome};
+use stickslip::classification::{Label, Outcome};
 use stickslip::model::Machine;
 
 use crate::docs::generated::compare_or_write_part;

@@ -3,7 +3,7 @@
 mod amplitudes;
 mod basins;
 mod branches;
-mod doubt;
+mod diagnostics;
 mod equilibrium_set;
 mod fractions;
 mod layers;
@@ -15,7 +15,7 @@ mod sweep_axis;
 pub use layers::{failed as failed_runs, label_words, significant};
 
 use super::chart::Figure;
-use super::gathered::Gathered;
+use super::data::Gathered;
 
 /// All figures that these results can show, in reading order.
 pub fn of_results(gathered: &Gathered<'_>) -> Vec<Figure> {
@@ -27,7 +27,7 @@ pub fn of_results(gathered: &Gathered<'_>) -> Vec<Figure> {
         amplitudes::figure(gathered),
         basins::figure(gathered),
         branches::figure(gathered),
-        doubt::figure(gathered),
+        diagnostics::figure(gathered),
     ];
     figures.into_iter().flatten().collect()
 }

@@ -2,9 +2,9 @@
 
 use super::equilibrium_set::{SetLayers, angle_axis, set_layers};
 use super::layers::{axis, label_colour, label_words, places, run_dots, run_tips, subscript};
-use crate::ending::Label;
+use crate::classification::Label;
 use crate::report::chart::{Axis, AxisKind, Colour, Figure, Layer, Panel, Symbol};
-use crate::report::gathered::{Gathered, PointFacts};
+use crate::report::data::{Gathered, PointFacts};
 
 /// Most pairs of balls that are shown.
 const MOST_PAIRS: usize = 6;
