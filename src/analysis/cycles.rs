@@ -9,7 +9,7 @@ use std::f64::consts::TAU;
 use super::arc::AngleSet;
 use super::cycle_class::{CycleClass, Role, speeds_in_sense};
 use super::interval::{Z_95, wilson_with_failures};
-use super::order_statistics::Spread;
+use super::order_statistics::OrderStatistics;
 use super::point_summary::{LabelCounts, Observed};
 use crate::classification::{Label, Outcome};
 use crate::model::Model;
@@ -103,18 +103,18 @@ pub(super) struct CycleClasses {
 #[derive(Clone, Debug, Default)]
 struct Collected {
     runs: u64,
-    period: Spread,
-    amplitude: Spread,
+    period: OrderStatistics,
+    amplitude: OrderStatistics,
     amplitude_peak: Option<f64>,
     multipliers: Option<Vec<f64>>,
     neutral_directions: Option<u8>,
     least_margin: Option<f64>,
-    places: Vec<Place>,
+    places: Vec<CycleMember>,
 }
 
 /// One place of a class.
 #[derive(Clone, Debug)]
-struct Place {
+struct CycleMember {
     role: Role,
     speed_extremes: Option<[f64; 2]>,
     stays: AngleSet,
@@ -184,7 +184,8 @@ impl Collected {
             largest.clone_from(&cycle.multipliers);
         }
         if self.places.is_empty() {
-            let place = |role| Place { role, speed_extremes: None, stays: AngleSet::default() };
+            let place =
+                |role| CycleMember { role, speed_extremes: None, stays: AngleSet::default() };
             self.places = class.roles.into_iter().map(place).collect();
         }
         for (place, ball) in self.places.iter_mut().zip(class.balls) {
@@ -200,12 +201,12 @@ impl Collected {
     }
 
     fn group(&self, name: &str, (share, interval): (f64, (f64, f64))) -> CycleGroup {
-        let range = |middle: Option<f64>, spread: &Spread| {
+        let range = |middle: Option<f64>, spread: &OrderStatistics| {
             let [least, greatest] = spread.ends()?;
             Some(CycleRange { middle: middle?, least, greatest })
         };
         let period_s = range(self.period.median(), &self.period);
-        let role = |place: &Place| CycleRole {
+        let role = |place: &CycleMember| CycleRole {
             role: place.role.clone(),
             mean_speed: match period_s {
                 Some(period) if place.role.turns != 0 => {

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::balance::Balance;
 use super::frictionless::places;
-use super::identical_balls::sorted_where_alike;
+use super::identical_balls::sorted_where_identical;
 use super::one_ball::Arcs;
 use super::rest_form::{AtRest, RestForm};
 use super::set_extremes::calmest_and_most;
@@ -78,7 +78,7 @@ impl EquilibriumSet {
         {
             let largest = self.amplitude_m.map_or(amplitude, |(_, largest)| largest);
             self.amplitude_m = Some((amplitude, largest));
-            self.calmest_rad = Some(sorted_where_alike(&beta, &form.balls));
+            self.calmest_rad = Some(sorted_where_identical(&beta, &form.balls));
         }
         if let (Some((amplitude, _)), Some((_, largest))) = (most, &mut self.amplitude_m) {
             *largest = amplitude.max(*largest);

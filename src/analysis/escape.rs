@@ -131,7 +131,7 @@ const COARSE: f64 = 2.5e-4;
 mod tests {
     use super::{Group, Tail, escape_rate, rate_interval};
     use crate::analysis::Tally;
-    use crate::analysis::test_rng::Draws;
+    use crate::analysis::test_rng::TestRng;
 
     /// Runs with these times to rest, stopped at an end time.
     fn groups(times: impl Iterator<Item = f64>, end: f64) -> Vec<Group> {
@@ -162,7 +162,7 @@ mod tests {
     /// to rest, half of them or few.
     #[test]
     fn level_of_the_test() {
-        let mut draws = Draws::new(1);
+        let mut draws = TestRng::new(1);
         for (runs, end) in [(12, f64::MAX), (100, f64::MAX), (100, 0.7), (400, 0.1)] {
             let repetitions = 4000;
             let refused = (0..repetitions).filter(|_| {
@@ -180,7 +180,7 @@ mod tests {
     /// the start of the tail costs some of it, for what the test cannot see stays in.
     #[test]
     fn coverage_of_the_interval() {
-        let mut draws = Draws::new(2);
+        let mut draws = TestRng::new(2);
         for (name, runs, end, soon, late, least) in [
             ("all tail", 200, 16.5, 0.0, 0.0, 0.92),
             ("few", 60, 5.0, 0.0, 0.0, 0.92),

@@ -87,7 +87,7 @@ pub fn simultaneous(counts: [u64; 5]) -> [(f64, f64); 5] {
 #[cfg(test)]
 mod tests {
     use super::{Z_95, Z_99, simultaneous, wilson, wilson_with_failures};
-    use crate::analysis::test_rng::Draws;
+    use crate::analysis::test_rng::TestRng;
 
     /// Brown, Cai, DasGupta, Stat. Sci. 16 (2001) 101 give no table; these values are the roots of
     /// `|p - k/n| = z sqrt(p (1 - p) / n)`, which defines the interval.
@@ -157,7 +157,7 @@ mod tests {
     /// 0.0034); without failures, as those only widen.
     #[test]
     fn joint_coverage_is_95_percent() {
-        let mut draws = Draws::new(1965);
+        let mut draws = TestRng::new(1965);
         let shares = [
             [0.2, 0.2, 0.2, 0.2, 0.2],
             [0.5, 0.1, 0.1, 0.3, 0.0],

@@ -117,7 +117,7 @@ mod tests {
 
     use super::{Arcs, within};
     use crate::analysis::rest_form::{RestForm, direction};
-    use crate::analysis::test_rng::Draws;
+    use crate::analysis::test_rng::TestRng;
     use crate::model::{Ball, Machine};
 
     fn form(speed_rad_s: f64, friction_coefficient: f64, mass_kg: f64) -> RestForm {
@@ -129,7 +129,7 @@ mod tests {
     /// machines: forces beyond all measure, balls that lift off, sets of no, one and two arcs.
     #[test]
     fn arcs_are_where_the_ball_is_held() {
-        let mut draws = Draws::new(5);
+        let mut draws = TestRng::new(5);
         let mut counts = [0_u32; 3];
         for _ in 0..2_000 {
             let power = |low: f64, high: f64, draw: f64| 10.0_f64.powf(low + (high - low) * draw);

@@ -14,13 +14,13 @@ const MOST_VALUES: usize = 512;
 /// the counts down to 512. Fewer values would never take more, so that the order in which they came
 /// does not matter. (`Tally` rounds to a part of the values, this one to a part of their range.)
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Spread {
+pub struct OrderStatistics {
     counts: BTreeMap<u64, u64>,
     dropped: u32,
     ends: Option<[f64; 2]>,
 }
 
-impl Spread {
+impl OrderStatistics {
     /// Takes a value in; one that is not finite is left out.
     pub fn add(&mut self, value: f64) {
         if !value.is_finite() {
@@ -99,10 +99,10 @@ fn from_ordered_bits(bits: u64) -> f64 {
 mod tests {
     use proptest::prelude::*;
 
-    use super::{MOST_VALUES, Spread};
+    use super::{MOST_VALUES, OrderStatistics};
 
-    fn spread(values: impl IntoIterator<Item = f64>) -> Spread {
-        let mut spread = Spread::default();
+    fn spread(values: impl IntoIterator<Item = f64>) -> OrderStatistics {
+        let mut spread = OrderStatistics::default();
         values.into_iter().for_each(|value| spread.add(value));
         spread
     }

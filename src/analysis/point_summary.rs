@@ -4,7 +4,7 @@ use super::audit::AuditCounts;
 use super::cycles::{CycleClasses, CycleGroup};
 use super::equilibrium_histogram::{EquilibriumHistogram, HistogramBin};
 use super::escape::{EscapeRate, Group, escape_rate};
-use super::identical_balls::{groups_of_alike, sorted_where_alike};
+use super::identical_balls::{groups_of_identical, sorted_where_identical};
 use super::interval::{Interval, IntervalMethod, Z_95, simultaneous, wilson_with_failures};
 use super::rest_curve::{RestStep, rest_curve};
 use super::stratified::Cells;
@@ -169,9 +169,9 @@ impl PointAccumulator {
         {
             let balls = &machine.balls;
             if self.alike.0 != *balls {
-                self.alike = (balls.clone(), groups_of_alike(balls));
+                self.alike = (balls.clone(), groups_of_identical(balls));
             }
-            self.histogram.add(&sorted_where_alike(beta, balls), &self.alike.1);
+            self.histogram.add(&sorted_where_identical(beta, balls), &self.alike.1);
         }
     }
 

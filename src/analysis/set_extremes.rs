@@ -12,7 +12,7 @@ use std::f64::consts::PI;
 
 use nalgebra::Complex;
 
-use super::identical_balls::groups_of_alike;
+use super::identical_balls::groups_of_identical;
 use super::rest_form::{RestForm, direction};
 
 /// Steps in which a size is looked for, before it is bisected.
@@ -43,7 +43,7 @@ pub(super) fn calmest_and_most(form: &RestForm) -> [Option<(f64, Vec<f64>)>; 2] 
 /// ones.
 fn choices(form: &RestForm) -> Vec<Vec<bool>> {
     let mut all = vec![vec![false; form.mass.len()]];
-    for group in groups_of_alike(&form.balls) {
+    for group in groups_of_identical(&form.balls) {
         let with = |choice: &Vec<bool>, far: usize| {
             let mut choice = choice.clone();
             group.iter().take(far).for_each(|&ball| choice[ball] = true);
@@ -220,7 +220,7 @@ mod tests {
     use crate::analysis::frictionless_equilibria;
     use crate::analysis::rest_form::RestForm;
     use crate::analysis::set_samples::held_positions;
-    use crate::analysis::test_rng::Draws;
+    use crate::analysis::test_rng::TestRng;
     use crate::model::{Ball, Machine};
 
     fn form(speed_rad_s: f64, balls: &[(f64, f64)], imbalance: f64) -> RestForm {
@@ -243,7 +243,7 @@ mod tests {
         samples.sort_by(|a, b| (sign * amplitude(b)).total_cmp(&(sign * amplitude(a))));
         assert!(samples.len() > 20, "{}", samples.len());
         let others = samples.iter().step_by(samples.len() / 10);
-        let mut draws = Draws::new(3);
+        let mut draws = TestRng::new(3);
         let climb = |start: &&[f64]| {
             let (mut beta, mut best, mut reach) = (start.to_vec(), amplitude(start), 0.3);
             for _ in 0..20_000 {

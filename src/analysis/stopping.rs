@@ -51,7 +51,7 @@ fn half_width((low, high): (f64, f64)) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::{StoppingRule, half_width};
-    use crate::analysis::test_rng::Draws;
+    use crate::analysis::test_rng::TestRng;
     use crate::analysis::{Observed, PointAccumulator, Z_95, wilson};
     use crate::classification::{Evidence, Outcome};
 
@@ -61,7 +61,7 @@ mod tests {
     /// and the interval. Half of the 16 cells have a larger share by `spread`, half a smaller one;
     /// `stratified` says whether the interval knows of the cells.
     fn sampled(
-        draws: &mut Draws,
+        draws: &mut TestRng,
         rule: StoppingRule,
         share: f64,
         spread: f64,
@@ -88,7 +88,7 @@ mod tests {
     /// once the interval is narrow enough.
     #[test]
     fn rounds_are_whole_replicates_within_bounds() {
-        let mut draws = Draws::new(7);
+        let mut draws = TestRng::new(7);
         for _ in 0..10_000 {
             let replicate = 1 + (draws.uniform() * 300.0) as u64;
             let most = replicate * (1 + (draws.uniform() * 200.0) as u64);
@@ -130,7 +130,7 @@ mod tests {
         let rule = StoppingRule { half_width: 0.05, replicate: 16, most: 1 << 20 };
         let (points, claimed) = (10_000, 0.94);
         let least = claimed - 4.3 * (claimed * (1.0 - claimed) / f64::from(points)).sqrt();
-        let mut draws = Draws::new(11);
+        let mut draws = TestRng::new(11);
         for share in [0.02, 0.1, 0.5, 0.9] {
             let apart = 0.9 * f64::min(share, 1.0 - share);
             for (spread, stratified) in [(0.0, false), (apart, false), (0.0, true), (apart, true)] {

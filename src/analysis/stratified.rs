@@ -127,7 +127,7 @@ impl Cells {
 #[cfg(test)]
 mod tests {
     use super::{Cells, MOST_CELLS};
-    use crate::analysis::test_rng::Draws;
+    use crate::analysis::test_rng::TestRng;
     use crate::analysis::{Z_95, wilson};
 
     /// Cells with these runs, equilibria and failures.
@@ -202,7 +202,7 @@ mod tests {
     }
 
     /// Shares of the cells of a family of populations.
-    fn populations(cells: usize, draws: &mut Draws) -> Vec<Vec<f64>> {
+    fn populations(cells: usize, draws: &mut TestRng) -> Vec<Vec<f64>> {
         let mut all = Vec::new();
         let half = |cell: usize| (cell % 2) as f64;
         for mean in [0.004, 0.1, 0.5, 0.9, 0.996] {
@@ -225,7 +225,7 @@ mod tests {
         all
     }
 
-    fn binomial(runs: u64, share: f64, draws: &mut Draws) -> u64 {
+    fn binomial(runs: u64, share: f64, draws: &mut TestRng) -> u64 {
         if share <= 0.0 || share >= 1.0 {
             return if share > 0.5 { runs } else { 0 };
         }
@@ -251,7 +251,7 @@ mod tests {
 
     /// Coverage over seeded samples: `runs` in every cell, in the second half of the cells
     /// `runs_late`.
-    fn measure(count: usize, runs: u64, runs_late: u64, draws: &mut Draws) -> Measured {
+    fn measure(count: usize, runs: u64, runs_late: u64, draws: &mut TestRng) -> Measured {
         let mut measured = Measured { least: [1.0; 2], mean: 0.0, width: 0.0, least_width: 1.0 };
         let populations = populations(count, draws);
         let repetitions = 1000;
@@ -289,7 +289,7 @@ mod tests {
     /// the mean; and many cells make the interval narrower.
     #[test]
     fn coverage_and_width() {
-        let mut draws = Draws::new(65);
+        let mut draws = TestRng::new(65);
         for count in [16, 256] {
             for (runs, runs_late) in [(2, 2), (3, 3), (5, 5), (10, 10), (3, 2)] {
                 let found = measure(count, runs, runs_late, &mut draws);

@@ -145,7 +145,7 @@ fn interval(moving: f64, greenwood: f64, effective: f64) -> (f64, f64) {
 mod tests {
     use super::SurvivalCurve;
     use crate::analysis::Tally;
-    use crate::analysis::test_rng::Draws;
+    use crate::analysis::test_rng::TestRng;
 
     fn curve(rests: &[f64], stopped: &[f64]) -> SurvivalCurve {
         let mut times = Tally::default();
@@ -231,7 +231,7 @@ mod tests {
     /// 20 runs so few have rested early that the coverage, as any discrete one, falls to 0.93.
     #[test]
     fn coverage_is_95_percent() {
-        let mut draws = Draws::new(3);
+        let mut draws = TestRng::new(3);
         for (runs, least) in [(20, 0.915), (100, 0.93)] {
             let times = [0.02, 0.2, 0.7, 1.5, 2.5];
             let (mut held, mut median) = ([0.0; 5], 0.0);

@@ -7,7 +7,7 @@ use super::replaceable::{beside, outside, replace, replaceable, sealed};
 use super::results_study::results_study;
 use super::summary::no_tables;
 use crate::foreign::{shell_word, shown_path};
-use crate::report::{Budget, Gathered, OWN, ResultTables, of_results, page};
+use crate::report::{Budget, OWN, ReportData, ResultTables, of_results, page};
 use crate::table::manifest_of;
 
 /// A page that can be mailed; of larger results less is shown.
@@ -42,8 +42,8 @@ pub fn write(directory: &Path, out: Option<&Path>) -> Result<PathBuf, CliError> 
     let tables = ResultTables::open(directory, &manifest)?;
     let mut budget = Budget::SCREEN;
     let page = loop {
-        let gathered = Gathered::read(&tables, &study, &manifest, budget)?;
-        let page = page(directory, &gathered, &of_results(&gathered));
+        let data = ReportData::read(&tables, &study, &manifest, budget)?;
+        let page = page(directory, &data, &of_results(&data));
         if page.len() <= MOST_BYTES || budget == budget.halved() {
             break page;
         }

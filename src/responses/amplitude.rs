@@ -100,7 +100,7 @@ pub fn worst(sample: &Sample) -> Estimate {
 #[cfg(test)]
 mod tests {
     use super::{mean, quantile, standard_deviation, worst};
-    use crate::analysis::test_rng::Draws;
+    use crate::analysis::test_rng::TestRng;
     use crate::classification::Label;
     use crate::responses::{Estimate, Sample, Seen};
 
@@ -191,7 +191,7 @@ mod tests {
             ("uniform", |u| u, 0.5, (1.0_f64 / 12.0).sqrt()),
             ("exponential", |u| -(1.0 - u).ln(), 1.0, 1.0),
         ];
-        let mut draws = Draws::new(12);
+        let mut draws = TestRng::new(12);
         for (name, inverse, exact_mean, exact_deviation) in populations {
             for cells in [None, Some(16)] {
                 let mut held = [0_u32; 4];

@@ -81,7 +81,7 @@ fn p_value(one: &LabelCounts, other: &LabelCounts, label: Label) -> f64 {
 mod tests {
     use super::{discontinuous, p_value};
     use crate::analysis::LabelCounts;
-    use crate::analysis::test_rng::Draws;
+    use crate::analysis::test_rng::TestRng;
     use crate::classification::Label;
 
     fn counts(equilibria: u64, undecided: u64) -> LabelCounts {
@@ -117,7 +117,7 @@ mod tests {
     /// have a probability below 0.001.
     #[test]
     fn level() {
-        let mut draws = Draws::new(5);
+        let mut draws = TestRng::new(5);
         let scaled: Vec<Vec<f64>> = (0..10).map(|x| vec![f64::from(x)]).collect();
         let mut flagged = 0;
         for _ in 0..2000 {

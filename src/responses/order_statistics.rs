@@ -113,7 +113,7 @@ pub(super) fn standard_error(
 #[cfg(test)]
 mod tests {
     use super::{cumulative, interval, quantile, standard_error};
-    use crate::analysis::test_rng::Draws;
+    use crate::analysis::test_rng::TestRng;
 
     /// Conover, Practical Nonparametric Statistics, and every table of the sign test: the median of ten
     /// values lies between the second and the ninth, of twenty between the sixth and the fifteenth.
@@ -153,7 +153,7 @@ mod tests {
     /// here, and the scatter by 0.035 (one standard deviation).
     #[test]
     fn bimodal_samples_have_a_standard_error() {
-        let mut draws = Draws::new(15);
+        let mut draws = TestRng::new(15);
         for (modes, share) in [(0.0, 0.9), (0.9, 0.9), (0.88, 0.9), (0.5, 0.5), (0.45, 0.5)] {
             for runs in [128, 384] {
                 let mut quantiles = Vec::new();

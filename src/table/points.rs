@@ -3,7 +3,7 @@
 use super::column::Column;
 use super::runs::swept_columns;
 use crate::analysis::{
-    AuditCounts, EscapeRate, PointSummary, amplitude_without_balls, is_narrow, set_fraction,
+    AuditCounts, EscapeRate, PointSummary, is_narrow, reference_amplitude, set_fraction,
 };
 use crate::classification::Label;
 use crate::model::{ExistenceVerdict, Machine};
@@ -33,10 +33,7 @@ impl PointRow {
             point_id: point.point_id,
             swept: point.swept.clone(),
             summary,
-            amplitude_without_balls_m: point
-                .model()
-                .ball_balancer()
-                .and_then(amplitude_without_balls),
+            amplitude_without_balls_m: point.model().ball_balancer().and_then(reference_amplitude),
             set_fraction: point.model().ball_balancer().and_then(set_fraction),
             existence: point.model().ball_balancer().map(Machine::existence),
         }

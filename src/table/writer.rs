@@ -19,7 +19,7 @@ use super::staging::{Staging, part_name};
 use super::temporary::taken;
 
 /// Rows per write. Pages and row groups begin where they do because of this number alone, so that
-/// the bytes do not depend on how many runs were farmed at a time.
+/// the bytes do not depend on how many runs were computed at a time.
 const BLOCK: usize = 4096;
 /// Rows per row group.
 const ROW_GROUP: usize = 2 * BLOCK;

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use proptest::prelude::*;
 use stickslip::analysis::{CycleGroup, Observed, PointAccumulator, Z_95, wilson_with_failures};
-use stickslip::classification::{Cycle, Doing, Evidence, Outcome};
+use stickslip::classification::{Cycle, CyclePhase, Evidence, Outcome};
 use stickslip::model::{Case, Machine, Simulation, Start};
 
 use super::cycle_classes::sample;
@@ -30,9 +30,9 @@ fn falls_back(turns: i32, period_s: f64, rests_at: f64, second_rests: bool) -> (
     let cycle = Cycle {
         turns: if second_rests { vec![turns, 0] } else { vec![0, turns] },
         configurations: vec![if second_rests {
-            vec![Doing::Forward, Doing::Stick]
+            vec![CyclePhase::Forward, CyclePhase::Stick]
         } else {
-            vec![Doing::Stick, Doing::Forward]
+            vec![CyclePhase::Stick, CyclePhase::Forward]
         }],
         speed_extremes: if second_rests {
             vec![[60.0 + period_s, 80.0 + period_s], [0.0; 2]]

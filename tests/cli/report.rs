@@ -25,7 +25,7 @@ fn figure<'a>(data: &'a Value, id: &str) -> &'a Value {
 fn run_ids(panel: &Value, layer: &str) -> Vec<u64> {
     let layers = panel["layers"].as_array().unwrap();
     let named = layers.iter().filter(|one| one["name"] == layer && one["mark"] == "dots");
-    named.flat_map(|one| whole(&one["tips"]["run_ids"])).collect()
+    named.flat_map(|one| whole(&one["tooltips"]["run_ids"])).collect()
 }
 
 /// Whole numbers, packed or not.

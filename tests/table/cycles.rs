@@ -1,5 +1,5 @@
 //! `cycles.parquet`: columns, the one cycle of a block on a belt, and constructed cycles of balls
-//! through the farm.
+//! through the engine.
 
 use std::fs;
 use std::path::Path;
@@ -8,8 +8,8 @@ use std::sync::atomic::AtomicBool;
 use arrow::array::{AsArray, RecordBatch};
 use arrow::datatypes::{Float64Type, Int32Type};
 use stickslip::analysis::PointDetail;
-use stickslip::classification::{Cycle, Doing, Evidence, Outcome};
-use stickslip::engine::{FarmOptions, Progress, Sink, farm};
+use stickslip::classification::{Cycle, CyclePhase, Evidence, Outcome};
+use stickslip::engine::{EngineOptions, Progress, Sink, run_study_with};
 use stickslip::model::{Block, Case, FrictionLaw, Ground};
 use stickslip::study::Study;
 use stickslip::table::{Circumstances, PointRow, Results, ResultsError, RunRecord};
@@ -134,7 +134,7 @@ fn constructed(case: &Case) -> Outcome {
     let (own, other) = (start[2], start[3]);
     let sense = case.model.ball_balancer().expect("a balancer").speed_rad_s.signum() as i32;
     let first_rests = own < 3.0;
-    let runs = if sense > 0 { Doing::Backward } else { Doing::Forward };
+    let runs = if sense > 0 { CyclePhase::Backward } else { CyclePhase::Forward };
     let of_balls =
         |first, second| if first_rests { vec![second, first] } else { vec![first, second] };
     let cycle = if other < 1.0 {
@@ -142,7 +142,7 @@ fn constructed(case: &Case) -> Outcome {
     } else if other < 2.0 {
         Some((vec![-sense; 2], vec![vec![runs; 2]]))
     } else {
-        let balls = of_balls(runs, Doing::Stick);
+        let balls = of_balls(runs, CyclePhase::Stick);
         Some((if first_rests { vec![0, -sense] } else { vec![-sense, 0] }, vec![balls]))
     };
     let cycle = cycle.map(|(turns, configurations)| {
@@ -167,12 +167,20 @@ fn constructed(case: &Case) -> Outcome {
     }
 }
 
-fn farmed(study: &Study, folder: &Path, threads: usize, chunk: usize) -> Vec<u8> {
-    let options = FarmOptions { threads, chunk, ..FarmOptions::default() };
+fn written(study: &Study, folder: &Path, threads: usize, chunk: usize) -> Vec<u8> {
+    let options = EngineOptions { threads, chunk, ..EngineOptions::default() };
     let mut tables = Tables(Results::create(folder, study).unwrap());
     let progress = Progress::new(study.run_count(), true);
-    farm(study, options, constructed, &AtomicBool::new(false), &progress, None, &mut tables)
-        .unwrap();
+    run_study_with(
+        study,
+        options,
+        constructed,
+        &AtomicBool::new(false),
+        &progress,
+        None,
+        &mut tables,
+    )
+    .unwrap();
     let circumstances = Circumstances {
         runs_kept: 0,
         shard: "1/1".to_owned(),
@@ -198,9 +206,9 @@ fn constructed_cycles_of_balls() {
     let sweep = "sweep: [{grid: {speed_rad_s: [-247.3, 247.3]}}]\n";
     let study = parse(&study_text("a", "{monte_carlo: {samples: 3000}}", 20.0, sweep));
     let scratch = Scratch::new();
-    let first = farmed(&study, &scratch.path("first"), 1, 100);
+    let first = written(&study, &scratch.path("first"), 1, 100);
     for (index, (threads, chunk)) in [(3, 7), (7, 1000)].into_iter().enumerate() {
-        let again = farmed(&study, &scratch.path(&format!("out-{index}")), threads, chunk);
+        let again = written(&study, &scratch.path(&format!("out-{index}")), threads, chunk);
         assert!(first == again, "{threads} threads, chunks of {chunk}");
     }
     let cycles = table(&scratch.path("first").join("cycles.parquet"));

@@ -3,8 +3,8 @@
 use std::fmt::Write;
 
 use stickslip::analysis::{
-    EquilibriumSet, FrictionlessKind, Resolution, Stability, amplitude_without_balls,
-    frictionless_equilibria,
+    EquilibriumSet, FrictionlessKind, Resolution, Stability, frictionless_equilibria,
+    reference_amplitude,
 };
 use stickslip::model::{Balancer, Machine};
 
@@ -55,7 +55,7 @@ with the machine from which the balls are taken out, their mass with them. Balls
 their mass, which lowers the natural frequency: that amplitude is beside it, and nearer to the thesis's.
 ",
         natural / std::f64::consts::TAU,
-        amplitude_without_balls(&machine).expect("a damped suspension"),
+        reference_amplitude(&machine).expect("a damped suspension"),
         amplitude([0.0, std::f64::consts::PI]),
         amplitude([0.0, 0.0]),
         balance[0],

@@ -73,7 +73,7 @@ impl ResultTables {
 
 /// Results as a report needs them.
 #[derive(Clone, Debug)]
-pub struct Gathered<'a> {
+pub struct ReportData<'a> {
     /// The study.
     pub study: &'a Study,
     /// What the directory says of itself.
@@ -96,7 +96,7 @@ pub struct Gathered<'a> {
     pub budget: Budget,
 }
 
-impl<'a> Gathered<'a> {
+impl<'a> ReportData<'a> {
     /// Reads the tables of a results directory.
     ///
     /// # Errors
@@ -115,7 +115,7 @@ impl<'a> Gathered<'a> {
         let shown: Vec<u64> = of.iter().map(|point| point.point_id).collect();
         let rest = rest::read(&tables.rest, &shown)?;
         let cycles = cycles::read(&tables.cycles)?;
-        Ok(Gathered {
+        Ok(ReportData {
             study,
             manifest,
             points,
