@@ -57,10 +57,10 @@ fn main() {
                     let pairs = || outcomes.iter().zip(&reference);
                     let mut errors: Vec<f64> = pairs().filter_map(|(a, b)| error(a, b)).collect();
                     errors.sort_by(f64::total_cmp);
-                    let quantile = |share: f64| {
+                    let quantile = |fraction: f64| {
                         let last = errors.len().saturating_sub(1);
                         errors
-                            .get((share * last as f64).round() as usize)
+                            .get((fraction * last as f64).round() as usize)
                             .copied()
                             .unwrap_or(f64::NAN)
                     };

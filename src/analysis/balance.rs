@@ -15,7 +15,7 @@ use super::rest_form::{RestForm, direction};
 pub enum Balance {
     /// Nowhere: one of the masses is more than all others together can hold.
     Nowhere,
-    /// At these angles, one per ball in [0, 2π), ascending among balls that are alike, and at their mirror image `2π - β`.
+    /// At these angles, one per ball in [0, 2π), ascending among identical balls, and at their mirror image `2π - β`.
     Position(Vec<f64>),
     /// In a family of positions, of which these angles are one.
     Family {

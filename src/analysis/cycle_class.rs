@@ -1,4 +1,4 @@
-//! Which limit cycle a run is on: the class that it shares with all runs that do the same.
+//! Which limit cycle a run is on: the class that it fractions with all runs that do the same.
 //!
 //! A class says which balls run, how often they go round per period, and in which order they stick
 //! and slip. Its text has one part for each ball, joined by `|`:

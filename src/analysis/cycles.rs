@@ -51,8 +51,8 @@ pub struct CycleGroup {
     pub class: String,
     /// Runs in it.
     pub runs: u64,
-    /// Their share of all runs of the point.
-    pub share: f64,
+    /// Their fraction of all runs of the point.
+    pub fraction: f64,
     /// Its 95 % interval (Wilson; failures widen it).
     pub interval: (f64, f64),
     /// The period, s: its median and its range.
@@ -141,17 +141,17 @@ impl CycleClasses {
     /// The classes: those with the most runs first, then by name; what is unknown or one too many
     /// last. `counts` are all runs of the point.
     pub(super) fn groups(&self, counts: &LabelCounts) -> Vec<CycleGroup> {
-        let share = |runs: u64| {
+        let fraction = |runs: u64| {
             let (failures, total) = (counts.of(Label::Failed), counts.total());
-            let share = if total == 0 { 0.0 } else { runs as f64 / total as f64 };
-            (share, wilson_with_failures(runs, failures, total, Z_95))
+            let fraction = if total == 0 { 0.0 } else { runs as f64 / total as f64 };
+            (fraction, wilson_with_failures(runs, failures, total, Z_95))
         };
         let other = Collected { runs: self.other, ..Collected::default() };
         let other = (self.other > 0).then_some((CycleGroup::OTHER, &other));
         let kept = self.kept.iter().map(|((_, name), collected)| (name.as_str(), collected));
         let mut groups: Vec<CycleGroup> = kept
             .chain(other)
-            .map(|(name, collected)| collected.group(name, share(collected.runs)))
+            .map(|(name, collected)| collected.group(name, fraction(collected.runs)))
             .collect();
         let last = |group: &CycleGroup| match group.class.as_str() {
             CycleGroup::OTHER => 2,
@@ -200,7 +200,7 @@ impl Collected {
         }
     }
 
-    fn group(&self, name: &str, (share, interval): (f64, (f64, f64))) -> CycleGroup {
+    fn group(&self, name: &str, (fraction, interval): (f64, (f64, f64))) -> CycleGroup {
         let range = |middle: Option<f64>, spread: &OrderStatistics| {
             let [least, greatest] = spread.ends()?;
             Some(CycleRange { middle: middle?, least, greatest })
@@ -220,7 +220,7 @@ impl Collected {
         CycleGroup {
             class: name.to_owned(),
             runs: self.runs,
-            share,
+            fraction,
             interval,
             period_s,
             amplitude_m: range(self.amplitude.mean(), &self.amplitude),

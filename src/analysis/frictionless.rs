@@ -10,7 +10,7 @@
 //! sin(θ - γ) = (S / m_I e) sin γ
 //! ```
 //!
-//! which has two solutions, or none where `|S sin γ| > m_I e`. For two balls that are alike these
+//! which has two solutions, or none where `|S sin γ| > m_I e`. For two identical balls these
 //! are the thesis's A1+ and A1- (together), A2 (opposite each other) and B1 (balanced).
 
 use std::f64::consts::PI;
@@ -107,7 +107,7 @@ impl FrictionlessEquilibrium {
     }
 }
 
-/// All equilibria without friction, modulo 2π, modulo the exchange of balls that are alike, and of
+/// All equilibria without friction, modulo 2π, modulo the exchange of identical balls, and of
 /// balanced positions of two balls that differ both mirror images; with the viscous drag `C β̇` on
 /// each ball, `C = drag` over `m ω_n`. None for a number of balls that the model does not know.
 pub fn frictionless_equilibria(

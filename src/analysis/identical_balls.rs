@@ -2,7 +2,7 @@
 
 use crate::model::Ball;
 
-/// The places of balls that are alike, one group after the other, each in ascending order.
+/// The places of identical balls, one group after the other, each in ascending order.
 pub fn groups_of_identical(balls: &[Ball]) -> Vec<Vec<usize>> {
     let firsts = (0..balls.len()).filter(|&first| !balls[..first].contains(&balls[first]));
     firsts
@@ -10,7 +10,7 @@ pub fn groups_of_identical(balls: &[Ball]) -> Vec<Vec<usize>> {
         .collect()
 }
 
-/// Angles with those of balls that are alike in ascending order among the places of those balls.
+/// Angles with those of identical balls in ascending order among the places of those balls.
 /// `beta` has one angle per ball.
 pub fn sorted_where_identical(beta: &[f64], balls: &[Ball]) -> Vec<f64> {
     let mut sorted = beta.to_vec();

@@ -130,11 +130,11 @@ mod tests {
             middle in 1.0..4.0_f64,
             negative: bool,
             digits in 0.3..14.0_f64,
-            shares in prop::collection::vec(-1.0..1.0_f64, 600..3000),
+            fractions in prop::collection::vec(-1.0..1.0_f64, 600..3000),
         ) {
             let middle = if negative { -middle } else { middle };
             let width = 10_f64.powf(-digits);
-            let mut values: Vec<f64> = shares.iter().map(|share| middle + width * share).collect();
+            let mut values: Vec<f64> = fractions.iter().map(|fraction| middle + width * fraction).collect();
             let found = spread(values.iter().copied());
             prop_assert!(found.counts.len() <= MOST_VALUES);
             prop_assert_eq!(&found, &spread(values.iter().rev().copied()));

@@ -69,7 +69,7 @@ struct Mark {
 impl<const N: usize, const FREE: usize> Separation<N, FREE> {
     /// To be measured from `start` to `end`.
     pub(super) fn new(start: f64, end: f64) -> Self {
-        // Contacts displaced, all alike: exchanging two of them exchanges the displacements only. Balls
+        // Contacts displaced, all identical: exchanging two of them exchanges the displacements only. Balls
         // that are exactly side by side it keeps so; that their orbit is unstable, multipliers show.
         // (Displaced speeds would first carry contacts apart in proportion to time, for long.)
         let displaced = State { beta: [1.0; N], ..State::zero() };

@@ -40,7 +40,7 @@ spread over all ranges and choices, then chosen by surrogates, with a line for e
 give the same designs on any number of threads. The best are looked at again with other runs, so that no
 luck is reported.
 
-DIR holds evaluations.parquet (every design), finals.parquet, pareto.parquet of two objectives,
+DIR holds evaluations.parquet (every design), finalists.parquet, pareto.parquet of two objectives,
 sensitivities.parquet (Sobol' indices), surrogates.json, optimum.json, and files.json with the hash of each.
 Started again with the same DIR it goes on where it was, also towards more designs, if evaluations.parquet is
 the file that was written.";
@@ -217,7 +217,7 @@ struct SearchDirectory<'a> {
 /// What a search writes, each also under temporary names while it is being written.
 const OWN: [&str; 8] = [
     "evaluations.parquet",
-    "finals.parquet",
+    "finalists.parquet",
     "pareto.parquet",
     "sensitivities.parquet",
     "surrogates.json",
@@ -302,7 +302,7 @@ impl<'a> SearchDirectory<'a> {
             .all
             .iter()
             .flat_map(|one| one.answers.iter().map(|answer| (one.role, answer.clone())));
-        self.write("finals", final_columns(self.study), rows)?;
+        self.write("finalists", final_columns(self.study), rows)?;
         if self.optimization.objectives.len() < 2 {
             return Ok(());
         }

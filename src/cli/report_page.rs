@@ -18,7 +18,7 @@ const MOST_BYTES: usize = 4_900_000;
 /// # Errors
 /// Where the directory holds no results that can be read, or the page cannot be written.
 pub fn write(directory: &Path, out: Option<&Path>) -> Result<PathBuf, CliError> {
-    let of_figures = ["frictionless.parquet", "trajectory.parquet"];
+    let of_figures = ["frictionless_equilibria.parquet", "trajectory.parquet"];
     if manifest_of(directory)?.is_none()
         && let Some(found) = of_figures.iter().find(|name| directory.join(name).exists())
     {

@@ -22,8 +22,8 @@ Examples:
   stickslip run study.yaml --shard 2/4 --out results/part-2     (see merge)
 
 The directory holds runs.parquet (a row per run), points.parquet (a row per point of the sweep),
-rest.parquet (the probability of being at rest over time, per point), equilibria.parquet (where runs
-came to rest), density.parquet (how often in which part of the ring), cycles.parquet (the limit cycles
+time_to_rest.parquet (the probability of being at rest over time, per point), equilibria.parquet (where runs
+came to rest), equilibrium_histogram.parquet (how often in which part of the ring), cycles.parquet (the limit cycles
 by class, per point), study.yaml (with all defaults filled in), manifest.json, and in chunks/ the
 finished runs, which are written as they come. A table of more than 524,288 rows is a directory of that
 name, with files of as many rows each: part-00000.parquet and so on.

@@ -145,18 +145,18 @@ impl Findings {
         }
     }
 
-    /// Takes in one share and its expected range, which a share of no runs does not meet; `keys` go
+    /// Takes in one fraction and its expected range, which a fraction of no runs does not meet; `keys` go
     /// into the JSON.
     fn add(
         &mut self,
         study: &Study,
         point: &PointRow,
         what: &str,
-        share: Option<f64>,
+        fraction: Option<f64>,
         [low, high]: [f64; 2],
         keys: &[(&str, Value)],
     ) {
-        let met = share.is_some_and(|share| (low..=high).contains(&share));
+        let met = fraction.is_some_and(|fraction| (low..=high).contains(&fraction));
         self.not_met += u64::from(!met);
         let mut entry = json!({"point_id": point.point_id});
         for (key, value) in keys {
@@ -173,7 +173,7 @@ impl Findings {
             if met { "met    " } else { "NOT MET" },
             point.point_id,
             place.join(" "),
-            share.map_or_else(|| "of no run".to_owned(), |share| format!("{share:.4}")),
+            fraction.map_or_else(|| "of no run".to_owned(), |fraction| format!("{fraction:.4}")),
         );
     }
 }

@@ -73,7 +73,7 @@ impl<'a> Batches<'a> {
             }
             self.most -= point.sampling.most - *runs;
         }
-        if self.begun == self.shard.share(self.study.point_count()) {
+        if self.begun == self.shard.fraction(self.study.point_count()) {
             return None;
         }
         let point = self.study.point(self.shard.number(self.begun));

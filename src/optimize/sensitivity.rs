@@ -32,7 +32,7 @@ pub struct Sensitivity {
 const SURROGATE: &str =
     "no interval: the surrogate's own error is not known; sensitivity: {from: runs} gives one";
 
-/// The indices of all variables for all responses that count, over all ranges and choices with equal shares.
+/// The indices of all variables for all responses that count, over all ranges and choices with equal fractions.
 /// `finished` is told of each run, if runs are needed; none where the search was stopped.
 pub fn sensitivities(
     search: &Search,

@@ -95,7 +95,7 @@ fn estimate(measure: Measure, sample: &Sample) -> Estimate {
     match measure {
         Measure::Mean => mean(sample),
         Measure::StandardDeviation => standard_deviation(sample),
-        Measure::Quantile(share) => quantile(sample, share),
+        Measure::Quantile(fraction) => quantile(sample, fraction),
         Measure::Worst => worst(sample),
         Measure::Above(limit) => above(sample, limit),
         Measure::AtRestBy(time_s) => at_rest_by(sample, time_s),

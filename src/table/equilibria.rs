@@ -7,7 +7,7 @@ use crate::analysis::{bin, sorted_where_identical};
 use crate::classification::Label;
 use crate::study::{ParameterValue, Study};
 
-/// A run that ended in equilibrium, balls that are alike in ascending order of their angles.
+/// A run that ended in equilibrium, identical balls in ascending order of their angles.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EquilibriumRow {
     run_id: u64,

@@ -26,7 +26,7 @@ fn stable(found: &[FrictionlessEquilibrium]) -> Vec<Kind> {
     stable.map(|one| one.kind).collect()
 }
 
-/// Whether the thesis's condition for A1+ and A1- to vanish holds, two balls that are alike:
+/// Whether the thesis's condition for A1+ and A1- to vanish holds, two identical balls:
 /// (1 - w²)² ≤ 4 ζ² w² ((2 m / (m_I e))² - 1), e over L.
 fn vanished(machine: &Machine) -> bool {
     let natural = machine.natural_frequency_rad_s();

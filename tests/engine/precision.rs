@@ -1,4 +1,4 @@
-//! Points that are sampled until their share of equilibria is known well enough.
+//! Points that are sampled until their fraction of equilibria is known well enough.
 
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -33,8 +33,8 @@ fn text(half_width: f64, max_runs: u64, end_time_s: f64) -> String {
 /// Comes to rest where the first ball starts in a part of the ring that depends on the speed.
 fn by_place(case: &Case) -> Outcome {
     let speed = case.model.ball_balancer().expect("a balancer").speed_rad_s;
-    let share = (-speed - 160.0) / 100.0;
-    let rests = case.start.0[2] < share * std::f64::consts::TAU;
+    let fraction = (-speed - 160.0) / 100.0;
+    let rests = case.start.0[2] < fraction * std::f64::consts::TAU;
     let evidence = if rests { Evidence::RestCertified } else { Evidence::EndTime };
     Outcome { error: None, ..Outcome::failed(evidence, String::new()) }
 }

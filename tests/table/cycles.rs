@@ -22,7 +22,7 @@ use crate::model::closed_forms::ClosedForms;
 
 const OF_EVERY_MODEL: [&str; 7] = [
     "runs c -",
-    "share n 1",
+    "fraction n 1",
     "ci_low n 1",
     "ci_high n 1",
     "period_s n s",
@@ -41,10 +41,10 @@ fn columns_of_a_balancer() {
         [
             format!("turns_{i} i -"),
             format!("mean_speed_{i}_rad_s n rad/s"),
-            format!("least_speed_{i}_rad_s n rad/s"),
-            format!("greatest_speed_{i}_rad_s n rad/s"),
-            format!("stays_from_{i}_rad n rad"),
-            format!("stays_to_{i}_rad n rad"),
+            format!("min_speed_{i}_rad_s n rad/s"),
+            format!("max_speed_{i}_rad_s n rad/s"),
+            format!("rest_from_{i}_rad n rad"),
+            format!("rest_to_{i}_rad n rad"),
         ]
     };
     let mut expected =
@@ -57,7 +57,7 @@ fn columns_of_a_balancer() {
         "amplitude_rms_low_m n m",
         "amplitude_rms_high_m n m",
         "amplitude_peak_m n m",
-        "least_margin n 1",
+        "min_friction_margin n 1",
     ]);
     expected.extend(OF_EVERY_CYCLE);
     let cycles = scratch.table("out", "cycles");
@@ -76,8 +76,8 @@ fn a_block_on_a_belt_has_one_cycle() {
     let mut expected = ["point_id c -", "belt_speed_m_s n m/s", "class t -"].to_vec();
     expected.extend(OF_EVERY_MODEL);
     expected.extend([
-        "least_speed_m_s n m/s",
-        "greatest_speed_m_s n m/s",
+        "min_speed_m_s n m/s",
+        "max_speed_m_s n m/s",
         "amplitude_m n m",
         "amplitude_low_m n m",
         "amplitude_high_m n m",
@@ -103,7 +103,7 @@ fn a_block_on_a_belt_has_one_cycle() {
             assert!((value(name, row) / exact.amplitude_m - 1.0).abs() < 1e-6, "{name}");
         }
         let fastest = -speed_m_s - block.natural_frequency_rad_s() * exact.amplitude_m;
-        assert!((value("least_speed_m_s", row) / fastest - 1.0).abs() < 1e-6);
+        assert!((value("min_speed_m_s", row) / fastest - 1.0).abs() < 1e-6);
         assert_eq!(value("largest_multiplier", row), 0.0);
     }
     let runs = scratch.table("out", "runs");
@@ -239,15 +239,14 @@ fn constructed_cycles_of_balls() {
     assert_eq!(multipliers, widest.cycle.as_ref().unwrap().multipliers);
     assert_eq!(value("largest_multiplier"), multipliers[0]);
     let margins = runs.iter().filter_map(|outcome| outcome.friction_margin);
-    assert_eq!(value("least_margin"), margins.fold(f64::MAX, f64::min));
+    assert_eq!(value("min_friction_margin"), margins.fold(f64::MAX, f64::min));
     // Angles all around the circle: the arc leaves out the longest gap between two of them.
     let mut angles: Vec<f64> = runs.iter().map(own).collect();
     angles.sort_by(f64::total_cmp);
     let wrapped = angles[0] + std::f64::consts::TAU;
     let next = angles[1..].iter().copied().chain([wrapped]);
     let gap = angles.iter().zip(next).map(|(a, b)| b - a).fold(0.0, f64::max);
-    let arc =
-        (value("stays_to_2_rad") - value("stays_from_2_rad")).rem_euclid(std::f64::consts::TAU);
+    let arc = (value("rest_to_2_rad") - value("rest_from_2_rad")).rem_euclid(std::f64::consts::TAU);
     assert!(arc <= std::f64::consts::TAU - gap + 0.02, "{arc} {gap}");
-    assert_eq!(numbers(&cycles, "stays_from_1_rad")[0], None);
+    assert_eq!(numbers(&cycles, "rest_from_1_rad")[0], None);
 }

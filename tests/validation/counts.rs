@@ -115,7 +115,7 @@ is evidence; each of them alone is not. The thesis's counts are a sample, too; i
         .to_owned();
         for (point, (speed, friction)) in self.points.iter().enumerate() {
             let runs = self.outcomes[0][point].len() as u64;
-            let share = |count| {
+            let fraction = |count| {
                 let (low, high) = wilson(count, runs, Z_95);
                 format!("{count} of {runs} | {low:.4} .. {high:.4}")
             };
@@ -123,9 +123,9 @@ is evidence; each of them alone is not. The thesis's counts are a sample, too; i
             let _ = writeln!(
                 text,
                 "| {speed} | {friction:e} | {} | {} | {} |",
-                share(THESIS[point]),
-                share(switch),
-                share(event),
+                fraction(THESIS[point]),
+                fraction(switch),
+                fraction(event),
             );
         }
         let _ = write!(
@@ -144,14 +144,14 @@ is evidence; each of them alone is not. The thesis's counts are a sample, too; i
         let mut text = "\
 ## Time to rest (thesis section 5.3: \"about 2.5 s\")
 
-Times by which shares of the runs are at rest (Kaplan-Meier; method `event`).
+Times by which fractions of the runs are at rest (Kaplan-Meier; method `event`).
 
 | speed [rad/s] | μ |"
             .to_owned();
-        for share in PointSummary::TIME_SHARES {
-            let _ = write!(text, " {:.0} % [s] |", 100.0 * share);
+        for fraction in PointSummary::TIME_FRACTIONS {
+            let _ = write!(text, " {:.0} % [s] |", 100.0 * fraction);
         }
-        let columns = "---|".repeat(PointSummary::TIME_SHARES.len());
+        let columns = "---|".repeat(PointSummary::TIME_FRACTIONS.len());
         let _ = writeln!(text, " still moving at 16.5 s |\n|---|---|{columns}---|");
         for (point, (speed, friction)) in self.points.iter().enumerate() {
             let summary = self.summary(0, point);
@@ -272,7 +272,8 @@ compared where both are at rest.
                 })
                 .collect();
             differences.sort_by(f64::total_cmp);
-            let below = |share: f64| differences[(share * (differences.len() - 1) as f64) as usize];
+            let below =
+                |fraction: f64| differences[(fraction * (differences.len() - 1) as f64) as usize];
             let _ = writeln!(
                 text,
                 "| -{speed} | {name} | {agree} of {} | {:.0e} | {:.0e} |",

@@ -120,7 +120,7 @@ On a grid of 2048 × 2048 ball positions (`stickslip equilibria`); amplitudes ar
 thesis counts 4 parts at 2.75e-4, mirror images (balls exchanged) taken together, and finds that at 3.5e-3 every
 position is an equilibrium.
 
-| speed [rad/s] | μ | share of all positions | parts | parts modulo exchange | smallest amplitude [m] | largest [m] |
+| speed [rad/s] | μ | fraction of all positions | parts | parts modulo exchange | smallest amplitude [m] | largest [m] |
 |---|---|---|---|---|---|---|
 "
     .to_owned();
@@ -140,9 +140,9 @@ position is an equilibrium.
         let _ = writeln!(
             text,
             "| {speed} | {friction:e} | {:.4} | {} | {} | {smallest:.3e} | {largest:.3e} |",
-            set.share,
-            set.parts.expect("a grid"),
-            set.parts_modulo_exchange.expect("a grid"),
+            set.fraction,
+            set.components.expect("a grid"),
+            set.components_modulo_exchange.expect("a grid"),
         );
     }
     text

@@ -10,7 +10,7 @@ use std::path::Path;
 
 pub use cycles::{CycleFacts, QUANTITIES};
 pub use names::{axis_of, heading, said};
-pub use points::{PointFacts, Share};
+pub use points::{Fraction, PointFacts};
 pub use rest::RestCurve;
 pub use runs::{LABELS, Notable, RunSample, scattered};
 
@@ -67,7 +67,7 @@ impl ResultTables {
     pub fn open(directory: &Path, manifest: &Manifest) -> Result<Self, TableError> {
         let open = |name: &str| Table::open(directory, manifest, name);
         let (points, runs) = (open("points")?, open("runs")?);
-        Ok(ResultTables { points, runs, rest: open("rest")?, cycles: open("cycles")? })
+        Ok(ResultTables { points, runs, rest: open("time_to_rest")?, cycles: open("cycles")? })
     }
 }
 

@@ -1,6 +1,6 @@
 //! Residual amplitude: its distribution over the runs of each point, against no balls at all.
 
-use super::layers::{CurveOf, axis, few_each, share_axis, significant};
+use super::layers::{CurveOf, axis, few_each, fraction_axis, significant};
 use crate::report::chart::{Axis, AxisKind, Colour, Figure, Layer, Mark, Panel};
 use crate::report::data::ReportData;
 
@@ -76,7 +76,7 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
             title: String::new(),
             part,
             x: x.clone(),
-            y: share_axis("share of runs with less"),
+            y: fraction_axis("fraction of runs with less"),
             scale: None,
             layers: layers(few),
         })
@@ -89,7 +89,7 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
         id: "residual-amplitude".to_owned(),
         title: "Residual amplitude".to_owned(),
         caption: format!(
-            "Share of a point's runs whose amplitude at the end is smaller, all runs with an amplitude: \
+            "Fraction of a point's runs whose amplitude at the end is smaller, all runs with an amplitude: \
              at rest or moving.{}{}{}{}{sampled}",
             data.failures_left_out(),
             if balls { data.without_draws("'No balls' is") } else { String::new() },

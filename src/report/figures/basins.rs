@@ -67,7 +67,7 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
     };
     let counts = Label::ALL.into_iter().enumerate().filter_map(|(place, label)| {
         let of = data.details().filter_map(|point| point.labels.get(place));
-        let count: u64 = of.map(|share| share.runs).sum();
+        let count: u64 = of.map(|fraction| fraction.runs).sum();
         (count > 0).then(|| format!("{count} {}", label_words(label)))
     });
     let counts: Vec<String> = counts.collect();

@@ -74,7 +74,7 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
         caption: format!(
             "A branch for each class of cycles (which balls run and which stick; docs/endings.md says \
              how a class is written), with the range over its runs, or the 95 % interval of a \
-             share (Wilson, for itself).{left_out}"
+             fraction (Wilson, for itself).{left_out}"
         ),
         alternative: list.join("; "),
         panels,

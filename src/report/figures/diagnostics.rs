@@ -1,11 +1,11 @@
 //! Failures and doubt: what could not be computed or shown, and what a more precise computation changed.
 
-use super::layers::{label_colour, label_symbol, label_words, numbers, share_axis};
+use super::layers::{fraction_axis, label_colour, label_symbol, label_words, numbers};
 use crate::classification::Label;
 use crate::report::chart::{Axis, Colour, Figure, Layer, Mark, Panel, Symbol, Tooltips};
 use crate::report::data::{PointFacts, ReportData};
 
-/// Shares of failed and undecided runs and of flips, with their intervals, of each point in detail.
+/// Fractions of failed and undecided runs and of flips, with their intervals, of each point in detail.
 pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
     let points: Vec<&PointFacts> = data.details().collect();
     if points.is_empty() {
@@ -18,9 +18,14 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
         }
         let values: Vec<Option<[f64; 3]>> = points
             .iter()
-            .map(|point| point.labels.get(place).map(|share| [share.share, share.low, share.high]))
+            .map(|point| {
+                point
+                    .labels
+                    .get(place)
+                    .map(|fraction| [fraction.fraction, fraction.low, fraction.high])
+            })
             .collect();
-        let counts = points.iter().map(|p| p.labels.get(place).map_or(0, |share| share.runs));
+        let counts = points.iter().map(|p| p.labels.get(place).map_or(0, |fraction| fraction.runs));
         let look = (label_words(label), label_colour(label), label_symbol(label));
         add(&mut layers, look, &values, counts.collect(), place);
     }
@@ -36,7 +41,7 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
         title: String::new(),
         part: String::new(),
         x,
-        y: Axis { range: None, ..share_axis("share of runs") },
+        y: Axis { range: None, ..fraction_axis("fraction of runs") },
         scale: None,
         layers,
     };
@@ -92,7 +97,7 @@ fn add(
         run_ids: Vec::new(),
         columns: vec![
             numbers("runs", known.iter().map(|(.., count)| *count as f64)),
-            numbers("share", column(0)),
+            numbers("fraction", column(0)),
             numbers("from", column(1)),
             numbers("to", column(2)),
         ],

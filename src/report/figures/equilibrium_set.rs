@@ -94,7 +94,7 @@ fn nice(step: f64) -> f64 {
     factor.unwrap_or(10.0) * power
 }
 
-/// The equilibria without friction; where balls are alike, with the balls exchanged as well.
+/// The equilibria without friction; where balls are identical, with the balls exchanged as well.
 fn frictionless(machine: &Machine) -> Option<Vec<Layer>> {
     let found = frictionless_equilibria(machine, HIGH_DRAG)?;
     let alike = groups_of_identical(&machine.balls).len() == 1;

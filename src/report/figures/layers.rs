@@ -13,7 +13,7 @@ pub fn axis(name: &str, unit: &str) -> Axis {
 }
 
 /// An axis from 0 to 1.
-pub fn share_axis(name: &str) -> Axis {
+pub fn fraction_axis(name: &str) -> Axis {
     Axis { range: Some([0.0, 1.0]), ..axis(name, "") }
 }
 
@@ -124,7 +124,7 @@ pub fn failed(point: &PointFacts) -> u64 {
         .iter()
         .zip(&point.labels)
         .filter(|(label, _)| **label == Label::Failed)
-        .map(|(_, share)| share.runs)
+        .map(|(_, fraction)| fraction.runs)
         .sum()
 }
 

@@ -13,7 +13,7 @@ const LEAST: usize = 3;
 type Shown = (&'static str, fn(&PointFacts) -> Option<f64>, Option<[f64; 2]>);
 
 const SHOWN: [Shown; 4] = [
-    ("share of equilibria", |point| Some(point.equilibrium.share), Some([0.0, 1.0])),
+    ("fraction of equilibria", |point| Some(point.equilibrium.fraction), Some([0.0, 1.0])),
     ("median time to rest [s]", |point| point.time_to_rest_s[1], None),
     (
         "median amplitude over that without balls",
@@ -25,7 +25,7 @@ const SHOWN: [Shown; 4] = [
         },
         None,
     ),
-    ("share of positions that are equilibria", |point| point.set_fraction, Some([0.0, 1.0])),
+    ("fraction of positions that are equilibria", |point| point.set_fraction, Some([0.0, 1.0])),
 ];
 
 /// Maps over the two parameters with the most values, one for each combination of the others.

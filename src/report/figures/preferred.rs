@@ -29,11 +29,11 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
         return None;
     }
     let counts = data.details().map(|point| {
-        let share = point.set_fraction.map_or_else(String::new, |share| {
-            format!(", and {:.0} % of all positions are equilibria", 100.0 * share)
+        let fraction = point.set_fraction.map_or_else(String::new, |fraction| {
+            format!(", and {:.0} % of all positions are equilibria", 100.0 * fraction)
         });
         let runs = point.runs;
-        format!("{}: {} of {runs} runs came to rest{share}", point.title, point.equilibrium.runs)
+        format!("{}: {} of {runs} runs came to rest{fraction}", point.title, point.equilibrium.runs)
     });
     let alternative = counts.collect::<Vec<_>>().join("; ");
     let set = if balls == 2 {

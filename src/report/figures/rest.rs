@@ -1,6 +1,6 @@
 //! The probability of being at rest by time t, of each point.
 
-use super::layers::{CurveOf, axis, failed, few_each, moving, share_axis};
+use super::layers::{CurveOf, axis, failed, few_each, fraction_axis, moving};
 use crate::report::chart::{Axis, Colour, Figure, Layer, Mark, Panel};
 use crate::report::data::{PointFacts, ReportData, RestCurve};
 
@@ -22,7 +22,7 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
             title: String::new(),
             part,
             x: x.clone(),
-            y: share_axis("probability of being at rest"),
+            y: fraction_axis("probability of being at rest"),
             scale: None,
             layers: layers(data, few, end),
         })

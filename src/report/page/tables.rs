@@ -6,7 +6,7 @@ use super::html::{Html, escaped};
 use crate::classification::Label;
 use crate::foreign::{one_line, shell_word};
 use crate::model::Method;
-use crate::report::data::{Notable, PointFacts, ReportData, Share, said};
+use crate::report::data::{Fraction, Notable, PointFacts, ReportData, said};
 use crate::report::figures::significant;
 use crate::study::ParameterKind;
 
@@ -76,10 +76,10 @@ pub fn warnings(body: &mut Html, directory: &Path, data: &ReportData<'_>) {
     let bound = if data.study.precision().is_some() { "at most " } else { "" };
     if !manifest.complete {
         let missing = planned.saturating_sub(finished);
-        let share = 100.0 * missing as f64 / planned.max(1) as f64;
+        let fraction = 100.0 * missing as f64 / planned.max(1) as f64;
         body.line(&format!(
             "<p class=\"warning\" id=\"missing\"><strong>Not complete.</strong> {bound}{missing} of \
-             {bound}{planned} runs are missing ({share:.1} %): what follows is of the {finished} runs \
+             {bound}{planned} runs are missing ({fraction:.1} %): what follows is of the {finished} runs \
              that have finished, and points whose runs came last may have none. <code \
              class=\"command\">stickslip resume {}</code> computes the rest.</p>",
             escaped(&shell_word(directory)),
@@ -135,16 +135,16 @@ pub fn points(body: &mut Html, directory: &Path, data: &ReportData<'_>) {
     let row = |point: &PointFacts| {
         let mut cells = vec![point.point_id.to_string()];
         cells.extend(point.swept.iter().map(|value| escaped(&said(value))));
-        let Share { share, low, high, .. } = point.equilibrium;
+        let Fraction { fraction, low, high, .. } = point.equilibrium;
         cells.push(point.runs.to_string());
-        cells.push(format!("{share:.4}"));
+        cells.push(format!("{fraction:.4}"));
         cells.push(format!("<span class=\"interval\">{low:.4} to {high:.4}</span>"));
         cells.extend(
             Label::ALL
                 .iter()
                 .zip(&point.labels)
                 .filter(|(label, _)| moving.contains(label))
-                .map(|(_, share)| share.runs.to_string()),
+                .map(|(_, fraction)| fraction.runs.to_string()),
         );
         if audit {
             cells.push(format!("{} of {}", point.audit.flips, point.audit.runs));
