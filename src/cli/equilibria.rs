@@ -33,13 +33,13 @@ Examples:
   stickslip equilibria study.yaml --speeds -150:-300:151     the thesis's figure 5.1 as a table
   stickslip equilibria three-balls.yaml --samples 262144
 
-The directory holds equilibrium_positions.parquet (a row per ball position: amplitude, the friction that it takes,
-margin), equilibrium_set_summary.parquet (a row per point of the sweep: fraction of all positions, separate parts,
-amplitudes, balance), frictionless_equilibria.parquet (equilibria without dry friction and their stability) and
-files.json (the hash of each file).
-A table of more than 524,288 rows, such as equilibrium_positions.parquet of three points on the grid of 512 x 512, is a
-directory of that name, with files of as many rows each.
-Whatever ends it, the same command goes on in the same directory; nothing else is ever written over.
+The directory holds equilibrium_positions.parquet (a row per ball position: amplitude, the friction that it takes, \
+margin), equilibrium_set_summary.parquet (a row per point of the sweep: fraction of all positions, separate parts, \
+amplitudes, balance), frictionless_equilibria.parquet (equilibria without dry friction and their stability) and \
+files.json (the hash of each file). \
+A table of more than 524,288 rows, such as equilibrium_positions.parquet of three points on the grid of 512 x 512, is a \
+directory of that name, with files of as many rows each. \
+Whatever ends it, the same command goes on in the same directory; nothing else is ever written over. \
 Nothing is simulated. At a speed of 0 no force acts, and every position is an equilibrium.";
 
 /// Compute equilibrium sets, and equilibria without friction, in closed form

@@ -23,12 +23,12 @@ Examples:
   stickslip evaluate studies/design.yaml --designs designs.csv --out responses.parquet
   echo '{\"id\": 1, \"balls\": 2, \"material\": \"steel\"}' | stickslip evaluate studies/design.yaml --designs -
 
-The study names variables under `design` and what is asked for under `responses`. A design is the study
-with these set: it has the study's sampling and uncertain parameters, and at each point of its sweep a row
-or answer of its own. All designs fraction start states and draws, so that differences between designs are
+The study names variables under `design` and what is asked for under `responses`. A design is the study \
+with these set: it has the study's sampling and uncertain parameters, and at each point of its sweep a row \
+or answer of its own. All designs fraction start states and draws, so that differences between designs are \
 known better than the designs. `audit` and `expect` are left out.
 
-With - it answers one JSON object per line of standard input with one per line, in order, until its input
+With - it answers one JSON object per line of standard input with one per line, in order, until its input \
 ends or nobody reads its answers any more. What is wrong with a request is its answer.";
 
 /// Responses of designs, for optimisers: a table of them, or requests one by one

@@ -19,8 +19,8 @@ Examples:
   stickslip run study.yaml --shard 2/2 --out results/part-2
   stickslip merge results/part-1 results/part-2 --out results/whole
 
-The tables are those of a single run, byte for byte. No shard may be missing, there twice or
-unfinished; all must be of the same study and the same version of the program. Nothing is computed, but
+The tables are those of a single run, byte for byte. No shard may be missing, there twice or \
+unfinished; all must be of the same study and the same version of the program. Nothing is computed, but \
 for runs whose chunk is damaged, which is named.";
 
 /// The most runs at a time: more would take more memory than it saves reading.

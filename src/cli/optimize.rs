@@ -34,15 +34,15 @@ Examples:
   stickslip optimize studies/design.yaml
   stickslip optimize studies/design.yaml --out results/quiet --threads 8
 
-The study names variables under `design`, what is asked for under `responses`, and what is to be small or
-large under `optimize`, with limits to other responses. The search looks at one design after another, first
-spread over all ranges and choices, then chosen by surrogates, with a line for each; the same study and seed
-give the same designs on any number of threads. The best are looked at again with other runs, so that no
+The study names variables under `design`, what is asked for under `responses`, and what is to be small or \
+large under `optimize`, with limits to other responses. The search looks at one design after another, first \
+spread over all ranges and choices, then chosen by surrogates, with a line for each; the same study and seed \
+give the same designs on any number of threads. The best are looked at again with other runs, so that no \
 luck is reported.
 
-DIR holds evaluations.parquet (every design), finalists.parquet, pareto.parquet of two objectives,
-sensitivities.parquet (Sobol' indices), surrogates.json, optimum.json, and files.json with the hash of each.
-Started again with the same DIR it goes on where it was, also towards more designs, if evaluations.parquet is
+DIR holds evaluations.parquet (every design), finalists.parquet, pareto.parquet of two objectives, \
+sensitivities.parquet (Sobol' indices), surrogates.json, optimum.json, and files.json with the hash of each. \
+Started again with the same DIR it goes on where it was, also towards more designs, if evaluations.parquet is \
 the file that was written.";
 
 /// Look for the design that does best, by surrogates

@@ -28,11 +28,11 @@ Examples:
   stickslip replay results/night 17 --times 0:5:2001 --out figure-3
   stickslip replay results/night 17 | head
 
-The run is computed again, by the engine that computed it, and compared with its row in runs.parquet:
-all columns, to the last bit. What differs (on another kind of processor, perhaps) is shown, and the exit
-code is 1. trajectory.parquet has the motion: table, angles, speeds, what each ball does, friction and
-its limit; switches.parquet, and standard output, each change between stick and slip; replay.html, for
-any browser, disc and balls as they move. The Python package's `stickslip-figures` draws the motion from
+The run is computed again, by the engine that computed it, and compared with its row in runs.parquet: \
+all columns, to the last bit. What differs (on another kind of processor, perhaps) is shown, and the exit \
+code is 1. trajectory.parquet has the motion: table, angles, speeds, what each ball does, friction and \
+its limit; switches.parquet, and standard output, each change between stick and slip; replay.html, for \
+any browser, disc and balls as they move. The Python package's `stickslip-figures` draws the motion from \
 these tables, for papers.";
 
 /// The most characters of what went wrong in a run.

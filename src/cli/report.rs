@@ -13,11 +13,11 @@ Examples:
   stickslip report results/night                    writes results/night-report.html
   stickslip report results/night --out night.html
 
-The page is one file that needs no network: open it in a browser, or mail it. It says what was run and
-what is missing or in doubt, has the table of points, and figures: where the balls come to rest over the
-equilibrium set, how runs end over the sweep, time to rest, residual amplitude, which start states end
-where, limit cycles, failures and doubt. What is known of a run is at its dot, with the command that
-replays it. Nothing is computed again, and nothing in the directory is changed. Each figure can be saved
+The page is one file that needs no network: open it in a browser, or mail it. It says what was run and \
+what is missing or in doubt, has the table of points, and figures: where the balls come to rest over the \
+equilibrium set, how runs end over the sweep, time to rest, residual amplitude, which start states end \
+where, limit cycles, failures and doubt. What is known of a run is at its dot, with the command that \
+replays it. Nothing is computed again, and nothing in the directory is changed. Each figure can be saved \
 as SVG or PNG; figures for papers are drawn from the tables by the Python package's `stickslip-figures`.";
 
 /// Write an HTML page with figures of the results of a directory

@@ -16,8 +16,8 @@ Examples:
   stickslip resume results/night
   stickslip resume results/night --threads 8 --max-seconds 3600
 
-The directory holds the study and the finished runs: no other file is needed. Runs that are finished are
-not computed again, and the tables end in the same bytes as if nothing had come in between. Chunks of
+The directory holds the study and the finished runs: no other file is needed. Runs that are finished are \
+not computed again, and the tables end in the same bytes as if nothing had come in between. Chunks of \
 finished runs that are damaged are named, put aside, and their runs computed again.";
 
 /// Go on with an interrupted study where it was

@@ -21,16 +21,16 @@ Examples:
   stickslip run study.yaml --out results/night --threads 8
   stickslip run study.yaml --shard 2/4 --out results/part-2     (see merge)
 
-The directory holds runs.parquet (a row per run), points.parquet (a row per point of the sweep),
-time_to_rest.parquet (the probability of being at rest over time, per point), equilibria.parquet (where runs
-came to rest), equilibrium_histogram.parquet (how often in which part of the ring), cycles.parquet (the limit cycles
-by class, per point), study.yaml (with all defaults filled in), manifest.json, and in chunks/ the
-finished runs, which are written as they come. A table of more than 524,288 rows is a directory of that
+The directory holds runs.parquet (a row per run), points.parquet (a row per point of the sweep), \
+time_to_rest.parquet (the probability of being at rest over time, per point), equilibria.parquet (where runs \
+came to rest), equilibrium_histogram.parquet (how often in which part of the ring), cycles.parquet (the limit cycles \
+by class, per point), study.yaml (with all defaults filled in), manifest.json, and in chunks/ the \
+finished runs, which are written as they come. A table of more than 524,288 rows is a directory of that \
 name, with files of as many rows each: part-00000.parquet and so on.
 
-Whatever ends it (Ctrl-C, a kill, a power cut, a full disk), the same command goes on where it was and
-ends in the same bytes. Ctrl-C waits a second for the runs in progress, gives up those that take longer,
-keeps what is finished and exits with 130; a second Ctrl-C stops at once. A study that has been edited may be run into the directory of its
+Whatever ends it (Ctrl-C, a kill, a power cut, a full disk), the same command goes on where it was and \
+ends in the same bytes. Ctrl-C waits a second for the runs in progress, gives up those that take longer, \
+keeps what is finished and exits with 130; a second Ctrl-C stops at once. A study that has been edited may be run into the directory of its \
 results: only runs that are new are computed; the tables before go to earlier/.";
 
 /// Run a study: thousands of simulations, their endings as Parquet tables

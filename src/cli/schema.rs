@@ -10,7 +10,7 @@ const EXAMPLES: &str = "\
 Examples:
   stickslip schema > study.schema.json
 
-With the YAML language server, put this line at the top of a study and the editor completes and
+With the YAML language server, put this line at the top of a study and the editor completes and \
 checks it:
   # yaml-language-server: $schema=study.schema.json";
 

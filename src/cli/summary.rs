@@ -23,9 +23,9 @@ Examples:
   stickslip summary results/night --format markdown     (for an issue)
   stickslip summary results/night --format csv > points.csv
 
-A first line says what was run: study, version, seed, how many runs, how many failed and, of an
-audit, how many flipped; with csv it goes to standard error. table and markdown have the columns that
-`run` prints; csv and json have all columns of points.parquet in full precision. Nothing is computed,
+A first line says what was run: study, version, seed, how many runs, how many failed and, of an \
+audit, how many flipped; with csv it goes to standard error. table and markdown have the columns that \
+`run` prints; csv and json have all columns of points.parquet in full precision. Nothing is computed, \
 and nothing in the directory is changed. Of interrupted results it says how much is missing.";
 
 /// Print the results of a directory: a line per point

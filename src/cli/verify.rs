@@ -19,7 +19,7 @@ Examples:
   stickslip verify studies/smoke.yaml
   stickslip verify studies/smoke.yaml --threads 2 --out results/smoke
 
-Each entry under `expect` in the study is a line: met or NOT MET; with --json, an entry of the list
+Each entry under `expect` in the study is a line: met or NOT MET; with --json, an entry of the list \
 `expectations`. With --quiet the exit code says it all: 4 if one is not met.";
 
 /// Run a study and check the fractions that it expects

@@ -1,6 +1,7 @@
 //! Wrong arguments and studies that cannot be read: exit code 2, one message, nothing written.
 
 use std::fs;
+use std::process::Command;
 
 use super::support::{AT_ONCE, Scratch, study_text};
 
@@ -56,4 +57,32 @@ fn studies_that_cannot_be_read() {
             scratch.refused(&format!("{command} {study}"), &parts);
         }
     }
+}
+
+/// Paragraphs of the help fill the width of the terminal: a line ends only where the next word does not fit.
+#[test]
+fn help_is_wrapped_once() {
+    let mut paragraphs = 0;
+    for width in [72_usize, 100] {
+        for command in stickslip::cli::definition().get_subcommands() {
+            let output = Command::new(env!("CARGO_BIN_EXE_stickslip"))
+                .args([command.get_name(), "--help"])
+                .env("COLUMNS", width.to_string())
+                .output()
+                .unwrap();
+            let help = String::from_utf8(output.stdout).unwrap();
+            let (_, help) = help.split_once("Examples:").unwrap();
+            for pair in help.lines().collect::<Vec<_>>().windows(2) {
+                let &[line, next] = pair else { continue };
+                let prose = |line: &str| !line.is_empty() && !line.starts_with(' ');
+                if prose(line) && prose(next) {
+                    let word = next.split(' ').next().unwrap().chars().count();
+                    let fits = line.chars().count() + 1 + word <= width;
+                    assert!(!fits, "{} at {width}: {line:?}, {next:?}", command.get_name());
+                    paragraphs += 1;
+                }
+            }
+        }
+    }
+    assert!(paragraphs > 50, "{paragraphs} lines");
 }
