@@ -296,7 +296,7 @@ compared where both are at rest.
         ("labels-above", agree("switch", "216.3772")),
         ("labels-irregular", irregular),
     ] {
-        compare_or_write_part("README.md", part, &words);
+        compare_or_write_part("docs/verification.md", part, &words);
     }
     text
 }

@@ -88,7 +88,7 @@ end. *Elsewhere* is a prototype by other hands, with other start states.
         }
         if speed == -216.3772 {
             let part = format!("{exponents}/s").replace(" .. ", " to ");
-            compare_or_write_part("docs/endings.md", "slow-exponents", &part);
+            compare_or_write_part("docs/methods.md", "slow-exponents", &part);
         }
         if speed == -191.6372 {
             let moving = runs.len() - at_rest[3];

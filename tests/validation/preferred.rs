@@ -59,7 +59,7 @@ if the set were all that mattered, with Wilson's 95 % interval.
     }
     let [least, most] = ratios.map(|ratio| format!("{ratio:.2}"));
     let range = format!("{least} to {most}");
-    compare_or_write_part("docs/endings.md", "distance-ratios", &range);
+    compare_or_write_part("docs/methods.md", "distance-ratios", &range);
     text
 }
 
