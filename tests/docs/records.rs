@@ -110,7 +110,7 @@ fn the_cd_rom_drive() {
         page,
         "cd-rom",
         &format!(
-            "\nThe search looks at {} designs. The final runs, {} for each of both:\n\n\
+            "\nThe search evaluates {} designs. Each of the two designs has {} final runs:\n\n\
              | | thesis's machine | best design |\n|---|---|---|\n{}{}| design | {} | {} |\n",
             optimum["search"]["designs"],
             best["runs"],
