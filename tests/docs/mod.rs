@@ -2,6 +2,7 @@
 
 mod convergence;
 pub mod generated;
+mod named;
 mod records;
 mod tutorial;
 
@@ -42,6 +43,7 @@ fn output_of_the_first_command() {
     assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
     let printed = String::from_utf8_lossy(&output.stdout).into_owned();
     assert_eq!(printed, block_after(README, "<!-- tested: preferred-equilibria -->"));
+    named::columns_are_on_pages(&out.path().join("results"));
     // Numbers that other pages take from this study.
     let points = table(&out.path().join("results/points.parquet"));
     let irregular = numbers(&points, "speed_rad_s").iter().position(|one| *one == Some(-191.6372));
@@ -94,6 +96,7 @@ fn output_of_equilibria() {
     assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
     let printed = String::from_utf8_lossy(&output.stdout).into_owned();
     assert_eq!(printed, block_after(EQUILIBRIA, "<!-- tested: equilibria -->"));
+    named::columns_are_on_pages(&out.path().join("sets"));
 }
 
 /// The first study of a page.
