@@ -11,8 +11,8 @@ use std::sync::atomic::AtomicBool;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use stickslip::analysis::PointDetail;
-use stickslip::ending::{Outcome, Runs, simulate_in_lockstep, simulate_one_by_one};
-use stickslip::farm::{FarmOptions, Progress, Sink, farm_in_lockstep};
+use stickslip::classification::{Outcome, Runs, simulate_in_lockstep, simulate_one_by_one};
+use stickslip::engine::{FarmOptions, Progress, Sink, farm_in_lockstep};
 use stickslip::model::{Balancer, Case, Machine, State};
 use stickslip::motion::{Phase, Step, Tolerance, VectorLevel, derivative};
 use stickslip::study::Study;

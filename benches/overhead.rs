@@ -8,8 +8,8 @@ use std::sync::atomic::AtomicBool;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use stickslip::analysis::{EquilibriumSet, PointAccumulator, PointDetail, Resolution};
-use stickslip::ending::{Outcome, simulate};
-use stickslip::farm::{FarmOptions, Progress, Sink, compute, farm};
+use stickslip::classification::{Outcome, simulate};
+use stickslip::engine::{FarmOptions, Progress, Sink, compute, farm};
 use stickslip::model::{Case, Machine};
 use stickslip::study::Study;
 use stickslip::table::{PointRow, RunRecord, TableWriter, run_columns};

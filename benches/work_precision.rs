@@ -9,7 +9,7 @@ use std::f64::consts::TAU;
 use std::path::Path;
 use std::time::Instant;
 
-use stickslip::ending::{Label, Outcome, Runs, simulate_in_lockstep, simulate_one_by_one};
+use stickslip::classification::{Label, Outcome, Runs, simulate_in_lockstep, simulate_one_by_one};
 use stickslip::model::{Case, Method, Simulation};
 use stickslip::motion::VectorLevel;
 use stickslip::study::Study;

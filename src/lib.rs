@@ -1,28 +1,29 @@
 //! stickslip: parallel parameter studies and Monte Carlo for mechanical systems with dry friction.
 //!
-//! One way through the house, from left to right:
+//! Data goes one way, from left to right:
 //!
 //! ```text
-//! study.yaml -> study -> case -> motion, ending -> outcome -> analysis -> table
-//!                         `------ farm: what is computed where ------'
+//! study.yaml -> study -> case -> motion -> classification -> outcome -> analysis -> table -> report
+//!                         `---------- engine: which run is computed where ----------'
 //! ```
 //!
-//! - [`study`]: a study file, checked, and its plan: any run by its number.
-//! - [`model`]: parameters, equations of motion, closed forms.
+//! - [`study`]: a study file, checked, and its plan, which gives any run by its number.
+//! - [`model`]: parameters, equations of motion, friction laws.
 //! - [`motion`]: integration, the switch model, stick and slip.
-//! - [`ending`]: how a run ends, on evidence.
-//! - [`farm`]: runs over the cores, in order, whatever happens in one of them.
-//! - [`analysis`]: intervals, times to rest, what is known of a point; equilibrium sets.
-//! - [`design`]: responses of designs, for optimisers.
-//! - [`table`]: Parquet files with units and provenance; the only room that writes them, and that knows Arrow.
-//! - [`report`]: results and runs for the eye: what a figure shows, figures, animations.
+//! - [`classification`]: how a run ends, on evidence.
+//! - [`engine`]: runs spread over the cores, the files of finished runs, progress, interruption, resume, shards.
+//! - [`analysis`]: intervals, times to rest, summaries of points, equilibrium sets.
+//! - [`table`]: the result tables with their units and provenance.
+//! - [`report`]: the HTML page of results and the animation of a run.
+//! - [`responses`]: what an optimiser asks of a design.
+//! - [`optimize`]: the search for the best design, and sensitivities.
 //! - [`cli`]: the commands.
 //!
-//! A case is a pure function of the study and the run's number, an outcome a pure function of the
+//! A case is a pure function of the study and the run's number, and an outcome is a pure function of the
 //! case:
 //!
 //! ```
-//! use stickslip::ending::{Label, simulate};
+//! use stickslip::classification::{Label, simulate};
 //! use stickslip::model::{Case, Machine, Simulation, Start};
 //!
 //! let case = Case {
@@ -38,13 +39,14 @@
 #![deny(missing_docs)]
 
 pub mod analysis;
+pub mod classification;
 pub mod cli;
-pub mod design;
-pub mod ending;
-pub mod farm;
+pub mod engine;
 mod foreign;
 pub mod model;
 pub mod motion;
+pub mod optimize;
 pub mod report;
+pub mod responses;
 pub mod study;
 pub mod table;

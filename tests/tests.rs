@@ -2,16 +2,14 @@
 
 /// Equilibrium sets and equilibria without friction.
 mod analysis;
+/// How runs end.
+mod classification;
 /// The command line: what goes in, what comes out, exit codes, interruption, memory.
 mod cli;
-/// Designs and their responses.
-mod design;
 /// The README.
 mod docs;
-/// How runs end.
-mod ending;
-/// Threads, chunks, failures: what the farm must not change and must keep.
-mod farm;
+/// Threads, chunks, failures: what the engine must not change and must keep.
+mod engine;
 /// What may happen on a bad day: kills, full disks, damaged files.
 mod faults;
 /// Equations of motion and closed forms.
@@ -20,8 +18,10 @@ mod model;
 mod motion;
 /// What the project depends on.
 mod policy;
-/// What is drawn, by what it is made of.
+/// What figures show.
 mod report;
+/// Responses of designs.
+mod responses;
 /// Study files, sampling designs, uncertain parameters and plans.
 mod study;
 /// Columns, metadata and contents of the tables.

@@ -1,7 +1,7 @@
-//! The target `csv_table` of `tests/hostile/targets.rs` for cargo-fuzz.
+//! The target `csv_table` of `tests/fuzz/targets.rs` for cargo-fuzz.
 #![no_main]
 
-#[path = "../../tests/hostile/targets.rs"]
+#[path = "../../tests/fuzz/targets.rs"]
 mod targets;
 
 use std::sync::LazyLock;

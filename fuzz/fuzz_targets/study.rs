@@ -1,7 +1,7 @@
-//! The target `study` of `tests/hostile/targets.rs` for cargo-fuzz.
+//! The target `study` of `tests/fuzz/targets.rs` for cargo-fuzz.
 #![no_main]
 
-#[path = "../../tests/hostile/targets.rs"]
+#[path = "../../tests/fuzz/targets.rs"]
 mod targets;
 
 use std::sync::LazyLock;

@@ -9,7 +9,7 @@ use stickslip::analysis::{
     EquilibriumSet as Set, FEWEST_GRID_POINTS, MOST_BALL_DAMPING, REPLICATES, Resolution, RestForm,
     SAMPLE_COUNTS, frictionless_equilibria,
 };
-use stickslip::farm::Crew;
+use stickslip::engine::WorkerPool;
 use stickslip::study::Study;
 use stickslip::table::{
     FrictionlessRow, MemoryTable, MemoryWriter, PointKey, SetRow, SetSummaryRow,
@@ -102,8 +102,8 @@ pub fn equilibrium_set(
     }
     let resolution =
         Resolution::choose(study.model().balls(), grid, samples).map_err(Trouble::Usage)?;
-    let crew = Crew::new(crate::threads::threads(threads)?).map_err(no_threads)?;
-    let set = move |_: &_| crew.install(|| compute(&study, resolution, ball_damping, positions));
+    let workers = WorkerPool::new(crate::threads::threads(threads)?).map_err(no_threads)?;
+    let set = move |_: &_| workers.install(|| compute(&study, resolution, ball_damping, positions));
     Ok(wait(py, set)??)
 }
 

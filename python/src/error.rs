@@ -3,7 +3,7 @@
 use pyo3::create_exception;
 use pyo3::exceptions::{PyFileExistsError, PyOSError, PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
-use stickslip::farm::{FarmError, PlaceError, StoreError};
+use stickslip::engine::{FarmError, PlaceError, StoreError};
 use stickslip::study;
 use stickslip::table::{ResultsError, TableError};
 

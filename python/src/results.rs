@@ -8,8 +8,10 @@ use arrow_schema::ArrowError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use stickslip::analysis::PointDetail;
-use stickslip::ending::Label;
-use stickslip::farm::{FarmOptions, Place, Planned, Progress, Ready, Show, Sink, farm_in_lockstep};
+use stickslip::classification::Label;
+use stickslip::engine::{
+    FarmOptions, Place, Planned, Progress, Ready, Show, Sink, farm_in_lockstep,
+};
 use stickslip::study::Study;
 use stickslip::table::{
     self, Circumstances, Manifest, MemoryResults, MemoryTable, PointRow, ResultsError, RunRecord,

@@ -3,7 +3,7 @@
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use serde_json::{Value, json};
-use stickslip::farm::record;
+use stickslip::engine::record;
 use stickslip::table::{
     MemoryTable, in_memory, provenance, run_columns, switch_columns, trajectory_columns,
 };

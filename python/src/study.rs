@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use pyo3::prelude::*;
-use stickslip::design::{check_answerable, respond_to_all, response_columns, run_count};
-use stickslip::farm::{Crew, Planned, Progress, Show};
+use stickslip::engine::{Planned, Progress, Show, WorkerPool};
+use stickslip::responses::{check_answerable, respond_to_all, response_columns, run_count};
 use stickslip::study::Study;
 use stickslip::table::{in_memory, provenance};
 
@@ -173,13 +173,13 @@ impl PyStudy {
         let designs = crate::designs::designs(&self.study, designs)?;
         let study = Arc::clone(&self.study);
         let table = wait(py, move |stop| {
-            let crew = Crew::new(threads).map_err(no_threads)?;
+            let workers = WorkerPool::new(threads).map_err(no_threads)?;
             let runs = run_count(&study, &designs).map_err(Trouble::Usage)?;
             let points = designs.len() as u64 * study.point_count();
             let planned = Planned { study: study.name(), runs, at_most: false, points };
             let progress = Progress::begin(planned, show(progress));
             let finished = |label| progress.finished(label);
-            let answers = respond_to_all(&crew, &study, &designs, stop, &finished);
+            let answers = respond_to_all(&workers, &study, &designs, stop, &finished);
             progress.close();
             // None where it was interrupted, and then nobody takes the table.
             let answers = answers.map_err(Trouble::Usage)?.unwrap_or_default();

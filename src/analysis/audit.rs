@@ -1,7 +1,7 @@
 //! How often a run ends differently when it is computed another way.
 
 use super::interval::{Z_95, wilson};
-use crate::ending::Label;
+use crate::classification::Label;
 
 /// Audited runs and flips: runs whose second computation has another label. A computation that
 /// fails where the other one does not is a flip, too.
@@ -39,7 +39,7 @@ impl AuditCounts {
 #[cfg(test)]
 mod tests {
     use super::AuditCounts;
-    use crate::ending::Label;
+    use crate::classification::Label;
 
     #[test]
     fn other_labels_and_failures_on_one_side_are_flips() {

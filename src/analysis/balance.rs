@@ -7,7 +7,7 @@
 
 use nalgebra::Complex;
 
-use super::alike::sorted_where_alike;
+use super::identical_balls::sorted_where_alike;
 use super::rest_form::{RestForm, direction};
 
 /// Where the balls balance the imbalance.

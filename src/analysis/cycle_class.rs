@@ -35,8 +35,8 @@
 use std::cmp::{Ordering, Reverse};
 use std::fmt;
 
-use super::alike::groups_of_alike;
-use crate::ending::{Cycle, Doing, Evidence, Outcome};
+use super::identical_balls::groups_of_alike;
+use crate::classification::{Cycle, Doing, Evidence, Outcome};
 use crate::model::Model;
 
 /// What one ball does in a class of cycles, or a block. In order: those that run, those that swing,

@@ -9,9 +9,9 @@ use std::f64::consts::TAU;
 use super::arc::AngleSet;
 use super::cycle_class::{CycleClass, Role, speeds_in_sense};
 use super::interval::{Z_95, wilson_with_failures};
+use super::order_statistics::Spread;
 use super::point_summary::{LabelCounts, Observed};
-use super::spread::Spread;
-use crate::ending::{Label, Outcome};
+use crate::classification::{Label, Outcome};
 use crate::model::Model;
 
 /// Most classes of a point that are kept apart; the others are counted together.

@@ -2,9 +2,9 @@
 
 use rayon::prelude::*;
 
-use super::alike::sorted_where_alike;
 use super::balance::Balance;
 use super::frictionless::places;
+use super::identical_balls::sorted_where_alike;
 use super::one_ball::Arcs;
 use super::rest_form::{AtRest, RestForm};
 use super::set_extremes::calmest_and_most;

@@ -131,7 +131,7 @@ const COARSE: f64 = 2.5e-4;
 mod tests {
     use super::{Group, Tail, escape_rate, rate_interval};
     use crate::analysis::Tally;
-    use crate::analysis::draws::Draws;
+    use crate::analysis::test_rng::Draws;
 
     /// Runs with these times to rest, stopped at an end time.
     fn groups(times: impl Iterator<Item = f64>, end: f64) -> Vec<Group> {

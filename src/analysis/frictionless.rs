@@ -18,11 +18,15 @@ use std::f64::consts::PI;
 use nalgebra::Complex;
 use serde::{Deserialize, Serialize};
 
-use super::alike::{groups_of_alike, sorted_where_alike};
 use super::balance::{Balance, wrapped};
+use super::identical_balls::{groups_of_alike, sorted_where_alike};
 use super::linearised::{SmallMotions, Stability};
 use super::rest_form::RestForm;
 use crate::model::Machine;
+
+/// The drag on the balls, as `frictionless_equilibria` takes it, with which stability is that of slow balls:
+/// large enough that a larger one changes nothing.
+pub const HIGH_DRAG: f64 = 1e4;
 
 /// What an equilibrium without friction looks like.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]

@@ -87,7 +87,7 @@ pub fn simultaneous(counts: [u64; 5]) -> [(f64, f64); 5] {
 #[cfg(test)]
 mod tests {
     use super::{Z_95, Z_99, simultaneous, wilson, wilson_with_failures};
-    use crate::analysis::draws::Draws;
+    use crate::analysis::test_rng::Draws;
 
     /// Brown, Cai, DasGupta, Stat. Sci. 16 (2001) 101 give no table; these values are the roots of
     /// `|p - k/n| = z sqrt(p (1 - p) / n)`, which defines the interval.

@@ -3,26 +3,22 @@
 //!
 //! Between endings and tables: it reads outcomes and writes numbers, and knows no file format.
 
-mod alike;
 mod arc;
 mod audit;
 mod balance;
-mod balanced_family;
 mod cycle_class;
 mod cycles;
-mod density;
-#[cfg(test)]
-pub(crate) mod draws;
+mod equilibrium_histogram;
 mod equilibrium_set;
 mod escape;
 mod frictionless;
+mod identical_balls;
 mod interval;
-mod kernel_density;
-mod kernel_width;
 mod linearised;
-mod nearest;
 mod one_ball;
+mod order_statistics;
 mod point_summary;
+mod reference_amplitude;
 mod resolution;
 mod rest_curve;
 mod rest_form;
@@ -30,27 +26,28 @@ mod set_extremes;
 mod set_grid;
 mod set_parts;
 mod set_samples;
-mod spread;
 mod stopping;
 mod stratified;
 mod survival;
 mod tally;
-mod torus_distance;
-mod without_balls;
+#[cfg(test)]
+pub(crate) mod test_rng;
 
-pub use alike::{groups_of_alike, sorted_where_alike};
 pub use audit::AuditCounts;
 pub use balance::Balance;
 pub use cycle_class::{CycleClass, Role};
 pub use cycles::{CycleGroup, CycleRange, CycleRole};
-pub use density::{BINS, Density, DensityBin, bin, bin_edges};
+pub use equilibrium_histogram::{BINS, EquilibriumHistogram, HistogramBin, bin, bin_edges};
 pub use equilibrium_set::{EquilibriumSet, Resolution, set_fraction};
 pub use escape::{EscapeRate, escape_rate, rate_interval};
-pub use frictionless::{FrictionlessEquilibrium, FrictionlessKind, frictionless_equilibria};
+pub use frictionless::{
+    FrictionlessEquilibrium, FrictionlessKind, HIGH_DRAG, frictionless_equilibria,
+};
+pub use identical_balls::{groups_of_alike, sorted_where_alike};
 pub use interval::{Interval, IntervalMethod, Z_95, simultaneous, wilson, wilson_with_failures};
 pub use linearised::{SmallMotions, Stability, state_matrix};
-pub use nearest::{HIGH_DRAG, Nearest, NearestFinder, StableEquilibria};
 pub use point_summary::{LabelCounts, Observed, PointAccumulator, PointDetail, PointSummary};
+pub use reference_amplitude::amplitude_without_balls;
 pub use resolution::{FEWEST_GRID_POINTS, MOST_BALL_DAMPING, SAMPLE_COUNTS};
 pub use rest_curve::{RestStep, rest_curve};
 pub use rest_form::{AtRest, RestForm};
@@ -60,5 +57,3 @@ pub use stopping::{StoppingRule, is_narrow};
 pub use stratified::Cells;
 pub use survival::{SurvivalCurve, SurvivalStep};
 pub use tally::Tally;
-pub use torus_distance::torus_distance;
-pub use without_balls::amplitude_without_balls;

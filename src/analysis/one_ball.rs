@@ -116,8 +116,8 @@ mod tests {
     use std::f64::consts::TAU;
 
     use super::{Arcs, within};
-    use crate::analysis::draws::Draws;
     use crate::analysis::rest_form::{RestForm, direction};
+    use crate::analysis::test_rng::Draws;
     use crate::model::{Ball, Machine};
 
     fn form(speed_rad_s: f64, friction_coefficient: f64, mass_kg: f64) -> RestForm {

@@ -1,17 +1,16 @@
 //! One point of the sweep in numbers: how its runs ended, how soon, with what amplitude.
 
-use super::alike::{groups_of_alike, sorted_where_alike};
 use super::audit::AuditCounts;
 use super::cycles::{CycleClasses, CycleGroup};
-use super::density::{Density, DensityBin};
+use super::equilibrium_histogram::{EquilibriumHistogram, HistogramBin};
 use super::escape::{EscapeRate, Group, escape_rate};
+use super::identical_balls::{groups_of_alike, sorted_where_alike};
 use super::interval::{Interval, IntervalMethod, Z_95, simultaneous, wilson_with_failures};
-use super::nearest::Nearest;
 use super::rest_curve::{RestStep, rest_curve};
 use super::stratified::Cells;
 use super::survival::SurvivalCurve;
 use super::tally::Tally;
-use crate::ending::{Label, Outcome};
+use crate::classification::{Label, Outcome};
 use crate::model::{Ball, Case};
 
 /// Runs per label, in the order of [`Label::ALL`].
@@ -78,8 +77,6 @@ pub struct Observed<'a> {
     pub outcome: &'a Outcome,
     /// How it ended when it was computed a second time, if it was.
     pub audit: Option<Label>,
-    /// The stable equilibrium without friction that is nearest to where it came to rest.
-    pub nearest: Option<Nearest>,
 }
 
 /// What a point's own tables hold beside its summary.
@@ -90,7 +87,7 @@ pub struct PointDetail {
     /// The limit cycles, class by class.
     pub cycles: Vec<CycleGroup>,
     /// Where balls came to rest.
-    pub density: Vec<DensityBin>,
+    pub histogram: Vec<HistogramBin>,
 }
 
 /// Collects the runs of one point.
@@ -106,9 +103,7 @@ pub struct PointAccumulator {
     amplitudes: Tally,
     cycle_classes: CycleClasses,
     audit: AuditCounts,
-    /// Distances from the nearest equilibrium without friction, rad (kind 0).
-    distances: Tally,
-    density: Density,
+    histogram: EquilibriumHistogram,
     /// The balls of the last equilibrium, and which of them are alike.
     alike: (Vec<Ball>, Vec<Vec<usize>>),
 }
@@ -134,8 +129,6 @@ pub struct PointSummary {
     pub amplitude_m: [Option<f64>; 3],
     /// How often runs ended differently when they were computed again.
     pub audit: AuditCounts,
-    /// The median distance of equilibria from the nearest stable equilibrium without friction, rad.
-    pub distance_to_frictionless_rad: Option<f64>,
 }
 
 impl PointSummary {
@@ -171,7 +164,6 @@ impl PointAccumulator {
         }
         outcome.amplitude_m.into_iter().for_each(|amplitude| self.amplitudes.add(amplitude, REST));
         self.cycle_classes.add(run);
-        run.nearest.into_iter().for_each(|nearest| self.distances.add(nearest.distance_rad, REST));
         let machine = run.case.and_then(|case| case.model.ball_balancer());
         if let (Label::Equilibrium, Some(machine), Some(beta)) = (label, machine, &outcome.position)
         {
@@ -179,7 +171,7 @@ impl PointAccumulator {
             if self.alike.0 != *balls {
                 self.alike = (balls.clone(), groups_of_alike(balls));
             }
-            self.density.add(&sorted_where_alike(beta, balls), &self.alike.1);
+            self.histogram.add(&sorted_where_alike(beta, balls), &self.alike.1);
         }
     }
 
@@ -189,7 +181,7 @@ impl PointAccumulator {
         PointDetail {
             rest: rest_curve(&SurvivalCurve::new(self.times.groups()), end_times_s),
             cycles: self.cycle_classes.groups(&self.counts),
-            density: self.density.bins(),
+            histogram: self.histogram.bins(),
         }
     }
 
@@ -234,7 +226,6 @@ impl PointAccumulator {
             amplitude_m: PointSummary::AMPLITUDE_SHARES
                 .map(|share| self.amplitudes.quantile(share)),
             audit: self.audit,
-            distance_to_frictionless_rad: self.distances.quantile(0.5),
         }
     }
 }
@@ -242,10 +233,10 @@ impl PointAccumulator {
 #[cfg(test)]
 mod tests {
     use super::{Observed, PointAccumulator};
-    use crate::ending::{Evidence, Outcome};
+    use crate::classification::{Evidence, Outcome};
 
     fn add(point: &mut PointAccumulator, outcome: &Outcome) {
-        point.add(Observed { cell: 0, case: None, outcome, audit: None, nearest: None });
+        point.add(Observed { cell: 0, case: None, outcome, audit: None });
     }
 
     #[test]

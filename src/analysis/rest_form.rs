@@ -174,7 +174,7 @@ pub(super) fn larger(a: f64, b: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::{holding, is_held};
-    use crate::analysis::draws::Draws;
+    use crate::analysis::test_rng::Draws;
 
     /// With and without the division, on and beside the edge and where nothing is a number.
     #[test]

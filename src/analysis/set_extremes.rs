@@ -12,7 +12,7 @@ use std::f64::consts::PI;
 
 use nalgebra::Complex;
 
-use super::alike::groups_of_alike;
+use super::identical_balls::groups_of_alike;
 use super::rest_form::{RestForm, direction};
 
 /// Steps in which a size is looked for, before it is bisected.
@@ -217,10 +217,10 @@ impl Choice<'_> {
 mod tests {
     use super::calmest_and_most;
     use crate::analysis::Balance;
-    use crate::analysis::draws::Draws;
     use crate::analysis::frictionless_equilibria;
     use crate::analysis::rest_form::RestForm;
     use crate::analysis::set_samples::held_positions;
+    use crate::analysis::test_rng::Draws;
     use crate::model::{Ball, Machine};
 
     fn form(speed_rad_s: f64, balls: &[(f64, f64)], imbalance: f64) -> RestForm {

@@ -62,6 +62,7 @@ impl Block {
 
 /// Of the first 65,536 samples, the first ones of all scrambles first, those in the set: the angles of
 /// each ball, rad.
+#[cfg(test)]
 pub fn held_positions(form: &RestForm) -> impl Iterator<Item = &[f64]> {
     (0..BLOCKS).flat_map(|number| Block::of(form.mass.len(), number).held(form))
 }

@@ -51,9 +51,9 @@ fn half_width((low, high): (f64, f64)) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::{StoppingRule, half_width};
-    use crate::analysis::draws::Draws;
+    use crate::analysis::test_rng::Draws;
     use crate::analysis::{Observed, PointAccumulator, Z_95, wilson};
-    use crate::ending::{Evidence, Outcome};
+    use crate::classification::{Evidence, Outcome};
 
     const CELLS: u64 = 16;
 
@@ -76,7 +76,7 @@ mod tests {
                 let cell = run % CELLS;
                 let share = if cell < CELLS / 2 { share + spread } else { share - spread };
                 let outcome = if draws.uniform() < share { &rest } else { &moving };
-                point.add(Observed { cell, case: None, outcome, audit: None, nearest: None });
+                point.add(Observed { cell, case: None, outcome, audit: None });
             }
             runs += round;
             more = rule.more(runs, point.equilibrium_interval().ends());

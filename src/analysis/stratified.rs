@@ -127,7 +127,7 @@ impl Cells {
 #[cfg(test)]
 mod tests {
     use super::{Cells, MOST_CELLS};
-    use crate::analysis::draws::Draws;
+    use crate::analysis::test_rng::Draws;
     use crate::analysis::{Z_95, wilson};
 
     /// Cells with these runs, equilibria and failures.

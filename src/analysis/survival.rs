@@ -145,7 +145,7 @@ fn interval(moving: f64, greenwood: f64, effective: f64) -> (f64, f64) {
 mod tests {
     use super::SurvivalCurve;
     use crate::analysis::Tally;
-    use crate::analysis::draws::Draws;
+    use crate::analysis::test_rng::Draws;
 
     fn curve(rests: &[f64], stopped: &[f64]) -> SurvivalCurve {
         let mut times = Tally::default();

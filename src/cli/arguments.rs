@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use clap::{Args, ValueEnum};
 
-use crate::farm::{FarmOptions, Shard, Show};
+use crate::engine::{FarmOptions, Shard, Show};
 use crate::study::{Study, StudyError};
 
 /// The study file.

@@ -1,9 +1,9 @@
 //! What a study will cost: about, where no run ends early, and at most, where runs go on until they are given up.
 
-use crate::ending::{
+use crate::classification::{
     goes_in_lockstep, most_steps_of_a_run, most_steps_of_any_run, seconds_per_step,
 };
-use crate::model::{FrictionLaw, Model, Simulation};
+use crate::model::{Model, Simulation};
 use crate::study::Study;
 
 /// Points that are looked at, at most; of more they are a sample.
@@ -88,7 +88,7 @@ fn steps_to_the_end(model: &Model, simulation: &Simulation) -> f64 {
     } else {
         (2.2 * (1.0 + speed) + 3.8 * balls * speed) * strictness.powf(0.125)
     };
-    latest_end_time_s * natural * steps.max(damping_rate(model) / STABLE)
+    latest_end_time_s * natural * steps.max(model.damping_rate() / STABLE)
 }
 
 /// Seconds that a step takes beside others, on a core of 2024 with vectors of four numbers.
@@ -106,29 +106,3 @@ fn usual_seconds_per_step(model: &Model) -> f64 {
 /// A step of the integrator times the rate of damping that it can still follow: the length of the
 /// stability region of a Runge-Kutta method of order 8 on the negative real axis, about.
 const STABLE: f64 = 6.0;
-
-/// The rate at which friction that grows with speed damps it, over the natural frequency: of the
-/// lightest ball, or of a block.
-fn damping_rate(model: &Model) -> f64 {
-    let natural = model.natural_frequency_rad_s();
-    let (mass_kg, ratio, acceleration) = match model {
-        Model::BallBalancer(machine) => {
-            let balls = &machine.balls;
-            let mass = balls.iter().map(|ball| ball.mass_kg).fold(f64::INFINITY, f64::min);
-            let ratio = balls.iter().map(|ball| ball.friction_coefficient).fold(0.0, f64::max);
-            (mass, ratio, machine.speed_rad_s * machine.speed_rad_s)
-        }
-        Model::Block(block) => {
-            (block.mass_kg, block.friction_coefficient, block.normal_force_n / block.mass_kg)
-        }
-    };
-    match *model.friction() {
-        FrictionLaw::Coulomb | FrictionLaw::Stribeck { .. } => 0.0,
-        FrictionLaw::Smooth { smoothing_speed } => {
-            ratio * acceleration * std::f64::consts::FRAC_2_PI / (smoothing_speed * natural)
-        }
-        FrictionLaw::Viscous { viscous_coefficient_n_s_m } => {
-            viscous_coefficient_n_s_m / (mass_kg * natural)
-        }
-    }
-}

@@ -19,7 +19,7 @@ use crate::analysis::{
     EquilibriumSet, FEWEST_GRID_POINTS, FrictionlessEquilibrium, MOST_BALL_DAMPING, REPLICATES,
     Resolution, RestForm, SAMPLE_COUNTS, frictionless_equilibria,
 };
-use crate::farm::say;
+use crate::engine::say;
 use crate::model::Machine;
 use crate::study::Study;
 use crate::table::{

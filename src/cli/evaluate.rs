@@ -10,11 +10,11 @@ use clap::Args;
 use super::arguments::{StudyArgument, threads};
 use super::evaluate_server::serve;
 use super::exit::{CliError, End};
-use crate::design::{
+use crate::classification::Label;
+use crate::engine::{Planned, Progress, Show, WorkerPool, say, stop_on_signals};
+use crate::responses::{
     Answer, MOST_DESIGNS, check_answerable, respond_to_all, response_columns, run_count,
 };
-use crate::ending::Label;
-use crate::farm::{Crew, Planned, Progress, Show, say, stop_on_signals};
 use crate::study::{DesignValue, Study};
 use crate::table::{TableWriter, provenance};
 
@@ -64,8 +64,8 @@ pub fn evaluate(arguments: &EvaluateArguments) -> Result<End, CliError> {
     check(arguments, &study)?;
     let cores = || std::thread::available_parallelism().unwrap_or(NonZeroUsize::MIN);
     let start = || {
-        let crew = Crew::new(arguments.threads.unwrap_or_else(cores).get());
-        crew.map_err(CliError::Threads)
+        let workers = WorkerPool::new(arguments.threads.unwrap_or_else(cores).get());
+        workers.map_err(CliError::Threads)
     };
     let stop = || {
         stop_on_signals().unwrap_or_else(|error| {
@@ -131,7 +131,7 @@ fn check(arguments: &EvaluateArguments, study: &Study) -> Result<(), CliError> {
 fn compute(
     study: &Study,
     designs: &[Vec<DesignValue>],
-    crew: &Crew,
+    workers: &WorkerPool,
     stop: &AtomicBool,
     show: Show,
 ) -> Result<Option<Vec<Answer>>, CliError> {
@@ -140,7 +140,7 @@ fn compute(
     let planned = Planned { study: study.name(), runs, at_most: false, points };
     let progress = Progress::begin(planned, show);
     let finished = |label| progress.finished(label);
-    let answers = respond_to_all(crew, study, designs, stop, &finished);
+    let answers = respond_to_all(workers, study, designs, stop, &finished);
     progress.close();
     let answers = answers.map_err(CliError::Usage)?;
     progress.ended(answers.is_none());

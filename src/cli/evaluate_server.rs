@@ -10,8 +10,8 @@ use serde_json::json;
 
 use super::exit::{CliError, End};
 use super::output::{Reader, print_json};
-use crate::design::{Neighbours, Refusal, Request, respond, to_json};
-use crate::farm::Crew;
+use crate::engine::WorkerPool;
+use crate::responses::{Neighbours, Refusal, Request, respond, to_json};
 use crate::study::Study;
 
 /// The longest line that is read, bytes.
@@ -28,7 +28,7 @@ type Line = Option<Vec<u8>>;
 ///
 /// # Errors
 /// Where standard input cannot be read or standard output not be written.
-pub fn serve(study: &Study, crew: &Crew, stop: &AtomicBool) -> Result<End, CliError> {
+pub fn serve(study: &Study, workers: &WorkerPool, stop: &AtomicBool) -> Result<End, CliError> {
     let lines = lines();
     let writer = Writer::start();
     let mut neighbours = Neighbours::new(study.point_count());
@@ -51,7 +51,7 @@ pub fn serve(study: &Study, crew: &Crew, stop: &AtomicBool) -> Result<End, CliEr
             Ok((values, set)) => {
                 let design = (number, values.as_slice());
                 match respond(
-                    crew,
+                    workers,
                     std::slice::from_ref(set),
                     study.responses(),
                     design,

@@ -5,7 +5,7 @@ use std::process::ExitCode;
 
 use thiserror::Error;
 
-use crate::farm::{FarmError, PlaceError, StoreError};
+use crate::engine::{FarmError, PlaceError, StoreError};
 use crate::study::StudyError;
 use crate::table::{ResultsError, TableError, WriteError};
 

@@ -8,7 +8,7 @@ use clap::Args;
 use super::arguments::StudyArgument;
 use super::exit::{CliError, End};
 use super::output::{Reader, print};
-use crate::farm::Shard;
+use crate::engine::Shard;
 use crate::study::PlannedRun;
 use crate::table::cell::cell_text;
 use crate::table::column::{Column, batch, schema};

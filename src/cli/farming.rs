@@ -13,8 +13,8 @@ use super::output::{print, print_json};
 use super::point_line::PointLine;
 use super::points_table::{MOST_LINES, PointsTable};
 use crate::analysis::PointDetail;
-use crate::ending::Label;
-use crate::farm::{
+use crate::classification::Label;
+use crate::engine::{
     FarmOptions, Planned, Progress, Sink, StopReason, Store, Tally, farm_in_lockstep, say,
     stop_on_signals,
 };

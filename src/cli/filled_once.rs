@@ -10,7 +10,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use super::exit::CliError;
-use crate::farm::Lock;
+use crate::engine::Lock;
 use crate::foreign::shorten;
 use crate::table::{
     FILES, FileList, ResultsError, check_path, clear_temporaries, is_one_of, make_directory,

@@ -9,7 +9,7 @@ use super::arguments::FarmArguments;
 use super::exit::{CliError, End};
 use super::results_study::results_study;
 use super::run::carry_out;
-use crate::farm::{Place, Shard};
+use crate::engine::{Place, Shard};
 use crate::foreign::shell_word;
 use crate::study::Study;
 

@@ -20,10 +20,9 @@ mod point_line;
 mod points_table;
 mod replaceable;
 mod replay;
-mod replay_pictures;
+mod replay_animation;
 mod replay_times;
 mod report;
-mod report_figures;
 mod report_page;
 mod results_study;
 mod resume;
@@ -39,7 +38,7 @@ use clap::{Parser, Subcommand};
 
 pub use exit::{CliError, End};
 
-use crate::farm::{say, survive_file_size_limit};
+use crate::engine::{say, survive_file_size_limit};
 
 const EXAMPLES: &str = "\
 Examples:

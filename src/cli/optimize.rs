@@ -13,15 +13,15 @@ use serde_json::json;
 use super::arguments::{StudyArgument, threads};
 use super::exit::{CliError, End};
 use super::output::print;
-use crate::design::check_answerable;
-use crate::design::optimize::{
+use crate::classification::Label;
+use crate::engine::{Lock, Planned, Progress, Show, WorkerPool, say, stop_on_signals};
+use crate::foreign::{shell_word, shorten};
+use crate::optimize::{
     Evaluation, Finals, Origin, Role, Search, SearchEnd, evaluation_columns, final_columns,
     final_runs, finals, optimum_json, pareto_columns, read_evaluations, result_in_words, search,
     search_facts, search_line, sensitivities, sensitivity_columns, surrogates,
 };
-use crate::ending::Label;
-use crate::farm::{Crew, Lock, Planned, Progress, Show, say, stop_on_signals};
-use crate::foreign::{shell_word, shorten};
+use crate::responses::check_answerable;
 use crate::study::{Optimization, SensitivityFrom, Study};
 use crate::table::column::Column;
 use crate::table::{
@@ -89,13 +89,13 @@ pub fn optimize(arguments: &OptimizeArguments) -> Result<End, CliError> {
         say(&format!("{name} has been changed since it was written: it is made again"));
     }
     let cores = || std::thread::available_parallelism().unwrap_or(NonZeroUsize::MIN);
-    let crew = Crew::new(arguments.threads.unwrap_or_else(cores).get());
-    let crew = crew.map_err(CliError::Threads)?;
+    let workers = WorkerPool::new(arguments.threads.unwrap_or_else(cores).get());
+    let workers = workers.map_err(CliError::Threads)?;
     let stop = stop_on_signals().unwrap_or_else(|error| {
         say(&format!("warning: Ctrl-C will not be clean: {error}"));
         Arc::new(AtomicBool::new(false))
     });
-    let what = Search { study: &study, optimization, crew: &crew, stop: &stop };
+    let what = Search { study: &study, optimization, workers: &workers, stop: &stop };
     let show = if arguments.quiet { Show::Nothing } else { Show::auto() };
     let tell = |text: String| {
         if !arguments.quiet {
@@ -315,7 +315,7 @@ impl<'a> Place<'a> {
         what: &Search,
         evaluations: &[Evaluation],
     ) -> Result<(), CliError> {
-        let all = what.crew.install(|| surrogates(what, evaluations));
+        let all = what.workers.install(|| surrogates(what, evaluations));
         let states = all.into_iter().filter_map(|(response, surrogate)| {
             let name = &self.study.responses().get(response)?.name;
             let state = match surrogate {

@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 
 use crate::analysis::AuditCounts;
-use crate::ending::Label;
+use crate::classification::Label;
 use crate::study::{ParameterKind, ParameterValue, Study};
 use crate::table::{Batch, Kind, PointRow, TableError};
 

@@ -4,7 +4,7 @@ use serde_json::{Value, json};
 
 use super::point_line::PointLine;
 use crate::analysis::{AuditCounts, is_narrow};
-use crate::ending::Label;
+use crate::classification::Label;
 use crate::study::{Precision, Study};
 use crate::table::{Kind, Table, TableError};
 

@@ -1,7 +1,7 @@
 //! Files that a report writes, and may write again: those that an earlier one has written and nobody has
 //! changed since.
 //!
-//! A page or a figure in SVG ends with a comment that has the hash of what precedes it.
+//! A page ends with a comment that has the hash of what precedes it.
 
 use std::fs::{self, File};
 use std::io::{self, Read};
@@ -16,7 +16,7 @@ use crate::table::{ResultsError, write_atomically};
 const MOST_BYTES: u64 = 64 << 20;
 const SEAL: &str = "<!-- stickslip, SHA-256 of what precedes: ";
 
-/// A text in HTML or SVG with its hash at the end.
+/// A text in HTML with its hash at the end.
 pub fn sealed(text: &str) -> String {
     let end = if text.ends_with('\n') { "" } else { "\n" };
     let text = format!("{text}{end}");
@@ -97,8 +97,7 @@ pub fn beside(directory: &Path, added: &str) -> Result<PathBuf, CliError> {
     Ok(named.with_file_name(name))
 }
 
-/// Refuses to replace a file unless `own` knows it as one of this program, and its hash is right where it is
-/// a text.
+/// Refuses to replace a file unless `own` knows it as one of this program, and its hash is right.
 ///
 /// # Errors
 /// Where something else is in the way.
@@ -112,8 +111,7 @@ pub fn replaceable(file: &Path, own: impl Fn(&[u8]) -> bool) -> Result<(), CliEr
             File::open(file)
                 .and_then(|file| file.take(MOST_BYTES).read_to_end(&mut content))
                 .map_err(unusable)?;
-            let is_text = !content.starts_with(b"\x89PNG");
-            match (own(&content), !is_text || is_sealed(&content)) {
+            match (own(&content), is_sealed(&content)) {
                 (true, true) => return Ok(()),
                 (true, false) => "a report that has been changed since".to_owned(),
                 (false, _) => "a file that `stickslip report` has not written".to_owned(),

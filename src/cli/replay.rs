@@ -9,11 +9,11 @@ use serde_json::{Value, json};
 use super::exit::{CliError, End};
 use super::filled_once::FilledOnce;
 use super::output::{print, print_json};
-use super::replay_pictures::{ANIMATION, FIGURE, draw};
+use super::replay_animation::{ANIMATION, animate};
 use super::replay_times::{MOST_TIMES, Times};
 use super::results_study::results_study;
-use crate::ending::{Recording, Switch};
-use crate::farm::{record, say};
+use crate::classification::{Recording, Switch};
+use crate::engine::{record, say};
 use crate::foreign::{one_line, shorten};
 use crate::study::Study;
 use crate::table::column::Column;
@@ -31,8 +31,9 @@ Examples:
 The run is computed again, by the engine that computed it, and compared with its row in runs.parquet:
 all columns, to the last bit. What differs (on another kind of processor, perhaps) is shown, and the exit
 code is 1. trajectory.parquet has the motion: table, angles, speeds, what each ball does, friction and
-its limit; switches.parquet, and standard output, each change between stick and slip; replay.svg a figure
-of it, and replay.html, for any browser, disc and balls as they move.";
+its limit; switches.parquet, and standard output, each change between stick and slip; replay.html, for
+any browser, disc and balls as they move. The Python package's `stickslip-figures` draws the motion from
+these tables, for papers.";
 
 /// The most characters of what went wrong in a run.
 const LONGEST_ERROR: usize = 400;
@@ -56,7 +57,7 @@ pub struct ReplayArguments {
     #[arg(long, short, value_name = "DIR2")]
     out: Option<PathBuf>,
 
-    /// The motion at N times from FROM to TO, both included, in s; pictures show that part of it
+    /// The motion at N times from FROM to TO, both included, in s; the animation shows that part of it
     #[arg(long, value_name = "FROM:TO:N", conflicts_with = "every_step")]
     #[arg(allow_hyphen_values = true)]
     times: Option<Times>,
@@ -77,7 +78,7 @@ pub struct ReplayArguments {
 const TRAJECTORY: &str = "trajectory.parquet";
 const SWITCHES: &str = "switches.parquet";
 /// All that may be written.
-const OWN: [&str; 4] = [TRAJECTORY, SWITCHES, FIGURE, ANIMATION];
+const OWN: [&str; 3] = [TRAJECTORY, SWITCHES, ANIMATION];
 
 /// Computes the run again and writes its motion.
 ///
@@ -104,7 +105,9 @@ pub fn replay(arguments: &ReplayArguments) -> Result<End, CliError> {
     let mut place = FilledOnce::open(&out, &OWN)?;
     write(&out, &mut place.list, &study, arguments, &record, &recording)?;
     let mut files = vec![TRAJECTORY, SWITCHES];
-    files.extend(draw(&out, &mut place.list, &study, &record, arguments.times)?);
+    if animate(&out, &mut place.list, &study, &record, arguments.times)? {
+        files.push(ANIMATION);
+    }
     files.push(FILES);
     place.finish()?;
     let (out, study) = (&*out, &study);
@@ -256,8 +259,9 @@ impl Report<'_> {
         if rows < asked {
             say(&format!("{rows} of {asked} times: the others are after the end of the run"));
         }
-        if !files.iter().any(|file| file.ends_with(".svg")) {
-            say("no pictures: there is no motion to be seen in this time");
+        let model = record.planned.case.as_ref().map_or(self.study.model(), |case| &case.model);
+        if model.balls() > 0 && !files.contains(&ANIMATION) {
+            say("no animation: there is no motion to be seen in this time");
         }
         say(&format!("motion in {}", out.display()));
     }

@@ -24,7 +24,7 @@ pub fn write(directory: &Path, out: Option<&Path>) -> Result<PathBuf, CliError> 
     {
         return Err(CliError::Usage(format!(
             "{0}: no page is made of this\n  found:   {found}, but no manifest.json\n  allowed: results of \
-             `stickslip run`; `stickslip report {1} --figures svg` draws this",
+             `stickslip run`; the Python package's `stickslip-figures {1}` draws this",
             shown_path(directory),
             shell_word(directory)
         )));

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::exit::CliError;
-use crate::ending::MODEL_VERSION;
+use crate::classification::MODEL_VERSION;
 use crate::foreign::shell_word;
 use crate::study::Study;
 use crate::table::{Manifest, ResultsError, VERSION, manifest_of};

@@ -8,7 +8,7 @@ use super::arguments::FarmArguments;
 use super::exit::{CliError, End};
 use super::results_study::begun_study;
 use super::run::carry_out;
-use crate::farm::{Place, Shard};
+use crate::engine::{Place, Shard};
 use crate::table::{Manifest, ResultsError};
 
 const EXAMPLES: &str = "\

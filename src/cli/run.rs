@@ -10,8 +10,8 @@ use super::exit::{CliError, End};
 use super::farming::farm_study;
 use super::output::{print, print_json};
 use super::points_table::{MOST_LINES, PointsTable};
-use crate::ending::Label;
-use crate::farm::{FarmOptions, Place, Ready, say};
+use crate::classification::Label;
+use crate::engine::{FarmOptions, Place, Ready, say};
 use crate::study::Study;
 use crate::table::{Circumstances, Manifest, Table};
 

@@ -9,8 +9,8 @@ use super::arguments::{FarmArguments, StudyArgument};
 use super::exit::{CliError, End};
 use super::farming::farm_study;
 use super::output::print;
-use crate::ending::Label;
-use crate::farm::{Place, Ready, Shard, say};
+use crate::classification::Label;
+use crate::engine::{Place, Ready, Shard, say};
 use crate::study::Study;
 use crate::table::PointRow;
 

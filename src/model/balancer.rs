@@ -60,11 +60,7 @@ impl<const N: usize> Balancer<N> {
                     mass: ball.mass_kg / total,
                     inertia: SPHERE_INERTIA,
                     diameter,
-                    friction: machine.friction.contact(
-                        ball.friction_coefficient,
-                        natural,
-                        ball.mass_kg * natural,
-                    ),
+                    friction: machine.ball_friction(&ball),
                     mobility: 1.0 / (1.0 + 4.0 * SPHERE_INERTIA),
                     rolling_linear: rolling * 2.0 * SPHERE_INERTIA * diameter * speed,
                     rolling_quadratic: rolling * -4.0 * SPHERE_INERTIA,

@@ -1,7 +1,7 @@
 //! The equations of motion, for any stick/slip configuration, by a 2×2 linear system.
 //!
 //! The thesis writes them as a 6×6 "extended Lagrange" system with one variant for each of nine
-//! configurations (its equations 3.13-3.16 and appendix C; here [`super::extended_lagrange`]).
+//! configurations (its equations 3.13-3.16 and appendix C; `tests/model/thesis_matrices.rs` compares both forms).
 //! Solved for each ball first, they leave two unknowns, the absolute acceleration
 //! `(a_x, a_y)` of the ring's centre, for any number of balls:
 //!

@@ -7,7 +7,7 @@
 use serde::Serialize;
 use thiserror::Error;
 
-use super::FrictionLaw;
+use super::{Friction, FrictionLaw};
 
 /// The largest number of balls that one machine may have.
 pub const MAX_BALLS: usize = 8;
@@ -140,6 +140,12 @@ impl Machine {
     pub fn total_mass_kg(&self) -> f64 {
         let balls: f64 = self.balls.iter().map(|ball| ball.mass_kg).sum();
         self.table_mass_kg + self.imbalance_mass_kg + balls
+    }
+
+    /// The non-dimensional friction between a ball and the ring.
+    pub(super) fn ball_friction(&self, ball: &Ball) -> Friction {
+        let natural = self.natural_frequency_rad_s();
+        self.friction.contact(ball.friction_coefficient, natural, ball.mass_kg * natural)
     }
 
     /// The natural frequency `ω_n = sqrt(k / M)`, rad/s (thesis section 3.4).

@@ -6,12 +6,10 @@
 
 mod balancer;
 mod block;
-mod block_closed_form;
 mod case;
 mod dual;
 mod equations;
 mod existence;
-pub mod extended_lagrange;
 mod friction;
 mod machine;
 mod modelled;
@@ -21,7 +19,6 @@ mod system;
 
 pub use balancer::{Balancer, BalancerBall, State};
 pub use block::{Block, Ground, Slider, SliderState};
-pub use block_closed_form::{StickSlipCycle, Stopping};
 pub use case::{Case, Endings, Extend, Method, Simulation, Start};
 pub use dual::Dual;
 pub use equations::{Contact, Forces};

@@ -107,6 +107,18 @@ impl Model {
         }
     }
 
+    /// The largest rate at which friction that grows with speed damps a contact, over the natural frequency.
+    pub fn damping_rate(&self) -> f64 {
+        match self {
+            Model::Block(block) => block.slider().friction.damping_rate(1.0),
+            Model::BallBalancer(machine) => {
+                let weight = (machine.speed_rad_s / machine.natural_frequency_rad_s()).powi(2);
+                let friction = machine.balls.iter().map(|ball| machine.ball_friction(ball));
+                friction.map(|one| one.damping_rate(weight)).fold(0.0, f64::max)
+            }
+        }
+    }
+
     /// The coordinates of a start state, in order.
     pub fn coordinates(&self) -> Vec<Coordinate> {
         let scalar =

@@ -15,7 +15,7 @@ pub(crate) mod lockstep;
 mod root;
 mod settings;
 mod switch_model;
-mod variation;
+mod variational;
 
 pub(crate) use cancellation::unwind_if_cancelled;
 pub use cancellation::{Cancellation, is_cancelled};
@@ -28,7 +28,7 @@ pub use lockstep::VectorLevel;
 pub use root::fall_through_zero;
 pub use settings::{Effort, Settings, most_steps_by};
 pub use switch_model::{SLACK, decide};
-pub use variation::Variation;
+pub use variational::Variation;
 
 use serde::{Deserialize, Serialize};
 use thiserror::Error;

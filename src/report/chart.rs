@@ -1,7 +1,7 @@
 //! What a figure shows, before it is drawn: panels with axes, and marks at coordinates.
 //!
-//! Figures are made from tables once and drawn twice: for paper as SVG, and for the page, where they
-//! answer the pointer. Tests ask for marks and coordinates here, not for pixels.
+//! Figures are made from tables here and drawn by the page's script. Tests ask for marks and coordinates,
+//! not for pixels.
 
 use serde::Serialize;
 
@@ -33,7 +33,7 @@ pub struct Panel {
     pub x: Axis,
     /// The ordinate.
     pub y: Axis,
-    /// What the colours of regions and cells mean.
+    /// What the colours of cells and rasters mean.
     pub scale: Option<ColourScale>,
     /// What is drawn, the undermost first. Layers of one name share an entry in the legend.
     pub layers: Vec<Layer>,
@@ -64,11 +64,9 @@ pub enum AxisKind {
     Angle,
     /// Names at 0, 1, 2 and so on.
     Names(Vec<String>),
-    /// Evenly, and not shown: the marks are a picture of something in space, which has axes of its own.
-    Hidden,
 }
 
-/// What the colours of regions and cells mean: a sequence from pale to dark.
+/// What the colours of cells and rasters mean: a sequence from pale to dark.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ColourScale {
     /// What is measured, with its unit, as `amplitude [µm]`.
@@ -88,7 +86,7 @@ pub struct Layer {
     pub mark: Mark,
 }
 
-/// A colour by its meaning; what it looks like is up to paper and page, dark and light.
+/// A colour by its meaning; the page decides what it looks like, in its dark and its light theme.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Colour {
@@ -96,8 +94,6 @@ pub enum Colour {
     Ink,
     /// Less than text: for what only helps to read.
     Faint,
-    /// The colour of the background: for what covers.
-    Ground,
     /// One of a series that colour-blind readers can tell apart; they repeat after eight.
     Series(usize),
     /// By value, from the panel's scale.
@@ -194,12 +190,11 @@ pub enum Mark {
         /// What is known of each.
         tips: Tips,
     },
-    /// Filled regions, each a ring of points (a hole is joined to its outer ring by a cut) with a value
-    /// for the colour scale.
-    Regions {
-        /// The rings.
-        rings: Vec<Vec<[f64; 2]>>,
-        /// A value for each; not used where the colour is not by value.
+    /// A picture of values on a regular grid over the whole panel.
+    Raster {
+        /// Cells along the abscissa and along the ordinate.
+        size: [usize; 2],
+        /// A value for each cell, row by row from the lower edge; NaN leaves a cell open.
         values: Vec<f64>,
     },
     /// Rectangles with a value each for the colour scale.
@@ -219,13 +214,6 @@ pub enum Mark {
         at: f64,
         /// What is written at it.
         label: String,
-    },
-    /// Words, their middle at a point each.
-    Words {
-        /// The points.
-        at: Vec<[f64; 2]>,
-        /// The words.
-        words: Vec<String>,
     },
 }
 

@@ -1,15 +1,12 @@
-//! Results and runs for the eye, on paper, on a page and moving: the same bytes for the same data.
+//! Results for the eye: the report page, and the animation of a replayed run. The same data give the same bytes.
 
+mod animation;
 pub mod chart;
-pub mod contour;
-mod course;
-pub mod figures;
-mod gathered;
+mod data;
+mod figures;
 mod page;
-pub mod paper;
-mod replay;
 
+pub use animation::{animation, frames, time_text};
+pub use data::{Budget, Gathered, ResultTables};
 pub use figures::of_results;
-pub use gathered::{Budget, Gathered, ResultTables, heading};
 pub use page::{OWN, page};
-pub use replay::{FigureError, animation, figure, frames, time_text};

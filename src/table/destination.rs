@@ -9,7 +9,7 @@ use super::manifest::{FileEntry, MANIFEST, Manifest, read_regular};
 use super::provenance::{FORMAT, VERSION};
 use super::results::{DATA_FILES, ResultsError, STUDY};
 use super::temporary::will_become;
-use crate::ending::MODEL_VERSION;
+use crate::classification::MODEL_VERSION;
 use crate::foreign::one_line;
 use crate::study::Study;
 

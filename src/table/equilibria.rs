@@ -3,8 +3,8 @@
 use super::column::Column;
 use super::record::RunRecord;
 use super::runs::{drawn_columns, nominal_columns, position_columns};
-use crate::analysis::{Nearest, bin, sorted_where_alike};
-use crate::ending::Label;
+use crate::analysis::{bin, sorted_where_alike};
+use crate::classification::Label;
 use crate::study::{ParameterValue, Study};
 
 /// A run that ended in equilibrium, balls that are alike in ascending order of their angles.
@@ -19,13 +19,12 @@ pub struct EquilibriumRow {
     friction_margin: Option<f64>,
     time_to_rest_s: Option<f64>,
     evidence: &'static str,
-    nearest: Option<Nearest>,
 }
 
 impl EquilibriumRow {
     /// The row of a run; none for one that did not end in equilibrium.
     pub fn of(record: &RunRecord) -> Option<Self> {
-        let RunRecord { planned, outcome, nearest, .. } = record;
+        let RunRecord { planned, outcome, .. } = record;
         if outcome.label() != Label::Equilibrium {
             return None;
         }
@@ -44,7 +43,6 @@ impl EquilibriumRow {
             friction_margin: outcome.friction_margin,
             time_to_rest_s: outcome.time_to_rest_s,
             evidence: outcome.evidence.name(),
-            nearest: *nearest,
         })
     }
 }
@@ -91,36 +89,10 @@ pub fn equilibrium_columns(study: &Study) -> Vec<Column<EquilibriumRow>> {
         ),
         Column::word("evidence", "why it is an equilibrium", |row: &EquilibriumRow| row.evidence),
     ]);
-    columns.extend(preferred_columns(study.model().balls()));
-    columns
-}
-
-/// How near the equilibria without friction are, and the bins of `density.parquet`.
-fn preferred_columns(balls: usize) -> Vec<Column<EquilibriumRow>> {
-    if balls == 0 {
-        return Vec::new();
-    }
-    let mut columns = vec![
-        Column::optional_word(
-            "nearest_frictionless",
-            "the nearest stable equilibrium without friction, with a drag of 1e4 on the balls: a1_plus, \
-             a1_minus (all balls together), a2, other (on one line), b1 (balanced); null where none \
-             is stable, where four balls and more balance, and for five and more that differ with \
-             parameters drawn for each run",
-            |row: &EquilibriumRow| row.nearest.map(|nearest| nearest.kind.name()),
-        ),
-        Column::number(
-            "distance_to_frictionless_rad",
-            "rad",
-            "root mean square over the balls of the angles to it, least over exchanges of balls that \
-             are alike; of three balls that are balanced, to all positions that balance",
-            |row: &EquilibriumRow| row.nearest.map(|nearest| nearest.distance_rad),
-        ),
-    ];
-    columns.extend((0..balls).map(|ball| {
+    columns.extend((0..study.model().balls()).map(|ball| {
         Column::count(
             &format!("bin_{}", ball + 1),
-            "bin of the ball's angle in density.parquet, from 0, 10° wide",
+            "bin of the ball's angle in equilibrium_histogram.parquet, from 0, 10° wide",
             move |row: &EquilibriumRow| row.position.get(ball).map(|&angle| bin(angle) as u64),
         )
     }));

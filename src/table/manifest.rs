@@ -14,7 +14,7 @@ use super::read::TableError;
 use super::results::{Circumstances, RUNS};
 use super::temporary::write_atomically;
 use crate::analysis::LabelCounts;
-use crate::ending::{Label, MODEL_VERSION};
+use crate::classification::{Label, MODEL_VERSION};
 use crate::foreign::{is_acted_on, one_line, shell_word, shorten};
 use crate::study::Study;
 

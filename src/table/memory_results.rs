@@ -3,8 +3,8 @@
 use arrow_schema::ArrowError;
 
 use super::cycles::{CycleRow, cycle_columns};
-use super::density::{DensityRow, density_columns};
 use super::equilibria::{EquilibriumRow, equilibrium_columns};
+use super::equilibrium_histogram::{HistogramRow, histogram_columns};
 use super::memory::{MemoryTable, MemoryWriter};
 use super::points::{PointRow, point_columns};
 use super::provenance::provenance;
@@ -15,7 +15,8 @@ use crate::analysis::PointDetail;
 use crate::study::Study;
 
 /// The names of a study's tables, as files are called without `.parquet`.
-pub const TABLES: [&str; 6] = ["runs", "points", "rest", "cycles", "equilibria", "density"];
+pub const TABLES: [&str; 6] =
+    ["runs", "points", "rest", "cycles", "equilibria", "equilibrium_histogram"];
 
 /// The tables of a study, open for rows.
 pub struct MemoryResults {
@@ -24,7 +25,7 @@ pub struct MemoryResults {
     rest: MemoryWriter<RestRow>,
     cycles: MemoryWriter<CycleRow>,
     equilibria: MemoryWriter<EquilibriumRow>,
-    density: MemoryWriter<DensityRow>,
+    histogram: MemoryWriter<HistogramRow>,
 }
 
 impl MemoryResults {
@@ -37,7 +38,7 @@ impl MemoryResults {
             rest: MemoryWriter::new(rest_columns(study), about("rest")),
             cycles: MemoryWriter::new(cycle_columns(study), about("cycles")),
             equilibria: MemoryWriter::new(equilibrium_columns(study), about("equilibria")),
-            density: MemoryWriter::new(density_columns(study), about("density")),
+            histogram: MemoryWriter::new(histogram_columns(study), about("equilibrium_histogram")),
         }
     }
 
@@ -63,8 +64,8 @@ impl MemoryResults {
         for group in detail.cycles {
             self.cycles.push(CycleRow::new(&point, group))?;
         }
-        for bin in detail.density {
-            self.density.push(DensityRow::new(&point, bin))?;
+        for bin in detail.histogram {
+            self.histogram.push(HistogramRow::new(&point, bin))?;
         }
         self.points.push(point)
     }
@@ -80,7 +81,7 @@ impl MemoryResults {
             self.rest.finish()?,
             self.cycles.finish()?,
             self.equilibria.finish()?,
-            self.density.finish()?,
+            self.histogram.finish()?,
         ])
     }
 }

@@ -3,10 +3,9 @@
 use super::column::Column;
 use super::runs::swept_columns;
 use crate::analysis::{
-    AuditCounts, EscapeRate, PointSummary, StableEquilibria, amplitude_without_balls, is_narrow,
-    set_fraction,
+    AuditCounts, EscapeRate, PointSummary, amplitude_without_balls, is_narrow, set_fraction,
 };
-use crate::ending::Label;
+use crate::classification::Label;
 use crate::model::{ExistenceVerdict, Machine};
 use crate::study::{ParameterValue, Point, Study};
 
@@ -23,9 +22,6 @@ pub struct PointRow {
     pub amplitude_without_balls_m: Option<f64>,
     /// Share of all ball positions that are equilibria.
     pub set_fraction: Option<f64>,
-    /// The median distance from stable equilibria without friction of positions spread evenly over the
-    /// equilibrium set, rad.
-    pub even_distance_rad: Option<f64>,
     /// Whether stick and slip are always decided in exactly one way.
     pub existence: Option<ExistenceVerdict>,
 }
@@ -42,11 +38,6 @@ impl PointRow {
                 .ball_balancer()
                 .and_then(amplitude_without_balls),
             set_fraction: point.model().ball_balancer().and_then(set_fraction),
-            even_distance_rad: point
-                .model()
-                .ball_balancer()
-                .and_then(StableEquilibria::of)
-                .and_then(|stable| stable.median_of_even_spread()),
             existence: point.model().ball_balancer().map(Machine::existence),
         }
     }
@@ -138,20 +129,6 @@ pub fn point_columns(study: &Study) -> Vec<Column<PointRow>> {
             "share of all ball positions that are equilibria: exact for one ball, to about 0.001 for two \
              and 0.005 for three and more; without uncertain draws",
             |row: &PointRow| row.set_fraction,
-        ),
-        Column::number(
-            "distance_to_frictionless_p50_rad",
-            "rad",
-            "median of distance_to_frictionless_rad over the point's equilibria",
-            |row: &PointRow| row.summary.distance_to_frictionless_rad,
-        ),
-        Column::number(
-            "distance_to_frictionless_p50_uniform_rad",
-            "rad",
-            "the same for positions spread evenly over the equilibrium set (quasi-random; good to about \
-             0.01 rad, for three balls to about 0.05 rad): preferred equilibria lie nearer than by chance \
-             where theirs is smaller; without uncertain draws",
-            |row: &PointRow| row.even_distance_rad,
         ),
         Column::word(
             "solution",

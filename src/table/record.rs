@@ -1,7 +1,7 @@
 //! One row of the run table: what was planned and what came out.
 
-use crate::analysis::{Nearest, Observed};
-use crate::ending::{Evidence, Outcome};
+use crate::analysis::Observed;
+use crate::classification::{Evidence, Outcome};
 use crate::study::PlannedRun;
 
 /// A run with its outcome.
@@ -13,8 +13,6 @@ pub struct RunRecord {
     pub outcome: Outcome,
     /// Why it ended as it did when it was computed a second time, if it was.
     pub audit: Option<Evidence>,
-    /// The stable equilibrium without friction that is nearest to where it came to rest.
-    pub nearest: Option<Nearest>,
 }
 
 impl RunRecord {
@@ -25,7 +23,6 @@ impl RunRecord {
             case: self.planned.case.as_ref().ok(),
             outcome: &self.outcome,
             audit: self.audit.map(Evidence::label),
-            nearest: self.nearest,
         }
     }
 }

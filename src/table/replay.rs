@@ -1,7 +1,7 @@
 //! `trajectory.parquet` and `switches.parquet`: the motion of one run, with and without dimensions.
 
 use super::column::{Column, NON_DIMENSIONAL};
-use crate::ending::{ContactSample, Sample, Switch};
+use crate::classification::{ContactSample, Sample, Switch};
 use crate::model::{Ground, Model};
 use crate::motion::Phase;
 

@@ -8,9 +8,9 @@ use std::time::{SystemTime, UNIX_EPOCH};
 use thiserror::Error;
 
 use super::cycles::{CycleRow, cycle_columns};
-use super::density::{DensityRow, density_columns};
 use super::directory::make_directory;
 use super::equilibria::{EquilibriumRow, equilibrium_columns};
+use super::equilibrium_histogram::{HistogramRow, histogram_columns};
 use super::manifest::{FileEntry, MANIFEST, Manifest};
 use super::points::{PointRow, point_columns};
 use super::provenance::provenance;
@@ -102,19 +102,19 @@ pub struct Results {
     rest: TableWriter<RestRow>,
     cycles: TableWriter<CycleRow>,
     equilibria: TableWriter<EquilibriumRow>,
-    density: TableWriter<DensityRow>,
+    histogram: TableWriter<HistogramRow>,
     counts: LabelCounts,
 }
 
 /// The data files of an output directory.
-pub(super) const DATA_FILES: [&str; 7] = [RUNS, POINTS, REST, CYCLES, EQUILIBRIA, DENSITY, STUDY];
+pub(super) const DATA_FILES: [&str; 7] = [RUNS, POINTS, REST, CYCLES, EQUILIBRIA, HISTOGRAM, STUDY];
 
 pub(super) const RUNS: &str = "runs.parquet";
 const POINTS: &str = "points.parquet";
 const REST: &str = "rest.parquet";
 const CYCLES: &str = "cycles.parquet";
 const EQUILIBRIA: &str = "equilibria.parquet";
-const DENSITY: &str = "density.parquet";
+const HISTOGRAM: &str = "equilibrium_histogram.parquet";
 pub(super) const STUDY: &str = "study.yaml";
 
 impl Results {
@@ -158,10 +158,10 @@ impl Results {
                 equilibrium_columns(study),
                 &provenance(study, "equilibria"),
             )?,
-            density: TableWriter::create(
-                &directory.join(DENSITY),
-                density_columns(study),
-                &provenance(study, "density"),
+            histogram: TableWriter::create(
+                &directory.join(HISTOGRAM),
+                histogram_columns(study),
+                &provenance(study, "equilibrium_histogram"),
             )?,
             directory: directory.to_owned(),
             counts: LabelCounts::default(),
@@ -205,8 +205,8 @@ impl Results {
         for group in detail.cycles {
             self.cycles.push(CycleRow::new(&point, group))?;
         }
-        for bin in detail.density {
-            self.density.push(DensityRow::new(&point, bin))?;
+        for bin in detail.histogram {
+            self.histogram.push(HistogramRow::new(&point, bin))?;
         }
         Ok(self.points.push(point)?)
     }
@@ -226,7 +226,7 @@ impl Results {
             self.rest.finish()?,
             self.cycles.finish()?,
             self.equilibria.finish()?,
-            self.density.finish()?,
+            self.histogram.finish()?,
         ];
         let mut files: BTreeMap<String, FileEntry> = tables.into_iter().flatten().collect();
         let directory = self.directory;

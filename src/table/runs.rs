@@ -4,7 +4,7 @@ use super::column::{Column, NON_DIMENSIONAL};
 use super::cycles::class_meaning;
 use super::record::RunRecord;
 use crate::analysis::CycleClass;
-use crate::ending::{Evidence, LyapunovExponent};
+use crate::classification::{Evidence, LyapunovExponent};
 use crate::model::Coordinate;
 use crate::study::{ParameterKind, ParameterValue, PlannedRun, Study, VariedParameter};
 

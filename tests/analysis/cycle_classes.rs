@@ -2,7 +2,7 @@
 
 use proptest::prelude::*;
 use stickslip::analysis::{CycleClass, Role, groups_of_alike};
-use stickslip::ending::{Cycle, Doing, Evidence, Outcome};
+use stickslip::classification::{Cycle, Doing, Evidence, Outcome};
 use stickslip::model::{Balancer, Ball, Block, Machine, Model, State};
 use stickslip::motion::{Phase, derivative};
 

@@ -107,7 +107,7 @@ fn a_replay_has_its_directory_alone() {
     scratch.well("replay out 1 --out motion");
     let mut names: Vec<_> = scratch.files().into_keys().collect();
     names.retain(|path| path.parent() == Some(&scratch.path("motion")));
-    assert_eq!(names.len(), 5, "{names:?}");
+    assert_eq!(names.len(), 4, "{names:?}");
 }
 
 /// What killed processes have left in a directory of results is cleared away by the next one, and nothing else.

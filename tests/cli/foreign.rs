@@ -61,7 +61,6 @@ fn texts_of_a_manifest() {
             for command in [
                 "summary out",
                 "report out",
-                "report out --figures svg",
                 "replay out 0",
                 "resume out",
                 "run a.yaml --out out",

@@ -11,8 +11,8 @@ use std::time::{Duration, Instant};
 use arrow::array::{RecordBatch, UInt64Array};
 use arrow::compute::take_record_batch;
 use rayon::prelude::*;
-use stickslip::ending::simulate;
-use stickslip::farm::compute;
+use stickslip::classification::simulate;
+use stickslip::engine::compute;
 use stickslip::table::column::batch;
 use stickslip::table::{RunRecord, run_columns};
 

@@ -44,7 +44,6 @@ fn of_results() {
         let name = format!("{name}.parquet");
         with_other_bits(&scratch, &format!("out/{name}"), 10, |bit| {
             refused(&scratch, "report out", &name, bit);
-            refused(&scratch, "report out --figures svg", &name, bit);
         });
     }
     with_other_bits(&scratch, "out/runs.parquet", 10, |bit| {
@@ -116,22 +115,4 @@ fn of_a_search() {
     assert_eq!(ended.code, Some(0), "{}", ended.err);
     assert_has(&ended.err, &["optimum.json has been changed since it was written"]);
     assert_eq!(fs::read(scratch.path("search/optimum.json")).unwrap(), best);
-}
-
-/// Figures of directories without a manifest.
-#[test]
-fn of_sets_and_motions() {
-    let (scratch, _) = finished();
-    scratch.well("equilibria out/study.yaml --grid 32 --out sets -q");
-    scratch.well("replay out 1 --out motion");
-    for name in ["sets/frictionless.parquet", "motion/trajectory.parquet"] {
-        let directory = name.split('/').next().unwrap();
-        let command = format!("report {directory} --figures svg");
-        with_other_bits(&scratch, name, 10, |bit| {
-            refused(&scratch, &command, "this is not the file that was written", bit);
-        });
-        scratch.well(&command);
-        fs::remove_file(scratch.path(directory).join("files.json")).unwrap();
-        refused(&scratch, &command, "nothing says what was written", 0);
-    }
 }

@@ -216,7 +216,6 @@ fn what_cannot_be_shown_is_refused() {
     for inside in ["out", "out/new.html", "out/chunks", "out/a/b.html"] {
         let said = ["lies in the directory that is shown", "found: ", "allowed: "];
         scratch.refused(&format!("report out --out {inside}"), &said);
-        scratch.refused(&format!("report out --figures svg --out {inside}"), &said);
     }
     fs::create_dir(scratch.path("folder")).unwrap();
     scratch.refused("report out --out folder", &["folder", "a directory", "allowed: "]);
@@ -226,12 +225,6 @@ fn what_cannot_be_shown_is_refused() {
     scratch.refused("report out", &["found:   a report that has been changed since", "allowed: "]);
     assert_eq!(page(&scratch, "out-report.html"), mine);
     fs::remove_file(scratch.path("out-report.html")).unwrap();
-    scratch.well("report out --figures svg");
-    scratch.well("report out --figures svg");
-    let mine = page(&scratch, "out-figures/doubt.svg").replace("</svg>", "<text>mine</text></svg>");
-    scratch.write("out-figures/doubt.svg", &mine);
-    scratch.refused("report out --figures svg", &["doubt.svg", "has been changed since"]);
-    assert_eq!(page(&scratch, "out-figures/doubt.svg"), mine);
     // A table that lacks a column, and one that is missing.
     rewrite(&scratch, "rest", |batch| without(batch, "probability_at_rest"));
     let said = ["rest.parquet: column probability_at_rest: there is no such column", "allowed: "];

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::PathBuf;
 
-use stickslip::ending::MODEL_VERSION;
+use stickslip::classification::MODEL_VERSION;
 
 use super::support::{Scratch, assert_has, of_older_model, study_text};
 

@@ -10,7 +10,7 @@ use arrow::array::{ArrayRef, AsArray, RecordBatch};
 use arrow::compute::concat_batches;
 use arrow::datatypes::{DataType, Float64Type, Int32Type, UInt64Type};
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
-use stickslip::ending::MODEL_VERSION;
+use stickslip::classification::MODEL_VERSION;
 use stickslip::study::Study;
 use stickslip::table::FileEntry;
 use tempfile::TempDir;
@@ -22,7 +22,7 @@ pub const DATA_FILES: [&str; 7] = [
     "rest.parquet",
     "cycles.parquet",
     "equilibria.parquet",
-    "density.parquet",
+    "equilibrium_histogram.parquet",
     "study.yaml",
 ];
 

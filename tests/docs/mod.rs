@@ -57,14 +57,6 @@ fn output_of_the_first_command() {
         "stratified-narrower",
         &stratified_narrower(&points),
     );
-    // And the pictures are of this study.
-    let drawn = stickslip(&["report", folder, "--figures", "svg"]);
-    assert_eq!(drawn.status.code(), Some(0), "{}", String::from_utf8_lossy(&drawn.stderr));
-    for name in ["preferred-equilibria.svg", "time-to-rest.svg"] {
-        let picture = out.path().join("results-figures").join(name);
-        let picture = std::fs::read_to_string(picture).expect("a picture");
-        generated::compare_or_write(&format!("docs/{name}"), &picture);
-    }
 }
 
 /// How much narrower than Wilson's the intervals of the points with stratified ones are.

@@ -7,7 +7,7 @@ use std::process::Command;
 
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
-use stickslip::ending::MODEL_VERSION;
+use stickslip::classification::MODEL_VERSION;
 use stickslip::study::Study;
 
 use super::generated::compare_or_write_part;

@@ -6,9 +6,9 @@
 mod disk;
 mod filled_once;
 mod killed;
-mod meddling;
 mod panics;
-mod trifles;
+mod small_faults;
+mod tampering;
 mod two_processes;
 
 use std::fs;

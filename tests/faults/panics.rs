@@ -3,13 +3,13 @@
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
-use stickslip::ending::{Label, Outcome, simulate};
-use stickslip::farm::{FarmOptions, Progress, Store, farm};
+use stickslip::classification::{Label, Outcome, simulate};
+use stickslip::engine::{FarmOptions, Progress, Store, farm};
 use stickslip::model::Case;
 use stickslip::study::Study;
 
 use crate::cli::support::{Scratch, parse};
-use crate::farm::kept::Kept;
+use crate::engine::kept::Kept;
 
 fn farmed(
     study: &Study,

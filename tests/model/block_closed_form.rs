@@ -1,5 +1,6 @@
 //! The closed forms of blocks on springs against what they follow from.
 
+use super::closed_forms::ClosedForms;
 use stickslip::model::{Block, FrictionLaw, Ground};
 
 fn close(found: f64, exact: f64) {

@@ -1,6 +1,6 @@
 //! The 2×2 form of the equations against the thesis's matrices, in all nine configurations.
 
-use stickslip::model::extended_lagrange::{Configuration, extended_lagrange};
+use super::thesis_matrices::{Configuration, extended_lagrange};
 use stickslip::model::{Balancer, Contact, Friction, Machine, NormalForce, State};
 
 /// A small generator that is nobody else's, so that this test stands alone (xorshift64*).

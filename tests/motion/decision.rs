@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use proptest::prelude::*;
-use stickslip::ending::{Evidence, simulate};
+use stickslip::classification::{Evidence, simulate};
 use stickslip::model::{Balancer, Machine, Method, State};
 use stickslip::motion::{
     Failure, Motion, Phase, SLACK, Settings, Tolerance, contacts, decide, stick_reserve,

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 use std::path::Path;
 
-use stickslip::ending::{Evidence, simulate};
+use stickslip::classification::{Evidence, simulate};
 use stickslip::model::{Balancer, Case, Contact, Machine, Method, Simulation, State};
 use stickslip::motion::{Motion, Phase, Settings, stick_reserve};
 use stickslip::study::Study;

@@ -1,6 +1,6 @@
 //! What every motion has: exchange of balls, mirror image, whole turns of a ball.
 
-use stickslip::ending::{Outcome, simulate};
+use stickslip::classification::{Outcome, simulate};
 use stickslip::model::{Ball, Case, Machine, Method, Simulation, Start};
 
 const METHODS: [Method; 2] = [Method::Switch, Method::Event];

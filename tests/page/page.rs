@@ -355,7 +355,7 @@ fn bytes(answer: &Value) -> Vec<u8> {
 }
 
 /// Where pictures go; nowhere where nobody wants them.
-fn kept(name: &str, kind: &str) -> Option<PathBuf> {
+pub fn kept(name: &str, kind: &str) -> Option<PathBuf> {
     let folder = PathBuf::from(env::var_os("STICKSLIP_SCREENSHOTS")?);
     fs::create_dir_all(&folder).unwrap();
     Some(folder.join(format!("{name}.{kind}")))

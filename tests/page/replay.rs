@@ -191,3 +191,32 @@ fn a_replay_on_paper() {
         page.screenshot(&format!("replay-print-{dark}"));
     }
 }
+
+/// The picture is saved as a drawing that has its colours without the page's style, or as a bitmap.
+#[test]
+fn the_picture_is_saved() {
+    let Some(mut browser) = Browser::start() else { return };
+    let made = Made::new();
+    let mut page = browser.open(&replay(&made, 2), STILL);
+    page.ask(
+        "window.savedFile = null;
+         HTMLAnchorElement.prototype.click = function () { window.savedFile = [this.download, this.href]; };
+         null",
+    );
+    page.click_on("#svg");
+    page.wait_until("window.savedFile");
+    let name = page.text("savedFile[0]");
+    assert!(name.starts_with("a-run-0-") && name.ends_with("-0.0000-s.svg"), "{name}");
+    let text = page.text("decodeURIComponent(savedFile[1].split(',').slice(1).join(','))");
+    let svg = roxmltree::Document::parse(&text).unwrap();
+    let circles = svg.descendants().filter(|node| node.has_tag_name("circle"));
+    assert!(circles.count() >= 4);
+    assert!(!text.contains("var(") || text.contains("fill=\"rgb("), "{text}");
+    page.ask("savedFile = null");
+    page.click_on("#png");
+    page.wait_until("window.savedFile");
+    let (name, url) = (page.text("savedFile[0]"), page.text("savedFile[1]"));
+    assert!(name.ends_with(".png") && url.starts_with("data:image/png;base64,"), "{name}");
+    assert!(url.len() > 5_000, "{} bytes", url.len());
+    assert_eq!(page.faults(), [""; 0]);
+}

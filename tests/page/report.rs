@@ -8,7 +8,7 @@ use serde_json::Value;
 
 use super::browser::Browser;
 use super::made::Made;
-use super::page::{DARK, LAPTOP, Page, View};
+use super::page::{DARK, LAPTOP, Page, View, kept};
 
 /// Five speeds of the thesis and a tenth of the friction; 8 runs each, of which half are audited.
 const THESIS: &str = "schema: 1
@@ -485,4 +485,55 @@ fn a_report_on_paper() {
             assert_eq!(page.faults(), [""; 0]);
         }
     }
+}
+
+/// What a press of a button saves: the file's name and its content as a URL.
+#[track_caller]
+fn saved(page: &mut Page<'_>, button: &str) -> (String, String) {
+    page.ask(
+        "window.savedFile = null;
+         HTMLAnchorElement.prototype.click = function () { window.savedFile = [this.download, this.href]; };
+         null",
+    );
+    page.ask(&format!("document.querySelector({button:?}).click(); null"));
+    page.wait_until("window.savedFile");
+    serde_json::from_value(page.ask("window.savedFile")).unwrap()
+}
+
+/// Every figure is saved as a drawing with its title, its legend and its scale, or as a bitmap.
+#[test]
+fn figures_are_saved() {
+    let Some(mut browser) = Browser::start() else { return };
+    let made = Made::new();
+    let file = report(&made, THESIS, "thesis");
+    let mut page = browser.open(&file, DARK);
+    for id in figures(&mut page) {
+        see(&mut page, &id);
+        let (name, url) =
+            saved(&mut page, &format!("#{id} [aria-label='Save this figure as SVG']"));
+        assert!(name.starts_with(&id) && name.ends_with(".svg"), "{name}");
+        let text =
+            page.text(&format!("decodeURIComponent({:?}.split(',').slice(1).join(','))", url));
+        let svg = roxmltree::Document::parse(&text).unwrap_or_else(|error| panic!("{id}: {error}"));
+        let words: Vec<&str> = svg.descendants().filter_map(|node| node.text()).collect();
+        let title = page.text(&format!("document.getElementById('{id}-title').textContent"));
+        assert!(words.contains(&&*title), "{id}: {title} in {words:?}");
+        let pressed = page.ask(&format!(
+            "[...document.querySelectorAll('#{id} .legend button')].map(button => button.dataset.name)"
+        ));
+        for name in pressed.as_array().unwrap() {
+            let name = name.as_str().unwrap();
+            assert!(words.contains(&name), "{id}: {name} in {words:?}");
+        }
+        if let Some(path) = kept(&format!("saved-{id}"), "svg") {
+            fs::write(path, &text).unwrap();
+        }
+        let (name, url) =
+            saved(&mut page, &format!("#{id} [aria-label='Save this figure as PNG']"));
+        assert!(name.ends_with(".png") && url.starts_with("data:image/png;base64,"), "{name}");
+        assert!(url.len() > 20_000, "{id}: {} bytes", url.len());
+    }
+    // The page is as it was.
+    assert_eq!(page.text("String(document.documentElement.dataset.paper)"), "undefined");
+    assert_eq!(page.faults(), [""; 0]);
 }

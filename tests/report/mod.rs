@@ -1,5 +1,4 @@
-//! What is drawn, by what it is made of.
+//! What the figures of a report show, by their marks.
 
-mod figures;
-/// The figure of a replayed run.
-mod replay_figure;
+/// Where balls come to rest.
+mod preferred;

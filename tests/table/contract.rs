@@ -195,8 +195,6 @@ fn points() {
         "audit_flip_high n 1",
         "amplitude_without_balls_m n m",
         "set_fraction n 1",
-        "distance_to_frictionless_p50_rad n rad",
-        "distance_to_frictionless_p50_uniform_rad n rad",
         "solution w -",
         "least_principal_minor n 1",
     ];
@@ -274,8 +272,6 @@ fn equilibria_of_balls_that_are_alike_are_sorted() {
         "friction_margin n 1",
         "time_to_rest_s n s",
         "evidence w -",
-        "nearest_frictionless w -",
-        "distance_to_frictionless_rad n rad",
         "bin_1 c -",
         "bin_2 c -",
     ];

@@ -8,8 +8,8 @@ use std::sync::atomic::AtomicBool;
 use arrow::array::{AsArray, RecordBatch};
 use arrow::datatypes::{Float64Type, Int32Type};
 use stickslip::analysis::PointDetail;
-use stickslip::ending::{Cycle, Doing, Evidence, Outcome};
-use stickslip::farm::{FarmOptions, Progress, Sink, farm};
+use stickslip::classification::{Cycle, Doing, Evidence, Outcome};
+use stickslip::engine::{FarmOptions, Progress, Sink, farm};
 use stickslip::model::{Block, Case, FrictionLaw, Ground};
 use stickslip::study::Study;
 use stickslip::table::{Circumstances, PointRow, Results, ResultsError, RunRecord};
@@ -18,6 +18,7 @@ use super::contract::{columns, results};
 use crate::cli::support::{
     AT_ONCE, Scratch, column, counts, numbers, parse, study_text, table, words,
 };
+use crate::model::closed_forms::ClosedForms;
 
 const OF_EVERY_MODEL: [&str; 7] = [
     "runs c -",

@@ -5,7 +5,7 @@ use std::sync::atomic::AtomicBool;
 
 use arrow::error::ArrowError;
 use stickslip::analysis::PointDetail;
-use stickslip::farm::{FarmOptions, Progress, Sink, farm_in_lockstep};
+use stickslip::engine::{FarmOptions, Progress, Sink, farm_in_lockstep};
 use stickslip::study::Study;
 use stickslip::table::{
     MemoryResults, MemoryTable, PointRow, RunRecord, TABLES, Table, manifest_of,

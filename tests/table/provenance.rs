@@ -37,7 +37,7 @@ fn every_table_says_where_it_comes_from() {
         ("out/rest.parquet", "rest"),
         ("out/cycles.parquet", "cycles"),
         ("out/equilibria.parquet", "equilibria"),
-        ("out/density.parquet", "density"),
+        ("out/equilibrium_histogram.parquet", "equilibrium_histogram"),
         ("cases.parquet", "cases"),
     ] {
         let found = provenance(&scratch, file);

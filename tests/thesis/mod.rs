@@ -4,8 +4,8 @@ use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
 use stickslip::analysis::PointDetail;
-use stickslip::ending::{Label, simulate};
-use stickslip::farm::{FarmOptions, Progress, Sink, farm};
+use stickslip::classification::{Label, simulate};
+use stickslip::engine::{FarmOptions, Progress, Sink, farm};
 use stickslip::study::Study;
 use stickslip::table::{PointRow, RunRecord};
 

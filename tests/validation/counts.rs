@@ -6,12 +6,12 @@ use std::path::Path;
 
 use rayon::prelude::*;
 use stickslip::analysis::{Interval, Observed, PointAccumulator, PointSummary, Z_95, wilson};
-use stickslip::ending::{Label, Outcome, simulate};
+use stickslip::classification::{Label, Outcome, simulate};
 use stickslip::model::{Case, Machine, Method, NormalForce, Simulation};
 use stickslip::study::Study;
 
+use crate::classification::reference::{distance, label_agrees, references, run_all};
 use crate::docs::generated::compare_or_write_part;
-use crate::ending::reference::{distance, label_agrees, references, run_all};
 
 /// The thesis's counts (figures 5.7 to 5.9 and section 5.3), in the order of the study's points.
 const THESIS: [u64; 6] = [768, 768, 768, 70, 435, 61];
@@ -92,7 +92,7 @@ impl ThesisRuns {
     fn summary(&self, way: usize, point: usize) -> PointSummary {
         let mut runs = PointAccumulator::default();
         self.outcomes[way][point].iter().for_each(|outcome| {
-            runs.add(Observed { cell: 0, case: None, outcome, audit: None, nearest: None });
+            runs.add(Observed { cell: 0, case: None, outcome, audit: None });
         });
         runs.summary()
     }

@@ -6,11 +6,12 @@ use std::path::Path;
 
 use rayon::prelude::*;
 use stickslip::analysis::CycleClass;
-use stickslip::ending::{Evidence, Label, Outcome, simulate};
+use stickslip::classification::{Evidence, Label, Outcome, simulate};
 use stickslip::model::{Case, Machine, Model, Simulation, Start};
 use stickslip::study::Study;
 
 use crate::docs::generated::compare_or_write_part;
+use crate::model::closed_forms::ClosedForms;
 
 fn machine(speed_rad_s: f64) -> Machine {
     Machine { speed_rad_s, ..Machine::default() }

@@ -2,10 +2,14 @@
 
 use std::collections::BTreeMap;
 use std::convert::Infallible;
+use std::f64::consts::TAU;
 use std::fmt::Write;
 
-use stickslip::analysis::{Resolution, RestForm, StableEquilibria, Z_95, wilson};
-use stickslip::ending::{Label, Outcome};
+use stickslip::analysis::{
+    FrictionlessKind, HIGH_DRAG, Resolution, RestForm, Stability, Z_95, frictionless_equilibria,
+    wilson,
+};
+use stickslip::classification::{Label, Outcome};
 use stickslip::model::Machine;
 
 use crate::docs::generated::compare_or_write_part;
@@ -27,18 +31,18 @@ distance than that, with Wilson's 95 % confidence interval; uniformly distribute
     .to_owned();
     let mut ratios = [f64::INFINITY, 0.0_f64];
     for (machine, outcomes) in points {
-        let stable = StableEquilibria::of(machine).expect("stable equilibria");
+        let stable = stable_equilibria(machine);
         let chance = by_chance(machine, &stable);
         let at_rest = outcomes.iter().filter(|outcome| outcome.label() == Label::Equilibrium);
-        let nearest = at_rest.map(|outcome| {
+        let at_rest_nearest = at_rest.map(|outcome| {
             let beta = outcome.position.as_ref().expect("an equilibrium has angles");
-            stable.nearest(beta).expect("one of them")
+            nearest(&stable, beta)
         });
         let mut kinds: BTreeMap<&str, u32> = BTreeMap::new();
         let mut distances = Vec::new();
-        for one in nearest {
-            *kinds.entry(one.kind.name()).or_default() += 1;
-            distances.push(one.distance_rad);
+        for (kind, distance) in at_rest_nearest {
+            *kinds.entry(kind.name()).or_default() += 1;
+            distances.push(distance);
         }
         distances.sort_by(f64::total_cmp);
         let all = distances.len();
@@ -63,14 +67,39 @@ distance than that, with Wilson's 95 % confidence interval; uniformly distribute
     text
 }
 
+/// An equilibrium of two identical balls: its kind and their angles.
+type Equilibrium = (FrictionlessKind, [f64; 2]);
+
+/// The equilibria without friction that are stable with a high drag.
+fn stable_equilibria(machine: &Machine) -> Vec<Equilibrium> {
+    let all = frictionless_equilibria(machine, HIGH_DRAG).expect("a machine with balls");
+    let stable = all.into_iter().filter(|one| one.stability == Stability::Stable);
+    let of = |one: stickslip::analysis::FrictionlessEquilibrium| {
+        let beta = one.beta_rad.expect("isolated equilibria");
+        (one.kind, beta.try_into().expect("two balls"))
+    };
+    stable.map(of).collect()
+}
+
+/// The nearest of them, and the root mean square of the angles to it, the balls exchanged where that is less.
+fn nearest(stable: &[Equilibrium], beta: &[f64]) -> (FrictionlessKind, f64) {
+    let turn = |a: f64, b: f64| {
+        let away = (a - b).rem_euclid(TAU);
+        away.min(TAU - away)
+    };
+    let away = |[a, b]: [f64; 2]| turn(beta[0], a).hypot(turn(beta[1], b)) / 2.0_f64.sqrt();
+    let distances = stable.iter().map(|&(kind, [a, b])| (kind, away([a, b]).min(away([b, a]))));
+    distances.min_by(|(_, a), (_, b)| a.total_cmp(b)).expect("a stable equilibrium")
+}
+
 /// The median distance of all positions of a fine grid that are in the equilibrium set. It is good to 0.001 rad (the
-/// grid of 2048 × 2048 differs by less), where the quick look of `points.parquet` is good to about 0.01 rad.
-fn by_chance(machine: &Machine, stable: &StableEquilibria) -> f64 {
+/// grid of 2048 × 2048 differs by less), so two printed digits are right.
+fn by_chance(machine: &Machine, stable: &[Equilibrium]) -> f64 {
     let form = RestForm::new(machine).expect("balls");
     let mut distances = Vec::new();
     let shown = Resolution::Grid(1024).visit(&form, |beta, rest| -> Result<(), Infallible> {
         if rest.in_set() {
-            distances.push(stable.nearest(beta).expect("one of them").distance_rad);
+            distances.push(nearest(stable, beta).1);
         }
         Ok(())
     });

@@ -115,7 +115,7 @@ struct Balancer {
 };
 
 // Where the table rests while both balls stick, and how far (squared, in its phase space) it may be from
-// there so that neither ever breaks loose (src/ending/certificate.rs).
+// there so that neither ever breaks loose (src/classification/certificate.rs).
 struct Rest {
     double x = 0.0, y = 0.0, allowed = -1.0;
 

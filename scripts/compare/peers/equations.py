@@ -118,7 +118,7 @@ def set_in_motion(y, s):
 @nb.njit
 def rest(y, p):
     """Where the table rests while both balls stick at `y`, and how far (squared, in its phase space)
-    it may be from there so that neither ever breaks loose (src/ending/certificate.rs)."""
+    it may be from there so that neither ever breaks loose (src/classification/certificate.rs)."""
     omega, zeta = p[SPEED], p[DAMPING]
     sine1, cosine1 = math.sin(y[2]), math.cos(y[2])
     sine2, cosine2 = math.sin(y[3]), math.cos(y[3])

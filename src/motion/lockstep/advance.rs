@@ -4,14 +4,14 @@ use std::f64::consts::TAU;
 
 use fearless_simd::{Simd, mask64x8, prelude::*};
 
-use super::conditions::look_over;
-use super::decision::{InPlace, next_phases};
-use super::displacement::{carry, over_switch};
-use super::first_failure::{Ends, first_failure};
+use super::event_functions::look_over;
+use super::event_location::{Ends, first_failure};
 use super::group::{Group, Room};
 use super::lane::Trouble;
+use super::mode_selection::{InPlace, next_phases};
 use super::series::Series;
 use super::step::within_tolerance;
+use super::tangent::{carry, over_switch};
 use super::{LANES, Lanes};
 use crate::motion::Failure;
 use crate::motion::contact::{SmoothPhase, check_forces};

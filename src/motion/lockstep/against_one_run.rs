@@ -1,7 +1,7 @@
 //! Tests: the series of eight different machines side by side against the equations of one run.
 
-use super::displacement::carry;
 use super::step::within_tolerance;
+use super::tangent::carry;
 use super::{Flow, Group, LANES, Lanes, Room, Saved, VectorLevel};
 use crate::model::{Balancer, Dual, FrictionLaw, Machine, Method, Number, State};
 use crate::motion::contact::{Phase, SmoothPhase};

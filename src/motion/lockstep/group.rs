@@ -2,8 +2,8 @@
 
 use fearless_simd::{Simd, prelude::*};
 
-use super::conditions::{Doubts, Watched};
 use super::equations::Equations;
+use super::event_functions::{Doubts, Watched};
 use super::lane::{Lane, Saved, rest_radius_squared};
 use super::series::Series;
 use super::{Flow, LANES, Lanes};

@@ -1,6 +1,6 @@
 //! One run of those in lockstep: what of it is not in vectors, and all of it when it is taken out.
 
-use super::locate::width;
+use super::root_isolation::width;
 use crate::model::{Balancer, RestPoint, State, System};
 use crate::motion::contact::Phase;
 use crate::motion::driver::Motion;

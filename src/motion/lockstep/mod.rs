@@ -13,28 +13,28 @@
 mod advance;
 #[cfg(all(test, target_arch = "x86_64"))]
 mod against_one_run;
-mod beyond;
-mod conditions;
-mod decision;
-mod displacement;
 mod equations;
-mod first_failure;
+mod event_functions;
+mod event_location;
 mod group;
 mod lane;
-mod level;
-mod locate;
-mod passage;
+mod mode_selection;
 mod recurrence;
+mod root_isolation;
+mod section_crossing;
 mod series;
+mod simd_level;
 mod step;
+mod tail_terms;
+mod tangent;
 mod trigonometry;
 mod within;
 
 pub(crate) use advance::{Happened, advance};
 pub(crate) use group::{Group, Room};
 pub(crate) use lane::{Saved, Trouble};
-pub use level::VectorLevel;
 pub(super) use series::TERMS;
+pub use simd_level::VectorLevel;
 
 use fearless_simd::f64x8;
 

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use fearless_simd::Simd;
 
-use super::passage::state_at;
+use super::section_crossing::state_at;
 use super::{Group, Room};
 
 impl<S: Simd, const N: usize> Group<S, N> {

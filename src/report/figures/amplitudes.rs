@@ -2,7 +2,7 @@
 
 use super::layers::{CurveOf, axis, few_each, share_axis, significant};
 use crate::report::chart::{Axis, AxisKind, Colour, Figure, Layer, Mark, Panel};
-use crate::report::gathered::Gathered;
+use crate::report::data::Gathered;
 
 /// Steps of a curve: more than a picture can tell apart.
 const MOST_STEPS: usize = 300;

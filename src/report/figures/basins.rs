@@ -1,10 +1,10 @@
 //! Which start states end where: pairs of start coordinates, coloured by how the run ended.
 
 use super::layers::{label_colour, label_symbol, label_words, places, run_dots};
-use crate::ending::Label;
+use crate::classification::Label;
 use crate::model::Coordinate;
 use crate::report::chart::{Axis, AxisKind, Figure, Layer, Mark, Panel, Tips};
-use crate::report::gathered::{Gathered, scattered};
+use crate::report::data::{Gathered, scattered};
 use crate::study::Study;
 
 /// A panel for each point and pair of coordinates.

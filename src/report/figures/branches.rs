@@ -3,7 +3,7 @@
 use super::layers::{axis, numbers};
 use super::sweep_axis::{Group, SweepAxis};
 use crate::report::chart::{Colour, Figure, Layer, Mark, Panel, Symbol, Tips};
-use crate::report::gathered::{CycleFacts, Gathered, QUANTITIES};
+use crate::report::data::{CycleFacts, Gathered, QUANTITIES};
 
 /// Most classes that are shown, those with the most runs.
 const MOST_CLASSES: usize = 8;

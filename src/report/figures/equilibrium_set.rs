@@ -11,20 +11,19 @@ use crate::model::Machine;
 use crate::report::chart::{
     Axis, AxisKind, Colour, ColourScale, Layer, Mark, Symbol, TipColumn, TipValues, Tips,
 };
-use crate::report::contour::{Grid, lines, regions};
 
-/// Cells of the grid per axis.
-const CELLS: usize = 384;
-/// At most about so many bands of amplitude.
-const BANDS: f64 = 12.0;
+/// Cells of the raster per axis: about half a screen's pixels, in 100 kB of the page.
+const CELLS: usize = 192;
+/// The scale of amplitudes has at most about so many round steps.
+const STEPS: f64 = 12.0;
 
 /// What shows an equilibrium set over the angle of ball 1, to the right, and of ball 2, upwards.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SetLayers {
     /// What the colours mean.
     pub scale: ColourScale,
-    /// The set: bands of amplitude, contour lines, what is not in the set covered, its edge.
-    pub set: Vec<Layer>,
+    /// The amplitude wherever the balls can rest.
+    pub set: Layer,
     /// The equilibria without friction, for above all else.
     pub frictionless: Vec<Layer>,
 }
@@ -43,70 +42,48 @@ pub fn angle_axis(ball: usize) -> Axis {
 /// place to rest (a suspension without damping has none at its resonance).
 pub fn set_layers(machine: &Machine) -> Option<SetLayers> {
     let form = RestForm::new(machine)?;
-    let grid = SetGrid::new(&form, CELLS)?;
     if form.mass.len() != 2 || form.speed == 0.0 || !form.transfer.is_finite() {
         return None;
     }
-    let [amplitude, margin] = values(&grid);
-    let levels = levels(&amplitude, &margin)?;
-    let over = |values: &[f64]| {
-        // Rows of the table of values have ball 1 where it is, and ball 2 goes along them.
-        let at = |column: usize, row: usize| values[(column % CELLS) * CELLS + row % CELLS];
-        Grid::of([[0.0, TAU]; 2], [CELLS + 1; 2], at)
+    // Every second point of a grid twice as fine is the middle of a cell.
+    let grid = SetGrid::new(&form, 2 * CELLS)?;
+    let mut values = vec![f64::NAN; CELLS * CELLS];
+    let mut row = GridRow::default();
+    let (mut in_set, mut everywhere) = ([f64::INFINITY, 0.0], [f64::INFINITY, 0.0]);
+    // The first ball's angle goes along the rows of the raster, the second one's up.
+    for first in 0..CELLS {
+        grid.fill(2 * first + 1, &mut row);
+        for second in 0..CELLS {
+            let rest = grid.at(&row, 2 * second + 1);
+            let amplitude = 1e6 * rest.amplitude_m;
+            extend(&mut everywhere, amplitude);
+            if rest.in_set() {
+                extend(&mut in_set, amplitude);
+                values[second * CELLS + first] = amplitude;
+            }
+        }
+    }
+    let range = rounded(if in_set[0] <= in_set[1] { in_set } else { everywhere })?;
+    let scale = ColourScale { name: "amplitude [µm]".to_owned(), range };
+    let set = Layer {
+        name: String::new(),
+        colour: Colour::Scale,
+        mark: Mark::Raster { size: [CELLS; 2], values },
     };
-    let [amplitude, margin] = [over(&amplitude), over(&margin)];
-    let (rings, values) = regions(&amplitude, &levels);
-    let bands = Mark::Regions { rings, values };
-    let contours = levels.iter().flat_map(|level| lines(&amplitude, *level)).collect();
-    let (outside, _) = regions(&margin, &[f64::NEG_INFINITY, 0.0]);
-    let cover = Mark::Regions { values: vec![0.0; outside.len()], rings: outside };
-    let edge = lines(&margin, 0.0);
-    let layer = |name: &str, colour, mark| Layer { name: name.to_owned(), colour, mark };
-    let line = |lines: Vec<Vec<[f64; 2]>>| Mark::Line { points: broken(lines), dashed: false };
-    let scale = ColourScale {
-        name: "amplitude [µm]".to_owned(),
-        range: [levels[0], levels[levels.len() - 1]],
-    };
-    let set = vec![
-        layer("", Colour::Scale, bands),
-        layer("", Colour::Faint, line(contours)),
-        layer("", Colour::Ground, cover),
-        layer("edge of the equilibrium set", Colour::Ink, line(edge)),
-    ];
     Some(SetLayers { scale, set, frictionless: frictionless(machine)? })
 }
 
-/// Amplitude in µm and friction margin at all points of the grid.
-fn values(grid: &SetGrid) -> [Vec<f64>; 2] {
-    let mut row = GridRow::default();
-    let mut values = [Vec::new(), Vec::new()];
-    for first in 0..CELLS {
-        grid.fill(first, &mut row);
-        for second in 0..CELLS {
-            let rest = grid.at(&row, second);
-            values[0].push(1e6 * rest.amplitude_m);
-            values[1].push(rest.friction_margin());
-        }
-    }
-    values
+fn extend(range: &mut [f64; 2], value: f64) {
+    *range = [range[0].min(value), range[1].max(value)];
 }
 
-/// Levels at multiples of 1, 2 or 5 times a power of ten round the amplitudes in the set, or all where
-/// it is empty.
-fn levels(amplitude: &[f64], margin: &[f64]) -> Option<Vec<f64>> {
-    let range = |inside: &dyn Fn(f64) -> bool| {
-        let within = amplitude.iter().zip(margin).filter(|(_, margin)| inside(**margin));
-        within.fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], (value, _)| {
-            [least.min(*value), most.max(*value)]
-        })
-    };
-    let of_set = range(&|margin| margin >= 0.0);
-    let [least, most] = if of_set[0] <= of_set[1] { of_set } else { range(&|_| true) };
-    let step = nice(((most - least) / BANDS).max(1e-9 * most));
-    let [first, last] = [(least / step).floor(), (most / step).floor() + 1.0];
-    let count = last - first;
-    let levels = (0..=count as usize).map(|k| ((first + k as f64) * step * 1e9).round() / 1e9);
-    (count.is_finite() && (1.0..100.0).contains(&count)).then(|| levels.collect())
+/// The range, extended to multiples of 1, 2 or 5 times a power of ten.
+fn rounded([least, most]: [f64; 2]) -> Option<[f64; 2]> {
+    let step = nice(((most - least) / STEPS).max(1e-9 * most));
+    let ends = [(least / step).floor(), (most / step).floor() + 1.0];
+    let count = ends[1] - ends[0];
+    (count.is_finite() && (1.0..100.0).contains(&count))
+        .then(|| ends.map(|end| (end * step * 1e9).round() / 1e9))
 }
 
 /// The least number of 1, 2 and 5 times a power of ten that is not below, or hardly.
@@ -114,11 +91,6 @@ fn nice(step: f64) -> f64 {
     let power = 10.0_f64.powf(step.log10().floor());
     let factor = [1.0, 2.0, 5.0].into_iter().find(|factor| factor * power >= 0.95 * step);
     factor.unwrap_or(10.0) * power
-}
-
-/// Several lines as one, broken by points that are not numbers.
-pub fn broken(lines: Vec<Vec<[f64; 2]>>) -> Vec<[f64; 2]> {
-    lines.join(&[[f64::NAN; 2]][..])
 }
 
 /// The equilibria without friction; where balls are alike, with the balls exchanged as well.
@@ -158,22 +130,24 @@ fn frictionless(machine: &Machine) -> Option<Vec<Layer>> {
 
 #[cfg(test)]
 mod tests {
-    use std::f64::consts::TAU;
-
-    use super::{SetLayers, set_layers};
+    use super::{CELLS, SetLayers, set_layers};
     use crate::analysis::set_fraction;
     use crate::model::{Ball, Machine};
     use crate::report::chart::{Layer, Mark};
-    use crate::report::contour::area;
 
     fn machine(speed_rad_s: f64, friction_coefficient: f64) -> Machine {
         let ball = Ball { friction_coefficient, ..Ball::default() };
         Machine { speed_rad_s, balls: vec![ball; 2], ..Machine::default() }
     }
 
-    fn covered(layers: &SetLayers) -> f64 {
-        let Mark::Regions { rings, .. } = &layers.set[2].mark else { panic!() };
-        rings.iter().map(|ring| area(ring)).sum::<f64>() / (TAU * TAU)
+    fn amplitudes(layers: &SetLayers) -> Vec<f64> {
+        let Mark::Raster { size, values } = &layers.set.mark else { panic!() };
+        assert_eq!((*size, values.len()), ([CELLS; 2], CELLS * CELLS));
+        values.iter().copied().filter(|value| value.is_finite()).collect()
+    }
+
+    fn fraction(layers: &SetLayers) -> f64 {
+        amplitudes(layers).len() as f64 / (CELLS * CELLS) as f64
     }
 
     fn places(layer: &Layer) -> Vec<[f64; 2]> {
@@ -181,18 +155,38 @@ mod tests {
         x.iter().zip(y).map(|(x, y)| [*x, *y]).collect()
     }
 
-    /// The share that is not covered is the share of positions in the set.
+    /// The fraction of the cells with a colour is the fraction of the positions in the set.
     #[test]
-    fn what_is_not_in_the_set_is_covered() {
+    fn cells_outside_the_set_are_open() {
         for (speed, friction) in
             [(-216.3772, 2.75e-3), (-216.3772, 2.75e-4), (-179.2671, 2.75e-3), (-160.8103, 2.75e-3)]
         {
             let machine = machine(speed, friction);
-            let layers = set_layers(&machine).unwrap();
-            let share = 1.0 - covered(&layers);
-            assert!((share - set_fraction(&machine).unwrap()).abs() < 2e-3, "{speed} {share}");
+            let found = fraction(&set_layers(&machine).unwrap());
+            assert!((found - set_fraction(&machine).unwrap()).abs() < 2e-3, "{speed} {found}");
         }
-        assert_eq!(covered(&set_layers(&machine(-216.3772, 3.5e-3)).unwrap()), 0.0);
+        assert_eq!(fraction(&set_layers(&machine(-216.3772, 3.5e-3)).unwrap()), 1.0);
+    }
+
+    /// The colour at a cell is the amplitude with the first ball at the abscissa and the second one at the
+    /// ordinate.
+    #[test]
+    fn the_first_ball_goes_to_the_right() {
+        let balls = [1.0, 2.0].map(|factor| {
+            let ball = Ball::default();
+            Ball { mass_kg: factor * ball.mass_kg, friction_coefficient: 1.0, ..ball }
+        });
+        let machine = Machine { balls: balls.to_vec(), ..machine(-216.3772, 1.0) };
+        let layers = set_layers(&machine).unwrap();
+        let Mark::Raster { values, .. } = &layers.set.mark else { panic!() };
+        let form = crate::analysis::RestForm::new(&machine).unwrap();
+        for (column, row) in [(0, 0), (10, 100), (150, 20)] {
+            let beta =
+                [column, row].map(|k| std::f64::consts::TAU * (k as f64 + 0.5) / CELLS as f64);
+            let amplitude = 1e6 * form.at_rest(&beta).amplitude_m;
+            let found = values[row * CELLS + column];
+            assert!((found / amplitude - 1.0).abs() < 1e-9, "{found} {amplitude}");
+        }
     }
 
     /// Thesis section 5.2: amplitudes from 0 to 55.1 µm; B1 is stable, twice; A1+, A1- and A2 are not.
@@ -200,28 +194,26 @@ mod tests {
     fn the_thesis_figure() {
         let layers = set_layers(&machine(-216.3772, 2.75e-3)).unwrap();
         assert_eq!(layers.scale.range, [0.0, 60.0]);
+        let most = amplitudes(&layers).into_iter().fold(0.0, f64::max);
+        assert!((most - 55.1).abs() < 0.2, "{most}");
         let stable = places(&layers.frictionless[0]);
         assert_eq!(stable.len(), 2);
         for (place, [first, second]) in stable.iter().zip([[2.270, 4.013], [4.013, 2.270]]) {
             assert!((place[0] - first).abs() < 1e-3 && (place[1] - second).abs() < 1e-3);
         }
         assert_eq!(places(&layers.frictionless[1]).len(), 4);
-        let Mark::Regions { rings, values } = &layers.set[0].mark else { panic!() };
-        let whole: f64 = rings.iter().map(|ring| area(ring)).sum();
-        assert!((whole / (TAU * TAU) - 1.0).abs() < 1e-3);
-        assert!(values.iter().all(|value| (0.0..60.0).contains(value)));
     }
 
     #[test]
-    fn only_two_balls_that_are_turned_have_a_picture() {
+    fn only_two_balls_on_a_turning_disc_have_a_picture() {
         assert!(set_layers(&machine(0.0, 1e-3)).is_none());
         for balls in [1, 3] {
             let balls = vec![Ball::default(); balls];
             assert!(set_layers(&Machine { balls, ..Machine::default() }).is_none());
         }
-        // Without friction the set has no area: all is covered, and the amplitudes are all.
+        // Without friction the set has no area, and the scale is that of all positions.
         let none = set_layers(&machine(-216.3772, 0.0)).unwrap();
-        assert!(covered(&none) > 0.999);
+        assert!(fraction(&none) < 1e-3 && none.scale.range[1] > 50.0);
         let undamped = Machine { damping_n_s_m: 0.0, ..machine(-216.3772, 1e-3) };
         assert!(set_layers(&undamped).is_some());
     }

@@ -2,9 +2,9 @@
 
 use super::layers::{label_colour, label_symbol, label_words, numbers, share_axis};
 use super::sweep_axis::SweepAxis;
-use crate::ending::Label;
+use crate::classification::Label;
 use crate::report::chart::{Figure, Layer, Mark, Panel, Tips};
-use crate::report::gathered::{Gathered, PointFacts};
+use crate::report::data::{Gathered, PointFacts};
 
 /// Shares over the parameter with the most values; over the points themselves where no number is swept.
 pub fn figure(gathered: &Gathered<'_>) -> Option<Figure> {

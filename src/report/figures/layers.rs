@@ -1,10 +1,10 @@
 //! What figures of runs have in common: axes, labels in colour, what is known of a dot.
 
-use crate::ending::Label;
+use crate::classification::Label;
 use crate::report::chart::{
     Axis, AxisKind, Colour, Layer, Mark, Symbol, TipColumn, TipValues, Tips,
 };
-use crate::report::gathered::{LABELS, PointFacts, RunSample};
+use crate::report::data::{LABELS, PointFacts, RunSample};
 use crate::study::Study;
 
 /// An axis with what it measures and its unit.

@@ -3,7 +3,7 @@
 use super::layers::{failed, numbers};
 use super::sweep_axis::{SweepAxis, distinct, is_by_decades};
 use crate::report::chart::{Colour, ColourScale, Figure, Layer, Mark, Panel, Tips};
-use crate::report::gathered::{Gathered, PointFacts, heading};
+use crate::report::data::{Gathered, PointFacts, heading};
 use crate::study::ParameterValue;
 
 /// Least number of values of each parameter.

@@ -3,26 +3,19 @@
 mod amplitudes;
 mod basins;
 mod branches;
-mod doubt;
-pub mod equilibrium_set;
+mod diagnostics;
+mod equilibrium_set;
 mod fractions;
-mod frictionless;
 mod layers;
 mod map;
-mod motion;
 mod preferred;
 mod rest;
-mod sets;
-mod surface;
 mod sweep_axis;
 
-pub use frictionless::branches;
 pub use layers::{failed as failed_runs, label_words, significant};
-pub use motion::motion;
-pub use sets::sets;
 
 use super::chart::Figure;
-use super::gathered::Gathered;
+use super::data::Gathered;
 
 /// All figures that these results can show, in reading order.
 pub fn of_results(gathered: &Gathered<'_>) -> Vec<Figure> {
@@ -34,7 +27,7 @@ pub fn of_results(gathered: &Gathered<'_>) -> Vec<Figure> {
         amplitudes::figure(gathered),
         basins::figure(gathered),
         branches::figure(gathered),
-        doubt::figure(gathered),
+        diagnostics::figure(gathered),
     ];
     figures.into_iter().flatten().collect()
 }

@@ -2,9 +2,9 @@
 
 use super::equilibrium_set::{SetLayers, angle_axis, set_layers};
 use super::layers::{axis, label_colour, label_words, places, run_dots, run_tips, subscript};
-use crate::ending::Label;
+use crate::classification::Label;
 use crate::report::chart::{Axis, AxisKind, Colour, Figure, Layer, Panel, Symbol};
-use crate::report::gathered::{Gathered, PointFacts};
+use crate::report::data::{Gathered, PointFacts};
 
 /// Most pairs of balls that are shown.
 const MOST_PAIRS: usize = 6;
@@ -91,7 +91,7 @@ fn pair(gathered: &Gathered<'_>, point: &PointFacts, [first, second]: [usize; 2]
     let machine = model.as_ref().and_then(|point| point.model().ball_balancer());
     let (scale, layers) = match machine.and_then(set_layers) {
         Some(SetLayers { scale, set, frictionless }) => {
-            (Some(scale), set.into_iter().chain([dots]).chain(frictionless).collect())
+            (Some(scale), [set, dots].into_iter().chain(frictionless).collect())
         }
         None => (None, vec![dots]),
     };

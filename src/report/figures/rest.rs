@@ -2,7 +2,7 @@
 
 use super::layers::{CurveOf, axis, failed, few_each, moving, share_axis};
 use crate::report::chart::{Axis, Colour, Figure, Layer, Mark, Panel};
-use crate::report::gathered::{Gathered, PointFacts, RestCurve};
+use crate::report::data::{Gathered, PointFacts, RestCurve};
 
 /// Curves with their bands, up to the study's end time.
 pub fn figure(gathered: &Gathered<'_>) -> Option<Figure> {

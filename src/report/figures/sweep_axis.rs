@@ -1,7 +1,7 @@
 //! Which swept parameter a figure goes over, and which points belong together on it.
 
 use crate::report::chart::{Axis, AxisKind};
-use crate::report::gathered::{Gathered, PointFacts, axis_of, heading};
+use crate::report::data::{Gathered, PointFacts, axis_of, heading};
 use crate::study::ParameterValue;
 
 /// A swept parameter as an axis, and the points in groups that differ in nothing else.

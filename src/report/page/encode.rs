@@ -45,7 +45,6 @@ fn axis(axis: &Axis) -> Value {
         AxisKind::Logarithmic => ("logarithmic", None),
         AxisKind::Angle => ("angle", None),
         AxisKind::Names(names) => ("names", Some(names)),
-        AxisKind::Hidden => ("hidden", None),
     };
     json!({"name": axis.name, "unit": axis.unit, "range": axis.range, "kind": kind, "names": names})
 }
@@ -76,11 +75,9 @@ fn mark(mark: &Mark) -> Map<String, Value> {
             "mark": "dots", "symbol": symbol, "x": coordinates(x), "y": coordinates(y),
             "tips": known(tips),
         }),
-        Mark::Regions { rings, values } => json!({
-            "mark": "regions",
-            "rings": rings.iter().map(|ring| pairs(ring)).collect::<Vec<_>>(),
-            "values": column(values),
-        }),
+        Mark::Raster { size, values } => {
+            json!({"mark": "raster", "size": size, "values": steps(values)})
+        }
         Mark::Cells { edges, values, tips } => json!({
             "mark": "cells",
             "edges": column(&edges.iter().flatten().copied().collect::<Vec<_>>()),
@@ -90,7 +87,6 @@ fn mark(mark: &Mark) -> Map<String, Value> {
         Mark::Rule { upright, at, label } => {
             json!({"mark": "rule", "upright": upright, "at": at, "label": label})
         }
-        Mark::Words { at, words } => json!({"mark": "words", "points": pairs(at), "words": words}),
     };
     match value {
         Value::Object(map) => map,

@@ -12,7 +12,7 @@ use std::path::Path;
 use serde_json::json;
 
 use super::chart::Figure;
-use super::gathered::Gathered;
+use super::data::Gathered;
 use crate::foreign::{harmless_json, shell_word, shown_path};
 use html::{Html, escaped};
 

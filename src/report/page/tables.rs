@@ -3,11 +3,11 @@
 use std::path::Path;
 
 use super::html::{Html, escaped};
-use crate::ending::Label;
+use crate::classification::Label;
 use crate::foreign::{one_line, shell_word};
 use crate::model::Method;
+use crate::report::data::{Gathered, Notable, PointFacts, Share, said};
 use crate::report::figures::significant;
-use crate::report::gathered::{Gathered, Notable, PointFacts, Share, said};
 use crate::study::ParameterKind;
 
 /// Longer tables are folded, so that figures are not far away.

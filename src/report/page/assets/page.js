@@ -36,7 +36,6 @@
   function unpack(layer) {
     if (layer.ready) return layer;
     if (layer.points) layer.points = pairs(layer.points);
-    if (layer.rings) layer.rings = layer.rings.map(pairs);
     for (const key of ['x', 'y', 'low', 'high', 'base', 'top', 'edges', 'values']) {
       if (layer[key]) layer[key] = column(layer[key]);
     }
@@ -76,7 +75,6 @@
     if (typeof colour === 'object') return theme.series[colour.series % theme.series.length];
     if (colour === 'ink') return theme.ink;
     if (colour === 'faint') return theme.soft;
-    if (colour === 'ground') return theme.ground;
     return theme[colour] || theme.ink;
   }
   // Colour is not all that tells lines apart.
@@ -191,16 +189,34 @@
     const lower = x.map((v, i) => [v, low[i]]);
     return lower.concat(x.map((v, i) => [v, high[i]]).reverse());
   }
-  function polygons(base, rings, fills, more) {
-    return Object.assign({}, base, {
-      type: 'custom', silent: true, clip: true, data: rings.map((_, i) => [i]),
-      encode: { x: -1, y: -1 },
-      renderItem: (params, api) => ({
-        type: 'polygon',
-        shape: { points: rings[params.dataIndex].map((p) => api.coord(p)) },
-        style: Object.assign({ fill: fills(params.dataIndex) }, more),
-      }),
+  // The colours of a scale with the values at its ends, at a place of a saved figure in pixels.
+  function bar(scale, x, y, height) {
+    const [from, to] = scale.range;
+    const parts = 60;
+    const text = (value, at) => ({ type: 'text', x: x + 24, y: at, style: { text: number(value, 3), fill: theme.ink, fontSize: 13, verticalAlign: 'middle' } });
+    const children = Array.from({ length: parts }, (_, k) => ({ type: 'rect',
+      shape: { x, y: y + height * (1 - (k + 1) / parts), width: 18, height: height / parts + 0.5 },
+      style: { fill: scaled(from + (to - from) * (k + 0.5) / parts, scale) } }));
+    children.push(text(to, y), text((from + to) / 2, y + height / 2), text(from, y + height),
+      { type: 'text', x, y: y - 20, style: { text: scale.name, fill: theme.ink, fontSize: 13, verticalAlign: 'middle' } });
+    return { type: 'custom', silent: true, clip: false, data: [[0]], encode: { x: -1, y: -1 }, renderItem: () => ({ type: 'group', children }) };
+  }
+  // A picture of values on a grid, in the colours of a scale.
+  function raster(layer, scale, aspect) {
+    const [columns, rows] = layer.size;
+    const canvas = Object.assign(document.createElement('canvas'), { width: columns, height: rows });
+    const context = canvas.getContext('2d');
+    layer.values.forEach((value, i) => {
+      if (!isFinite(value)) return;
+      context.fillStyle = scaled(value, scale);
+      context.fillRect(i % columns, rows - 1 - Math.floor(i / columns), 1, 1);
     });
+    // In the proportions in which it is shown: SVG keeps those of a picture.
+    const shown = Object.assign(document.createElement('canvas'), { width: 4 * columns, height: Math.round(4 * columns / aspect) });
+    const onto = shown.getContext('2d');
+    onto.imageSmoothingEnabled = false;
+    onto.drawImage(canvas, 0, 0, shown.width, shown.height);
+    return shown;
   }
   function seriesOf(panel, layer, order) {
     unpack(layer);
@@ -214,11 +230,17 @@
         return Object.assign(base, { type: 'line', step: 'end', data: layer.points, showSymbol: false, silent: true,
           lineStyle: lineStyle(colour, layer) });
       case 'band':
-        return polygons(base, [outline(layer)], () => colour, { opacity: 0.15 });
-      case 'regions':
-        return polygons(base, layer.rings,
-          (i) => (layer.colour === 'scale' ? scaled(layer.values[i], panel.scale) : colour),
-          { stroke: 'none' });
+        return Object.assign(base, { type: 'custom', silent: true, data: [[0]], encode: { x: -1, y: -1 },
+          renderItem: (params, api) => ({ type: 'polygon',
+            shape: { points: outline(layer).map((p) => api.coord(p)) }, style: { fill: colour, opacity: 0.15 } }) });
+      case 'raster':
+        return Object.assign(base, { type: 'custom', silent: true, data: [[0]], encode: { x: -1, y: -1 },
+          renderItem: (params, api) => {
+            const a = api.coord([panel.x.range[0], panel.y.range[1]]);
+            const b = api.coord([panel.x.range[1], panel.y.range[0]]);
+            return { type: 'image', style: { image: raster(layer, panel.scale, (b[0] - a[0]) / (b[1] - a[1])),
+              x: a[0], y: a[1], width: b[0] - a[0], height: b[1] - a[1] } };
+          } });
       case 'intervals':
         return Object.assign(base, { type: 'custom', silent: true,
           data: layer.x.map((x, i) => [x, layer.low[i], layer.high[i]]),
@@ -367,6 +389,8 @@
       this.button('+', 'Zoom in', () => this.zoomBy(0.5));
       this.button('−', 'Zoom out', () => this.zoomBy(2));
       this.button('all', 'Show all', () => this.zoomBy(Infinity));
+      this.button('SVG', 'Save this figure as SVG', () => this.save('svg'));
+      this.button('PNG', 'Save this figure as PNG', () => this.save('png'));
       this.select('point', 'title');
       this.select('shown', 'part');
       this.controls.append(this.legend, this.zoom);
@@ -390,13 +414,23 @@
         this.chart = echarts.init(this.box, null, { renderer: this.marks() > 2500 ? 'canvas' : 'svg' });
         this.chart.on('click', (at) => this.pick(at.seriesId, at.dataIndex));
       }
-      this.drawn = panel.layers.map((layer, order) => ({ layer, order }))
+      this.drawn = this.shown(panel);
+      this.chart.setOption(this.option(panel), { notMerge: true });
+      this.at = -1;
+      const empty = this.drawn.every(({ layer }) => layer.mark === 'rule' || (layer.mark === 'dots' && !layer.x.length));
+      this.picked.textContent = empty && !this.hidden.size ? 'There is nothing to show here.' : '';
+      this.drawLegend(panel);
+    }
+    shown(panel) {
+      return panel.layers.map((layer, order) => ({ layer, order }))
         .filter(({ layer }) => !layer.name || !this.hidden.has(layer.name));
+    }
+    option(panel) {
       const square = panel.x.kind === 'angle' && panel.y.kind === 'angle';
       const bottom = panel.x.kind === 'names' && panel.x.names.length > 5 ? 104 : 56;
       // Where there are no dots to point at, the curves are read at the pointer's abscissa.
       const curves = panel.layers.every(({ mark }) => ['line', 'steps', 'band', 'rule'].includes(mark));
-      this.chart.setOption({
+      return {
         animation: false, aria: { enabled: false },
         textStyle: { fontFamily: getComputedStyle(document.body).fontFamily, color: theme.ink },
         grid: { left: panel.x.kind === 'names' ? 96 : 72, right: 22, top: 26, bottom, containLabel: false },
@@ -409,11 +443,45 @@
           { id: 'y', type: 'inside', yAxisIndex: 0, filterMode: 'none', zoomOnMouseWheel: 'ctrl', moveOnMouseMove: true, preventDefaultMouseMove: false },
         ],
         series: this.drawn.map(({ layer, order }) => seriesOf(panel, layer, order)),
-      }, { notMerge: true });
-      this.at = -1;
-      const empty = this.drawn.every(({ layer }) => layer.mark === 'rule' || (layer.mark === 'dots' && !layer.x.length));
-      this.picked.textContent = empty && !this.hidden.size ? 'There is nothing to show here.' : '';
-      this.drawLegend(panel);
+      };
+    }
+    // The panel as a file, in the light theme, with its title, its legend and its scale, as it is zoomed.
+    save(format) {
+      const panel = this.panel();
+      const square = panel.x.kind === 'angle' && panel.y.kind === 'angle';
+      const [width, height] = square ? [760, 710] : [900, 560];
+      const zoomed = this.chart ? this.window() : [[0, 100], [0, 100]];
+      document.documentElement.dataset.paper = 'true';
+      readTheme();
+      const chart = echarts.init(document.createElement('div'), null,
+        { renderer: format === 'svg' ? 'svg' : 'canvas', devicePixelRatio: 3, width, height });
+      const option = this.option(panel);
+      const named = option.series.filter((series) => series.name);
+      // The entries of the legend have the colours of their series; custom series have none of their own.
+      const names = [...new Set(named.map((series) => series.name))];
+      this.shown(panel).forEach(({ layer }, place) => {
+        const series = option.series[place];
+        if (series.type === 'custom') series.itemStyle = { color: colourOf(layer.colour) };
+      });
+      option.title = { text: this.spec.title, subtext: [panel.title, panel.part].filter(Boolean).join(', '), left: 8, top: 4,
+        textStyle: { color: theme.ink, fontSize: 16 }, subtextStyle: { color: theme.soft, fontSize: 13 } };
+      option.legend = { data: names, left: 8, top: 48, textStyle: { color: theme.ink, fontSize: 13 } };
+      Object.assign(option.grid, { top: 96, right: panel.scale ? 130 : 30 });
+      if (panel.scale) option.series.push(bar(panel.scale, width - 104, 110, height - 200));
+      option.dataZoom.forEach((zoom, axis) => { [zoom.start, zoom.end] = zoomed[axis]; });
+      // Names of fonts in quotes end attributes of SVG.
+      option.textStyle.fontFamily = 'sans-serif';
+      delete option.tooltip;
+      chart.setOption(option);
+      chart.getZr().flush();
+      const link = document.createElement('a');
+      link.href = chart.getDataURL({ type: format, pixelRatio: 3, backgroundColor: theme.ground });
+      link.download = [this.spec.id, panel.title, panel.part].filter(Boolean).join(' ')
+        .replace(/[^\p{L}\p{N}.−-]+/gu, '-') + '.' + format;
+      chart.dispose();
+      delete document.documentElement.dataset.paper;
+      readTheme();
+      link.click();
     }
     readings(panel, at) {
       const x = at && at.length ? at[0].axisValue : NaN;

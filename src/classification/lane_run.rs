@@ -1,0 +1,318 @@
+//! One run of those in lockstep: what is looked for in it, step by step, until its ending is known.
+//!
+//! The same as for a run by itself (`classification::balancer`). Steps of which nothing is to be told go by
+//! unseen: a run is looked at when a ball has gone round or changed what it does, near rest, and from
+//! times on that it asks for.
+
+use fearless_simd::Simd;
+
+use super::balancer::{BalancerRun, Ending, Late, Prepared, Units};
+use super::certificate::certified;
+use super::follow::{Horizons, Run, continues};
+use super::orbit::{GoneRound, OrbitWatch};
+use super::outcome::Outcome;
+use super::recorder::Recorder;
+use super::settled::SettledWatch;
+use super::window::{NODES, Taken};
+use crate::model::{Balancer, Extend, Simulation};
+use crate::motion::lockstep::{Group, Happened, Room, Saved, Trouble};
+use crate::motion::{Failure, Settings};
+
+/// Sizes of a displacement that need not be brought back to 1.
+const HANDY: std::ops::Range<f64> = 1e-99..1e99;
+
+/// A run in a lane.
+#[derive(Clone, Debug)]
+pub(super) struct LaneRun<const N: usize> {
+    /// The run's number, for whoever asked for it.
+    pub(super) number: u64,
+    balancer: Balancer<N>,
+    settings: Settings,
+    units: Units,
+    extend: Option<Extend>,
+    horizons: Horizons<Late<N>>,
+    /// None where limit cycles are not looked for.
+    watch: Option<OrbitWatch<N>>,
+    settled: SettledWatch,
+    still: bool,
+    /// The run as it was before anything depended on its end time, where it may be continued.
+    kept: Option<Box<(Saved<N>, LaneRun<N>)>>,
+    extended: bool,
+}
+
+/// What becomes of a run after a step.
+pub(super) enum Next<const N: usize> {
+    /// It stays in its lane.
+    Stay,
+    /// It goes on where displacements are carried along, or no longer does.
+    Move,
+    /// It goes on, later, from where it was.
+    Continue(Box<(Saved<N>, LaneRun<N>)>),
+    /// It has ended.
+    Done(Box<Outcome>),
+    /// It is to be computed by itself.
+    GiveUp,
+}
+
+impl<const N: usize> LaneRun<N> {
+    /// A run at its start.
+    ///
+    /// # Errors
+    /// Where the start state itself cannot be continued.
+    pub(super) fn start(
+        number: u64,
+        prepared: Prepared<N>,
+        simulation: &Simulation,
+    ) -> Result<(Saved<N>, Self), Failure> {
+        let Prepared { balancer, state, settings, units, horizons, watch } = prepared;
+        let saved = Saved::start(&balancer, settings, state)?;
+        let run = LaneRun {
+            number,
+            balancer,
+            settings,
+            units,
+            extend: simulation.extend,
+            horizons,
+            watch,
+            settled: SettledWatch::default(),
+            still: false,
+            kept: None,
+            extended: false,
+        };
+        Ok((saved, run))
+    }
+
+    /// Until when it goes on.
+    pub(super) fn end(&self) -> f64 {
+        self.horizons.end()
+    }
+
+    /// Whether it goes on where displacements are carried along.
+    pub(super) fn is_displaced(&self, time: f64) -> bool {
+        let separation = &self.horizons.window().separation;
+        separation.has_begun() && separation.follows(time)
+    }
+
+    /// To be called when the run has been put into a lane: it may be at rest already.
+    pub(super) fn begins<S: Simd>(
+        mut self: Box<Self>,
+        group: &mut Group<S, N>,
+        lane: usize,
+    ) -> (Next<N>, Option<Box<Self>>) {
+        if let Some(ending) = self.rests(group, lane) {
+            return (self.ends(group, lane, ending), None);
+        }
+        group.set_told(lane, self.watch.is_some());
+        self.plan(group, lane);
+        (Next::Stay, Some(self))
+    }
+
+    /// Shows the start of the run to a recorder.
+    pub(super) fn show_start<S: Simd>(
+        &self,
+        recorder: &mut Recorder,
+        group: &Group<S, N>,
+        lane: usize,
+    ) {
+        if let Some(mut motion) = group.motion(lane, &self.balancer) {
+            recorder.take_in(&self.balancer, &mut motion);
+        }
+    }
+
+    /// Shows the latest step to a recorder.
+    pub(super) fn show<S: Simd>(
+        &self,
+        recorder: &mut Recorder,
+        group: &Group<S, N>,
+        room: &Room<S, N>,
+        lane: usize,
+        had_event: bool,
+    ) {
+        if let Some(mut motion) = group.motion_with_step(room, lane, had_event, &self.balancer) {
+            recorder.take_in(&self.balancer, &mut motion);
+        }
+    }
+
+    /// Looks at what has happened in the latest step.
+    pub(super) fn look<S: Simd>(
+        &mut self,
+        group: &mut Group<S, N>,
+        room: &Room<S, N>,
+        lane: usize,
+        happened: &Happened,
+    ) -> Next<N> {
+        let bit = 1 << lane;
+        match happened.trouble[lane] {
+            Some(Trouble::Failure(failure)) => {
+                return self.ends(group, lane, Ending::Failure(failure));
+            }
+            Some(Trouble::GiveUp) => return Next::GiveUp,
+            None => {}
+        }
+        let time = group.time(lane);
+        let displaced = self.is_displaced(time);
+        let late = self.horizons.window_mut();
+        if time > late.means.start() {
+            late.means.take_in(LaneStep { group, room, lane });
+        }
+        if displaced {
+            self.separate(group, lane, time, happened.attention & bit != 0);
+        } else if late.separation.follows(time) && !late.separation.has_begun() {
+            group.displace(lane);
+            late.separation.begin(time, group.courses(lane));
+        }
+        if happened.still & bit != 0 || self.still {
+            self.still = happened.still & bit != 0;
+            if let Some(motion) = group.motion(lane, &self.balancer)
+                && self.settled.look(&self.balancer, &motion, self.horizons.end())
+            {
+                return self.ends(group, lane, Ending::Settled);
+            }
+        }
+        if (happened.event | happened.round | happened.turned) & bit != 0
+            && let Some(orbit) = self.closes(group, room, lane, happened.event & bit != 0)
+        {
+            return self.ends(group, lane, Ending::Cycle(orbit));
+        }
+        if time >= self.horizons.end() {
+            return self.ends_in_time(group, lane);
+        }
+        if happened.rest & bit != 0
+            && let Some(ending) = self.rests(group, lane)
+        {
+            return self.ends(group, lane, ending);
+        }
+        self.plan(group, lane);
+        if self.is_displaced(time) == displaced { Next::Stay } else { Next::Move }
+    }
+
+    /// Tells by how much the displacement has grown, when that is due or its size gets out of hand:
+    /// whatever else the run is looked at for changes nothing.
+    fn separate<S: Simd>(&mut self, group: &mut Group<S, N>, lane: usize, time: f64, asked: bool) {
+        if !asked {
+            return;
+        }
+        let displaced = group.displaced(lane);
+        let due = time >= self.horizons.window().separation.next_mark();
+        if !due && HANDY.contains(&displaced.size) {
+            return;
+        }
+        group.normalise(lane, displaced.size);
+        let courses = group.courses(lane);
+        let separation = &mut self.horizons.window_mut().separation;
+        separation.grow(time, displaced.size, displaced.grazed, courses);
+    }
+
+    /// The limit cycle that the run has been shown to be on.
+    fn closes<S: Simd>(
+        &mut self,
+        group: &Group<S, N>,
+        room: &Room<S, N>,
+        lane: usize,
+        had_event: bool,
+    ) -> Option<super::Orbit<N>> {
+        let watch = self.watch.as_mut()?;
+        let (phases, end) = group.at_end_of_step(room, lane)?;
+        let reference = watch.goes_round(&phases, &end)?;
+        let passage = group.passage(room, lane, reference);
+        let last_switches = group.last_switches(lane)?;
+        let direction = end.beta_dot[reference].signum();
+        let phases = group.phases_during_step(lane, had_event)?;
+        let round = GoneRound { reference, direction, passage, phases, last_switches };
+        watch.take_in(&self.balancer, &self.settings, round)
+    }
+
+    /// Whether all balls stick and can never break loose again.
+    fn rests<S: Simd>(&self, group: &Group<S, N>, lane: usize) -> Option<Ending<N>> {
+        if !group.all_stick(lane) {
+            return None;
+        }
+        let state = group.state(lane);
+        let rest = self.balancer.rest_point(&state.beta);
+        certified(&self.balancer, &rest, &state).then_some(Ending::Rest(rest))
+    }
+
+    /// Plans when the run is to be looked at next, and keeps it as it is where from the next step on
+    /// anything depends on its end time.
+    fn plan<S: Simd>(&mut self, group: &mut Group<S, N>, lane: usize) {
+        let Late { means, separation } = self.horizons.window();
+        let mut attention = means.start();
+        if !separation.has_begun() {
+            attention = attention.min(separation.start());
+        } else if self.is_displaced(group.time(lane)) {
+            attention = attention.min(separation.next_mark());
+        }
+        if let Some(later) = self.horizons.later_window()
+            && self.kept.is_none()
+        {
+            let depends =
+                later.separation.start().min(later.means.start()).min(self.horizons.end());
+            if group.reaches(lane, depends) {
+                let run = self.clone();
+                self.kept = group.copy(lane).map(|saved| Box::new((saved, run)));
+            } else {
+                attention = attention.min(depends - 1.01 * group.longest(lane));
+            }
+        }
+        group.set_attention(lane, attention);
+    }
+
+    /// Ends the run at its end time, or continues it to the later one.
+    fn ends_in_time<S: Simd>(&mut self, group: &Group<S, N>, lane: usize) -> Next<N> {
+        let Some(mut run) = self.by_itself(group, lane) else { return Next::GiveUp };
+        let ending = run.at_end_time();
+        let outcome = run.outcome(ending);
+        if let (Some(extend), Some(mut kept)) = (self.extend, self.kept.take())
+            && continues(extend, outcome.label())
+        {
+            kept.1.horizons.extend();
+            kept.1.extended = true;
+            return Next::Continue(kept);
+        }
+        Next::Done(Box::new(Outcome { extended: self.extended, ..outcome }))
+    }
+
+    fn ends<S: Simd>(&self, group: &Group<S, N>, lane: usize, ending: Ending<N>) -> Next<N> {
+        match self.by_itself(group, lane) {
+            Some(run) => {
+                let outcome = run.outcome(ending);
+                Next::Done(Box::new(Outcome { extended: self.extended, ..outcome }))
+            }
+            None => Next::GiveUp,
+        }
+    }
+
+    fn by_itself<S: Simd>(&self, group: &Group<S, N>, lane: usize) -> Option<BalancerRun<'_, N>> {
+        Some(BalancerRun {
+            balancer: &self.balancer,
+            settings: self.settings,
+            units: self.units,
+            motion: group.motion(lane, &self.balancer)?,
+            horizons: self.horizons.clone(),
+            watch: self.watch.clone(),
+            settled: self.settled,
+            rest: None,
+        })
+    }
+}
+
+/// The latest step of a lane.
+struct LaneStep<'a, S: Simd, const N: usize> {
+    group: &'a Group<S, N>,
+    room: &'a Room<S, N>,
+    lane: usize,
+}
+
+impl<S: Simd, const N: usize> Taken<N> for LaneStep<'_, S, N> {
+    fn ends(&self) -> [f64; 2] {
+        [self.group.time_before(self.lane), self.group.time(self.lane)]
+    }
+
+    fn angles(&mut self, after: f64) -> [f64; N] {
+        self.group.angles_within(self.room, self.lane, after)
+    }
+
+    fn squares(&mut self, after: [f64; NODES.len()]) -> [f64; NODES.len()] {
+        self.group.squares_within(self.room, self.lane, after)
+    }
+}

@@ -1,0 +1,53 @@
+//! How a run ends: from a case to a label, with the evidence for it.
+//!
+//! Every ending is claimed on evidence and named with it:
+//!
+//! | label | evidence | what has been shown |
+//! |---|---|---|
+//! | `equilibrium` | `rest_certified` | all balls stick and, by the closed form, can never break loose |
+//! | `equilibrium` | `creep` | all balls are slow and drift, ever slower, at the edge of the equilibrium set |
+//! | `equilibrium` | `settled` | without dry friction: an equilibrium is near, and it is stable by its eigenvalues |
+//! | `limit_cycle` | `closed_orbit` | the orbit closes modulo 2π, its multipliers lie inside the unit circle, resting balls keep a margin |
+//! | `irregular` | `lyapunov` | neighbouring motions separate exponentially, beyond the doubt of the estimate |
+//! | `undecided` | `unstable_orbit` | the orbit closes, but a multiplier lies outside the unit circle |
+//! | `undecided` | `end_time` | none of the above until the end time |
+//! | `failed` | the failure's kind | the motion could not be continued |
+//!
+//! A run with no such ending at its end time may be continued to a later one (`follow`).
+
+mod balancer;
+mod block;
+mod block_cycle;
+mod certificate;
+mod closed_orbit;
+mod creep;
+mod cycle;
+mod effort;
+mod extremes;
+mod follow;
+mod in_lockstep;
+mod lane_run;
+mod lyapunov;
+mod orbit;
+mod outcome;
+mod period;
+mod recorder;
+mod return_map;
+mod section;
+mod settled;
+mod simulate;
+mod window;
+
+/// Raised with every change that gives some case another outcome: what an earlier version has computed is
+/// then not used again. A test pins the outcomes of each version.
+pub const MODEL_VERSION: u32 = 4;
+
+pub use certificate::{certified, certified_by_closed_form};
+pub use closed_orbit::Orbit;
+pub use cycle::{Cycle, Doing};
+pub use effort::{most_steps_of_a_run, most_steps_of_any_run, seconds_per_step};
+pub use in_lockstep::{Runs, goes_in_lockstep, simulate_in_lockstep};
+pub use orbit::OrbitWatch;
+pub use outcome::{Evidence, Label, LyapunovExponent, Outcome};
+pub use recorder::{ContactSample, Instants, Recorder, Recording, Sample, Switch};
+pub use simulate::{simulate, simulate_one_by_one, simulate_recorded};

@@ -1,0 +1,59 @@
+//! The animation of a replayed run.
+
+use std::path::Path;
+
+use super::exit::CliError;
+use super::replay_times::Times;
+use crate::classification::{Evidence, Instants, Recorder, simulate_recorded};
+use crate::report::{animation, frames, time_text};
+use crate::study::Study;
+use crate::table::{FileList, ResultsError, RunRecord};
+
+/// The animation's file.
+pub const ANIMATION: &str = "replay.html";
+
+/// Draws the balls of a run in motion, or in the part of it that `times` begin and end. Returns whether
+/// there is an animation: there is none of a block, and none of a run that did not begin to move.
+///
+/// # Errors
+/// Where the file cannot be written.
+pub fn animate(
+    out: &Path,
+    list: &mut FileList,
+    study: &Study,
+    record: &RunRecord,
+    times: Option<Times>,
+) -> Result<bool, CliError> {
+    let outcome = &record.outcome;
+    let (Ok(case), Some(end)) = (&record.planned.case, outcome.end_time_s) else {
+        return Ok(false);
+    };
+    let [from, to] = times.map_or([0.0, end], |times| times.ends());
+    let to = to.min(end);
+    if outcome.evidence == Evidence::Panic || from >= to {
+        return Ok(false);
+    }
+    let (Some(machine), Some(frames)) =
+        (case.model.ball_balancer(), frames(&case.model, to - from))
+    else {
+        return Ok(false);
+    };
+    let title = format!(
+        "{}, run {}: {} ({}) at {}",
+        study.name(),
+        record.planned.run_id,
+        outcome.label().name(),
+        outcome.evidence.name(),
+        time_text(end),
+    );
+    let natural = case.model.natural_frequency_rad_s();
+    let last = f64::from(frames - 1);
+    let time = |frame: u32| natural * (from + (to - from) * (f64::from(frame) / last));
+    let mut recorder =
+        Recorder::new(Instants::At((0..frames).map(time).collect()), frames as usize);
+    simulate_recorded(case, &mut recorder);
+    let page = animation(machine, &recorder.finish().samples, &title);
+    let unusable = |cause| ResultsError::Unusable { path: out.join(ANIMATION), cause };
+    list.write_once(out, ANIMATION, page.as_bytes()).map_err(unusable)?;
+    Ok(true)
+}

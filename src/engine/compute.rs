@@ -1,0 +1,217 @@
+//! What computes runs: by themselves, or many in lockstep; whatever happens in one of them.
+
+use std::any::Any;
+use std::cell::Cell;
+use std::collections::HashMap;
+use std::panic::{self, AssertUnwindSafe};
+use std::sync::Once;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use crate::classification::{Evidence, Outcome, Runs, simulate, simulate_in_lockstep};
+use crate::model::Case;
+use crate::motion::{VectorLevel, is_cancelled};
+use crate::study::Study;
+use crate::table::RunRecord;
+
+thread_local! {
+    static IN_A_RUN: Cell<bool> = const { Cell::new(false) };
+}
+
+/// Computes runs until there are no more. A panic is one run's failure and nobody else's.
+pub(super) trait Engine: Sync {
+    fn compute(&self, runs: &mut dyn Runs);
+}
+
+/// Runs by themselves, one after another.
+pub(super) struct OneByOne<F>(pub(super) F);
+
+impl<F: Fn(&Case) -> Outcome + Sync> Engine for OneByOne<F> {
+    fn compute(&self, runs: &mut dyn Runs) {
+        quieten_panics_in_runs();
+        while let Some((number, case)) = runs.next() {
+            let outcome = guarded(&case, &self.0);
+            runs.ended(number, outcome);
+        }
+    }
+}
+
+/// Runs in lockstep.
+pub(super) struct InLockstep(pub(super) VectorLevel);
+
+impl Engine for InLockstep {
+    fn compute(&self, runs: &mut dyn Runs) {
+        together(runs, |runs| simulate_in_lockstep(self.0, runs), simulate);
+    }
+}
+
+/// Computes runs with `all`. Where that panics, one of the runs in progress is to blame: each of them is
+/// computed `alone`, which shows which one, and gives the others the outcome that they would have had.
+fn together(runs: &mut dyn Runs, all: impl Fn(&mut dyn Runs), alone: impl Fn(&Case) -> Outcome) {
+    quieten_panics_in_runs();
+    let mut tracked = Tracked { runs, begun: HashMap::new() };
+    loop {
+        IN_A_RUN.set(true);
+        // What outlives the unwinding are cases and outcomes, plain values, each whole or absent.
+        let computed = panic::catch_unwind(AssertUnwindSafe(|| all(&mut tracked)));
+        IN_A_RUN.set(false);
+        let Err(payload) = computed else { return };
+        if tracked.begun.is_empty() || is_cancelled(payload.as_ref()) {
+            // No run is to blame, and nothing would be different the next time; or all are given up.
+            panic::resume_unwind(payload);
+        }
+        let mut begun: Vec<(u64, Case)> = tracked.begun.drain().collect();
+        begun.sort_by_key(|(number, _)| *number);
+        for (number, case) in begun {
+            let outcome = guarded(&case, &alone);
+            tracked.runs.ended(number, outcome);
+        }
+    }
+}
+
+/// Keeps the cases of runs in progress.
+struct Tracked<'a> {
+    runs: &'a mut dyn Runs,
+    begun: HashMap<u64, Case>,
+}
+
+impl Runs for Tracked<'_> {
+    fn next(&mut self) -> Option<(u64, Case)> {
+        let (number, case) = self.runs.next()?;
+        self.begun.insert(number, case.clone());
+        Some((number, case))
+    }
+
+    fn ended(&mut self, number: u64, outcome: Outcome) {
+        self.begun.remove(&number);
+        self.runs.ended(number, outcome);
+    }
+}
+
+/// Plans and simulates one run, an audited one twice.
+/// Parameters without physical sense and panics are outcomes, not ends of the program.
+pub fn compute(study: &Study, run_id: u64, simulate: impl Fn(&Case) -> Outcome) -> RunRecord {
+    quieten_panics_in_runs();
+    let planned = study.planned_run(run_id);
+    let (outcome, again) = match &planned.case {
+        Err(invalid) => {
+            let evidence = Evidence::InvalidParameters;
+            (Outcome::failed(evidence, invalid.to_string()), planned.audited.then_some(evidence))
+        }
+        Ok(case) => {
+            let again = || {
+                let simulation = case.simulation.counter_check();
+                guarded(&Case { simulation, ..case.clone() }, &simulate).evidence
+            };
+            (guarded(case, &simulate), planned.audited.then(again))
+        }
+    };
+    RunRecord { planned, outcome, audit: again }
+}
+
+/// Simulates a case; a panic is its outcome.
+fn guarded(case: &Case, simulate: &impl Fn(&Case) -> Outcome) -> Outcome {
+    IN_A_RUN.set(true);
+    // Nothing outlives a run that unwinds: case and outcome are plain values.
+    let result = panic::catch_unwind(AssertUnwindSafe(|| simulate(case)));
+    IN_A_RUN.set(false);
+    match result {
+        Ok(outcome) => outcome,
+        Err(payload) if is_cancelled(payload.as_ref()) => panic::resume_unwind(payload),
+        Err(payload) => Outcome::failed(Evidence::Panic, panic_message(payload.as_ref())),
+    }
+}
+
+fn panic_message(payload: &(dyn Any + Send)) -> String {
+    let text = payload.downcast_ref::<&str>().map(|text| (*text).to_owned());
+    let text = text.or_else(|| payload.downcast_ref::<String>().cloned());
+    format!("the program failed in this run: {}", text.unwrap_or_else(|| "no message".to_owned()))
+}
+
+/// A panic in a run goes into its row; it should not also tear the progress bar.
+fn quieten_panics_in_runs() {
+    static INSTALL: Once = Once::new();
+    INSTALL.call_once(|| {
+        let usual = panic::take_hook();
+        panic::set_hook(Box::new(move |info| {
+            if !IN_A_RUN.get() && QUIET.load(Ordering::Relaxed) == 0 {
+                usual(info);
+            }
+        }));
+    });
+}
+
+/// How many calls of [`quietly`] are going on.
+static QUIET: AtomicUsize = AtomicUsize::new(0);
+
+/// Does what may panic in a library, on any thread; none where it has. Nobody is told: meanwhile other
+/// panics are not told of, either. What `work` is given must not be used any more where it panics.
+pub fn quietly<T>(work: impl FnOnce() -> T) -> Option<T> {
+    quieten_panics_in_runs();
+    QUIET.fetch_add(1, Ordering::Relaxed);
+    let result = panic::catch_unwind(AssertUnwindSafe(work));
+    QUIET.fetch_sub(1, Ordering::Relaxed);
+    result.ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::together;
+    use crate::classification::{Evidence, Outcome, Runs};
+    use crate::model::{Case, Machine, Simulation, Start};
+
+    /// Twenty cases that are told apart by where they start.
+    struct Twenty {
+        next: u64,
+        ended: Vec<(u64, Outcome)>,
+    }
+
+    impl Runs for Twenty {
+        fn next(&mut self) -> Option<(u64, Case)> {
+            let number = self.next;
+            self.next += 1;
+            let start = Start(vec![number as f64]);
+            let model = Machine::default().into();
+            let case = Case { model, start, simulation: Simulation::default() };
+            (number < 20).then_some((number, case))
+        }
+
+        fn ended(&mut self, number: u64, outcome: Outcome) {
+            self.ended.push((number, outcome));
+        }
+    }
+
+    fn sound(case: &Case) -> Outcome {
+        Outcome::failed(Evidence::EndTime, format!("from {}", case.start.0[0]))
+    }
+
+    fn unless_bad(case: &Case) -> Outcome {
+        assert!(case.start.0[0] % 9.0 != 5.0, "bad");
+        sound(case)
+    }
+
+    /// Three runs side by side, of which two are bad: every run ends once, the bad ones in a panic, all
+    /// others as they would have without them.
+    #[test]
+    fn a_panic_is_nobody_elses() {
+        let three_at_once = |runs: &mut dyn Runs| loop {
+            let batch: Vec<_> = (0..3).map_while(|_| runs.next()).collect();
+            if batch.is_empty() {
+                return;
+            }
+            for (number, case) in batch {
+                runs.ended(number, unless_bad(&case));
+            }
+        };
+        let mut runs = Twenty { next: 0, ended: Vec::new() };
+        together(&mut runs, three_at_once, unless_bad);
+        runs.ended.sort_by_key(|(number, _)| *number);
+        assert!(runs.ended.iter().map(|(number, _)| *number).eq(0..20));
+        for (number, outcome) in runs.ended {
+            if number % 9 == 5 {
+                assert_eq!(outcome.evidence, Evidence::Panic, "run {number}");
+            } else {
+                assert_eq!(outcome.error, Some(format!("from {number}")));
+            }
+        }
+    }
+}

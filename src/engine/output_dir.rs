@@ -1,0 +1,192 @@
+//! An output directory made ready for a study: what is there is gone on with, used again, or refused.
+
+use std::mem::discriminant;
+use std::path::{Path, PathBuf};
+
+use thiserror::Error;
+
+use super::{CHUNKS, Shard, Store, StoreError, say};
+use crate::classification::MODEL_VERSION;
+use crate::study::{Study, difference};
+use crate::table::{
+    Circumstances, Destination, EARLIER, Manifest, Results, ResultsError, close_earlier, inspect,
+    manifest_of, put_aside,
+};
+
+/// Lines of a difference that are shown.
+const MOST_LINES: usize = 12;
+
+/// Why a directory cannot be made ready.
+#[derive(Debug, Error)]
+pub enum PlaceError {
+    /// It holds something else, or it cannot be made or written to.
+    #[error(transparent)]
+    Results(#[from] ResultsError),
+    /// What is on disk of finished runs cannot be used.
+    #[error(transparent)]
+    Store(#[from] StoreError),
+}
+
+/// What a study is to be run in.
+pub struct Place<'a> {
+    /// The directory.
+    pub directory: &'a Path,
+    /// The part of the study.
+    pub shard: Shard,
+    /// Whether finished runs that failed are computed again.
+    pub retry_failed: bool,
+    /// Whether a study goes into a directory of whose finished runs it can use none.
+    pub recompute: bool,
+    /// Directories of the study's shards, whose runs are used.
+    pub shards: &'a [PathBuf],
+    /// No words but warnings.
+    pub quiet: bool,
+}
+
+/// A directory that is ready.
+pub enum Ready {
+    /// There is nothing to do: all results are there.
+    Complete(Box<Manifest>),
+    /// The study can be farmed.
+    Open(Box<Store>, Box<Results>),
+}
+
+impl Place<'_> {
+    /// Makes the directory ready for a study.
+    ///
+    /// # Errors
+    /// Where its files are not results, are another shard's or those of a study that shares no run with
+    /// this one; where another process writes there; where it cannot be written to. Nothing is
+    /// changed then.
+    pub fn prepare(&self, study: &Study) -> Result<Ready, PlaceError> {
+        let shard = self.shard.to_string();
+        let found = inspect(self.directory, study, &shard, &[CHUNKS, EARLIER])?;
+        let tell = |line: String| {
+            if !self.quiet {
+                say(&line);
+            }
+        };
+        let directory = self.directory.display();
+        let failed = |manifest: &Manifest| manifest.labels.get("failed").is_some_and(|&n| n > 0);
+        let (mut store, put_them_aside) = match &found {
+            Destination::Complete(manifest) if !(self.retry_failed && failed(manifest)) => {
+                return Ok(Ready::Complete(manifest.clone()));
+            }
+            Destination::Free | Destination::Begun(_) => {
+                (Store::open(self.directory, study)?, false)
+            }
+            Destination::Complete(_) | Destination::Loose | Destination::Changed(..) => {
+                (Store::open(self.directory, study)?, true)
+            }
+            Destination::Another(manifest) => (self.reopen(study, manifest)?, true),
+        };
+        // Until now another process may have written here: what it has left is looked at anew.
+        let locked = inspect(self.directory, study, &shard, &[CHUNKS, EARLIER])?;
+        if discriminant(&locked) != discriminant(&found) {
+            drop(store);
+            return self.prepare(study);
+        }
+        if let Destination::Changed(manifest, difference) = &found {
+            let problem = match manifest.complete {
+                true => "these results have been changed since they were written",
+                false => "there is something in the way of these results",
+            };
+            tell(format!(
+                "{directory}: {problem}: {difference}; they are made again from the finished runs"
+            ));
+        }
+        for part in self.shards {
+            let listed = store.add_shard(part)?;
+            let finished = manifest_of(part)?.map_or(0, |manifest| manifest.runs_finished);
+            if listed < finished {
+                say(&format!(
+                    "{}: only {listed} of its {finished} finished runs are on the list in {CHUNKS}/: the \
+                     others are computed again",
+                    part.display()
+                ));
+            }
+        }
+        let unfinished = match &found {
+            Destination::Begun(_) => true,
+            Destination::Changed(manifest, _) => !manifest.complete,
+            _ => false,
+        };
+        if unfinished && self.shards.is_empty() {
+            tell(format!(
+                "{directory}: going on with this study, of which up to {} runs are finished",
+                store.listed_runs(),
+            ));
+        }
+        if put_them_aside {
+            let place = put_aside(self.directory)?;
+            tell(format!("earlier results are now in {}", place.display()));
+        } else {
+            close_earlier(self.directory)?;
+        }
+        let results = Results::create(self.directory, study)?;
+        let merging = self.merging();
+        let announced = matches!(&found, Destination::Begun(before) if before.merging == merging);
+        if !announced {
+            let begun = Circumstances::begin(shard, self.shard.most_runs(study));
+            results.announce(study, Circumstances { merging, ..begun })?;
+        }
+        Ok(Ready::Open(Box::new(store), Box::new(results)))
+    }
+
+    /// The directories that are merged, for the manifest.
+    pub fn merging(&self) -> Vec<String> {
+        self.shards.iter().map(|part| part.display().to_string()).collect()
+    }
+
+    /// Opens the store of a directory with results of another study, if this one can use any of its runs.
+    fn reopen(&self, study: &Study, manifest: &Manifest) -> Result<Store, PlaceError> {
+        let store = match self.directory.join(CHUNKS).is_dir() || self.recompute {
+            true => Some(Store::open(self.directory, study)?),
+            false => None,
+        };
+        let shared = |store: &Store| {
+            store.listed_runs() > 0
+                || store.has_others()
+                    && self.shard.first_run_ids(study).any(|run_id| store.can_reuse(study, run_id))
+        };
+        match store {
+            Some(store) if self.recompute || shared(&store) => Ok(store),
+            _ => Err(self.refusal(study, manifest).into()),
+        }
+    }
+
+    fn refusal(&self, study: &Study, manifest: &Manifest) -> ResultsError {
+        let mut lines = Vec::new();
+        if manifest.model_version != MODEL_VERSION {
+            lines.push(format!(
+                "version of the model: {} -> {MODEL_VERSION} (stickslip {} -> {})",
+                manifest.model_version,
+                manifest.version,
+                env!("CARGO_PKG_VERSION")
+            ));
+        }
+        match Study::load(&self.directory.join("study.yaml")) {
+            Ok(before) => lines.extend(difference(&before, study)),
+            Err(_) => lines.push("its study.yaml cannot be read any more".to_owned()),
+        }
+        let more = lines.len().saturating_sub(MOST_LINES);
+        lines.truncate(MOST_LINES);
+        if more > 0 {
+            lines.push(format!("and {more} more"));
+        }
+        ResultsError::Occupied {
+            path: self.directory.to_owned(),
+            reason:
+                "this directory holds the results of another study, of which no run can be used"
+                    .to_owned(),
+            found: format!("study {}; it differs in\n    {}", manifest.study, lines.join("\n    ")),
+            allowed: match self.shards {
+                [] => format!(
+                    "another directory, with --out DIR; or --recompute, which moves those results to \
+                     {EARLIER}/ and computes all runs"
+                ),
+                _ => "another directory, with --out DIR".to_owned(),
+            },
+        }
+    }
+}

@@ -1,0 +1,411 @@
+//! Progress while runs are computed: how many, how fast, until when, and how they end so far. All of it
+//! goes to stderr.
+//!
+//! Workers count each run in a few atomic numbers; what is said is put together when it is due.
+
+use std::io::{self, IsTerminal, Write};
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
+use serde_json::{Value, json};
+
+use crate::analysis::{Z_95, wilson_with_failures};
+use crate::classification::Label;
+use crate::foreign::{harmless, harmless_json};
+
+/// How progress is shown.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Show {
+    /// A bar, where stderr is a terminal.
+    Bar,
+    /// A line now and then.
+    Lines,
+    /// An event now and then, as a line of JSON.
+    Json,
+    /// Nothing.
+    Nothing,
+}
+
+impl Show {
+    /// A bar on a terminal, lines elsewhere.
+    pub fn auto() -> Self {
+        if io::stderr().is_terminal() { Show::Bar } else { Show::Lines }
+    }
+
+    /// How long it is from one line to the next, s.
+    fn every(self) -> u64 {
+        if self == Show::Json { 1 } else { 10 }
+    }
+}
+
+/// What is about to be computed.
+#[derive(Clone, Copy, Debug)]
+pub struct Planned<'a> {
+    /// Name of the study.
+    pub study: &'a str,
+    /// Its runs.
+    pub runs: u64,
+    /// Whether it may be fewer.
+    pub at_most: bool,
+    /// Its points.
+    pub points: u64,
+}
+
+/// Progress over the runs of a study.
+pub struct Progress {
+    show: Show,
+    bar: ProgressBar,
+    counts: Arc<Counts>,
+    points: Mutex<PointLines>,
+}
+
+struct Counts {
+    started: Instant,
+    planned: AtomicU64,
+    /// What stands before the number of planned runs and before the time left.
+    bound: &'static str,
+    runs: AtomicU64,
+    equilibria: AtomicU64,
+    failed: AtomicU64,
+    /// Runs that were finished before.
+    found: AtomicU64,
+    /// Seconds after which the next line is due.
+    next_line: AtomicU64,
+}
+
+/// Lines about points: of many points not every one has a line.
+struct PointLines {
+    /// Whether there are so many.
+    many: bool,
+    /// When the last line was written.
+    last: Option<Instant>,
+    left_out: u64,
+}
+
+/// Up to so many points, each has its line.
+const FEW_POINTS: u64 = 40;
+/// Of more points, lines are at least so far apart.
+const LINES_APART: Duration = Duration::from_secs(1);
+
+/// The counts of an instant.
+#[derive(Clone, Copy)]
+struct Now {
+    elapsed_s: f64,
+    planned: u64,
+    runs: u64,
+    found: u64,
+    equilibria: u64,
+    failed: u64,
+}
+
+impl Counts {
+    fn now(&self) -> Now {
+        let read = |count: &AtomicU64| count.load(Ordering::Relaxed);
+        // What is a part is read before the whole, so that it is never larger.
+        let (equilibria, failed) = (read(&self.equilibria), read(&self.failed));
+        let (found, runs) = (read(&self.found), read(&self.runs));
+        let elapsed_s = self.started.elapsed().as_secs_f64();
+        Now { elapsed_s, planned: read(&self.planned), runs, found, equilibria, failed }
+    }
+}
+
+impl Now {
+    /// Runs per second that were computed, not found.
+    fn rate(&self) -> f64 {
+        self.runs.saturating_sub(self.found) as f64 / self.elapsed_s.max(1e-9)
+    }
+
+    /// Seconds left; where nothing has been computed yet, nothing is known.
+    fn left_s(&self) -> Option<f64> {
+        let left = self.planned.saturating_sub(self.runs) as f64 / self.rate();
+        Duration::try_from_secs_f64(left).ok().map(|left| left.as_secs_f64())
+    }
+
+    /// The share of equilibria with its 95 % interval.
+    fn share(&self) -> Option<(f64, (f64, f64))> {
+        let share = self.equilibria as f64 / self.runs as f64;
+        let ends = wilson_with_failures(self.equilibria, self.failed, self.runs, Z_95);
+        (self.runs > 0).then_some((share, ends))
+    }
+
+    fn share_text(&self) -> String {
+        self.share().map_or_else(
+            || "-".to_owned(),
+            |(share, (low, high))| format!("{share:.3} ({low:.3} .. {high:.3})"),
+        )
+    }
+
+    /// Failures, after a separator, if there are any.
+    fn failed_text(&self, separator: &str) -> String {
+        if self.failed > 0 { format!("{separator}{} failed", self.failed) } else { String::new() }
+    }
+
+    fn event(&self, event: &str) -> Value {
+        let share = self.share();
+        json!({
+            "event": event,
+            "elapsed_s": self.elapsed_s,
+            "runs_finished": self.runs,
+            "runs_planned": self.planned,
+            "runs_kept": self.found,
+            "runs_per_s": self.rate(),
+            "left_s": self.left_s(),
+            "equilibrium_fraction": share.map(|(share, _)| share),
+            "ci_low": share.map(|(_, (low, _))| low),
+            "ci_high": share.map(|(_, (_, high))| high),
+            "failed_runs": self.failed,
+        })
+    }
+}
+
+/// Writes a message to standard error, without what a terminal acts on. Where nobody can read it any more (a
+/// terminal that was closed, a reader that has gone) it is lost, and the runs are not: `eprintln` would end the
+/// program.
+pub fn say(message: &str) {
+    write_line(&harmless(message).replace('\t', " "));
+}
+
+/// Writes an event for programs to standard error.
+fn say_json(event: &Value) {
+    write_line(&harmless_json(&event.to_string()));
+}
+
+fn write_line(line: &str) {
+    // One write, so that lines of several threads do not mix.
+    let _ = io::stderr().lock().write_all(format!("{line}\n").as_bytes());
+}
+
+impl Progress {
+    /// Progress over so many runs of one point, shown as fits where stderr leads.
+    pub fn new(planned: u64, quiet: bool) -> Self {
+        let planned = Planned { study: "", runs: planned, at_most: false, points: 1 };
+        Self::begin(planned, if quiet { Show::Nothing } else { Show::auto() })
+    }
+
+    /// Progress over what is planned, beginning now.
+    pub fn begin(planned: Planned<'_>, show: Show) -> Self {
+        let Planned { study, runs, at_most, points } = planned;
+        let counts = Arc::new(Counts {
+            started: Instant::now(),
+            planned: runs.into(),
+            bound: if at_most { "at most " } else { "" },
+            runs: 0.into(),
+            equilibria: 0.into(),
+            failed: 0.into(),
+            found: 0.into(),
+            next_line: show.every().into(),
+        });
+        if show == Show::Json {
+            let begun = json!({
+                "event": "begun",
+                "elapsed_s": 0.0,
+                "study": study,
+                "runs_planned": runs,
+                "runs_are_at_most": at_most,
+                "points_planned": points,
+            });
+            say_json(&begun);
+        }
+        let bar = match show {
+            Show::Bar => bar(runs, at_most, &counts),
+            _ => ProgressBar::hidden(),
+        };
+        let points = PointLines { many: points > FEW_POINTS, last: None, left_out: 0 };
+        Progress { show, bar, counts, points: Mutex::new(points) }
+    }
+
+    /// Corrects the number of planned runs.
+    pub fn expect(&self, planned: u64) {
+        if self.counts.planned.swap(planned, Ordering::Relaxed) != planned {
+            self.bar.set_length(planned);
+        }
+    }
+
+    /// Counts a run that was finished before.
+    pub fn found(&self, label: Label) {
+        self.counts.found.fetch_add(1, Ordering::Relaxed);
+        self.finished(label);
+    }
+
+    /// Counts a finished run.
+    pub fn finished(&self, label: Label) {
+        self.counts.runs.fetch_add(1, Ordering::Relaxed);
+        match label {
+            Label::Equilibrium => self.counts.equilibria.fetch_add(1, Ordering::Relaxed),
+            Label::Failed => self.counts.failed.fetch_add(1, Ordering::Relaxed),
+            _ => 0,
+        };
+        match self.show {
+            Show::Bar => self.bar.inc(1),
+            Show::Lines | Show::Json => self.line_if_due(),
+            Show::Nothing => {}
+        }
+    }
+
+    fn line_if_due(&self) {
+        let elapsed = self.counts.started.elapsed().as_secs();
+        let due = self.counts.next_line.load(Ordering::Relaxed);
+        let claim = || {
+            let (next, order) = (elapsed + self.show.every(), Ordering::Relaxed);
+            self.counts.next_line.compare_exchange(due, next, order, order)
+        };
+        if elapsed < due || claim().is_err() {
+            return;
+        }
+        let now = self.counts.now();
+        if self.show == Show::Json {
+            say_json(&now.event("progress"));
+            return;
+        }
+        let left = now.left_s().map_or_else(|| "?".to_owned(), |left| format!("{left:.0}"));
+        let bound = self.counts.bound;
+        let about = if bound.is_empty() { "about " } else { bound };
+        say(&format!(
+            "{} of {bound}{} runs, {:.0} runs/s, equilibria {}{}, {about}{left} s left",
+            now.runs,
+            now.planned,
+            now.rate(),
+            now.share_text(),
+            now.failed_text(", "),
+        ));
+    }
+
+    /// Tells of a point whose runs have all finished: `text` is a line for people, `facts` are for an event.
+    pub fn point(&self, text: impl FnOnce() -> String, facts: impl FnOnce() -> Value) {
+        match self.show {
+            Show::Nothing => {}
+            Show::Json => {
+                let elapsed_s = self.counts.started.elapsed().as_secs_f64();
+                let mut event = json!({"event": "point", "elapsed_s": elapsed_s});
+                if let (Value::Object(event), Value::Object(facts)) = (&mut event, facts()) {
+                    event.extend(facts);
+                }
+                say_json(&event);
+            }
+            Show::Bar | Show::Lines => {
+                // What a panic elsewhere leaves of it is of use still.
+                let mut lines = self.points.lock().unwrap_or_else(PoisonError::into_inner);
+                let now = Instant::now();
+                let soon = lines.last.is_some_and(|last| now.duration_since(last) < LINES_APART);
+                if lines.many && soon {
+                    lines.left_out += 1;
+                    return;
+                }
+                lines.last = Some(now);
+                let before = match std::mem::take(&mut lines.left_out) {
+                    0 => String::new(),
+                    left_out => format!(" ({left_out} before it left out)"),
+                };
+                self.line(&format!("{}{before}", text()));
+            }
+        }
+    }
+
+    /// Writes a line, above the bar where there is one.
+    fn line(&self, line: &str) {
+        match self.show {
+            Show::Bar => self.bar.println(harmless(line)),
+            _ => say(line),
+        }
+    }
+
+    /// Takes the bar away and returns how long it all took.
+    pub fn close(&self) -> Duration {
+        let left_out = self.points.lock().unwrap_or_else(PoisonError::into_inner).left_out;
+        if left_out > 0 {
+            self.line(&format!("{left_out} more points have finished"));
+        }
+        self.bar.finish_and_clear();
+        self.counts.started.elapsed()
+    }
+
+    /// Tells programs that all is over: of all planned runs, or because it was `interrupted`.
+    pub fn ended(&self, interrupted: bool) {
+        if self.show == Show::Json {
+            let mut event = self.counts.now().event("ended");
+            event["interrupted"] = interrupted.into();
+            say_json(&event);
+        }
+    }
+}
+
+fn bar(planned: u64, at_most: bool, counts: &Arc<Counts>) -> ProgressBar {
+    let target = ProgressDrawTarget::stderr_with_hz(10);
+    let bar = ProgressBar::with_draw_target(Some(planned), target);
+    let sign = if at_most { "≤" } else { "" };
+    let template = format!(
+        "{{wide_bar}} {{human_pos}}/{sign}{{human_len}} runs  {{rate}}/s  equilibria \
+         {{share}}{{failed}}  {sign}{{left}} left"
+    );
+    let key = |text: fn(Now) -> String| {
+        let counts = Arc::clone(counts);
+        move |_: &ProgressState, out: &mut dyn std::fmt::Write| {
+            // Nobody can do anything about a bar that cannot be drawn.
+            let _ = out.write_str(&text(counts.now()));
+        }
+    };
+    if let Ok(style) = ProgressStyle::with_template(&template) {
+        bar.set_style(
+            style
+                .with_key("rate", key(|now| format!("{:.0}", now.rate())))
+                .with_key("share", key(|now| now.share_text()))
+                .with_key("failed", key(|now| now.failed_text("  ")))
+                .with_key("left", key(|now| time_text(now.left_s()))),
+        );
+    }
+    bar
+}
+
+/// A time as people say it.
+fn time_text(seconds: Option<f64>) -> String {
+    // A cast from a floating point number saturates.
+    match seconds.map(|seconds| seconds.ceil() as u64) {
+        None => "?".to_owned(),
+        Some(seconds @ 0..120) => format!("{seconds} s"),
+        Some(seconds @ 120..7200) => format!("{} min", seconds.div_ceil(60)),
+        Some(seconds) => format!("{} h", seconds.div_ceil(3600)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Now, time_text};
+    use crate::analysis::{Z_95, wilson};
+
+    #[test]
+    fn what_is_computed_of_the_counts() {
+        let now = Now {
+            elapsed_s: 10.0,
+            planned: 1000,
+            runs: 300,
+            found: 100,
+            equilibria: 150,
+            failed: 0,
+        };
+        assert_eq!((now.rate(), now.left_s()), (20.0, Some(35.0)));
+        assert_eq!(now.share(), Some((0.5, wilson(150, 300, Z_95))));
+        assert_eq!(now.failed_text(", "), "");
+        // Failed runs widen the interval upwards only.
+        let failed = Now { failed: 30, ..now };
+        let ends = (wilson(150, 300, Z_95).0, wilson(180, 300, Z_95).1);
+        assert_eq!(failed.share(), Some((0.5, ends)));
+        assert_eq!(failed.failed_text(", "), ", 30 failed");
+        // Nothing is known before the first run, nor how long while all were found.
+        let begun = Now { runs: 0, found: 0, equilibria: 0, ..now };
+        assert_eq!((begun.share(), begun.left_s(), begun.share_text()), (None, None, "-".into()));
+        assert_eq!(Now { found: 300, ..now }.left_s(), None);
+        assert_eq!(begun.event("progress")["left_s"], serde_json::Value::Null);
+    }
+
+    #[test]
+    fn times() {
+        for (seconds, text) in
+            [(0.0, "0 s"), (119.0, "119 s"), (119.5, "2 min"), (7140.0, "119 min"), (7201.0, "3 h")]
+        {
+            assert_eq!(time_text(Some(seconds)), text);
+        }
+        assert_eq!(time_text(None), "?");
+    }
+}

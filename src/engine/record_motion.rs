@@ -1,0 +1,39 @@
+//! One run computed with its motion.
+
+use std::cell::RefCell;
+
+use super::compute;
+use crate::classification::{Instants, Recorder, Recording, simulate, simulate_recorded};
+use crate::model::Case;
+use crate::study::Study;
+use crate::table::RunRecord;
+
+/// Computes a run with its motion, and what else its row has. The motion is that at these times, s and
+/// ascending, or at every step; at most so many instants, and as many switches, are kept.
+///
+/// # Panics
+/// If `run_id` is not below [`Study::run_count`].
+pub fn record(
+    study: &Study,
+    run_id: u64,
+    times_s: Option<&[f64]>,
+    most: usize,
+) -> (RunRecord, Recording) {
+    let natural = |case: &Case| case.model.natural_frequency_rad_s();
+    // An audited run is simulated twice; the first time is the run itself.
+    let recorder: RefCell<Option<Recorder>> = RefCell::new(None);
+    let simulated = |case: &Case| {
+        if recorder.borrow().is_some() {
+            return simulate(case);
+        }
+        let instants = match times_s {
+            None => Instants::EveryStep { inside: 0 },
+            Some(times) => Instants::At(times.iter().map(|time| time * natural(case)).collect()),
+        };
+        let mut slot = recorder.borrow_mut();
+        simulate_recorded(case, slot.insert(Recorder::new(instants, most)))
+    };
+    let record = compute(study, run_id, simulated);
+    let recording = recorder.into_inner().map(Recorder::finish).unwrap_or_default();
+    (record, recording)
+}

@@ -1,0 +1,242 @@
+//! A chunk: finished runs in one file, in ascending order of their numbers.
+//!
+//! Layout, little-endian: 16 bytes that say what it is, the version of the layout and of the model (4 bytes
+//! each), the hash of the study (64 hexadecimal digits); then for each run its number (8 bytes), the key
+//! of its case (16), the length of what follows (4) and the outcome, as postcard writes it. That a
+//! chunk is whole and unchanged is said by its hash in the list of chunks, not here; here nothing
+//! that is read may do harm.
+
+use thiserror::Error;
+
+use super::record::CaseKey;
+use crate::classification::MODEL_VERSION;
+
+const MAGIC: &[u8; 16] = b"stickslip chunk\n";
+/// Version of the layout.
+const FORMAT: u32 = 2;
+const HASH_DIGITS: usize = 64;
+
+/// Why bytes are not a chunk.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+pub enum ChunkFault {
+    /// They begin with something else.
+    #[error("not a chunk of finished runs")]
+    Foreign,
+    /// They are another version's.
+    #[error(
+        "layout {format} of model version {model}, this program reads {FORMAT} of {MODEL_VERSION}"
+    )]
+    Version {
+        /// Version of the layout.
+        format: u32,
+        /// Version of the model.
+        model: u32,
+    },
+    /// They end within a run.
+    #[error("it ends within a run, at byte {at}")]
+    Torn {
+        /// Where that run begins.
+        at: usize,
+    },
+    /// Runs do not ascend.
+    #[error("run {run_id} is out of order")]
+    Order {
+        /// The run.
+        run_id: u64,
+    },
+}
+
+/// A chunk that has been read.
+#[derive(Debug)]
+pub struct Chunk {
+    study_hash: String,
+    runs: Vec<Entry>,
+    bytes: Vec<u8>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Entry {
+    run_id: u64,
+    key: CaseKey,
+    start: usize,
+    end: usize,
+}
+
+impl Chunk {
+    /// Finds the runs in the bytes of a chunk.
+    ///
+    /// # Errors
+    /// [`ChunkFault`].
+    pub fn parse(bytes: Vec<u8>) -> Result<Self, ChunkFault> {
+        let mut rest = Rest { bytes: &bytes, at: 0 };
+        if rest.take::<16>() != Some(*MAGIC) {
+            return Err(ChunkFault::Foreign);
+        }
+        let (Some(format), Some(model)) = (rest.take(), rest.take()) else {
+            return Err(ChunkFault::Foreign);
+        };
+        let [format, model] = [format, model].map(u32::from_le_bytes);
+        if (format, model) != (FORMAT, MODEL_VERSION) {
+            return Err(ChunkFault::Version { format, model });
+        }
+        let hash = rest.take::<HASH_DIGITS>().ok_or(ChunkFault::Foreign)?;
+        let mut runs: Vec<Entry> = Vec::new();
+        while rest.at < bytes.len() {
+            let entry = rest.entry().ok_or(ChunkFault::Torn { at: rest.at })?;
+            if runs.last().is_some_and(|last| last.run_id >= entry.run_id) {
+                return Err(ChunkFault::Order { run_id: entry.run_id });
+            }
+            runs.push(entry);
+        }
+        Ok(Chunk { study_hash: String::from_utf8_lossy(&hash).into_owned(), runs, bytes })
+    }
+
+    /// Hash of the study that the runs belong to.
+    pub fn study_hash(&self) -> &str {
+        &self.study_hash
+    }
+
+    /// How many runs it has.
+    pub fn len(&self) -> usize {
+        self.runs.len()
+    }
+
+    /// Whether it has no runs.
+    pub fn is_empty(&self) -> bool {
+        self.runs.is_empty()
+    }
+
+    /// How much memory it takes, about, bytes.
+    pub fn size(&self) -> usize {
+        self.bytes.len() + size_of_val(self.runs.as_slice())
+    }
+
+    /// The numbers of its runs.
+    pub fn run_ids(&self) -> impl ExactSizeIterator<Item = u64> {
+        self.runs.iter().map(|entry| entry.run_id)
+    }
+
+    /// The keys of its runs.
+    pub(super) fn keys(&self) -> impl ExactSizeIterator<Item = CaseKey> {
+        self.runs.iter().map(|entry| entry.key)
+    }
+
+    /// The runs whose numbers are in this range: number, key and content.
+    pub(super) fn runs_between(
+        &self,
+        first: u64,
+        last: u64,
+    ) -> impl Iterator<Item = (u64, CaseKey, &[u8])> {
+        let from = self.runs.partition_point(|entry| entry.run_id < first);
+        let inside = self.runs[from..].iter().take_while(move |entry| entry.run_id <= last);
+        inside.map(|entry| (entry.run_id, entry.key, &self.bytes[entry.start..entry.end]))
+    }
+
+    /// The content of its run `index`, counted from zero.
+    pub(super) fn content(&self, index: usize) -> Option<&[u8]> {
+        self.runs.get(index).map(|entry| &self.bytes[entry.start..entry.end])
+    }
+}
+
+struct Rest<'a> {
+    bytes: &'a [u8],
+    at: usize,
+}
+
+impl Rest<'_> {
+    fn take<const N: usize>(&mut self) -> Option<[u8; N]> {
+        let taken = *self.bytes.get(self.at..)?.first_chunk::<N>()?;
+        self.at += N;
+        Some(taken)
+    }
+
+    /// The next run; where it is not whole, nothing is taken.
+    fn entry(&mut self) -> Option<Entry> {
+        let mut ahead = Rest { bytes: self.bytes, at: self.at };
+        let run_id = u64::from_le_bytes(ahead.take()?);
+        let key = CaseKey(ahead.take()?);
+        let length = usize::try_from(u32::from_le_bytes(ahead.take()?)).ok()?;
+        let start = ahead.at;
+        let end = start.checked_add(length).filter(|end| *end <= self.bytes.len())?;
+        self.at = end;
+        Some(Entry { run_id, key, start, end })
+    }
+}
+
+/// A chunk being put together.
+#[derive(Debug)]
+pub(super) struct ChunkWriter {
+    pub bytes: Vec<u8>,
+}
+
+impl ChunkWriter {
+    /// A chunk of a study without runs.
+    pub fn new(study_hash: &str) -> Self {
+        let mut bytes = MAGIC.to_vec();
+        bytes.extend(FORMAT.to_le_bytes());
+        bytes.extend(MODEL_VERSION.to_le_bytes());
+        bytes.extend(study_hash.bytes().chain(std::iter::repeat(b' ')).take(HASH_DIGITS));
+        ChunkWriter { bytes }
+    }
+
+    /// Adds a run; runs come in ascending order. One of four gigabytes is left out.
+    pub fn push(&mut self, run_id: u64, key: CaseKey, content: &[u8]) {
+        let Ok(length) = u32::try_from(content.len()) else { return };
+        self.bytes.extend(run_id.to_le_bytes());
+        self.bytes.extend(key.0);
+        self.bytes.extend(length.to_le_bytes());
+        self.bytes.extend(content);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Chunk, ChunkFault, ChunkWriter};
+    use crate::engine::store::record::CaseKey;
+
+    const HASH: &str = "00112233445566778899aabbccddeeff00112233445566778899aabbccddeeff";
+
+    fn three_runs() -> Vec<u8> {
+        let mut writer = ChunkWriter::new(HASH);
+        for run_id in [3_u64, 7, 8] {
+            writer.push(run_id, CaseKey([run_id as u8; 16]), &vec![run_id as u8; run_id as usize]);
+        }
+        writer.bytes
+    }
+
+    #[test]
+    fn what_is_written_is_read() {
+        let chunk = Chunk::parse(three_runs()).unwrap();
+        assert_eq!((chunk.study_hash(), chunk.len()), (HASH, 3));
+        assert_eq!(chunk.run_ids().collect::<Vec<_>>(), [3, 7, 8]);
+        let between: Vec<_> = chunk.runs_between(4, 7).collect();
+        assert_eq!(between, [(7, CaseKey([7; 16]), [7; 7].as_slice())]);
+        assert_eq!(chunk.content(2), Some([8; 8].as_slice()));
+        assert_eq!(chunk.content(3), None);
+        let empty = Chunk::parse(ChunkWriter::new(HASH).bytes).unwrap();
+        assert!(empty.is_empty());
+    }
+
+    #[test]
+    fn no_beginning_of_a_chunk_is_another_chunk() {
+        let bytes = three_runs();
+        let ends = [88, 88 + 28 + 3, 88 + 28 + 3 + 28 + 7, bytes.len()];
+        for length in 0..bytes.len() {
+            let parsed = Chunk::parse(bytes[..length].to_vec());
+            assert_eq!(parsed.is_ok(), ends.contains(&length), "{length}: {parsed:?}");
+        }
+    }
+
+    #[test]
+    fn faults_are_named() {
+        let parsed = |change: fn(&mut Vec<u8>)| {
+            let mut bytes = three_runs();
+            change(&mut bytes);
+            Chunk::parse(bytes).unwrap_err()
+        };
+        assert_eq!(parsed(|bytes| bytes[0] ^= 1), ChunkFault::Foreign);
+        assert!(matches!(parsed(|bytes| bytes[16] = 9), ChunkFault::Version { format: 9, .. }));
+        assert_eq!(parsed(|bytes| bytes[88] = 7), ChunkFault::Order { run_id: 7 });
+        assert_eq!(parsed(|bytes| bytes[88 + 24 + 3] = 255), ChunkFault::Torn { at: 88 });
+    }
+}

@@ -1,0 +1,87 @@
+//! Finished runs of the same study, found by their numbers, a window of numbers at a time.
+
+use std::collections::HashMap;
+
+use super::chunk::Chunk;
+use super::folder::{Folder, Listed};
+use super::record::CaseKey;
+use crate::engine::say;
+
+/// Chunks that stay in memory between windows, bytes.
+const MEMORY: usize = 1 << 27;
+
+/// A finished run as it lies on disk.
+#[derive(Clone, Debug, PartialEq)]
+pub(in crate::engine) struct Found {
+    /// The key of its case.
+    pub key: CaseKey,
+    /// Its content.
+    pub content: Vec<u8>,
+    /// Whether it is in the directory that is written into.
+    pub own: bool,
+}
+
+/// The folders of a study: the first is our own, others are its shards'.
+#[derive(Debug)]
+pub(in crate::engine) struct Shelves {
+    pub(super) folders: Vec<Folder>,
+    /// Chunks that were read and may reach into the next window, by folder and number.
+    loaded: HashMap<(usize, u64), Chunk>,
+}
+
+impl Shelves {
+    /// Shelves with our own folder.
+    pub(super) fn new(own: Folder) -> Self {
+        Shelves { folders: vec![own], loaded: HashMap::new() }
+    }
+
+    /// Whether there is a finished run with this number or a later one.
+    pub fn reach(&self, run_id: u64) -> bool {
+        let mut listed = self.folders.iter().flat_map(|folder| &folder.listed);
+        listed.any(|chunk| chunk.last_run >= run_id)
+    }
+
+    /// The finished runs from number `first` to `last`; windows ascend. Damaged chunks are told of, and
+    /// not read again; our own are put aside.
+    pub fn window(&mut self, first: u64, last: u64) -> HashMap<u64, Found> {
+        let mut runs = HashMap::new();
+        for (number, folder) in self.folders.iter_mut().enumerate() {
+            let own = number == 0;
+            let loaded = &mut self.loaded;
+            let mut take = |folder: &Folder, listed: &Listed| -> Result<(), String> {
+                let chunk = match loaded.remove(&(number, listed.chunk)) {
+                    Some(chunk) => chunk,
+                    None => folder.read(listed)?,
+                };
+                let found = |(run_id, key, content): (u64, CaseKey, &[u8])| {
+                    (run_id, Found { key, content: content.to_vec(), own })
+                };
+                runs.extend(chunk.runs_between(first, last).map(found));
+                if listed.last_run > last {
+                    loaded.insert((number, listed.chunk), chunk);
+                }
+                Ok(())
+            };
+            let mut damaged = Vec::new();
+            for (index, listed) in folder.listed.iter().enumerate() {
+                if listed.first_run > last || listed.last_run < first {
+                    continue;
+                }
+                if let Err(fault) = take(folder, listed) {
+                    say(&format!("{fault}: its runs are computed again"));
+                    damaged.push(index);
+                }
+            }
+            for index in damaged.into_iter().rev() {
+                let listed = folder.listed.remove(index);
+                if own {
+                    folder.put_aside(&listed);
+                }
+            }
+        }
+        if self.loaded.values().map(Chunk::size).sum::<usize>() > MEMORY {
+            self.loaded.clear();
+        }
+        runs
+    }
+}

@@ -1,0 +1,73 @@
+//! Finished runs of other studies in the same directory, found by their cases.
+
+use std::collections::{HashMap, VecDeque};
+use std::sync::{Arc, Mutex, PoisonError};
+
+use super::chunk::Chunk;
+use super::folder::{Folder, Listed};
+use super::record::CaseKey;
+use crate::engine::say;
+
+/// Chunks that are kept in memory at a time.
+const KEPT: usize = 32;
+
+/// An index of finished runs by case; it takes some forty bytes a run.
+#[derive(Debug, Default)]
+pub(in crate::engine) struct Reuse {
+    folders: Vec<Folder>,
+    /// The folder and its chunk, by number.
+    chunks: Vec<(usize, Listed)>,
+    /// Chunk and place in it.
+    index: HashMap<CaseKey, (u32, u32)>,
+    /// The chunks read last, the last of them at the end.
+    kept: Mutex<VecDeque<(u32, Arc<Chunk>)>>,
+}
+
+impl Reuse {
+    /// Reads all chunks of these folders; damaged ones are told of and left out.
+    pub(super) fn of(folders: Vec<Folder>) -> Self {
+        let mut reuse = Reuse { folders, ..Reuse::default() };
+        for (number, folder) in reuse.folders.iter().enumerate() {
+            for listed in &folder.listed {
+                let Ok(place) = u32::try_from(reuse.chunks.len()) else { break };
+                match folder.read(listed) {
+                    Ok(chunk) => {
+                        let keys = chunk.keys().zip(0_u32..);
+                        reuse.index.extend(keys.map(|(key, at)| (key, (place, at))));
+                        reuse.chunks.push((number, listed.clone()));
+                    }
+                    Err(fault) => say(&format!("{fault}: its runs cannot be used again")),
+                }
+            }
+        }
+        reuse
+    }
+
+    /// Whether there is nothing to use again.
+    pub fn is_empty(&self) -> bool {
+        self.index.is_empty()
+    }
+
+    /// The content of a finished run of this case.
+    pub fn find(&self, key: CaseKey) -> Option<Vec<u8>> {
+        let (place, at) = *self.index.get(&key)?;
+        let chunk = self.chunk(place)?;
+        Some(chunk.content(usize::try_from(at).ok()?)?.to_vec())
+    }
+
+    fn chunk(&self, place: u32) -> Option<Arc<Chunk>> {
+        // Whoever panicked while holding it left whole entries.
+        let mut kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, chunk)) = kept.iter().find(|(other, _)| *other == place) {
+            return Some(Arc::clone(chunk));
+        }
+        let (folder, listed) = self.chunks.get(usize::try_from(place).ok()?)?;
+        // It was whole when it was indexed; where it no longer is, its runs are computed.
+        let chunk = Arc::new(self.folders[*folder].read(listed).ok()?);
+        if kept.len() == KEPT {
+            kept.pop_front();
+        }
+        kept.push_back((place, Arc::clone(&chunk)));
+        Some(chunk)
+    }
+}

@@ -1,0 +1,178 @@
+//! The runs of one worker: taken from what is left of a batch, planned, and finished.
+
+use std::collections::{HashMap, VecDeque};
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::mpsc::SyncSender;
+
+use super::stop::Halt;
+use super::store::{CaseKey, Finished, Found, Fresh, Reuse};
+use crate::classification::{Evidence, Label, Outcome, Runs};
+use crate::model::Case;
+use crate::study::{PlannedRun, Study};
+use crate::table::RunRecord;
+
+/// A batch of runs that workers share.
+pub(super) struct Batch<'a> {
+    pub(super) study: &'a Study,
+    /// The numbers of its runs, ascending.
+    pub(super) run_ids: Vec<u64>,
+    /// How many of its runs have been begun.
+    pub(super) begun: AtomicU64,
+    pub(super) halt: &'a Halt<'a>,
+    /// Whether audited runs are computed a second time.
+    pub(super) audits: bool,
+    /// Is called for each run that has been computed.
+    pub(super) finished: &'a (dyn Fn(Label) + Sync),
+    pub(super) disk: Option<Disk<'a>>,
+}
+
+/// What is known of finished runs, and where new ones go.
+#[derive(Clone)]
+pub(super) struct Disk<'a> {
+    /// Runs of this study, by number.
+    pub(super) found: &'a HashMap<u64, Found>,
+    /// Is called for each run that need not be computed.
+    pub(super) taken: &'a (dyn Fn(Label) + Sync),
+    /// Runs of other studies, by case.
+    pub(super) reuse: &'a Reuse,
+    /// Whether runs that failed are computed again.
+    pub(super) retry_failed: bool,
+    /// Takes runs that are not in the output directory.
+    pub(super) outbox: SyncSender<Fresh>,
+    /// How many runs did not have to be computed.
+    pub(super) kept: &'a AtomicU64,
+}
+
+/// What one worker does of a batch.
+pub(super) struct Work<'a> {
+    batch: &'a Batch<'a>,
+    disk: Option<Disk<'a>>,
+    /// Second computations of audited runs that are still to be begun.
+    again: VecDeque<(u64, Case)>,
+    open: HashMap<u64, Open>,
+    /// Finished runs, in any order.
+    pub(super) finished: Vec<RunRecord>,
+}
+
+/// A run of which something is still to come.
+struct Open {
+    planned: PlannedRun,
+    outcome: Option<Outcome>,
+    again: Option<Evidence>,
+}
+
+impl<'a> Work<'a> {
+    pub(super) fn new(batch: &'a Batch<'a>) -> Self {
+        let disk = batch.disk.clone();
+        Work { batch, disk, again: VecDeque::new(), open: HashMap::new(), finished: Vec::new() }
+    }
+
+    /// How many of its runs have begun and not been finished.
+    pub(super) fn in_progress(&self) -> u64 {
+        self.open.len() as u64
+    }
+
+    fn key(&self, planned: &PlannedRun) -> CaseKey {
+        CaseKey::of(planned)
+    }
+
+    /// Takes a run from disk if it is there, with all that its plan asks for; gives it back if not.
+    fn take_kept(&mut self, planned: PlannedRun) -> Option<PlannedRun> {
+        let Some(disk) = &self.disk else { return Some(planned) };
+        let key = self.key(&planned);
+        let found = disk.found.get(&planned.run_id).filter(|found| found.key == key);
+        let own = found.is_some_and(|found| found.own);
+        let content = found.map(|found| found.content.clone()).or_else(|| disk.reuse.find(key));
+        let contacts = self.batch.study.model().balls().max(1);
+        let finished = content.and_then(|content| Finished::decode(&content, contacts));
+        let usable = finished.filter(|finished| {
+            let retry = disk.retry_failed && finished.outcome.label() == Label::Failed;
+            !retry && (!planned.audited || finished.audit.is_some())
+        });
+        let Some(Finished { outcome, audit }) = usable else { return Some(planned) };
+        let audit = audit.filter(|_| planned.audited);
+        disk.kept.fetch_add(1, Ordering::Relaxed);
+        (disk.taken)(outcome.label());
+        let record = RunRecord { planned, outcome, audit };
+        self.finish(record, (!own).then_some(key));
+        None
+    }
+
+    /// Hands a finished run on; to the disk, too, where there is a key.
+    fn finish(&mut self, record: RunRecord, key: Option<CaseKey>) {
+        if record.outcome.label() == Label::Failed {
+            self.batch.halt.failed();
+        }
+        if let (Some(disk), Some(key)) = (&self.disk, key) {
+            let fresh =
+                Fresh { run_id: record.planned.run_id, key, content: Finished::encode(&record) };
+            // Where nobody takes it any more, the disk has failed, which is told of at the end.
+            let _ = disk.outbox.send(fresh);
+        }
+        self.finished.push(record);
+    }
+
+    /// Takes in what is known of a run; it is finished when all of it is.
+    fn take_in(&mut self, place: u64, open: Open) {
+        let Open { planned, outcome, again } = open;
+        let complete = !planned.audited || again.is_some();
+        let (Some(outcome), true) = (&outcome, complete) else {
+            self.open.insert(place, Open { planned, outcome, again });
+            return;
+        };
+        (self.batch.finished)(outcome.label());
+        let record = RunRecord { planned, outcome: outcome.clone(), audit: again };
+        let key = self.disk.is_some().then(|| self.key(&record.planned));
+        self.finish(record, key);
+    }
+}
+
+/// Of each place in the batch there are two numbers: the run itself and its second computation.
+impl Runs for Work<'_> {
+    fn next(&mut self) -> Option<(u64, Case)> {
+        if let Some(again) = self.again.pop_front() {
+            return Some(again);
+        }
+        loop {
+            if self.batch.halt.at_once() {
+                return None;
+            }
+            let place = self.batch.begun.fetch_add(1, Ordering::Relaxed);
+            let run_id = *self.batch.run_ids.get(usize::try_from(place).ok()?)?;
+            let mut planned = self.batch.study.planned_run(run_id);
+            planned.audited &= self.batch.audits;
+            let Some(planned) = self.take_kept(planned) else { continue };
+            if self.batch.halt.now() {
+                continue;
+            }
+            match &planned.case {
+                Ok(case) => {
+                    let case = case.clone();
+                    if planned.audited {
+                        let simulation = case.simulation.counter_check();
+                        self.again.push_back((2 * place + 1, Case { simulation, ..case.clone() }));
+                    }
+                    self.open.insert(place, Open { planned, outcome: None, again: None });
+                    return Some((2 * place, case));
+                }
+                Err(invalid) => {
+                    let evidence = Evidence::InvalidParameters;
+                    let outcome = Some(Outcome::failed(evidence, invalid.to_string()));
+                    let again = planned.audited.then_some(evidence);
+                    self.take_in(place, Open { planned, outcome, again });
+                }
+            }
+        }
+    }
+
+    fn ended(&mut self, number: u64, outcome: Outcome) {
+        let place = number / 2;
+        let Some(mut open) = self.open.remove(&place) else { return };
+        if number.is_multiple_of(2) {
+            open.outcome = Some(outcome);
+        } else {
+            open.again = Some(outcome.evidence);
+        }
+        self.take_in(place, open);
+    }
+}

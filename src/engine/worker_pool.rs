@@ -1,0 +1,86 @@
+//! Worker threads that share queues of runs.
+
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+
+use rayon::prelude::*;
+
+use super::FarmOptions;
+use super::compute::{Engine, InLockstep};
+use super::patience::with_patience;
+use super::stop::Halt;
+use super::worker::{Batch, Work};
+use crate::classification::Label;
+use crate::motion::{Cancellation, VectorLevel};
+use crate::study::Study;
+use crate::table::RunRecord;
+
+/// Worker threads.
+pub struct WorkerPool {
+    pool: rayon::ThreadPool,
+    threads: usize,
+}
+
+impl WorkerPool {
+    /// So many threads; at least one.
+    ///
+    /// # Errors
+    /// Where the operating system refuses.
+    pub fn new(threads: usize) -> Result<WorkerPool, rayon::ThreadPoolBuildError> {
+        let threads = threads.max(1);
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
+        Ok(WorkerPool { pool, threads })
+    }
+
+    /// Does something on these threads, where rayon divides it.
+    pub fn install<T: Send>(&self, work: impl FnOnce() -> T + Send) -> T {
+        self.pool.install(work)
+    }
+
+    /// Computes the first sample of a point in lockstep, each run once, and returns the runs in the order of
+    /// their numbers. `finished` is called for each run. Returns none where `stop` becomes true before all runs
+    /// have finished; runs in progress are then given up at once.
+    pub fn sample(
+        &self,
+        study: &Study,
+        point_id: u64,
+        stop: &AtomicBool,
+        finished: &(dyn Fn(Label) + Sync),
+    ) -> Option<Vec<RunRecord>> {
+        let point = study.point(point_id);
+        let run_ids: Vec<u64> = (point.first_run..point.first_run + point.sampling.first).collect();
+        let count = run_ids.len();
+        let halt = Halt::new(stop, &FarmOptions::default());
+        let begun = AtomicU64::new(0);
+        let batch =
+            Batch { study, run_ids, begun, audits: false, halt: &halt, finished, disk: None };
+        let engine = InLockstep(VectorLevel::best());
+        let is_over = || stop.load(Ordering::Relaxed);
+        let runs = with_patience(is_over, |cancellation| {
+            self.install(|| self.compute(cancellation, &engine, &batch))
+        });
+        (runs.len() == count).then_some(runs)
+    }
+
+    /// The finished runs of a batch, in the order of their numbers; to be called on these threads.
+    pub(super) fn compute(
+        &self,
+        cancellation: &Cancellation,
+        engine: &impl Engine,
+        batch: &Batch<'_>,
+    ) -> Vec<RunRecord> {
+        let mut finished: Vec<RunRecord> = (0..self.threads)
+            .into_par_iter()
+            .with_max_len(1)
+            .flat_map_iter(|_| {
+                let mut work = Work::new(batch);
+                let computed = cancellation.unless_cancelled(|| engine.compute(&mut work));
+                if computed.is_none() {
+                    batch.halt.gave_up(work.in_progress());
+                }
+                work.finished
+            })
+            .collect();
+        finished.sort_unstable_by_key(|record| record.planned.run_id);
+        finished
+    }
+}

@@ -1,0 +1,301 @@
+//! The conditions that hold while a phase lasts, as power series over a step. The same as in
+//! `motion::guard`:
+//!
+//! | | first | second | third |
+//! |---|---|---|---|
+//! | slip | out of the band | | pressed to the ring |
+//! | stick | held against a forward force | held against a backward force | pressed |
+//! | transition | in the band | accelerating in its direction | pressed |
+//! | free | | | pressed |
+//!
+//! In all lanes at once it is shown that none fails, where that is plain; the other lanes, one step in five,
+//! are looked at one by one (`first_failure`).
+
+use fearless_simd::{Simd, prelude::*};
+
+use super::Lanes;
+use super::equations::Equations;
+use super::root_isolation::{FOURTH, Outline, Place};
+use super::series::{ORDER, Series, decay};
+use crate::motion::Phase;
+
+/// What the conditions of a ball depend on.
+#[derive(Clone, Copy)]
+pub(super) struct Watched<S: Simd> {
+    /// The first condition of a ball that does not stick is `sign β̇ + offset`.
+    pub(super) sign: Lanes<S>,
+    pub(super) offset: Lanes<S>,
+    /// 1 where it sticks, else 0.
+    pub(super) stuck: Lanes<S>,
+    /// Static coefficient of friction.
+    pub(super) limit: Lanes<S>,
+    /// Slack of the conditions on forces.
+    pub(super) slack: Lanes<S>,
+}
+
+impl<S: Simd> Watched<S> {
+    /// Nothing can fail.
+    pub(super) fn nothing(simd: S) -> Self {
+        let zero = Lanes::splat(simd, 0.0);
+        Watched {
+            sign: zero,
+            offset: Lanes::splat(simd, 1.0),
+            stuck: zero,
+            limit: zero,
+            slack: zero,
+        }
+    }
+
+    /// Sets what is watched in a lane. All conditions count as failed where they are below zero by `aim`.
+    pub(super) fn set(&mut self, lane: usize, phase: Phase, [band, slack, aim]: [f64; 3]) {
+        let (sign, offset, stuck) = match phase {
+            Phase::Slip(direction) => (direction, aim - band, 0.0),
+            // In the band for moments only: always looked at.
+            Phase::Transition(direction) => (-direction, -1.0, 0.0),
+            Phase::Stick => (0.0, 1.0, 1.0),
+            Phase::Free => (0.0, 1.0, 0.0),
+        };
+        self.sign[lane] = sign;
+        self.offset[lane] = offset;
+        self.stuck[lane] = stuck;
+        self.slack[lane] = slack + aim;
+    }
+}
+
+/// Lanes, as bit masks, that have to be looked at, and what is known of the conditions in them.
+pub(super) struct Doubts<S: Simd, const N: usize> {
+    /// A condition of the ball may fail.
+    pub(super) of_balls: [u64; N],
+    /// A ball may leave the ring.
+    pub(super) loose: u64,
+    /// That a ball that slips goes on.
+    pub(super) slips: [Curve<S>; N],
+    /// That a ball that sticks is held, against a forward and against a backward force.
+    pub(super) held: [[Curve<S>; 2]; N],
+}
+
+impl<S: Simd, const N: usize> Doubts<S, N> {
+    /// None.
+    pub(super) fn none(simd: S) -> Self {
+        let blank = Curve::zero(simd);
+        Doubts { of_balls: [0; N], loose: 0, slips: [blank; N], held: [[blank; 2]; N] }
+    }
+
+    /// Lanes in which anything may happen.
+    pub(super) fn any(&self) -> u64 {
+        self.of_balls.iter().fold(self.loose, |any, of_ball| any | of_ball)
+    }
+}
+
+/// Values and slopes of a polynomial at both ends of a step, times its length, and a bound of its fourth
+/// derivative times the fourth power of that.
+#[derive(Clone, Copy)]
+pub(super) struct Curve<S: Simd> {
+    values: [Lanes<S>; 2],
+    changes: [Lanes<S>; 2],
+    bound: Lanes<S>,
+}
+
+impl<S: Simd> Curve<S> {
+    #[inline(always)]
+    fn zero(simd: S) -> Self {
+        let zero = Lanes::splat(simd, 0.0);
+        Curve { values: [zero; 2], changes: [zero; 2], bound: zero }
+    }
+
+    /// The same of one lane.
+    #[inline(always)]
+    pub(super) fn outline(&self, lane: usize) -> Outline {
+        let end = |which: usize| Place {
+            at: which as f64,
+            value: self.values[which][lane],
+            slope: self.changes[which][lane],
+        };
+        Outline { ends: [end(0), end(1)], fourth_derivative: self.bound[lane] }
+    }
+
+    /// Where it plainly stays above zero: no coefficient of its Bernstein form of degree four is negative
+    /// (`locate`).
+    #[inline(always)]
+    fn holds(&self) -> fearless_simd::mask64x8<S> {
+        let simd = self.bound.simd;
+        let number = |value: f64| Lanes::splat(simd, value);
+        let ([a, b], [p, q]) = (self.values, self.changes);
+        let fourth = number(0.25);
+        let early = p.mul_add_precise(fourth, a);
+        let late = q.mul_add_precise(-fourth, b);
+        let middle = (p - q).mul_add_precise(number(1.0 / 3.0), a + b) * number(0.5);
+        let middle = self.bound.mul_add_precise(number(-1.0 / 144.0), middle);
+        a.min(b).min(early.min(late)).min(middle).simd_ge(number(0.0))
+    }
+}
+
+/// Notes where a condition may fail in a step of this length.
+#[inline(always)]
+pub(super) fn look_over<S: Simd, const N: usize>(
+    series: &Series<S, N>,
+    equations: &Equations<S, N>,
+    watched: &[Watched<S>; N],
+    length: Lanes<S>,
+    doubts: &mut Doubts<S, N>,
+) {
+    let simd = length.simd;
+    let number = |value: f64| Lanes::splat(simd, value);
+    let zero = number(0.0);
+    let [first, second, ..] = &series.terms;
+    let square = length * length;
+    doubts.loose = 0;
+    let mut sticks = zero.simd_gt(zero);
+    for watched in watched {
+        sticks |= watched.stuck.simd_gt(zero);
+    }
+    let pull = Pull::over(series, length, sticks.any_true());
+    // The table pulls a ball off with no more than this.
+    let most = |[x, y]: [Lanes<S>; 2]| number(2.0) * (x.abs() + y.abs());
+    let pulls = [most(first.pull), most(pull.end)];
+    for i in 0..N {
+        let Watched { sign, offset, .. } = watched[i];
+        let (mut bound, mut speed, mut slope) = (zero, zero, zero);
+        for (k, term) in series.terms[..=ORDER].iter().enumerate().rev() {
+            let coefficient = term.balls[i].speed;
+            slope = slope.mul_add_precise(length, speed);
+            speed = speed.mul_add_precise(length, coefficient);
+            if k >= 4 {
+                let weight = number(FOURTH[k]);
+                bound = bound.mul_add_precise(length, weight * coefficient.abs());
+            }
+        }
+        let speeds = [first.balls[i].speed, speed];
+        let along = sign * length;
+        let curve = Curve {
+            values: [
+                sign.mul_add_precise(speeds[0], offset),
+                sign.mul_add_precise(speeds[1], offset),
+            ],
+            changes: [along * second.balls[i].speed, along * slope],
+            bound: sign.abs() * bound * (square * square),
+        };
+        let mut holds = curve.holds();
+        doubts.slips[i] = curve;
+        let ball = &equations.balls[i];
+        let mut pressed = ball.least_pressed.simd_gt(pulls[0].max(pulls[1]));
+        if !pressed.all_true() {
+            // How it is pressed is a parabola in its speed. On one side of the bottom, and not so near that
+            // it may have been there on the way, the ends tell.
+            let mut plain = length.simd_eq(length);
+            let mut steepness = [zero; 2];
+            for at in 0..2 {
+                let half = ball.pressed[1] * speeds[at];
+                steepness[at] = half + half + ball.pressed[0];
+                let own =
+                    (half + ball.pressed[0]).mul_add_precise(speeds[at], equations.speed_squared);
+                plain &= own.simd_gt(pulls[at]);
+            }
+            let reach = second.balls[i].speed.abs().max(slope.abs()) * length * ball.pressed[1];
+            plain &= (steepness[0] * steepness[1]).simd_gt(zero);
+            plain &= steepness[0].abs().min(steepness[1].abs()).simd_gt(reach);
+            pressed |= plain;
+        }
+        doubts.loose |= !pressed.to_bitmask();
+        let stuck = watched[i].stuck.simd_gt(zero);
+        if stuck.any_true() {
+            let held = held(series, equations, watched, (i, &pull), length);
+            holds &= held[0].holds() & held[1].holds() | !stuck;
+            doubts.held[i] = held;
+        }
+        doubts.of_balls[i] = !holds.to_bitmask();
+    }
+}
+
+/// The table's acceleration over a step.
+struct Pull<S: Simd> {
+    end: [Lanes<S>; 2],
+    /// Its change there, with the step's length as the unit of time.
+    change: [Lanes<S>; 2],
+    /// A bound of its fourth derivative, likewise.
+    bound: [Lanes<S>; 2],
+}
+
+impl<S: Simd> Pull<S> {
+    /// At the end of a step; what is not its value only where asked for.
+    #[inline(always)]
+    fn over<const N: usize>(series: &Series<S, N>, length: Lanes<S>, whole: bool) -> Self {
+        let zero = Lanes::splat(length.simd, 0.0);
+        let (mut end, mut change, mut bound) = ([zero; 2], [zero; 2], [zero; 2]);
+        let terms = &series.terms[..ORDER];
+        if !whole {
+            for term in terms.iter().rev() {
+                for (end, coefficient) in end.iter_mut().zip(term.pull) {
+                    *end = end.mul_add_precise(length, coefficient);
+                }
+            }
+            return Pull { end, change, bound };
+        }
+        for (term, weight) in terms.iter().zip(FOURTH).rev() {
+            let weight = Lanes::splat(length.simd, weight);
+            for axis in 0..2 {
+                let coefficient = term.pull[axis];
+                change[axis] = change[axis].mul_add_precise(length, end[axis]);
+                end[axis] = end[axis].mul_add_precise(length, coefficient);
+                bound[axis] = bound[axis].mul_add_precise(length, weight * coefficient.abs());
+            }
+        }
+        for change in &mut change {
+            *change *= length;
+        }
+        Pull { end, change, bound }
+    }
+}
+
+/// What is left of friction for a ball that sticks, against a forward and against a backward force: the
+/// table's acceleration turned.
+#[inline(always)]
+fn held<S: Simd, const N: usize>(
+    series: &Series<S, N>,
+    equations: &Equations<S, N>,
+    watched: &[Watched<S>; N],
+    (i, pull): (usize, &Pull<S>),
+    length: Lanes<S>,
+) -> [Curve<S>; 2] {
+    let number = |value: f64| Lanes::splat(length.simd, value);
+    let [first, second, ..] = &series.terms;
+    let [c, s] = series.solver.trigonometry[i];
+    let Watched { limit, slack, .. } = watched[i];
+    // What is left of its speed presses it on the ring, too, and dies out.
+    let left = series.solver.residual[i];
+    let mut pressed = [number(0.0); 5];
+    if !left.simd_eq(number(0.0)).all_true() {
+        let ball = &equations.balls[i];
+        let [slower, faster] = [ball.pressed[0] * left, ball.pressed[1] * (left * left)];
+        let dying = decay(length);
+        let [slow_end, fast_end] = [slower * dying, faster * (dying * dying)];
+        let square = length * length;
+        pressed = [
+            slower + faster,
+            slow_end + fast_end,
+            -(length * (slower + number(2.0) * faster)),
+            -(length * (slow_end + number(2.0) * fast_end)),
+            (slower.abs() + number(16.0) * faster.abs()) * (square * square),
+        ];
+    }
+    let along = |[x, y]: [Lanes<S>; 2]| c.mul_add_precise(x, s * y);
+    let across = |[x, y]: [Lanes<S>; 2]| s.mul_add_precise(x, -(c * y));
+    let change = [second.pull[0] * length, second.pull[1] * length];
+    let reserves = [
+        limit * (equations.speed_squared + pressed[0] - along(first.pull)) + slack,
+        limit * (equations.speed_squared + pressed[1] - along(pull.end)) + slack,
+        limit * (pressed[2] - along(change)),
+        limit * (pressed[3] - along(pull.change)),
+    ];
+    let forces = [across(first.pull), across(pull.end), across(change), across(pull.change)];
+    let (size_c, size_s) = (c.abs(), s.abs());
+    let weights = [limit.mul_add_precise(size_c, size_s), limit.mul_add_precise(size_s, size_c)];
+    let bound = weights[0].mul_add_precise(pull.bound[0], weights[1] * pull.bound[1]);
+    let bound = limit.mul_add_precise(pressed[4], bound);
+    let [a, b, p, q] = reserves;
+    let [f, g, u, v] = forces;
+    [
+        Curve { values: [a - f, b - g], changes: [p - u, q - v], bound },
+        Curve { values: [a + f, b + g], changes: [p + u, q + v], bound },
+    ]
+}

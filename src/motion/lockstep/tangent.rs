@@ -1,0 +1,168 @@
+//! Small displacements from the motions in lockstep: carried along by the linearised flow in vectors,
+//! and over switches by the saltation matrix (`motion::variation`) one by one.
+
+use fearless_simd::{Simd, prelude::*};
+
+use super::equations::Equations;
+use super::mode_selection::InPlace;
+use super::recurrence::{Constants, Solving, products, solve};
+use super::series::Series;
+use super::{Flow, Group, Lanes};
+use crate::model::State;
+use crate::motion::contact::SmoothPhase;
+use crate::motion::guard::{Guard, Margins};
+use crate::motion::variational::saltation;
+
+/// The highest power of time in the series of a displacement's speeds.
+pub(super) const LINEAR: usize = 14;
+
+impl<S: Simd, const N: usize> Series<S, N> {
+    /// Expands a displacement from the motion that has been expanded: the same equations to first order.
+    #[inline(always)]
+    pub(super) fn expand_displacement(
+        &self,
+        equations: &Equations<S, N>,
+        start: &Flow<S, N>,
+        displaced: &mut Self,
+    ) {
+        let [x, y, x_dot, y_dot] = start.table;
+        let [first, second, ..] = &mut displaced.terms;
+        first.table = [x, y];
+        second.table = [x_dot, y_dot];
+        let zero = Lanes::splat(x.simd, 0.0);
+        let two = Lanes::splat(x.simd, 2.0);
+        let mut residual = [[zero; 2]; 2];
+        let mut left_over = zero;
+        for i in 0..N {
+            let ball = &equations.balls[i];
+            let [real, imaginary] = self.terms[0].balls[i].direction;
+            let own = self.terms[0].balls[i].speed;
+            let angle = start.angle[i];
+            let speed = ball.free * start.speed[i];
+            let turned = [-(imaginary * angle), real * angle];
+            first.balls[i].speed = speed;
+            first.balls[i].direction = turned;
+            second.balls[i].direction = [
+                -own.mul_add_precise(turned[1], speed * imaginary),
+                own.mul_add_precise(turned[0], speed * real),
+            ];
+            // What is left of the speed of a ball that sticks: (2ω r + r²) e, to first order.
+            let [c, s] = self.solver.trigonometry[i];
+            let left = self.solver.residual[i];
+            let displaced_left = start.speed[i] - speed;
+            left_over = left_over.max(left.abs()).max(displaced_left.abs());
+            let forces = [
+                [equations.double_speed * displaced_left, equations.double_speed * left],
+                [two * left * displaced_left, left * left],
+            ];
+            for ([speed, turned], residual) in forces.into_iter().zip(&mut residual) {
+                let turned = turned * angle;
+                residual[0] += ball.mass * (speed * c - turned * s);
+                residual[1] += ball.mass * (speed * s + turned * c);
+            }
+        }
+        displaced.residual = (!left_over.simd_eq(zero).all_true()).then_some(residual);
+        for k in 0..LINEAR {
+            self.order_of_displacement(equations, displaced, k);
+        }
+    }
+
+    #[inline(never)]
+    fn order_of_displacement(&self, equations: &Equations<S, N>, displaced: &mut Self, k: usize) {
+        equations.speed.simd.vectorize(
+            #[inline(always)]
+            || self.linear_order(equations, displaced, k),
+        );
+    }
+
+    #[inline(always)]
+    fn linear_order(&self, equations: &Equations<S, N>, displaced: &mut Self, k: usize) {
+        let mut sums = products(&self.terms, &displaced.terms, k);
+        let others = products(&displaced.terms, &self.terms, k);
+        let [pull_x, pull_y] = self.terms[k].pull;
+        for i in 0..N {
+            let [real, imaginary] = displaced.terms[0].balls[i].direction;
+            let next = self.terms[k + 1].balls[i].speed;
+            let sums = &mut sums[i];
+            sums.turning[0] += next.mul_add_precise(real, others[i].turning[0]);
+            sums.turning[1] += next.mul_add_precise(imaginary, others[i].turning[1]);
+            sums.drawn += others[i].drawn + (imaginary * pull_x - real * pull_y);
+            let mut squared = sums.squared;
+            let along = displaced.terms[..=k].iter().rev();
+            for (own, along) in self.terms[..=k].iter().zip(along) {
+                squared = own.balls[i].speed.mul_add_precise(along.balls[i].speed, squared);
+            }
+            sums.squared = squared + squared;
+        }
+        let start: [[Lanes<S>; 2]; N] = self.directions();
+        let Series { terms, residual, .. } = displaced;
+        let by = Solving { solver: &self.solver, start, residual: residual.as_ref() };
+        solve(terms, equations, &by, k, sums, Constants::None);
+    }
+}
+
+/// Carries displacements over a step of this length, in all lanes; `displaced` is room to work in.
+#[inline(always)]
+pub(super) fn carry<S: Simd, const N: usize>(
+    series: &Series<S, N>,
+    equations: &Equations<S, N>,
+    displacement: &Flow<S, N>,
+    length: Lanes<S>,
+    displaced: &mut Series<S, N>,
+) -> Flow<S, N> {
+    series.expand_displacement(equations, displacement, displaced);
+    let higher = series.beyond(equations, displaced, length);
+    displaced.at_with(equations, displacement, length, LINEAR, higher)
+}
+
+/// What is known of a lane's displacement.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Displaced {
+    /// Its size.
+    pub(crate) size: f64,
+    /// Whether it met a switch by grazing, and is not defined since.
+    pub(crate) grazed: bool,
+}
+
+impl<S: Simd, const N: usize> Group<S, N> {
+    /// Displaces the balls of a lane, all alike, by a displacement of size 1.
+    pub(crate) fn displace(&mut self, lane: usize) {
+        let displaced = State { beta: [1.0 / (N as f64).sqrt(); N], ..State::zero() };
+        self.displacement.set_lane(lane, &displaced);
+        if let Some(own) = &mut self.lanes[lane] {
+            own.grazed = false;
+        }
+    }
+
+    /// The displacement of a lane.
+    pub(crate) fn displaced(&self, lane: usize) -> Displaced {
+        let State { position, velocity, beta, beta_dot } = self.displacement.lane(lane);
+        let square = |values: &[f64]| values.iter().map(|value| value * value).sum::<f64>();
+        let size =
+            (square(&position) + square(&velocity) + square(&beta) + square(&beta_dot)).sqrt();
+        let grazed = self.lanes[lane].as_ref().is_some_and(|own| own.grazed);
+        Displaced { size, grazed }
+    }
+
+    /// Brings the displacement of a lane back to the size 1.
+    pub(crate) fn normalise(&mut self, lane: usize, size: f64) {
+        let mut unit = State::zero();
+        unit.add_scaled(1.0 / size, &self.displacement.lane(lane));
+        self.displacement.set_lane(lane, &unit);
+    }
+}
+
+/// Takes a lane's displacement over a switch, at which a condition of the phase before has failed; `state` and
+/// `rate` are those with which the next phase begins. Whether it was met by grazing.
+pub(super) fn over_switch<S: Simd, const N: usize>(
+    displacement: &mut Flow<S, N>,
+    lane: usize,
+    system: (&InPlace<N>, Margins),
+    failed: (&SmoothPhase<InPlace<N>, N, 2>, Guard),
+    next: (&State<N>, &State<N>),
+) -> bool {
+    let mut directions = [displacement.lane(lane)];
+    let grazed = saltation(system, failed, next, &mut directions);
+    displacement.set_lane(lane, &directions[0]);
+    grazed
+}

@@ -1,0 +1,196 @@
+//! `evaluations.parquet`: the designs of a search with their responses, written and read again.
+//!
+//! It is what a search goes on from: all that it does next is a function of it and of the study.
+
+use std::borrow::Cow;
+use std::path::Path;
+
+use serde_json::{Value, json};
+use thiserror::Error;
+
+use super::evaluation::{Evaluation, Origin};
+use crate::analysis::LabelCounts;
+use crate::classification::Label;
+use crate::responses::columns::answer_columns;
+use crate::responses::{Answer, Estimate};
+use crate::study::{DesignValue, Study};
+use crate::table::column::Column;
+use crate::table::{Batch, Kind, Table, TableError};
+
+/// The columns of `evaluations.parquet`: one row per design and point of the sweep.
+pub fn evaluation_columns(study: &Study) -> Vec<Column<(Origin, Answer)>> {
+    let mut columns = answer_columns(study, |row: &(Origin, Answer)| &row.1);
+    columns.insert(
+        1,
+        Column::word(
+            "origin",
+            "why the design was looked at: compare_with, spread over all ranges and choices, chosen by \
+             surrogates, or spread_instead of a design that they did not give",
+            |row: &(Origin, Answer)| row.0.name(),
+        ),
+    );
+    columns
+}
+
+/// What of a study decides each next design: how many there are to be, and what comes after them, does not.
+pub fn search_facts(study: &Study) -> Value {
+    let file = study.resolved_file();
+    let mut optimize = file["optimize"].clone();
+    if let Some(fields) = optimize.as_object_mut() {
+        for key in ["designs", "finalists", "final_samples", "sensitivity"] {
+            fields.remove(key);
+        }
+        let start = study.optimization().map(|one| one.start_designs);
+        fields.insert("start_designs".to_owned(), json!(start));
+    }
+    json!({"design": file["design"], "responses": file["responses"], "optimize": optimize})
+}
+
+/// Why earlier evaluations cannot be gone on from.
+#[derive(Debug, Error)]
+pub enum EvaluationsError {
+    /// The table cannot be read.
+    #[error(transparent)]
+    Table(#[from] TableError),
+    /// It is of another study or search, or its rows are not such as a search writes.
+    #[error("{0}")]
+    Other(String),
+}
+
+/// The evaluations in a directory, in their order; none where it has no such table.
+///
+/// # Errors
+/// Where the table cannot be read or is of another study or search.
+pub fn read_evaluations(
+    study: &Study,
+    directory: &Path,
+) -> Result<Vec<Evaluation>, EvaluationsError> {
+    let path = directory.join("evaluations.parquet");
+    if !path.exists() {
+        return Ok(Vec::new());
+    }
+    let (table, about) = Table::of_itself(directory, "evaluations").map_err(|mut error| {
+        error.allowed +=
+            "; or this table removed: the search then begins anew, with the same designs";
+        error
+    })?;
+    let other = |what: &str| {
+        EvaluationsError::Other(format!(
+            "{}: evaluations of another search\n  found:   another {what}\n  allowed: another directory with \
+             --out, or the study of these evaluations",
+            path.display()
+        ))
+    };
+    if about["study_hash"] != study.hash() {
+        return Err(other("machine, sampling or simulation"));
+    }
+    let facts = search_facts(study);
+    for key in ["design", "responses", "optimize"] {
+        if about["options"][key] != facts[key] {
+            return Err(other(&format!("`{key}`")));
+        }
+    }
+    let mut rows = Vec::new();
+    let wanted = wanted(study);
+    let wanted: Vec<(&str, Kind)> =
+        wanted.iter().map(|(name, kind)| (name.as_str(), *kind)).collect();
+    for batch in table.read(&wanted)? {
+        let batch = batch?;
+        for index in 0..batch.rows {
+            let row = read_row(study, &batch, index).ok_or_else(|| {
+                EvaluationsError::Other(format!(
+                    "{}: row {} is none that a search writes\n  allowed: the table as it was written, or \
+                     another directory with --out",
+                    path.display(),
+                    batch.first_row + index as u64 + 1
+                ))
+            })?;
+            rows.push(row);
+        }
+    }
+    gathered(study, rows).ok_or_else(|| {
+        EvaluationsError::Other(format!(
+            "{}: designs that are not complete\n  allowed: the table as it was written, or another directory \
+             with --out",
+            path.display()
+        ))
+    })
+}
+
+/// Rows of the same design together; none where they are not those of whole designs in order.
+fn gathered(study: &Study, rows: Vec<(Origin, Answer)>) -> Option<Vec<Evaluation>> {
+    let mut evaluations: Vec<Evaluation> = Vec::new();
+    let points = study.point_count();
+    for (number, (origin, answer)) in (0..).zip(rows) {
+        if (answer.design, answer.point_id) != (number / points, number % points) {
+            return None;
+        }
+        match evaluations.last_mut().filter(|_| answer.point_id > 0) {
+            Some(last) => last.answers.push(answer),
+            None => {
+                let values = answer.values.clone();
+                evaluations.push(Evaluation { origin, values, answers: vec![answer] });
+            }
+        }
+    }
+    let complete = evaluations.last().is_none_or(|one| one.answers.len() as u64 == points);
+    complete.then_some(evaluations)
+}
+
+/// More runs than a design has.
+const MOST_RUNS: u64 = 1 << 60;
+const PARTS: [&str; 4] = ["", "_standard_error", "_low", "_high"];
+
+fn wanted(study: &Study) -> Vec<(String, Kind)> {
+    let mut wanted: Vec<(String, Kind)> =
+        [("design", Kind::Count), ("origin", Kind::Text), ("point_id", Kind::Count)]
+            .map(|(name, kind)| (name.to_owned(), kind))
+            .into();
+    for variable in study.variables() {
+        let kind = if variable.unit().is_some() { Kind::Number } else { Kind::Text };
+        wanted.push((variable.name().to_owned(), kind));
+    }
+    wanted.extend(Label::ALL.map(|label| (label.name().to_owned(), Kind::Count)));
+    for response in study.responses() {
+        wanted.extend(PARTS.map(|part| (format!("{}{part}", response.name), Kind::Number)));
+        wanted.push((format!("{}_reason", response.name), Kind::Text));
+    }
+    wanted
+}
+
+fn read_row(study: &Study, batch: &Batch, index: usize) -> Option<(Origin, Answer)> {
+    let at = |values: Option<&Option<u64>>| values.copied().flatten();
+    let count = |name: &str| at(batch.counts(name).ok()?.get(index));
+    let number = |name: &str| batch.numbers(name).ok()?.get(index).copied().flatten();
+    let text = |name: &str| batch.texts(name).ok()?.get(index)?.as_deref();
+    let values = study.variables().iter().map(|variable| {
+        let value = match variable.unit() {
+            Some(_) => variable.number(number(variable.name())?),
+            None => variable.word(text(variable.name())?),
+        };
+        value.ok()
+    });
+    let values: Vec<DesignValue> = values.collect::<Option<_>>()?;
+    let mut counts = LabelCounts::default();
+    for label in Label::ALL {
+        counts.add_many(label, count(label.name()).filter(|count| *count < MOST_RUNS)?);
+    }
+    let estimates = study.responses().iter().map(|response| {
+        let [value, standard_error, low, high] =
+            PARTS.map(|part| number(&format!("{}{part}", response.name)));
+        let reason = text(&format!("{}_reason", response.name));
+        let reason = reason.map(|text| Cow::Owned(text.to_owned()));
+        Estimate { value, standard_error, low, high, reason }
+    });
+    let point_id = count("point_id").filter(|point| *point < study.point_count())?;
+    let answer = Answer {
+        design: count("design")?,
+        values,
+        point_id,
+        swept: study.point(point_id).swept,
+        estimates: estimates.collect(),
+        counts,
+        discontinuous: None,
+    };
+    Some((Origin::named(text("origin")?)?, answer))
+}

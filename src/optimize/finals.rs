@@ -1,0 +1,194 @@
+//! The end of a search: other runs, and more of them, for its best designs.
+//!
+//! Among many designs that are about as good the search takes for the best the one whose runs happened to end
+//! well. So a few of the best are looked at with runs of their own, the best of these is chosen, and what
+//! is reported of it comes from runs that had no part in choosing it. What it is compared with has others
+//! again, so that both are independent.
+
+use super::evaluation::Evaluation;
+use super::goal::{Goal, values};
+use super::pareto::pareto_front;
+use super::search::Search;
+use super::suggest::all_values;
+use crate::classification::Label;
+use crate::responses::{Answer, Estimate, respond};
+use crate::study::{DesignValue, Study};
+
+/// What a design is in the end.
+#[derive(Clone, Copy, Debug, Eq, PartialEq)]
+pub enum Role {
+    /// One of the best of the search, from which the best was chosen.
+    Finalist,
+    /// The best.
+    Best,
+    /// Of the search's Pareto front.
+    Pareto,
+    /// The one to compare with.
+    CompareWith,
+}
+
+impl Role {
+    /// The name in tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Role::Finalist => "finalist",
+            Role::Best => "best",
+            Role::Pareto => "pareto",
+            Role::CompareWith => "compare_with",
+        }
+    }
+}
+
+/// A design with the responses of its final runs.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Final {
+    /// What it is.
+    pub role: Role,
+    /// Its number in the search; none of one that the search did not look at.
+    pub design: Option<u64>,
+    /// One value per variable.
+    pub values: Vec<DesignValue>,
+    /// One answer per point of the sweep.
+    pub answers: Vec<Answer>,
+    /// One estimate per quantity of the goal.
+    pub estimates: Vec<Estimate>,
+    /// Whether all limits are met, by the values of these runs.
+    pub met: bool,
+    /// Of two objectives: whether it is on the front by these runs, too.
+    pub on_front: Option<bool>,
+}
+
+/// All designs that were looked at in the end.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Finals {
+    /// In the order in which they were looked at.
+    pub all: Vec<Final>,
+}
+
+impl Finals {
+    /// The one of a role.
+    pub fn of(&self, role: Role) -> Option<&Final> {
+        self.all.iter().find(|one| one.role == role)
+    }
+}
+
+/// Looks at the best designs again; `finished` is told of each run. None where the search was stopped.
+pub fn finals(
+    search: &Search,
+    evaluations: &[Evaluation],
+    finished: &(dyn Fn(Label) + Sync),
+) -> Option<Finals> {
+    let optimization = search.optimization;
+    let goal = Goal::new(search.study, optimization);
+    let look = |role, design, values: &[DesignValue]| {
+        let answers = again(search, role, design, values, finished)?;
+        let estimates = goal.estimates(&answers);
+        let met = goal.is_met(&self::values(&estimates));
+        let values = values.to_vec();
+        Some(Final { role, design, values, answers, estimates, met, on_front: None })
+    };
+    let single = goal.objectives().len() == 1;
+    let role = if single { Role::Finalist } else { Role::Pareto };
+    let mut all: Vec<Final> = candidates(search, &goal, evaluations)
+        .into_iter()
+        .map(|index| look(role, Some(index as u64), &evaluations.get(index)?.values))
+        .collect::<Option<_>>()?;
+    if single {
+        let best = best(all.iter().map(|one| goal.rank(&values(&one.estimates))));
+        if let Some(Final { design, values, .. }) = best.and_then(|index| all.get(index)) {
+            let best = look(Role::Best, *design, values)?;
+            all.push(best);
+        }
+    } else {
+        let costs = |one: &Final| {
+            let costs = goal.costs(&values(&one.estimates)).into_iter().collect();
+            one.met.then_some(costs).flatten()
+        };
+        let front = pareto_front(&all.iter().map(costs).collect::<Vec<_>>());
+        for (index, one) in all.iter_mut().enumerate() {
+            one.on_front = Some(front.contains(&index));
+        }
+    }
+    if let Some(values) = &optimization.compare_with {
+        let design = evaluations.iter().position(|one| one.values == *values);
+        all.push(look(Role::CompareWith, design.map(|index| index as u64), values)?);
+    }
+    Some(Finals { all })
+}
+
+/// How many runs that takes, at most.
+pub fn final_runs(search: &Search) -> u64 {
+    let Search { study, optimization, .. } = *search;
+    let designs = optimization.finalists + 2;
+    let most = study.most_runs_of_a_design();
+    designs.saturating_mul(samples(search)).saturating_mul(most)
+}
+
+/// Samples of the study's size that a design has in the end: one where another seed gives the same runs.
+fn samples(search: &Search) -> u64 {
+    if search.study.is_random() { search.optimization.final_samples } else { 1 }
+}
+
+/// The responses of a design in runs that belong to its role alone.
+fn again(
+    search: &Search,
+    role: Role,
+    design: Option<u64>,
+    values: &[DesignValue],
+    finished: &(dyn Fn(Label) + Sync),
+) -> Option<Vec<Answer>> {
+    let Search { study, workers, stop, .. } = *search;
+    let purpose = match role {
+        Role::Finalist | Role::Pareto => "optimize finalists",
+        Role::Best => "optimize best",
+        Role::CompareWith => "optimize compare_with",
+    };
+    let with = |number| {
+        // This study has been read and this design been set: with another seed both can be as well.
+        let other = study.with_seed(study.derived_seed(purpose, number)).ok()?;
+        other.set(values).ok()
+    };
+    let sets: Vec<Study> = (0..samples(search)).map(with).collect::<Option<_>>()?;
+    let asked = (design.unwrap_or(0), values);
+    respond(workers, &sets, study.responses(), asked, stop, finished)
+}
+
+/// The designs that are looked at again: the best by rank, or the Pareto front of those that meet the
+/// limits, thinned out evenly along its first objective.
+fn candidates(search: &Search, goal: &Goal, evaluations: &[Evaluation]) -> Vec<usize> {
+    let all = all_values(goal, evaluations);
+    let most = search.optimization.finalists as usize;
+    if goal.objectives().len() == 1 {
+        let mut order: Vec<usize> = (0..all.len()).collect();
+        let rank = |index: &usize| goal.rank(&all[*index]);
+        order.sort_by(|one, other| by_rank(rank(one), rank(other)));
+        order.truncate(most);
+        return order;
+    }
+    let costs: Vec<Option<Vec<f64>>> = all
+        .iter()
+        .map(|own| {
+            let costs = goal.costs(own).into_iter().collect();
+            goal.is_met(own).then_some(costs).flatten()
+        })
+        .collect();
+    let mut front = pareto_front(&costs);
+    let first = |index: &usize| {
+        costs.get(*index).and_then(|costs| costs.as_ref()?.first().copied()).unwrap_or(0.0)
+    };
+    front.sort_by(|one, other| first(one).total_cmp(&first(other)));
+    if front.len() <= most || most < 2 {
+        front.truncate(most);
+        return front;
+    }
+    (0..most).map(|place| front[place * (front.len() - 1) / (most - 1)]).collect()
+}
+
+/// The first of the best ranks.
+pub(super) fn best(ranks: impl Iterator<Item = (u8, f64)>) -> Option<usize> {
+    ranks.enumerate().min_by(|one, other| by_rank(one.1, other.1)).map(|(index, _)| index)
+}
+
+fn by_rank(one: (u8, f64), other: (u8, f64)) -> std::cmp::Ordering {
+    one.0.cmp(&other.0).then(one.1.total_cmp(&other.1))
+}

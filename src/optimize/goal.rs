@@ -1,0 +1,126 @@
+//! What a search looks for, in numbers: costs that are to be small and excesses that may not be positive.
+
+use super::over_points::over_points;
+use crate::responses::{Answer, Estimate};
+use crate::study::{Limit, Objective, Optimization, OverPoints, Study};
+
+/// A response over all points of the sweep.
+#[derive(Clone, Copy, Debug, Eq, PartialEq)]
+pub struct Quantity {
+    /// Its number among the study's responses.
+    pub response: usize,
+    /// Which of several points is the worst: that of the largest value, or of the smallest.
+    pub larger_is_worse: bool,
+}
+
+/// Objectives and limits.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Goal {
+    quantities: Vec<Quantity>,
+    over_points: OverPoints,
+    /// Each with its quantity.
+    objectives: Vec<(usize, Objective)>,
+    /// Each with its quantity.
+    limits: Vec<(usize, Limit)>,
+}
+
+impl Goal {
+    /// The goal of a study.
+    pub fn new(study: &Study, optimization: &Optimization) -> Goal {
+        // Of one point, and of a mean, there is no worst one: each response counts once.
+        let one = study.point_count() == 1 || optimization.over_points == OverPoints::Mean;
+        let mut quantities: Vec<Quantity> = Vec::new();
+        let mut place = |response, larger_is_worse| {
+            let larger_is_worse = larger_is_worse || one;
+            let quantity = Quantity { response, larger_is_worse };
+            quantities.iter().position(|other| *other == quantity).unwrap_or_else(|| {
+                quantities.push(quantity);
+                quantities.len() - 1
+            })
+        };
+        let objectives = optimization.objectives.iter();
+        let objectives = objectives.map(|one| (place(one.response, !one.maximize), *one)).collect();
+        let limits = optimization.limits.iter();
+        let limits = limits.map(|one| (place(one.response, !one.least), *one)).collect();
+        Goal { quantities, over_points: optimization.over_points, objectives, limits }
+    }
+
+    /// The responses that count, those of objectives first.
+    pub fn quantities(&self) -> &[Quantity] {
+        &self.quantities
+    }
+
+    /// Whether large values of a quantity are the bad ones, by its first use.
+    pub(super) fn large_is_bad(&self, place: usize) -> bool {
+        let objective = self.objectives.iter().find(|(own, _)| *own == place);
+        let limit = self.limits.iter().find(|(own, _)| *own == place);
+        match (objective, limit) {
+            (Some((_, objective)), _) => !objective.maximize,
+            (None, Some((_, limit))) => !limit.least,
+            (None, None) => true,
+        }
+    }
+
+    /// The objectives, each with the number of its quantity.
+    pub fn objectives(&self) -> &[(usize, Objective)] {
+        &self.objectives
+    }
+
+    /// The limits, each with the number of its quantity.
+    pub fn limits(&self) -> &[(usize, Limit)] {
+        &self.limits
+    }
+
+    /// One estimate per quantity of a design with these answers.
+    pub fn estimates(&self, answers: &[Answer]) -> Vec<Estimate> {
+        let of = |quantity: &Quantity| {
+            let estimates = answers.iter().filter_map(|one| one.estimates.get(quantity.response));
+            let estimates: Vec<&Estimate> = estimates.collect();
+            over_points(&estimates, self.over_points, quantity.larger_is_worse)
+        };
+        self.quantities.iter().map(of).collect()
+    }
+
+    /// One number per objective that is to be small; none where it is not known.
+    pub fn costs(&self, values: &[Option<f64>]) -> Vec<Option<f64>> {
+        let cost = |(place, objective): &(usize, Objective)| {
+            let value = values.get(*place).copied().flatten()?;
+            Some(if objective.maximize { -value } else { value })
+        };
+        self.objectives.iter().map(cost).collect()
+    }
+
+    /// One number per limit that may not be positive; none where it is not known.
+    pub fn excesses(&self, values: &[Option<f64>]) -> Vec<Option<f64>> {
+        let excess = |(place, limit): &(usize, Limit)| {
+            let value = values.get(*place).copied().flatten()?;
+            Some(if limit.least { limit.value - value } else { value - limit.value })
+        };
+        self.limits.iter().map(excess).collect()
+    }
+
+    /// Whether all limits are met; not where something of them is unknown.
+    pub fn is_met(&self, values: &[Option<f64>]) -> bool {
+        self.excesses(values).iter().all(|excess| excess.is_some_and(|excess| excess <= 0.0))
+    }
+
+    /// How designs of one objective are ordered: those that meet all limits first, by their cost; then the
+    /// others by their largest excess over the limit's own size; then those of which something is unknown.
+    pub fn rank(&self, values: &[Option<f64>]) -> (u8, f64) {
+        let cost = self.costs(values).first().copied().flatten();
+        let sizes = self.limits.iter().map(|(_, limit)| match limit.value.abs() {
+            0.0 => 1.0,
+            size => size,
+        });
+        let excesses: Option<Vec<f64>> = self.excesses(values).into_iter().collect();
+        let Some((cost, excesses)) = cost.zip(excesses) else { return (2, 0.0) };
+        let largest = excesses.iter().zip(sizes).map(|(excess, size)| excess / size);
+        let largest = largest.fold(f64::NEG_INFINITY, f64::max);
+        if largest <= 0.0 { (0, cost) } else { (1, largest) }
+    }
+}
+
+/// The values of estimates.
+pub(super) fn values(estimates: &[Estimate]) -> Vec<Option<f64>> {
+    estimates.iter().map(|estimate| estimate.value).collect()
+}

@@ -1,0 +1,132 @@
+//! A smooth approximation of a response between designs.
+//!
+//! A Gaussian process with a Matérn 5/2 kernel (egobox), whose inducing points are the designs
+//! themselves: that is the full process, with noise. The noise is estimated, at most as large as the
+//! responses' own standard errors say: designs share start states and draws, so that a part of these
+//! errors is common to all designs and no noise between them.
+
+use egobox_gp::correlation_models::Matern52Corr;
+use egobox_gp::{Inducings, ParamTuning, SgpParams, SparseGaussianProcess, SparseMethod};
+use linfa::Dataset;
+use linfa::traits::Fit;
+use ndarray::{Array1, Array2};
+use serde_json::{Value, json};
+
+use crate::engine::quietly;
+
+/// Least noise, over the variance of the values: what keeps matrices regular.
+const LEAST_NOISE: f64 = 1e-8;
+/// Starting points of the search for the kernel's widths.
+const STARTS: usize = 2;
+
+/// An approximation of a response.
+pub struct Surrogate {
+    process: SparseGaussianProcess<f64, Matern52Corr>,
+    mean: f64,
+    scale: f64,
+}
+
+impl Surrogate {
+    /// Fits the values at places, with at most this variance of noise.
+    ///
+    /// # Errors
+    /// What is wrong, in a few words: values that are all equal, or that the library does not fit.
+    pub fn fit(places: &[Vec<f64>], values: &[f64], noise: f64, seed: u64) -> Result<Self, String> {
+        let count = values.len() as f64;
+        let mean = values.iter().sum::<f64>() / count;
+        let variance = values.iter().map(|one| (one - mean).powi(2)).sum::<f64>() / count;
+        let scale = variance.sqrt();
+        if scale.is_nan() || scale <= 1e-12 * mean.abs() {
+            return Err("all values are equal".to_owned());
+        }
+        let x = table(places)?;
+        let y: Array1<f64> = values.iter().map(|value| (value - mean) / scale).collect();
+        let most = (noise / variance).clamp(10.0 * LEAST_NOISE, 1.0);
+        let noise = ParamTuning::Optimized {
+            init: (most * LEAST_NOISE).sqrt(),
+            bounds: (LEAST_NOISE, most),
+        };
+        let fit = || {
+            SgpParams::new(Matern52Corr::default(), Inducings::Located(x.clone()))
+                .sparse_method(SparseMethod::Fitc)
+                .noise_variance(noise)
+                .n_start(STARTS)
+                .seed(Some(seed))
+                .fit(&Dataset::new(x.clone(), y))
+        };
+        // What the library is given is not used any more where it panics.
+        let process = quietly(fit).ok_or_else(|| "the fit failed".to_owned())?;
+        let process = process.map_err(|error| format!("the fit failed: {error}"))?;
+        Ok(Surrogate { process, mean, scale })
+    }
+
+    /// The approximation at places.
+    ///
+    /// # Errors
+    /// Where the places are not such as it was fitted at.
+    pub fn predict(&self, places: &[Vec<f64>]) -> Result<Vec<f64>, String> {
+        let predicted = self.process.predict(&table(places)?).map_err(|error| error.to_string())?;
+        let values: Vec<f64> = predicted.iter().map(|one| self.mean + self.scale * one).collect();
+        if values.iter().all(|value| value.is_finite()) {
+            return Ok(values);
+        }
+        Err("values that are not finite".to_owned())
+    }
+
+    /// The standard deviation of the noise, in the response's unit.
+    pub fn noise(&self) -> f64 {
+        self.scale * self.process.noise_variance().sqrt()
+    }
+
+    /// Everything that it consists of.
+    pub fn state(&self) -> Value {
+        json!({
+            "mean": self.mean,
+            "scale": self.scale,
+            "noise": self.noise(),
+            // Numbers and lists of them: that can always be written.
+            "process": serde_json::to_value(&self.process).unwrap_or(Value::Null),
+        })
+    }
+}
+
+pub(super) fn table(rows: &[Vec<f64>]) -> Result<Array2<f64>, String> {
+    let width = rows.first().map_or(0, Vec::len);
+    let flat: Vec<f64> = rows.iter().flatten().copied().collect();
+    Array2::from_shape_vec((rows.len(), width), flat).map_err(|error| error.to_string())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Surrogate;
+
+    /// A smooth function is found again between noisy values of it, and the noise with it.
+    #[test]
+    fn noise_is_told_from_the_function() {
+        let function = |x: f64| (4.0 * x).sin();
+        let noise = |index: usize| 0.1 * ((index * 7919 % 101) as f64 / 101.0 - 0.5) * 3.46;
+        let places: Vec<Vec<f64>> = (0..40).map(|index| vec![f64::from(index) / 39.0]).collect();
+        let values: Vec<f64> = places
+            .iter()
+            .enumerate()
+            .map(|(index, place)| 5.0 + function(place[0]) + noise(index))
+            .collect();
+        let surrogate = Surrogate::fit(&places, &values, 0.04, 1).unwrap();
+        let found = surrogate.predict(&places).unwrap();
+        let mean_error = places
+            .iter()
+            .zip(&found)
+            .map(|(place, found)| (found - 5.0 - function(place[0])).abs())
+            .sum::<f64>()
+            / 40.0;
+        assert!(mean_error < 0.05, "{mean_error}");
+        assert!((0.05..0.2).contains(&surrogate.noise()), "{}", surrogate.noise());
+    }
+
+    #[test]
+    fn equal_values_have_no_surrogate() {
+        let places = vec![vec![0.0], vec![0.5], vec![1.0]];
+        let refused = Surrogate::fit(&places, &[2.0; 3], 0.1, 1).err();
+        assert_eq!(refused.as_deref(), Some("all values are equal"));
+    }
+}

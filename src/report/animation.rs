@@ -1,0 +1,92 @@
+//! `replay.html`: disc, ring and balls in motion, in one file that needs no network.
+
+use serde_json::json;
+
+use crate::classification::Sample;
+use crate::model::{Machine, Model};
+use crate::motion::Phase;
+use crate::table::Units;
+
+/// The page: markup, style and script; the data take the place of a mark.
+const PAGE: &str = include_str!("animation.html");
+const DATA: &str = "/*data*/null";
+const TITLE: &str = "<!--title-->";
+
+/// Frames for each turn of the disc, and most of them.
+const FRAMES_PER_TURN: f64 = 24.0;
+const FRAMES: (f64, f64) = (200.0, 20_000.0);
+
+/// How many frames show a motion of so many seconds; none of a model that has no balls.
+pub fn frames(model: &Model, seconds: f64) -> Option<u32> {
+    let machine = model.ball_balancer()?;
+    let rate = machine.speed_rad_s.abs() + machine.natural_frequency_rad_s();
+    let frames = seconds * rate / std::f64::consts::TAU * FRAMES_PER_TURN;
+    Some(frames.clamp(FRAMES.0, FRAMES.1) as u32)
+}
+
+/// The animation of a balancer from samples at times of equal distance; `title` goes above it.
+pub fn animation(machine: &Machine, samples: &[Sample], title: &str) -> String {
+    let model = Model::from(machine.clone());
+    let units = Units::of(&model);
+    let rounded = |value: f64, digits: i32| {
+        let scale = 10.0_f64.powi(digits);
+        (value * scale).round() / scale
+    };
+    let balls = machine.balls.len();
+    let of_table = |axis: usize| -> Vec<f64> {
+        // Hundred thousandths of the ring's radius are far below what a screen shows.
+        samples.iter().map(|sample| rounded(sample.table.map_or(0.0, |t| t[axis]), 6)).collect()
+    };
+    let angles: Vec<Vec<f64>> = (0..balls)
+        .map(|ball| {
+            samples.iter().map(|sample| rounded(sample.contacts[ball].position, 4)).collect()
+        })
+        .collect();
+    let sticks: Vec<String> = (0..balls)
+        .map(|ball| {
+            let stick = |sample: &Sample| sample.contacts[ball].phase == Phase::Stick;
+            samples.iter().map(|sample| if stick(sample) { '1' } else { '0' }).collect()
+        })
+        .collect();
+    let [begin, end] = [samples.first(), samples.last()]
+        .map(|sample| sample.map_or(0.0, |sample| units.seconds(sample.time)));
+    let data = json!({
+        "from_s": begin,
+        "seconds": end - begin,
+        "disc_rad_s": machine.speed_rad_s,
+        "ball_over_ring": machine.balls.iter()
+            .map(|ball| ball.diameter_m / machine.ring_radius_m).collect::<Vec<f64>>(),
+        "radius_mm": rounded(1e3 * machine.ring_radius_m, 6),
+        "x": of_table(0),
+        "y": of_table(1),
+        "angles": angles,
+        "sticks": sticks,
+    });
+    let escaped = title.replace('&', "&amp;").replace('<', "&lt;");
+    // No text of the data can end the script: they are numbers and digits.
+    PAGE.replace(TITLE, &escaped).replacen(DATA, &data.to_string(), 1)
+}
+
+/// A time, given in s, as text with its unit and four digits after the point.
+pub fn time_text(time_s: f64) -> String {
+    let (unit, factor) = match 5.0 * time_s {
+        span if time_s <= 0.0 || span >= 0.5 => ("s", 1.0),
+        span if span >= 5e-4 => ("ms", 1e3),
+        span if span >= 5e-7 => ("µs", 1e6),
+        _ => ("ns", 1e9),
+    };
+    format!("{:.4} {unit}", factor * time_s)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::time_text;
+
+    #[test]
+    fn times_have_a_unit_that_fits() {
+        assert_eq!(
+            [2.18754, 0.1, 0.00386, 1e-5, 1e-9, 0.0].map(time_text),
+            ["2.1875 s", "0.1000 s", "3.8600 ms", "10.0000 µs", "1.0000 ns", "0.0000 s"]
+        );
+    }
+}

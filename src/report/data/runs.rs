@@ -1,0 +1,218 @@
+//! Runs of `runs.parquet`, of the points that are shown in detail: all of them, or of very many some.
+
+use std::collections::BTreeMap;
+
+use super::PointFacts;
+use crate::classification::Label;
+use crate::model::Coordinate;
+use crate::study::Study;
+use crate::table::{Kind, Table, TableError};
+
+/// Most amplitudes that are held.
+const MOST_AMPLITUDES: u64 = 2_000_000;
+/// Most runs that are listed because something is wrong with them.
+const MOST_NOTABLE: usize = 200;
+
+/// Labels in the order of their numbers in [`RunSample::label`].
+pub const LABELS: [Label; 5] = Label::ALL;
+
+/// Runs, column by column.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct RunSample {
+    /// How many runs the points shown in detail have.
+    pub of: u64,
+    /// About one in so many of them is held.
+    pub one_in: u64,
+    /// Amplitudes at the end of the runs of these points, m, as far as there are any: of all runs, or of
+    /// very many of about one in [`Self::amplitude_one_in`].
+    pub amplitudes_m: BTreeMap<u64, Vec<f64>>,
+    /// About one in so many amplitudes is held.
+    pub amplitude_one_in: u64,
+    /// How many runs failed or changed their label, of all runs.
+    pub notable: u64,
+    /// Numbers of the runs.
+    pub run_id: Vec<u64>,
+    /// Numbers of their points.
+    pub point_id: Vec<u64>,
+    /// Places of their labels in [`LABELS`].
+    pub label: Vec<u8>,
+    /// Amplitude of the table at the end, m; NaN where there is none.
+    pub amplitude_m: Vec<f64>,
+    /// Friction margin at rest; NaN while moving.
+    pub friction_margin: Vec<f64>,
+    /// Time to rest, s; NaN while moving.
+    pub time_to_rest_s: Vec<f64>,
+    /// Where each contact is at the end, contact by contact: angles of balls in [0, 2π), rad, or the
+    /// position of the block, m.
+    pub position: Vec<Vec<f64>>,
+    /// Start states, coordinate by coordinate in the order of the model.
+    pub start: Vec<Vec<f64>>,
+}
+
+/// A run that failed, or whose label differs when it is computed more precisely.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Notable {
+    /// Its number.
+    pub run_id: u64,
+    /// Its label.
+    pub label: String,
+    /// Why it has it.
+    pub evidence: String,
+    /// What the audit found, where that is another label.
+    pub audited: Option<String>,
+    /// What went wrong, if it failed.
+    pub error: String,
+}
+
+const NUMBERS: [&str; 3] = ["amplitude_m", "friction_margin", "time_to_rest_s"];
+
+/// At most so many of the runs, and the notable ones among all of them.
+///
+/// Which runs these are is decided by their numbers, scattered: runs at even distances would lie in the same
+/// cells of a stratified design again and again.
+pub fn read(
+    study: &Study,
+    table: &Table,
+    shown: &[&PointFacts],
+    most: u64,
+) -> Result<(RunSample, Vec<Notable>), TableError> {
+    let positions: Vec<String> = match study.model().balls() {
+        0 => vec!["position_m".to_owned()],
+        balls => (1..=balls).map(|ball| format!("beta_{ball}_rad")).collect(),
+    };
+    let coordinates = study.model().coordinates();
+    let starts: Vec<String> =
+        coordinates.iter().map(|Coordinate { name, .. }| format!("initial_{name}")).collect();
+    let audit = study.audit().is_some();
+    let mut wanted = vec![("run_id", Kind::Count), ("point_id", Kind::Count)];
+    wanted.extend(["label", "evidence", "error"].map(|name| (name, Kind::Text)));
+    if audit {
+        wanted.push(("audit_label", Kind::Text));
+    }
+    wanted.extend(NUMBERS.map(|name| (name, Kind::Number)));
+    wanted.extend(positions.iter().chain(&starts).map(|name| (name.as_str(), Kind::Number)));
+
+    let of = shown.iter().map(|point| point.runs).fold(0, u64::saturating_add);
+    let one_in = of.div_ceil(most.max(1)).max(1);
+    let amplitude_one_in = of.div_ceil(MOST_AMPLITUDES).max(1);
+    let mut sample = RunSample {
+        of,
+        one_in,
+        amplitude_one_in,
+        amplitudes_m: shown.iter().map(|point| (point.point_id, Vec::new())).collect(),
+        position: vec![Vec::new(); positions.len()],
+        start: vec![Vec::new(); starts.len()],
+        ..RunSample::default()
+    };
+    let mut notable = Vec::new();
+    for batch in table.read(&wanted)? {
+        let batch = batch?;
+        let (ids, points) = (batch.counts("run_id")?, batch.counts("point_id")?);
+        let [labels, evidence, errors] =
+            [batch.texts("label")?, batch.texts("evidence")?, batch.texts("error")?];
+        let audited = if audit { Some(batch.texts("audit_label")?) } else { None };
+        let amplitudes = batch.numbers(NUMBERS[0])?;
+        let text = |texts: &[Option<String>], row: usize| texts.get(row).cloned().flatten();
+        let mut kept = Vec::new();
+        for row in 0..batch.rows {
+            let Some(run_id) = ids.get(row).copied().flatten() else { continue };
+            let label = text(labels, row).unwrap_or_default();
+            let flipped = audited.and_then(|audited| text(audited, row));
+            let flipped = flipped.filter(|other| *other != label);
+            let is_notable = label == Label::Failed.name() || flipped.is_some();
+            sample.notable += u64::from(is_notable);
+            if is_notable && notable.len() < MOST_NOTABLE {
+                notable.push(Notable {
+                    run_id,
+                    label: label.clone(),
+                    evidence: text(evidence, row).unwrap_or_default(),
+                    audited: flipped,
+                    error: text(errors, row).unwrap_or_default(),
+                });
+            }
+            let Some(label) = LABELS.iter().position(|known| known.name() == label) else {
+                continue;
+            };
+            let Some(point_id) = points.get(row).copied().flatten() else { continue };
+            let Some(held) = sample.amplitudes_m.get_mut(&point_id) else { continue };
+            if scattered(run_id, amplitude_one_in) {
+                held.extend(amplitudes.get(row).copied().flatten());
+            }
+            if scattered(run_id, one_in) {
+                kept.push(row);
+                sample.run_id.push(run_id);
+                sample.point_id.push(point_id);
+                sample.label.push(label as u8);
+            }
+        }
+        let keep = |name: &str, values: &mut Vec<f64>| {
+            let column = batch.numbers(name)?;
+            let value = |row: &usize| column.get(*row).copied().flatten().unwrap_or(f64::NAN);
+            values.extend(kept.iter().map(value));
+            Ok::<_, TableError>(())
+        };
+        keep(NUMBERS[0], &mut sample.amplitude_m)?;
+        keep(NUMBERS[1], &mut sample.friction_margin)?;
+        keep(NUMBERS[2], &mut sample.time_to_rest_s)?;
+        for (name, values) in positions.iter().zip(&mut sample.position) {
+            keep(name, values)?;
+        }
+        for (name, values) in starts.iter().zip(&mut sample.start) {
+            keep(name, values)?;
+        }
+    }
+    Ok((sample, notable))
+}
+
+impl RunSample {
+    /// How many runs it holds.
+    pub fn len(&self) -> usize {
+        self.run_id.len()
+    }
+
+    /// Whether it holds none.
+    pub fn is_empty(&self) -> bool {
+        self.run_id.is_empty()
+    }
+
+    /// What is to be said where it does not hold all runs; empty where it does.
+    pub fn left_out(&self) -> String {
+        if self.one_in <= 1 {
+            return String::new();
+        }
+        let (of, shown, one_in) = (self.of, self.len(), self.one_in);
+        format!(" Of the {of} runs of these points about one in {one_in} is shown ({shown} runs).")
+    }
+}
+
+/// Whether a run belongs to the about one in so many that are shown: by its number, mixed so that
+/// neighbours have nothing in common (the finaliser of SplitMix64, G. L. Steele, D. Lea and C. H. Flood,
+/// OOPSLA 2014, doi:10.1145/2660193.2660195).
+pub fn scattered(run_id: u64, one_in: u64) -> bool {
+    let mixed = run_id.wrapping_add(0x9e37_79b9_7f4a_7c15);
+    let mixed = (mixed ^ (mixed >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    let mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    (mixed ^ (mixed >> 31)).is_multiple_of(one_in.max(1))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::scattered;
+
+    /// Every cell of a stratified design has its part, whatever its period in the runs' numbers. Counts are
+    /// binomial; 6 standard deviations would be exceeded once in 10^8.
+    #[test]
+    fn runs_are_scattered_over_cells() {
+        for (cells, one_in) in [(2, 2), (3, 3), (256, 2), (768, 5), (6561, 7)] {
+            let runs = 300_000;
+            let all = (0..runs).filter(|run| scattered(*run, one_in)).count() as f64;
+            let expected = runs as f64 / one_in as f64;
+            assert!((all - expected).abs() < 6.0 * expected.sqrt(), "{cells} {one_in}");
+            let first =
+                (0..runs).step_by(cells).filter(|run| scattered(*run, one_in)).count() as f64;
+            let expected = expected / cells as f64;
+            assert!((first - expected).abs() < 6.0 * expected.sqrt() + 1.0, "{cells} {one_in}");
+        }
+        assert!((0..100).all(|run| scattered(run, 1) && scattered(run, 0)));
+    }
+}

@@ -1,0 +1,236 @@
+//! Mean, standard deviation, quantile and worst of residual amplitudes. Failed runs are left out.
+
+use super::estimate::{Estimate, Sample};
+use super::moments::{self, student_95};
+use super::order_statistics;
+
+const NO_AMPLITUDE: &str = "no run has an amplitude";
+const ONE_RUN: &str = "a single run has no standard error";
+const NO_BOUND: &str = "too few runs for both ends of the interval";
+
+fn amplitudes(sample: &Sample) -> Vec<(u64, f64)> {
+    let runs = sample.runs.iter().filter(|run| !run.failed());
+    runs.filter_map(|run| Some((run.cell, run.amplitude?))).collect()
+}
+
+fn ascending(sample: &Sample) -> Vec<f64> {
+    let mut values: Vec<f64> = amplitudes(sample).into_iter().map(|(_, value)| value).collect();
+    values.sort_by(f64::total_cmp);
+    values
+}
+
+/// The mean, with Student's interval: cell by cell where the sample is stratified (see `moments`).
+pub fn mean(sample: &Sample) -> Estimate {
+    let Some(mean) = moments::mean(&amplitudes(sample), sample.cells) else {
+        return Estimate::unknown(NO_AMPLITUDE);
+    };
+    let value = Some(mean.value);
+    let Some(variance) = mean.variance else {
+        return Estimate { value, ..Estimate::unknown(ONE_RUN) };
+    };
+    let error = variance.sqrt();
+    let half = student_95(mean.degrees) * error;
+    Estimate {
+        value,
+        standard_error: Some(error),
+        low: Some(mean.value - half),
+        high: Some(mean.value + half),
+        reason: None,
+    }
+}
+
+/// The standard deviation over the whole box of start states, not within cells.
+///
+/// Its standard error is that of the mean of squared deviations, which takes the fourth moment from
+/// the sample instead of from a normal distribution; the interval is symmetric on a scale of
+/// logarithms (R. G. Miller, Beyond ANOVA, Wiley 1986, section 7.1).
+pub fn standard_deviation(sample: &Sample) -> Estimate {
+    let values = amplitudes(sample);
+    let Some(mean) = moments::mean(&values, sample.cells) else {
+        return Estimate::unknown(NO_AMPLITUDE);
+    };
+    let Some(of_mean) = mean.variance else { return Estimate::unknown(ONE_RUN) };
+    let squared = |value: f64| (value - mean.value) * (value - mean.value);
+    let squares: Vec<(u64, f64)> =
+        values.iter().map(|(cell, value)| (*cell, squared(*value))).collect();
+    let Some((square, of_square)) =
+        moments::mean(&squares, sample.cells).and_then(|square| Some((square, square.variance?)))
+    else {
+        return Estimate::unknown(ONE_RUN);
+    };
+    // The mean of the sample is nearer to its values than that of the population, by its variance.
+    let value = (square.value + of_mean).sqrt();
+    if value <= 0.0 {
+        let zero = Some(0.0);
+        return Estimate { value: zero, standard_error: zero, low: zero, high: zero, reason: None };
+    }
+    let error = of_square.sqrt() / (2.0 * value);
+    let factor = libm::exp(student_95(square.degrees) * error / value);
+    Estimate {
+        value: Some(value),
+        standard_error: Some(error),
+        low: Some(value / factor),
+        high: Some(value * factor),
+        reason: None,
+    }
+}
+
+/// A quantile, with its interval between order statistics and the bootstrap's standard error.
+pub fn quantile(sample: &Sample, share: f64) -> Estimate {
+    let values = ascending(sample);
+    let Some(value) = order_statistics::quantile(&values, share) else {
+        return Estimate::unknown(NO_AMPLITUDE);
+    };
+    let error = order_statistics::standard_error(order_statistics::cumulative(&values), share);
+    Estimate::within(value, error, order_statistics::interval(&values, share), NO_BOUND)
+}
+
+/// The largest of all runs; what other runs would have shown has no bound.
+pub fn worst(sample: &Sample) -> Estimate {
+    match ascending(sample).last() {
+        None => Estimate::unknown(NO_AMPLITUDE),
+        Some(&value) => Estimate {
+            value: Some(value),
+            low: Some(value),
+            ..Estimate::unknown("the largest of a sample bounds the worst from below only")
+        },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{mean, quantile, standard_deviation, worst};
+    use crate::analysis::test_rng::Draws;
+    use crate::classification::Label;
+    use crate::responses::{Estimate, Sample, Seen};
+
+    /// Runs with these amplitudes, in turn in cells; none of a failed run.
+    fn sample(amplitudes: &[Option<f64>], cells: Option<u64>) -> Sample {
+        let run = |(index, amplitude): (usize, &Option<f64>)| Seen {
+            cell: index as u64 % cells.unwrap_or(1),
+            label: if amplitude.is_some() { Label::Equilibrium } else { Label::Failed },
+            amplitude: *amplitude,
+            time_to_rest_s: None,
+            end_time_s: None,
+        };
+        Sample { cells, runs: amplitudes.iter().enumerate().map(run).collect() }
+    }
+
+    fn near(found: Option<f64>, expected: f64) {
+        let found = found.expect("a number");
+        assert!((found - expected).abs() < 1e-12 * expected.abs().max(1.0), "{found} {expected}");
+    }
+
+    #[test]
+    fn by_hand() {
+        let one_to_five = [1.0, 2.0, 3.0, 4.0, 5.0].map(Some);
+        let all = sample(&one_to_five, None);
+        let found = mean(&all);
+        near(found.value, 3.0);
+        near(found.standard_error, (2.5_f64 / 5.0).sqrt());
+        assert!((found.high.unwrap() - 3.0 - 2.7764 * 0.5_f64.sqrt()).abs() < 1e-3);
+        near(standard_deviation(&all).value, 2.5_f64.sqrt());
+        near(worst(&all).value, 5.0);
+        assert_eq!((worst(&all).low, worst(&all).high), (Some(5.0), None));
+        near(quantile(&all, 0.5).value, 3.0);
+        // A failed run changes nothing.
+        let failed: Vec<Option<f64>> = one_to_five.into_iter().chain([None]).collect();
+        assert_eq!(mean(&sample(&failed, None)), found);
+        // Without any other the answer says why there is none.
+        for estimate in [mean, standard_deviation, worst] {
+            let nothing = estimate(&sample(&[None, None], None));
+            assert_eq!(
+                (nothing.value, nothing.reason.as_deref()),
+                (None, Some("no run has an amplitude"))
+            );
+        }
+        let single = mean(&sample(&[Some(2.0)], None));
+        assert_eq!((single.value, single.standard_error), (Some(2.0), None));
+        assert!(
+            single.reason.is_some()
+                && standard_deviation(&sample(&[Some(2.0)], None)).value.is_none()
+        );
+    }
+
+    /// Two cells, (1, 3) and (11, 15): the means are 2 and 13, the variances 2 and 8, so that the variance
+    /// of the mean is (1 + 4) / 4; the spread over the whole box is that between the cells, too.
+    #[test]
+    fn cells_by_hand() {
+        let two = sample(&[1.0, 11.0, 3.0, 15.0].map(Some), Some(2));
+        let found = mean(&two);
+        near(found.value, 7.5);
+        near(found.standard_error, 1.25_f64.sqrt());
+        // (42.25 + 12.25 + 20.25 + 56.25) / 4 and the mean's own variance.
+        near(standard_deviation(&two).value, (32.75_f64 + 1.25).sqrt());
+        // A cell with a single run: runs count one by one.
+        let uneven = sample(&[Some(1.0), Some(11.0), Some(3.0), None], Some(2));
+        near(mean(&uneven).value, 5.0);
+        near(mean(&uneven).standard_error, (28.0_f64 / 3.0).sqrt());
+    }
+
+    /// Shares of 4000 seeded samples of 64 runs whose interval holds the exact value: the mean, the
+    /// standard deviation and two quantiles of uniform and exponential amplitudes, drawn freely and
+    /// from 16 cells of four:
+    ///
+    /// ```text
+    ///                      mean   deviation  median  90 %
+    /// uniform              0.948  0.946      0.966   0.969
+    /// uniform, cells       0.955  0.956      1       1
+    /// exponential          0.935  0.869      0.968   0.971
+    /// exponential, cells   0.881  0.842      1       1
+    /// ```
+    ///
+    /// What the skewness of an exponential distribution costs the first two is a property of these
+    /// methods, not chance (in cells, nearly all of the variance is that of the last cell's four runs).
+    /// A share is off by 0.006 at most (one standard deviation, at 0.84), so that 0.02 below what is
+    /// expected has a probability of 0.001 at most.
+    #[test]
+    fn coverage() {
+        type Inverse = fn(f64) -> f64;
+        let populations: [(&str, Inverse, f64, f64); 2] = [
+            ("uniform", |u| u, 0.5, (1.0_f64 / 12.0).sqrt()),
+            ("exponential", |u| -(1.0 - u).ln(), 1.0, 1.0),
+        ];
+        let mut draws = Draws::new(12);
+        for (name, inverse, exact_mean, exact_deviation) in populations {
+            for cells in [None, Some(16)] {
+                let mut held = [0_u32; 4];
+                for _ in 0..4000 {
+                    let values: Vec<Option<f64>> = (0..64)
+                        .map(|run| {
+                            let u = draws.uniform();
+                            let u = cells
+                                .map_or(u, |cells: u64| ((run % cells) as f64 + u) / cells as f64);
+                            Some(inverse(u))
+                        })
+                        .collect();
+                    let sample = sample(&values, cells);
+                    let estimates = [
+                        (mean(&sample), exact_mean),
+                        (standard_deviation(&sample), exact_deviation),
+                        (quantile(&sample, 0.5), inverse(0.5)),
+                        (quantile(&sample, 0.9), inverse(0.9)),
+                    ];
+                    for (held, (estimate, exact)) in held.iter_mut().zip(estimates) {
+                        *held += u32::from(holds(&estimate, exact));
+                    }
+                }
+                let held = held.map(|held| f64::from(held) / 4000.0);
+                println!("{name}, cells {cells:?}: {held:?}");
+                let expected = match (name, cells) {
+                    ("uniform", _) => [0.95, 0.95, 0.95, 0.95],
+                    (_, None) => [0.935, 0.87, 0.95, 0.95],
+                    _ => [0.88, 0.84, 0.95, 0.95],
+                };
+                for (held, least) in held.into_iter().zip(expected) {
+                    assert!(held >= least - 0.02, "{name}, cells {cells:?}: {held} below {least}");
+                }
+            }
+        }
+    }
+
+    fn holds(estimate: &Estimate, exact: f64) -> bool {
+        estimate.low.is_none_or(|low| low <= exact)
+            && estimate.high.is_none_or(|high| exact <= high)
+    }
+}

@@ -1,0 +1,53 @@
+//! Answers as lines of JSON.
+
+use serde_json::{Map, Value, json};
+
+use super::respond::Answer;
+use crate::classification::Label;
+use crate::study::{ParameterValue, Study};
+
+/// The answer to a request: with `responses`, `runs`, `failed` and `discontinuous` where the study has a single point, and
+/// otherwise with `points`, a list of such objects, each with its swept parameters.
+pub fn to_json(study: &Study, id: &Value, answers: &[Answer]) -> Value {
+    let mut answer = Map::new();
+    answer.insert("id".to_owned(), id.clone());
+    match answers {
+        [only] if study.swept().is_empty() => answer.extend(point(study, only)),
+        _ => {
+            let points = answers.iter().map(|answer| {
+                let mut object = Map::new();
+                object.insert("point_id".to_owned(), json!(answer.point_id));
+                for (column, value) in study.swept().iter().zip(&answer.swept) {
+                    let value = match value {
+                        ParameterValue::Number(number) => json!(number),
+                        ParameterValue::Text(text) => json!(text),
+                    };
+                    object.insert(column.name.clone(), value);
+                }
+                object.extend(point(study, answer));
+                Value::Object(object)
+            });
+            answer.insert("points".to_owned(), points.collect());
+        }
+    }
+    Value::Object(answer)
+}
+
+fn point(study: &Study, answer: &Answer) -> Map<String, Value> {
+    let responses = study.responses().iter().zip(&answer.estimates).map(|(response, estimate)| {
+        let value = json!({
+            "value": estimate.value,
+            "standard_error": estimate.standard_error,
+            "low": estimate.low,
+            "high": estimate.high,
+            "reason": estimate.reason,
+        });
+        (response.name.clone(), value)
+    });
+    let mut object = Map::new();
+    object.insert("responses".to_owned(), Value::Object(responses.collect()));
+    object.insert("runs".to_owned(), json!(answer.counts.total()));
+    object.insert("failed".to_owned(), json!(answer.counts.of(Label::Failed)));
+    object.insert("discontinuous".to_owned(), json!(answer.discontinuous));
+    object
+}

@@ -1,0 +1,104 @@
+//! The mean of a sample with its standard error, cell by cell where the design is stratified.
+//!
+//! Cells of equal size weigh the same, and only the variation within cells makes the mean uncertain.
+//! With `H` cells and `n_h` values of variance `s_h²` in each,
+//!
+//! ```text
+//! mean = Σ mean_h / H,   V = Σ s_h² / n_h / H²
+//! ```
+//!
+//! with Satterthwaite's degrees of freedom (W. G. Cochran, Sampling Techniques, 3rd ed., Wiley 1977,
+//! sections 5.4 and 5.16). Where a cell has fewer than two values the runs count one by one, which
+//! makes intervals wider than need be, not wrong.
+
+use statrs::distribution::{ContinuousCDF, StudentsT};
+
+/// The number that a Student variable with so many degrees of freedom exceeds in size with a probability of
+/// 0.05. Degrees of freedom that are no whole number are rounded down, which makes intervals wider, not
+/// wrong; there is at least one.
+pub(super) fn student_95(degrees: f64) -> f64 {
+    StudentsT::new(0.0, 1.0, degrees.floor().max(1.0))
+        .map_or(f64::INFINITY, |student| student.inverse_cdf(0.975))
+}
+
+/// A mean and how well it is known.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Mean {
+    /// The mean.
+    pub value: f64,
+    /// Its variance; none of a single value.
+    pub variance: Option<f64>,
+    /// Degrees of freedom of that variance.
+    pub degrees: f64,
+}
+
+/// Values, each with its cell, of which there may be so many.
+pub(super) fn mean(values: &[(u64, f64)], cells: Option<u64>) -> Option<Mean> {
+    if values.is_empty() {
+        return None;
+    }
+    let by_cell = cells.and_then(|cells| in_cells(values, cells));
+    Some(by_cell.map_or_else(|| together(values), |cells| stratified(&cells)))
+}
+
+/// The values of each cell, where there are two in each at least.
+fn in_cells(values: &[(u64, f64)], cells: u64) -> Option<Vec<Vec<f64>>> {
+    if cells < 2 || 2 * cells > values.len() as u64 {
+        return None;
+    }
+    let mut all = vec![Vec::new(); usize::try_from(cells).ok()?];
+    for (cell, value) in values {
+        all.get_mut(usize::try_from(*cell).ok()?)?.push(*value);
+    }
+    all.iter().all(|cell| cell.len() >= 2).then_some(all)
+}
+
+/// Number, mean and variance.
+fn moments(values: impl Iterator<Item = f64> + Clone) -> (f64, f64, f64) {
+    let n = values.clone().count() as f64;
+    let mean = values.clone().sum::<f64>() / n;
+    let squares: f64 = values.map(|value| (value - mean) * (value - mean)).sum();
+    (n, mean, squares / (n - 1.0))
+}
+
+fn together(values: &[(u64, f64)]) -> Mean {
+    let (n, value, variance) = moments(values.iter().map(|(_, value)| *value));
+    Mean { value, variance: (n > 1.5).then_some(variance / n), degrees: n - 1.0 }
+}
+
+fn stratified(cells: &[Vec<f64>]) -> Mean {
+    let weight = 1.0 / cells.len() as f64;
+    let (mut value, mut variance, mut squares) = (0.0, 0.0, 0.0);
+    for cell in cells {
+        let (n, mean, own) = moments(cell.iter().copied());
+        let part = weight * weight * own / n;
+        value += weight * mean;
+        variance += part;
+        squares += part * part / (n - 1.0);
+    }
+    // Without any variation the degrees of freedom do not matter.
+    let degrees = if squares > 0.0 { variance * variance / squares } else { f64::MAX };
+    Mean { value, variance: Some(variance), degrees }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::student_95;
+
+    /// The values that every table prints.
+    #[test]
+    fn the_table_of_student() {
+        for (degrees, printed) in [
+            (1.0, 12.706),
+            (2.0, 4.303),
+            (2.9, 4.303),
+            (5.0, 2.571),
+            (30.0, 2.042),
+            (120.0, 1.980),
+            (1.0e6, 1.960),
+        ] {
+            let found = student_95(degrees);
+            assert!((found - printed).abs() < 6e-4, "{degrees}: {found} {printed}");
+        }
+    }
+}

@@ -1,0 +1,181 @@
+//! Quantiles, their standard errors, and their intervals between order statistics, which hold whatever the
+//! distribution.
+//!
+//! Of `n` values the number below the quantile `q` of a continuous distribution is binomial. The
+//! interval from the `l`-th to the `u`-th value in order has the largest `l` and the least `u` for which
+//! that number is below `l`, and is `u` or more, with at most 2.5 % each (H. A. David, H. N. Nagaraja,
+//! Order Statistics, 3rd ed., Wiley 2003, section 7.1, doi:10.1002/0471722162). Values drawn cell by
+//! cell vary less, so that for them it is wider than need be, not wrong.
+
+use statrs::function::beta::checked_beta_reg;
+use statrs::function::factorial::ln_binomial;
+
+/// The quantile of ascending values, linear between them (type 7 of Hyndman and Fan, Am. Stat. 50
+/// (1996) 361, doi:10.1080/00031305.1996.10473566); none of no values.
+pub(super) fn quantile(ascending: &[f64], share: f64) -> Option<f64> {
+    let place = share * ascending.len().checked_sub(1)? as f64;
+    let low = *ascending.get(place.floor() as usize)?;
+    let high = *ascending.get(place.ceil() as usize)?;
+    let part = place - place.floor();
+    Some(if part == 0.0 { low } else { low + part * (high - low) })
+}
+
+/// The 95 % interval of the quantile; an end is none where the values set no bound.
+pub(super) fn interval(ascending: &[f64], share: f64) -> [Option<f64>; 2] {
+    const TAIL: f64 = 0.025;
+    let n = ascending.len();
+    if n == 0 || share <= 0.0 || share >= 1.0 {
+        return [None, None];
+    }
+    let probability = |k: usize| {
+        let choices = ln_binomial(n as u64, k as u64);
+        let (k, n) = (k as f64, n as f64);
+        libm::exp(choices + k * libm::log(share) + (n - k) * libm::log1p(-share))
+    };
+    // How many values are below with at most so much probability, from either end.
+    let (mut below, mut low) = (0.0, None);
+    for (k, value) in ascending.iter().enumerate() {
+        below += probability(k);
+        if below > TAIL {
+            break;
+        }
+        low = Some(*value);
+    }
+    let (mut above, mut high) = (0.0, None);
+    for k in (1..=n).rev() {
+        above += probability(k);
+        if above > TAIL {
+            break;
+        }
+        high = ascending.get(k - 1).copied();
+    }
+    [low, high]
+}
+
+/// How many standard deviations of a proportion are looked at on either side: beyond them a resample's
+/// quantile lies with a probability below 1e-15.
+const REACH: f64 = 8.0;
+
+/// A value, the proportion of the distribution up to it, and the number of runs from which that proportion is
+/// known (with censoring, the effective number).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Cumulative {
+    pub value: f64,
+    pub proportion: f64,
+    pub runs: f64,
+}
+
+/// The cumulative distribution of ascending values.
+pub(super) fn cumulative(ascending: &[f64]) -> impl Iterator<Item = Cumulative> {
+    let runs = ascending.len() as f64;
+    let at = move |(index, value): (usize, &f64)| Cumulative {
+        value: *value,
+        proportion: (index + 1) as f64 / runs,
+        runs,
+    };
+    ascending.iter().enumerate().map(at)
+}
+
+/// The standard error of a quantile: that of a bootstrap with infinitely many resamples, in closed form.
+///
+/// In a resample of `n` runs the quantile `q` is at most `x` with the probability `I_F(a, b)`, where `F` is the
+/// proportion of the runs up to `x`, `I` the regularised incomplete beta function, `a = q (n - 1) + 1` and
+/// `b = (1 - q) (n - 1) + 1`. Unlike the width of an interval it sees where a bimodal sample jumps. It is none
+/// where a resample does not reach the quantile with more than 2.5 %.
+///
+/// Source: J. S. Maritz, R. G. Jarrett, J. Am. Stat. Assoc. 73 (1978) 194,
+/// doi:10.1080/01621459.1978.10480027.
+pub(super) fn standard_error(
+    ascending: impl Iterator<Item = Cumulative>,
+    share: f64,
+) -> Option<f64> {
+    let (mut weight, mut first, mut second, mut reference) = (0.0, 0.0, 0.0, None);
+    for Cumulative { value, proportion, runs } in ascending {
+        let scale = (share * (1.0 - share) / runs).sqrt();
+        let off = (proportion - share) / (scale + 1.0 / runs);
+        let (a, b) = (share * (runs - 1.0) + 1.0, (1.0 - share) * (runs - 1.0) + 1.0);
+        let reached = match off {
+            off if off < -REACH => 0.0,
+            off if off > REACH => 1.0,
+            _ => checked_beta_reg(a, b, proportion.clamp(0.0, 1.0)).ok()?,
+        };
+        // With censoring the effective number of runs falls, and the probability could, too.
+        let part = (reached - weight).max(0.0);
+        weight += part;
+        let from = value - *reference.get_or_insert(value);
+        first += part * from;
+        second += part * from * from;
+    }
+    let (mean, square) = (first / weight, second / weight);
+    (weight >= 0.975).then(|| (square - mean * mean).max(0.0).sqrt())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{cumulative, interval, quantile, standard_error};
+    use crate::analysis::test_rng::Draws;
+
+    /// Conover, Practical Nonparametric Statistics, and every table of the sign test: the median of ten
+    /// values lies between the second and the ninth, of twenty between the sixth and the fifteenth.
+    #[test]
+    fn the_table() {
+        let values: Vec<f64> = (1..=20).map(f64::from).collect();
+        assert_eq!(interval(&values[..10], 0.5), [Some(2.0), Some(9.0)]);
+        assert_eq!(interval(&values, 0.5), [Some(6.0), Some(15.0)]);
+        assert_eq!(interval(&values[..5], 0.5), [None, None], "1/32 in each tail");
+        assert_eq!(interval(&values[..6], 0.5), [Some(1.0), Some(6.0)], "1/64 in each tail");
+        assert_eq!(interval(&values, 0.95)[1], None, "0.95^20 = 0.36 is beyond the last");
+        assert_eq!(interval(&[], 0.5), [None, None]);
+    }
+
+    #[test]
+    fn linear_between_values() {
+        assert_eq!(quantile(&[1.0, 2.0, 4.0], 0.5), Some(2.0));
+        assert_eq!(quantile(&[1.0, 2.0, 4.0], 0.75), Some(3.0));
+        assert_eq!(quantile(&[7.0], 0.1), Some(7.0));
+        assert_eq!(quantile(&[], 0.1), None);
+    }
+
+    /// All 3^3 resamples of three values have the median 1 in 7, 2 in 13 and 4 in 7 cases.
+    #[test]
+    fn the_bootstrap_of_three_values_by_hand() {
+        let mean = (7.0 + 26.0 + 28.0) / 27.0;
+        let square = (7.0 + 52.0 + 112.0) / 27.0;
+        let found = standard_error(cumulative(&[1.0, 2.0, 4.0]), 0.5).unwrap();
+        assert!((found - f64::sqrt(square - mean * mean)).abs() < 1e-12, "{found}");
+        assert_eq!(standard_error(cumulative(&[3.0; 9]), 0.9), Some(0.0), "all alike");
+        assert_eq!(standard_error(cumulative(&[]), 0.5), None);
+    }
+
+    /// The median over 400 seeded samples of the standard error over the true one, the scatter of the
+    /// quantile over the samples. The width of the interval gives 0.53 to 0.57 where the quantile lies on the
+    /// jump between two modes, and 0.03 to 0.4 near it. A median of 400 ratios is off by less than 0.1
+    /// here, and the scatter by 0.035 (one standard deviation).
+    #[test]
+    fn bimodal_samples_have_a_standard_error() {
+        let mut draws = Draws::new(15);
+        for (modes, share) in [(0.0, 0.9), (0.9, 0.9), (0.88, 0.9), (0.5, 0.5), (0.45, 0.5)] {
+            for runs in [128, 384] {
+                let mut quantiles = Vec::new();
+                let mut errors = Vec::new();
+                for _ in 0..400 {
+                    let mut draw = |_| {
+                        let mode = if draws.uniform() < modes { 1.0 } else { 3.0 };
+                        mode + 0.2 * draws.uniform()
+                    };
+                    let mut values: Vec<f64> = (0..runs).map(&mut draw).collect();
+                    values.sort_by(f64::total_cmp);
+                    quantiles.push(quantile(&values, share).unwrap());
+                    errors.push(standard_error(cumulative(&values), share).unwrap());
+                }
+                let mean = quantiles.iter().sum::<f64>() / 400.0;
+                let scatter =
+                    (quantiles.iter().map(|one| (one - mean).powi(2)).sum::<f64>() / 399.0).sqrt();
+                errors.sort_by(f64::total_cmp);
+                let ratio = errors[200] / scatter;
+                println!("modes {modes}, quantile {share}, {runs} runs: {ratio:.2}");
+                assert!((0.75..1.3).contains(&ratio), "{modes} {share} {runs}: {ratio}");
+            }
+        }
+    }
+}

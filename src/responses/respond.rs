@@ -1,0 +1,104 @@
+//! From the runs of a design to its responses.
+
+use std::sync::atomic::AtomicBool;
+
+use super::amplitude::{mean, quantile, standard_deviation, worst};
+use super::estimate::{Estimate, Sample, Seen};
+use super::probability::{above, at_rest_by};
+use super::rest_time::median_time_to_rest;
+use crate::analysis::{LabelCounts, amplitude_without_balls};
+use crate::classification::Label;
+use crate::engine::WorkerPool;
+use crate::study::{DesignValue, Measure, ParameterValue, Response, Study};
+use crate::table::RunRecord;
+
+/// A design at one point of the study's sweep: what is answered.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Answer {
+    /// Number of the design, from zero in the order of asking.
+    pub design: u64,
+    /// One value per variable of the study.
+    pub values: Vec<DesignValue>,
+    /// Number of the sweep's point.
+    pub point_id: u64,
+    /// One value per swept parameter.
+    pub swept: Vec<ParameterValue>,
+    /// One estimate per response of the study.
+    pub estimates: Vec<Estimate>,
+    /// Runs per label.
+    pub counts: LabelCounts,
+    /// Whether labels change abruptly to the nearest other design; none where that was not asked.
+    pub discontinuous: Option<bool>,
+}
+
+/// Computes a design at all points of the sweep. `sets` are the study with its variables set to `values`,
+/// or several that differ from each other in their master seeds, whose runs are taken together; `finished`
+/// is told of each run. None where `stop` became true.
+pub fn respond(
+    workers: &WorkerPool,
+    sets: &[Study],
+    responses: &[Response],
+    (design, values): (u64, &[DesignValue]),
+    stop: &AtomicBool,
+    finished: &(dyn Fn(Label) + Sync),
+) -> Option<Vec<Answer>> {
+    let Some(first) = sets.first() else { return Some(Vec::new()) };
+    let answer = |point_id| {
+        let runs = |set: &Study| workers.sample(set, point_id, stop, finished);
+        let runs: Option<Vec<_>> = sets.iter().map(runs).collect();
+        let runs: Vec<_> = runs?.into_iter().flatten().collect();
+        let point = first.point(point_id);
+        let sample = |relative| Sample {
+            cells: point.cells,
+            runs: runs.iter().map(|run| seen(run, relative)).collect(),
+        };
+        let [plain, relative] = [sample(false), sample(true)];
+        let estimate = |response: &Response| {
+            estimate(response.measure, if response.relative { &relative } else { &plain })
+        };
+        let mut counts = LabelCounts::default();
+        runs.iter().for_each(|run| counts.add(run.outcome.label()));
+        Some(Answer {
+            design,
+            values: values.to_vec(),
+            point_id,
+            swept: point.swept.clone(),
+            estimates: responses.iter().map(estimate).collect(),
+            counts,
+            discontinuous: None,
+        })
+    };
+    (0..first.point_count()).map(answer).collect()
+}
+
+fn seen(run: &RunRecord, relative: bool) -> Seen {
+    let RunRecord { planned, outcome, .. } = run;
+    let without = || {
+        let machine = planned.case.as_ref().ok()?.model.ball_balancer()?;
+        amplitude_without_balls(machine).filter(|amplitude| *amplitude > 0.0)
+    };
+    let amplitude = outcome.amplitude_m;
+    Seen {
+        cell: planned.cell,
+        label: outcome.label(),
+        amplitude: if relative {
+            amplitude.and_then(|own| Some(own / without()?))
+        } else {
+            amplitude
+        },
+        time_to_rest_s: outcome.time_to_rest_s,
+        end_time_s: outcome.end_time_s,
+    }
+}
+
+fn estimate(measure: Measure, sample: &Sample) -> Estimate {
+    match measure {
+        Measure::Mean => mean(sample),
+        Measure::StandardDeviation => standard_deviation(sample),
+        Measure::Quantile(share) => quantile(sample, share),
+        Measure::Worst => worst(sample),
+        Measure::Above(limit) => above(sample, limit),
+        Measure::AtRestBy(time_s) => at_rest_by(sample, time_s),
+        Measure::MedianTimeToRest => median_time_to_rest(sample),
+    }
+}

@@ -1,0 +1,95 @@
+//! Limit cycles that are claimed attract the run: both methods claim the same, and computed on
+//! without looking for endings, the run passes ever more exactly one period later.
+
+use std::path::Path;
+
+use rayon::prelude::*;
+use stickslip::classification::{Evidence, Outcome, simulate};
+use stickslip::model::{Balancer, Case, Method, Simulation};
+use stickslip::motion::{Motion, Settings};
+use stickslip::study::Study;
+
+/// The runs with a tenth of the friction in the thesis's study.
+fn cases() -> Vec<Case> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/preferred-equilibria.yaml");
+    let study = Study::load(&path).expect("a study");
+    let all = (0..study.run_count()).filter_map(|run| study.planned_run(run).case.ok());
+    let slippery = |case: &Case| {
+        let machine = case.model.ball_balancer().expect("a balancer");
+        machine.balls.iter().all(|ball| ball.friction_coefficient == 2.75e-4)
+    };
+    all.filter(slippery).collect()
+}
+
+fn with(case: &Case, method: Method) -> Case {
+    Case { simulation: Simulation { method, ..case.simulation }, ..case.clone() }
+}
+
+/// How far passages are from those one period earlier: in the table's state, in the running ball's
+/// speed, and in time over the period; first and last after the claim.
+fn drawn(case: &Case, outcome: &Outcome) -> ([f64; 2], f64) {
+    let machine = case.model.ball_balancer().expect("a balancer");
+    let natural = machine.natural_frequency_rad_s();
+    let balancer = Balancer::<2>::new(machine).expect("two balls");
+    let settings = Settings::new(&case.simulation, u64::MAX);
+    let start = case.start.of_balls().expect("two balls");
+    let mut motion = Motion::new(&balancer, settings, start).expect("starts");
+    let period = outcome.period_s.expect("a cycle") * natural;
+    let speeds = outcome.mean_speed.as_ref().expect("a cycle");
+    let runs = usize::from(speeds[1].abs() > speeds[0].abs());
+    let turns = (speeds[runs].abs() / natural * period / std::f64::consts::TAU).round() as usize;
+    let claimed = outcome.end_time_s.expect("ended") * natural;
+    let end = claimed + 60.0 * natural;
+    let mut passages = Vec::new();
+    while motion.time() < end {
+        motion.advance(end).expect("goes on");
+        if motion.time() > claimed - 1.5 * period
+            && let Some((time, state)) = motion.passage(runs)
+        {
+            let [[x, y], [x_dot, y_dot]] = [state.position, state.velocity];
+            passages.push((time, [x, y, x_dot, y_dot, state.beta_dot[runs]]));
+        }
+    }
+    let apart = |later: usize| {
+        let (one, other) = (&passages[later - turns].1, &passages[later].1);
+        one.iter().zip(other).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+    };
+    let last = passages.len() - 1;
+    let taken = passages[last].0 - passages[last - turns].0;
+    ([apart(turns), apart(last)], taken / period - 1.0)
+}
+
+#[test]
+fn claimed_cycles_attract_the_run_and_methods_agree() {
+    let cases = cases();
+    assert_eq!(cases.len(), 256);
+    let claims = [Method::Switch, Method::Event].map(|method| {
+        let run = |case: &Case| {
+            let case = with(case, method);
+            let outcome = simulate(&case);
+            (outcome.evidence == Evidence::ClosedOrbit).then_some((case, outcome))
+        };
+        cases.par_iter().map(run).collect::<Vec<_>>()
+    });
+    let [switch, event] = &claims;
+    let mut claimed = 0;
+    for (index, both) in switch.iter().zip(event).enumerate() {
+        match both {
+            (Some((_, switch)), Some((_, event))) => {
+                claimed += 1;
+                assert_eq!(switch.balls_running, event.balls_running, "run {index}");
+                let ratio = switch.period_s.unwrap() / event.period_s.unwrap();
+                assert!((ratio - 1.0).abs() < 1e-4, "run {index}: {ratio}");
+            }
+            (None, None) => {}
+            _ => panic!("run {index} by one method only"),
+        }
+    }
+    assert_eq!(claimed, 69);
+    let some: Vec<_> = claims.iter().flatten().flatten().step_by(3).collect();
+    some.par_iter().for_each(|(case, outcome)| {
+        let ([first, last], late) = drawn(case, outcome);
+        assert!(first < 1e-3 && last < 1e-9, "{first} to {last}");
+        assert!(late.abs() < 1e-5, "{late}");
+    });
+}

@@ -1,0 +1,115 @@
+//! How errors fall with tolerance and band, against the closed forms of blocks on springs.
+//!
+//! Theory: the error estimate of DOP853 goes as the eighth power of the step, so that steps go as
+//! the eighth root of the tolerance, and the error of a method of order 8 as the tolerance itself
+//! (Hairer, Nørsett, Wanner, Solving Ordinary Differential Equations I, sections II.4 and II.5).
+//! That lasts only if no step crosses a switch. In the switch model the half width of the band is an
+//! error in speed: the time at which a block stops is off in proportion to it, and the place by its
+//! square; on a belt, the rest of the speed that a stuck block still has when it breaks away makes
+//! period and amplitude off in proportion to the band.
+
+use crate::model::closed_forms::ClosedForms;
+use stickslip::classification::{Evidence, simulate};
+use stickslip::model::{Block, Case, FrictionLaw, Method, Simulation, Start};
+
+/// The relative errors of one computation.
+#[derive(Clone, Copy, Debug)]
+pub struct Errors {
+    /// Of the place where a block on rigid ground stops, over `μ F_n / k`.
+    pub rest_position: f64,
+    /// Of the time when it stops, over `1 / ω_n`.
+    pub rest_time: f64,
+    /// Of the period of a block on a belt.
+    pub period: f64,
+    /// Of its amplitude.
+    pub amplitude: f64,
+}
+
+/// The errors with this method, relative tolerance per step and band.
+pub fn errors(method: Method, tolerance: f64, band: f64) -> Errors {
+    let simulation = Simulation {
+        method,
+        band,
+        end_time_s: 100.0,
+        relative_tolerance: tolerance,
+        absolute_tolerance: 1e-2 * tolerance,
+        ..Simulation::default()
+    };
+    let run = |block: &Block, start: [f64; 2]| {
+        simulate(&Case { model: block.clone().into(), start: Start(start.to_vec()), simulation })
+    };
+    let block = Block::on_spring();
+    let start = [0.0874, 0.31];
+    let exact = block.stopping(start[0], start[1]).expect("dry friction");
+    let outcome = run(&block, start);
+    assert_eq!(outcome.evidence, Evidence::RestCertified);
+    let rest_position = (outcome.position.expect("known")[0] - exact.position_m).abs() / 0.01;
+    let rest_time = (outcome.time_to_rest_s.expect("at rest") - exact.time_s).abs() * 10.0;
+    let block = Block {
+        friction: FrictionLaw::Stribeck { static_friction_coefficient: 0.2, stribeck_speed: 0.0 },
+        ..Block::on_belt()
+    };
+    let exact = block.stick_slip_cycle().expect("static above kinetic friction");
+    let outcome = run(&block, [0.04, 0.0]);
+    assert_eq!(outcome.evidence, Evidence::ClosedOrbit);
+    let relative = |found: Option<f64>, exact: f64| (found.expect("known") / exact - 1.0).abs();
+    Errors {
+        rest_position,
+        rest_time,
+        period: relative(outcome.period_s, exact.period_s),
+        amplitude: relative(outcome.amplitude_m, exact.amplitude_m),
+    }
+}
+
+/// The slope of a straight line through points in a plot with two logarithmic axes.
+fn order(points: impl Iterator<Item = (f64, f64)>) -> f64 {
+    let points: Vec<(f64, f64)> = points.map(|(x, y)| (x.log10(), y.log10())).collect();
+    let count = points.len() as f64;
+    let mean_x = points.iter().map(|point| point.0).sum::<f64>() / count;
+    let mean_y = points.iter().map(|point| point.1).sum::<f64>() / count;
+    let products = points.iter().map(|(x, y)| (x - mean_x) * (y - mean_y)).sum::<f64>();
+    products / points.iter().map(|(x, _)| (x - mean_x).powi(2)).sum::<f64>()
+}
+
+fn powers_of_ten(range: std::ops::RangeInclusive<i32>) -> impl Iterator<Item = f64> {
+    range.map(|power| 10.0_f64.powi(-power))
+}
+
+/// The exact motion: errors in proportion to the tolerance.
+#[test]
+fn event_method_converges_with_the_tolerance() {
+    let all: Vec<(f64, Errors)> = powers_of_ten(5..=11)
+        .map(|tolerance| (tolerance, errors(Method::Event, tolerance, 1e-8)))
+        .collect();
+    let order_of = |pick: fn(&Errors) -> f64| order(all.iter().map(|(t, all)| (*t, pick(all))));
+    let orders = [
+        order_of(|all| all.rest_position),
+        order_of(|all| all.rest_time),
+        order_of(|all| all.period),
+        order_of(|all| all.amplitude),
+    ];
+    assert!(orders.iter().all(|order| (0.8..1.4).contains(order)), "{orders:?}");
+    // Error per step, some hundred of them: no more than that many tolerances.
+    for (tolerance, all) in all {
+        let largest = all.rest_position.max(all.rest_time).max(all.period).max(all.amplitude);
+        assert!(largest < 100.0 * tolerance, "{tolerance:e}: {all:?}");
+    }
+}
+
+/// The switch model: time, period and amplitude in proportion to the band, the place of rest to its
+/// square, down to the slack of its conditions.
+#[test]
+fn switch_model_converges_with_the_band() {
+    let all: Vec<(f64, Errors)> =
+        powers_of_ten(3..=6).map(|band| (band, errors(Method::Switch, 1e-12, band))).collect();
+    let order_of =
+        |pick: fn(&Errors) -> f64| order(all.iter().map(|(band, all)| (*band, pick(all))));
+    let orders =
+        [order_of(|all| all.rest_time), order_of(|all| all.period), order_of(|all| all.amplitude)];
+    assert!(orders.iter().all(|order| (order - 1.0).abs() < 0.05), "{orders:?}");
+    let place = order(all[..3].iter().map(|(band, all)| (*band, all.rest_position)));
+    assert!((place - 2.0).abs() < 0.05, "{place}");
+    let finest = errors(Method::Switch, 1e-12, 1e-10);
+    let floor = finest.period.max(finest.amplitude);
+    assert!(floor < 10.0 * stickslip::motion::SLACK, "{finest:?}");
+}

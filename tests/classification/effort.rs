@@ -1,0 +1,48 @@
+//! Runs that can never be brought to their end are given up soon, and say so.
+
+use stickslip::classification::{Evidence, most_steps_of_a_run, seconds_per_step, simulate};
+use stickslip::model::{Ball, Block, Case, FrictionLaw, Machine, Model, Simulation, Start};
+
+#[test]
+fn hopeless_runs_are_given_up_soon() {
+    let undamped = FrictionLaw::Viscous { viscous_coefficient_n_s_m: 0.0 };
+    let slippery = FrictionLaw::Smooth { smoothing_speed: 1e200 };
+    let swinging: Model = Block { friction: undamped, ..Block::on_spring() }.into();
+    let stiff: Model =
+        Block { friction: undamped, stiffness_n_m: 1e200, ..Block::on_spring() }.into();
+    let turning: Model = Machine { friction: slippery, ..Machine::default() }.into();
+    let block = Start(vec![0.01, 0.0]);
+    let balls = Start::of_balancer([0.01, 0.0], &[1.0, 4.0], [0.0; 2], &[0.5, -0.3]);
+    for (model, start, end_time_s) in
+        [(swinging, &block, 1e12), (stiff, &block, 1.0), (turning, &balls, 1e12)]
+    {
+        let simulation = Simulation { end_time_s, ..Simulation::default() };
+        let a_second = (1.0 / seconds_per_step(&model)) as u64;
+        let bound = most_steps_of_a_run(&model, &simulation).unwrap();
+        let outcome = simulate(&Case { model, start: start.clone(), simulation });
+        let taken = outcome.effort.total();
+        assert_eq!(outcome.evidence.name(), "step_limit");
+        assert!(matches!(outcome.evidence, Evidence::Failure(_)));
+        assert!((a_second..a_second + 200_000).contains(&taken), "{taken}");
+        assert!(taken <= bound, "{taken} of {bound}");
+    }
+}
+
+/// Balls as large as a planet: one that comes near to turning about its own contact steps ever more shortly. The run
+/// is given up by the time that it has come to, not by the steps that it might have taken to its end.
+#[test]
+fn a_run_that_hardly_moves_on_is_given_up_soon() {
+    let mut machine = Machine::default();
+    machine.balls = machine.balls.iter().map(|ball| Ball { diameter_m: 1e9, ..*ball }).collect();
+    let start = Start::of_balancer(
+        [-0.033501848875864326, 0.029011800723974107],
+        &[1.1455820313090386, 3.13650404136001],
+        [-0.0280229741264605, 0.013159808339493165],
+        &[0.3892099166674974, 0.9082387402643326],
+    );
+    let simulation = Simulation { end_time_s: 1e4, ..Simulation::default() };
+    let outcome = simulate(&Case { model: machine.into(), start, simulation });
+    assert_eq!(outcome.evidence.name(), "step_limit");
+    let taken = outcome.effort.total();
+    assert!((100_000..200_000).contains(&taken), "{taken}");
+}

@@ -1,0 +1,84 @@
+//! Runs that are looked for rest only: those that come to rest are the same, of the others nothing is said.
+
+use stickslip::classification::{Evidence, Label, Outcome, simulate, simulate_one_by_one};
+use stickslip::model::{
+    Block, Case, Endings, Extend, FrictionLaw, Machine, Method, Model, Simulation, Start,
+};
+
+fn starts(balls: usize) -> impl Iterator<Item = Start> {
+    (0..24).map(move |number| {
+        let value = |k: usize| libm::sin((17 * number + 5 * k) as f64);
+        let beta: Vec<f64> = (0..balls).map(|ball| 3.0 + 3.0 * value(ball)).collect();
+        let beta_dot: Vec<f64> = (0..balls).map(|ball| value(10 + ball)).collect();
+        let table = |k: usize| [0.05 * value(k), 0.05 * value(k + 1)];
+        Start::of_balancer(table(20), &beta, table(22), &beta_dot)
+    })
+}
+
+/// What comes of a case, and of the same where only rest is looked for.
+fn both(case: &Case, simulate: impl Fn(&Case) -> Outcome) -> [Outcome; 2] {
+    [Endings::All, Endings::Rest].map(|endings| {
+        let simulation = Simulation { endings, ..case.simulation };
+        simulate(&Case { simulation, ..case.clone() })
+    })
+}
+
+/// Whether the two agree, and in what label of the first.
+#[track_caller]
+fn compare([all, rest]: [Outcome; 2]) -> Label {
+    let label = all.label();
+    match label {
+        Label::Equilibrium | Label::Failed => {
+            assert_eq!(format!("{all:?}"), format!("{rest:?}"));
+        }
+        Label::LimitCycle | Label::Irregular | Label::Undecided => {
+            assert_eq!((rest.evidence, rest.label()), (Evidence::EndTime, Label::Undecided));
+            assert!(rest.cycle.is_none() && rest.lyapunov.is_none());
+            assert!(rest.amplitude_m.is_some(), "{rest:?}");
+        }
+    }
+    label
+}
+
+#[test]
+fn balls_come_to_rest_as_they_do_where_all_endings_are_looked_for() {
+    let mut seen = [0; 5];
+    let extend = Some(Extend { factor: 1.5, undecided: true, irregular: true });
+    for (speed_rad_s, balls, friction_coefficient, extend) in [
+        (-160.8, 2, 2.75e-3, None),
+        (-191.6372, 2, 2.75e-3, extend),
+        (-216.3772, 2, 2.75e-4, None),
+        (-247.3, 3, 2.75e-3, None),
+    ] {
+        let mut machine = Machine { speed_rad_s, ..Machine::default() };
+        machine.balls[0].friction_coefficient = friction_coefficient;
+        machine.balls.resize(balls, machine.balls[0]);
+        for method in [Method::Event, Method::Switch] {
+            for (number, start) in starts(balls).enumerate() {
+                let model: Model = machine.clone().into();
+                let simulation =
+                    Simulation { method, end_time_s: 16.5, extend, ..Simulation::default() };
+                let case = Case { model, start, simulation };
+                seen[compare(both(&case, simulate)) as usize] += 1;
+                if number < 2 {
+                    compare(both(&case, simulate_one_by_one));
+                }
+            }
+        }
+    }
+    let [equilibria, cycles, irregular, undecided, _] = seen;
+    assert!(equilibria > 20 && cycles > 5 && irregular + undecided > 5, "{seen:?}");
+}
+
+#[test]
+fn blocks_do_so_too() {
+    let drops = FrictionLaw::Stribeck { static_friction_coefficient: 0.2, stribeck_speed: 0.0 };
+    let on_belt = Block { friction: drops, ..Block::on_belt() };
+    let label_of = |block: Block, start: [f64; 2]| {
+        let simulation = Simulation { end_time_s: 60.0, ..Simulation::default() };
+        let case = Case { model: block.into(), start: Start(start.to_vec()), simulation };
+        compare(both(&case, simulate))
+    };
+    assert_eq!(label_of(on_belt, [0.3, 0.0]), Label::LimitCycle);
+    assert_eq!(label_of(Block::on_spring(), [0.25, 0.0]), Label::Equilibrium);
+}

@@ -1,0 +1,211 @@
+//! Runs that are continued past the end time: to the last bit as if the later one had been meant.
+
+use std::path::Path;
+
+use stickslip::classification::{Evidence, Label, Outcome, simulate};
+use stickslip::model::{
+    Block, Case, Extend, FrictionLaw, Ground, Machine, Method, Simulation, Start,
+};
+use stickslip::motion::Failure;
+use stickslip::study::Study;
+
+const METHODS: [Method; 2] = [Method::Event, Method::Switch];
+/// The first begins its last tenth before the end time.
+const FACTORS: [f64; 3] = [1.05, 2.0, 4.0];
+
+/// What comes of a case with this end time, extended, and of the same with either end time alone.
+struct Ways {
+    extended: Outcome,
+    short: Outcome,
+    long: Outcome,
+}
+
+impl Ways {
+    fn of(case: &Case, extend: Extend) -> Self {
+        let run = |end_time_s: f64, extend: Option<Extend>| {
+            let simulation = Simulation { end_time_s, extend, ..case.simulation };
+            simulate(&Case { simulation, ..case.clone() })
+        };
+        let end = case.simulation.end_time_s;
+        Ways {
+            extended: run(end, Some(extend)),
+            short: run(end, None),
+            long: run(extend.factor * end, None),
+        }
+    }
+
+    /// Whether the run was continued; if so it must be the long run, if not the short one.
+    #[track_caller]
+    fn continued(&self) -> bool {
+        let continued = self.extended.extended;
+        let goes_on = [Label::Undecided, Label::Irregular].contains(&self.short.label());
+        assert_eq!(continued, goes_on);
+        same(&self.extended, if continued { &self.long } else { &self.short });
+        continued
+    }
+}
+
+/// Equal to the last bit, but for the mark of the continued run: numbers are printed so that they
+/// come back as the same bits.
+#[track_caller]
+fn same(found: &Outcome, expected: &Outcome) {
+    let found = Outcome { extended: false, ..found.clone() };
+    assert_eq!(&found, expected);
+    assert_eq!(format!("{found:?}"), format!("{expected:?}"));
+}
+
+fn still_moving(factor: f64) -> Extend {
+    Extend { factor, undecided: true, irregular: true }
+}
+
+fn cases(model: &str, samples: u32, simulation: Simulation) -> Vec<Case> {
+    let text = format!(
+        "schema: 1\nname: a\nseed: 11\nmodel: {model}\n\
+         initial_conditions: {{design: {{monte_carlo: {{samples: {samples}}}}}}}\n"
+    );
+    let study = Study::parse(Path::new("a.yaml"), text).unwrap();
+    let case = |run| Case { simulation, ..study.planned_run(run).case.unwrap() };
+    (0..study.run_count()).map(case).collect()
+}
+
+/// Balls below and above the natural frequency, where runs rest, run irregularly, go on for long and
+/// find limit cycles.
+#[test]
+fn a_continued_run_of_balls_is_the_longer_run() {
+    let mut ends = [0; 5];
+    for speed in [-160.8, -191.6372, -216.3772, -247.3] {
+        let model = format!("{{kind: ball_balancer, parameters: {{speed_rad_s: {speed}}}}}");
+        let mut continued = 0;
+        for method in METHODS {
+            let simulation = Simulation { method, end_time_s: 1.5, ..Simulation::default() };
+            for (index, case) in cases(&model, 30, simulation).iter().enumerate() {
+                let factor = FACTORS[index % 3];
+                let ways = Ways::of(case, still_moving(factor));
+                if ways.continued() {
+                    continued += 1;
+                    ends[ways.long.label() as usize] += 1;
+                }
+            }
+        }
+        assert!(continued >= 20, "{speed}: {continued}");
+    }
+    // Continued runs of more than one kind of end, or this shows too little.
+    assert!(ends[Label::Equilibrium as usize] >= 20 && ends[Label::Undecided as usize] >= 20);
+}
+
+/// Runs that find a limit cycle, settle, or fail after the end time; balls that differ, or are more.
+#[test]
+fn a_continued_run_may_end_in_every_way() {
+    let mut seen = Vec::new();
+    let viscous = "{kind: ball_balancer, parameters: {speed_rad_s: -250}, \
+                   friction: {viscous: {viscous_coefficient_n_s_m: 5.0e-4}}}";
+    let light = "{kind: ball_balancer, parameters: {speed_rad_s: -216.3772, \
+                 friction_coefficient: 2.75e-4}}";
+    let three = "{kind: ball_balancer, parameters: {balls: 3}}";
+    let newton = "{kind: ball_balancer, parameters: {speed_rad_s: -160.8}, normal_force: newton}";
+    for (model, end_time_s, samples) in
+        [(viscous, 5.0, 8), (light, 4.0, 8), (three, 2.0, 8), (newton, 0.01, 100)]
+    {
+        for method in METHODS {
+            let simulation = Simulation { method, end_time_s, ..Simulation::default() };
+            for case in cases(model, samples, simulation) {
+                let ways = Ways::of(&case, still_moving(4.0));
+                if ways.continued() {
+                    seen.push(ways.long.evidence.name());
+                }
+            }
+        }
+    }
+    for evidence in ["rest_certified", "settled", "closed_orbit", "contact_lost", "end_time"] {
+        assert!(seen.contains(&evidence), "{evidence} not among {seen:?}");
+    }
+}
+
+/// Blocks that stop late, find their cycle late, slide for good, and settle late: whatever the end
+/// time is in the course of a swing.
+#[test]
+fn a_continued_run_of_a_block_is_the_longer_run() {
+    let drops = FrictionLaw::Stribeck { static_friction_coefficient: 0.2, stribeck_speed: 0.0 };
+    let damps = FrictionLaw::Viscous { viscous_coefficient_n_s_m: 2.0 };
+    let mut seen = Vec::new();
+    let frictionless = Block { friction_coefficient: 0.0, ..Block::on_spring() };
+    for (block, start) in [
+        (Block::on_spring(), [0.25, 0.0]),
+        (frictionless.clone(), [0.1, 0.3]),
+        (Block { mass_kg: 1e4, ..frictionless }, [0.1, 0.0]),
+        (Block { friction: damps, ..Block::on_spring() }, [0.1, 0.0]),
+        (Block::on_belt(), [0.016, 0.0]),
+        (Block::on_belt(), [0.0, 0.1]),
+        (Block { friction: drops, ..Block::on_belt() }, [0.3, 0.0]),
+        (Block { friction: damps, ..Block::on_belt() }, [0.1, 0.0]),
+        (Block { ground: Ground::Belt { speed_m_s: 0.003 }, ..Block::on_belt() }, [0.0, 0.0]),
+    ] {
+        for method in METHODS {
+            for factor in FACTORS {
+                for end in 0..40 {
+                    let end_time_s = 0.05 + 0.113 * f64::from(end);
+                    let simulation = Simulation { method, end_time_s, ..Simulation::default() };
+                    let (model, start) = (block.clone().into(), Start(start.to_vec()));
+                    let ways = Ways::of(&Case { model, start, simulation }, still_moving(factor));
+                    if ways.continued() {
+                        seen.push(ways.long.evidence.name());
+                    }
+                }
+            }
+        }
+    }
+    for evidence in ["rest_certified", "settled", "closed_orbit", "end_time"] {
+        assert!(seen.contains(&evidence), "{evidence} not among {seen:?}");
+    }
+}
+
+/// End times all along the first steps, the very first among them.
+#[test]
+fn end_times_on_steps() {
+    let case = Case {
+        model: Machine::default().into(),
+        start: Start::of_balancer([0.01, 0.0], &[1.0, 4.0], [0.0, 0.02], &[0.5, -0.3]),
+        simulation: Simulation::default(),
+    };
+    let mut steps = std::collections::BTreeSet::new();
+    for end in 1..400 {
+        let end_time_s = 1e-4 * f64::from(end);
+        let simulation = Simulation { end_time_s, ..Simulation::default() };
+        let ways = Ways::of(&Case { simulation, ..case.clone() }, still_moving(1.05));
+        assert!(ways.continued());
+        steps.insert(ways.short.effort.steps);
+    }
+    assert!(steps.len() >= 10, "{steps:?}");
+}
+
+/// Only the labels asked for are continued.
+#[test]
+fn other_labels_are_left_as_they_are() {
+    let model = "{kind: ball_balancer}";
+    let simulation = Simulation { end_time_s: 2.0, ..Simulation::default() };
+    let mut undecided = 0;
+    for case in cases(model, 20, simulation) {
+        let none = Extend { factor: 2.0, undecided: false, irregular: true };
+        let ways = Ways::of(&case, none);
+        same(&ways.extended, &ways.short);
+        assert!(!ways.extended.extended);
+        undecided += usize::from(ways.short.evidence == Evidence::EndTime);
+    }
+    assert!(undecided >= 5, "{undecided}");
+}
+
+/// The longer run is given up within a second, as it could not be brought to its end; a run that is to
+/// be continued to there is given up at the same step, though it could reach its own end time.
+#[test]
+fn the_limit_of_effort_is_that_of_the_longer_run() {
+    let undamped = FrictionLaw::Viscous { viscous_coefficient_n_s_m: 0.0 };
+    let case = |end_time_s: f64, extend: Option<Extend>| Case {
+        model: Block { friction: undamped, ..Block::on_spring() }.into(),
+        start: Start(vec![0.01, 0.0]),
+        simulation: Simulation { end_time_s, extend, ..Simulation::default() },
+    };
+    let extended = simulate(&case(1e7, Some(still_moving(1000.0))));
+    assert_eq!(extended.evidence, Evidence::Failure(Failure::StepLimit));
+    assert!(!extended.extended);
+    same(&extended, &simulate(&case(1e10, None)));
+}

@@ -1,0 +1,139 @@
+//! Runs in lockstep: the same bits in any lane, beside any neighbours and with any vectors, and the same
+//! endings as by themselves.
+
+use stickslip::classification::{
+    Label, Outcome, Runs, simulate, simulate_in_lockstep, simulate_one_by_one,
+};
+use stickslip::model::{Case, Method};
+use stickslip::motion::VectorLevel;
+
+use crate::cli::support::parse;
+
+/// Cases in some order, and what came of them.
+struct Listed {
+    cases: Vec<Case>,
+    order: Vec<usize>,
+    outcomes: Vec<Option<Outcome>>,
+}
+
+impl Runs for Listed {
+    fn next(&mut self) -> Option<(u64, Case)> {
+        let number = self.order.pop()?;
+        Some((number as u64, self.cases[number].clone()))
+    }
+
+    fn ended(&mut self, number: u64, outcome: Outcome) {
+        assert!(self.outcomes[number as usize].replace(outcome).is_none());
+    }
+}
+
+fn in_lockstep(level: VectorLevel, cases: &[Case], order: Vec<usize>) -> Vec<Outcome> {
+    let mut runs = Listed { cases: cases.to_vec(), order, outcomes: vec![None; cases.len()] };
+    simulate_in_lockstep(level, &mut runs);
+    runs.outcomes.into_iter().map(|outcome| outcome.expect("every run has ended")).collect()
+}
+
+fn cases(samples: u32, simulation: &str, balls: u32, rest: &str) -> Vec<Case> {
+    let study = parse(&format!(
+        "schema: 1\nname: lockstep\nseed: 5\n\
+         model: {{kind: ball_balancer, parameters: {{balls: {balls}}}}}\n\
+         initial_conditions: {{design: {{monte_carlo: {{samples: {samples}}}}}}}\n\
+         simulation: {simulation}\n{rest}"
+    ));
+    (0..study.run_count()).map(|run| study.planned_run(run).case.unwrap()).collect()
+}
+
+/// One to eight balls, both methods, several speeds and coefficients, viscous drag, uncertain masses,
+/// some runs continued: whatever lanes can have side by side.
+fn mixed() -> Vec<Case> {
+    let rest = "sweep: [{grid: {speed_rad_s: [-179.2671, -247.3], \
+                friction_coefficient: [2.75e-3, 2.75e-4]}}]\n\
+                uncertain: {stiffness_n_m: {uniform: {min: 1.05e4, max: 1.1e4}}}\n";
+    let extended = "{end_time_s: 3.0, extend: {factor: 2, labels: [undecided, irregular]}, \
+                    tolerance: {relative: 1.0e-6, absolute: 1.0e-8}}";
+    let mut all = cases(5, extended, 2, rest);
+    all.extend(cases(4, "{end_time_s: 4.0, method: event}", 2, rest));
+    all.extend(cases(2, "{end_time_s: 2.0, method: event}", 3, rest));
+    all.extend(cases(3, "{end_time_s: 4.0, endings: rest}", 2, rest));
+    for balls in [1, 4, 5, 6, 7, 8] {
+        all.extend(cases(1, "{end_time_s: 1.0}", balls, rest));
+    }
+    for (number, case) in all.iter_mut().enumerate() {
+        let machine = case.model.ball_balancer_mut().unwrap();
+        if number % 7 == 3 {
+            machine.friction =
+                stickslip::model::FrictionLaw::Viscous { viscous_coefficient_n_s_m: 2e-4 };
+        }
+    }
+    all
+}
+
+#[test]
+fn bits_depend_neither_on_lanes_nor_on_neighbours_nor_on_vectors() {
+    let cases = mixed();
+    let forwards = || (0..cases.len()).rev().collect::<Vec<_>>();
+    let best = in_lockstep(VectorLevel::best(), &cases, forwards());
+    for level in VectorLevel::all() {
+        assert_eq!(in_lockstep(level, &cases, forwards()), best, "{}", level.name());
+    }
+    // Another order, other neighbours.
+    let shuffled = (0..cases.len()).map(|k| (k * 31 + 7) % cases.len()).collect::<Vec<_>>();
+    let mut sorted = shuffled.clone();
+    sorted.sort_unstable();
+    assert!(sorted.into_iter().eq(0..cases.len()), "the shuffle takes every run once");
+    assert_eq!(in_lockstep(VectorLevel::best(), &cases, shuffled), best);
+    for (case, outcome) in cases.iter().zip(&best).step_by(5) {
+        assert_eq!(simulate(case), *outcome);
+    }
+}
+
+/// Endings, positions and times of runs in lockstep against those by themselves: other code, other
+/// steps, events located otherwise. Where motion is not irregular, they agree.
+#[test]
+fn endings_are_those_of_runs_by_themselves() {
+    for method in [Method::Switch, Method::Event] {
+        let sweep = "sweep: [{grid: {speed_rad_s: [-160.8103, -173.0, 150.0]}}]\n";
+        let of = |balls| cases(6, "{end_time_s: 16.5}", balls, sweep);
+        let mut cases = [of(1), of(2), of(3)].concat();
+        let mut at_rest = 0;
+        for case in &mut cases {
+            case.simulation.method = method;
+        }
+        for case in &cases {
+            let (lanes, alone) = (simulate(case), simulate_one_by_one(case));
+            assert_eq!(lanes.label(), alone.label(), "{case:?}");
+            if lanes.label() != Label::Equilibrium {
+                continue;
+            }
+            at_rest += 1;
+            let positions = lanes.position.iter().flatten().zip(alone.position.iter().flatten());
+            for (lane, alone) in positions {
+                let apart = (lane - alone).abs();
+                let apart = apart.min(std::f64::consts::TAU - apart);
+                assert!(apart < 1e-3, "{apart} in {case:?}");
+            }
+        }
+        assert!(at_rest > 40, "{at_rest}");
+    }
+}
+
+/// Without dry friction no condition tells that a ball turns back; an orbit on which it does is no cycle
+/// of a running ball, in lockstep as by itself.
+#[test]
+fn balls_that_turn_back_without_a_switch_are_seen() {
+    let mut cases = cases(24, "{end_time_s: 16.5, method: event}", 1, "");
+    let (mut cycles, mut others) = (0, 0);
+    for case in &mut cases {
+        let machine = case.model.ball_balancer_mut().unwrap();
+        machine.speed_rad_s = -191.6372;
+        machine.friction =
+            stickslip::model::FrictionLaw::Viscous { viscous_coefficient_n_s_m: 2e-4 };
+        let (lanes, alone) = (simulate(case), simulate_one_by_one(case));
+        assert_eq!(lanes.evidence, alone.evidence, "{case:?}");
+        match lanes.label() {
+            Label::LimitCycle => cycles += 1,
+            _ => others += 1,
+        }
+    }
+    assert!(cycles > 0 && others > 0, "{cycles} {others}: the runs show too little");
+}

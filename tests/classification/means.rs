@@ -1,0 +1,98 @@
+//! Means over the last tenth of a run, against the recorded motion at 40,001 times of it.
+
+use stickslip::classification::{Evidence, simulate_recorded};
+use stickslip::classification::{
+    Instants, Outcome, Recorder, Recording, simulate, simulate_one_by_one,
+};
+use stickslip::model::Case;
+
+use super::recorder::cases;
+
+/// Times in the last tenth, both of its ends included.
+const TIMES: u32 = 40_000;
+
+fn recorded(case: &Case) -> (Outcome, Recording) {
+    let end = case.simulation.end_time_s * case.model.natural_frequency_rad_s();
+    let time =
+        |k: u32| if k == TIMES { end } else { end * (0.9 + 0.1 * f64::from(k) / f64::from(TIMES)) };
+    let mut recorder = Recorder::new(Instants::At((0..=TIMES).map(time).collect()), 1_000_000);
+    let outcome = simulate_recorded(case, &mut recorder);
+    (outcome, recorder.finish())
+}
+
+/// What the means are of runs that still move: Simpson's rule for the mean square, the way between the two ends
+/// for mean speeds.
+#[test]
+fn means_are_of_the_whole_last_tenth() {
+    let kinds = [
+        "{kind: ball_balancer, parameters: {speed_rad_s: -216.3772}}",
+        "{kind: ball_balancer, parameters: {speed_rad_s: -191.6372}}",
+        "{kind: ball_balancer, parameters: {speed_rad_s: -309.15, balls: 3}}",
+        "{kind: ball_balancer, parameters: {speed_rad_s: -247.3, balls: 1}}",
+        "{kind: ball_balancer, friction: {stribeck: {static_friction_coefficient: 4.0e-3, \
+         stribeck_speed_rad_s: 1.0}}}",
+        "{kind: ball_balancer, friction: {viscous: {viscous_coefficient_n_s_m: 2.0e-5}}}",
+    ];
+    let mut compared = 0;
+    for kind in kinds {
+        for case in cases(kind, 4, "{end_time_s: 1.3, endings: rest}") {
+            let (outcome, recording) = recorded(&case);
+            if outcome.evidence != Evidence::EndTime {
+                continue;
+            }
+            let samples = &recording.samples;
+            assert_eq!(samples.len(), TIMES as usize + 1);
+            let natural = case.model.natural_frequency_rad_s();
+            let radius = case.model.ball_balancer().unwrap().ring_radius_m;
+            let simpson: f64 = samples
+                .iter()
+                .enumerate()
+                .map(|(k, sample)| {
+                    let [x, y, ..] = sample.table.unwrap();
+                    let weight = match k {
+                        _ if k == 0 || k == TIMES as usize => 1.0,
+                        _ if k % 2 == 1 => 4.0,
+                        _ => 2.0,
+                    };
+                    weight * (x * x + y * y)
+                })
+                .sum();
+            let amplitude = radius * (simpson / (3.0 * f64::from(TIMES))).sqrt();
+            let found = outcome.amplitude_m.unwrap();
+            assert!((found / amplitude - 1.0).abs() < 2e-6, "{kind}: {found} {amplitude}");
+            let [first, last] = [&samples[0], &samples[TIMES as usize]];
+            for (ball, speed) in outcome.mean_speed.as_ref().unwrap().iter().enumerate() {
+                let turned = last.contacts[ball].position - first.contacts[ball].position;
+                let expected = turned / (last.time - first.time) * natural;
+                assert!((speed - expected).abs() < 1e-7 * natural, "{kind}: {speed} {expected}");
+            }
+            assert_eq!(simulate(&case), outcome);
+            compared += 1;
+        }
+    }
+    assert!(compared > 12, "{compared}");
+}
+
+/// Runs that are computed by other code have the same means, as far as the motion is the same.
+#[test]
+fn means_of_both_engines() {
+    let model = "{kind: ball_balancer, parameters: {speed_rad_s: -216.3772}}";
+    let simulation =
+        "{end_time_s: 0.7, endings: rest, tolerance: {relative: 1.0e-11, absolute: 1.0e-13}}";
+    let mut compared = 0;
+    for case in cases(model, 12, simulation) {
+        let (together, alone) = (simulate(&case), simulate_one_by_one(&case));
+        if together.evidence != Evidence::EndTime {
+            continue;
+        }
+        let [one, other] = [&together, &alone].map(|outcome| outcome.amplitude_m.unwrap());
+        assert!((one / other - 1.0).abs() < 1e-6, "{one} {other}");
+        for (one, other) in
+            together.mean_speed.iter().flatten().zip(alone.mean_speed.iter().flatten())
+        {
+            assert!((one - other).abs() < 1e-5, "{one} {other}");
+        }
+        compared += 1;
+    }
+    assert!(compared > 6, "{compared}");
+}

@@ -1,0 +1,151 @@
+//! Floquet multipliers against differences of the return map, made here from whole motions.
+
+use std::f64::consts::TAU;
+
+use nalgebra::{DMatrix, DVector};
+use stickslip::classification::{Evidence, Outcome, simulate};
+use stickslip::model::{Balancer, Case, Machine, Method, Simulation, Start, State};
+use stickslip::motion::{Motion, Phase, Settings, Tolerance};
+
+const FINE: Settings = Settings {
+    method: Method::Event,
+    band: 1e-8,
+    tolerance: Tolerance { relative: 1e-12, absolute: 1e-13 },
+    effort_limit: 10_000_000,
+};
+
+fn flat(state: &State<2>) -> DVector<f64> {
+    DVector::from_vec([&state.position[..], &state.velocity, &state.beta, &state.beta_dot].concat())
+}
+
+fn state(values: &DVector<f64>) -> State<2> {
+    State {
+        position: [values[0], values[1]],
+        velocity: [values[2], values[3]],
+        beta: [values[4], values[5]],
+        beta_dot: [values[6], values[7]],
+    }
+}
+
+/// The state at the next passage of a ball through the angle 0, angles with their turns.
+fn passage(balancer: &Balancer<2>, start: &State<2>, ball: usize) -> (f64, State<2>) {
+    let mut start = *start;
+    start.beta = start.beta.map(|beta| beta.rem_euclid(TAU));
+    start.beta[ball] = 0.0;
+    let mut motion = Motion::new(balancer, FINE, start).expect("starts");
+    loop {
+        motion.advance(1e3).expect("goes on");
+        if let Some((time, mut state)) = motion.passage(ball) {
+            state.beta = std::array::from_fn(|i| {
+                state.beta[i] + motion.unwrapped_angle(i) - motion.state().beta[i]
+            });
+            return (time, state);
+        }
+    }
+}
+
+/// A cycle as it ends after many turns, on the section of its running ball, and its period.
+fn settled(balancer: &Balancer<2>, outcome: &Outcome, start: &State<2>) -> (State<2>, usize, f64) {
+    let turns = &outcome.cycle.as_ref().expect("a cycle").turns;
+    let ball = turns.iter().position(|&turns| turns != 0).expect("a ball runs");
+    let mut motion = Motion::new(balancer, FINE, *start).expect("starts");
+    let (end, mut last) = (1e5, None);
+    while motion.time() < end || last.is_none() {
+        motion.advance(f64::INFINITY).expect("goes on");
+        if motion.time() > end {
+            last = motion.passage(ball);
+        }
+    }
+    let (_, mut state) = last.expect("a passage");
+    let mut period = 0.0;
+    for _ in 0..200 {
+        (period, state) = passage(balancer, &state, ball);
+    }
+    (state, ball, period)
+}
+
+/// Moduli of the multipliers by central differences of the return map in the given coordinates.
+fn by_differences(
+    balancer: &Balancer<2>,
+    orbit: &State<2>,
+    ball: usize,
+    coordinates: &[usize],
+) -> Vec<f64> {
+    let step = 1e-6;
+    let mut slope = DMatrix::zeros(coordinates.len(), coordinates.len());
+    for (column, &coordinate) in coordinates.iter().enumerate() {
+        let shifted = |step: f64| {
+            let mut values = flat(orbit);
+            values[coordinate] += step;
+            flat(&passage(balancer, &state(&values), ball).1)
+        };
+        let change = (shifted(step) - shifted(-step)) / (2.0 * step);
+        for (row, &coordinate) in coordinates.iter().enumerate() {
+            slope[(row, column)] = change[coordinate];
+        }
+    }
+    let mut moduli: Vec<f64> =
+        slope.complex_eigenvalues().iter().map(|value| value.norm()).collect();
+    moduli.sort_by(|one, other| other.total_cmp(one));
+    moduli
+}
+
+fn case(speed_rad_s: f64, friction: [f64; 2], beta_dot: [f64; 2], method: Method) -> Case {
+    let mut machine = Machine { speed_rad_s, ..Machine::default() };
+    for (ball, coefficient) in machine.balls.iter_mut().zip(friction) {
+        ball.friction_coefficient = coefficient;
+    }
+    Case {
+        model: machine.into(),
+        start: Start::of_balancer([0.01, 0.0], &[1.0, 3.3], [0.0, 0.01], &beta_dot),
+        simulation: Simulation { method, end_time_s: 66.0, ..Simulation::default() },
+    }
+}
+
+/// A ball that slips on without stopping beside one that swings, sticks twice a turn, or rests.
+#[test]
+fn multipliers_are_those_of_the_return_map() {
+    for (speed, friction, configurations, neutral) in [
+        (-216.3772, [2.75e-4; 2], 2, 0),
+        (-247.3, [2.75e-3; 2], 4, 0),
+        (-247.3, [1e-3, 2e-2], 1, 1),
+    ] {
+        let case = case(speed, friction, [0.5, 0.0], Method::Event);
+        let outcome = simulate(&case);
+        assert_eq!(outcome.evidence, Evidence::ClosedOrbit, "{speed} {friction:?}");
+        let cycle = outcome.cycle.clone().expect("a cycle");
+        assert_eq!(cycle.turns, [1, 0], "{speed}");
+        assert_eq!(cycle.configurations.len(), configurations, "{:?}", cycle.configurations);
+        assert_eq!(cycle.neutral_directions, neutral);
+        let machine = case.model.ball_balancer().expect("a balancer");
+        let natural = machine.natural_frequency_rad_s();
+        let balancer = Balancer::<2>::new(machine).expect("two balls");
+        let start = case.start.of_balls().expect("two balls");
+        let (orbit, ball, period) = settled(&balancer, &outcome, &start);
+        let period_s = outcome.period_s.expect("a period");
+        // With a neutral direction the period depends on where the other ball has come to rest,
+        // which it had at the look.
+        assert!(
+            (period / natural / period_s - 1.0).abs() < 1e-6,
+            "{} {period_s}",
+            period / natural
+        );
+        let mut motion = Motion::new(&balancer, FINE, orbit).expect("starts");
+        motion.advance(1e-3).expect("goes on");
+        // Not the running ball's angle; the other's speed where it moves; its angle always.
+        let mut coordinates = vec![0, 1, 2, 3, 6];
+        if motion.phases()[1] != Phase::Stick {
+            coordinates.push(7);
+        }
+        coordinates.push(5);
+        let mut expected = cycle.multipliers.clone();
+        expected.extend(std::iter::repeat_n(1.0, neutral.into()));
+        expected.sort_by(|one, other| other.total_cmp(one));
+        let found = by_differences(&balancer, &orbit, ball, &coordinates);
+        println!("{speed} rad/s, {friction:?}: {found:.7?}");
+        assert_eq!(found.len(), expected.len());
+        for (found, expected) in found.iter().zip(&expected) {
+            assert!((found - expected).abs() < 1e-4, "{speed}: {found:?} {expected:?}");
+        }
+    }
+}

@@ -1,0 +1,238 @@
+//! Recorded motions: the run's own, to the last bit, and true to the laws of friction.
+
+use std::path::Path;
+
+use stickslip::classification::{
+    Evidence, Instants, Label, Outcome, Recorder, Recording, simulate, simulate_recorded,
+};
+use stickslip::model::{Balancer, Block, Case, Simulation, Start};
+use stickslip::motion::{Motion, Phase, SLACK, Settings};
+use stickslip::study::Study;
+
+/// The cases of a study with a model, a design and a simulation.
+pub fn cases(model: &str, samples: u32, simulation: &str) -> Vec<Case> {
+    let text = format!(
+        "schema: 1\nname: a\nseed: 7\nmodel: {model}\ninitial_conditions: {{design: {{monte_carlo: \
+         {{samples: {samples}}}}}}}\nsimulation: {simulation}\n"
+    );
+    let study = Study::parse(Path::new("a.yaml"), text).unwrap_or_else(|error| panic!("{error}"));
+    (0..study.run_count()).map(|run| study.planned_run(run).case.unwrap()).collect()
+}
+
+/// Runs of all kinds.
+fn all_kinds() -> Vec<Case> {
+    let balls = |parameters: &str| format!("{{kind: ball_balancer, parameters: {{{parameters}}}}}");
+    let smooth = "{kind: ball_balancer, friction: {smooth: {smoothing_speed_rad_s: 2}}}";
+    let viscous = "{kind: ball_balancer, friction: {viscous: {viscous_coefficient_n_s_m: 2.0e-4}}}";
+    let no_solution = "table_mass_kg: 2.0e-2, ball_mass_kg: 1.5e-1, speed_rad_s: -60, \
+                       friction_coefficient: 3";
+    let belt = "{kind: block_on_belt, friction: {stribeck: {static_friction_coefficient: 0.2, \
+                stribeck_speed_m_s: 0}}}";
+    let extend = "{end_time_s: 1.5, extend: {factor: 3, labels: [undecided, irregular]}}";
+    [
+        cases(&balls("speed_rad_s: -179.2671"), 4, "{end_time_s: 6}"),
+        cases(&balls("speed_rad_s: -216.3772"), 4, "{end_time_s: 3, method: event}"),
+        cases(&balls("speed_rad_s: -216.3772"), 6, extend),
+        cases(&balls("balls: 1"), 3, "{end_time_s: 2}"),
+        cases(&balls("balls: 3"), 3, "{end_time_s: 2, method: event}"),
+        cases(&balls(no_solution), 12, "{end_time_s: 1}"),
+        cases(smooth, 2, "{end_time_s: 0.3}"),
+        cases(smooth, 1, "{end_time_s: 0.2, extend: {factor: 2, labels: [undecided]}}"),
+        cases(viscous, 2, "{end_time_s: 0.5, method: event}"),
+        cases("{kind: block_on_spring}", 4, "{end_time_s: 5}"),
+        cases(belt, 4, "{end_time_s: 5, method: event}"),
+    ]
+    .concat()
+}
+
+fn recorded(case: &Case, instants: Instants) -> (Outcome, Recording) {
+    let mut recorder = Recorder::new(instants, 1_000_000);
+    let outcome = simulate_recorded(case, &mut recorder);
+    (outcome, recorder.finish())
+}
+
+fn every_step(case: &Case) -> (Outcome, Recording) {
+    recorded(case, Instants::EveryStep { inside: 0 })
+}
+
+#[test]
+fn recording_changes_nothing() {
+    let (mut extended, mut failed, mut equilibria) = (0, 0, 0);
+    for case in all_kinds() {
+        let outcome = simulate(&case);
+        let [_, latest] = case.simulation.end_times_s();
+        let natural = case.model.natural_frequency_rad_s();
+        let times = (0..=500).map(|k| latest * natural * f64::from(k) / 500.0).collect();
+        let (same, dense) = recorded(&case, Instants::EveryStep { inside: 3 });
+        assert_eq!(same, outcome, "{case:?}");
+        let (same, at_times) = recorded(&case, Instants::At(times));
+        assert_eq!(same, outcome, "{case:?}");
+        let (same, steps) = every_step(&case);
+        assert_eq!(same, outcome, "{case:?}");
+        assert_eq!((&dense.switches, &at_times.switches), (&steps.switches, &steps.switches));
+        extended += u32::from(outcome.extended);
+        failed += u32::from(outcome.label() == Label::Failed);
+        equilibria += u32::from(outcome.label() == Label::Equilibrium);
+    }
+    assert!(extended > 2 && failed > 3 && equilibria > 8, "{extended} {failed} {equilibria}");
+}
+
+/// Every step is there once, from the start to where and when the run ended, and every switch.
+#[test]
+fn a_record_is_whole() {
+    let mut switches = 0;
+    for case in all_kinds() {
+        let (outcome, Recording { samples, switches: log, cut_off }) = every_step(&case);
+        assert!(!cut_off);
+        assert_eq!(log.len() as u64, outcome.effort.switches, "{case:?}");
+        switches += log.len();
+        let Some(first) = samples.first() else {
+            assert_eq!(outcome.label(), Label::Failed, "{case:?}");
+            continue;
+        };
+        let last = samples.last().unwrap();
+        assert_eq!((first.time, first.step), (0.0, 0));
+        let natural = case.model.natural_frequency_rad_s();
+        assert_eq!(Some(last.time / natural), outcome.end_time_s.or(Some(last.time / natural)));
+        let mut steps: Vec<u64> = samples.iter().map(|sample| sample.step).collect();
+        steps.dedup();
+        let failed = outcome.label() == Label::Failed;
+        assert!(steps.iter().copied().eq(0..steps.len() as u64), "{case:?}");
+        let taken = outcome.effort.steps + 1 - steps.len() as u64;
+        assert!(taken == 0 || failed && taken == 1, "{case:?}: {taken}");
+        assert!(samples.windows(2).all(|pair| pair[0].time <= pair[1].time));
+        let unit = match &case.model {
+            stickslip::model::Model::Block(block) => block.unit_length_m(),
+            stickslip::model::Model::BallBalancer(_) => 1.0,
+        };
+        for (contact, position) in outcome.position.iter().flatten().enumerate() {
+            let apart = last.contacts[contact].position * unit - position;
+            let turn = std::f64::consts::TAU;
+            let apart =
+                if case.model.balls() > 0 { apart - (apart / turn).round() * turn } else { apart };
+            assert!(apart.abs() < 1e-9 || failed, "{apart} {case:?}");
+        }
+    }
+    assert!(switches > 1000, "{switches}");
+}
+
+/// Every contact's switches go on from one another; friction that holds stays within its limit, and
+/// friction in slip is the law's.
+#[test]
+fn friction_obeys_its_law() {
+    let (mut held, mut slipping) = (0, 0);
+    for case in all_kinds() {
+        let (_, recording) = recorded(&case, Instants::EveryStep { inside: 2 });
+        let contacts = case.model.contacts();
+        for contact in 0..contacts {
+            let own: Vec<_> =
+                recording.switches.iter().filter(|switch| switch.contact == contact).collect();
+            assert!(own.windows(2).all(|pair| pair[0].after.phase == pair[1].before.phase));
+            assert!(own.iter().all(|switch| switch.before.phase != switch.after.phase));
+        }
+        let kinetic = match &case.model {
+            stickslip::model::Model::Block(block) => vec![block.friction_coefficient],
+            stickslip::model::Model::BallBalancer(machine) => {
+                machine.balls.iter().map(|ball| ball.friction_coefficient).collect()
+            }
+        };
+        for contact in
+            recording.samples.iter().flat_map(|sample| sample.contacts.iter().enumerate())
+        {
+            let (number, contact) = contact;
+            match contact.phase {
+                Phase::Stick => {
+                    held += 1;
+                    assert!(contact.friction.abs() <= contact.limit + 2.0 * SLACK, "{contact:?}");
+                }
+                Phase::Slip(direction) | Phase::Transition(direction) => {
+                    slipping += 1;
+                    let law = direction * kinetic[number] * contact.normal;
+                    assert!((contact.friction - law).abs() < 1e-12 * (1.0 + contact.normal.abs()));
+                    assert!(direction * contact.speed >= -1.01 * case.simulation.band);
+                }
+                Phase::Free => {}
+            }
+        }
+    }
+    assert!(held > 10_000 && slipping > 10_000, "{held} {slipping}");
+}
+
+/// The dense output inside of steps of the lanes, against the engine for one run with tighter tolerances.
+#[test]
+fn times_agree_with_the_other_engine() {
+    for case in cases("{kind: ball_balancer}", 6, "{end_time_s: 0.3}") {
+        let machine = case.model.ball_balancer().unwrap();
+        let natural = machine.natural_frequency_rad_s();
+        let balancer = Balancer::<2>::new(machine).unwrap();
+        let times: Vec<f64> = (0..=400).map(|k| 0.25 * natural * f64::from(k) / 400.0).collect();
+        let (_, recording) = recorded(&case, Instants::At(times.clone()));
+        let tight =
+            Simulation { relative_tolerance: 1e-11, absolute_tolerance: 1e-13, ..case.simulation };
+        let settings = Settings::new(&tight, 1_000_000);
+        let mut motion = Motion::new(&balancer, settings, case.start.of_balls().unwrap()).unwrap();
+        assert_eq!(recording.samples.len(), times.len());
+        for (sample, time) in recording.samples.iter().zip(times) {
+            assert_eq!(sample.time, time);
+            while motion.time() < time {
+                motion.advance(time).unwrap();
+            }
+            let state = motion.state();
+            let [x, y, x_dot, y_dot] = sample.table.unwrap();
+            let table = [
+                x - state.position[0],
+                y - state.position[1],
+                x_dot - state.velocity[0],
+                y_dot - state.velocity[1],
+            ];
+            assert!(table.iter().all(|apart| apart.abs() < 1e-6), "{table:?} at {time}");
+            for (ball, contact) in sample.contacts.iter().enumerate() {
+                let apart = [
+                    contact.position - motion.unwrapped_angle(ball),
+                    contact.speed - state.beta_dot[ball],
+                    contact.normal - motion.forces().normal[ball],
+                ];
+                assert!(apart.iter().all(|apart| apart.abs() < 1e-5), "{apart:?} at {time}");
+            }
+        }
+    }
+}
+
+/// The first half swing of a block: a cosine about where friction and spring are in balance.
+#[test]
+fn a_block_swings_as_the_closed_form_says() {
+    let block = Block::on_spring();
+    let (natural, unit) = (block.natural_frequency_rad_s(), block.unit_length_m());
+    let simulation = Simulation {
+        end_time_s: 5.0,
+        relative_tolerance: 1e-11,
+        absolute_tolerance: 1e-13,
+        ..Simulation::default()
+    };
+    let from = 0.083;
+    let case = Case { model: block.clone().into(), start: Start(vec![from, 0.0]), simulation };
+    let half = std::f64::consts::PI;
+    let times: Vec<f64> = (0..=200).map(|k| half * f64::from(k) / 200.0).collect();
+    let (outcome, recording) = recorded(&case, Instants::At(times));
+    assert_eq!(outcome.evidence, Evidence::RestCertified);
+    assert_eq!(recording.samples.len(), 201);
+    let middle = block.friction_coefficient * unit;
+    for sample in &recording.samples[..200] {
+        let [block] = sample.contacts[..] else { panic!("one contact") };
+        let exact = middle + (from - middle) * sample.time.cos();
+        let speed = -(from - middle) * natural * sample.time.sin();
+        assert!((block.position * unit - exact).abs() < 1e-9, "{sample:?}");
+        assert!((block.speed * unit * natural - speed).abs() < 1e-7, "{sample:?}");
+        assert_eq!(block.normal, 1.0);
+    }
+}
+
+#[test]
+fn too_long_a_motion_is_cut_off_and_says_so() {
+    let case = &cases("{kind: ball_balancer}", 1, "{end_time_s: 0.2}")[0];
+    let mut recorder = Recorder::new(Instants::EveryStep { inside: 0 }, 10);
+    let outcome = simulate_recorded(case, &mut recorder);
+    let recording = recorder.finish();
+    assert_eq!(outcome, simulate(case));
+    assert_eq!((recording.samples.len(), recording.cut_off), (10, true));
+}

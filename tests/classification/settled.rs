@@ -1,0 +1,307 @@
+//! Settled: claimed where a run has come to a stable equilibrium without dry friction, and only
+//! there.
+
+use std::f64::consts::TAU;
+
+use rayon::prelude::*;
+use stickslip::analysis::{FrictionlessEquilibrium, Stability, frictionless_equilibria};
+use stickslip::classification::{Evidence, Outcome, simulate};
+use stickslip::model::{
+    Balancer, Ball, Block, Case, FrictionLaw, Ground, Machine, Model, Simulation, Start,
+};
+use stickslip::motion::{Motion, Settings};
+
+fn run(model: impl Into<Model>, start: &Start, end_time_s: f64) -> Outcome {
+    let simulation = Simulation { end_time_s, ..Simulation::default() };
+    simulate(&Case { model: model.into(), start: start.clone(), simulation })
+}
+
+/// With errors far below the speed at which a steep law bends.
+fn run_finely(model: impl Into<Model>, start: &Start, end_time_s: f64) -> Outcome {
+    let simulation = Simulation {
+        end_time_s,
+        relative_tolerance: 1e-12,
+        absolute_tolerance: 1e-20,
+        ..Simulation::default()
+    };
+    simulate(&Case { model: model.into(), start: start.clone(), simulation })
+}
+
+fn viscous(speed_rad_s: f64, balls: usize, viscous_coefficient_n_s_m: f64) -> Machine {
+    Machine {
+        speed_rad_s,
+        balls: vec![Ball::default(); balls],
+        friction: FrictionLaw::Viscous { viscous_coefficient_n_s_m },
+        ..Machine::default()
+    }
+}
+
+/// The equilibria of a machine with viscous friction, which is the drag that their stability is for.
+fn equilibria(machine: &Machine) -> Vec<FrictionlessEquilibrium> {
+    let FrictionLaw::Viscous { viscous_coefficient_n_s_m: drag } = machine.friction else {
+        panic!("another law");
+    };
+    let unit = machine.balls[0].mass_kg * machine.natural_frequency_rad_s();
+    frictionless_equilibria(machine, drag / unit).expect("balls")
+}
+
+fn distance(a: f64, b: f64) -> f64 {
+    let turned = (a - b).rem_euclid(TAU);
+    turned.min(TAU - turned)
+}
+
+fn apart(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| distance(*a, *b)).fold(0.0, f64::max)
+}
+
+/// Table and balls at rest at these angles.
+fn resting<const N: usize>(machine: &Machine, beta: [f64; N]) -> Start {
+    let [x, y] = Balancer::<N>::new(machine).expect("balls").rest_point(&beta).position;
+    Start::of_balancer([x, y], &beta, [0.0; 2], &[0.0; N])
+}
+
+/// Where the balls are at a time, computed without looking for endings, and how fast the fastest is.
+fn later<const N: usize>(machine: &Machine, start: &Start, time_s: f64) -> ([f64; N], f64) {
+    let balancer = Balancer::<N>::new(machine).expect("balls");
+    let settings = Settings::new(&Simulation::default(), u64::MAX);
+    let state = start.of_balls().expect("balls");
+    let mut motion = Motion::new(&balancer, settings, state).expect("starts");
+    let end = time_s * machine.natural_frequency_rad_s();
+    while motion.time() < end {
+        motion.advance(end).expect("goes on");
+    }
+    let speeds = motion.state().beta_dot.map(f64::abs);
+    (motion.state().beta, speeds.into_iter().fold(0.0, f64::max))
+}
+
+/// Starts spread over the box.
+fn start<const N: usize>(k: u32) -> Start {
+    let spread = |factor: f64| (f64::from(k + 1) * factor + 0.37).fract();
+    let beta: [f64; N] =
+        std::array::from_fn(|ball| TAU * spread(0.754_877_666 + 0.1137 * ball as f64));
+    let beta_dot: [f64; N] =
+        std::array::from_fn(|ball| spread(0.569_840_291 + 0.0731 * ball as f64) - 0.5);
+    let table = [0.618_034, 0.414_214, 0.302_776, 0.236_068].map(|f| 0.05 * (spread(f) - 0.5));
+    Start::of_balancer([table[0], table[1]], &beta, [table[2], table[3]], &beta_dot)
+}
+
+/// Two balls with viscous friction: what is claimed is a stable equilibrium of the closed forms, and
+/// ten times as long after the start the balls are still there, at rest. The other runs are cycles.
+#[test]
+fn claims_are_stable_equilibria_and_last() {
+    let cases: Vec<(f64, u32)> = [-150.0, -170.0, -216.3772, -260.0, -309.15]
+        .into_iter()
+        .flat_map(|speed| (0..6).map(move |k| (speed, k)))
+        .collect();
+    let claimed: usize = cases
+        .par_iter()
+        .map(|&(speed, k)| {
+            let (machine, start) = (viscous(speed, 2, 5e-4), start::<2>(k));
+            let outcome = run(machine.clone(), &start, 60.0);
+            if outcome.evidence != Evidence::Settled {
+                assert_eq!(outcome.evidence, Evidence::ClosedOrbit, "{speed}, start {k}");
+                return 0;
+            }
+            let (position, time) = (outcome.position.unwrap(), outcome.end_time_s.unwrap());
+            assert_eq!(outcome.friction_margin, None);
+            assert!(outcome.time_to_rest_s.unwrap() <= time);
+            let mut sorted = position.clone();
+            sorted.sort_by(f64::total_cmp);
+            let stable = |one: &&FrictionlessEquilibrium| one.stability == Stability::Stable;
+            let near = equilibria(&machine)
+                .iter()
+                .filter(stable)
+                .any(|one| apart(one.beta_rad.as_ref().unwrap(), &sorted) < 1e-3);
+            assert!(near, "{speed} {sorted:?}");
+            let (beta, fastest) = later::<2>(&machine, &start, 10.0 * time);
+            assert!(apart(&beta, &position) < 1e-3 && fastest < 1e-9, "{speed} {beta:?} {fastest}");
+            1
+        })
+        .sum();
+    assert!((15..30).contains(&claimed), "{claimed} of {}", cases.len());
+}
+
+/// Balls exactly side by side come to an equilibrium above the natural frequency, too, but to one
+/// that any disturbance parts them from.
+#[test]
+fn balls_side_by_side_do_not_settle_above_the_natural_frequency() {
+    for (speed, settles) in [(-150.0, true), (-216.3772, false), (-309.15, false)] {
+        let machine = viscous(speed, 2, 5e-3);
+        let start = Start::of_balancer([0.01, 0.0], &[0.3; 2], [0.0; 2], &[0.1; 2]);
+        let outcome = run(machine.clone(), &start, 30.0);
+        let (beta, fastest) = later::<2>(&machine, &start, 30.0);
+        assert!(beta[0].to_bits() == beta[1].to_bits() && fastest < 1e-8, "{beta:?} {fastest}");
+        assert_eq!(outcome.evidence == Evidence::Settled, settles, "{speed}");
+    }
+}
+
+/// From rest at any equilibrium of the closed forms, and next to it: claimed at once where it is
+/// stable, never where it is not, however short the run.
+#[test]
+fn only_stable_equilibria_are_claimed() {
+    let mut seen = [0, 0];
+    for coefficient in [5e-4, 5e-2] {
+        for speed in [-150.0, -178.0, -186.0, -216.3772, -309.15] {
+            let machine = viscous(speed, 2, coefficient);
+            for one in equilibria(&machine) {
+                let Some(&[first, second]) = one.beta_rad.as_deref() else { panic!("isolated") };
+                for (aside, at_once) in [(0.0, true), (1e-8, true), (1e-5, false)] {
+                    let start = resting(&machine, [first + aside, second - 0.7 * aside]);
+                    let outcome = run(machine.clone(), &start, 0.2);
+                    let claimed = outcome.evidence == Evidence::Settled;
+                    let stable = one.stability == Stability::Stable;
+                    seen[usize::from(stable)] += 1;
+                    if at_once || !stable {
+                        assert_eq!(claimed, stable, "{speed} {one:?} {aside}");
+                    }
+                }
+            }
+        }
+    }
+    assert!(seen[0] > 60 && seen[1] > 20, "{seen:?}");
+}
+
+/// A smooth law that is steep lets balls creep so slowly, anywhere, that nothing seems to move: that
+/// is no equilibrium. Blocks likewise.
+#[test]
+fn slow_creep_is_not_settled() {
+    let coulomb = Machine::default();
+    let beta = [1.9, 4.4];
+    let balancer = Balancer::<2>::new(&coulomb).expect("two balls");
+    assert!(balancer.friction_use(&balancer.rest_point(&beta), 0.0) < 0.9);
+    for (smoothing_speed, end) in [(1e-4, 0.5), (1e-6, 5e-3), (1e-9, 5e-6), (1e-13, 1e-9)] {
+        let friction = FrictionLaw::Smooth { smoothing_speed };
+        let machine = Machine { friction, ..Machine::default() };
+        let (state, fastest) = later::<2>(&machine, &resting(&machine, beta), end);
+        assert!(apart(&state, &beta) < 1e-3 && fastest < 1e-6, "slow: {fastest}");
+        let outcome = run_finely(machine.clone(), &resting(&machine, beta), end);
+        assert_eq!(outcome.evidence, Evidence::EndTime, "{smoothing_speed}");
+        // Where there is an equilibrium, and a stable one, it is claimed, unless the way to it is
+        // so slow that its sign is lost in the differences.
+        if smoothing_speed > 1e-5 {
+            let balanced = [2.269_8, 4.013_4];
+            let outcome = run_finely(machine.clone(), &resting(&machine, balanced), end);
+            assert_eq!(outcome.evidence, Evidence::Settled, "{smoothing_speed}");
+        }
+        let unstable = equilibria(&viscous(-216.3772, 2, 1.0));
+        let unstable = unstable.iter().filter(|one| one.stability == Stability::Unstable);
+        for one in unstable {
+            let beta = [0, 1].map(|ball| one.beta_rad.as_ref().unwrap()[ball]);
+            let outcome = run_finely(machine.clone(), &resting(&machine, beta), end);
+            assert_eq!(outcome.evidence, Evidence::EndTime, "{one:?}");
+        }
+    }
+    for (friction, end) in [
+        (FrictionLaw::Smooth { smoothing_speed: 1e-8 }, 1e-4),
+        (FrictionLaw::Smooth { smoothing_speed: 1e-6 }, 1e-2),
+        (FrictionLaw::Viscous { viscous_coefficient_n_s_m: 1e7 }, 1e-3),
+    ] {
+        let block = Block { friction, ..Block::on_spring() };
+        for (place, evidence) in [(0.003, Evidence::EndTime), (3e-5, Evidence::Settled)] {
+            let outcome = run_finely(block.clone(), &Start(vec![place, 0.0]), end);
+            assert_eq!(outcome.evidence, evidence, "{friction:?} {place}");
+        }
+    }
+}
+
+/// Just before the two equilibria with the balls side by side meet and vanish, they are nearer to
+/// each other than what counts as near. Beyond the unstable one, the stable one is not claimed.
+#[test]
+fn beyond_a_nearby_unstable_equilibrium_nothing_is_claimed() {
+    let together = |speed: f64| {
+        let machine = viscous(speed, 2, 5e-2);
+        let found = equilibria(&machine);
+        let angle = |kind: &str| {
+            let one = found.iter().find(|one| one.kind.name() == kind)?;
+            Some((one.beta_rad.as_ref()?[0], one.stability))
+        };
+        Some((angle("a1_plus")?, angle("a1_minus")?))
+    };
+    let (mut there, mut gone) = (-179.0, -180.0);
+    while let Some((stable, unstable)) = together(there)
+        && distance(stable.0, unstable.0) > 6e-4
+    {
+        let middle = 0.5 * (there + gone);
+        match together(middle) {
+            Some((stable, unstable)) if distance(stable.0, unstable.0) > 3e-4 => there = middle,
+            _ => gone = middle,
+        }
+    }
+    let (stable, unstable) = together(there).expect("not gone");
+    assert_eq!((stable.1, unstable.1), (Stability::Stable, Stability::Unstable));
+    let machine = viscous(there, 2, 5e-2);
+    let way = (unstable.0 - stable.0 + 1.0).rem_euclid(TAU) - 1.0;
+    for (share, claimed) in [(0.0, true), (-0.02, true), (1.0, false), (1.3, false), (1.5, false)] {
+        let outcome = run(machine.clone(), &resting(&machine, [stable.0 + share * way; 2]), 1.0);
+        assert_eq!(outcome.evidence == Evidence::Settled, claimed, "{share}");
+    }
+}
+
+/// From three balls on, balls balance in families of positions: one of them is enough to settle at,
+/// as long as drag stops the balls along the family.
+#[test]
+fn families_of_equilibria() {
+    fn check<const N: usize>() {
+        let machine = viscous(-309.15, N, 2e-3);
+        for k in 0..2 {
+            let outcome = run(machine.clone(), &start::<N>(k), 60.0);
+            assert_eq!(outcome.evidence, Evidence::Settled, "{N} balls, start {k}");
+            assert!(outcome.amplitude_m.unwrap() < 1e-7);
+            let time = outcome.end_time_s.unwrap();
+            let (beta, _) = later::<N>(&machine, &start::<N>(k), 10.0 * time);
+            assert!(apart(&beta, &outcome.position.unwrap()) < 1e-3);
+        }
+        let family = equilibria(&machine);
+        let family = family.iter().find(|one| one.family_dimension > 0).expect("balanced");
+        let beta: [f64; N] = std::array::from_fn(|ball| family.beta_rad.as_ref().unwrap()[ball]);
+        for (coefficient, expected) in [(2e-3, Evidence::Settled), (0.0, Evidence::EndTime)] {
+            let machine = viscous(-309.15, N, coefficient);
+            let outcome = run(machine.clone(), &resting(&machine, beta), 0.5);
+            assert_eq!(outcome.evidence, expected, "{N} balls, {coefficient} N s/m");
+        }
+    }
+    check::<3>();
+    check::<4>();
+}
+
+/// Blocks: when they became slow, by the closed form of a damped oscillator; steady sliding on a belt
+/// settles where friction grows with speed and not where it falls.
+#[test]
+fn blocks_settle() {
+    // x'' + 2 ζ x' + x = 0 with ζ = 0.05, from 0.1: by e^{-ζ t} slow after 230 units of time. Speed is
+    // looked at once a step, a quarter of a period: one of two looks in a row sees 1/√2 of its peak
+    // or more, so that slow may be seen ln √2 / ζ = 7 units and two steps too early, 1 s in all.
+    let damped = FrictionLaw::Viscous { viscous_coefficient_n_s_m: 1.0 };
+    let block = Block { friction: damped, ..Block::on_spring() };
+    let outcome = run(block.clone(), &Start(vec![0.01, 0.0]), 200.0);
+    assert_eq!(outcome.evidence, Evidence::Settled);
+    let slow = (1e5_f64).ln() / 0.05 / 10.0;
+    let found = outcome.time_to_rest_s.expect("settled");
+    assert!((slow - 1.0..slow + 0.2).contains(&found), "{found} for {slow}");
+    assert!(outcome.end_time_s.unwrap() < 1.6 * slow);
+    // A run that ends soon after that is looked at in the end. Its steps fall elsewhere.
+    for end in [23.5, 27.0, 31.0, 40.0] {
+        let outcome = run(block.clone(), &Start(vec![0.01, 0.0]), end);
+        assert_eq!(outcome.evidence, Evidence::Settled, "{end}");
+        let found = outcome.time_to_rest_s.expect("settled");
+        assert!((slow - 1.0..slow + 0.2).contains(&found), "{found} for {slow}");
+    }
+    let belt = |friction| Block { friction, ..Block::on_belt() };
+    let rising = FrictionLaw::Smooth { smoothing_speed: 0.1 };
+    let falling = FrictionLaw::Stribeck { static_friction_coefficient: 0.3, stribeck_speed: 0.1 };
+    let balance = |law| match law {
+        FrictionLaw::Smooth { .. } => 0.01 * 0.5,
+        _ => 0.01 * (1.0 + 2.0 * (-1.0_f64).exp()),
+    };
+    let undamped = FrictionLaw::Viscous { viscous_coefficient_n_s_m: 0.0 };
+    for (law, place, evidence) in [
+        (rising, balance(rising), Evidence::Settled),
+        (falling, balance(falling), Evidence::EndTime),
+        (undamped, 0.0, Evidence::EndTime),
+        (FrictionLaw::Coulomb, 0.01, Evidence::EndTime),
+    ] {
+        assert!(matches!(belt(law).ground, Ground::Belt { speed_m_s: 0.1 }));
+        let outcome = run(belt(law), &Start(vec![place, 0.0]), 5.0);
+        assert_eq!(outcome.evidence, evidence, "{law:?}");
+    }
+}

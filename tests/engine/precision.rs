@@ -1,0 +1,289 @@
+//! Points that are sampled until their share of equilibria is known well enough.
+
+use std::collections::BTreeMap;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+
+use serde_json::Value;
+use stickslip::analysis::{PointAccumulator, StoppingRule};
+use stickslip::classification::{Evidence, Outcome, simulate};
+use stickslip::model::Case;
+use stickslip::study::Study;
+
+use super::kept::{Kept, farmed};
+use crate::cli::support::{
+    AT_ONCE, Scratch, assert_has, column, counts, parse, row, rows_by_key, study_text, words,
+};
+use arrow::array::{AsArray, RecordBatch};
+
+/// Two points of Monte Carlo samples and one of a stratified design, in a box of two directions.
+const REST: &str = "sweep:\n\
+                    \x20 - grid: {speed_rad_s: [-160.8103, -216.3772]}\n\
+                    \x20 - grid: {speed_rad_s: [-191.6372]}\n\
+                    \x20   design: {stratified: {parts_per_axis: 2, samples_per_cell: 3}}\n";
+
+fn text(half_width: f64, max_runs: u64, end_time_s: f64) -> String {
+    let fixed = "x: [0, 0], y: [0, 0], x_dot: [0, 0], y_dot: [0, 0], beta_2: [3, 3], \
+                 beta_dot_2: [0, 0]";
+    let precision =
+        format!("precision: {{equilibrium_fraction: {half_width}, max_runs: {max_runs}}}\n");
+    study_text("a", "{monte_carlo: {samples: 15}}", end_time_s, &format!("{REST}{precision}"))
+        .replace("initial_conditions: {", &format!("initial_conditions: {{box: {{{fixed}}}, "))
+}
+
+/// Comes to rest where the first ball starts in a part of the ring that depends on the speed.
+fn by_place(case: &Case) -> Outcome {
+    let speed = case.model.ball_balancer().expect("a balancer").speed_rad_s;
+    let share = (-speed - 160.0) / 100.0;
+    let rests = case.start.0[2] < share * std::f64::consts::TAU;
+    let evidence = if rests { Evidence::RestCertified } else { Evidence::EndTime };
+    Outcome { error: None, ..Outcome::failed(evidence, String::new()) }
+}
+
+fn sampled(study: &Study) -> Kept {
+    let mut kept = Kept::default();
+    let tally = farmed(study, &mut kept, &AtomicBool::new(false), by_place).unwrap();
+    assert!(!tally.interrupted());
+    assert_eq!(tally.counts.total(), kept.runs.len() as u64);
+    kept
+}
+
+/// The runs of each point are those that the rule asks for when it is applied to their labels, and
+/// their numbers follow one another from the point's first.
+#[test]
+fn points_stop_where_the_rule_stops() {
+    for (half_width, max_runs) in [(0.2, 10_000), (0.05, 10_000), (0.02, 1000), (0.02, 10)] {
+        let study = parse(&text(half_width, max_runs, AT_ONCE));
+        let kept = sampled(&study);
+        assert_eq!(kept.points.len(), 3);
+        for row in &kept.points {
+            let point = study.point(row.point_id);
+            let ends = kept.runs.iter().filter(|run| run.planned.point_id == row.point_id);
+            let runs = ends.clone().count() as u64;
+            assert!(
+                ends.clone()
+                    .map(|run| run.planned.run_id)
+                    .eq(point.first_run..point.first_run + runs)
+            );
+            let interval = |runs: u64| {
+                let mut so_far = PointAccumulator::new(point.cells);
+                ends.clone().take(runs as usize).for_each(|run| so_far.add(run.observed()));
+                so_far.equilibrium_interval().ends()
+            };
+            let sampling = point.sampling;
+            let (replicate, most) = (sampling.replicate, sampling.most);
+            let rule = StoppingRule { half_width, replicate, most };
+            let mut expected = sampling.first;
+            while let Some(more) = rule.more(expected, interval(expected)) {
+                expected += more;
+            }
+            assert_eq!(runs, expected);
+            assert_eq!(row.summary.counts.total(), runs);
+            let (low, high) = interval(runs);
+            let narrow = 0.5 * (high - low) <= half_width;
+            assert!(narrow || runs == most && (most + replicate > max_runs), "{runs} of {most}");
+        }
+        let total = kept.runs.len();
+        println!("half width {half_width}, at most {max_runs}: {total} runs");
+        assert!(total > 3 * 12);
+    }
+}
+
+/// More runs and a narrower interval add runs behind those that there were, at every point.
+#[test]
+fn former_runs_are_kept() {
+    let runs = |half_width, max_runs| {
+        let kept = sampled(&parse(&text(half_width, max_runs, AT_ONCE)));
+        let mut points: BTreeMap<u64, Vec<_>> = BTreeMap::new();
+        for record in kept.runs {
+            let mut planned = record.planned;
+            let (point, _) = (planned.point_id, std::mem::take(&mut planned.run_id));
+            points.entry(point).or_default().push((planned, record.outcome));
+        }
+        points
+    };
+    let old = runs(0.06, 150);
+    for (half_width, max_runs) in [(0.06, 400), (0.04, 150), (0.03, 3000)] {
+        let new = runs(half_width, max_runs);
+        let grown = old.iter().filter(|(point, old)| {
+            let new = &new[point];
+            assert_eq!(new[..old.len()], old[..]);
+            new.len() > old.len()
+        });
+        let grown = grown.count();
+        assert!(grown > 0 || max_runs == 150, "the study shows too little");
+    }
+}
+
+/// The parts of a study are its points; together they are the whole.
+#[test]
+fn shards_together_are_the_whole() {
+    let scratch = Scratch::new();
+    scratch.write("a.yaml", text(0.09, 200, 3.0));
+    let whole_text = scratch.well("run a.yaml --out whole");
+    assert_eq!(whole_text.lines().count(), 4);
+    for table in ["runs", "points"] {
+        let key = if table == "runs" { "run_id" } else { "point_id" };
+        let whole = rows_by_key(&{ scratch.table("whole", table) }, &[key], &[]);
+        for parts in [2, 5] {
+            let mut together = BTreeMap::new();
+            for part in 1..=parts {
+                let out = format!("{part}-of-{parts}");
+                if !scratch.path(&out).exists() {
+                    scratch.well(&format!("run a.yaml --out {out} --shard {part}/{parts} --quiet"));
+                }
+                let rows = rows_by_key(&scratch.table(&out, table), &[key], &[]);
+                for (key, row) in rows {
+                    assert!(together.insert(key, row).is_none());
+                }
+            }
+            assert_eq!(together, whole);
+        }
+    }
+    let planned = |out: &str| scratch.manifest(out)["runs_planned"].as_u64().unwrap();
+    assert_eq!(planned("1-of-2") + planned("2-of-2"), planned("whole"));
+    assert_eq!((planned("3-of-5"), planned("5-of-5")), (200, 0));
+}
+
+/// A stop in the second round of the second point: what has finished is kept, the first point is
+/// whole, and no point begins anew.
+#[test]
+fn an_interruption_keeps_what_is_finished() {
+    let study = parse(&text(0.06, 150, AT_ONCE));
+    let whole = sampled(&study);
+    let first = whole.points[0].summary.counts.total();
+    let (stop, done) = (AtomicBool::new(false), AtomicUsize::new(0));
+    let mut kept = Kept::default();
+    let tally = farmed(&study, &mut kept, &stop, |case| {
+        if done.fetch_add(1, Ordering::Relaxed) as u64 == first + 20 {
+            stop.store(true, Ordering::Relaxed);
+        }
+        by_place(case)
+    })
+    .unwrap();
+    assert!(tally.interrupted());
+    assert_eq!(tally.counts.total(), kept.runs.len() as u64);
+    assert_eq!((kept.points.len(), &kept.points[0]), (2, &whole.points[0]));
+    let finished = kept.runs.len() as u64;
+    assert!((first + 18..first + 25).contains(&finished), "{finished}");
+    for record in &kept.runs {
+        assert!(whole.runs.contains(record));
+    }
+
+    // Stopped with the last run of a round: more were to come.
+    let stop = AtomicBool::new(false);
+    let done = AtomicUsize::new(0);
+    let mut kept = Kept::default();
+    let tally = farmed(&study, &mut kept, &stop, |case| {
+        if done.fetch_add(1, Ordering::Relaxed) == 14 {
+            stop.store(true, Ordering::Relaxed);
+        }
+        by_place(case)
+    })
+    .unwrap();
+    assert_eq!(kept.runs.len(), 15);
+    assert!(tally.interrupted());
+}
+
+/// What is finished is complete, though there might have been more runs.
+#[test]
+fn the_tables_and_the_terminal_say_what_was_reached() {
+    let scratch = Scratch::new();
+    scratch.write("a.yaml", text(0.1, 50, AT_ONCE));
+    // Nothing rests so soon: 15 runs leave a half width of 0.102, 12 one of 0.121.
+    let ended = scratch.stickslip("run a.yaml --out out");
+    assert_eq!(ended.code, Some(0), "{}", ended.err);
+    assert_has(&ended.err, &["fraction known to +-0.1 at 3 of 3 points\n"]);
+    assert_eq!(counts(&scratch.table("out", "points"), "runs"), [30, 30, 16]);
+    let manifest = scratch.manifest("out");
+    let planned = ["runs_planned", "runs_finished", "complete"].map(|key| manifest[key].clone());
+    assert_eq!(planned, [Value::from(138), Value::from(76), Value::from(true)]);
+    let again = scratch.stickslip("run a.yaml --out out");
+    assert_eq!(again.code, Some(0));
+    assert_has(&again.err, &["out already holds all 76 runs of this study: nothing to do"]);
+
+    // A failure may have been an equilibrium or not: the interval stays wide.
+    let negative = "uncertain: {ball_mass_1_kg: {normal: {mean: 1.4e-4, std_dev: 1.4e-4}}}\n";
+    scratch.write("b.yaml", text(0.09, 50, AT_ONCE) + negative);
+    let ended = scratch.stickslip("run b.yaml --out failed --json");
+    assert_eq!(ended.code, Some(3), "{}", ended.err);
+    assert_has(
+        &ended.err,
+        &["fraction known to +-0.09 at 0 of 3 points, not at 3 (max_runs 50)\n"],
+    );
+    let points = scratch.table("failed", "points");
+    assert_eq!(counts(&points, "runs"), [45, 45, 48]);
+    let reached = |points: &RecordBatch| -> Vec<Option<bool>> {
+        column(points, "precision_reached").as_boolean().iter().collect()
+    };
+    assert_eq!(reached(&points), [Some(false); 3]);
+    assert_eq!(reached(&scratch.table("out", "points")), [Some(true); 3]);
+    let report: Value = serde_json::from_str(&ended.out).unwrap();
+    assert_eq!(report["points_not_precise"], 3);
+    assert_eq!(report["points"][2]["precision_reached"], false);
+
+    // Without a precision nothing is said.
+    scratch.write("c.yaml", study_text("a", "{monte_carlo: {samples: 15}}", AT_ONCE, REST));
+    let ended = scratch.stickslip("run c.yaml --out plain");
+    assert!(!ended.err.contains("known to"), "{}", ended.err);
+    assert_eq!(reached(&scratch.table("plain", "points")), [None; 3]);
+}
+
+#[test]
+fn check_and_expand_say_how_many_there_may_be() {
+    let scratch = Scratch::new();
+    scratch.write("a.yaml", text(0.1, 50, AT_ONCE));
+    let check = scratch.well("check a.yaml");
+    assert_has(
+        &check,
+        &["runs          42 to 138 (until the fraction is known to +-0.1), each to"],
+    );
+    let report: Value = serde_json::from_str(&scratch.well("check a.yaml --json")).unwrap();
+    assert_eq!((&report["runs"], &report["least_runs"]), (&138.into(), &42.into()));
+    scratch.well("expand a.yaml --out all.parquet");
+    let all = scratch.table(".", "all");
+    assert_eq!(counts(&all, "run_id"), (0..138).collect::<Vec<u64>>());
+    // Shards have whole points.
+    let mut points: Vec<u64> = Vec::new();
+    for part in ["1", "2"] {
+        scratch.well(&format!("expand a.yaml --out part{part}.parquet --shard {part}/2"));
+        let part = scratch.table(".", &format!("part{part}"));
+        let mut ids = counts(&part, "point_id");
+        assert!(ids.len() >= 45);
+        ids.dedup();
+        points.extend(ids);
+    }
+    points.sort_unstable();
+    assert_eq!(points, [0, 1, 2]);
+    // The runs are those cases.
+    scratch.well("run a.yaml --out out --quiet");
+    let runs = scratch.table("out", "runs");
+    let own: Vec<String> =
+        words_of(&runs).into_iter().filter(|name| all.column_by_name(name).is_none()).collect();
+    let own: Vec<&str> = own.iter().map(String::as_str).chain(["error"]).collect();
+    for (index, run) in counts(&runs, "run_id").into_iter().enumerate() {
+        assert_eq!(row(&all, run as usize, &["error"]), row(&runs, index, &own));
+    }
+    assert!(words(&runs, "label").iter().all(|label| label.as_deref() == Some("undecided")));
+}
+
+fn words_of(table: &RecordBatch) -> Vec<String> {
+    table.schema().fields().iter().map(|field| field.name().clone()).collect()
+}
+
+/// The study with true simulations, too, keeps its rows as it is made more precise.
+#[test]
+fn simulated_runs_are_kept() {
+    let scratch = Scratch::new();
+    let run = |name: &str, text: String| {
+        scratch.write(&format!("{name}.yaml"), text);
+        scratch.well(&format!("run {name}.yaml --out {name} --quiet"));
+        let table = scratch.table(name, "runs");
+        rows_by_key(&table, &["speed_rad_s", "cell", "replicate"], &["run_id"])
+    };
+    let old = run("old", text(0.12, 100, 3.0));
+    let new = run("new", text(0.08, 300, 3.0));
+    assert!(new.len() > old.len(), "{} {}", new.len(), old.len());
+    assert!(old.iter().all(|(key, row)| new[key] == *row));
+    let study = parse(&text(0.12, 100, 3.0));
+    assert!(study.planned_run(0).case.is_ok_and(|case| simulate(&case).error.is_none()));
+}

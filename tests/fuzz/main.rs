@@ -1,0 +1,223 @@
+//! Hostile files: the functions of `targets` on thousands of damaged inputs, each in bounded memory and
+//! time.
+//!
+//! A child process works through the inputs, with an allocator that refuses more than a limit; it says
+//! which one is next. Where it dies or takes too long, its parent notes the input, writes it to a file
+//! and lets another child go on behind it.
+//!
+//! - `cargo test --test fuzz` takes a few seconds. Names select, as elsewhere:
+//!   `cargo test --test fuzz -- csv_table`.
+//! - `STICKSLIP_FUZZ_RUNS=1000000` tries more inputs for each kind of file,
+//!   `STICKSLIP_FUZZ_SEED=7` other ones.
+//! - `cargo test --test fuzz -- --input study FILE` feeds one file.
+//! - `cargo test --test fuzz -- --write-corpus` writes the binary files of `fuzz/corpus` anew.
+
+mod corpus;
+mod mutate;
+mod targets;
+
+use std::env;
+use std::fs::{self, File};
+use std::io::{self, BufRead, BufReader, Write};
+use std::path::{Path, PathBuf};
+use std::process::{Command, ExitCode, Stdio};
+use std::sync::mpsc;
+use std::thread;
+use std::time::Duration;
+
+use cap::Cap;
+use targets::{TARGETS, target};
+
+/// Counts all memory, and has no more than the limit.
+#[global_allocator]
+static ALLOCATOR: Cap<std::alloc::System> = Cap::new(std::alloc::System, usize::MAX);
+
+/// What an input of at most a quarter of a megabyte may take, bytes: a table of a million values, which
+/// such an input can unpack to, takes about half of it.
+const MEMORY: usize = 1 << 30;
+/// How long an input may take. Far more than it does, for machines that are busy with other things.
+const TIME: Duration = Duration::from_secs(120);
+/// Inputs for each kind of file, and how many of the slow kind.
+const RUNS: u64 = 3000;
+const SLOW_RUNS: u64 = 60;
+const SLOW: &str = "finished_runs";
+/// What a child says of an input that could be used.
+const READ: &str = "read";
+/// After so many faults a target has had enough.
+const MOST_FAULTS: usize = 10;
+
+fn main() -> ExitCode {
+    let arguments: Vec<String> = env::args().skip(1).collect();
+    let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    match words[..] {
+        ["--child", name, seed, first, end] => {
+            child(name, number(seed), number(first)..number(end));
+            ExitCode::SUCCESS
+        }
+        ["--input", name, file] => {
+            ALLOCATOR.set_limit(MEMORY).expect("a new process");
+            let folder = tempfile::tempdir().unwrap();
+            let read = target(name)(folder.path(), &fs::read(file).unwrap());
+            println!("{}", if read { "read" } else { "refused" });
+            ExitCode::SUCCESS
+        }
+        ["--write-corpus"] => {
+            corpus::write();
+            ExitCode::SUCCESS
+        }
+        _ if words.contains(&"--list") => {
+            TARGETS.iter().for_each(|(name, _)| println!("fuzz::{name}: test"));
+            println!("fuzz::net: test");
+            ExitCode::SUCCESS
+        }
+        _ => parent(&words),
+    }
+}
+
+fn number(text: &str) -> u64 {
+    text.parse().unwrap_or_else(|_| panic!("not a number: {text}"))
+}
+
+fn parent(words: &[&str]) -> ExitCode {
+    let names: Vec<&str> = words.iter().copied().filter(|word| !word.starts_with('-')).collect();
+    let wanted = |name: &str| {
+        names.is_empty() || names.iter().any(|word| format!("fuzz::{name}").contains(word))
+    };
+    let setting = |name: &str| env::var(name).ok().map(|text| number(&text));
+    let seed = setting("STICKSLIP_FUZZ_SEED").unwrap_or(1);
+    let mut well = true;
+    for (name, _) in TARGETS.iter().filter(|(name, _)| wanted(name)) {
+        let least = if *name == SLOW { SLOW_RUNS } else { RUNS };
+        let end = setting("STICKSLIP_FUZZ_RUNS").unwrap_or(least);
+        print!("test fuzz::{name}, {end} inputs ... ");
+        io::stdout().flush().unwrap();
+        let (read, faults) = faults(name, seed, end);
+        let end = if faults.is_empty() { "ok" } else { "FAILED" };
+        println!("{read} read, the others refused ... {end}");
+        faults.iter().for_each(|fault| println!("{fault}"));
+        well &= faults.is_empty();
+    }
+    if wanted("net") {
+        print!("test fuzz::net ... ");
+        let holes: Vec<&str> =
+            BAD.iter().map(|(name, _)| *name).filter(|name| !caught(name)).collect();
+        println!(
+            "{}",
+            if holes.is_empty() { "ok".to_owned() } else { format!("FAILED: {holes:?}") }
+        );
+        well &= holes.is_empty();
+    }
+    if well { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+}
+
+/// What must not go unnoticed: each happens at the second input.
+const BAD: [(&str, fn()); 4] = [
+    ("panics", || panic!("as it should")),
+    ("overflows", || assert_ne!(deeper(u64::MAX), 1)),
+    ("takes memory", || drop(std::hint::black_box(Vec::<u8>::with_capacity(2 * MEMORY)))),
+    ("takes time", || thread::sleep(Duration::from_secs(600))),
+];
+
+/// Calls itself far more often than the stack has room for.
+fn deeper(times: u64) -> u64 {
+    let room = std::hint::black_box([times; 512]);
+    if times == 0 { 0 } else { deeper(times - 1).wrapping_add(room[511]) }
+}
+
+/// Whether the parent notices what a bad target does, and at which input.
+fn caught(name: &str) -> bool {
+    let (read, died) = one_child(name, 0, 0, 3, Duration::from_secs(5));
+    died.is_some_and(|(number, _)| number == 1) && read == 1
+}
+
+/// Runs children until all inputs have been tried. Returns how many could be used, and what went wrong.
+fn faults(name: &str, seed: u64, end: u64) -> (u64, Vec<String>) {
+    let mut faults = Vec::new();
+    let (mut first, mut all_read) = (0, 0);
+    while first < end && faults.len() < MOST_FAULTS {
+        let (read, died) = one_child(name, seed, first, end, TIME);
+        all_read += read;
+        let Some((number, what)) = died else { break };
+        let file = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("{name}-{seed}-{number}"));
+        fs::write(&file, mutate::input(&corpus::read(name), seed, number)).unwrap();
+        faults.push(format!("{name}, input {number} of seed {seed}, {}:\n{what}", file.display()));
+        first = number + 1;
+    }
+    if all_read == 0 {
+        faults.push(format!("{name}: the corpus is out of date, nothing of it can be used"));
+    }
+    (all_read, faults)
+}
+
+/// Runs one child. Returns how many inputs it could use, and the input that it died of, if it did, with
+/// its last words.
+fn one_child(
+    name: &str,
+    seed: u64,
+    first: u64,
+    end: u64,
+    time: Duration,
+) -> (u64, Option<(u64, String)>) {
+    let said = tempfile::NamedTempFile::new().unwrap();
+    let mut child = Command::new(env::current_exe().unwrap())
+        .args(["--child", name, &seed.to_string(), &first.to_string(), &end.to_string()])
+        .stdin(Stdio::null())
+        .stdout(Stdio::piped())
+        .stderr(File::create(said.path()).unwrap())
+        .spawn()
+        .unwrap();
+    let output = BufReader::new(child.stdout.take().unwrap());
+    let (sender, receiver) = mpsc::channel();
+    let reader = thread::spawn(move || {
+        for line in output.lines() {
+            if line.is_err() || sender.send(line.unwrap_or_default()).is_err() {
+                return;
+            }
+        }
+    });
+    let (mut current, mut read) = (first, 0);
+    let late = loop {
+        match receiver.recv_timeout(time) {
+            Ok(line) if line == READ => read += 1,
+            Ok(line) => current = line.parse().unwrap_or(current),
+            Err(mpsc::RecvTimeoutError::Disconnected) => break false,
+            Err(mpsc::RecvTimeoutError::Timeout) => break true,
+        }
+    };
+    if late {
+        child.kill().unwrap();
+    }
+    let status = child.wait().unwrap();
+    reader.join().unwrap();
+    if status.success() && !late {
+        return (read, None);
+    }
+    let words = fs::read(said.path()).unwrap_or_default();
+    let words = String::from_utf8_lossy(&words[words.len().saturating_sub(2000)..]).into_owned();
+    let how = if late { format!("more than {time:?}") } else { status.to_string() };
+    (read, Some((current, format!("{how}\n{words}"))))
+}
+
+/// Works through inputs and says before each one which it is.
+fn child(name: &str, seed: u64, numbers: std::ops::Range<u64>) {
+    if let Some((_, bad)) = BAD.iter().find(|(other, _)| *other == name) {
+        ALLOCATOR.set_limit(ALLOCATOR.allocated() + MEMORY).unwrap();
+        println!("0\n{READ}\n1");
+        return bad();
+    }
+    let (target, corpus) = (target(name), corpus::read(name));
+    let folder = tempfile::tempdir().unwrap();
+    let folder: PathBuf = folder.path().canonicalize().unwrap();
+    let mut output = io::stdout().lock();
+    for number in numbers {
+        let input = mutate::input(&corpus, seed, number);
+        writeln!(output, "{number}").unwrap();
+        output.flush().unwrap();
+        // What the process itself holds, such as its arguments and the corpus, is not the input's.
+        ALLOCATOR.set_limit(ALLOCATOR.allocated() + MEMORY).unwrap();
+        if target(&folder, &input) {
+            writeln!(output, "{READ}").unwrap();
+        }
+    }
+    fs::remove_dir_all(folder).unwrap();
+}

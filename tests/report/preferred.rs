@@ -1,0 +1,61 @@
+//! The thesis's figure 5.7: where the balls of 768 runs come to rest.
+
+use std::f64::consts::{PI, TAU};
+
+use stickslip::report::chart::{Figure, Mark, Symbol};
+use stickslip::report::{Budget, Gathered, ResultTables, of_results};
+use stickslip::study::Study;
+use stickslip::table::Manifest;
+
+use crate::cli::support::Scratch;
+
+/// The dots of the panel whose title begins so.
+fn dots(figure: &Figure, title: &str) -> Vec<[f64; 2]> {
+    let panel = figure.panels.iter().find(|panel| panel.title.starts_with(title)).unwrap();
+    let of_runs = panel.layers.iter().find_map(|layer| match &layer.mark {
+        Mark::Dots { symbol: Symbol::Dot, x, y, tips } if !tips.run_ids.is_empty() => Some((x, y)),
+        _ => None,
+    });
+    let (x, y) = of_runs.unwrap();
+    x.iter().zip(y).map(|(x, y)| [*x, *y]).collect()
+}
+
+/// On the torus.
+fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
+    let along = |axis: usize| {
+        let away = (a[axis] - b[axis]).rem_euclid(TAU);
+        away.min(TAU - away)
+    };
+    along(0).hypot(along(1))
+}
+
+/// Dots are densest near the balancing positions (2.27, 4.01) and (4.01, 2.27), thesis section 5.3: with
+/// both orders of the two balls, which are alike, the fullest of all discs of radius 0.8 reaches over one of
+/// them. A second crowd, near (3.2, 5.7), is nearly as dense.
+#[test]
+fn dots_are_densest_at_the_balancing_positions() {
+    let scratch = Scratch::new();
+    let study = format!("{}/studies/preferred-equilibria.yaml", env!("CARGO_MANIFEST_DIR"));
+    scratch.well(&format!("run {study} --out out --quiet"));
+    let directory = scratch.path("out");
+    let manifest = Manifest::read(&directory).unwrap().unwrap();
+    let study = Study::load(study.as_ref()).unwrap();
+    let tables = ResultTables::open(&directory, &manifest).unwrap();
+    let gathered = Gathered::read(&tables, &study, &manifest, Budget::SCREEN).unwrap();
+    let figures = of_results(&gathered);
+    let figure = figures.iter().find(|figure| figure.id == "preferred-equilibria").unwrap();
+    assert_eq!(figure.panels.len(), 6);
+    let dots = dots(figure, "speed \u{2212}216.3772 rad/s, friction coefficient 0.00275:");
+    assert!((400..470).contains(&dots.len()), "{}", dots.len());
+
+    let both: Vec<[f64; 2]> = dots.iter().flat_map(|[a, b]| [[*a, *b], [*b, *a]]).collect();
+    let near = |centre: [f64; 2]| both.iter().filter(|dot| distance(**dot, centre) < 0.8).count();
+    let grid = (0..63 * 63).map(|k| [f64::from(k % 63) * 0.1, f64::from(k / 63) * 0.1]);
+    let (fullest, most) = grid.map(|c| (c, near(c))).max_by_key(|(_, count)| *count).unwrap();
+    let balanced = [[2.27, 4.01], [4.01, 2.27]];
+    assert!(balanced.iter().any(|position| distance(*position, fullest) < 0.6), "{fullest:?}");
+    // Were they spread evenly over the 77 % of the square, so many would lie in a disc.
+    let even = both.len() as f64 * PI * 0.64 / (0.77 * TAU * TAU);
+    assert!(most as f64 > 2.0 * even, "{most} {even}");
+    assert!(balanced.iter().all(|position| near(*position) as f64 > 2.0 * even));
+}
