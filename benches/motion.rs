@@ -12,9 +12,9 @@ use std::sync::atomic::AtomicBool;
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use stickslip::analysis::PointDetail;
 use stickslip::classification::{Outcome, Runs, simulate_in_lockstep, simulate_one_by_one};
-use stickslip::engine::{FarmOptions, Progress, Sink, farm_in_lockstep};
+use stickslip::engine::{EngineOptions, Progress, Sink, run_study};
 use stickslip::model::{Balancer, Case, Machine, State};
-use stickslip::motion::{Phase, Step, Tolerance, VectorLevel, derivative};
+use stickslip::motion::{Phase, SimdLevel, Step, Tolerance, derivative};
 use stickslip::study::Study;
 use stickslip::table::{PointRow, RunRecord};
 
@@ -56,7 +56,7 @@ impl Runs for Listed<'_> {
     }
 }
 
-fn in_lockstep(level: VectorLevel, cases: &[Case]) {
+fn in_lockstep(level: SimdLevel, cases: &[Case]) {
     simulate_in_lockstep(level, &mut Listed { cases: cases.iter().enumerate() });
 }
 
@@ -90,7 +90,7 @@ fn runs(criterion: &mut Criterion) {
     let one_thread = |name: &str, cases: &[Case], criterion: &mut Criterion| {
         let mut group = criterion.benchmark_group(name);
         group.sample_size(10).throughput(Throughput::Elements(cases.len() as u64));
-        for level in VectorLevel::all() {
+        for level in SimdLevel::all() {
             group.bench_function(format!("lockstep, {}", level.name()), |bencher| {
                 bencher.iter(|| in_lockstep(level, cases));
             });
@@ -137,12 +137,12 @@ fn thesis(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("thesis study, 128 runs per point");
     group.sample_size(10).throughput(Throughput::Elements(study.run_count()));
     for threads in [1, 2] {
-        let options = FarmOptions { threads, chunk: 1024, ..FarmOptions::default() };
+        let options = EngineOptions { threads, chunk: 1024, ..EngineOptions::default() };
         let stop = AtomicBool::new(false);
         group.bench_function(format!("threads: {threads}"), |bencher| {
             bencher.iter(|| {
                 let progress = Progress::new(study.run_count(), true);
-                farm_in_lockstep(&study, options, &stop, &progress, None, &mut Nowhere)
+                run_study(&study, options, &stop, &progress, None, &mut Nowhere)
             });
         });
     }

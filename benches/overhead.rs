@@ -9,7 +9,7 @@ use std::sync::atomic::AtomicBool;
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use stickslip::analysis::{EquilibriumSet, PointAccumulator, PointDetail, Resolution};
 use stickslip::classification::{Outcome, simulate};
-use stickslip::engine::{FarmOptions, Progress, Sink, compute, farm};
+use stickslip::engine::{EngineOptions, Progress, Sink, compute, run_study_with};
 use stickslip::model::{Case, Machine};
 use stickslip::study::Study;
 use stickslip::table::{PointRow, RunRecord, TableWriter, run_columns};
@@ -108,13 +108,13 @@ fn farming(criterion: &mut Criterion) {
     for (name, design, more) in cases {
         let study = study(design, more);
         let stored = Stored::of(&study);
-        let options = FarmOptions { threads: 1, chunk: 1024, ..FarmOptions::default() };
+        let options = EngineOptions { threads: 1, chunk: 1024, ..EngineOptions::default() };
         let stop = AtomicBool::new(false);
         group.bench_function(name, |bencher| {
             bencher.iter(|| {
                 let progress = Progress::new(study.run_count(), true);
                 let outcome = |case: &Case| stored.outcome(case);
-                farm(&study, options, outcome, &stop, &progress, None, &mut Nowhere)
+                run_study_with(&study, options, outcome, &stop, &progress, None, &mut Nowhere)
             });
         });
     }

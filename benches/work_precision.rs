@@ -11,7 +11,7 @@ use std::time::Instant;
 
 use stickslip::classification::{Label, Outcome, Runs, simulate_in_lockstep, simulate_one_by_one};
 use stickslip::model::{Case, Method, Simulation};
-use stickslip::motion::VectorLevel;
+use stickslip::motion::SimdLevel;
 use stickslip::study::Study;
 
 /// A way to compute runs.
@@ -57,10 +57,10 @@ fn main() {
                     let pairs = || outcomes.iter().zip(&reference);
                     let mut errors: Vec<f64> = pairs().filter_map(|(a, b)| error(a, b)).collect();
                     errors.sort_by(f64::total_cmp);
-                    let quantile = |share: f64| {
+                    let quantile = |fraction: f64| {
                         let last = errors.len().saturating_sub(1);
                         errors
-                            .get((share * last as f64).round() as usize)
+                            .get((fraction * last as f64).round() as usize)
                             .copied()
                             .unwrap_or(f64::NAN)
                     };
@@ -109,7 +109,7 @@ impl Runs for Listed<'_> {
 
 fn in_lockstep(cases: &[Case]) -> Vec<Outcome> {
     let mut runs = Listed { cases: cases.iter().enumerate(), outcomes: vec![None; cases.len()] };
-    simulate_in_lockstep(VectorLevel::best(), &mut runs);
+    simulate_in_lockstep(SimdLevel::best(), &mut runs);
     runs.outcomes.into_iter().map(|outcome| outcome.expect("every run has ended")).collect()
 }
 

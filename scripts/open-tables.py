@@ -16,7 +16,7 @@ import duckdb
 import pandas
 import polars
 
-TABLES = ("runs", "points", "rest", "cycles", "equilibria")
+TABLES = ("runs", "points", "time_to_rest", "cycles", "equilibria")
 
 
 def with_pandas(directory):
@@ -69,7 +69,7 @@ def with_duckdb(directory):
         "labels": {str(label): count for label, count in labels},
         "runs of all points": int(ask("points", "coalesce(sum(runs), 0)")[0][0]),
         "sum of end_time_s": ask("runs", "coalesce(sum(end_time_s), 0)")[0][0],
-        "runs that came to rest": int(ask("rest", "coalesce(sum(came_to_rest), 0)")[0][0]),
+        "runs that came to rest": int(ask("time_to_rest", "coalesce(sum(came_to_rest), 0)")[0][0]),
         "runs on classes of cycles": int(ask("cycles", "coalesce(sum(runs), 0)")[0][0]),
         "sum of multipliers": ask("cycles", "coalesce(sum(list_sum(multipliers)), 0)")[0][0],
         "sum of amplitude_m": ask("equilibria", "coalesce(sum(amplitude_m), 0)")[0][0],

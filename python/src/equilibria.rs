@@ -27,45 +27,45 @@ pub struct EquilibriumSet {
     summary: MemoryTable,
     positions: Option<MemoryTable>,
     frictionless: MemoryTable,
-    share: f64,
-    parts: Option<u64>,
+    fraction: f64,
+    components: Option<u64>,
 }
 
 #[pymethods]
 impl EquilibriumSet {
-    /// Share of all ball positions that are in the set, 0 to 1.
+    /// Fraction of all ball positions that are in the set, 0 to 1.
     #[getter]
-    fn share(&self) -> f64 {
-        self.share
+    fn fraction(&self) -> f64 {
+        self.fraction
     }
 
-    /// Separate parts of the set on the torus of ball angles; None for three balls and more, which are sampled.
+    /// Connected components of the set on the torus of ball angles; None for three balls and more, which are sampled.
     #[getter]
-    fn parts(&self) -> Option<u64> {
-        self.parts
+    fn components(&self) -> Option<u64> {
+        self.components
     }
 
-    /// One row: share with interval, parts, amplitudes, balance (the program's ``sets.parquet``).
+    /// One row: fraction with interval, components, amplitudes, balance (the program's ``equilibrium_set_summary.parquet``).
     #[getter]
     fn summary(&self) -> Table {
         Table(self.summary.clone())
     }
 
     /// One row per ball position: amplitude, the friction that it takes, margin, in the set or not (the
-    /// program's ``set.parquet``); None where positions were not asked for.
+    /// program's ``equilibrium_positions.parquet``); None where positions were not asked for.
     #[getter]
     fn positions(&self) -> Option<Table> {
         self.positions.clone().map(Table)
     }
 
-    /// The equilibria without dry friction, with their stability (the program's ``frictionless.parquet``).
+    /// The equilibria without dry friction, with their stability (the program's ``frictionless_equilibria.parquet``).
     #[getter]
     fn frictionless(&self) -> Table {
         Table(self.frictionless.clone())
     }
 
     fn __repr__(&self) -> String {
-        format!("<stickslip.EquilibriumSet: a share of {} of all positions>", self.share)
+        format!("<stickslip.EquilibriumSet: a fraction of {} of all positions>", self.fraction)
     }
 }
 
@@ -138,7 +138,7 @@ fn compute(
     let machine = point.model().ball_balancer().ok_or_else(unknown)?;
     let key = Arc::new(PointKey::of(&point));
     let set = Set::of(machine, resolution).ok_or_else(unknown)?;
-    let (share, parts) = (set.share, set.parts);
+    let (fraction, components) = (set.fraction, set.components);
     let (grid, samples) = match resolution {
         Resolution::Grid(points) => (Some(points), None),
         Resolution::Samples(samples) => (None, Some(u64::from(samples) * u64::from(REPLICATES))),
@@ -154,7 +154,7 @@ fn compute(
     let count = resolution.positions(study.model().balls()).ok_or_else(unknown)?;
     let row = SetSummaryRow { point: Arc::clone(&key), set, positions: count };
     let table = || -> Result<MemoryTable, Trouble> {
-        let mut table = MemoryWriter::new(set_columns(study), about("set"));
+        let mut table = MemoryWriter::new(set_columns(study), about("equilibrium_positions"));
         let form = RestForm::new(machine).ok_or_else(unknown)?;
         resolution.visit(&form, |beta, rest| table.push(SetRow::new(&key, beta, rest)))?;
         Ok(table.finish()?)
@@ -167,14 +167,14 @@ fn compute(
         equilibrium,
     });
     Ok(EquilibriumSet {
-        summary: in_memory(set_summary_columns(study), about("sets"), [row])?,
+        summary: in_memory(set_summary_columns(study), about("equilibrium_set_summary"), [row])?,
         positions: positions.then(table).transpose()?,
         frictionless: in_memory(
             frictionless_columns(study, false),
-            about("frictionless"),
+            about("frictionless_equilibria"),
             frictionless,
         )?,
-        share,
-        parts,
+        fraction,
+        components,
     })
 }

@@ -3,7 +3,7 @@
 use pyo3::create_exception;
 use pyo3::exceptions::{PyFileExistsError, PyOSError, PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
-use stickslip::engine::{FarmError, PlaceError, StoreError};
+use stickslip::engine::{EngineError, OutputDirError, StoreError};
 use stickslip::study;
 use stickslip::table::{ResultsError, TableError};
 
@@ -69,11 +69,11 @@ impl From<TableError> for Trouble {
     }
 }
 
-impl From<PlaceError> for Trouble {
-    fn from(error: PlaceError) -> Self {
+impl From<OutputDirError> for Trouble {
+    fn from(error: OutputDirError) -> Self {
         match error {
-            PlaceError::Results(error) => error.into(),
-            PlaceError::Store(error) => error.into(),
+            OutputDirError::Results(error) => error.into(),
+            OutputDirError::Store(error) => error.into(),
         }
     }
 }
@@ -84,12 +84,12 @@ impl From<arrow_schema::ArrowError> for Trouble {
     }
 }
 
-impl<E: Into<Trouble>> From<FarmError<E>> for Trouble {
-    fn from(error: FarmError<E>) -> Self {
+impl<E: Into<Trouble>> From<EngineError<E>> for Trouble {
+    fn from(error: EngineError<E>) -> Self {
         match error {
-            FarmError::Threads(error) => no_threads(error),
-            FarmError::Sink(error) => error.into(),
-            FarmError::Store(error) => error.into(),
+            EngineError::Threads(error) => no_threads(error),
+            EngineError::Sink(error) => error.into(),
+            EngineError::Store(error) => error.into(),
         }
     }
 }

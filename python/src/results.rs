@@ -10,7 +10,7 @@ use pyo3::types::PyDict;
 use stickslip::analysis::PointDetail;
 use stickslip::classification::Label;
 use stickslip::engine::{
-    FarmOptions, Place, Planned, Progress, Ready, Show, Sink, farm_in_lockstep,
+    EngineOptions, OutputDir, Planned, Progress, Ready, Show, Sink, run_study,
 };
 use stickslip::study::Study;
 use stickslip::table::{
@@ -132,10 +132,10 @@ impl Run {
         let mut tables = MemoryResults::new(study);
         let progress = Progress::begin(self.planned(study), self.show);
         let mut sink = InMemory(&mut tables);
-        let farmed = farm_in_lockstep(study, self.options(), stop, &progress, None, &mut sink);
+        let ended = run_study(study, self.options(), stop, &progress, None, &mut sink);
         progress.close();
-        let tally = farmed?;
-        let labels = Label::ALL.map(|label| (label.name().to_owned(), tally.counts.of(label)));
+        let totals = ended?;
+        let labels = Label::ALL.map(|label| (label.name().to_owned(), totals.counts.of(label)));
         Ok(Results {
             labels: labels.to_vec(),
             directory: None,
@@ -155,7 +155,7 @@ impl Run {
         stop: &AtomicBool,
     ) -> Result<Results, Trouble> {
         let options = self.options();
-        let place = Place {
+        let output_dir = OutputDir {
             directory: &directory,
             shard: options.shard,
             retry_failed: options.retry_failed,
@@ -163,20 +163,20 @@ impl Run {
             shards: &[],
             quiet: self.show == Show::Nothing,
         };
-        let manifest = match place.prepare(study)? {
+        let manifest = match output_dir.prepare(study)? {
             Ready::Complete(manifest) => *manifest,
             Ready::Open(mut store, mut results) => {
                 let begun =
                     Circumstances::begin(options.shard.to_string(), options.shard.most_runs(study));
                 let progress = Progress::begin(self.planned(study), self.show);
                 let mut sink = InFiles(&mut results);
-                let farmed =
-                    farm_in_lockstep(study, options, stop, &progress, Some(&mut *store), &mut sink);
+                let ended =
+                    run_study(study, options, stop, &progress, Some(&mut *store), &mut sink);
                 let wall_s = progress.close().as_secs_f64();
-                let tally = farmed?;
+                let totals = ended?;
                 store.check()?;
-                let (runs_kept, threads) = (tally.kept, options.threads);
-                let complete = !tally.interrupted();
+                let (runs_kept, threads) = (totals.kept, options.threads);
+                let complete = !totals.interrupted();
                 results.finish(
                     study,
                     Circumstances { runs_kept, complete, wall_s, threads, ..begun },
@@ -193,8 +193,8 @@ impl Run {
         })
     }
 
-    fn options(&self) -> FarmOptions {
-        FarmOptions { threads: self.threads, ..FarmOptions::default() }
+    fn options(&self) -> EngineOptions {
+        EngineOptions { threads: self.threads, ..EngineOptions::default() }
     }
 
     fn planned<'a>(&self, study: &'a Study) -> Planned<'a> {

@@ -101,5 +101,5 @@ def test_what_is_finished_is_kept(tmp_path):
     assert json.loads((tmp_path / "manifest.json").read_text())["runs_kept"] > 0
     undisturbed = small.run()
     assert len(results.runs) == 40
-    for table in ("runs", "points", "rest", "cycles", "equilibria", "density"):
+    for table in ("runs", "points", "time_to_rest", "cycles", "equilibria", "equilibrium_histogram"):
         assert_same(getattr(undisturbed, table), tmp_path / f"{table}.parquet")

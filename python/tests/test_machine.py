@@ -30,23 +30,23 @@ def test_the_set_is_that_of_the_program(program, tmp_path, balls, option):
     name, number = option
     program("equilibria", study, f"--{name}", number, "--quiet", "--out", tmp_path / "out")
     found = stickslip.equilibrium_set(**{**MACHINE, "balls": balls, name: number}, threads=2)
-    for table, file in [("positions", "set"), ("summary", "sets"), ("frictionless", "frictionless")]:
+    for table, file in [("positions", "equilibrium_positions"), ("summary", "equilibrium_set_summary"), ("frictionless", "frictionless_equilibria")]:
         mine = getattr(found, table).to_pyarrow()
         theirs = pyarrow.parquet.read_table(tmp_path / f"out/{file}.parquet")
         assert bits(mine).equals(bits(theirs))
-    assert [found.share] == found.summary["share"]
-    assert [found.parts] == found.summary["parts"]
-    assert (found.parts is None) == (balls == 3)
+    assert [found.fraction] == found.summary["fraction"]
+    assert [found.components] == found.summary["components"]
+    assert (found.components is None) == (balls == 3)
 
 
 def test_defaults_are_those_of_the_thesis():
     found = stickslip.equilibrium_set(speed_rad_s=-216.3772, positions=False)
     assert found.positions is None
-    assert (round(found.share, 4), found.parts) == (0.77, 1)
+    assert (round(found.fraction, 4), found.components) == (0.77, 1)
     low = stickslip.equilibrium_set(speed_rad_s=-216.3772, friction_coefficient=2.75e-4)
-    assert (round(low.share, 4), low.parts) == (0.0174, 6)
+    assert (round(low.fraction, 4), low.parts) == (0.0174, 6)
     assert len(low.positions) == 512 * 512
-    assert sum(low.positions["in_set"]) / 512**2 == low.share
+    assert sum(low.positions["in_set"]) / 512**2 == low.fraction
 
 
 def test_a_simulation_is_a_run_of_a_study(tmp_path):

@@ -9,7 +9,7 @@ from conftest import ROOT, SMALL, assert_same
 
 import stickslip
 
-TABLES = ["runs", "points", "rest", "cycles", "equilibria", "density"]
+TABLES = ["runs", "points", "time_to_rest", "cycles", "equilibria", "equilibrium_histogram"]
 
 
 def files(folder):

@@ -59,7 +59,7 @@ def test_readers_agree(runs):
 
 def test_every_kind_of_column(small):
     results = small.run()
-    for name in ("runs", "points", "rest", "cycles", "equilibria", "density"):
+    for name in ("runs", "points", "time_to_rest", "cycles", "equilibria", "equilibrium_histogram"):
         table = getattr(results, name)
         assert table.to_dict() == table.to_pyarrow().to_pydict()
         assert repr(table).startswith(f"<stickslip.Table of {len(table)} rows: ")

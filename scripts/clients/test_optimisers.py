@@ -168,7 +168,7 @@ class TestSALib(Clients):
         found = self.read(out)
         self.assertEqual(len(own), len(found))
         for row in own:
-            self.assertEqual((row["response"], row["from"]), ("stop", "runs"))
+            self.assertEqual((row["response"], row["source"]), ("stop", "runs"))
             theirs = found[row["variable"]]
             for ours, kind in ((row["first_order"], "S1"), (row["total"], "ST")):
                 apart = max(ours["low"] - theirs[f"{kind}_high"], theirs[f"{kind}_low"] - ours["high"])

@@ -91,10 +91,10 @@ mod tests {
         fn is_the_shortest_of_all(
             centre in 0.0..TAU,
             half in 0.001..3.2_f64,
-            shares in prop::collection::vec(-1.0..1.0_f64, 1..60),
+            fractions in prop::collection::vec(-1.0..1.0_f64, 1..60),
         ) {
             let mut angles: Vec<f64> =
-                shares.iter().map(|share| (centre + half * share).rem_euclid(TAU)).collect();
+                fractions.iter().map(|fraction| (centre + half * fraction).rem_euclid(TAU)).collect();
             let found = arc(&angles).unwrap();
             angles.reverse();
             prop_assert_eq!(Some(found), arc(&angles));

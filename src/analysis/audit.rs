@@ -25,12 +25,12 @@ impl AuditCounts {
         self.rest_flips += u64::from(rests[0] != rests[1]);
     }
 
-    /// Share of the audited runs that flip; `None` where there are none.
+    /// Fraction of the audited runs that flip; `None` where there are none.
     pub fn flip_rate(&self) -> Option<f64> {
         (self.runs > 0).then(|| self.flips as f64 / self.runs as f64)
     }
 
-    /// The 95 % interval of that share over all runs (Wilson); all of [0, 1] where there are none.
+    /// The 95 % interval of that fraction over all runs (Wilson); all of [0, 1] where there are none.
     pub fn interval(&self) -> (f64, f64) {
         wilson(self.flips, self.runs, Z_95)
     }

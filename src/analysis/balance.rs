@@ -7,7 +7,7 @@
 
 use nalgebra::Complex;
 
-use super::identical_balls::sorted_where_alike;
+use super::identical_balls::sorted_where_identical;
 use super::rest_form::{RestForm, direction};
 
 /// Where the balls balance the imbalance.
@@ -15,7 +15,7 @@ use super::rest_form::{RestForm, direction};
 pub enum Balance {
     /// Nowhere: one of the masses is more than all others together can hold.
     Nowhere,
-    /// At these angles, one per ball in [0, 2π), ascending among balls that are alike, and at their mirror image `2π - β`.
+    /// At these angles, one per ball in [0, 2π), ascending among identical balls, and at their mirror image `2π - β`.
     Position(Vec<f64>),
     /// In a family of positions, of which these angles are one.
     Family {
@@ -30,7 +30,7 @@ impl Balance {
     /// Where the balls of a machine balance it.
     pub fn of(form: &RestForm) -> Self {
         let count = form.mass.len();
-        let found = balanced(form).map(|beta| sorted_where_alike(&beta, &form.balls));
+        let found = balanced(form).map(|beta| sorted_where_identical(&beta, &form.balls));
         match (found, count) {
             (None, _) => Balance::Nowhere,
             (Some(position), 1 | 2) => Balance::Position(position),

@@ -1,4 +1,4 @@
-//! Which limit cycle a run is on: the class that it shares with all runs that do the same.
+//! Which limit cycle a run is on: the class that it fractions with all runs that do the same.
 //!
 //! A class says which balls run, how often they go round per period, and in which order they stick
 //! and slip. Its text has one part for each ball, joined by `|`:
@@ -35,8 +35,8 @@
 use std::cmp::{Ordering, Reverse};
 use std::fmt;
 
-use super::identical_balls::groups_of_alike;
-use crate::classification::{Cycle, Doing, Evidence, Outcome};
+use super::identical_balls::groups_of_identical;
+use crate::classification::{Cycle, CyclePhase, Evidence, Outcome};
 use crate::model::Model;
 
 /// What one ball does in a class of cycles, or a block. In order: those that run, those that swing,
@@ -47,7 +47,7 @@ pub struct Role {
     pub turns: i32,
     /// What it does one after another, forward in the disc's sense or the belt's; empty where it
     /// does one thing only.
-    pub letters: Vec<Doing>,
+    pub letters: Vec<CyclePhase>,
     /// Whether it sticks all along.
     pub rests: bool,
 }
@@ -82,9 +82,9 @@ impl fmt::Display for Role {
         }
         self.letters.iter().try_for_each(|letter| {
             out.write_str(match letter {
-                Doing::Stick => "S",
-                Doing::Forward => "F",
-                Doing::Backward => "B",
+                CyclePhase::Stick => "S",
+                CyclePhase::Forward => "F",
+                CyclePhase::Backward => "B",
             })
         })
     }
@@ -150,13 +150,14 @@ impl CycleForm {
         let lengths = of_ball.into_iter().chain(configurations.iter().map(Vec::len));
         let fits = lengths.into_iter().all(|length| length == contacts);
         let first = configurations.first().filter(|_| fits)?;
-        let switches =
-            |contact: usize| configurations.iter().any(|doings| doings[contact] != first[contact]);
+        let switches = |contact: usize| {
+            configurations.iter().any(|cycle_phases| cycle_phases[contact] != first[contact])
+        };
         let switching: Vec<usize> = (0..contacts).filter(|&contact| switches(contact)).collect();
-        let mut steps: Vec<Vec<Doing>> = configurations
+        let mut steps: Vec<Vec<CyclePhase>> = configurations
             .iter()
-            .map(|doings| {
-                switching.iter().map(|&contact| in_sense(model, doings[contact])).collect()
+            .map(|cycle_phases| {
+                switching.iter().map(|&contact| in_sense(model, cycle_phases[contact])).collect()
             })
             .collect();
         // A period that was begun amid a phase has that phase at both ends.
@@ -165,7 +166,7 @@ impl CycleForm {
             steps.pop();
         }
         let letters = |contact: usize| match switching.iter().position(|&other| other == contact) {
-            Some(column) => steps.iter().map(|doings| doings[column]).collect(),
+            Some(column) => steps.iter().map(|cycle_phases| cycle_phases[column]).collect(),
             None => Vec::new(),
         };
         let role = |contact: usize| {
@@ -190,7 +191,7 @@ impl CycleForm {
     fn class(&self, model: &Model) -> CycleClass {
         let groups = model
             .ball_balancer()
-            .map_or_else(|| vec![vec![0]], |machine| groups_of_alike(&machine.balls));
+            .map_or_else(|| vec![vec![0]], |machine| groups_of_identical(&machine.balls));
         let beginnings = self.roles.iter().map(|role| role.letters.len()).max().unwrap_or(0).max(1);
         let begun_at = |beginning: usize| {
             let mut roles = self.roles.clone();
@@ -232,10 +233,10 @@ impl CycleForm {
     }
 }
 
-fn in_sense(model: &Model, doing: Doing) -> Doing {
-    match doing {
-        Doing::Forward if sense(model) < 0 => Doing::Backward,
-        Doing::Backward if sense(model) < 0 => Doing::Forward,
+fn in_sense(model: &Model, cycle_phase: CyclePhase) -> CyclePhase {
+    match cycle_phase {
+        CyclePhase::Forward if sense(model) < 0 => CyclePhase::Backward,
+        CyclePhase::Backward if sense(model) < 0 => CyclePhase::Forward,
         as_it_is => as_it_is,
     }
 }

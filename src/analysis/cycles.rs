@@ -9,7 +9,7 @@ use std::f64::consts::TAU;
 use super::arc::AngleSet;
 use super::cycle_class::{CycleClass, Role, speeds_in_sense};
 use super::interval::{Z_95, wilson_with_failures};
-use super::order_statistics::Spread;
+use super::order_statistics::OrderStatistics;
 use super::point_summary::{LabelCounts, Observed};
 use crate::classification::{Label, Outcome};
 use crate::model::Model;
@@ -51,8 +51,8 @@ pub struct CycleGroup {
     pub class: String,
     /// Runs in it.
     pub runs: u64,
-    /// Their share of all runs of the point.
-    pub share: f64,
+    /// Their fraction of all runs of the point.
+    pub fraction: f64,
     /// Its 95 % interval (Wilson; failures widen it).
     pub interval: (f64, f64),
     /// The period, s: its median and its range.
@@ -103,18 +103,18 @@ pub(super) struct CycleClasses {
 #[derive(Clone, Debug, Default)]
 struct Collected {
     runs: u64,
-    period: Spread,
-    amplitude: Spread,
+    period: OrderStatistics,
+    amplitude: OrderStatistics,
     amplitude_peak: Option<f64>,
     multipliers: Option<Vec<f64>>,
     neutral_directions: Option<u8>,
     least_margin: Option<f64>,
-    places: Vec<Place>,
+    places: Vec<CycleMember>,
 }
 
 /// One place of a class.
 #[derive(Clone, Debug)]
-struct Place {
+struct CycleMember {
     role: Role,
     speed_extremes: Option<[f64; 2]>,
     stays: AngleSet,
@@ -141,17 +141,17 @@ impl CycleClasses {
     /// The classes: those with the most runs first, then by name; what is unknown or one too many
     /// last. `counts` are all runs of the point.
     pub(super) fn groups(&self, counts: &LabelCounts) -> Vec<CycleGroup> {
-        let share = |runs: u64| {
+        let fraction = |runs: u64| {
             let (failures, total) = (counts.of(Label::Failed), counts.total());
-            let share = if total == 0 { 0.0 } else { runs as f64 / total as f64 };
-            (share, wilson_with_failures(runs, failures, total, Z_95))
+            let fraction = if total == 0 { 0.0 } else { runs as f64 / total as f64 };
+            (fraction, wilson_with_failures(runs, failures, total, Z_95))
         };
         let other = Collected { runs: self.other, ..Collected::default() };
         let other = (self.other > 0).then_some((CycleGroup::OTHER, &other));
         let kept = self.kept.iter().map(|((_, name), collected)| (name.as_str(), collected));
         let mut groups: Vec<CycleGroup> = kept
             .chain(other)
-            .map(|(name, collected)| collected.group(name, share(collected.runs)))
+            .map(|(name, collected)| collected.group(name, fraction(collected.runs)))
             .collect();
         let last = |group: &CycleGroup| match group.class.as_str() {
             CycleGroup::OTHER => 2,
@@ -184,7 +184,8 @@ impl Collected {
             largest.clone_from(&cycle.multipliers);
         }
         if self.places.is_empty() {
-            let place = |role| Place { role, speed_extremes: None, stays: AngleSet::default() };
+            let place =
+                |role| CycleMember { role, speed_extremes: None, stays: AngleSet::default() };
             self.places = class.roles.into_iter().map(place).collect();
         }
         for (place, ball) in self.places.iter_mut().zip(class.balls) {
@@ -199,13 +200,13 @@ impl Collected {
         }
     }
 
-    fn group(&self, name: &str, (share, interval): (f64, (f64, f64))) -> CycleGroup {
-        let range = |middle: Option<f64>, spread: &Spread| {
+    fn group(&self, name: &str, (fraction, interval): (f64, (f64, f64))) -> CycleGroup {
+        let range = |middle: Option<f64>, spread: &OrderStatistics| {
             let [least, greatest] = spread.ends()?;
             Some(CycleRange { middle: middle?, least, greatest })
         };
         let period_s = range(self.period.median(), &self.period);
-        let role = |place: &Place| CycleRole {
+        let role = |place: &CycleMember| CycleRole {
             role: place.role.clone(),
             mean_speed: match period_s {
                 Some(period) if place.role.turns != 0 => {
@@ -219,7 +220,7 @@ impl Collected {
         CycleGroup {
             class: name.to_owned(),
             runs: self.runs,
-            share,
+            fraction,
             interval,
             period_s,
             amplitude_m: range(self.amplitude.mean(), &self.amplitude),

@@ -86,7 +86,7 @@ mod tests {
     use statrs::distribution::{ChiSquared, ContinuousCDF};
 
     use super::{BINS, EquilibriumHistogram, bin, bin_edges};
-    use crate::analysis::test_rng::Draws;
+    use crate::analysis::test_rng::TestRng;
 
     fn alike(balls: usize) -> Vec<Vec<usize>> {
         vec![(0..balls).collect()]
@@ -114,7 +114,7 @@ mod tests {
     /// Counts are of all equilibria, and fractions lie in their intervals.
     #[test]
     fn every_equilibrium_is_counted() {
-        let mut draws = Draws::new(10);
+        let mut draws = TestRng::new(10);
         for balls in [1, 2, 3, 5] {
             for groups in [alike(balls), differing(balls)] {
                 let mut histogram = EquilibriumHistogram::default();
@@ -140,7 +140,7 @@ mod tests {
     /// Identical balls may be exchanged, and runs come in any order.
     #[test]
     fn order_and_exchange_do_not_matter() {
-        let mut draws = Draws::new(11);
+        let mut draws = TestRng::new(11);
         let positions: Vec<Vec<f64>> =
             (0..300).map(|_| vec![draws.von_mises(1.0, 2.0), TAU * draws.uniform()]).collect();
         let of = |positions: &mut dyn Iterator<Item = Vec<f64>>| {
@@ -156,7 +156,7 @@ mod tests {
     /// Two independent von Mises angles: the counts of the bins by a chi-square test at a level of 0.001.
     #[test]
     fn bins_count_a_known_distribution() {
-        let mut draws = Draws::new(12);
+        let mut draws = TestRng::new(12);
         let (centres, concentrations) = ([2.0, 5.0], [2.0, 4.0]);
         let runs = 20_000;
         let mut histogram = EquilibriumHistogram::default();

@@ -4,10 +4,10 @@ use rayon::prelude::*;
 
 use super::balance::Balance;
 use super::frictionless::places;
-use super::identical_balls::sorted_where_alike;
+use super::identical_balls::sorted_where_identical;
 use super::one_ball::Arcs;
 use super::rest_form::{AtRest, RestForm};
-use super::set_extremes::calmest_and_most;
+use super::set_extremes::amplitude_extremes;
 use super::set_grid::{GridRow, SetGrid};
 use super::set_samples::{self, REPLICATES};
 use crate::model::Machine;
@@ -25,23 +25,23 @@ pub enum Resolution {
 /// The equilibrium set at one point of a sweep.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EquilibriumSet {
-    /// Share of all ball positions that are in the set.
-    pub share: f64,
+    /// Fraction of all ball positions that are in the set.
+    pub fraction: f64,
     /// Its 95 % interval where positions were sampled; a grid has no random error.
-    pub share_interval: Option<(f64, f64)>,
-    /// Separate parts on the torus of ball angles; none where positions were sampled.
-    pub parts: Option<u64>,
-    /// Separate parts where positions that differ by an exchange of two balls that are alike count
-    /// as one; the same as `parts` for balls that differ.
-    pub parts_modulo_exchange: Option<u64>,
+    pub fraction_interval: Option<(f64, f64)>,
+    /// Connected components on the torus of ball angles; none where positions were sampled.
+    pub components: Option<u64>,
+    /// Connected components where positions that differ by an exchange of two identical balls count
+    /// as one; the same as `components` for balls that differ.
+    pub components_modulo_exchange: Option<u64>,
     /// Equilibria without friction, which are in the set, about which no grid point is: above 0 the
-    /// grid is too coarse to see all parts. 0 of one ball; none where positions were sampled.
+    /// grid is too coarse to see all components. 0 of one ball; none where positions were sampled.
     pub unseen: Option<u64>,
     /// The smallest and the largest amplitude in the set, m, wherever they are in it; none where no
     /// position is in the set.
     pub amplitude_m: Option<(f64, f64)>,
     /// The position with the smallest amplitude, one angle per ball, rad.
-    pub calmest_rad: Option<Vec<f64>>,
+    pub min_amplitude_beta_rad: Option<Vec<f64>>,
     /// Where the balls balance the imbalance; friction has nothing to hold there.
     pub balance: Balance,
 }
@@ -64,7 +64,7 @@ impl EquilibriumSet {
         {
             let largest = set.amplitude_m.map_or(0.0, |(_, largest)| largest);
             set.amplitude_m = Some((0.0, largest));
-            set.calmest_rad = Some(beta.to_vec());
+            set.min_amplitude_beta_rad = Some(beta.to_vec());
         }
         Some(set)
     }
@@ -72,13 +72,13 @@ impl EquilibriumSet {
     /// Takes the extremes of the amplitude where they are, which is between the positions looked at.
     fn reach_extremes(&mut self, form: &RestForm) {
         let in_metres = |(size, beta): (f64, Vec<f64>)| (size * form.ring_radius_m, beta);
-        let [calmest, most] = calmest_and_most(form).map(|found| found.map(in_metres));
+        let [calmest, most] = amplitude_extremes(form).map(|found| found.map(in_metres));
         if let Some((amplitude, beta)) = calmest
             && self.amplitude_m.is_none_or(|(smallest, _)| amplitude < smallest)
         {
             let largest = self.amplitude_m.map_or(amplitude, |(_, largest)| largest);
             self.amplitude_m = Some((amplitude, largest));
-            self.calmest_rad = Some(sorted_where_alike(&beta, &form.balls));
+            self.min_amplitude_beta_rad = Some(sorted_where_identical(&beta, &form.balls));
         }
         if let (Some((amplitude, _)), Some((_, largest))) = (most, &mut self.amplitude_m) {
             *largest = amplitude.max(*largest);
@@ -135,31 +135,33 @@ fn in_arcs(form: &RestForm) -> EquilibriumSet {
     let calmest = arcs.candidates().min_by(|a, b| amplitude(a).total_cmp(&amplitude(b)));
     let largest_m = arcs.candidates().map(|beta| amplitude(&beta)).fold(0.0, f64::max);
     EquilibriumSet {
-        share: arcs.share(),
-        share_interval: None,
-        parts: Some(arcs.count()),
-        parts_modulo_exchange: Some(arcs.count()),
+        fraction: arcs.fraction(),
+        fraction_interval: None,
+        components: Some(arcs.count()),
+        components_modulo_exchange: Some(arcs.count()),
         unseen: Some(0),
         amplitude_m: calmest.map(|beta| (amplitude(&beta), largest_m)),
-        calmest_rad: calmest.map(|beta| vec![beta]),
+        min_amplitude_beta_rad: calmest.map(|beta| vec![beta]),
         balance: Balance::of(form),
     }
 }
 
 fn on_grid(form: &RestForm, grid: &SetGrid) -> EquilibriumSet {
     let summary = grid.summary();
-    let (parts, exchanged) = summary.runs.parts();
+    let (components, exchanged) = summary.runs.components();
     let alike = form.balls.iter().all(|ball| *ball == form.balls[0]);
     let radius = form.ring_radius_m;
     let places = if form.speed == 0.0 { Vec::new() } else { places(form) };
     EquilibriumSet {
-        share: summary.inside as f64 / grid.size() as f64,
-        share_interval: None,
-        parts: Some(parts),
-        parts_modulo_exchange: exchanged.filter(|_| alike).or(Some(parts)),
+        fraction: summary.inside as f64 / grid.size() as f64,
+        fraction_interval: None,
+        components: Some(components),
+        components_modulo_exchange: exchanged.filter(|_| alike).or(Some(components)),
         unseen: Some(places.iter().filter(|place| !grid.sees(&place.beta)).count() as u64),
         amplitude_m: summary.amplitudes.map(|[low, high]| (low.0 * radius, high.0 * radius)),
-        calmest_rad: summary.amplitudes.map(|[(_, [row, column]), _]| grid.beta(row, column)),
+        min_amplitude_beta_rad: summary
+            .amplitudes
+            .map(|[(_, [row, column]), _]| grid.beta(row, column)),
         balance: Balance::of(form),
     }
 }
@@ -176,20 +178,20 @@ fn sampled(form: &RestForm, samples: u32) -> EquilibriumSet {
             sampled
         })
         .collect();
-    let shares: Vec<f64> = replicates
+    let fractions: Vec<f64> = replicates
         .iter()
         .map(|replicate| f64::from(replicate.inside) / f64::from(samples))
         .collect();
-    let (share, interval) = set_samples::share_with_interval(&shares, samples);
+    let (fraction, interval) = set_samples::fraction_with_interval(&fractions, samples);
     let all = replicates.into_iter().fold(Sampled::default(), Sampled::joined);
     EquilibriumSet {
-        share,
-        share_interval: Some(interval),
-        parts: None,
-        parts_modulo_exchange: None,
+        fraction,
+        fraction_interval: Some(interval),
+        components: None,
+        components_modulo_exchange: None,
         unseen: None,
         amplitude_m: all.calmest.as_ref().map(|(smallest, _)| (*smallest, all.largest_m)),
-        calmest_rad: all.calmest.map(|(_, beta)| beta),
+        min_amplitude_beta_rad: all.calmest.map(|(_, beta)| beta),
         balance: Balance::of(form),
     }
 }
@@ -229,16 +231,16 @@ impl Sampled {
 }
 
 /// Points per axis of the quick look at two balls.
-const SHARE_GRID: usize = 256;
+const FRACTION_GRID: usize = 256;
 
-/// The share of all ball positions that are equilibria, quickly and on the calling thread: exact for
+/// The fraction of all ball positions that are equilibria, quickly and on the calling thread: exact for
 /// one ball; on a grid of 256 × 256 points for two, good to about 0.001; at 16384 quasi-random points for
 /// more, good to 0.005. `None` for a machine without a number of balls that the model knows.
 pub fn set_fraction(machine: &Machine) -> Option<f64> {
     let form = RestForm::new(machine)?;
     match form.mass.len() {
-        1 => Some(Arcs::of(&form).share()),
-        2 => Some(SetGrid::new(&form, SHARE_GRID)?.share()),
-        _ => Some(set_samples::share(&form)),
+        1 => Some(Arcs::of(&form).fraction()),
+        2 => Some(SetGrid::new(&form, FRACTION_GRID)?.fraction()),
+        _ => Some(set_samples::fraction(&form)),
     }
 }

@@ -14,7 +14,7 @@ pub type Group = (f64, [u64; 2]);
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EscapeRate {
     /// Runs that come to rest over the time that runs have moved, 1/s.
-    pub rate_1_s: f64,
+    pub rate_per_s: f64,
     /// Its 95 % interval, 1/s.
     pub interval_1_s: (f64, f64),
     /// When the tail starts, s.
@@ -25,7 +25,7 @@ pub struct EscapeRate {
 pub const FEWEST: u64 = 10;
 /// A tail holds at least one in this many of the runs that come to rest: the very last of any
 /// distribution look exponential.
-pub const SHARE: u64 = 10;
+pub const FRACTION: u64 = 10;
 /// The point of Kolmogorov's distribution that one in ten exponential samples exceeds.
 const CRITICAL: f64 = 1.224;
 
@@ -38,13 +38,13 @@ pub fn escape_rate(groups: &[Group]) -> Option<EscapeRate> {
     let rests = |groups: &[Group]| groups.iter().map(|(_, [rests, _])| rests).sum::<u64>();
     let mut tail = &groups[groups.partition_point(|(time, _)| *time <= 0.0)..];
     let mut left = rests(tail);
-    let fewest = FEWEST.max(left.div_ceil(SHARE));
+    let fewest = FEWEST.max(left.div_ceil(FRACTION));
     let mut from_s = 0.0;
     while left >= fewest {
         let tried = Tail::new(tail, from_s);
         if tried.is_exponential() {
             return Some(EscapeRate {
-                rate_1_s: left as f64 / tried.exposure_s,
+                rate_per_s: left as f64 / tried.exposure_s,
                 interval_1_s: rate_interval(left, tried.exposure_s),
                 from_s,
             });
@@ -63,8 +63,8 @@ pub fn escape_rate(groups: &[Group]) -> Option<EscapeRate> {
 ///
 /// Source: F. Garwood, Biometrika 28 (1936) 437, doi:10.1093/biomet/28.3-4.437.
 pub fn rate_interval(events: u64, exposure: f64) -> (f64, f64) {
-    let end = |share: f64, count: u64| {
-        let half = |law: ChiSquared| law.inverse_cdf(share) / 2.0;
+    let end = |fraction: f64, count: u64| {
+        let half = |law: ChiSquared| law.inverse_cdf(fraction) / 2.0;
         // No events have no chi-square distribution: their end is 0.
         ChiSquared::new(2.0 * count as f64).map_or(0.0, half) / exposure
     };
@@ -113,8 +113,8 @@ impl<'a> Tail<'a> {
                 let late = clock + (moving - rests) as f64 * near((after - time) / 2.0);
                 farthest = farthest.max((early / self.exposure_s - rested as f64 / count).abs());
                 rested += rests;
-                let share = (rested as f64 / count).min(1.0);
-                farthest = farthest.max((late / self.exposure_s - share).abs());
+                let fraction = (rested as f64 / count).min(1.0);
+                farthest = farthest.max((late / self.exposure_s - fraction).abs());
             }
             moving -= rests + stopped;
             before = *time;
@@ -131,7 +131,7 @@ const COARSE: f64 = 2.5e-4;
 mod tests {
     use super::{Group, Tail, escape_rate, rate_interval};
     use crate::analysis::Tally;
-    use crate::analysis::test_rng::Draws;
+    use crate::analysis::test_rng::TestRng;
 
     /// Runs with these times to rest, stopped at an end time.
     fn groups(times: impl Iterator<Item = f64>, end: f64) -> Vec<Group> {
@@ -162,16 +162,16 @@ mod tests {
     /// to rest, half of them or few.
     #[test]
     fn level_of_the_test() {
-        let mut draws = Draws::new(1);
+        let mut draws = TestRng::new(1);
         for (runs, end) in [(12, f64::MAX), (100, f64::MAX), (100, 0.7), (400, 0.1)] {
             let repetitions = 4000;
             let refused = (0..repetitions).filter(|_| {
                 let sample = groups((0..runs).map(|_| draws.exponential(1.0)), end);
                 !Tail::new(&sample, 0.0).is_exponential()
             });
-            let share = refused.count() as f64 / f64::from(repetitions);
+            let fraction = refused.count() as f64 / f64::from(repetitions);
             // Five standard deviations of the count.
-            assert!((share - 0.1).abs() < 0.024, "{runs} runs to {end}: {share}");
+            assert!((fraction - 0.1).abs() < 0.024, "{runs} runs to {end}: {fraction}");
         }
     }
 
@@ -180,7 +180,7 @@ mod tests {
     /// the start of the tail costs some of it, for what the test cannot see stays in.
     #[test]
     fn coverage_of_the_interval() {
-        let mut draws = Draws::new(2);
+        let mut draws = TestRng::new(2);
         for (name, runs, end, soon, late, least) in [
             ("all tail", 200, 16.5, 0.0, 0.0, 0.92),
             ("few", 60, 5.0, 0.0, 0.0, 0.92),
@@ -200,15 +200,15 @@ mod tests {
                     .collect();
                 if let Some(escape) = escape_rate(&groups(times.into_iter(), end)) {
                     let (low, high) = escape.interval_1_s;
-                    assert!(low < escape.rate_1_s && escape.rate_1_s < high);
+                    assert!(low < escape.rate_per_s && escape.rate_per_s < high);
                     found += 1.0;
                     from += escape.from_s;
                     held += f64::from(u8::from(low <= 0.2 && 0.2 <= high));
                 }
             }
-            let (share, from) = (held / found, from / found);
-            println!("{name}: found {found} of {repetitions}, held {share}, from {from:.3} s");
-            assert!(found > 0.98 * f64::from(repetitions) && share > least, "{name}");
+            let (fraction, from) = (held / found, from / found);
+            println!("{name}: found {found} of {repetitions}, held {fraction}, from {from:.3} s");
+            assert!(found > 0.98 * f64::from(repetitions) && fraction > least, "{name}");
             let start = if soon > 0.0 { 2.0 } else { late };
             assert!((start - 0.1..start + 1.0).contains(&from), "{name}: {from}");
         }
@@ -233,7 +233,7 @@ mod tests {
         let time = |i: u32| -(1.0 - (f64::from(i) + 0.5) / f64::from(runs)).ln() / 0.2;
         let escape = escape_rate(&groups((0..runs).map(time), 16.5)).expect("a tail");
         assert_eq!(escape.from_s, 0.0);
-        assert!((escape.rate_1_s / 0.2 - 1.0).abs() < 2e-4, "{escape:?}");
+        assert!((escape.rate_per_s / 0.2 - 1.0).abs() < 2e-4, "{escape:?}");
         assert!((escape.interval_1_s.1 / escape.interval_1_s.0 - 1.0).abs() < 5e-3);
     }
 }

@@ -10,7 +10,7 @@
 //! sin(θ - γ) = (S / m_I e) sin γ
 //! ```
 //!
-//! which has two solutions, or none where `|S sin γ| > m_I e`. For two balls that are alike these
+//! which has two solutions, or none where `|S sin γ| > m_I e`. For two identical balls these
 //! are the thesis's A1+ and A1- (together), A2 (opposite each other) and B1 (balanced).
 
 use std::f64::consts::PI;
@@ -19,7 +19,7 @@ use nalgebra::Complex;
 use serde::{Deserialize, Serialize};
 
 use super::balance::{Balance, wrapped};
-use super::identical_balls::{groups_of_alike, sorted_where_alike};
+use super::identical_balls::{groups_of_identical, sorted_where_identical};
 use super::linearised::{SmallMotions, Stability};
 use super::rest_form::RestForm;
 use crate::model::Machine;
@@ -90,8 +90,8 @@ impl FrictionlessEquilibrium {
         self.position_m[0].hypot(self.position_m[1])
     }
 
-    fn at(form: &RestForm, place: Place, drag: f64) -> Self {
-        let Place { kind, beta, family_dimension } = place;
+    fn at(form: &RestForm, place: Candidate, drag: f64) -> Self {
+        let Candidate { kind, beta, family_dimension } = place;
         let motions = SmallMotions::about(form, &beta, drag, family_dimension);
         let balanced = kind == FrictionlessKind::B1;
         let z = if balanced { Complex::from(0.0) } else { form.rest_point(&beta) };
@@ -107,7 +107,7 @@ impl FrictionlessEquilibrium {
     }
 }
 
-/// All equilibria without friction, modulo 2π, modulo the exchange of balls that are alike, and of
+/// All equilibria without friction, modulo 2π, modulo the exchange of identical balls, and of
 /// balanced positions of two balls that differ both mirror images; with the viscous drag `C β̇` on
 /// each ball, `C = drag` over `m ω_n`. None for a number of balls that the model does not know.
 pub fn frictionless_equilibria(
@@ -130,7 +130,7 @@ pub fn frictionless_equilibria(
 }
 
 /// Where there is an equilibrium without friction.
-pub(super) struct Place {
+pub(super) struct Candidate {
     /// What it looks like.
     pub kind: FrictionlessKind,
     /// Angle of each ball, in [0, 2π).
@@ -140,16 +140,16 @@ pub(super) struct Place {
 }
 
 /// All places at a speed other than 0, in the order of their kinds.
-pub(super) fn places(form: &RestForm) -> Vec<Place> {
+pub(super) fn places(form: &RestForm) -> Vec<Candidate> {
     let mut all = on_a_line(form);
     let balanced =
-        |beta, family_dimension| Place { kind: FrictionlessKind::B1, beta, family_dimension };
+        |beta, family_dimension| Candidate { kind: FrictionlessKind::B1, beta, family_dimension };
     match Balance::of(form) {
         Balance::Nowhere => {}
         Balance::Family { example, dimension } => all.push(balanced(example, dimension)),
         Balance::Position(beta) => {
             let mirrored: Vec<f64> = beta.iter().map(|beta| wrapped(-beta)).collect();
-            let alike = groups_of_alike(&form.balls).len() == 1;
+            let alike = groups_of_identical(&form.balls).len() == 1;
             all.push(balanced(beta, 0));
             if !alike {
                 all.push(balanced(mirrored, 0));
@@ -163,7 +163,7 @@ pub(super) fn places(form: &RestForm) -> Vec<Place> {
 /// Relative size of a sum of imbalances that is zero but for rounding.
 const ROUNDING: f64 = 1e-12;
 
-fn on_a_line(form: &RestForm) -> Vec<Place> {
+fn on_a_line(form: &RestForm) -> Vec<Candidate> {
     let mut found = Vec::new();
     if !form.transfer.is_finite() {
         return found;
@@ -193,8 +193,8 @@ fn on_a_line(form: &RestForm) -> Vec<Place> {
                 (false, 2) => FrictionlessKind::A2,
                 (false, _) => FrictionlessKind::Other,
             };
-            let beta = sorted_where_alike(&beta, &form.balls);
-            found.push(Place { kind, beta, family_dimension: 0 });
+            let beta = sorted_where_identical(&beta, &form.balls);
+            found.push(Candidate { kind, beta, family_dimension: 0 });
         }
     }
     found
@@ -203,7 +203,7 @@ fn on_a_line(form: &RestForm) -> Vec<Place> {
 /// The ways to lay the balls on the two sides of a line, 1 or -1 per ball, modulo exchange of balls
 /// that are alike and of the two sides; and whether the exchange of sides is one of balls.
 fn sides(form: &RestForm) -> Vec<(Vec<f64>, bool)> {
-    let groups = groups_of_alike(&form.balls);
+    let groups = groups_of_identical(&form.balls);
     let mut ways = vec![Vec::new()]; // how many of each group are on the other side
     for group in &groups {
         let more = |way: &Vec<usize>| -> Vec<Vec<usize>> {

@@ -2,17 +2,17 @@
 
 use crate::model::Ball;
 
-/// The places of balls that are alike, one group after the other, each in ascending order.
-pub fn groups_of_alike(balls: &[Ball]) -> Vec<Vec<usize>> {
+/// The places of identical balls, one group after the other, each in ascending order.
+pub fn groups_of_identical(balls: &[Ball]) -> Vec<Vec<usize>> {
     let firsts = (0..balls.len()).filter(|&first| !balls[..first].contains(&balls[first]));
     firsts
         .map(|first| (first..balls.len()).filter(|&i| balls[i] == balls[first]).collect())
         .collect()
 }
 
-/// Angles with those of balls that are alike in ascending order among the places of those balls.
+/// Angles with those of identical balls in ascending order among the places of those balls.
 /// `beta` has one angle per ball.
-pub fn sorted_where_alike(beta: &[f64], balls: &[Ball]) -> Vec<f64> {
+pub fn sorted_where_identical(beta: &[f64], balls: &[Ball]) -> Vec<f64> {
     let mut sorted = beta.to_vec();
     for (place, later) in (0..balls.len()).flat_map(|i| (i + 1..balls.len()).map(move |j| (i, j))) {
         if balls[place] == balls[later] && sorted[later].total_cmp(&sorted[place]).is_lt() {
@@ -24,17 +24,17 @@ pub fn sorted_where_alike(beta: &[f64], balls: &[Ball]) -> Vec<f64> {
 
 #[cfg(test)]
 mod tests {
-    use super::{groups_of_alike, sorted_where_alike};
+    use super::{groups_of_identical, sorted_where_identical};
     use crate::model::Ball;
 
     #[test]
     fn only_balls_that_are_alike_change_places() {
         let light = Ball::default();
         let heavy = Ball { mass_kg: 1.0, ..light };
-        assert_eq!(sorted_where_alike(&[3.0, 1.0], &[light, light]), [1.0, 3.0]);
-        assert_eq!(sorted_where_alike(&[3.0, 1.0], &[light, heavy]), [3.0, 1.0]);
+        assert_eq!(sorted_where_identical(&[3.0, 1.0], &[light, light]), [1.0, 3.0]);
+        assert_eq!(sorted_where_identical(&[3.0, 1.0], &[light, heavy]), [3.0, 1.0]);
         let mixed = [light, heavy, light, heavy];
-        assert_eq!(sorted_where_alike(&[3.0, 9.0, 1.0, 2.0], &mixed), [1.0, 2.0, 3.0, 9.0]);
-        assert_eq!(groups_of_alike(&mixed), [[0, 2], [1, 3]]);
+        assert_eq!(sorted_where_identical(&[3.0, 9.0, 1.0, 2.0], &mixed), [1.0, 2.0, 3.0, 9.0]);
+        assert_eq!(groups_of_identical(&mixed), [[0, 2], [1, 3]]);
     }
 }

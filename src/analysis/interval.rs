@@ -1,4 +1,4 @@
-//! Intervals for a share of runs.
+//! Intervals for a fraction of runs.
 
 /// The two-sided 95 % point of the normal distribution.
 pub const Z_95: f64 = 1.959_963_984_540_054;
@@ -22,7 +22,7 @@ impl IntervalMethod {
     }
 }
 
-/// A 95 % interval of a share.
+/// A 95 % interval of a fraction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Interval {
     /// Its lower end.
@@ -40,7 +40,7 @@ impl Interval {
     }
 }
 
-/// Wilson's score interval for a share, `successes` of `trials`: valid at 0 and 1 and for few
+/// Wilson's score interval for a fraction, `successes` of `trials`: valid at 0 and 1 and for few
 /// trials; the whole of [0, 1] where there are none.
 ///
 /// Source: E. B. Wilson, J. Am. Stat. Assoc. 22 (1927) 209, doi:10.1080/01621459.1927.10502953.
@@ -51,14 +51,14 @@ pub fn wilson(successes: u64, trials: u64, z: f64) -> (f64, f64) {
     }
 }
 
-/// Wilson's interval for a share seen in `n` trials, which need not be a whole number.
-pub(super) fn score_interval(share: f64, n: f64, z: f64) -> (f64, f64) {
+/// Wilson's interval for a fraction seen in `n` trials, which need not be a whole number.
+pub(super) fn score_interval(fraction: f64, n: f64, z: f64) -> (f64, f64) {
     let z2 = z * z;
-    let centre = (share + z2 / (2.0 * n)) / (1.0 + z2 / n);
-    let half = z / (1.0 + z2 / n) * (share * (1.0 - share) / n + z2 / (4.0 * n * n)).sqrt();
+    let centre = (fraction + z2 / (2.0 * n)) / (1.0 + z2 / n);
+    let half = z / (1.0 + z2 / n) * (fraction * (1.0 - fraction) / n + z2 / (4.0 * n * n)).sqrt();
     // At the ends the interval reaches the end exactly; rounding must not take that away.
-    let low = if share == 0.0 { 0.0 } else { (centre - half).max(0.0) };
-    let high = if share == 1.0 { 1.0 } else { (centre + half).min(1.0) };
+    let low = if fraction == 0.0 { 0.0 } else { (centre - half).max(0.0) };
+    let high = if fraction == 1.0 { 1.0 } else { (centre + half).min(1.0) };
     (low, high)
 }
 
@@ -72,7 +72,7 @@ pub fn wilson_with_failures(successes: u64, failures: u64, trials: u64, z: f64) 
 /// 1 %, miss together with 5 % at most (Bonferroni).
 const Z_99: f64 = 2.575_829_303_548_901;
 
-/// Intervals for the shares of five kinds of runs that hold all together with 95 %, failures being
+/// Intervals for the fractions of five kinds of runs that hold all together with 95 %, failures being
 /// the last kind: a failed run might have been of any other kind, so that the upper ends of the
 /// others count it.
 ///
@@ -87,7 +87,7 @@ pub fn simultaneous(counts: [u64; 5]) -> [(f64, f64); 5] {
 #[cfg(test)]
 mod tests {
     use super::{Z_95, Z_99, simultaneous, wilson, wilson_with_failures};
-    use crate::analysis::test_rng::Draws;
+    use crate::analysis::test_rng::TestRng;
 
     /// Brown, Cai, DasGupta, Stat. Sci. 16 (2001) 101 give no table; these values are the roots of
     /// `|p - k/n| = z sqrt(p (1 - p) / n)`, which defines the interval.
@@ -95,12 +95,12 @@ mod tests {
     fn ends_solve_the_score_equation() {
         for (k, n) in [(1, 10), (5, 10), (435, 768), (61, 256), (1, 1_000_000)] {
             let (low, high) = wilson(k, n, Z_95);
-            let share = k as f64 / n as f64;
+            let fraction = k as f64 / n as f64;
             for end in [low, high] {
-                let score = (end - share).abs() - Z_95 * (end * (1.0 - end) / n as f64).sqrt();
+                let score = (end - fraction).abs() - Z_95 * (end * (1.0 - end) / n as f64).sqrt();
                 assert!(score.abs() < 1e-12, "{k} of {n}: {end}");
             }
-            assert!(low < share && share < high);
+            assert!(low < fraction && fraction < high);
         }
     }
 
@@ -120,20 +120,20 @@ mod tests {
         assert_eq!(with.1, wilson(60, 100, Z_95).1);
     }
 
-    /// Coverage: over shares p and all outcomes k of n, weighted by the binomial distribution, the
+    /// Coverage: over fractions p and all outcomes k of n, weighted by the binomial distribution, the
     /// interval holds p in 95 % on average (Wilson's interval has mean coverage within 1 % here).
     #[test]
     fn mean_coverage_is_95_percent() {
         let n = 60_u64;
         let mut mean = 0.0;
-        let shares = 400;
-        for i in 0..shares {
-            let p = (f64::from(i) + 0.5) / f64::from(shares);
+        let fractions = 400;
+        for i in 0..fractions {
+            let p = (f64::from(i) + 0.5) / f64::from(fractions);
             let mut probability = (1.0 - p).powi(n as i32);
             for k in 0..=n {
                 let (low, high) = wilson(k, n, Z_95);
                 if low <= p && p <= high {
-                    mean += probability / f64::from(shares);
+                    mean += probability / f64::from(fractions);
                 }
                 probability *= p / (1.0 - p) * (n - k) as f64 / (k + 1) as f64;
             }
@@ -143,7 +143,7 @@ mod tests {
 
     /// Five intervals that each miss with 1 %, by the normal distribution's own function.
     #[test]
-    fn five_intervals_share_the_error() {
+    fn five_intervals_fraction_the_error() {
         let beyond = libm::erfc(Z_99 / std::f64::consts::SQRT_2);
         assert!((beyond - 0.01).abs() < 1e-15, "{beyond}");
         let intervals = simultaneous([50, 0, 20, 20, 10]);
@@ -153,12 +153,12 @@ mod tests {
         assert_eq!(simultaneous([0; 5]), [(0.0, 1.0); 5]);
     }
 
-    /// All five shares lie in their intervals in 95 % of seeded samples or more (to the error of 4000:
+    /// All five fractions lie in their intervals in 95 % of seeded samples or more (to the error of 4000:
     /// 0.0034); without failures, as those only widen.
     #[test]
     fn joint_coverage_is_95_percent() {
-        let mut draws = Draws::new(1965);
-        let shares = [
+        let mut draws = TestRng::new(1965);
+        let fractions = [
             [0.2, 0.2, 0.2, 0.2, 0.2],
             [0.5, 0.1, 0.1, 0.3, 0.0],
             [0.9, 0.05, 0.0, 0.05, 0.0],
@@ -166,29 +166,32 @@ mod tests {
             [0.5, 0.0, 0.0, 0.5, 0.0],
         ];
         for trials in [50, 256, 768] {
-            for shares in shares {
+            for fractions in fractions {
                 let repetitions = 4000;
                 let (mut held, mut single) = (0, 0);
                 for _ in 0..repetitions {
                     let mut counts = [0; 5];
                     for _ in 0..trials {
                         let mut left = draws.uniform();
-                        let kind = shares.iter().position(|share| {
-                            left -= share;
+                        let kind = fractions.iter().position(|fraction| {
+                            left -= fraction;
                             left < 0.0
                         });
                         counts[kind.unwrap_or(3)] += 1;
                     }
-                    let holds =
-                        |(share, (low, high)): (&f64, (f64, f64))| low <= *share && *share <= high;
-                    held += u32::from(shares.iter().zip(simultaneous(counts)).all(holds));
+                    let holds = |(fraction, (low, high)): (&f64, (f64, f64))| {
+                        low <= *fraction && *fraction <= high
+                    };
+                    held += u32::from(fractions.iter().zip(simultaneous(counts)).all(holds));
                     let each = counts.map(|count| wilson(count, trials, Z_95));
-                    single += u32::from(shares.iter().zip(each).all(holds));
+                    single += u32::from(fractions.iter().zip(each).all(holds));
                 }
                 let [held, single] =
                     [held, single].map(|held| f64::from(held) / f64::from(repetitions));
-                println!("{trials} runs, {shares:?}: {held}, with intervals of their own {single}");
-                assert!(held > 0.95 - 0.0068 && held >= single, "{trials}, {shares:?}: {held}");
+                println!(
+                    "{trials} runs, {fractions:?}: {held}, with intervals of their own {single}"
+                );
+                assert!(held > 0.95 - 0.0068 && held >= single, "{trials}, {fractions:?}: {held}");
             }
         }
     }

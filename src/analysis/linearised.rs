@@ -120,7 +120,7 @@ impl SmallMotions {
         }
         let rounding = ROUNDING * (1.0 + matrix.norm());
         let iterations = ITERATIONS * matrix.nrows();
-        // Eigenvalues that coincide, as of many balls that are alike, may need more room to be told apart.
+        // Eigenvalues that coincide, as of many identical balls, may need more room to be told apart.
         let mut rooms = [1.0, 16.0, 256.0].map(|room| room * f64::EPSILON).into_iter();
         let schur = rooms.find_map(|room| Schur::try_new(matrix.clone(), room, iterations));
         let Some(schur) = schur else { return unknown };

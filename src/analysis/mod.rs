@@ -22,9 +22,9 @@ mod reference_amplitude;
 mod resolution;
 mod rest_curve;
 mod rest_form;
+mod set_components;
 mod set_extremes;
 mod set_grid;
-mod set_parts;
 mod set_samples;
 mod stopping;
 mod stratified;
@@ -43,11 +43,11 @@ pub use escape::{EscapeRate, escape_rate, rate_interval};
 pub use frictionless::{
     FrictionlessEquilibrium, FrictionlessKind, HIGH_DRAG, frictionless_equilibria,
 };
-pub use identical_balls::{groups_of_alike, sorted_where_alike};
+pub use identical_balls::{groups_of_identical, sorted_where_identical};
 pub use interval::{Interval, IntervalMethod, Z_95, simultaneous, wilson, wilson_with_failures};
 pub use linearised::{SmallMotions, Stability, state_matrix};
 pub use point_summary::{LabelCounts, Observed, PointAccumulator, PointDetail, PointSummary};
-pub use reference_amplitude::amplitude_without_balls;
+pub use reference_amplitude::reference_amplitude;
 pub use resolution::{FEWEST_GRID_POINTS, MOST_BALL_DAMPING, SAMPLE_COUNTS};
 pub use rest_curve::{RestStep, rest_curve};
 pub use rest_form::{AtRest, RestForm};

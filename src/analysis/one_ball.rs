@@ -61,8 +61,8 @@ impl Arcs {
         self.arcs.len() as u64
     }
 
-    /// The share of the circle that they make up.
-    pub(super) fn share(&self) -> f64 {
+    /// The fraction of the circle that they make up.
+    pub(super) fn fraction(&self) -> f64 {
         self.arcs.iter().map(|[begin, end]| (end - begin) / TAU).sum()
     }
 
@@ -117,7 +117,7 @@ mod tests {
 
     use super::{Arcs, within};
     use crate::analysis::rest_form::{RestForm, direction};
-    use crate::analysis::test_rng::Draws;
+    use crate::analysis::test_rng::TestRng;
     use crate::model::{Ball, Machine};
 
     fn form(speed_rad_s: f64, friction_coefficient: f64, mass_kg: f64) -> RestForm {
@@ -129,7 +129,7 @@ mod tests {
     /// machines: forces beyond all measure, balls that lift off, sets of no, one and two arcs.
     #[test]
     fn arcs_are_where_the_ball_is_held() {
-        let mut draws = Draws::new(5);
+        let mut draws = TestRng::new(5);
         let mut counts = [0_u32; 3];
         for _ in 0..2_000 {
             let power = |low: f64, high: f64, draw: f64| 10.0_f64.powf(low + (high - low) * draw);
@@ -138,7 +138,7 @@ mod tests {
             let form = form(speed, friction, power(-5.0, 0.0, draws.uniform()));
             let arcs = Arcs::of(&form);
             counts[arcs.count() as usize] += 1;
-            assert!(arcs.share() <= 1.0 + 1e-12);
+            assert!(arcs.fraction() <= 1.0 + 1e-12);
             for _ in 0..50 {
                 let beta = TAU * draws.uniform();
                 let near = |angle: f64| (angle - beta).abs() < 1e-9;
@@ -156,7 +156,7 @@ mod tests {
     #[test]
     fn places_without_friction() {
         let arcs = Arcs::of(&form(-216.3772, 0.0, 1.4e-4));
-        assert_eq!((arcs.count(), arcs.share()), (2, 0.0));
+        assert_eq!((arcs.count(), arcs.fraction()), (2, 0.0));
         assert!(arcs.candidates().all(|beta| {
             let required = form(-216.3772, 0.0, 1.4e-4).at_rest(&[beta]).required_friction;
             required < 1e-15
@@ -167,6 +167,6 @@ mod tests {
     #[test]
     fn the_whole_circle_at_standstill() {
         let arcs = Arcs::of(&form(0.0, 0.0, 1.4e-4));
-        assert_eq!((arcs.count(), arcs.share()), (1, 1.0));
+        assert_eq!((arcs.count(), arcs.fraction()), (1, 1.0));
     }
 }

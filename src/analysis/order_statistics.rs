@@ -14,13 +14,13 @@ const MOST_VALUES: usize = 512;
 /// the counts down to 512. Fewer values would never take more, so that the order in which they came
 /// does not matter. (`Tally` rounds to a part of the values, this one to a part of their range.)
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Spread {
+pub struct OrderStatistics {
     counts: BTreeMap<u64, u64>,
     dropped: u32,
     ends: Option<[f64; 2]>,
 }
 
-impl Spread {
+impl OrderStatistics {
     /// Takes a value in; one that is not finite is left out.
     pub fn add(&mut self, value: f64) {
         if !value.is_finite() {
@@ -99,10 +99,10 @@ fn from_ordered_bits(bits: u64) -> f64 {
 mod tests {
     use proptest::prelude::*;
 
-    use super::{MOST_VALUES, Spread};
+    use super::{MOST_VALUES, OrderStatistics};
 
-    fn spread(values: impl IntoIterator<Item = f64>) -> Spread {
-        let mut spread = Spread::default();
+    fn spread(values: impl IntoIterator<Item = f64>) -> OrderStatistics {
+        let mut spread = OrderStatistics::default();
         values.into_iter().for_each(|value| spread.add(value));
         spread
     }
@@ -130,11 +130,11 @@ mod tests {
             middle in 1.0..4.0_f64,
             negative: bool,
             digits in 0.3..14.0_f64,
-            shares in prop::collection::vec(-1.0..1.0_f64, 600..3000),
+            fractions in prop::collection::vec(-1.0..1.0_f64, 600..3000),
         ) {
             let middle = if negative { -middle } else { middle };
             let width = 10_f64.powf(-digits);
-            let mut values: Vec<f64> = shares.iter().map(|share| middle + width * share).collect();
+            let mut values: Vec<f64> = fractions.iter().map(|fraction| middle + width * fraction).collect();
             let found = spread(values.iter().copied());
             prop_assert!(found.counts.len() <= MOST_VALUES);
             prop_assert_eq!(&found, &spread(values.iter().rev().copied()));

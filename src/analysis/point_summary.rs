@@ -4,7 +4,7 @@ use super::audit::AuditCounts;
 use super::cycles::{CycleClasses, CycleGroup};
 use super::equilibrium_histogram::{EquilibriumHistogram, HistogramBin};
 use super::escape::{EscapeRate, Group, escape_rate};
-use super::identical_balls::{groups_of_alike, sorted_where_alike};
+use super::identical_balls::{groups_of_identical, sorted_where_identical};
 use super::interval::{Interval, IntervalMethod, Z_95, simultaneous, wilson_with_failures};
 use super::rest_curve::{RestStep, rest_curve};
 use super::stratified::Cells;
@@ -38,7 +38,7 @@ impl LabelCounts {
         self.0.iter().sum()
     }
 
-    /// Share of all runs that have this label; 0 where there are no runs.
+    /// Fraction of all runs that have this label; 0 where there are no runs.
     pub fn fraction(&self, label: Label) -> f64 {
         match self.total() {
             0 => 0.0,
@@ -46,7 +46,7 @@ impl LabelCounts {
         }
     }
 
-    /// Intervals of the shares of all labels, in the order of [`Label::ALL`], that hold together with
+    /// Intervals of the fractions of all labels, in the order of [`Label::ALL`], that hold together with
     /// 95 % (see [`simultaneous`]). They count runs one by one; cells of a design make them wider
     /// than need be, not wrong.
     pub fn intervals(&self) -> [(f64, f64); 5] {
@@ -113,7 +113,7 @@ pub struct PointAccumulator {
 pub struct PointSummary {
     /// Runs per label.
     pub counts: LabelCounts,
-    /// Share of equilibria: of all runs, or with every cell of a stratified design weighing the same.
+    /// Fraction of equilibria: of all runs, or with every cell of a stratified design weighing the same.
     pub equilibrium_fraction: f64,
     /// Its 95 % interval; failures widen it.
     pub interval: Interval,
@@ -132,10 +132,10 @@ pub struct PointSummary {
 }
 
 impl PointSummary {
-    /// The shares that `time_to_rest_s` is for.
-    pub const TIME_SHARES: [f64; 4] = [0.25, 0.5, 0.75, 0.95];
-    /// The shares that `amplitude_m` is for.
-    pub const AMPLITUDE_SHARES: [f64; 3] = [0.05, 0.5, 0.95];
+    /// The fractions that `time_to_rest_s` is for.
+    pub const TIME_FRACTIONS: [f64; 4] = [0.25, 0.5, 0.75, 0.95];
+    /// The fractions that `amplitude_m` is for.
+    pub const AMPLITUDE_FRACTIONS: [f64; 3] = [0.05, 0.5, 0.95];
 }
 
 impl PointAccumulator {
@@ -169,9 +169,9 @@ impl PointAccumulator {
         {
             let balls = &machine.balls;
             if self.alike.0 != *balls {
-                self.alike = (balls.clone(), groups_of_alike(balls));
+                self.alike = (balls.clone(), groups_of_identical(balls));
             }
-            self.histogram.add(&sorted_where_alike(beta, balls), &self.alike.1);
+            self.histogram.add(&sorted_where_identical(beta, balls), &self.alike.1);
         }
     }
 
@@ -185,10 +185,10 @@ impl PointAccumulator {
         }
     }
 
-    /// The share of equilibria so far. The cells of a stratified design weigh the same, which differs
-    /// from the share of all runs where an interrupted study leaves more runs in one than in another.
+    /// The fraction of equilibria so far. The cells of a stratified design weigh the same, which differs
+    /// from the fraction of all runs where an interrupted study leaves more runs in one than in another.
     pub fn equilibrium_fraction(&self) -> f64 {
-        self.cells.share().unwrap_or_else(|| self.counts.fraction(Label::Equilibrium))
+        self.cells.fraction().unwrap_or_else(|| self.counts.fraction(Label::Equilibrium))
     }
 
     /// Its 95 % interval: from the variation within cells where the design is stratified and every
@@ -219,12 +219,12 @@ impl PointAccumulator {
             counts,
             equilibrium_fraction: self.equilibrium_fraction(),
             interval: self.equilibrium_interval(),
-            time_to_rest_s: PointSummary::TIME_SHARES
-                .map(|share| curve.time_to_rest_quantile(share)),
+            time_to_rest_s: PointSummary::TIME_FRACTIONS
+                .map(|fraction| curve.time_to_rest_quantile(fraction)),
             median_interval_s: curve.time_to_rest_interval(0.5),
             escape: self.escape(),
-            amplitude_m: PointSummary::AMPLITUDE_SHARES
-                .map(|share| self.amplitudes.quantile(share)),
+            amplitude_m: PointSummary::AMPLITUDE_FRACTIONS
+                .map(|fraction| self.amplitudes.quantile(fraction)),
             audit: self.audit,
         }
     }
@@ -270,7 +270,7 @@ mod tests {
     }
 
     /// Runs that rest at a rate of 0.5 while others find limit cycles at the same rate: what still moves
-    /// rests at the former rate, whatever the share that never will.
+    /// rests at the former rate, whatever the fraction that never will.
     #[test]
     fn runs_that_find_cycles_leave_the_exposure() {
         let mut point = PointAccumulator::default();
@@ -293,6 +293,6 @@ mod tests {
         }
         let escape = point.summary().escape.expect("an exponential tail");
         assert_eq!(escape.from_s, 0.0);
-        assert!((escape.rate_1_s - 0.5).abs() < 1e-3, "{escape:?}");
+        assert!((escape.rate_per_s - 0.5).abs() < 1e-3, "{escape:?}");
     }
 }

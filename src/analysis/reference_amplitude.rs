@@ -9,7 +9,7 @@ use crate::model::Machine;
 /// (thesis section 5.2, "if no balls were present"). The balls' mass is gone too, so that the natural
 /// frequency is that of the empty machine. None at the resonance of a suspension without damping,
 /// where the amplitude grows without bound.
-pub fn amplitude_without_balls(machine: &Machine) -> Option<f64> {
+pub fn reference_amplitude(machine: &Machine) -> Option<f64> {
     let speed = machine.speed_rad_s;
     let mass = machine.table_mass_kg + machine.imbalance_mass_kg;
     let force = machine.imbalance_mass_kg * machine.imbalance_radius_m * speed * speed;
@@ -20,7 +20,7 @@ pub fn amplitude_without_balls(machine: &Machine) -> Option<f64> {
 
 #[cfg(test)]
 mod tests {
-    use super::amplitude_without_balls;
+    use super::reference_amplitude;
     use crate::model::{Balancer, Ball, Machine};
 
     fn relative_error(found: f64, expected: f64) -> f64 {
@@ -30,7 +30,7 @@ mod tests {
     /// The thesis's machine: 2.1651e-5 m, computed by hand from its table 3.2.
     #[test]
     fn of_the_thesis_machine() {
-        let found = amplitude_without_balls(&Machine::default()).unwrap();
+        let found = reference_amplitude(&Machine::default()).unwrap();
         assert!(relative_error(found, 2.165_104_571_8e-5) < 1e-10, "{found:e}");
     }
 
@@ -49,8 +49,8 @@ mod tests {
             balancer.rest_amplitude(&beta) * machine.ring_radius_m
         };
         let heavy = of_mass(1e-3);
-        let found = amplitude_without_balls(&heavy).unwrap();
-        assert_eq!(Some(found), amplitude_without_balls(&of_mass(1e-12)));
+        let found = reference_amplitude(&heavy).unwrap();
+        assert_eq!(Some(found), reference_amplitude(&of_mass(1e-12)));
         assert!(relative_error(opposite(&of_mass(1e-12)), found) < 1e-9);
         let kept = relative_error(opposite(&heavy), found);
         assert!((0.04..0.1).contains(&kept), "{kept}");
@@ -59,7 +59,7 @@ mod tests {
     #[test]
     fn nothing_at_standstill_and_no_bound_at_resonance() {
         let still = Machine { speed_rad_s: 0.0, ..Machine::default() };
-        assert_eq!(amplitude_without_balls(&still), Some(0.0));
+        assert_eq!(reference_amplitude(&still), Some(0.0));
         let resonance = Machine {
             table_mass_kg: 0.75,
             imbalance_mass_kg: 0.25,
@@ -68,6 +68,6 @@ mod tests {
             speed_rad_s: -100.0,
             ..Machine::default()
         };
-        assert_eq!(amplitude_without_balls(&resonance), None);
+        assert_eq!(reference_amplitude(&resonance), None);
     }
 }

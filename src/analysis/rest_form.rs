@@ -174,12 +174,12 @@ pub(super) fn larger(a: f64, b: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::{holding, is_held};
-    use crate::analysis::test_rng::Draws;
+    use crate::analysis::test_rng::TestRng;
 
     /// With and without the division, on and beside the edge and where nothing is a number.
     #[test]
     fn held_where_no_more_than_the_limit_is_taken() {
-        let mut draws = Draws::new(8);
+        let mut draws = TestRng::new(8);
         let (mut held, mut seen) = (0, 0);
         let mut same = |z: [f64; 2], e: [f64; 2], coefficient: f64| {
             let (_, used) = holding(z, e, coefficient);

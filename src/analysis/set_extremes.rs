@@ -12,7 +12,7 @@ use std::f64::consts::PI;
 
 use nalgebra::Complex;
 
-use super::identical_balls::groups_of_alike;
+use super::identical_balls::groups_of_identical;
 use super::rest_form::{RestForm, direction};
 
 /// Steps in which a size is looked for, before it is bisected.
@@ -23,7 +23,7 @@ const ROUNDS: usize = 200;
 /// Positions of balls in the set, their angles, with the smallest and the largest amplitude, non-dimensional, in
 /// it as far as it is found: none in an empty set, of balls that can balance (where the smallest is 0), and
 /// without imbalance, where any direction is as good as another.
-pub(super) fn calmest_and_most(form: &RestForm) -> [Option<(f64, Vec<f64>)>; 2] {
+pub(super) fn amplitude_extremes(form: &RestForm) -> [Option<(f64, Vec<f64>)>; 2] {
     let most: f64 = form.transfer.norm() * (form.imbalance + form.mass.iter().sum::<f64>());
     if !(most > 0.0 && most.is_finite() && form.imbalance > 0.0) {
         return [None, None];
@@ -39,11 +39,11 @@ pub(super) fn calmest_and_most(form: &RestForm) -> [Option<(f64, Vec<f64>)>; 2] 
     [found(0.0, above), found(above, 0.0)]
 }
 
-/// Which balls are opposite to the displacement, in all ways that differ: of balls that are alike, the first
+/// Which balls are opposite to the displacement, in all ways that differ: of identical balls, the first
 /// ones.
 fn choices(form: &RestForm) -> Vec<Vec<bool>> {
     let mut all = vec![vec![false; form.mass.len()]];
-    for group in groups_of_alike(&form.balls) {
+    for group in groups_of_identical(&form.balls) {
         let with = |choice: &Vec<bool>, far: usize| {
             let mut choice = choice.clone();
             group.iter().take(far).for_each(|&ball| choice[ball] = true);
@@ -215,12 +215,12 @@ impl Choice<'_> {
 
 #[cfg(test)]
 mod tests {
-    use super::calmest_and_most;
+    use super::amplitude_extremes;
     use crate::analysis::Balance;
     use crate::analysis::frictionless_equilibria;
     use crate::analysis::rest_form::RestForm;
     use crate::analysis::set_samples::held_positions;
-    use crate::analysis::test_rng::Draws;
+    use crate::analysis::test_rng::TestRng;
     use crate::model::{Ball, Machine};
 
     fn form(speed_rad_s: f64, balls: &[(f64, f64)], imbalance: f64) -> RestForm {
@@ -243,7 +243,7 @@ mod tests {
         samples.sort_by(|a, b| (sign * amplitude(b)).total_cmp(&(sign * amplitude(a))));
         assert!(samples.len() > 20, "{}", samples.len());
         let others = samples.iter().step_by(samples.len() / 10);
-        let mut draws = Draws::new(3);
+        let mut draws = TestRng::new(3);
         let climb = |start: &&[f64]| {
             let (mut beta, mut best, mut reach) = (start.to_vec(), amplitude(start), 0.3);
             for _ in 0..20_000 {
@@ -282,7 +282,7 @@ mod tests {
         ] {
             let form = form(speed, balls, imbalance);
             let place = format!("{speed} {balls:?} {imbalance}");
-            let [calmest, most] = calmest_and_most(&form);
+            let [calmest, most] = amplitude_extremes(&form);
             for (found, sign) in [(&calmest, -1.0), (&most, 1.0)] {
                 let (size, beta) = found.as_ref().unwrap();
                 let rest = form.at_rest(beta);
@@ -319,7 +319,8 @@ mod tests {
                 (low.min(amplitude), high.max(amplitude))
             });
             let form = RestForm::new(&machine).unwrap();
-            let found = calmest_and_most(&form).map(|found| found.unwrap().0 * form.ring_radius_m);
+            let found =
+                amplitude_extremes(&form).map(|found| found.unwrap().0 * form.ring_radius_m);
             let errors = [found[0] / low - 1.0, found[1] / high - 1.0];
             assert!(errors.iter().all(|error| error.abs() < 1e-9), "{found:?} {low} {high}");
         }

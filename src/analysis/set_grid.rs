@@ -10,7 +10,7 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 use super::rest_form::{AtRest, RestForm, direction, holding, is_held, larger};
-use super::set_parts::{Run, SetRuns};
+use super::set_components::{Run, SetRuns};
 
 /// A grid over the angles of one ball or two.
 #[derive(Clone, Debug)]
@@ -105,7 +105,7 @@ impl<'a> SetGrid<'a> {
         let used = &mut values.used[..points];
         let (push_x, push_y) = (&push_x[..points], &push_y[..points]);
         let (cosine, sine) = (&self.cosine[..points], &self.sine[..points]);
-        // The balls' parts are added first: exchanging balls that are alike gives the same bits.
+        // The balls' pushes are added first: exchanging identical balls gives the same bits.
         for j in 0..points {
             let x = imbalance.re + (first_x + push_x[j]);
             let y = imbalance.im + (first_y + push_y[j]);
@@ -148,8 +148,8 @@ impl<'a> SetGrid<'a> {
         (0..1_usize << beta.len()).any(|corners| self.form.at_rest(&corner(corners)).in_set())
     }
 
-    /// The share of the grid's points that are in the set of two balls, on the calling thread.
-    pub fn share(&self) -> f64 {
+    /// The fraction of the grid's points that are in the set of two balls, on the calling thread.
+    pub fn fraction(&self) -> f64 {
         let inside = match &self.push[..] {
             [_, _] if self.form.balls[0] == self.form.balls[1] => {
                 // Exchanging the balls gives the same bits: half of the grid is enough.

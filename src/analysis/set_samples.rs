@@ -1,7 +1,7 @@
 //! The equilibrium set of any number of balls at quasi-random positions.
 //!
 //! Sobol' points with hashed Owen scrambling (B. Burley, J. Comput. Graph. Tech. 9 (2020) 4), in
-//! several independent scrambles: each gives an unbiased share, and their scatter an interval.
+//! several independent scrambles: each gives an unbiased fraction, and their scatter an interval.
 
 use std::f64::consts::TAU;
 use std::sync::OnceLock;
@@ -67,24 +67,25 @@ pub fn held_positions(form: &RestForm) -> impl Iterator<Item = &[f64]> {
     (0..BLOCKS).flat_map(|number| Block::of(form.mass.len(), number).held(form))
 }
 
-/// The share of the first 16,384 of them that are in the set.
-pub fn share(form: &RestForm) -> f64 {
+/// The fraction of the first 16,384 of them that are in the set.
+pub fn fraction(form: &RestForm) -> f64 {
     let blocks = 4;
     let held = |number| Block::of(form.mass.len(), number).held(form).count();
     (0..blocks).map(held).sum::<usize>() as f64 / (blocks as u32 * BLOCK * REPLICATES) as f64
 }
 
-/// Mean and 95 % interval from the shares of independent scrambles of `samples` each: Student's t.
+/// Mean and 95 % interval from the fractions of independent scrambles of `samples` each: Student's t.
 /// Where all or none of the samples are in the set and nothing scatters, the interval is Wilson's
 /// for as many independent samples, which quasi-random ones outdo.
-pub fn share_with_interval(shares: &[f64], samples: u32) -> (f64, (f64, f64)) {
-    let n = shares.len() as f64;
-    let mean = shares.iter().sum::<f64>() / n;
-    let all = shares.len() as u64 * u64::from(samples);
+pub fn fraction_with_interval(fractions: &[f64], samples: u32) -> (f64, (f64, f64)) {
+    let n = fractions.len() as f64;
+    let mean = fractions.iter().sum::<f64>() / n;
+    let all = fractions.len() as u64 * u64::from(samples);
     if mean == 0.0 || mean == 1.0 {
         return (mean, wilson(if mean == 0.0 { 0 } else { all }, all, Z_95));
     }
-    let variance = shares.iter().map(|share| (share - mean).powi(2)).sum::<f64>() / (n - 1.0);
+    let variance =
+        fractions.iter().map(|fraction| (fraction - mean).powi(2)).sum::<f64>() / (n - 1.0);
     // No degrees of freedom, no interval but the whole.
     let half = StudentsT::new(0.0, 1.0, n - 1.0)
         .map_or(f64::INFINITY, |student| student.inverse_cdf(0.975) * (variance / n).sqrt());
@@ -93,7 +94,7 @@ pub fn share_with_interval(shares: &[f64], samples: u32) -> (f64, (f64, f64)) {
 
 #[cfg(test)]
 mod tests {
-    use super::{REPLICATES, held_positions, sample, share, share_with_interval};
+    use super::{REPLICATES, fraction, fraction_with_interval, held_positions, sample};
     use crate::analysis::RestForm;
     use crate::model::{Ball, Machine};
 
@@ -113,16 +114,16 @@ mod tests {
             assert!(inside.iter().map(|(_, beta)| beta).eq(&found));
             assert_eq!(found.is_empty(), friction_coefficient == 0.0);
             let first = inside.iter().filter(|(place, _)| *place < 16_384).count();
-            assert_eq!(share(&form), first as f64 / 16_384.0);
+            assert_eq!(fraction(&form), first as f64 / 16_384.0);
         }
     }
 
     /// Student's t for 15 degrees of freedom is 2.131450 in every table.
     #[test]
     fn interval_is_students() {
-        let shares: Vec<f64> =
+        let fractions: Vec<f64> =
             (0..16).map(|i| 0.5 + if i % 2 == 0 { 0.01 } else { -0.01 }).collect();
-        let (mean, (low, high)) = share_with_interval(&shares, 1024);
+        let (mean, (low, high)) = fraction_with_interval(&fractions, 1024);
         let deviation = (16.0 * 1e-4 / 15.0_f64).sqrt();
         let half = 2.131_449_545_559_323 * deviation / 4.0;
         assert!((mean - 0.5).abs() < 1e-15);
@@ -131,9 +132,9 @@ mod tests {
 
     #[test]
     fn all_or_nothing_is_not_called_certain() {
-        let (mean, (low, high)) = share_with_interval(&[1.0; 16], 4096);
+        let (mean, (low, high)) = fraction_with_interval(&[1.0; 16], 4096);
         assert_eq!((mean, high), (1.0, 1.0));
         assert!(low < 1.0 && low > 0.9999, "{low}");
-        assert_eq!(share_with_interval(&[0.0; 16], 4096).1.0, 0.0);
+        assert_eq!(fraction_with_interval(&[0.0; 16], 4096).1.0, 0.0);
     }
 }

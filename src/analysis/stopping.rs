@@ -1,15 +1,15 @@
 //! When to stop sampling a point, and how many runs to compute until that is asked again.
 //!
 //! Whoever looks at an interval again and again and stops when it is narrow must expect it to hold the
-//! share less often than it says; that goes away as the intervals get narrower (Y. S. Chow and
+//! fraction less often than it says; that goes away as the intervals get narrower (Y. S. Chow and
 //! H. Robbins, Ann. Math. Stat. 36 (1965) 457, doi:10.1214/aoms/1177700156). With Wilson's interval it
-//! costs little: in 4,000 to 20,000 simulated points each, with shares of 0.02, 0.1, 0.3, 0.5 and 0.9,
+//! costs little: in 4,000 to 20,000 simulated points each, with fractions of 0.02, 0.1, 0.3, 0.5 and 0.9,
 //! half widths from 0.01 to 0.05 and replicates from 1 to 256 runs, 94.2 to 98.0 % of the 95 %
-//! intervals held the share, and 95.0 to 100 % where shares differed between strata. With a share of
+//! intervals held the fraction, and 95.0 to 100 % where fractions differed between strata. With a fraction of
 //! 0.005 or a half width of 0.1 it was down to 92.4 %. The stratified interval (16 cells, half width
 //! 0.05) held it in 95.2 to 98.9 %.
 
-/// Sampling goes on until the interval of the share of equilibria is narrow enough, or as long as
+/// Sampling goes on until the interval of the fraction of equilibria is narrow enough, or as long as
 /// there may be runs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StoppingRule {
@@ -51,19 +51,19 @@ fn half_width((low, high): (f64, f64)) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::{StoppingRule, half_width};
-    use crate::analysis::test_rng::Draws;
+    use crate::analysis::test_rng::TestRng;
     use crate::analysis::{Observed, PointAccumulator, Z_95, wilson};
     use crate::classification::{Evidence, Outcome};
 
     const CELLS: u64 = 16;
 
-    /// Samples a point whose share of equilibria is `share` by the rule and returns the number of runs
-    /// and the interval. Half of the 16 cells have a larger share by `spread`, half a smaller one;
+    /// Samples a point whose fraction of equilibria is `fraction` by the rule and returns the number of runs
+    /// and the interval. Half of the 16 cells have a larger fraction by `spread`, half a smaller one;
     /// `stratified` says whether the interval knows of the cells.
     fn sampled(
-        draws: &mut Draws,
+        draws: &mut TestRng,
         rule: StoppingRule,
-        share: f64,
+        fraction: f64,
         spread: f64,
         stratified: bool,
     ) -> (u64, (f64, f64)) {
@@ -74,8 +74,8 @@ mod tests {
         while let Some(round) = more {
             for run in runs..runs + round {
                 let cell = run % CELLS;
-                let share = if cell < CELLS / 2 { share + spread } else { share - spread };
-                let outcome = if draws.uniform() < share { &rest } else { &moving };
+                let fraction = if cell < CELLS / 2 { fraction + spread } else { fraction - spread };
+                let outcome = if draws.uniform() < fraction { &rest } else { &moving };
                 point.add(Observed { cell, case: None, outcome, audit: None });
             }
             runs += round;
@@ -88,7 +88,7 @@ mod tests {
     /// once the interval is narrow enough.
     #[test]
     fn rounds_are_whole_replicates_within_bounds() {
-        let mut draws = Draws::new(7);
+        let mut draws = TestRng::new(7);
         for _ in 0..10_000 {
             let replicate = 1 + (draws.uniform() * 300.0) as u64;
             let most = replicate * (1 + (draws.uniform() * 200.0) as u64);
@@ -123,28 +123,30 @@ mod tests {
         assert!(rounds < 12, "{rounds}");
     }
 
-    /// The intervals at which sampling stops hold the share in 94 % at least: 10,000 points each, level
+    /// The intervals at which sampling stops hold the fraction in 94 % at least: 10,000 points each, level
     /// 1e-5 for each of the sixteen (4.3 standard deviations).
     #[test]
     fn coverage_after_stopping() {
         let rule = StoppingRule { half_width: 0.05, replicate: 16, most: 1 << 20 };
         let (points, claimed) = (10_000, 0.94);
         let least = claimed - 4.3 * (claimed * (1.0 - claimed) / f64::from(points)).sqrt();
-        let mut draws = Draws::new(11);
-        for share in [0.02, 0.1, 0.5, 0.9] {
-            let apart = 0.9 * f64::min(share, 1.0 - share);
+        let mut draws = TestRng::new(11);
+        for fraction in [0.02, 0.1, 0.5, 0.9] {
+            let apart = 0.9 * f64::min(fraction, 1.0 - fraction);
             for (spread, stratified) in [(0.0, false), (apart, false), (0.0, true), (apart, true)] {
                 let mut covered = 0;
                 for _ in 0..points {
-                    let (_, (low, high)) = sampled(&mut draws, rule, share, spread, stratified);
+                    let (_, (low, high)) = sampled(&mut draws, rule, fraction, spread, stratified);
                     assert!(half_width((low, high)) <= rule.half_width);
-                    covered += u32::from(low <= share && share <= high);
+                    covered += u32::from(low <= fraction && fraction <= high);
                 }
                 let coverage = f64::from(covered) / f64::from(points);
-                println!("share {share}, spread {spread}, stratified {stratified}: {coverage}");
+                println!(
+                    "fraction {fraction}, spread {spread}, stratified {stratified}: {coverage}"
+                );
                 assert!(
                     coverage > least,
-                    "share {share}, spread {spread}, {stratified}: {coverage}"
+                    "fraction {fraction}, spread {spread}, {stratified}: {coverage}"
                 );
             }
         }

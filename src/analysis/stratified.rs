@@ -1,9 +1,9 @@
-//! A share of runs whose start states were drawn cell by cell.
+//! A fraction of runs whose start states were drawn cell by cell.
 //!
 //! Cells of equal size share the box of start states, and each has samples of its own, so that only
-//! the variation *within* cells makes the mean of the cells' shares uncertain: parameters drawn anew
+//! the variation *within* cells makes the mean of the cells' fractions uncertain: parameters drawn anew
 //! for each run are part of it. With `H` cells, `n_h` samples and `k_h` successes in each, the
-//! share is `p = Σ p_h / H` with `p_h = k_h / n_h`, and its variance without bias
+//! fraction is `p = Σ p_h / H` with `p_h = k_h / n_h`, and its variance without bias
 //!
 //! ```text
 //! V = Σ p_h (1 - p_h) / (n_h - 1) / H²
@@ -16,15 +16,15 @@
 //!
 //! That alone is wrong where few cells are mixed, as their number is then hardly known: two or three
 //! samples that agree do not prove that a cell is pure. (Of 16 cells with two samples, half of them with
-//! a share of 1 and half with 0.005, no mixed cell is seen in 92 % of all samples; the variance is
+//! a fraction of 1 and half with 0.005, no mixed cell is seen in 92 % of all samples; the variance is
 //! then 0 and the interval a wrong number.) Hence two bounds. To the variance is added that of `z²/2`
 //! mixed cells more, just as Wilson's interval itself adds `z²/2` successes and as many failures; one
 //! mixed cell contributes about `1 / (H n)²`, `n` being the least `n_h`. And the runs that count are
 //! never fewer than `H n`, as cells never do harm.
 //!
-//! Coverage and mean width in simulated samples, 1000 of each of 33 populations of cells: all alike;
-//! half of them pure 0, half pure 1 and a share of them mixed; nearly pure; from Beta distributions;
-//! shares from 0.004 to 0.996. In brackets: where less than one success or failure is expected, so
+//! Coverage and mean width in simulated samples, 1000 of each of 33 populations of cells: all identical;
+//! half of them pure 0, half pure 1 and a fraction of them mixed; nearly pure; from Beta distributions;
+//! fractions from 0.004 to 0.996. In brackets: where less than one success or failure is expected, so
 //! that Wilson's interval itself falls to 0.84. "3, 2" is an interrupted study.
 //!
 //! ```text
@@ -81,9 +81,9 @@ impl Cells {
         self.0.iter().map(|cell| cell.runs).min().filter(|&runs| runs >= 2).map(|runs| runs as f64)
     }
 
-    /// The share of equilibria with every cell weighing the same; `None` where the cells have too
+    /// The fraction of equilibria with every cell weighing the same; `None` where the cells have too
     /// few runs.
-    pub fn share(&self) -> Option<f64> {
+    pub fn fraction(&self) -> Option<f64> {
         self.fewest().map(|_| self.mean(|cell| cell.equilibria))
     }
 
@@ -98,36 +98,36 @@ impl Cells {
     fn mean(&self, successes: impl Fn(&Cell) -> u64) -> f64 {
         let equal = self.0.iter().all(|cell| cell.runs == self.0[0].runs);
         if equal {
-            // To the last digit the share of all runs.
+            // To the last digit the fraction of all runs.
             let [successes, runs] = self.0.iter().fold([0, 0], |[successes_, runs], cell| {
                 [successes_ + successes(cell), runs + cell.runs]
             });
             return successes as f64 / runs as f64;
         }
-        let shares = self.0.iter().map(|cell| successes(cell) as f64 / cell.runs as f64);
-        shares.sum::<f64>() / self.0.len() as f64
+        let fractions = self.0.iter().map(|cell| successes(cell) as f64 / cell.runs as f64);
+        fractions.sum::<f64>() / self.0.len() as f64
     }
 
     fn interval_of(&self, successes: impl Fn(&Cell) -> u64 + Copy) -> Option<(f64, f64)> {
         let fewest = self.fewest()?;
         let cells = self.0.len() as f64;
         let within = self.0.iter().map(|cell| {
-            let share = successes(cell) as f64 / cell.runs as f64;
-            share * (1.0 - share) / (cell.runs - 1) as f64
+            let fraction = successes(cell) as f64 / cell.runs as f64;
+            fraction * (1.0 - fraction) / (cell.runs - 1) as f64
         });
         let mixed_cells_more = 0.5 * Z_95 * Z_95;
         let variance =
             (within.sum::<f64>() + mixed_cells_more / (fewest * fewest)) / (cells * cells);
-        let share = self.mean(successes);
-        let trials = (share * (1.0 - share) / variance).max(cells * fewest);
-        Some(score_interval(share, trials, Z_95))
+        let fraction = self.mean(successes);
+        let trials = (fraction * (1.0 - fraction) / variance).max(cells * fewest);
+        Some(score_interval(fraction, trials, Z_95))
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::{Cells, MOST_CELLS};
-    use crate::analysis::test_rng::Draws;
+    use crate::analysis::test_rng::TestRng;
     use crate::analysis::{Z_95, wilson};
 
     /// Cells with these runs, equilibria and failures.
@@ -145,7 +145,7 @@ mod tests {
     #[test]
     fn cells_that_say_nothing_have_no_interval() {
         assert_eq!(cells(&[[2, 1, 0], [1, 1, 0]]).interval(), None);
-        assert_eq!(cells(&[[2, 1, 0], [1, 1, 0]]).share(), None);
+        assert_eq!(cells(&[[2, 1, 0], [1, 1, 0]]).fraction(), None);
         assert_eq!(cells(&[[50, 20, 0]]).interval(), None);
         assert_eq!(Cells::new(MOST_CELLS + 1), Cells::default());
         assert_eq!(Cells::new(u64::MAX), Cells::default());
@@ -158,20 +158,20 @@ mod tests {
     fn ends_solve_the_score_equation() {
         let counts = [[4, 0, 0], [4, 1, 0], [4, 4, 0], [4, 3, 0], [4, 4, 0], [4, 4, 0]];
         let squares = |equilibria: u64| {
-            let share = equilibria as f64 / 4.0;
-            let deviations = (0..4).map(|run| f64::from(u8::from(run < equilibria)) - share);
+            let fraction = equilibria as f64 / 4.0;
+            let deviations = (0..4).map(|run| f64::from(u8::from(run < equilibria)) - fraction);
             deviations.map(|deviation| deviation * deviation).sum::<f64>() / 3.0
         };
         let within: f64 = counts.iter().map(|[_, equilibria, _]| squares(*equilibria) / 4.0).sum();
         let variance = within / 36.0 + 0.5 * Z_95 * Z_95 / (24.0 * 24.0);
-        let share = 16.0 / 24.0;
-        let trials = share * (1.0 - share) / variance;
+        let fraction = 16.0 / 24.0;
+        let trials = fraction * (1.0 - fraction) / variance;
         assert!(trials > 24.0 * 1.2, "more than without cells: {trials}");
         let cells = cells(&counts);
-        assert_eq!(cells.share(), Some(share));
+        assert_eq!(cells.fraction(), Some(fraction));
         let (low, high) = cells.interval().unwrap();
         for end in [low, high] {
-            let score = (end - share).abs() - Z_95 * (end * (1.0 - end) / trials).sqrt();
+            let score = (end - fraction).abs() - Z_95 * (end * (1.0 - end) / trials).sqrt();
             assert!(score.abs() < 1e-12, "{end}");
         }
     }
@@ -196,13 +196,13 @@ mod tests {
         assert_eq!(with, (low.0, high.1));
         // Six of eight runs, yet half of the box.
         let uneven = cells(&[[6, 6, 0], [2, 0, 0]]);
-        assert_eq!(uneven.share(), Some(0.5));
+        assert_eq!(uneven.fraction(), Some(0.5));
         let (low, high) = uneven.interval().unwrap();
         assert!((low + high - 1.0).abs() < 1e-12);
     }
 
-    /// Shares of the cells of a family of populations.
-    fn populations(cells: usize, draws: &mut Draws) -> Vec<Vec<f64>> {
+    /// Fractions of the cells of a family of populations.
+    fn populations(cells: usize, draws: &mut TestRng) -> Vec<Vec<f64>> {
         let mut all = Vec::new();
         let half = |cell: usize| (cell % 2) as f64;
         for mean in [0.004, 0.1, 0.5, 0.9, 0.996] {
@@ -212,8 +212,8 @@ mod tests {
                 all.push((0..cells).map(|_| draws.beta(a, b)).collect());
             }
         }
-        for share in [0.0, 0.02, 0.1, 0.25, 0.5] {
-            let mixed = (share * cells as f64).round() as usize;
+        for fraction in [0.0, 0.02, 0.1, 0.25, 0.5] {
+            let mixed = (fraction * cells as f64).round() as usize;
             for level in [0.5, 0.1] {
                 let of = |cell| if cell < mixed { level } else { half(cell) };
                 all.push((0..cells).map(of).collect());
@@ -225,18 +225,18 @@ mod tests {
         all
     }
 
-    fn binomial(runs: u64, share: f64, draws: &mut Draws) -> u64 {
-        if share <= 0.0 || share >= 1.0 {
-            return if share > 0.5 { runs } else { 0 };
+    fn binomial(runs: u64, fraction: f64, draws: &mut TestRng) -> u64 {
+        if fraction <= 0.0 || fraction >= 1.0 {
+            return if fraction > 0.5 { runs } else { 0 };
         }
         let mut left = draws.uniform();
-        let mut probability = (1.0 - share).powi(runs as i32);
+        let mut probability = (1.0 - fraction).powi(runs as i32);
         for k in 0..runs {
             left -= probability;
             if left < 0.0 {
                 return k;
             }
-            probability *= share / (1.0 - share) * (runs - k) as f64 / (k + 1) as f64;
+            probability *= fraction / (1.0 - fraction) * (runs - k) as f64 / (k + 1) as f64;
         }
         runs
     }
@@ -251,7 +251,7 @@ mod tests {
 
     /// Coverage over seeded samples: `runs` in every cell, in the second half of the cells
     /// `runs_late`.
-    fn measure(count: usize, runs: u64, runs_late: u64, draws: &mut Draws) -> Measured {
+    fn measure(count: usize, runs: u64, runs_late: u64, draws: &mut TestRng) -> Measured {
         let mut measured = Measured { least: [1.0; 2], mean: 0.0, width: 0.0, least_width: 1.0 };
         let populations = populations(count, draws);
         let repetitions = 1000;
@@ -260,9 +260,9 @@ mod tests {
             let (mut held, mut width, mut wilson_width) = (0, 0.0, 0.0);
             for _ in 0..repetitions {
                 let mut cells = Cells::new(count as u64);
-                for (index, (cell, &share)) in cells.0.iter_mut().zip(population).enumerate() {
+                for (index, (cell, &fraction)) in cells.0.iter_mut().zip(population).enumerate() {
                     cell.runs = if 2 * index < count { runs } else { runs_late };
-                    cell.equilibria = binomial(cell.runs, share, draws);
+                    cell.equilibria = binomial(cell.runs, fraction, draws);
                 }
                 let total = |of: fn(&super::Cell) -> u64| cells.0.iter().map(of).sum::<u64>();
                 let (low, high) = cells.interval().unwrap();
@@ -289,7 +289,7 @@ mod tests {
     /// the mean; and many cells make the interval narrower.
     #[test]
     fn coverage_and_width() {
-        let mut draws = Draws::new(65);
+        let mut draws = TestRng::new(65);
         for count in [16, 256] {
             for (runs, runs_late) in [(2, 2), (3, 3), (5, 5), (10, 10), (3, 2)] {
                 let found = measure(count, runs, runs_late, &mut draws);

@@ -1,4 +1,4 @@
-//! Time to rest: the share of runs still moving over time, with runs that were stopped before they
+//! Time to rest: the fraction of runs still moving over time, with runs that were stopped before they
 //! came to rest as censored observations (Kaplan-Meier), and how well it is known.
 
 use super::interval::Z_95;
@@ -14,9 +14,9 @@ pub struct SurvivalStep {
     pub rests: u64,
     /// Runs stopped while moving, then or later but before the next step.
     pub stopped: u64,
-    /// Share of runs still moving right after.
+    /// Fraction of runs still moving right after.
     pub moving: f64,
-    /// The 95 % interval of that share.
+    /// The 95 % interval of that fraction.
     pub interval: (f64, f64),
     /// Greenwood's sum, the variance of `moving` over its square; infinite where nothing moves.
     greenwood: f64,
@@ -32,7 +32,7 @@ impl SurvivalStep {
     }
 }
 
-/// The Kaplan-Meier estimate of the share of runs still moving.
+/// The Kaplan-Meier estimate of the fraction of runs still moving.
 ///
 /// Source: E. L. Kaplan, P. Meier, J. Am. Stat. Assoc. 53 (1958) 457,
 /// doi:10.1080/01621459.1958.10501452.
@@ -60,7 +60,7 @@ impl SurvivalCurve {
         for (time_s, [rests, stopped]) in groups {
             if rests > 0 {
                 let (here, left) = (at_risk as f64, (at_risk - rests) as f64);
-                // Runs that would have shown as much of this share had none been stopped early.
+                // Runs that would have shown as much of this fraction had none been stopped early.
                 let effective = here / moving;
                 moving *= left / here;
                 greenwood += rests as f64 / (here * left);
@@ -88,41 +88,41 @@ impl SurvivalCurve {
         curve
     }
 
-    /// The 95 % interval of the share still moving while no run has come to rest.
+    /// The 95 % interval of the fraction still moving while no run has come to rest.
     pub fn interval_before(&self) -> (f64, f64) {
         interval(1.0, 0.0, self.runs as f64)
     }
 
-    /// The time by which this share of runs has come to rest, s; `None` where it is not reached.
-    pub fn time_to_rest_quantile(&self, share: f64) -> Option<f64> {
-        self.first_time(share, |step| step.moving)
+    /// The time by which this fraction of runs has come to rest, s; `None` where it is not reached.
+    pub fn time_to_rest_quantile(&self, fraction: f64) -> Option<f64> {
+        self.first_time(fraction, |step| step.moving)
     }
 
-    /// The 95 % interval of that time, s: the times at which the share lies in the curve's interval.
+    /// The 95 % interval of that time, s: the times at which the fraction lies in the curve's interval.
     /// An end is `None` where it is not reached.
     ///
     /// Source: R. Brookmeyer, J. Crowley, Biometrics 38 (1982) 29, doi:10.2307/2530286, with the
     /// interval of the curve that is used here.
-    pub fn time_to_rest_interval(&self, share: f64) -> [Option<f64>; 2] {
+    pub fn time_to_rest_interval(&self, fraction: f64) -> [Option<f64>; 2] {
         [
-            self.first_time(share, |step| step.interval.0),
-            self.first_time(share, |step| step.interval.1),
+            self.first_time(fraction, |step| step.interval.0),
+            self.first_time(fraction, |step| step.interval.1),
         ]
     }
 
-    fn first_time(&self, share: f64, moving: impl Fn(&SurvivalStep) -> f64) -> Option<f64> {
-        // A share like 0.95 of 256 runs must not be missed for a rounding error in the product.
-        let enough = 1.0 - share + 1e-12;
+    fn first_time(&self, fraction: f64, moving: impl Fn(&SurvivalStep) -> f64) -> Option<f64> {
+        // A fraction like 0.95 of 256 runs must not be missed for a rounding error in the product.
+        let enough = 1.0 - fraction + 1e-12;
         self.steps.iter().find(|step| moving(step) <= enough).map(|step| step.time_s)
     }
 }
 
-/// The 95 % interval of a share still moving: Greenwood's variance on the scale of log(-log), which
+/// The 95 % interval of a fraction still moving: Greenwood's variance on the scale of log(-log), which
 /// keeps it within 0 and 1.
 ///
 /// At the ends, where that scale has no place, it is the exact binomial interval (C. J. Clopper,
 /// E. S. Pearson, Biometrika 26 (1934) 404, doi:10.1093/biomet/26.4.404) of all or none of the
-/// effective number of runs: those at risk over the share that they are of all (F. J. Dorey,
+/// effective number of runs: those at risk over the fraction that they are of all (F. J. Dorey,
 /// E. L. Korn, Stat. Med. 6 (1987) 679, doi:10.1002/sim.4780060605), which without censoring is the
 /// number of runs.
 ///
@@ -145,7 +145,7 @@ fn interval(moving: f64, greenwood: f64, effective: f64) -> (f64, f64) {
 mod tests {
     use super::SurvivalCurve;
     use crate::analysis::Tally;
-    use crate::analysis::test_rng::Draws;
+    use crate::analysis::test_rng::TestRng;
 
     fn curve(rests: &[f64], stopped: &[f64]) -> SurvivalCurve {
         let mut times = Tally::default();
@@ -231,7 +231,7 @@ mod tests {
     /// 20 runs so few have rested early that the coverage, as any discrete one, falls to 0.93.
     #[test]
     fn coverage_is_95_percent() {
-        let mut draws = Draws::new(3);
+        let mut draws = TestRng::new(3);
         for (runs, least) in [(20, 0.915), (100, 0.93)] {
             let times = [0.02, 0.2, 0.7, 1.5, 2.5];
             let (mut held, mut median) = ([0.0; 5], 0.0);
@@ -257,12 +257,12 @@ mod tests {
                     low.is_none_or(|low| low <= exact) && high.is_none_or(|high| exact <= high);
                 median += f64::from(u8::from(holds));
             }
-            let share = |count: f64| count / f64::from(repetitions);
-            println!("{runs} runs: {:?}, median {}", held.map(share), share(median));
+            let fraction = |count: f64| count / f64::from(repetitions);
+            println!("{runs} runs: {:?}, median {}", held.map(fraction), fraction(median));
             for (held, time) in held.into_iter().zip(times) {
-                assert!(share(held) > least, "{runs} runs, {time} s: {}", share(held));
+                assert!(fraction(held) > least, "{runs} runs, {time} s: {}", fraction(held));
             }
-            assert!((share(median) - 0.95).abs() < 0.02, "{runs} runs: {}", share(median));
+            assert!((fraction(median) - 0.95).abs() < 0.02, "{runs} runs: {}", fraction(median));
         }
     }
 }

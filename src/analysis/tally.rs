@@ -46,9 +46,9 @@ impl Tally {
     /// The quantile of the values of both kinds, linear between order statistics (type 7 of
     /// Hyndman and Fan, Am. Stat. 50 (1996) 361, doi:10.1080/00031305.1996.10473566); `None` of
     /// nothing.
-    pub fn quantile(&self, share: f64) -> Option<f64> {
+    pub fn quantile(&self, fraction: f64) -> Option<f64> {
         let all: u64 = self.groups.values().flatten().sum();
-        let place = share * all.checked_sub(1)? as f64;
+        let place = fraction * all.checked_sub(1)? as f64;
         let order_statistic = |rank: f64| {
             let mut before = 0;
             let mut values = self.groups();
@@ -101,9 +101,9 @@ mod tests {
         let ascending = tally((0..1_000_000).map(value));
         assert_eq!(ascending, tally((0..1_000_000).rev().map(value)));
         assert!(ascending.groups.len() <= MOST_VALUES);
-        for share in [0.05, 0.5, 0.95] {
-            let exact = value((share * 999_999.0) as u32);
-            let found = ascending.quantile(share).unwrap();
+        for fraction in [0.05, 0.5, 0.95] {
+            let exact = value((fraction * 999_999.0) as u32);
+            let found = ascending.quantile(fraction).unwrap();
             assert!((found / exact - 1.0).abs() < 2.5e-4, "{found} {exact}");
         }
         let mut endless = ascending;

@@ -4,12 +4,12 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
 /// A stream of random numbers.
-pub struct Draws(ChaCha8Rng);
+pub struct TestRng(ChaCha8Rng);
 
-impl Draws {
+impl TestRng {
     /// The stream of a seed.
     pub fn new(seed: u64) -> Self {
-        Draws(ChaCha8Rng::seed_from_u64(seed))
+        TestRng(ChaCha8Rng::seed_from_u64(seed))
     }
 
     /// Uniform between 0 and 1, never one of them.

@@ -3,7 +3,7 @@
 use super::certificate::{certified, certified_by_closed_form};
 use super::closed_orbit::Orbit;
 use super::creep::creeps;
-use super::cycle::{Cycle, Doing};
+use super::cycle::{Cycle, CyclePhase};
 use super::effort::effort_limit;
 use super::follow::{Horizons, Run, follow};
 use super::lyapunov::{SEPARATION_WINDOW, Separation};
@@ -304,7 +304,7 @@ fn in_seconds(exponent: LyapunovExponent, natural: f64) -> LyapunovExponent {
 fn cycle<const N: usize>(orbit: &Orbit<N>, Units { natural, radius }: Units) -> Cycle {
     let angles = orbit.turns.iter().zip(orbit.angle_extremes);
     let angles = angles.map(|(&turns, extremes)| (turns == 0).then_some(extremes));
-    let of_all = |doing: &[Doing; N]| doing.to_vec();
+    let of_all = |cycle_phase: &[CyclePhase; N]| cycle_phase.to_vec();
     Cycle {
         turns: orbit.turns.to_vec(),
         configurations: orbit.configurations.iter().map(of_all).collect(),

@@ -9,7 +9,7 @@
 //! cycle is claimed. A block that slides on a belt for good has no dry friction to stop it; unless
 //! its law damps it, so that it settles, it swings for ever as it started.
 
-use super::block_cycle::BlockCourse;
+use super::block_cycle::BlockCycleRecorder;
 use super::cycle::Cycle;
 use super::effort::effort_limit;
 use super::extremes::{Extremes, Passed};
@@ -81,7 +81,7 @@ struct BreakAway {
     /// The extremes since then.
     extremes: Extremes,
     /// What it has done since then.
-    course: BlockCourse,
+    course: BlockCycleRecorder,
 }
 
 /// How the loop came to its end.
@@ -106,7 +106,7 @@ impl BlockRun<'_> {
             return Some(time - last.time);
         }
         let extremes = Extremes::from_place(time, position);
-        let course = BlockCourse::default();
+        let course = BlockCycleRecorder::default();
         self.last_break_away = Some(BreakAway { time, position, extremes, course });
         None
     }

@@ -4,20 +4,20 @@
 //! one period: the only multiplier off the direction of the motion itself is 0, and no direction is
 //! neutral.
 
-use super::cycle::{Cycle, Doing};
+use super::cycle::{Cycle, CyclePhase};
 use crate::model::{Slider, SliderState};
 use crate::motion::{Motion, Phase, derivative};
 
 /// What a block has done since it broke away.
 #[derive(Clone, Debug, Default)]
-pub(super) struct BlockCourse {
+pub(super) struct BlockCycleRecorder {
     /// One after another, neighbours differ.
-    doings: Vec<Doing>,
+    cycle_phases: Vec<CyclePhase>,
     /// Least and greatest speed relative to the belt, non-dimensional; 0 at break-away.
     speeds: [f64; 2],
 }
 
-impl BlockCourse {
+impl BlockCycleRecorder {
     /// Takes in the motion's latest step, in which the block was in this phase.
     pub(super) fn extend(
         &mut self,
@@ -26,11 +26,11 @@ impl BlockCourse {
         in_step: Phase,
     ) {
         let speed = motion.state().beta_dot[0];
-        let doing = Doing::of(in_step, speed);
-        if self.doings.last() != Some(&doing) {
-            self.doings.push(doing);
+        let cycle_phase = CyclePhase::of(in_step, speed);
+        if self.cycle_phases.last() != Some(&cycle_phase) {
+            self.cycle_phases.push(cycle_phase);
         }
-        if doing == Doing::Stick {
+        if cycle_phase == CyclePhase::Stick {
             return;
         }
         // It is fastest where its acceleration passes through zero, or at the end of the step.
@@ -51,7 +51,11 @@ impl BlockCourse {
     pub(super) fn cycle(&self, unit_speed_m_s: f64, amplitude_m: f64) -> Cycle {
         Cycle {
             turns: vec![0],
-            configurations: self.doings.iter().map(|&doing| vec![doing]).collect(),
+            configurations: self
+                .cycle_phases
+                .iter()
+                .map(|&cycle_phase| vec![cycle_phase])
+                .collect(),
             speed_extremes: vec![self.speeds.map(|speed| speed * unit_speed_m_s)],
             angle_extremes: vec![None],
             peak_amplitude_m: amplitude_m,

@@ -7,7 +7,7 @@
 
 use nalgebra::{DMatrix, Dyn, LU, Schur};
 
-use super::cycle::Doing;
+use super::cycle::CyclePhase;
 use super::period::Period;
 use super::return_map::{Return, ReturnMap};
 use crate::model::State;
@@ -40,7 +40,7 @@ pub struct Orbit<const N: usize> {
     /// Whole turns of each ball per period, with sign.
     pub turns: [i32; N],
     /// What the balls do, one after another.
-    pub configurations: Vec<[Doing; N]>,
+    pub configurations: Vec<[CyclePhase; N]>,
     /// Mean speed of each ball relative to the ring, non-dimensional.
     pub speed: [f64; N],
     /// Least and greatest speed of each ball.

@@ -6,7 +6,7 @@ use crate::motion::Phase;
 
 /// What a contact does at one time in a cycle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
-pub enum Doing {
+pub enum CyclePhase {
     /// It rests on what it lies on.
     Stick,
     /// It moves in its coordinate's positive direction.
@@ -15,17 +15,17 @@ pub enum Doing {
     Backward,
 }
 
-impl Doing {
+impl CyclePhase {
     /// What a contact in this phase does; `speed` decides where the phase has no direction.
     pub fn of(phase: Phase, speed: f64) -> Self {
         match phase {
-            Phase::Stick => Doing::Stick,
+            Phase::Stick => CyclePhase::Stick,
             Phase::Slip(direction) | Phase::Transition(direction) if direction > 0.0 => {
-                Doing::Forward
+                CyclePhase::Forward
             }
-            Phase::Slip(_) | Phase::Transition(_) => Doing::Backward,
-            Phase::Free if speed >= 0.0 => Doing::Forward,
-            Phase::Free => Doing::Backward,
+            Phase::Slip(_) | Phase::Transition(_) => CyclePhase::Backward,
+            Phase::Free if speed >= 0.0 => CyclePhase::Forward,
+            Phase::Free => CyclePhase::Backward,
         }
     }
 }
@@ -37,7 +37,7 @@ pub struct Cycle {
     pub turns: Vec<i32>,
     /// What the contacts do over one period, one after another; it begins where the period was
     /// begun, which says nothing, and neighbours differ.
-    pub configurations: Vec<Vec<Doing>>,
+    pub configurations: Vec<Vec<CyclePhase>>,
     /// Least and greatest speed of each contact relative to what it lies on: rad/s of a ball, m/s
     /// of a block.
     pub speed_extremes: Vec<[f64; 2]>,
@@ -63,6 +63,6 @@ impl Cycle {
 
     /// Whether a contact rests all along the cycle.
     pub fn rests(&self, contact: usize) -> bool {
-        self.configurations.iter().all(|configuration| configuration[contact] == Doing::Stick)
+        self.configurations.iter().all(|configuration| configuration[contact] == CyclePhase::Stick)
     }
 }

@@ -15,7 +15,7 @@ use super::recorder::Recorder;
 use super::simulate::one_by_one;
 use crate::model::{Ball, Case, Model};
 use crate::motion::lockstep::{Group, Happened, LANES, Room, Saved, advance};
-use crate::motion::{VectorLevel, unwind_if_cancelled};
+use crate::motion::{SimdLevel, unwind_if_cancelled};
 
 /// Where runs come from and outcomes go to.
 pub trait Runs {
@@ -33,7 +33,7 @@ pub trait Runs {
 
 /// Simulates runs until there are no more, in lockstep where their models allow it (see
 /// [`goes_in_lockstep`]). Each outcome is that of [`super::simulate`], to the last bit.
-pub fn simulate_in_lockstep(level: VectorLevel, runs: &mut dyn Runs) {
+pub fn simulate_in_lockstep(level: SimdLevel, runs: &mut dyn Runs) {
     let mut upcoming = runs.next();
     while let Some((number, case)) = upcoming.take() {
         upcoming = match lanes_for(&case) {
@@ -69,7 +69,7 @@ pub fn goes_in_lockstep(model: &Model) -> bool {
 }
 
 fn at<const N: usize>(
-    level: VectorLevel,
+    level: SimdLevel,
     runs: &mut dyn Runs,
     first: (u64, Case),
 ) -> Option<(u64, Case)> {

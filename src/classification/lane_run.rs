@@ -51,7 +51,7 @@ pub(super) enum Next<const N: usize> {
     /// It has ended.
     Done(Box<Outcome>),
     /// It is to be computed by itself.
-    GiveUp,
+    Fallback,
 }
 
 impl<const N: usize> LaneRun<N> {
@@ -146,7 +146,7 @@ impl<const N: usize> LaneRun<N> {
             Some(Trouble::Failure(failure)) => {
                 return self.ends(group, lane, Ending::Failure(failure));
             }
-            Some(Trouble::GiveUp) => return Next::GiveUp,
+            Some(Trouble::Fallback) => return Next::Fallback,
             None => {}
         }
         let time = group.time(lane);
@@ -259,7 +259,7 @@ impl<const N: usize> LaneRun<N> {
 
     /// Ends the run at its end time, or continues it to the later one.
     fn ends_in_time<S: Simd>(&mut self, group: &Group<S, N>, lane: usize) -> Next<N> {
-        let Some(mut run) = self.by_itself(group, lane) else { return Next::GiveUp };
+        let Some(mut run) = self.by_itself(group, lane) else { return Next::Fallback };
         let ending = run.at_end_time();
         let outcome = run.outcome(ending);
         if let (Some(extend), Some(mut kept)) = (self.extend, self.kept.take())
@@ -278,7 +278,7 @@ impl<const N: usize> LaneRun<N> {
                 let outcome = run.outcome(ending);
                 Next::Done(Box::new(Outcome { extended: self.extended, ..outcome }))
             }
-            None => Next::GiveUp,
+            None => Next::Fallback,
         }
     }
 

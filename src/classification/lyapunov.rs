@@ -1,7 +1,7 @@
 //! Irregular motion: neighbouring motions separate exponentially.
 //!
 //! A small displacement is carried along the motion by the linearised flow, through stick and slip
-//! ([`crate::motion::Variation`]), and made small again whenever it has grown (G. Benettin, L.
+//! ([`crate::motion::Variational`]), and made small again whenever it has grown (G. Benettin, L.
 //! Galgani, A. Giorgilli, J.-M. Strelcyn, Meccanica 15 (1980) 9, doi:10.1007/BF02128236; with
 //! saltation: P. C. Müller, Chaos Solitons Fractals 5 (1995) 1671,
 //! doi:10.1016/0960-0779(94)00170-U). The mean rate of growth over a window at the end of the run is
@@ -20,7 +20,7 @@
 
 use super::outcome::LyapunovExponent;
 use crate::model::{State, System};
-use crate::motion::{Motion, Variation};
+use crate::motion::{Motion, Variational};
 
 /// The part of the time at the end of a run over which separation is measured.
 pub(super) const SEPARATION_WINDOW: f64 = 0.75;
@@ -48,7 +48,7 @@ const COURSES: f64 = 20.0;
 /// Measures how fast neighbours of a motion separate from some time on until another.
 #[derive(Clone, Debug)]
 pub(super) struct Separation<const N: usize, const FREE: usize> {
-    variation: Variation<N, FREE>,
+    variation: Variational<N, FREE>,
     start: f64,
     end: f64,
     /// Logarithm of the growth so far.
@@ -69,12 +69,12 @@ struct Mark {
 impl<const N: usize, const FREE: usize> Separation<N, FREE> {
     /// To be measured from `start` to `end`.
     pub(super) fn new(start: f64, end: f64) -> Self {
-        // Contacts displaced, all alike: exchanging two of them exchanges the displacements only. Balls
+        // Contacts displaced, all identical: exchanging two of them exchanges the displacements only. Balls
         // that are exactly side by side it keeps so; that their orbit is unstable, multipliers show.
         // (Displaced speeds would first carry contacts apart in proportion to time, for long.)
         let displaced = State { beta: [1.0; N], ..State::zero() };
         Separation {
-            variation: Variation::new(vec![displaced]),
+            variation: Variational::new(vec![displaced]),
             start,
             end,
             growth: 0.0,

@@ -44,7 +44,7 @@ pub const MODEL_VERSION: u32 = 4;
 
 pub use certificate::{certified, certified_by_closed_form};
 pub use closed_orbit::Orbit;
-pub use cycle::{Cycle, Doing};
+pub use cycle::{Cycle, CyclePhase};
 pub use effort::{most_steps_of_a_run, most_steps_of_any_run, seconds_per_step};
 pub use in_lockstep::{Runs, goes_in_lockstep, simulate_in_lockstep};
 pub use orbit::OrbitWatch;

@@ -1,6 +1,6 @@
 //! What happens in one period of a cycle: order of stick and slip, extremes, means, margins.
 
-use super::cycle::Doing;
+use super::cycle::CyclePhase;
 use super::section::Section;
 use crate::model::{Balancer, State};
 use crate::motion::{Motion, Phase, derivative, forces};
@@ -14,7 +14,7 @@ pub(super) struct Period<const N: usize> {
     time: f64,
     state: State<N>,
     /// What the balls do, one after another.
-    pub(super) configurations: Vec<[Doing; N]>,
+    pub(super) configurations: Vec<[CyclePhase; N]>,
     /// Least and greatest speed of each ball.
     pub(super) speeds: [[f64; 2]; N],
     /// Least and greatest angle of each ball.
@@ -46,7 +46,7 @@ impl<const N: usize> Period<N> {
             rests: section.rests,
             time: 0.0,
             state: *start,
-            configurations: vec![doings(&section.phases, start)],
+            configurations: vec![cycle_phases(&section.phases, start)],
             speeds: start.beta_dot.map(|speed| [speed; 2]),
             angles: start.beta.map(|angle| [angle.rem_euclid(std::f64::consts::TAU); 2]),
             peak: square(start).sqrt(),
@@ -104,7 +104,7 @@ impl<const N: usize> Period<N> {
             }
         }
         // At its end the period is where it began.
-        let now = doings(motion.phases(), &state);
+        let now = cycle_phases(motion.phases(), &state);
         if !ends && self.configurations.last() != Some(&now) {
             self.configurations.push(now);
         }
@@ -129,6 +129,6 @@ impl<const N: usize> Period<N> {
     }
 }
 
-fn doings<const N: usize>(phases: &[Phase; N], state: &State<N>) -> [Doing; N] {
-    std::array::from_fn(|ball| Doing::of(phases[ball], state.beta_dot[ball]))
+fn cycle_phases<const N: usize>(phases: &[Phase; N], state: &State<N>) -> [CyclePhase; N] {
+    std::array::from_fn(|ball| CyclePhase::of(phases[ball], state.beta_dot[ball]))
 }

@@ -2,7 +2,7 @@
 //! through all stick and slip on the way, with its derivative and what is met.
 //!
 //! The derivative is the linearised flow, corrected at each switch by the saltation matrix
-//! ([`crate::motion::Variation`]), and projected on the section.
+//! ([`crate::motion::Variational`]), and projected on the section.
 
 use std::cell::Cell;
 
@@ -11,7 +11,7 @@ use nalgebra::DMatrix;
 use super::period::Period;
 use super::section::Section;
 use crate::model::{Balancer, State};
-use crate::motion::{Motion, Phase, Settings, Variation, derivative};
+use crate::motion::{Motion, Phase, Settings, Variational, derivative};
 
 /// The map from one passage of the section to a later one.
 #[derive(Clone, Copy)]
@@ -43,7 +43,7 @@ impl<const N: usize> ReturnMap<'_, N> {
 
     /// One return with the derivative of the map.
     pub(super) fn follow_with_slope(&self, start: &State<N>) -> Option<(Return<N>, DMatrix<f64>)> {
-        let mut variation = Variation::new(self.section.directions());
+        let mut variation = Variational::new(self.section.directions());
         let mut columns = Vec::new();
         let neighbours = self.section.directions().len() as u64;
         let end = self.go(start, neighbours, |motion, phases, end| match end {

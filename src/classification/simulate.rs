@@ -6,7 +6,7 @@ use super::in_lockstep::{Runs, simulate_in_lockstep};
 use super::outcome::{Evidence, Outcome};
 use super::recorder::Recorder;
 use crate::model::{Case, Machine, Model, Simulation, Start};
-use crate::motion::VectorLevel;
+use crate::motion::SimdLevel;
 
 /// The part of the time at the end of a run over which means are taken.
 pub(super) const WINDOW: f64 = 0.1;
@@ -25,7 +25,7 @@ pub fn simulate_recorded(case: &Case, recorder: &mut Recorder) -> Outcome {
 
 fn single(case: &Case, recorder: Option<&mut Recorder>) -> Outcome {
     let mut runs = Single { case: Some(case.clone()), outcome: None, recorder };
-    simulate_in_lockstep(VectorLevel::best(), &mut runs);
+    simulate_in_lockstep(SimdLevel::best(), &mut runs);
     let Single { outcome, recorder, .. } = runs;
     outcome.unwrap_or_else(|| one_by_one(case, recorder))
 }

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use clap::{Args, ValueEnum};
 
-use crate::engine::{FarmOptions, Shard, Show};
+use crate::engine::{EngineOptions, Shard, Show};
 use crate::study::{Study, StudyError};
 
 /// The study file.
@@ -45,9 +45,9 @@ pub struct ShardArgument {
     pub shard: Shard,
 }
 
-/// How the runs are farmed. None of it changes a result.
+/// How the runs are computed. None of it changes a result.
 #[derive(Clone, Debug, Args)]
-pub struct FarmArguments {
+pub struct EngineArguments {
     /// Worker threads [default: one per core]
     #[arg(long, value_name = "N", value_parser = threads, allow_negative_numbers = true)]
     threads: Option<NonZeroUsize>,
@@ -110,7 +110,7 @@ enum ProgressChoice {
 #[derive(Clone, Copy, Debug)]
 struct OnFailure(Option<u64>);
 
-impl FarmArguments {
+impl EngineArguments {
     /// How progress is shown; what is asked for by name is shown with `--quiet`, too.
     pub fn show(&self) -> Show {
         match self.progress {
@@ -123,10 +123,10 @@ impl FarmArguments {
         }
     }
 
-    /// As the farm wants them; time counts from now.
-    pub fn options(&self, shard: Shard) -> FarmOptions {
+    /// As the engine takes them; time counts from now.
+    pub fn options(&self, shard: Shard) -> EngineOptions {
         let cores = || std::thread::available_parallelism().unwrap_or(NonZeroUsize::MIN);
-        FarmOptions {
+        EngineOptions {
             threads: self.threads.unwrap_or_else(cores).get(),
             chunk: self.chunk.get(),
             shard,

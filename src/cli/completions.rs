@@ -8,7 +8,7 @@ use super::output::print;
 
 const EXAMPLES: &str = "\
 Examples:
-  stickslip completions bash > ~/.local/share/bash-completion/completions/stickslip
+  stickslip completions bash > ~/.local/fraction/bash-completion/completions/stickslip
   stickslip completions zsh > ~/.zfunc/_stickslip
   stickslip completions fish > ~/.config/fish/completions/stickslip.fish";
 

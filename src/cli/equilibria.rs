@@ -33,11 +33,11 @@ Examples:
   stickslip equilibria study.yaml --speeds -150:-300:151     the thesis's figure 5.1 as a table
   stickslip equilibria three-balls.yaml --samples 262144
 
-The directory holds set.parquet (a row per ball position: amplitude, the friction that it takes,
-margin), sets.parquet (a row per point of the sweep: share of all positions, separate parts,
-amplitudes, balance), frictionless.parquet (equilibria without dry friction and their stability) and
+The directory holds equilibrium_positions.parquet (a row per ball position: amplitude, the friction that it takes,
+margin), equilibrium_set_summary.parquet (a row per point of the sweep: fraction of all positions, separate parts,
+amplitudes, balance), frictionless_equilibria.parquet (equilibria without dry friction and their stability) and
 files.json (the hash of each file).
-A table of more than 524,288 rows, such as set.parquet of three points on the grid of 512 x 512, is a
+A table of more than 524,288 rows, such as equilibrium_positions.parquet of three points on the grid of 512 x 512, is a
 directory of that name, with files of as many rows each.
 Whatever ends it, the same command goes on in the same directory; nothing else is ever written over.
 Nothing is simulated. At a speed of 0 no force acts, and every position is an equilibrium.";
@@ -72,7 +72,7 @@ pub struct EquilibriaArguments {
     #[arg(allow_negative_numbers = true)]
     ball_damping: f64,
 
-    /// Leave out set.parquet, the large table
+    /// Leave out equilibrium_positions.parquet, the large table
     #[arg(long)]
     no_set: bool,
 
@@ -89,7 +89,7 @@ pub struct EquilibriaArguments {
     json: bool,
 }
 
-/// Most rows of `set.parquet`.
+/// Most rows of `equilibrium_positions.parquet`.
 const MOST_ROWS: u64 = 1 << 30;
 fn grid(text: &str) -> Result<usize, String> {
     let points = text.parse().ok().filter(|points| *points >= FEWEST_GRID_POINTS);
@@ -152,7 +152,7 @@ pub fn equilibria(arguments: &EquilibriaArguments) -> Result<End, CliError> {
         if report.too_coarse() > 0 {
             say(&format!(
                 "warning: at {} of them parts of the set are smaller than the grid's spacing and not \
-                 all counted (column unseen_equilibria); --grid can be finer",
+                 all counted (column unresolved_equilibria); --grid can be finer",
                 report.too_coarse()
             ));
         }
@@ -195,7 +195,7 @@ fn resolution(arguments: &EquilibriaArguments, study: &Study) -> Result<Resoluti
             "{MOST_ROWS} rows; use --no-set to leave that table out, or a coarser grid, fewer \
              samples or fewer points"
         );
-        return refused("set.parquet would be too large", &found, &allowed);
+        return refused("equilibrium_positions.parquet would be too large", &found, &allowed);
     }
     Ok(resolution)
 }

@@ -69,19 +69,19 @@ impl Report {
         }
     }
 
-    /// Points of the sweep at which the grid does not see all parts of the set.
+    /// Points of the sweep at which the grid does not see all components of the set.
     pub fn too_coarse(&self) -> u64 {
         self.too_coarse
     }
 
     /// As text: the points, and the frictionless equilibria at speeds of their own.
     pub fn text(&self) -> String {
-        let sampled = self.points.iter().any(|(row, _)| row.set.share_interval.is_some());
+        let sampled = self.points.iter().any(|(row, _)| row.set.fraction_interval.is_some());
         let mut header = vec!["point".to_owned()];
         header.extend(self.names.iter().cloned());
-        header.push("share".to_owned());
+        header.push("fraction".to_owned());
         let more: &[&str] =
-            if sampled { &["95 % interval"] } else { &["parts", "modulo exchange"] };
+            if sampled { &["95 % interval"] } else { &["components", "modulo exchange"] };
         header.extend(more.iter().map(|name| (*name).to_owned()));
         header.extend(["amplitude [m]", "balance"].map(String::from));
         if !self.own_speeds {
@@ -91,10 +91,10 @@ impl Report {
             let SetSummaryRow { point, set, .. } = row;
             let mut cells = vec![point.point_id.to_string()];
             cells.extend(point.swept.iter().map(ParameterValue::to_string));
-            cells.push(format!("{:.4}", set.share));
-            match set.share_interval {
+            cells.push(format!("{:.4}", set.fraction));
+            match set.fraction_interval {
                 Some((low, high)) => cells.push(format!("{low:.4} .. {high:.4}")),
-                None => cells.extend([set.parts, set.parts_modulo_exchange].map(count)),
+                None => cells.extend([set.components, set.components_modulo_exchange].map(count)),
             }
             cells.push(set.amplitude_m.map_or_else(
                 || "none".to_owned(),
@@ -110,7 +110,8 @@ impl Report {
         lines.extend(self.points.iter().take(MOST_LINES).map(line));
         let mut text = aligned(&lines);
         if self.more > 0 {
-            text += &format!("... and {} more points in sets.parquet\n", self.more);
+            text +=
+                &format!("... and {} more points in equilibrium_set_summary.parquet\n", self.more);
         }
         if self.own_speeds {
             text += &format!("\n{}", self.kinds_text());
@@ -152,16 +153,16 @@ impl Report {
                 object.insert(name.clone(), value);
             }
             let facts = json!({
-                "positions": positions,
-                "share": set.share,
-                "share_low": set.share_interval.map(|(low, _)| low),
-                "share_high": set.share_interval.map(|(_, high)| high),
-                "parts": set.parts,
-                "parts_modulo_exchange": set.parts_modulo_exchange,
-                "unseen_equilibria": set.unseen,
+                "grid_positions": positions,
+                "fraction": set.fraction,
+                "fraction_low": set.fraction_interval.map(|(low, _)| low),
+                "fraction_high": set.fraction_interval.map(|(_, high)| high),
+                "components": set.components,
+                "components_modulo_exchange": set.components_modulo_exchange,
+                "unresolved_equilibria": set.unseen,
                 "amplitude_min_m": set.amplitude_m.map(|(smallest, _)| smallest),
                 "amplitude_max_m": set.amplitude_m.map(|(_, largest)| largest),
-                "calmest_beta_rad": set.calmest_rad,
+                "min_amplitude_beta_rad": set.min_amplitude_beta_rad,
                 "balance": set.balance.name(),
                 "balance_beta_rad": set.balance.position(),
                 "stable_without_friction": (!self.own_speeds).then_some(stable),

@@ -25,7 +25,7 @@ Examples:
 
 The study names variables under `design` and what is asked for under `responses`. A design is the study
 with these set: it has the study's sampling and uncertain parameters, and at each point of its sweep a row
-or answer of its own. All designs share start states and draws, so that differences between designs are
+or answer of its own. All designs fraction start states and draws, so that differences between designs are
 known better than the designs. `audit` and `expect` are left out.
 
 With - it answers one JSON object per line of standard input with one per line, in order, until its input

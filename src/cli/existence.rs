@@ -19,7 +19,7 @@ struct Failing {
     swept: Vec<(String, ParameterValue)>,
     least_minor: f64,
     position: Vec<(usize, f64)>,
-    friction_share: f64,
+    friction_fraction: f64,
 }
 
 /// What has been found over the sweep.
@@ -75,7 +75,7 @@ impl Existence {
                 swept: names.zip(point.swept.iter().copied()).collect(),
                 least_minor,
                 position,
-                friction_share: machine.unambiguous_friction_share(),
+                friction_fraction: machine.unambiguous_friction_fraction(),
             });
         }
     }
@@ -129,7 +129,7 @@ impl Existence {
             "points": self.points,
             "points_looked_at": self.looked_at,
             "not_unique_points": self.not_unique,
-            "least_principal_minor": self.least.0,
+            "min_principal_minor": self.least.0,
             "least_at_point": self.least.1,
             "uncertain_draws_left_out": self.uncertain,
             "not_unique": self.named.iter().map(Failing::json).collect::<Vec<_>>(),
@@ -170,7 +170,7 @@ impl Failing {
         format!(
             "at most {:.4} times the friction (coefficients below {SAFE_FRICTION} always do), or \
              balls that are lighter against the table",
-            self.friction_share,
+            self.friction_fraction,
         )
     }
 
@@ -187,9 +187,9 @@ impl Failing {
         let position = self.position.iter();
         let position: Vec<Value> =
             position.map(|(ball, angle)| json!({"ball": ball, "beta_rad": angle})).collect();
-        object.insert("least_principal_minor".to_owned(), json!(self.least_minor));
+        object.insert("min_principal_minor".to_owned(), json!(self.least_minor));
         object.insert("worst_position".to_owned(), json!(position));
-        object.insert("unambiguous_friction_share".to_owned(), json!(self.friction_share));
+        object.insert("unambiguous_friction_fraction".to_owned(), json!(self.friction_fraction));
         object.insert("remedy".to_owned(), json!(self.remedy()));
         Value::Object(object)
     }

@@ -5,7 +5,7 @@ use std::process::ExitCode;
 
 use thiserror::Error;
 
-use crate::engine::{FarmError, PlaceError, StoreError};
+use crate::engine::{EngineError, OutputDirError, StoreError};
 use crate::study::StudyError;
 use crate::table::{ResultsError, TableError, WriteError};
 
@@ -69,21 +69,21 @@ pub enum CliError {
     Output(#[from] io::Error),
 }
 
-impl From<PlaceError> for CliError {
-    fn from(error: PlaceError) -> Self {
+impl From<OutputDirError> for CliError {
+    fn from(error: OutputDirError) -> Self {
         match error {
-            PlaceError::Results(error) => CliError::Results(error),
-            PlaceError::Store(error) => CliError::Store(error),
+            OutputDirError::Results(error) => CliError::Results(error),
+            OutputDirError::Store(error) => CliError::Store(error),
         }
     }
 }
 
-impl From<FarmError<ResultsError>> for CliError {
-    fn from(error: FarmError<ResultsError>) -> Self {
+impl From<EngineError<ResultsError>> for CliError {
+    fn from(error: EngineError<ResultsError>) -> Self {
         match error {
-            FarmError::Threads(error) => CliError::Threads(error),
-            FarmError::Sink(error) => CliError::Results(error),
-            FarmError::Store(error) => CliError::Store(error),
+            EngineError::Threads(error) => CliError::Threads(error),
+            EngineError::Sink(error) => CliError::Results(error),
+            EngineError::Store(error) => CliError::Store(error),
         }
     }
 }

@@ -5,11 +5,11 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use super::arguments::FarmArguments;
+use super::arguments::EngineArguments;
 use super::exit::{CliError, End};
 use super::results_study::results_study;
 use super::run::carry_out;
-use crate::engine::{Place, Shard};
+use crate::engine::{OutputDir, Shard};
 use crate::foreign::shell_word;
 use crate::study::Study;
 
@@ -41,7 +41,7 @@ pub struct MergeArguments {
     out: Option<PathBuf>,
 
     #[command(flatten)]
-    farm: FarmArguments,
+    engine: EngineArguments,
 }
 
 /// Merges the shards.
@@ -53,17 +53,17 @@ pub fn merge(arguments: &MergeArguments) -> Result<End, CliError> {
     let study = whole(&arguments.parts)?;
     let directory =
         arguments.out.clone().unwrap_or_else(|| Path::new("results").join(study.name()));
-    let mut options = arguments.farm.options(Shard::WHOLE);
+    let mut options = arguments.engine.options(Shard::WHOLE);
     options.chunk = AT_A_TIME.saturating_mul(arguments.parts.len()).min(MOST_AT_A_TIME);
-    let place = Place {
+    let output_dir = OutputDir {
         directory: &directory,
         shard: Shard::WHOLE,
         retry_failed: options.retry_failed,
         recompute: false,
         shards: &arguments.parts,
-        quiet: arguments.farm.quiet,
+        quiet: arguments.engine.quiet,
     };
-    carry_out(&study, &place, options, &arguments.farm)
+    carry_out(&study, &output_dir, options, &arguments.engine)
 }
 
 /// The study of which these are all shards, each once and finished.

@@ -40,7 +40,7 @@ spread over all ranges and choices, then chosen by surrogates, with a line for e
 give the same designs on any number of threads. The best are looked at again with other runs, so that no
 luck is reported.
 
-DIR holds evaluations.parquet (every design), finals.parquet, pareto.parquet of two objectives,
+DIR holds evaluations.parquet (every design), finalists.parquet, pareto.parquet of two objectives,
 sensitivities.parquet (Sobol' indices), surrogates.json, optimum.json, and files.json with the hash of each.
 Started again with the same DIR it goes on where it was, also towards more designs, if evaluations.parquet is
 the file that was written.";
@@ -82,10 +82,10 @@ pub fn optimize(arguments: &OptimizeArguments) -> Result<End, CliError> {
     check_answerable(&study, &arguments.study.study).map_err(CliError::Usage)?;
     let usual = || Path::new("optimum").join(study.name());
     let directory = arguments.out.clone().unwrap_or_else(usual);
-    let mut place = Place::new(&study, optimization, &directory)?;
+    let mut search_directory = SearchDirectory::new(&study, optimization, &directory)?;
     let mut evaluations =
         read_evaluations(&study, &directory).map_err(|error| CliError::Usage(error.to_string()))?;
-    for name in &place.changed {
+    for name in &search_directory.changed {
         say(&format!("{name} has been changed since it was written: it is made again"));
     }
     let cores = || std::thread::available_parallelism().unwrap_or(NonZeroUsize::MIN);
@@ -107,8 +107,8 @@ pub fn optimize(arguments: &OptimizeArguments) -> Result<End, CliError> {
         tell(format!("goes on after {designs} designs in {}", directory.display()));
     }
     let end = search(&what, &mut evaluations, &|_| {}, |evaluations| {
-        place.remove_ends();
-        place.write_evaluations(evaluations)?;
+        search_directory.remove_ends();
+        search_directory.write_evaluations(evaluations)?;
         tell(search_line(&what, evaluations));
         Ok::<(), CliError>(())
     })?;
@@ -130,21 +130,21 @@ pub fn optimize(arguments: &OptimizeArguments) -> Result<End, CliError> {
     if stop.load(Ordering::Relaxed) {
         return Ok(interrupted(&directory));
     }
-    place.write_surrogates(&what, &evaluations)?;
+    search_directory.write_surrogates(&what, &evaluations)?;
     let Some(sensitivities) = with_progress(&what, sensitivity_runs(&what), show, |finished| {
         sensitivities(&what, &evaluations, finished)
     }) else {
         return Ok(interrupted(&directory));
     };
-    place.write("sensitivities", sensitivity_columns(), sensitivities.clone())?;
+    search_directory.write("sensitivities", sensitivity_columns(), sensitivities.clone())?;
     let Some(finals) = with_progress(&what, final_runs(&what), show, |finished| {
         finals(&what, &evaluations, finished)
     }) else {
         return Ok(interrupted(&directory));
     };
-    place.write_finals(&finals)?;
+    search_directory.write_finals(&finals)?;
     let summary = optimum_json(&what, &end, &evaluations, &finals, &sensitivities);
-    place.write_json("optimum.json", &summary)?;
+    search_directory.write_json("optimum.json", &summary)?;
     print(&result_in_words(&what, &finals))?;
     tell(format!("results are in {}", directory.display()));
     Ok(how_it_ends(&evaluations, &finals))
@@ -204,7 +204,7 @@ fn with_progress<T>(
 }
 
 /// The directory of a search.
-struct Place<'a> {
+struct SearchDirectory<'a> {
     study: &'a Study,
     optimization: &'a Optimization,
     directory: &'a Path,
@@ -217,7 +217,7 @@ struct Place<'a> {
 /// What a search writes, each also under temporary names while it is being written.
 const OWN: [&str; 8] = [
     "evaluations.parquet",
-    "finals.parquet",
+    "finalists.parquet",
     "pareto.parquet",
     "sensitivities.parquet",
     "surrogates.json",
@@ -226,7 +226,7 @@ const OWN: [&str; 8] = [
     "lock",
 ];
 
-impl<'a> Place<'a> {
+impl<'a> SearchDirectory<'a> {
     /// The directory, made if need be, for this process alone; one that holds anything but files of a search is
     /// refused.
     fn new(
@@ -260,7 +260,7 @@ impl<'a> Place<'a> {
         if found.is_some_and(|found| !found.has_files_of(&list)) {
             list.save(directory).map_err(unusable)?;
         }
-        Ok(Place { study, optimization, directory, list, changed, _lock: lock })
+        Ok(SearchDirectory { study, optimization, directory, list, changed, _lock: lock })
     }
 
     /// Removes what an earlier end of the search says: there are more designs now.
@@ -285,7 +285,7 @@ impl<'a> Place<'a> {
         for row in rows {
             table.push(row)?;
         }
-        let Place { list, directory, .. } = self;
+        let SearchDirectory { list, directory, .. } = self;
         table.finish_after(|files| list.announce(directory, files))?;
         Ok(())
     }
@@ -302,7 +302,7 @@ impl<'a> Place<'a> {
             .all
             .iter()
             .flat_map(|one| one.answers.iter().map(|answer| (one.role, answer.clone())));
-        self.write("finals", final_columns(self.study), rows)?;
+        self.write("finalists", final_columns(self.study), rows)?;
         if self.optimization.objectives.len() < 2 {
             return Ok(());
         }

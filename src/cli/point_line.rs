@@ -18,7 +18,7 @@ pub struct PointLine {
     pub runs: u64,
     /// Runs per label, in the order of [`Label::ALL`].
     pub label_runs: [u64; 5],
-    /// Share of equilibria.
+    /// Fraction of equilibria.
     pub equilibrium_fraction: f64,
     /// Its 95 % interval.
     pub interval: (f64, f64),
@@ -28,7 +28,7 @@ pub struct PointLine {
     pub time_to_rest_p50_s: Option<f64>,
     /// Flips.
     pub audit: AuditCounts,
-    /// Share of positions that are equilibria.
+    /// Fraction of positions that are equilibria.
     pub set_fraction: Option<f64>,
 }
 
@@ -108,14 +108,14 @@ impl PointLine {
             for (runs, label) in label_runs.iter_mut().zip(Label::ALL) {
                 *runs = count(&format!("{}_runs", label.name()), row)?;
             }
-            let share = |name: &str| Ok::<_, TableError>(number(name, row)?.unwrap_or(f64::NAN));
+            let fraction = |name: &str| Ok::<_, TableError>(number(name, row)?.unwrap_or(f64::NAN));
             Ok(PointLine {
                 point_id: count("point_id", row)?,
                 swept: swept.collect::<Result<_, TableError>>()?,
                 runs: count("runs", row)?,
                 label_runs,
-                equilibrium_fraction: share("equilibrium_fraction")?,
-                interval: (share("ci_low")?, share("ci_high")?),
+                equilibrium_fraction: fraction("equilibrium_fraction")?,
+                interval: (fraction("ci_low")?, fraction("ci_high")?),
                 ci_method: text("ci_method", row)?,
                 time_to_rest_p50_s: number("time_to_rest_p50_s", row)?,
                 audit: AuditCounts {

@@ -7,7 +7,7 @@ use super::replaceable::{beside, outside, replace, replaceable, sealed};
 use super::results_study::results_study;
 use super::summary::no_tables;
 use crate::foreign::{shell_word, shown_path};
-use crate::report::{Budget, Gathered, OWN, ResultTables, of_results, page};
+use crate::report::{Budget, OWN, ReportData, ResultTables, of_results, page};
 use crate::table::manifest_of;
 
 /// A page that can be mailed; of larger results less is shown.
@@ -18,7 +18,7 @@ const MOST_BYTES: usize = 4_900_000;
 /// # Errors
 /// Where the directory holds no results that can be read, or the page cannot be written.
 pub fn write(directory: &Path, out: Option<&Path>) -> Result<PathBuf, CliError> {
-    let of_figures = ["frictionless.parquet", "trajectory.parquet"];
+    let of_figures = ["frictionless_equilibria.parquet", "trajectory.parquet"];
     if manifest_of(directory)?.is_none()
         && let Some(found) = of_figures.iter().find(|name| directory.join(name).exists())
     {
@@ -42,8 +42,8 @@ pub fn write(directory: &Path, out: Option<&Path>) -> Result<PathBuf, CliError> 
     let tables = ResultTables::open(directory, &manifest)?;
     let mut budget = Budget::SCREEN;
     let page = loop {
-        let gathered = Gathered::read(&tables, &study, &manifest, budget)?;
-        let page = page(directory, &gathered, &of_results(&gathered));
+        let data = ReportData::read(&tables, &study, &manifest, budget)?;
+        let page = page(directory, &data, &of_results(&data));
         if page.len() <= MOST_BYTES || budget == budget.halved() {
             break page;
         }

@@ -4,11 +4,11 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use super::arguments::FarmArguments;
+use super::arguments::EngineArguments;
 use super::exit::{CliError, End};
 use super::results_study::begun_study;
 use super::run::carry_out;
-use crate::engine::{Place, Shard};
+use crate::engine::{OutputDir, Shard};
 use crate::table::{Manifest, ResultsError};
 
 const EXAMPLES: &str = "\
@@ -29,7 +29,7 @@ pub struct ResumeArguments {
     directory: PathBuf,
 
     #[command(flatten)]
-    farm: FarmArguments,
+    engine: EngineArguments,
 }
 
 /// Goes on with a study.
@@ -43,16 +43,16 @@ pub fn resume(arguments: &ResumeArguments) -> Result<End, CliError> {
     let shard: Shard = manifest.shard.parse().map_err(|error| {
         CliError::Usage(format!("{}: `shard` in manifest.json: {error}", directory.display()))
     })?;
-    let options = arguments.farm.options(shard);
-    let place = Place {
+    let options = arguments.engine.options(shard);
+    let output_dir = OutputDir {
         directory,
         shard,
         retry_failed: options.retry_failed,
         recompute: false,
         shards: &[],
-        quiet: arguments.farm.quiet,
+        quiet: arguments.engine.quiet,
     };
-    carry_out(&study, &place, options, &arguments.farm)
+    carry_out(&study, &output_dir, options, &arguments.engine)
 }
 
 /// The most directories of a merge that are named.

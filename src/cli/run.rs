@@ -5,13 +5,13 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use serde_json::json;
 
-use super::arguments::{FarmArguments, ShardArgument, StudyArgument};
+use super::arguments::{EngineArguments, ShardArgument, StudyArgument};
 use super::exit::{CliError, End};
-use super::farming::farm_study;
 use super::output::{print, print_json};
 use super::points_table::{MOST_LINES, PointsTable};
+use super::run_on_engine::run_on_engine;
 use crate::classification::Label;
-use crate::engine::{FarmOptions, Place, Ready, say};
+use crate::engine::{EngineOptions, OutputDir, Ready, say};
 use crate::study::Study;
 use crate::table::{Circumstances, Manifest, Table};
 
@@ -22,8 +22,8 @@ Examples:
   stickslip run study.yaml --shard 2/4 --out results/part-2     (see merge)
 
 The directory holds runs.parquet (a row per run), points.parquet (a row per point of the sweep),
-rest.parquet (the probability of being at rest over time, per point), equilibria.parquet (where runs
-came to rest), density.parquet (how often in which part of the ring), cycles.parquet (the limit cycles
+time_to_rest.parquet (the probability of being at rest over time, per point), equilibria.parquet (where runs
+came to rest), equilibrium_histogram.parquet (how often in which part of the ring), cycles.parquet (the limit cycles
 by class, per point), study.yaml (with all defaults filled in), manifest.json, and in chunks/ the
 finished runs, which are written as they come. A table of more than 524,288 rows is a directory of that
 name, with files of as many rows each: part-00000.parquet and so on.
@@ -54,7 +54,7 @@ pub struct RunArguments {
     recompute: bool,
 
     #[command(flatten)]
-    farm: FarmArguments,
+    engine: EngineArguments,
 }
 
 /// Runs the study.
@@ -65,16 +65,16 @@ pub fn run(arguments: &RunArguments) -> Result<End, CliError> {
     let study = arguments.study.load()?;
     let directory =
         arguments.out.clone().unwrap_or_else(|| Path::new("results").join(study.name()));
-    let options = arguments.farm.options(arguments.shard.shard);
-    let place = Place {
+    let options = arguments.engine.options(arguments.shard.shard);
+    let output_dir = OutputDir {
         directory: &directory,
         shard: options.shard,
         retry_failed: options.retry_failed,
         recompute: arguments.recompute,
         shards: &[],
-        quiet: arguments.farm.quiet,
+        quiet: arguments.engine.quiet,
     };
-    carry_out(&study, &place, options, &arguments.farm)
+    carry_out(&study, &output_dir, options, &arguments.engine)
 }
 
 /// Runs a study in its place.
@@ -83,25 +83,29 @@ pub fn run(arguments: &RunArguments) -> Result<End, CliError> {
 /// Where the output directory cannot be used, or a table or finished runs not be written.
 pub fn carry_out(
     study: &Study,
-    place: &Place<'_>,
-    options: FarmOptions,
-    arguments: &FarmArguments,
+    output_dir: &OutputDir<'_>,
+    options: EngineOptions,
+    arguments: &EngineArguments,
 ) -> Result<End, CliError> {
-    let (mut store, mut results) = match place.prepare(study)? {
-        Ready::Complete(manifest) => return complete(study, place.directory, &manifest, arguments),
+    let (mut store, mut results) = match output_dir.prepare(study)? {
+        Ready::Complete(manifest) => {
+            return complete(study, output_dir.directory, &manifest, arguments);
+        }
         Ready::Open(store, results) => (store, results),
     };
-    let ran = farm_study(study, options, arguments, Some(&mut *store), |record, point| {
-        match (record, point) {
-            (Some(record), _) => results.push_run(record),
-            (_, Some((point, detail))) => results.push_point(point.clone(), detail),
-            (None, None) => Ok(()),
-        }
-    })?;
+    let ran =
+        run_on_engine(study, options, arguments, Some(&mut *store), |record, point| {
+            match (record, point) {
+                (Some(record), _) => results.push_run(record),
+                (_, Some((point, detail))) => results.push_point(point.clone(), detail),
+                (None, None) => Ok(()),
+            }
+        })?;
     store.check()?;
-    let circumstances = Circumstances { merging: place.merging(), ..ran.circumstances.clone() };
+    let circumstances =
+        Circumstances { merging: output_dir.merging(), ..ran.circumstances.clone() };
     results.finish(study, circumstances)?;
-    ran.report(study, arguments, Some(place.directory), None)?;
+    ran.report(study, arguments, Some(output_dir.directory), None)?;
     Ok(ran.end())
 }
 
@@ -110,7 +114,7 @@ fn complete(
     study: &Study,
     path: &Path,
     manifest: &Manifest,
-    arguments: &FarmArguments,
+    arguments: &EngineArguments,
 ) -> Result<End, CliError> {
     let directory = path.display();
     if !arguments.quiet {

@@ -5,12 +5,12 @@ use std::path::PathBuf;
 use clap::Args;
 use serde_json::{Value, json};
 
-use super::arguments::{FarmArguments, StudyArgument};
+use super::arguments::{EngineArguments, StudyArgument};
 use super::exit::{CliError, End};
-use super::farming::farm_study;
 use super::output::print;
+use super::run_on_engine::run_on_engine;
 use crate::classification::Label;
-use crate::engine::{Place, Ready, Shard, say};
+use crate::engine::{OutputDir, Ready, Shard, say};
 use crate::study::Study;
 use crate::table::PointRow;
 
@@ -34,7 +34,7 @@ pub struct VerifyArguments {
     out: Option<PathBuf>,
 
     #[command(flatten)]
-    farm: FarmArguments,
+    engine: EngineArguments,
 }
 
 /// Runs the study and checks its expectations.
@@ -50,18 +50,18 @@ pub fn verify(arguments: &VerifyArguments) -> Result<End, CliError> {
             arguments.study.study.display()
         )));
     }
-    let options = arguments.farm.options(Shard::WHOLE);
+    let options = arguments.engine.options(Shard::WHOLE);
     let mut ready = match &arguments.out {
         Some(directory) => {
-            let place = Place {
+            let output_dir = OutputDir {
                 directory,
                 shard: options.shard,
                 retry_failed: options.retry_failed,
                 recompute: false,
                 shards: &[],
-                quiet: arguments.farm.quiet,
+                quiet: arguments.engine.quiet,
             };
-            match place.prepare(&study)? {
+            match output_dir.prepare(&study)? {
                 Ready::Complete(_) => {
                     let message = format!(
                         "{}: holds results of this study already\n  allowed: another directory, or \
@@ -80,7 +80,7 @@ pub fn verify(arguments: &VerifyArguments) -> Result<End, CliError> {
         None => (None, None),
     };
     let mut findings = Findings::default();
-    let ran = farm_study(&study, options, &arguments.farm, store, |record, point| {
+    let ran = run_on_engine(&study, options, &arguments.engine, store, |record, point| {
         if let Some((point, _)) = &point {
             findings.check(&study, point);
         }
@@ -94,21 +94,21 @@ pub fn verify(arguments: &VerifyArguments) -> Result<End, CliError> {
         store.check()?;
         results.finish(&study, ran.circumstances.clone())?;
     }
-    let expectations = (!ran.tally.interrupted()).then(|| Value::from(findings.json));
-    ran.report(&study, &arguments.farm, arguments.out.as_deref(), expectations)?;
-    if ran.tally.interrupted() {
+    let expectations = (!ran.totals.interrupted()).then(|| Value::from(findings.json));
+    ran.report(&study, &arguments.engine, arguments.out.as_deref(), expectations)?;
+    if ran.totals.interrupted() {
         return Ok(ran.end());
     }
-    if !arguments.farm.json && !arguments.farm.quiet {
+    if !arguments.engine.json && !arguments.engine.quiet {
         print(&findings.lines)?;
     }
     Ok(if findings.not_met > 0 {
-        if !arguments.farm.quiet {
+        if !arguments.engine.quiet {
             let plural = if findings.not_met == 1 { "" } else { "s" };
             say(&format!("{} expectation{plural} not met", findings.not_met));
         }
         End::ExpectationNotMet
-    } else if ran.tally.counts.of(Label::Failed) > 0 {
+    } else if ran.totals.counts.of(Label::Failed) > 0 {
         End::RunsFailed
     } else {
         End::Well
@@ -145,18 +145,18 @@ impl Findings {
         }
     }
 
-    /// Takes in one share and its expected range, which a share of no runs does not meet; `keys` go
+    /// Takes in one fraction and its expected range, which a fraction of no runs does not meet; `keys` go
     /// into the JSON.
     fn add(
         &mut self,
         study: &Study,
         point: &PointRow,
         what: &str,
-        share: Option<f64>,
+        fraction: Option<f64>,
         [low, high]: [f64; 2],
         keys: &[(&str, Value)],
     ) {
-        let met = share.is_some_and(|share| (low..=high).contains(&share));
+        let met = fraction.is_some_and(|fraction| (low..=high).contains(&fraction));
         self.not_met += u64::from(!met);
         let mut entry = json!({"point_id": point.point_id});
         for (key, value) in keys {
@@ -173,7 +173,7 @@ impl Findings {
             if met { "met    " } else { "NOT MET" },
             point.point_id,
             place.join(" "),
-            share.map_or_else(|| "of no run".to_owned(), |share| format!("{share:.4}")),
+            fraction.map_or_else(|| "of no run".to_owned(), |fraction| format!("{fraction:.4}")),
         );
     }
 }

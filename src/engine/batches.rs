@@ -1,4 +1,4 @@
-//! Rounds: runs that are computed without asking in between whether more are needed.
+//! Batches: runs that are computed without asking in between whether more are needed.
 
 use super::Shard;
 use crate::analysis::{PointAccumulator, StoppingRule};
@@ -6,7 +6,7 @@ use crate::study::{Point, Study};
 
 /// Runs that are computed together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Round {
+pub(super) struct RunBatch {
     which: Which,
     /// How many they are.
     pub runs: u64,
@@ -20,8 +20,8 @@ enum Which {
     From(u64),
 }
 
-impl Round {
-    /// The number of a run of the round, counted from zero.
+impl RunBatch {
+    /// The number of a run of the batch, counted from zero.
     pub fn run_id(&self, index: u64) -> u64 {
         match self.which {
             Which::Of(shard) => shard.number(index),
@@ -30,35 +30,35 @@ impl Round {
     }
 }
 
-/// The rounds of a shard: a single one with all its runs; or, where the study has a precision, as many
+/// The batches of a shard: a single one with all its runs; or, where the study has a precision, as many
 /// of each of its points as that takes, one point after another.
-pub(super) struct Rounds<'a> {
+pub(super) struct Batches<'a> {
     study: &'a Study,
     shard: Shard,
-    /// How many of its points (or rounds) have begun.
+    /// How many of its points (or batches) have begun.
     begun: u64,
-    /// The point that is sampled and how many of its runs are in rounds so far.
+    /// The point that is sampled and how many of its runs are in batches so far.
     point: Option<(Point, u64)>,
     most: u64,
 }
 
-impl<'a> Rounds<'a> {
-    /// The rounds of a shard of a study.
+impl<'a> Batches<'a> {
+    /// The batches of a shard of a study.
     pub fn new(study: &'a Study, shard: Shard) -> Self {
-        Rounds { study, shard, begun: 0, point: None, most: shard.most_runs(study) }
+        Batches { study, shard, begun: 0, point: None, most: shard.most_runs(study) }
     }
 
-    /// The most runs that all rounds together can have, as far as is known by now.
+    /// The most runs that all batches together can have, as far as is known by now.
     pub fn most_runs(&self) -> u64 {
         self.most
     }
 
-    /// The next round, if there is one; `so_far` has all runs of the last round's point.
-    pub fn next(&mut self, so_far: Option<&PointAccumulator>) -> Option<Round> {
+    /// The next batch, if there is one; `so_far` has all runs of the last batch's point.
+    pub fn next(&mut self, so_far: Option<&PointAccumulator>) -> Option<RunBatch> {
         let Some(precision) = self.study.precision() else {
-            let round = Round { which: Which::Of(self.shard), runs: self.most };
+            let batch = RunBatch { which: Which::Of(self.shard), runs: self.most };
             self.begun += 1;
-            return (self.begun == 1).then_some(round);
+            return (self.begun == 1).then_some(batch);
         };
         if let (Some((point, runs)), Some(so_far)) = (&mut self.point, so_far) {
             let rule = StoppingRule {
@@ -67,19 +67,19 @@ impl<'a> Rounds<'a> {
                 most: point.sampling.most,
             };
             if let Some(more) = rule.more(*runs, so_far.equilibrium_interval().ends()) {
-                let round = Round { which: Which::From(point.first_run + *runs), runs: more };
+                let batch = RunBatch { which: Which::From(point.first_run + *runs), runs: more };
                 *runs += more;
-                return Some(round);
+                return Some(batch);
             }
             self.most -= point.sampling.most - *runs;
         }
-        if self.begun == self.shard.share(self.study.point_count()) {
+        if self.begun == self.shard.fraction(self.study.point_count()) {
             return None;
         }
         let point = self.study.point(self.shard.number(self.begun));
         self.begun += 1;
-        let round = Round { which: Which::From(point.first_run), runs: point.sampling.first };
-        self.point = Some((point, round.runs));
-        Some(round)
+        let batch = RunBatch { which: Which::From(point.first_run), runs: point.sampling.first };
+        self.point = Some((point, batch.runs));
+        Some(batch)
     }
 }

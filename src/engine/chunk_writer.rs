@@ -4,8 +4,8 @@
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
 use std::time::{Duration, Instant};
 
-use super::stop::Halt;
-use super::store::{Fresh, Keeper, StoreError};
+use super::stop::StopCondition;
+use super::store::{ChunkAppender, NewResult, StoreError};
 
 /// How long a finished run waits at most before it is written.
 const LONGEST: Duration = Duration::from_secs(3);
@@ -13,7 +13,7 @@ const LONGEST: Duration = Duration::from_secs(3);
 const WAITING: usize = 16_384;
 
 /// Where workers put finished runs, and where they are taken from.
-pub(super) fn outbox() -> (SyncSender<Fresh>, Receiver<Fresh>) {
+pub(super) fn new_results() -> (SyncSender<NewResult>, Receiver<NewResult>) {
     sync_channel(WAITING)
 }
 
@@ -21,12 +21,12 @@ pub(super) fn outbox() -> (SyncSender<Fresh>, Receiver<Fresh>) {
 /// could send.
 ///
 /// # Errors
-/// Where a chunk cannot be written; the farm is then broken off.
-pub(super) fn keep(
-    keeper: &mut Keeper,
-    finished: &Receiver<Fresh>,
+/// Where a chunk cannot be written; the study is then broken off.
+pub(super) fn write_chunks(
+    appender: &mut ChunkAppender,
+    finished: &Receiver<NewResult>,
     chunk: usize,
-    halt: &Halt<'_>,
+    stop_condition: &StopCondition<'_>,
 ) -> Result<(), StoreError> {
     let mut written = Ok(());
     let mut open = true;
@@ -49,11 +49,11 @@ pub(super) fn keep(
                 }
             }
         }
-        runs.sort_unstable_by_key(|run: &Fresh| run.run_id);
+        runs.sort_unstable_by_key(|run: &NewResult| run.run_id);
         if written.is_ok() && !runs.is_empty() {
-            written = keeper.keep(&runs);
+            written = appender.append(&runs);
             if written.is_err() {
-                halt.break_off();
+                stop_condition.break_off();
             }
         }
     }

@@ -9,7 +9,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use crate::classification::{Evidence, Outcome, Runs, simulate, simulate_in_lockstep};
 use crate::model::Case;
-use crate::motion::{VectorLevel, is_cancelled};
+use crate::motion::{SimdLevel, is_cancelled};
 use crate::study::Study;
 use crate::table::RunRecord;
 
@@ -36,7 +36,7 @@ impl<F: Fn(&Case) -> Outcome + Sync> Engine for OneByOne<F> {
 }
 
 /// Runs in lockstep.
-pub(super) struct InLockstep(pub(super) VectorLevel);
+pub(super) struct InLockstep(pub(super) SimdLevel);
 
 impl Engine for InLockstep {
     fn compute(&self, runs: &mut dyn Runs) {

@@ -18,7 +18,7 @@ const MOST_LINES: usize = 12;
 
 /// Why a directory cannot be made ready.
 #[derive(Debug, Error)]
-pub enum PlaceError {
+pub enum OutputDirError {
     /// It holds something else, or it cannot be made or written to.
     #[error(transparent)]
     Results(#[from] ResultsError),
@@ -28,7 +28,7 @@ pub enum PlaceError {
 }
 
 /// What a study is to be run in.
-pub struct Place<'a> {
+pub struct OutputDir<'a> {
     /// The directory.
     pub directory: &'a Path,
     /// The part of the study.
@@ -47,18 +47,18 @@ pub struct Place<'a> {
 pub enum Ready {
     /// There is nothing to do: all results are there.
     Complete(Box<Manifest>),
-    /// The study can be farmed.
+    /// The study can be computed.
     Open(Box<Store>, Box<Results>),
 }
 
-impl Place<'_> {
+impl OutputDir<'_> {
     /// Makes the directory ready for a study.
     ///
     /// # Errors
     /// Where its files are not results, are another shard's or those of a study that shares no run with
     /// this one; where another process writes there; where it cannot be written to. Nothing is
     /// changed then.
-    pub fn prepare(&self, study: &Study) -> Result<Ready, PlaceError> {
+    pub fn prepare(&self, study: &Study) -> Result<Ready, OutputDirError> {
         let shard = self.shard.to_string();
         let found = inspect(self.directory, study, &shard, &[CHUNKS, EARLIER])?;
         let tell = |line: String| {
@@ -139,7 +139,7 @@ impl Place<'_> {
     }
 
     /// Opens the store of a directory with results of another study, if this one can use any of its runs.
-    fn reopen(&self, study: &Study, manifest: &Manifest) -> Result<Store, PlaceError> {
+    fn reopen(&self, study: &Study, manifest: &Manifest) -> Result<Store, OutputDirError> {
         let store = match self.directory.join(CHUNKS).is_dir() || self.recompute {
             true => Some(Store::open(self.directory, study)?),
             false => None,

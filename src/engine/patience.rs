@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use crate::motion::Cancellation;
 
-/// How long runs in progress may go on when a farm stops; they are then given up.
+/// How long runs in progress may go on when a study stops; they are then given up.
 pub(super) const GRACE: Duration = Duration::from_secs(1);
 /// How often it is asked whether patience is over.
 const LOOK: Duration = Duration::from_millis(20);

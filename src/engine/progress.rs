@@ -123,17 +123,17 @@ impl Now {
         Duration::try_from_secs_f64(left).ok().map(|left| left.as_secs_f64())
     }
 
-    /// The share of equilibria with its 95 % interval.
-    fn share(&self) -> Option<(f64, (f64, f64))> {
-        let share = self.equilibria as f64 / self.runs as f64;
+    /// The fraction of equilibria with its 95 % interval.
+    fn fraction(&self) -> Option<(f64, (f64, f64))> {
+        let fraction = self.equilibria as f64 / self.runs as f64;
         let ends = wilson_with_failures(self.equilibria, self.failed, self.runs, Z_95);
-        (self.runs > 0).then_some((share, ends))
+        (self.runs > 0).then_some((fraction, ends))
     }
 
-    fn share_text(&self) -> String {
-        self.share().map_or_else(
+    fn fraction_text(&self) -> String {
+        self.fraction().map_or_else(
             || "-".to_owned(),
-            |(share, (low, high))| format!("{share:.3} ({low:.3} .. {high:.3})"),
+            |(fraction, (low, high))| format!("{fraction:.3} ({low:.3} .. {high:.3})"),
         )
     }
 
@@ -143,7 +143,7 @@ impl Now {
     }
 
     fn event(&self, event: &str) -> Value {
-        let share = self.share();
+        let fraction = self.fraction();
         json!({
             "event": event,
             "elapsed_s": self.elapsed_s,
@@ -152,9 +152,9 @@ impl Now {
             "runs_kept": self.found,
             "runs_per_s": self.rate(),
             "left_s": self.left_s(),
-            "equilibrium_fraction": share.map(|(share, _)| share),
-            "ci_low": share.map(|(_, (low, _))| low),
-            "ci_high": share.map(|(_, (_, high))| high),
+            "equilibrium_fraction": fraction.map(|(fraction, _)| fraction),
+            "ci_low": fraction.map(|(_, (low, _))| low),
+            "ci_high": fraction.map(|(_, (_, high))| high),
             "failed_runs": self.failed,
         })
     }
@@ -267,7 +267,7 @@ impl Progress {
             now.runs,
             now.planned,
             now.rate(),
-            now.share_text(),
+            now.fraction_text(),
             now.failed_text(", "),
         ));
     }
@@ -337,7 +337,7 @@ fn bar(planned: u64, at_most: bool, counts: &Arc<Counts>) -> ProgressBar {
     let sign = if at_most { "≤" } else { "" };
     let template = format!(
         "{{wide_bar}} {{human_pos}}/{sign}{{human_len}} runs  {{rate}}/s  equilibria \
-         {{share}}{{failed}}  {sign}{{left}} left"
+         {{fraction}}{{failed}}  {sign}{{left}} left"
     );
     let key = |text: fn(Now) -> String| {
         let counts = Arc::clone(counts);
@@ -350,7 +350,7 @@ fn bar(planned: u64, at_most: bool, counts: &Arc<Counts>) -> ProgressBar {
         bar.set_style(
             style
                 .with_key("rate", key(|now| format!("{:.0}", now.rate())))
-                .with_key("share", key(|now| now.share_text()))
+                .with_key("fraction", key(|now| now.fraction_text()))
                 .with_key("failed", key(|now| now.failed_text("  ")))
                 .with_key("left", key(|now| time_text(now.left_s()))),
         );
@@ -385,16 +385,19 @@ mod tests {
             failed: 0,
         };
         assert_eq!((now.rate(), now.left_s()), (20.0, Some(35.0)));
-        assert_eq!(now.share(), Some((0.5, wilson(150, 300, Z_95))));
+        assert_eq!(now.fraction(), Some((0.5, wilson(150, 300, Z_95))));
         assert_eq!(now.failed_text(", "), "");
         // Failed runs widen the interval upwards only.
         let failed = Now { failed: 30, ..now };
         let ends = (wilson(150, 300, Z_95).0, wilson(180, 300, Z_95).1);
-        assert_eq!(failed.share(), Some((0.5, ends)));
+        assert_eq!(failed.fraction(), Some((0.5, ends)));
         assert_eq!(failed.failed_text(", "), ", 30 failed");
         // Nothing is known before the first run, nor how long while all were found.
         let begun = Now { runs: 0, found: 0, equilibria: 0, ..now };
-        assert_eq!((begun.share(), begun.left_s(), begun.share_text()), (None, None, "-".into()));
+        assert_eq!(
+            (begun.fraction(), begun.left_s(), begun.fraction_text()),
+            (None, None, "-".into())
+        );
         assert_eq!(Now { found: 300, ..now }.left_s(), None);
         assert_eq!(begun.event("progress")["left_s"], serde_json::Value::Null);
     }

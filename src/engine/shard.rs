@@ -31,12 +31,12 @@ impl Shard {
     pub const WHOLE: Shard = Shard { part: 1, parts: 1 };
 
     /// How many of so many runs, or points, it has.
-    pub fn share(self, all: u64) -> u64 {
+    pub fn fraction(self, all: u64) -> u64 {
         let blocks = all / self.parts;
         blocks + u64::from(self.place_in(blocks) < all % self.parts)
     }
 
-    /// The number of its run, or point, `index`; `index` below [`Shard::share`].
+    /// The number of its run, or point, `index`; `index` below [`Shard::fraction`].
     pub fn number(self, index: u64) -> u64 {
         index * self.parts + self.place_in(index)
     }
@@ -63,10 +63,10 @@ impl Shard {
     /// How many runs of a study it has; with a precision, the most.
     pub fn most_runs(self, study: &Study) -> u64 {
         if study.precision().is_none() {
-            return self.share(study.run_count());
+            return self.fraction(study.run_count());
         }
         let of_stretch = |(points, runs): (Range<u64>, u64)| {
-            (self.share(points.end) - self.share(points.start)) * runs
+            (self.fraction(points.end) - self.fraction(points.start)) * runs
         };
         study.stretches().map(of_stretch).sum()
     }
@@ -88,7 +88,7 @@ impl Shard {
     ) -> impl Iterator<Item = u64> {
         let whole_points = study.precision().is_some();
         let all = if whole_points { study.point_count() } else { study.run_count() };
-        (0..self.share(all)).flat_map(move |index| {
+        (0..self.fraction(all)).flat_map(move |index| {
             let number = self.number(index);
             if !whole_points {
                 return number..number + 1;
@@ -138,7 +138,7 @@ mod tests {
                 let mut ids: Vec<u64> = (1..=parts)
                     .flat_map(|part| {
                         let shard: Shard = format!("{part}/{parts}").parse().unwrap();
-                        (0..shard.share(all)).map(move |index| shard.number(index))
+                        (0..shard.fraction(all)).map(move |index| shard.number(index))
                     })
                     .collect();
                 ids.sort_unstable();

@@ -1,12 +1,12 @@
-//! When a farm stops before all its runs are finished.
+//! When a study stops before all its runs are finished.
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::Instant;
 
-use super::FarmOptions;
+use super::EngineOptions;
 use super::patience::GRACE;
 
-/// Why a farm stopped before all its runs were finished. Runs in progress were finished, or given up after a
+/// Why a study stopped before all its runs were finished. Runs in progress were finished, or given up after a
 /// second.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StopReason {
@@ -19,7 +19,7 @@ pub enum StopReason {
 }
 
 /// Says when to begin no further run, and when to give up those in progress.
-pub(super) struct Halt<'a> {
+pub(super) struct StopCondition<'a> {
     asked: &'a AtomicBool,
     deadline: Option<Instant>,
     most_failed: Option<u64>,
@@ -28,11 +28,18 @@ pub(super) struct Halt<'a> {
     given_up: AtomicU64,
 }
 
-impl<'a> Halt<'a> {
-    pub(super) fn new(asked: &'a AtomicBool, options: &FarmOptions) -> Self {
-        let FarmOptions { deadline, most_failed, .. } = *options;
+impl<'a> StopCondition<'a> {
+    pub(super) fn new(asked: &'a AtomicBool, options: &EngineOptions) -> Self {
+        let EngineOptions { deadline, most_failed, .. } = *options;
         let [failed, given_up] = [AtomicU64::new(0), AtomicU64::new(0)];
-        Halt { asked, deadline, most_failed, failed, broken: AtomicBool::new(false), given_up }
+        StopCondition {
+            asked,
+            deadline,
+            most_failed,
+            failed,
+            broken: AtomicBool::new(false),
+            given_up,
+        }
     }
 
     /// Counts a failed run.

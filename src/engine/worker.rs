@@ -4,49 +4,49 @@ use std::collections::{HashMap, VecDeque};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::SyncSender;
 
-use super::stop::Halt;
-use super::store::{CaseKey, Finished, Found, Fresh, Reuse};
+use super::stop::StopCondition;
+use super::store::{CaseKey, NewResult, ResultCache, StoredOutcome, StoredResult};
 use crate::classification::{Evidence, Label, Outcome, Runs};
 use crate::model::Case;
 use crate::study::{PlannedRun, Study};
 use crate::table::RunRecord;
 
 /// A batch of runs that workers share.
-pub(super) struct Batch<'a> {
+pub(super) struct RunQueue<'a> {
     pub(super) study: &'a Study,
     /// The numbers of its runs, ascending.
     pub(super) run_ids: Vec<u64>,
     /// How many of its runs have been begun.
     pub(super) begun: AtomicU64,
-    pub(super) halt: &'a Halt<'a>,
+    pub(super) stop_condition: &'a StopCondition<'a>,
     /// Whether audited runs are computed a second time.
     pub(super) audits: bool,
     /// Is called for each run that has been computed.
     pub(super) finished: &'a (dyn Fn(Label) + Sync),
-    pub(super) disk: Option<Disk<'a>>,
+    pub(super) disk: Option<Storage<'a>>,
 }
 
 /// What is known of finished runs, and where new ones go.
 #[derive(Clone)]
-pub(super) struct Disk<'a> {
+pub(super) struct Storage<'a> {
     /// Runs of this study, by number.
-    pub(super) found: &'a HashMap<u64, Found>,
+    pub(super) found: &'a HashMap<u64, StoredResult>,
     /// Is called for each run that need not be computed.
     pub(super) taken: &'a (dyn Fn(Label) + Sync),
     /// Runs of other studies, by case.
-    pub(super) reuse: &'a Reuse,
+    pub(super) result_cache: &'a ResultCache,
     /// Whether runs that failed are computed again.
     pub(super) retry_failed: bool,
     /// Takes runs that are not in the output directory.
-    pub(super) outbox: SyncSender<Fresh>,
+    pub(super) new_results: SyncSender<NewResult>,
     /// How many runs did not have to be computed.
     pub(super) kept: &'a AtomicU64,
 }
 
 /// What one worker does of a batch.
-pub(super) struct Work<'a> {
-    batch: &'a Batch<'a>,
-    disk: Option<Disk<'a>>,
+pub(super) struct Worker<'a> {
+    batch: &'a RunQueue<'a>,
+    disk: Option<Storage<'a>>,
     /// Second computations of audited runs that are still to be begun.
     again: VecDeque<(u64, Case)>,
     open: HashMap<u64, Open>,
@@ -61,10 +61,10 @@ struct Open {
     again: Option<Evidence>,
 }
 
-impl<'a> Work<'a> {
-    pub(super) fn new(batch: &'a Batch<'a>) -> Self {
+impl<'a> Worker<'a> {
+    pub(super) fn new(batch: &'a RunQueue<'a>) -> Self {
         let disk = batch.disk.clone();
-        Work { batch, disk, again: VecDeque::new(), open: HashMap::new(), finished: Vec::new() }
+        Worker { batch, disk, again: VecDeque::new(), open: HashMap::new(), finished: Vec::new() }
     }
 
     /// How many of its runs have begun and not been finished.
@@ -82,14 +82,15 @@ impl<'a> Work<'a> {
         let key = self.key(&planned);
         let found = disk.found.get(&planned.run_id).filter(|found| found.key == key);
         let own = found.is_some_and(|found| found.own);
-        let content = found.map(|found| found.content.clone()).or_else(|| disk.reuse.find(key));
+        let content =
+            found.map(|found| found.content.clone()).or_else(|| disk.result_cache.find(key));
         let contacts = self.batch.study.model().balls().max(1);
-        let finished = content.and_then(|content| Finished::decode(&content, contacts));
+        let finished = content.and_then(|content| StoredOutcome::decode(&content, contacts));
         let usable = finished.filter(|finished| {
             let retry = disk.retry_failed && finished.outcome.label() == Label::Failed;
             !retry && (!planned.audited || finished.audit.is_some())
         });
-        let Some(Finished { outcome, audit }) = usable else { return Some(planned) };
+        let Some(StoredOutcome { outcome, audit }) = usable else { return Some(planned) };
         let audit = audit.filter(|_| planned.audited);
         disk.kept.fetch_add(1, Ordering::Relaxed);
         (disk.taken)(outcome.label());
@@ -101,13 +102,16 @@ impl<'a> Work<'a> {
     /// Hands a finished run on; to the disk, too, where there is a key.
     fn finish(&mut self, record: RunRecord, key: Option<CaseKey>) {
         if record.outcome.label() == Label::Failed {
-            self.batch.halt.failed();
+            self.batch.stop_condition.failed();
         }
         if let (Some(disk), Some(key)) = (&self.disk, key) {
-            let fresh =
-                Fresh { run_id: record.planned.run_id, key, content: Finished::encode(&record) };
+            let fresh = NewResult {
+                run_id: record.planned.run_id,
+                key,
+                content: StoredOutcome::encode(&record),
+            };
             // Where nobody takes it any more, the disk has failed, which is told of at the end.
-            let _ = disk.outbox.send(fresh);
+            let _ = disk.new_results.send(fresh);
         }
         self.finished.push(record);
     }
@@ -128,13 +132,13 @@ impl<'a> Work<'a> {
 }
 
 /// Of each place in the batch there are two numbers: the run itself and its second computation.
-impl Runs for Work<'_> {
+impl Runs for Worker<'_> {
     fn next(&mut self) -> Option<(u64, Case)> {
         if let Some(again) = self.again.pop_front() {
             return Some(again);
         }
         loop {
-            if self.batch.halt.at_once() {
+            if self.batch.stop_condition.at_once() {
                 return None;
             }
             let place = self.batch.begun.fetch_add(1, Ordering::Relaxed);
@@ -142,7 +146,7 @@ impl Runs for Work<'_> {
             let mut planned = self.batch.study.planned_run(run_id);
             planned.audited &= self.batch.audits;
             let Some(planned) = self.take_kept(planned) else { continue };
-            if self.batch.halt.now() {
+            if self.batch.stop_condition.now() {
                 continue;
             }
             match &planned.case {

@@ -4,13 +4,13 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use rayon::prelude::*;
 
-use super::FarmOptions;
+use super::EngineOptions;
 use super::compute::{Engine, InLockstep};
 use super::patience::with_patience;
-use super::stop::Halt;
-use super::worker::{Batch, Work};
+use super::stop::StopCondition;
+use super::worker::{RunQueue, Worker};
 use crate::classification::Label;
-use crate::motion::{Cancellation, VectorLevel};
+use crate::motion::{Cancellation, SimdLevel};
 use crate::study::Study;
 use crate::table::RunRecord;
 
@@ -49,11 +49,18 @@ impl WorkerPool {
         let point = study.point(point_id);
         let run_ids: Vec<u64> = (point.first_run..point.first_run + point.sampling.first).collect();
         let count = run_ids.len();
-        let halt = Halt::new(stop, &FarmOptions::default());
+        let stop_condition = StopCondition::new(stop, &EngineOptions::default());
         let begun = AtomicU64::new(0);
-        let batch =
-            Batch { study, run_ids, begun, audits: false, halt: &halt, finished, disk: None };
-        let engine = InLockstep(VectorLevel::best());
+        let batch = RunQueue {
+            study,
+            run_ids,
+            begun,
+            audits: false,
+            stop_condition: &stop_condition,
+            finished,
+            disk: None,
+        };
+        let engine = InLockstep(SimdLevel::best());
         let is_over = || stop.load(Ordering::Relaxed);
         let runs = with_patience(is_over, |cancellation| {
             self.install(|| self.compute(cancellation, &engine, &batch))
@@ -66,16 +73,16 @@ impl WorkerPool {
         &self,
         cancellation: &Cancellation,
         engine: &impl Engine,
-        batch: &Batch<'_>,
+        batch: &RunQueue<'_>,
     ) -> Vec<RunRecord> {
         let mut finished: Vec<RunRecord> = (0..self.threads)
             .into_par_iter()
             .with_max_len(1)
             .flat_map_iter(|_| {
-                let mut work = Work::new(batch);
+                let mut work = Worker::new(batch);
                 let computed = cancellation.unless_cancelled(|| engine.compute(&mut work));
                 if computed.is_none() {
-                    batch.halt.gave_up(work.in_progress());
+                    batch.stop_condition.gave_up(work.in_progress());
                 }
                 work.finished
             })

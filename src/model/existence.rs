@@ -108,7 +108,7 @@ impl Machine {
 
     /// The part of its friction, alike for all balls, up to which a machine decides stick and slip
     /// in exactly one way: 1 where it does so as it is.
-    pub fn unambiguous_friction_share(&self) -> f64 {
+    pub fn unambiguous_friction_fraction(&self) -> f64 {
         let fine = |share: f64| {
             let (least_minor, _) = least_at_worst_position(&self.couplings(share));
             least_minor > ROUNDING

@@ -171,13 +171,13 @@ pub(super) fn check_forces<const N: usize, const FREE: usize>(
 ///
 /// The conditions are a linear complementarity problem. For light balls its matrix is nearly
 /// diagonal; exchanging all phases that fail their condition at once then settles it in a step or
-/// two. Should it not settle, all `3^k` combinations of `choices` are tried. Where the balls are so
+/// two. Should it not converge, all `3^k` combinations of `choices` are tried. Where the balls are so
 /// heavy and the friction so large that there may be several solutions, all of them are looked for,
 /// and none is chosen silently ([`crate::model::ExistenceVerdict`]).
 ///
 /// # Errors
 /// [`Failure::NoSolution`] where no combination meets all conditions, or several different ones do.
-pub(super) fn settle<S: System<N, FREE>, const N: usize, const FREE: usize>(
+pub(super) fn resolve_modes<S: System<N, FREE>, const N: usize, const FREE: usize>(
     system: &S,
     state: &State<N, f64, FREE>,
     phases: &mut [Phase; N],

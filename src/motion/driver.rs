@@ -40,7 +40,7 @@ pub struct Motion<'a, S, const N: usize, const FREE: usize = 2> {
 
 /// Where a motion is, to be resumed from there.
 #[derive(Clone, Debug)]
-pub(super) struct Course<const N: usize, const FREE: usize> {
+pub(super) struct TrajectoryState<const N: usize, const FREE: usize> {
     pub(super) time: f64,
     pub(super) state: State<N, f64, FREE>,
     pub(super) turns: [i64; N],
@@ -110,11 +110,19 @@ impl<'a, S: System<N, FREE>, const N: usize, const FREE: usize> Motion<'a, S, N,
     pub(super) fn resume(
         system: &'a S,
         settings: Settings,
-        course: Course<N, FREE>,
+        course: TrajectoryState<N, FREE>,
         last: Option<LastStep<N, FREE>>,
     ) -> Self {
-        let Course { time, state, turns, phases, next_length, last_switches, slow_since, effort } =
-            course;
+        let TrajectoryState {
+            time,
+            state,
+            turns,
+            phases,
+            next_length,
+            last_switches,
+            slow_since,
+            effort,
+        } = course;
         let (margins, slow) = margins(system, &settings);
         let phase = SmoothPhase::new(system, &phases);
         let forces = phase.forces(&state);

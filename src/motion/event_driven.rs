@@ -21,7 +21,7 @@
 //!   the same step.
 
 use super::Failure;
-use super::contact::{Phase, derivative, forces, settle, stick_reserve};
+use super::contact::{Phase, derivative, forces, resolve_modes, stick_reserve};
 use crate::model::{Forces, State, System};
 
 /// What counts as rounding in a condition, over the size of the forces.
@@ -62,19 +62,21 @@ pub(super) fn decide<S: System<N, FREE>, const N: usize, const FREE: usize>(
 ) -> Result<Forces<N, f64, FREE>, Failure> {
     let tie = TIE * system.force_scale();
     let choices = [Phase::Stick, Phase::Slip(1.0), Phase::Slip(-1.0)];
-    settle(system, state, phases, at_rest, choices, |forces, phases, ball| match phases[ball] {
-        Phase::Transition(_) | Phase::Free => None,
-        Phase::Stick => {
-            let reserve = stick_reserve(system, forces, ball);
-            (!rests_with(system, state, phases, ball, (reserve, tie)))
-                .then(|| Phase::Slip(forces.friction[ball].signum()))
-        }
-        Phase::Slip(direction) => {
-            let acceleration = direction * forces.beta_ddot[ball];
-            // Where it neither accelerates nor decelerates but for rounding, rest decides.
-            let sets_off = acceleration > tie
-                || (acceleration >= -tie && !rests(system, state, phases, ball, tie));
-            (!sets_off).then_some(Phase::Stick)
+    resolve_modes(system, state, phases, at_rest, choices, |forces, phases, ball| {
+        match phases[ball] {
+            Phase::Transition(_) | Phase::Free => None,
+            Phase::Stick => {
+                let reserve = stick_reserve(system, forces, ball);
+                (!rests_with(system, state, phases, ball, (reserve, tie)))
+                    .then(|| Phase::Slip(forces.friction[ball].signum()))
+            }
+            Phase::Slip(direction) => {
+                let acceleration = direction * forces.beta_ddot[ball];
+                // Where it neither accelerates nor decelerates but for rounding, rest decides.
+                let sets_off = acceleration > tie
+                    || (acceleration >= -tie && !rests(system, state, phases, ball, tie));
+                (!sets_off).then_some(Phase::Stick)
+            }
         }
     })
 }

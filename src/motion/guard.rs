@@ -9,11 +9,11 @@ use crate::model::{Forces, Number, State, System};
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Guard {
     pub(super) ball: usize,
-    kind: Kind,
+    kind: Condition,
 }
 
 #[derive(Clone, Copy, Debug)]
-enum Kind {
+enum Condition {
     /// Slip lasts while the speed stays out of the band.
     OutOfBand(f64),
     /// Transition lasts while the speed stays in the band ...
@@ -44,14 +44,14 @@ impl Guard {
     pub(super) fn all<const N: usize>(phases: &[Phase; N]) -> impl Iterator<Item = Guard> {
         phases.iter().enumerate().flat_map(|(ball, phase)| {
             let (first, second) = match *phase {
-                Phase::Slip(direction) => (Kind::OutOfBand(direction), None),
-                Phase::Stick => (Kind::Held(1.0), Some(Kind::Held(-1.0))),
+                Phase::Slip(direction) => (Condition::OutOfBand(direction), None),
+                Phase::Stick => (Condition::Held(1.0), Some(Condition::Held(-1.0))),
                 Phase::Transition(direction) => {
-                    (Kind::InBand(direction), Some(Kind::Accelerating(direction)))
+                    (Condition::InBand(direction), Some(Condition::Accelerating(direction)))
                 }
-                Phase::Free => (Kind::Pressed, None),
+                Phase::Free => (Condition::Pressed, None),
             };
-            let pressed = (*phase != Phase::Free).then_some(Kind::Pressed);
+            let pressed = (*phase != Phase::Free).then_some(Condition::Pressed);
             let kinds = [Some(first), second, pressed].into_iter().flatten();
             kinds.map(move |kind| Guard { ball, kind })
         })
@@ -60,12 +60,12 @@ impl Guard {
     /// One condition of a ball in a phase: its first, its second, or that the ring presses on it.
     pub(super) fn of(ball: usize, phase: Phase, which: usize) -> Guard {
         let kind = match (phase, which) {
-            (Phase::Slip(direction), 0) => Kind::OutOfBand(direction),
-            (Phase::Stick, 0) => Kind::Held(1.0),
-            (Phase::Stick, 1) => Kind::Held(-1.0),
-            (Phase::Transition(direction), 0) => Kind::InBand(direction),
-            (Phase::Transition(direction), 1) => Kind::Accelerating(direction),
-            _ => Kind::Pressed,
+            (Phase::Slip(direction), 0) => Condition::OutOfBand(direction),
+            (Phase::Stick, 0) => Condition::Held(1.0),
+            (Phase::Stick, 1) => Condition::Held(-1.0),
+            (Phase::Transition(direction), 0) => Condition::InBand(direction),
+            (Phase::Transition(direction), 1) => Condition::Accelerating(direction),
+            _ => Condition::Pressed,
         };
         Guard { ball, kind }
     }
@@ -81,14 +81,16 @@ impl Guard {
         let constant = T::constant;
         let (speed, acceleration) = (state.beta_dot[self.ball], forces.beta_ddot[self.ball]);
         match self.kind {
-            Kind::OutOfBand(direction) => constant(direction) * speed - constant(band),
-            Kind::InBand(direction) => constant(band) - constant(direction) * speed,
-            Kind::Accelerating(direction) => constant(direction) * acceleration + constant(slack),
-            Kind::Held(direction) => {
+            Condition::OutOfBand(direction) => constant(direction) * speed - constant(band),
+            Condition::InBand(direction) => constant(band) - constant(direction) * speed,
+            Condition::Accelerating(direction) => {
+                constant(direction) * acceleration + constant(slack)
+            }
+            Condition::Held(direction) => {
                 let limit = constant(system.friction(self.ball).limit) * forces.normal[self.ball];
                 limit - constant(direction) * forces.friction[self.ball] + constant(slack)
             }
-            Kind::Pressed => forces.normal[self.ball],
+            Condition::Pressed => forces.normal[self.ball],
         }
     }
 
@@ -99,9 +101,9 @@ impl Guard {
         direction: &State<N, f64, FREE>,
     ) -> Option<f64> {
         match self.kind {
-            Kind::OutOfBand(sign) => Some(sign * direction.beta_dot[self.ball]),
-            Kind::InBand(sign) => Some(-sign * direction.beta_dot[self.ball]),
-            Kind::Accelerating(_) | Kind::Held(_) | Kind::Pressed => None,
+            Condition::OutOfBand(sign) => Some(sign * direction.beta_dot[self.ball]),
+            Condition::InBand(sign) => Some(-sign * direction.beta_dot[self.ball]),
+            Condition::Accelerating(_) | Condition::Held(_) | Condition::Pressed => None,
         }
     }
 
@@ -118,13 +120,15 @@ impl Guard {
     ) -> bool {
         let least = values[0].min(values[1]);
         match self.kind {
-            Kind::OutOfBand(direction) => {
+            Condition::OutOfBand(direction) => {
                 let slopes = forces.map(|forces| direction * forces.beta_ddot[self.ball]);
                 reaches_below(least, slopes, length)
             }
-            Kind::Accelerating(_) | Kind::Held(_) => reaches_below(least, slopes(), length),
-            Kind::InBand(_) => false,
-            Kind::Pressed => least < 0.25 * (system.force_scale() - 1.0),
+            Condition::Accelerating(_) | Condition::Held(_) => {
+                reaches_below(least, slopes(), length)
+            }
+            Condition::InBand(_) => false,
+            Condition::Pressed => least < 0.25 * (system.force_scale() - 1.0),
         }
     }
 

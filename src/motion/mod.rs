@@ -24,11 +24,11 @@ pub use dop853::{Step, Tolerance};
 pub use driver::{Motion, SLOW};
 pub use instant::Instant;
 pub use interpolant::Interpolant;
-pub use lockstep::VectorLevel;
+pub use lockstep::SimdLevel;
 pub use root::fall_through_zero;
 pub use settings::{Effort, Settings, most_steps_by};
 pub use switch_model::{SLACK, decide};
-pub use variational::Variation;
+pub use variational::Variational;
 
 use serde::{Deserialize, Serialize};
 use thiserror::Error;

@@ -8,7 +8,7 @@
 //! for all balls in the band together; no step crosses a switch, so that the method keeps its order.
 
 use super::Failure;
-use super::contact::{Phase, settle, stick_reserve};
+use super::contact::{Phase, resolve_modes, stick_reserve};
 use crate::model::{Forces, State, System};
 
 /// Slack of the conditions for stick and transition, as an acceleration over `L ω_n²`: a phase ends
@@ -43,7 +43,7 @@ pub fn decide<S: System<N, FREE>, const N: usize, const FREE: usize>(
 ) -> Result<Forces<N, f64, FREE>, Failure> {
     let open = phases.map(Phase::in_band);
     let choices = [Phase::Stick, Phase::Transition(1.0), Phase::Transition(-1.0)];
-    settle(system, state, phases, open, choices, |forces, phases, ball| match phases[ball] {
+    resolve_modes(system, state, phases, open, choices, |forces, phases, ball| match phases[ball] {
         Phase::Slip(_) | Phase::Free => None,
         Phase::Stick => (stick_reserve(system, forces, ball) < -SLACK)
             .then(|| Phase::Transition(forces.friction[ball].signum())),

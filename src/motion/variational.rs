@@ -36,17 +36,17 @@ const NO_JUMP: f64 = 1e-8;
 
 /// Small displacements from a motion, each in its own direction.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Variation<const N: usize, const FREE: usize = 2> {
+pub struct Variational<const N: usize, const FREE: usize = 2> {
     /// The displacements, up to a common small factor.
     pub directions: Vec<State<N, f64, FREE>>,
     /// Whether a switch was met by grazing only, so that the displacements are not defined.
     pub grazed: bool,
 }
 
-impl<const N: usize, const FREE: usize> Variation<N, FREE> {
+impl<const N: usize, const FREE: usize> Variational<N, FREE> {
     /// Displacements in these directions.
     pub fn new(directions: Vec<State<N, f64, FREE>>) -> Self {
-        Variation { directions, grazed: false }
+        Variational { directions, grazed: false }
     }
 
     /// Carries the displacements over the latest step of the motion, and over the switch at its end

@@ -59,10 +59,10 @@ mod tests {
         Estimate::within(value, Some((high - low) / 3.92), ends, "none")
     }
 
-    /// Newcombe's example: the shares 5/56 and 0/29 with Wilson's intervals (0.0387, 0.1926) and (0, 0.1170)
+    /// Newcombe's example: the fractions 5/56 and 0/29 with Wilson's intervals (0.0387, 0.1926) and (0, 0.1170)
     /// differ by 0.0893 (-0.0381, 0.1926) (Stat. Med. 17 (1998) 873, table II, method 10).
     #[test]
-    fn difference_of_shares() {
+    fn difference_of_fractions() {
         let [one, other] = [estimate(5.0 / 56.0, 0.03873, 0.19258), estimate(0.0, 0.0, 0.11697)];
         let found = difference(&one, &other);
         assert!((found.low.unwrap() + 0.0381).abs() < 2e-4, "{found:?}");

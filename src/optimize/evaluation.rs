@@ -9,7 +9,7 @@ pub enum Origin {
     /// It is the one that the best is compared with.
     CompareWith,
     /// It is one of those spread over all ranges and choices.
-    Spread,
+    OrderStatistics,
     /// Surrogates chose it.
     Surrogates,
     /// Surrogates chose none, or one that had been looked at: the next of those spread.
@@ -18,13 +18,13 @@ pub enum Origin {
 
 impl Origin {
     const ALL: [Origin; 4] =
-        [Origin::CompareWith, Origin::Spread, Origin::Surrogates, Origin::Instead];
+        [Origin::CompareWith, Origin::OrderStatistics, Origin::Surrogates, Origin::Instead];
 
     /// The name in tables.
     pub fn name(self) -> &'static str {
         match self {
             Origin::CompareWith => "compare_with",
-            Origin::Spread => "spread",
+            Origin::OrderStatistics => "spread",
             Origin::Surrogates => "surrogates",
             Origin::Instead => "spread_instead",
         }

@@ -7,7 +7,7 @@ use crate::study::OverPoints;
 ///
 /// The worst one of several is known at least as well as said here: its upper end is above the largest
 /// value wherever that value's own is, and its lower end misses it in at most the sum of the points'
-/// 2.5 % (the other way round where small values are worse). Points share start states and draws, so
+/// 2.5 % (the other way round where small values are worse). Points fraction start states and draws, so
 /// that their errors go together: the standard error of the mean is at most the mean of theirs.
 pub(super) fn over_points(
     estimates: &[&Estimate],

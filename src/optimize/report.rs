@@ -71,7 +71,7 @@ fn sensitivity_json(one: &Sensitivity) -> Value {
     json!({
         "response": one.response,
         "variable": one.variable,
-        "from": one.from.name(),
+        "source": one.from.name(),
         "first_order": json(first),
         "total": json(total),
         "reason": one.reason,

@@ -99,7 +99,7 @@ fn next_design(
     if let (0, Some(values)) = (number, &optimization.compare_with) {
         return new(Origin::CompareWith, values.clone());
     }
-    let mut origin = Origin::Spread;
+    let mut origin = Origin::OrderStatistics;
     if number >= optimization.start_designs {
         let seed = study.derived_seed("optimize suggest", number);
         let suggested = suggest(space, goal, evaluations, seed);

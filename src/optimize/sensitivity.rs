@@ -5,7 +5,7 @@ use super::goal::Goal;
 use super::search::Search;
 use super::sobol_indices::{Indices, places, sobol_indices};
 use super::space::Space;
-use super::suggest::course;
+use super::suggest::training_values;
 use super::surrogate::Surrogate;
 use crate::classification::Label;
 use crate::responses::{Estimate, respond};
@@ -32,7 +32,7 @@ pub struct Sensitivity {
 const SURROGATE: &str =
     "no interval: the surrogate's own error is not known; sensitivity: {from: runs} gives one";
 
-/// The indices of all variables for all responses that count, over all ranges and choices with equal shares.
+/// The indices of all variables for all responses that count, over all ranges and choices with equal fractions.
 /// `finished` is told of each run, if runs are needed; none where the search was stopped.
 pub fn sensitivities(
     search: &Search,
@@ -101,9 +101,11 @@ pub fn surrogates(
         evaluations.iter().map(|one| space.coordinates(&one.values)).collect();
     let seed = study.derived_seed("optimize surrogates", 0);
     let fit = |(place, quantity): (usize, &super::goal::Quantity)| {
-        let fitted = course(&goal, place, &estimates)
+        let fitted = training_values(&goal, place, &estimates)
             .ok_or_else(|| "no design has a value".to_owned())
-            .and_then(|course| Surrogate::fit(&places, &course.values, course.noise, seed));
+            .and_then(|training_values| {
+                Surrogate::fit(&places, &training_values.values, training_values.noise, seed)
+            });
         (quantity.response, fitted)
     };
     goal.quantities().iter().enumerate().map(fit).collect()

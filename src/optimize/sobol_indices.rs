@@ -16,11 +16,11 @@ const RESAMPLES: usize = 1000;
 /// Indices of a variable, with their 95 % intervals where the values come from runs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Indices {
-    /// The share of the variance that the variable alone explains.
+    /// The fraction of the variance that the variable alone explains.
     pub first_order: f64,
     /// Its interval.
     pub first_order_interval: Option<[f64; 2]>,
-    /// The share of the variance that is left while all other variables are known.
+    /// The fraction of the variance that is left while all other variables are known.
     pub total: f64,
     /// Its interval.
     pub total_interval: Option<[f64; 2]>,
@@ -79,8 +79,8 @@ pub fn sobol_indices(
         let interval = |which: usize| {
             let mut ascending: Vec<f64> = drawn.as_ref()?.iter().map(|both| both[which]).collect();
             ascending.sort_by(f64::total_cmp);
-            let at = |share: f64| {
-                let place = (share * ascending.len().saturating_sub(1) as f64).round() as usize;
+            let at = |fraction: f64| {
+                let place = (fraction * ascending.len().saturating_sub(1) as f64).round() as usize;
                 ascending.get(place).copied()
             };
             Some([at(0.025)?, at(0.975)?])
@@ -127,7 +127,7 @@ mod tests {
     #[test]
     fn ishigami() {
         let function = |place: &Vec<f64>| {
-            let x: Vec<f64> = place.iter().map(|share| PI * (2.0 * share - 1.0)).collect();
+            let x: Vec<f64> = place.iter().map(|fraction| PI * (2.0 * fraction - 1.0)).collect();
             x[0].sin() + 7.0 * x[1].sin().powi(2) + 0.1 * x[2].powi(4) * x[0].sin()
         };
         let values: Vec<f64> = places(4096, 3, 3).iter().map(function).collect();
@@ -156,7 +156,7 @@ mod tests {
         let held = (0..200)
             .filter(|&seed| {
                 let function = |place: &Vec<f64>| -> f64 {
-                    place.iter().zip(weights).map(|(share, weight)| share * weight).sum()
+                    place.iter().zip(weights).map(|(fraction, weight)| fraction * weight).sum()
                 };
                 let values: Vec<f64> = places(64, 3, seed).iter().map(function).collect();
                 let found = sobol_indices(&values, 3, Some(u64::from(seed))).unwrap()[1];

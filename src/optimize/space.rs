@@ -24,9 +24,10 @@ impl<'a> Space<'a> {
     }
 
     /// The design at a place in the unit cube: each range from its first to its last value, whole numbers
-    /// and choices with equal shares. Numbers have six digits.
+    /// and choices with equal fractions. Numbers have six digits.
     pub fn at(&self, place: &[f64]) -> Vec<DesignValue> {
-        let value = |(variable, share): (&Variable, &f64)| value_at(variable.values(), *share);
+        let value =
+            |(variable, fraction): (&Variable, &f64)| value_at(variable.values(), *fraction);
         self.variables.iter().zip(place).map(value).collect()
     }
 
@@ -104,12 +105,12 @@ fn whole(number: u64) -> i32 {
     i32::try_from(number).unwrap_or(i32::MAX)
 }
 
-fn value_at(values: Values, share: f64) -> DesignValue {
-    let share = share.clamp(0.0, 1.0);
-    let part = |parts: u64| ((share * parts as f64) as u64).min(parts - 1);
+fn value_at(values: Values, fraction: f64) -> DesignValue {
+    let fraction = fraction.clamp(0.0, 1.0);
+    let part = |parts: u64| ((fraction * parts as f64) as u64).min(parts - 1);
     match values {
         Values::Numbers(from, to) => {
-            DesignValue::Number(rounded(from + share * (to - from)).clamp(from, to))
+            DesignValue::Number(rounded(from + fraction * (to - from)).clamp(from, to))
         }
         Values::Whole(from, to) => DesignValue::Number((from + part(to - from + 1)) as f64),
         Values::Choices(choices) => DesignValue::Choice(part(choices as u64) as usize),

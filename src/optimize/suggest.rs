@@ -17,15 +17,19 @@ const STARTS: usize = 10;
 const FIT_STARTS: usize = 4;
 
 /// One quantity of all designs of a search.
-pub(super) struct Course {
+pub(super) struct TrainingValues {
     /// Values, the worst of the others in place of unknown ones.
     pub values: Vec<f64>,
     /// The variance of a usual value.
     pub noise: f64,
 }
 
-/// The course of quantity `place`; none where no design has a value of it.
-pub(super) fn course(goal: &Goal, place: usize, estimates: &[Vec<Estimate>]) -> Option<Course> {
+/// The values of quantity `place`; none where no design has a value of it.
+pub(super) fn training_values(
+    goal: &Goal,
+    place: usize,
+    estimates: &[Vec<Estimate>],
+) -> Option<TrainingValues> {
     let of = |design: &Vec<Estimate>| design.get(place).and_then(|one| one.value);
     let worst = if goal.large_is_bad(place) { f64::max } else { f64::min };
     let instead = estimates.iter().filter_map(of).reduce(worst)?;
@@ -36,7 +40,7 @@ pub(super) fn course(goal: &Goal, place: usize, estimates: &[Vec<Estimate>]) -> 
         .collect();
     errors.sort_by(f64::total_cmp);
     let usual = errors.get(errors.len() / 2).copied().unwrap_or(0.0);
-    Some(Course {
+    Some(TrainingValues {
         values: estimates.iter().map(|design| of(design).unwrap_or(instead)).collect(),
         noise: usual * usual,
     })
@@ -58,16 +62,17 @@ pub(super) fn suggest(
     let places: Vec<Vec<f64>> =
         evaluations.iter().map(|one| space.coordinates(&one.values)).collect();
     let smoothed = |place: usize| {
-        let course = course(goal, place, &estimates)?;
-        let surrogate = Surrogate::fit(&places, &course.values, course.noise, seed);
+        let training_values = training_values(goal, place, &estimates)?;
+        let surrogate =
+            Surrogate::fit(&places, &training_values.values, training_values.noise, seed);
         let smooth = surrogate.and_then(|surrogate| surrogate.predict(&places));
-        Some(smooth.unwrap_or(course.values))
+        Some(smooth.unwrap_or(training_values.values))
     };
     let quantities: Option<Vec<Vec<f64>>> = (0..goal.quantities().len()).map(smoothed).collect();
     let quantities = quantities?;
     let told = |index: usize| {
         let own: Vec<Option<f64>> =
-            quantities.iter().map(|course| course.get(index).copied()).collect();
+            quantities.iter().map(|training_values| training_values.get(index).copied()).collect();
         let both = goal.costs(&own).into_iter().chain(goal.excesses(&own));
         both.collect::<Option<Vec<f64>>>()
     };

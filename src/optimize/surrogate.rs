@@ -2,7 +2,7 @@
 //!
 //! A Gaussian process with a Matérn 5/2 kernel (egobox), whose inducing points are the designs
 //! themselves: that is the full process, with noise. The noise is estimated, at most as large as the
-//! responses' own standard errors say: designs share start states and draws, so that a part of these
+//! responses' own standard errors say: designs fraction start states and draws, so that a part of these
 //! errors is common to all designs and no noise between them.
 
 use egobox_gp::correlation_models::Matern52Corr;

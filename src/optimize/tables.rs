@@ -1,4 +1,4 @@
-//! `finals.parquet`, `pareto.parquet` and `sensitivities.parquet`.
+//! `finalists.parquet`, `pareto.parquet` and `sensitivities.parquet`.
 
 use super::finals::{Final, Role};
 use super::goal::Goal;
@@ -8,7 +8,7 @@ use crate::responses::columns::{answer_columns, estimate_columns, variable_colum
 use crate::study::{Optimization, Study};
 use crate::table::column::Column;
 
-/// The columns of `finals.parquet`: one row per design that was looked at again and point of the sweep.
+/// The columns of `finalists.parquet`: one row per design that was looked at again and point of the sweep.
 /// `design` is null of one that the search did not look at.
 pub fn final_columns(study: &Study) -> Vec<Column<(Role, Answer)>> {
     let mut columns = answer_columns(study, |row: &(Role, Answer)| &row.1);
@@ -67,12 +67,12 @@ pub fn sensitivity_columns() -> Vec<Column<Sensitivity>> {
             Some(row.variable.clone())
         }),
         Column::word(
-            "from",
+            "source",
             "where responses were taken from: runs of new designs, or the search's surrogates",
             |row: &Sensitivity| row.from.name(),
         ),
         Column::count("samples", "base samples", |row: &Sensitivity| Some(row.samples)),
-        number("first_order", "share of the variance that the variable alone explains", |one| {
+        number("first_order", "fraction of the variance that the variable alone explains", |one| {
             Some(one.first_order)
         }),
         number("first_order_low", "lower end of its 95 % interval, null from surrogates", |one| {
@@ -81,9 +81,11 @@ pub fn sensitivity_columns() -> Vec<Column<Sensitivity>> {
         number("first_order_high", "upper end of its 95 % interval, null from surrogates", |one| {
             one.first_order_interval.map(|ends| ends[1])
         }),
-        number("total", "share of the variance that is left while all others are known", |one| {
-            Some(one.total)
-        }),
+        number(
+            "total",
+            "fraction of the variance that is left while all others are known",
+            |one| Some(one.total),
+        ),
         number("total_low", "lower end of its 95 % interval, null from surrogates", |one| {
             one.total_interval.map(|ends| ends[0])
         }),

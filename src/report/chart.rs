@@ -188,7 +188,7 @@ pub enum Mark {
         /// Ordinates.
         y: Vec<f64>,
         /// What is known of each.
-        tips: Tips,
+        tooltips: Tooltips,
     },
     /// A picture of values on a regular grid over the whole panel.
     Raster {
@@ -204,7 +204,7 @@ pub enum Mark {
         /// The values; none is left open.
         values: Vec<Option<f64>>,
         /// What is known of each.
-        tips: Tips,
+        tooltips: Tooltips,
     },
     /// A line across the panel.
     Rule {
@@ -219,26 +219,26 @@ pub enum Mark {
 
 /// What is known of each dot: of the run behind it, where there is one, and values by name.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct Tips {
+pub struct Tooltips {
     /// The run behind each, for `stickslip replay`; empty where dots are not runs.
     pub run_ids: Vec<u64>,
     /// More that is known, column by column.
-    pub columns: Vec<TipColumn>,
+    pub columns: Vec<TooltipColumn>,
 }
 
 /// A column of what is known of dots.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct TipColumn {
+pub struct TooltipColumn {
     /// Its name with its unit, as `amplitude [µm]`.
     pub name: String,
     /// A value for each dot.
-    pub values: TipValues,
+    pub values: TooltipValues,
 }
 
 /// Values of a column.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum TipValues {
+pub enum TooltipValues {
     /// Numbers; NaN where there is none.
     Numbers(Vec<f64>),
     /// Words.

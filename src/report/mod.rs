@@ -7,6 +7,6 @@ mod figures;
 mod page;
 
 pub use animation::{animation, frames, time_text};
-pub use data::{Budget, Gathered, ResultTables};
+pub use data::{Budget, ReportData, ResultTables};
 pub use figures::of_results;
 pub use page::{OWN, page};

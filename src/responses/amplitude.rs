@@ -76,13 +76,13 @@ pub fn standard_deviation(sample: &Sample) -> Estimate {
 }
 
 /// A quantile, with its interval between order statistics and the bootstrap's standard error.
-pub fn quantile(sample: &Sample, share: f64) -> Estimate {
+pub fn quantile(sample: &Sample, fraction: f64) -> Estimate {
     let values = ascending(sample);
-    let Some(value) = order_statistics::quantile(&values, share) else {
+    let Some(value) = order_statistics::quantile(&values, fraction) else {
         return Estimate::unknown(NO_AMPLITUDE);
     };
-    let error = order_statistics::standard_error(order_statistics::cumulative(&values), share);
-    Estimate::within(value, error, order_statistics::interval(&values, share), NO_BOUND)
+    let error = order_statistics::standard_error(order_statistics::cumulative(&values), fraction);
+    Estimate::within(value, error, order_statistics::interval(&values, fraction), NO_BOUND)
 }
 
 /// The largest of all runs; what other runs would have shown has no bound.
@@ -100,7 +100,7 @@ pub fn worst(sample: &Sample) -> Estimate {
 #[cfg(test)]
 mod tests {
     use super::{mean, quantile, standard_deviation, worst};
-    use crate::analysis::test_rng::Draws;
+    use crate::analysis::test_rng::TestRng;
     use crate::classification::Label;
     use crate::responses::{Estimate, Sample, Seen};
 
@@ -168,7 +168,7 @@ mod tests {
         near(mean(&uneven).standard_error, (28.0_f64 / 3.0).sqrt());
     }
 
-    /// Shares of 4000 seeded samples of 64 runs whose interval holds the exact value: the mean, the
+    /// Fractions of 4000 seeded samples of 64 runs whose interval holds the exact value: the mean, the
     /// standard deviation and two quantiles of uniform and exponential amplitudes, drawn freely and
     /// from 16 cells of four:
     ///
@@ -182,7 +182,7 @@ mod tests {
     ///
     /// What the skewness of an exponential distribution costs the first two is a property of these
     /// methods, not chance (in cells, nearly all of the variance is that of the last cell's four runs).
-    /// A share is off by 0.006 at most (one standard deviation, at 0.84), so that 0.02 below what is
+    /// A fraction is off by 0.006 at most (one standard deviation, at 0.84), so that 0.02 below what is
     /// expected has a probability of 0.001 at most.
     #[test]
     fn coverage() {
@@ -191,7 +191,7 @@ mod tests {
             ("uniform", |u| u, 0.5, (1.0_f64 / 12.0).sqrt()),
             ("exponential", |u| -(1.0 - u).ln(), 1.0, 1.0),
         ];
-        let mut draws = Draws::new(12);
+        let mut draws = TestRng::new(12);
         for (name, inverse, exact_mean, exact_deviation) in populations {
             for cells in [None, Some(16)] {
                 let mut held = [0_u32; 4];

@@ -14,7 +14,7 @@ pub fn response_columns(study: &Study) -> Vec<Column<Answer>> {
     let mut columns = answer_columns(study, |row: &Answer| row);
     columns.push(Column::truth(
         "discontinuous",
-        "whether the shares of labels differ from those of a nearest other design (all tests of a \
+        "whether the fractions of labels differ from those of a nearest other design (all tests of a \
          table together err with 1 %)",
         |row: &Answer| row.discontinuous,
     ));

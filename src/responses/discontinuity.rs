@@ -1,7 +1,7 @@
 //! Where the mix of labels changes between neighbouring designs.
 //!
 //! Neighbours are each design and those nearest to it in scaled variables (a range is 1 wide; another
-//! choice is 1 away). Each label's share is compared between the two by Fisher's exact test (R. A.
+//! choice is 1 away). Each label's fraction is compared between the two by Fisher's exact test (R. A.
 //! Fisher, J. R. Stat. Soc. 85 (1922) 87, doi:10.2307/2340521); tests of labels and of pairs share the
 //! level evenly (Bonferroni). Runs of neighbours start alike, so that chance makes their labels differ
 //! less than the test allows for. Of many runs a small change is seen as well as an abrupt one.
@@ -11,7 +11,7 @@ use statrs::function::factorial::ln_binomial;
 use crate::analysis::LabelCounts;
 use crate::classification::Label;
 
-/// The probability that any design of a table is flagged though no label's share changes.
+/// The probability that any design of a table is flagged though no label's fraction changes.
 pub(super) const LEVEL: f64 = 0.01;
 
 /// The most designs of a table that are compared; each is compared with each.
@@ -60,7 +60,7 @@ pub(super) fn near(distance: f64, least: f64) -> bool {
     distance <= least * (1.0 + 1e-9)
 }
 
-/// Whether any label's share differs, where each test has this level.
+/// Whether any label's fraction differs, where each test has this level.
 pub(super) fn labels_differ(one: &LabelCounts, other: &LabelCounts, level: f64) -> bool {
     Label::ALL.iter().any(|label| p_value(one, other, *label) <= level)
 }
@@ -81,7 +81,7 @@ fn p_value(one: &LabelCounts, other: &LabelCounts, label: Label) -> f64 {
 mod tests {
     use super::{discontinuous, p_value};
     use crate::analysis::LabelCounts;
-    use crate::analysis::test_rng::Draws;
+    use crate::analysis::test_rng::TestRng;
     use crate::classification::Label;
 
     fn counts(equilibria: u64, undecided: u64) -> LabelCounts {
@@ -103,13 +103,14 @@ mod tests {
     #[test]
     fn a_step_is_seen_from_both_sides() {
         let scaled: Vec<Vec<f64>> = [0.0, 0.1, 0.2, 0.3, 0.4].map(|x| vec![x]).to_vec();
-        let shares = [60, 62, 61, 20, 22].map(|equilibria| counts(equilibria, 64 - equilibria));
+        let fractions = [60, 62, 61, 20, 22].map(|equilibria| counts(equilibria, 64 - equilibria));
         let expected = [false, false, true, true, false].map(Some);
-        assert_eq!(discontinuous(&scaled, &shares), expected);
-        assert_eq!(discontinuous(&scaled[..1], &shares[..1]), [None]);
+        assert_eq!(discontinuous(&scaled, &fractions), expected);
+        assert_eq!(discontinuous(&scaled[..1], &fractions[..1]), [None]);
         // In another order they are flagged alike.
         let order = [3, 0, 4, 2, 1];
-        let flags = discontinuous(&order.map(|at| scaled[at].clone()), &order.map(|at| shares[at]));
+        let flags =
+            discontinuous(&order.map(|at| scaled[at].clone()), &order.map(|at| fractions[at]));
         assert_eq!(flags, order.map(|at| expected[at]));
     }
 
@@ -117,17 +118,17 @@ mod tests {
     /// have a probability below 0.001.
     #[test]
     fn level() {
-        let mut draws = Draws::new(5);
+        let mut draws = TestRng::new(5);
         let scaled: Vec<Vec<f64>> = (0..10).map(|x| vec![f64::from(x)]).collect();
         let mut flagged = 0;
         for _ in 0..2000 {
-            let shares: Vec<LabelCounts> = (0..10)
+            let fractions: Vec<LabelCounts> = (0..10)
                 .map(|_| {
                     let rests = (0..50).filter(|_| draws.uniform() < 0.4).count() as u64;
                     counts(rests, 50 - rests)
                 })
                 .collect();
-            flagged += u32::from(discontinuous(&scaled, &shares).contains(&Some(true)));
+            flagged += u32::from(discontinuous(&scaled, &fractions).contains(&Some(true)));
         }
         println!("{flagged} of 2000");
         assert!(flagged <= 36, "{flagged}");

@@ -57,7 +57,7 @@ impl Neighbours {
 mod tests {
     use super::Neighbours;
     use crate::analysis::LabelCounts;
-    use crate::analysis::test_rng::Draws;
+    use crate::analysis::test_rng::TestRng;
     use crate::classification::Label;
 
     fn counts(equilibria: u64) -> LabelCounts {
@@ -110,7 +110,7 @@ mod tests {
     /// a probability below 0.001.
     #[test]
     fn level() {
-        let mut draws = Draws::new(6);
+        let mut draws = TestRng::new(6);
         let mut flagged = 0;
         for _ in 0..2000 {
             let mut neighbours = Neighbours::new(1);

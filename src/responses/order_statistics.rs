@@ -12,8 +12,8 @@ use statrs::function::factorial::ln_binomial;
 
 /// The quantile of ascending values, linear between them (type 7 of Hyndman and Fan, Am. Stat. 50
 /// (1996) 361, doi:10.1080/00031305.1996.10473566); none of no values.
-pub(super) fn quantile(ascending: &[f64], share: f64) -> Option<f64> {
-    let place = share * ascending.len().checked_sub(1)? as f64;
+pub(super) fn quantile(ascending: &[f64], fraction: f64) -> Option<f64> {
+    let place = fraction * ascending.len().checked_sub(1)? as f64;
     let low = *ascending.get(place.floor() as usize)?;
     let high = *ascending.get(place.ceil() as usize)?;
     let part = place - place.floor();
@@ -21,16 +21,16 @@ pub(super) fn quantile(ascending: &[f64], share: f64) -> Option<f64> {
 }
 
 /// The 95 % interval of the quantile; an end is none where the values set no bound.
-pub(super) fn interval(ascending: &[f64], share: f64) -> [Option<f64>; 2] {
+pub(super) fn interval(ascending: &[f64], fraction: f64) -> [Option<f64>; 2] {
     const TAIL: f64 = 0.025;
     let n = ascending.len();
-    if n == 0 || share <= 0.0 || share >= 1.0 {
+    if n == 0 || fraction <= 0.0 || fraction >= 1.0 {
         return [None, None];
     }
     let probability = |k: usize| {
         let choices = ln_binomial(n as u64, k as u64);
         let (k, n) = (k as f64, n as f64);
-        libm::exp(choices + k * libm::log(share) + (n - k) * libm::log1p(-share))
+        libm::exp(choices + k * libm::log(fraction) + (n - k) * libm::log1p(-fraction))
     };
     // How many values are below with at most so much probability, from either end.
     let (mut below, mut low) = (0.0, None);
@@ -87,13 +87,13 @@ pub(super) fn cumulative(ascending: &[f64]) -> impl Iterator<Item = Cumulative> 
 /// doi:10.1080/01621459.1978.10480027.
 pub(super) fn standard_error(
     ascending: impl Iterator<Item = Cumulative>,
-    share: f64,
+    fraction: f64,
 ) -> Option<f64> {
     let (mut weight, mut first, mut second, mut reference) = (0.0, 0.0, 0.0, None);
     for Cumulative { value, proportion, runs } in ascending {
-        let scale = (share * (1.0 - share) / runs).sqrt();
-        let off = (proportion - share) / (scale + 1.0 / runs);
-        let (a, b) = (share * (runs - 1.0) + 1.0, (1.0 - share) * (runs - 1.0) + 1.0);
+        let scale = (fraction * (1.0 - fraction) / runs).sqrt();
+        let off = (proportion - fraction) / (scale + 1.0 / runs);
+        let (a, b) = (fraction * (runs - 1.0) + 1.0, (1.0 - fraction) * (runs - 1.0) + 1.0);
         let reached = match off {
             off if off < -REACH => 0.0,
             off if off > REACH => 1.0,
@@ -113,7 +113,7 @@ pub(super) fn standard_error(
 #[cfg(test)]
 mod tests {
     use super::{cumulative, interval, quantile, standard_error};
-    use crate::analysis::test_rng::Draws;
+    use crate::analysis::test_rng::TestRng;
 
     /// Conover, Practical Nonparametric Statistics, and every table of the sign test: the median of ten
     /// values lies between the second and the ninth, of twenty between the sixth and the fifteenth.
@@ -143,7 +143,7 @@ mod tests {
         let square = (7.0 + 52.0 + 112.0) / 27.0;
         let found = standard_error(cumulative(&[1.0, 2.0, 4.0]), 0.5).unwrap();
         assert!((found - f64::sqrt(square - mean * mean)).abs() < 1e-12, "{found}");
-        assert_eq!(standard_error(cumulative(&[3.0; 9]), 0.9), Some(0.0), "all alike");
+        assert_eq!(standard_error(cumulative(&[3.0; 9]), 0.9), Some(0.0), "all identical");
         assert_eq!(standard_error(cumulative(&[]), 0.5), None);
     }
 
@@ -153,8 +153,8 @@ mod tests {
     /// here, and the scatter by 0.035 (one standard deviation).
     #[test]
     fn bimodal_samples_have_a_standard_error() {
-        let mut draws = Draws::new(15);
-        for (modes, share) in [(0.0, 0.9), (0.9, 0.9), (0.88, 0.9), (0.5, 0.5), (0.45, 0.5)] {
+        let mut draws = TestRng::new(15);
+        for (modes, fraction) in [(0.0, 0.9), (0.9, 0.9), (0.88, 0.9), (0.5, 0.5), (0.45, 0.5)] {
             for runs in [128, 384] {
                 let mut quantiles = Vec::new();
                 let mut errors = Vec::new();
@@ -165,16 +165,16 @@ mod tests {
                     };
                     let mut values: Vec<f64> = (0..runs).map(&mut draw).collect();
                     values.sort_by(f64::total_cmp);
-                    quantiles.push(quantile(&values, share).unwrap());
-                    errors.push(standard_error(cumulative(&values), share).unwrap());
+                    quantiles.push(quantile(&values, fraction).unwrap());
+                    errors.push(standard_error(cumulative(&values), fraction).unwrap());
                 }
                 let mean = quantiles.iter().sum::<f64>() / 400.0;
                 let scatter =
                     (quantiles.iter().map(|one| (one - mean).powi(2)).sum::<f64>() / 399.0).sqrt();
                 errors.sort_by(f64::total_cmp);
                 let ratio = errors[200] / scatter;
-                println!("modes {modes}, quantile {share}, {runs} runs: {ratio:.2}");
-                assert!((0.75..1.3).contains(&ratio), "{modes} {share} {runs}: {ratio}");
+                println!("modes {modes}, quantile {fraction}, {runs} runs: {ratio:.2}");
+                assert!((0.75..1.3).contains(&ratio), "{modes} {fraction} {runs}: {ratio}");
             }
         }
     }

@@ -14,7 +14,7 @@ const NO_RUN: &str = "all runs failed";
 /// The probability that a run's amplitude is above a limit. A run without an amplitude counts as a
 /// failed one.
 pub fn above(sample: &Sample, limit: f64) -> Estimate {
-    share(sample, |run| (!run.failed()).then_some(run.amplitude? > limit))
+    fraction(sample, |run| (!run.failed()).then_some(run.amplitude? > limit))
 }
 
 /// The probability of being at rest by a time, s. Runs on a limit cycle never rest. Where a run was
@@ -27,13 +27,13 @@ pub fn at_rest_by(sample: &Sample, time_s: f64) -> Estimate {
     if sample.runs.iter().any(censored) {
         return kaplan_meier(sample, time_s);
     }
-    share(sample, |run| {
+    fraction(sample, |run| {
         (!run.failed()).then_some(run.time_to_rest_s.is_some_and(|time| time <= time_s))
     })
 }
 
-/// The share of runs that succeed; those of which it is not known are failures.
-fn share(sample: &Sample, succeeds: impl Fn(&Seen) -> Option<bool>) -> Estimate {
+/// The fraction of runs that succeed; those of which it is not known are failures.
+fn fraction(sample: &Sample, succeeds: impl Fn(&Seen) -> Option<bool>) -> Estimate {
     let mut cells = sample.cells.map(Cells::new).unwrap_or_default();
     let mut known_cells = cells.clone();
     let (mut successes, mut failures) = (0, 0);
@@ -56,7 +56,7 @@ fn share(sample: &Sample, succeeds: impl Fn(&Seen) -> Option<bool>) -> Estimate 
     let (from, to) =
         known_cells.interval().unwrap_or_else(|| wilson(successes, all - failures, Z_95));
     Estimate {
-        value: Some(cells.share().unwrap_or(successes as f64 / all as f64)),
+        value: Some(cells.fraction().unwrap_or(successes as f64 / all as f64)),
         standard_error: Some((to - from) / (2.0 * Z_95)),
         low: Some(low),
         high: Some(high),
@@ -115,7 +115,7 @@ mod tests {
     }
 
     #[test]
-    fn shares_by_hand() {
+    fn fractions_by_hand() {
         let mut runs = vec![run(Label::Equilibrium, Some(1.0), 1.0); 6];
         runs.extend(vec![run(Label::Equilibrium, Some(3.0), 4.0); 2]);
         runs.extend(vec![run(Label::Undecided, None, 9.0); 1]);

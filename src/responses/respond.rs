@@ -6,7 +6,7 @@ use super::amplitude::{mean, quantile, standard_deviation, worst};
 use super::estimate::{Estimate, Sample, Seen};
 use super::probability::{above, at_rest_by};
 use super::rest_time::median_time_to_rest;
-use crate::analysis::{LabelCounts, amplitude_without_balls};
+use crate::analysis::{LabelCounts, reference_amplitude};
 use crate::classification::Label;
 use crate::engine::WorkerPool;
 use crate::study::{DesignValue, Measure, ParameterValue, Response, Study};
@@ -75,7 +75,7 @@ fn seen(run: &RunRecord, relative: bool) -> Seen {
     let RunRecord { planned, outcome, .. } = run;
     let without = || {
         let machine = planned.case.as_ref().ok()?.model.ball_balancer()?;
-        amplitude_without_balls(machine).filter(|amplitude| *amplitude > 0.0)
+        reference_amplitude(machine).filter(|amplitude| *amplitude > 0.0)
     };
     let amplitude = outcome.amplitude_m;
     Seen {
@@ -95,7 +95,7 @@ fn estimate(measure: Measure, sample: &Sample) -> Estimate {
     match measure {
         Measure::Mean => mean(sample),
         Measure::StandardDeviation => standard_deviation(sample),
-        Measure::Quantile(share) => quantile(sample, share),
+        Measure::Quantile(fraction) => quantile(sample, fraction),
         Measure::Worst => worst(sample),
         Measure::Above(limit) => above(sample, limit),
         Measure::AtRestBy(time_s) => at_rest_by(sample, time_s),

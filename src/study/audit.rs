@@ -9,14 +9,14 @@ use super::key_path::KeyPath;
 use super::node::describe_number;
 use super::parameter::{Parameter, ParameterValue};
 
-/// A share of the runs that is computed once more, by [`crate::model::Simulation::counter_check`].
+/// A fraction of the runs that is computed once more, by [`crate::model::Simulation::counter_check`].
 ///
 /// A run is chosen where its own uniform number, keyed by the swept values of its point, its cell
-/// and its replicate, is below the share: more samples, further points and a larger share keep all
+/// and its replicate, is below the fraction: more samples, further points and a larger fraction keep all
 /// former choices, and points have different ones.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Audit {
-    /// The share of the runs, above 0 and at most 1.
+    /// The fraction of the runs, above 0 and at most 1.
     pub fraction: f64,
 }
 
@@ -24,7 +24,7 @@ impl Audit {
     /// Checks an audit.
     ///
     /// # Errors
-    /// A share that is none, or zero.
+    /// A fraction that is none, or zero.
     pub(super) fn resolve(
         locate: &dyn Locate,
         written: Option<&AuditFile>,
@@ -33,8 +33,8 @@ impl Audit {
         if 0.0 < fraction && fraction <= 1.0 {
             return Ok(Some(Audit { fraction }));
         }
-        let allowed = "a share of the runs above 0 and at most 1, such as 0.05, or no `audit`";
-        let fault = Fault::new("not a share of the runs", describe_number(fraction), allowed);
+        let allowed = "a fraction of the runs above 0 and at most 1, such as 0.05, or no `audit`";
+        let fault = Fault::new("not a fraction of the runs", describe_number(fraction), allowed);
         Err(locate.refuse_value(&KeyPath::of("audit.fraction"), fault))
     }
 

@@ -166,16 +166,16 @@ impl Design {
                 if draws.axis.is_fixed() {
                     return draws.axis.low;
                 }
-                let share = self.share(draws, &mut digits, id);
-                draws.axis.at(share)
+                let fraction = self.fraction(draws, &mut digits, id);
+                draws.axis.at(fraction)
             })
             .collect();
         coordinates.reverse();
         coordinates
     }
 
-    /// The share of an axis's range at which a sample lies; takes the axis's digit off the cell.
-    fn share(&self, draws: &AxisDraws, digits: &mut u64, id: SampleId) -> f64 {
+    /// The fraction of an axis's range at which a sample lies; takes the axis's digit off the cell.
+    fn fraction(&self, draws: &AxisDraws, digits: &mut u64, id: SampleId) -> f64 {
         let uniform = || draws.key.uniform(id.cell, id.replicate);
         let mut digit = |parts: u64| {
             let digit = *digits % parts;
@@ -215,10 +215,10 @@ impl Layout {
     }
 }
 
-/// A share inside one of several equal parts of the unit interval; rounding never leaves the part.
-fn within(part: u64, parts: u64, share: f64) -> f64 {
+/// A fraction inside one of several equal parts of the unit interval; rounding never leaves the part.
+fn within(part: u64, parts: u64, fraction: f64) -> f64 {
     let upper = (part + 1) as f64 / parts as f64;
-    ((part as f64 + share) / parts as f64).min(upper.next_down())
+    ((part as f64 + fraction) / parts as f64).min(upper.next_down())
 }
 
 /// The dimension of the Sobol' sequence that an axis has whatever the number of balls; no two axes of

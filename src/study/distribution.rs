@@ -32,14 +32,14 @@ pub(crate) enum Distribution {
         mode: f64,
         max: f64,
     },
-    /// Values and the cumulated shares of their weights.
+    /// Values and the cumulated fractions of their weights.
     Choice {
         values: Vec<f64>,
-        shares: Vec<f64>,
+        fractions: Vec<f64>,
     },
 }
 
-/// The share of a normal distribution that must be left after cutting it off.
+/// The fraction of a normal distribution that must be left after cutting it off.
 const SMALLEST_REST: f64 = 1.0e-12;
 
 impl Distribution {
@@ -82,35 +82,35 @@ impl Distribution {
         }
     }
 
-    /// The value below which this share of all draws lies; `share` is strictly between 0 and 1.
-    pub fn quantile(&self, share: f64) -> f64 {
+    /// The value below which this fraction of all draws lies; `fraction` is strictly between 0 and 1.
+    pub fn quantile(&self, fraction: f64) -> f64 {
         match self {
-            Distribution::Normal(normal) => normal.inverse_cdf(share),
+            Distribution::Normal(normal) => normal.inverse_cdf(fraction),
             Distribution::TruncatedNormal { normal, min, max, below, within, mirrored } => {
                 // In the upper tail the distribution function is almost one; its mirror image
                 // keeps all digits there.
                 let value = if *mirrored {
                     let centre = 2.0 * normal_mean(normal);
-                    centre - normal.inverse_cdf((below + (1.0 - share) * within).clamp(0.0, 1.0))
+                    centre - normal.inverse_cdf((below + (1.0 - fraction) * within).clamp(0.0, 1.0))
                 } else {
-                    normal.inverse_cdf((below + share * within).clamp(0.0, 1.0))
+                    normal.inverse_cdf((below + fraction * within).clamp(0.0, 1.0))
                 };
                 value.clamp(*min, *max)
             }
-            Distribution::Lognormal(normal) => normal.inverse_cdf(share).exp(),
-            Distribution::Uniform { min, max } => (min + share * (max - min)).clamp(*min, *max),
+            Distribution::Lognormal(normal) => normal.inverse_cdf(fraction).exp(),
+            Distribution::Uniform { min, max } => (min + fraction * (max - min)).clamp(*min, *max),
             Distribution::Triangular { min, mode, max } => {
                 let width = max - min;
                 let rising = (mode - min) / width;
-                let value = if share < rising {
-                    min + width * (share * rising).sqrt()
+                let value = if fraction < rising {
+                    min + width * (fraction * rising).sqrt()
                 } else {
-                    max - width * ((1.0 - share) * (1.0 - rising)).sqrt()
+                    max - width * ((1.0 - fraction) * (1.0 - rising)).sqrt()
                 };
                 value.clamp(*min, *max)
             }
-            Distribution::Choice { values, shares } => {
-                let index = shares.partition_point(|cumulated| *cumulated <= share);
+            Distribution::Choice { values, fractions } => {
+                let index = fractions.partition_point(|cumulated| *cumulated <= fraction);
                 values[index.min(values.len() - 1)]
             }
         }
@@ -200,7 +200,7 @@ fn choice(values: &[f64], weights: Option<&[f64]>) -> Checked<Distribution> {
         return Err(("weights", fault("weights without a sum", total, "a positive, finite sum")));
     }
     let mut sum = 0.0;
-    let shares = weights
+    let fractions = weights
         .iter()
         .map(|weight| {
             sum += weight;
@@ -209,5 +209,5 @@ fn choice(values: &[f64], weights: Option<&[f64]>) -> Checked<Distribution> {
         .collect();
     // A value of weight zero at the end must not catch what rounding leaves over.
     let last = weights.iter().rposition(|weight| *weight > 0.0).unwrap_or(0);
-    Ok(Distribution::Choice { values: values[..=last].to_vec(), shares })
+    Ok(Distribution::Choice { values: values[..=last].to_vec(), fractions })
 }

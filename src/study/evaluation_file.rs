@@ -39,9 +39,9 @@ pub enum ResponseFile {
     },
     /// Quantile of the amplitude.
     AmplitudeQuantile {
-        /// Share of the runs below it, above 0 and below 1.
+        /// Fraction of the runs below it, above 0 and below 1.
         #[schemars(extend("exclusiveMinimum" = 0, "exclusiveMaximum" = 1))]
-        share: f64,
+        fraction: f64,
         /// Over the amplitude without balls.
         #[serde(default)]
         relative: bool,

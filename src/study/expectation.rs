@@ -10,14 +10,14 @@ use super::plan::Study;
 use super::resolve_sweep::resolve_value;
 use crate::model::Endings;
 
-/// Ranges of the shares of runs per label and of the audit's flip rate, expected at every point that the selector matches.
+/// Ranges of the fractions of runs per label and of the audit's flip rate, expected at every point that the selector matches.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Expectation {
     /// Names and values of swept parameters that select points; empty selects all.
     pub point: Vec<(String, ParameterValue)>,
-    /// Label, such as `equilibrium`, and the expected range `[low, high]` of its share of runs.
+    /// Label, such as `equilibrium`, and the expected range `[low, high]` of its fraction of runs.
     pub fractions: Vec<(&'static str, [f64; 2])>,
-    /// The expected range of the share of audited runs that flip, if one is given.
+    /// The expected range of the fraction of audited runs that flip, if one is given.
     pub audit_flip_rate: Option<[f64; 2]>,
 }
 
@@ -31,12 +31,12 @@ impl Expectation {
         })
     }
 
-    /// The expected range of the share of runs at rest, if one is given.
+    /// The expected range of the fraction of runs at rest, if one is given.
     pub fn equilibrium_fraction(&self) -> Option<[f64; 2]> {
         self.fraction("equilibrium")
     }
 
-    /// The expected range of a label's share of runs, if one is given.
+    /// The expected range of a label's fraction of runs, if one is given.
     pub fn fraction(&self, label: &str) -> Option<[f64; 2]> {
         self.fractions.iter().find(|(name, _)| *name == label).map(|(_, range)| *range)
     }
@@ -134,7 +134,10 @@ fn fractions(
             let fault = Fault::new("such runs are not looked for", found, allowed);
             return Err(locate.refuse_key(&path.key(&format!("{label}_fraction")), fault));
         }
-        fractions.push((label, shares(locate, &path.key(&format!("{label}_fraction")), range)?));
+        fractions.push((
+            label,
+            range_of_fractions(locate, &path.key(&format!("{label}_fraction")), range)?,
+        ));
     }
     if fractions.is_empty() && file.audit_flip_rate.is_none() {
         let allowed = "at least one of equilibrium_fraction, limit_cycle_fraction, \
@@ -158,15 +161,19 @@ fn audit_flip_rate(
         let fault = Fault::new("nothing is audited", "a study without `audit`", allowed);
         return Err(locate.refuse_key(&path, fault));
     }
-    shares(locate, &path, range).map(Some)
+    range_of_fractions(locate, &path, range).map(Some)
 }
 
-fn shares(locate: &dyn Locate, path: &KeyPath, range: Range) -> Result<[f64; 2], StudyError> {
+fn range_of_fractions(
+    locate: &dyn Locate,
+    path: &KeyPath,
+    range: Range,
+) -> Result<[f64; 2], StudyError> {
     let [low, high] = range.0;
     if 0.0 <= low && low <= high && high <= 1.0 {
         return Ok(range.0);
     }
     let found = format!("[{}, {}]", describe_number(low), describe_number(high));
-    let fault = Fault::new("not a range of shares", found, "0 <= low <= high <= 1");
+    let fault = Fault::new("not a range of fractions", found, "0 <= low <= high <= 1");
     Err(locate.refuse_value(path, fault))
 }

@@ -37,11 +37,11 @@ pub struct StudyFile {
     /// How runs are integrated and for how long.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub simulation: Option<SimulationFile>,
-    /// How precisely the share of equilibria is wanted at each point; without it each point has the
+    /// How precisely the fraction of equilibria is wanted at each point; without it each point has the
     /// runs that its design names.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub precision: Option<PrecisionFile>,
-    /// A share of the runs that is computed a second time in another way.
+    /// A fraction of the runs that is computed a second time in another way.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub audit: Option<AuditFile>,
     /// What `stickslip verify` holds the results against.
@@ -443,7 +443,7 @@ pub struct ToleranceFile {
 
 /// Sampling that goes on at each point, in whole replicates of its design (one sample in every cell of
 /// a stratified one, `samples` more of `monte_carlo` and `sobol`; others cannot be enlarged), until
-/// the 95 % interval of the share of equilibria is narrow enough.
+/// the 95 % interval of the fraction of equilibria is narrow enough.
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct PrecisionFile {
@@ -461,12 +461,12 @@ pub struct PrecisionFile {
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct AuditFile {
-    /// Share of the runs, above 0 and at most 1; which ones is drawn for each run.
+    /// Fraction of the runs, above 0 and at most 1; which ones is drawn for each run.
     #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 1))]
     pub fraction: f64,
 }
 
-/// Shares of runs per label that are expected at some points; at least one share.
+/// Fractions of runs per label that are expected at some points; at least one fraction.
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct ExpectationFile {
@@ -474,22 +474,22 @@ pub struct ExpectationFile {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(schema_with = "schema::selector")]
     pub point: Option<Named<Entry>>,
-    /// Share of runs that come to rest, `[low, high]` between 0 and 1.
+    /// Fraction of runs that come to rest, `[low, high]` between 0 and 1.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub equilibrium_fraction: Option<Range>,
-    /// Share of runs that end in a limit cycle, `[low, high]`.
+    /// Fraction of runs that end in a limit cycle, `[low, high]`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub limit_cycle_fraction: Option<Range>,
-    /// Share of runs that move irregularly, `[low, high]`.
+    /// Fraction of runs that move irregularly, `[low, high]`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub irregular_fraction: Option<Range>,
-    /// Share of runs without enough evidence for any end, `[low, high]`.
+    /// Fraction of runs without enough evidence for any end, `[low, high]`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub undecided_fraction: Option<Range>,
-    /// Share of runs that failed, `[low, high]`.
+    /// Fraction of runs that failed, `[low, high]`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub failed_fraction: Option<Range>,
-    /// Share of audited runs whose label is another when they are computed again, `[low, high]`.
+    /// Fraction of audited runs whose label is another when they are computed again, `[low, high]`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub audit_flip_rate: Option<Range>,
 }

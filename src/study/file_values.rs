@@ -223,7 +223,7 @@ pub type Listed = Vec<Entry>;
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(untagged)]
 pub enum Balls {
-    /// So many balls, all alike.
+    /// So many balls, all identical.
     Number(u64),
     /// One entry per ball.
     Each(Vec<BallFile>),

@@ -171,7 +171,7 @@ impl Setting<'_> {
                 let worst = self.study.responses.get(response).map(|one| one.measure);
                 if worst == Some(Measure::Worst) {
                     let problem = "an objective that is bounded from below only";
-                    let allowed = "a quantile, such as amplitude_quantile: {share: 0.95}";
+                    let allowed = "a quantile, such as amplitude_quantile: {fraction: 0.95}";
                     let fault = Fault::new(problem, name.as_str(), allowed);
                     return Err(self.locate.refuse_value(&path, fault));
                 }

@@ -136,7 +136,7 @@ impl Study {
         self.audit
     }
 
-    /// How precisely the share of equilibria is wanted at each point, if that decides how many runs
+    /// How precisely the fraction of equilibria is wanted at each point, if that decides how many runs
     /// it has.
     pub fn precision(&self) -> Option<Precision> {
         self.precision

@@ -1,4 +1,4 @@
-//! How precisely the share of equilibria is wanted, and how many runs of each point that may take.
+//! How precisely the fraction of equilibria is wanted, and how many runs of each point that may take.
 
 use super::design::Design;
 use super::error::{Fault, Locate, StudyError};
@@ -7,11 +7,11 @@ use super::file_values::Count;
 use super::key_path::KeyPath;
 use super::node::describe_number;
 
-/// Sampling goes on at each point, in whole replicates of its design, until the share of equilibria
+/// Sampling goes on at each point, in whole replicates of its design, until the fraction of equilibria
 /// is known so well.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Precision {
-    /// The half width of the share's 95 % interval at which sampling stops, above 0 and below 0.5.
+    /// The half width of the fraction's 95 % interval at which sampling stops, above 0 and below 0.5.
     pub equilibrium_fraction: f64,
     /// The most runs at a point, apart from those that its design begins with.
     pub max_runs: u64,
@@ -45,7 +45,7 @@ impl Precision {
             return Ok(Some(Precision { equilibrium_fraction, max_runs: max_runs.0 }));
         }
         let allowed =
-            "half the width of an interval of shares, above 0 and below 0.5, such as 0.02";
+            "half the width of an interval of fractions, above 0 and below 0.5, such as 0.02";
         let found = describe_number(equilibrium_fraction);
         let fault = Fault::new("not a half width", found, allowed);
         Err(locate.refuse_value(&KeyPath::of("precision.equilibrium_fraction"), fault))

@@ -16,7 +16,7 @@ pub enum Measure {
     Mean,
     /// Standard deviation of the amplitude.
     StandardDeviation,
-    /// The quantile of the amplitude with this share of runs below.
+    /// The quantile of the amplitude with this fraction of runs below.
     Quantile(f64),
     /// Largest amplitude.
     Worst,
@@ -79,8 +79,8 @@ impl Response {
         match self.measure {
             Measure::Mean => format!("mean {amplitude}"),
             Measure::StandardDeviation => format!("standard deviation of the {amplitude}"),
-            Measure::Quantile(share) => {
-                format!("quantile {} of the {amplitude}", describe_number(share))
+            Measure::Quantile(fraction) => {
+                format!("quantile {} of the {amplitude}", describe_number(fraction))
             }
             Measure::Worst => format!("largest {amplitude} of all runs"),
             Measure::Above(limit) => {
@@ -154,13 +154,13 @@ fn measure(study: &Study, file: &ResponseFile) -> Result<(Measure, bool), Mispla
         ResponseFile::AmplitudeMean { relative } => (Measure::Mean, relative),
         ResponseFile::AmplitudeStdDev { relative } => (Measure::StandardDeviation, relative),
         ResponseFile::AmplitudeWorst { relative } => (Measure::Worst, relative),
-        ResponseFile::AmplitudeQuantile { share, relative } => {
-            if !(share > 0.0 && share < 1.0) {
+        ResponseFile::AmplitudeQuantile { fraction, relative } => {
+            if !(fraction > 0.0 && fraction < 1.0) {
                 let fault =
-                    Fault::new("not a share", describe_number(share), "above 0 and below 1");
-                return Err((&["amplitude_quantile", "share"], fault));
+                    Fault::new("not a fraction", describe_number(fraction), "above 0 and below 1");
+                return Err((&["amplitude_quantile", "fraction"], fault));
             }
-            (Measure::Quantile(share), relative)
+            (Measure::Quantile(fraction), relative)
         }
         ResponseFile::AmplitudeAbove { limit, relative } => {
             if limit < 0.0 {

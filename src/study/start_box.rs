@@ -40,9 +40,9 @@ impl Axis {
         self.low == self.high
     }
 
-    /// The value at this share of the range, from zero to one.
-    pub fn at(&self, share: f64) -> f64 {
-        (self.low + share * (self.high - self.low)).clamp(self.low, self.high)
+    /// The value at this fraction of the range, from zero to one.
+    pub fn at(&self, fraction: f64) -> f64 {
+        (self.low + fraction * (self.high - self.low)).clamp(self.low, self.high)
     }
 }
 

@@ -48,8 +48,8 @@ pub fn cycle_columns(study: &Study) -> Vec<Column<CycleRow>> {
         Column::count("runs", "runs that end on a cycle of this class", |row: &CycleRow| {
             Some(row.group.runs)
         }),
-        Column::number("share", "1", "share of all runs of the point", |row: &CycleRow| {
-            Some(row.group.share)
+        Column::number("fraction", "1", "fraction of all runs of the point", |row: &CycleRow| {
+            Some(row.group.fraction)
         }),
         Column::number(
             "ci_low",
@@ -153,7 +153,7 @@ fn table_columns() -> Vec<Column<CycleRow>> {
             |row: &CycleRow| row.group.amplitude_peak_m,
         ),
         Column::number(
-            "least_margin",
+            "min_friction_margin",
             "1",
             "least part of the friction limit that is left to a resting ball in any run",
             |row: &CycleRow| row.group.least_margin,
@@ -185,26 +185,26 @@ fn ball_columns(place: usize) -> Vec<Column<CycleRow>> {
             |role| Some(role.mean_speed),
         ),
         number(
-            format!("least_speed_{ball}_rad_s"),
+            format!("min_speed_{ball}_rad_s"),
             "rad/s",
             "its least speed in any run, negative against the disc's rotation",
             |role| Some(role.speed_extremes[0]),
         ),
         number(
-            format!("greatest_speed_{ball}_rad_s"),
+            format!("max_speed_{ball}_rad_s"),
             "rad/s",
             "its greatest speed in any run, negative against the disc's rotation",
             |role| Some(role.speed_extremes[1]),
         ),
         number(
-            format!("stays_from_{ball}_rad"),
+            format!("rest_from_{ball}_rad"),
             "rad",
             "of a ball that does not go round, but rests or swings, where the shortest arc begins that \
              holds its angles from the imbalance in all runs",
             |role| role.stays_between.map(|[from, _]| from),
         ),
         number(
-            format!("stays_to_{ball}_rad"),
+            format!("rest_to_{ball}_rad"),
             "rad",
             "where that arc ends; it runs through 0 where it begins above its end",
             |role| role.stays_between.map(|[_, to]| to),
@@ -227,8 +227,8 @@ fn block_columns() -> Vec<Column<CycleRow>> {
         ("amplitude_high_m", "the greatest such amplitude"),
     ];
     let speeds = [
-        speed("least_speed_m_s", "least speed relative to the belt in any run", 0),
-        speed("greatest_speed_m_s", "greatest speed relative to the belt in any run", 1),
+        speed("min_speed_m_s", "least speed relative to the belt in any run", 0),
+        speed("max_speed_m_s", "greatest speed relative to the belt in any run", 1),
     ];
     speeds.into_iter().chain(range_columns(names, |group| group.amplitude_m)).collect()
 }

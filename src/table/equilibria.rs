@@ -3,11 +3,11 @@
 use super::column::Column;
 use super::record::RunRecord;
 use super::runs::{drawn_columns, nominal_columns, position_columns};
-use crate::analysis::{bin, sorted_where_alike};
+use crate::analysis::{bin, sorted_where_identical};
 use crate::classification::Label;
 use crate::study::{ParameterValue, Study};
 
-/// A run that ended in equilibrium, balls that are alike in ascending order of their angles.
+/// A run that ended in equilibrium, identical balls in ascending order of their angles.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EquilibriumRow {
     run_id: u64,
@@ -30,7 +30,7 @@ impl EquilibriumRow {
         }
         let position = outcome.position.as_ref()?;
         let position = match planned.case.as_ref().ok()?.model.ball_balancer() {
-            Some(machine) => sorted_where_alike(position, &machine.balls),
+            Some(machine) => sorted_where_identical(position, &machine.balls),
             None => position.clone(),
         };
         Some(EquilibriumRow {

@@ -14,7 +14,7 @@ use crate::study::Study;
 /// What the directory is to hold.
 #[derive(Clone, Debug)]
 pub struct EquilibriumFiles {
-    /// Whether `set.parquet`, the large one, is written.
+    /// Whether `equilibrium_positions.parquet`, the large one, is written.
     pub positions: bool,
     /// Whether the frictionless equilibria are at speeds of their own instead of the sweep's points.
     pub own_speeds: bool,
@@ -33,8 +33,10 @@ pub struct EquilibriumTables {
 impl EquilibriumFiles {
     /// The names of the tables.
     pub fn names(&self) -> Vec<&'static str> {
-        let set = self.positions.then_some("set.parquet");
-        set.into_iter().chain(["sets.parquet", "frictionless.parquet"]).collect()
+        let set = self.positions.then_some("equilibrium_positions.parquet");
+        set.into_iter()
+            .chain(["equilibrium_set_summary.parquet", "frictionless_equilibria.parquet"])
+            .collect()
     }
 
     /// Starts the tables in a directory.
@@ -44,19 +46,25 @@ impl EquilibriumFiles {
     pub fn create(&self, directory: &Path, study: &Study) -> Result<EquilibriumTables, WriteError> {
         let provenance = |table| provenance_with(study, table, &self.options);
         let path = |table| directory.join(format!("{table}.parquet"));
-        let set = || TableWriter::create(&path("set"), set_columns(study), &provenance("set"));
+        let set = || {
+            TableWriter::create(
+                &path("equilibrium_positions"),
+                set_columns(study),
+                &provenance("equilibrium_positions"),
+            )
+        };
         Ok(EquilibriumTables {
             directory: directory.to_owned(),
             set: self.positions.then(set).transpose()?,
             sets: TableWriter::create(
-                &path("sets"),
+                &path("equilibrium_set_summary"),
                 set_summary_columns(study),
-                &provenance("sets"),
+                &provenance("equilibrium_set_summary"),
             )?,
             frictionless: TableWriter::create(
-                &path("frictionless"),
+                &path("frictionless_equilibria"),
                 frictionless_columns(study, self.own_speeds),
-                &provenance("frictionless"),
+                &provenance("frictionless_equilibria"),
             )?,
         })
     }

@@ -1,4 +1,4 @@
-//! `frictionless.parquet`: the equilibria without dry friction and their stability, one row each.
+//! `frictionless_equilibria.parquet`: the equilibria without dry friction and their stability, one row each.
 
 use std::sync::Arc;
 
@@ -18,7 +18,7 @@ pub struct FrictionlessRow {
     pub equilibrium: FrictionlessEquilibrium,
 }
 
-/// The columns of `frictionless.parquet`: with those of the sweep, or for `own_speeds` with the
+/// The columns of `frictionless_equilibria.parquet`: with those of the sweep, or for `own_speeds` with the
 /// speed alone.
 pub fn frictionless_columns(study: &Study, own_speeds: bool) -> Vec<Column<FrictionlessRow>> {
     let mut columns = Vec::new();
@@ -73,13 +73,13 @@ pub fn frictionless_columns(study: &Study, own_speeds: bool) -> Vec<Column<Frict
         };
         let number = index + 1;
         columns.push(Column::number(
-            &format!("eigenvalue_{number}_re_1_s"),
+            &format!("eigenvalue_{number}_real_per_s"),
             "1/s",
             "growth rate of a small disturbance, the largest first",
             move |row| value(row).map(|(real, _)| real),
         ));
         columns.push(Column::number(
-            &format!("eigenvalue_{number}_im_rad_s"),
+            &format!("eigenvalue_{number}_imag_rad_s"),
             "rad/s",
             "its angular frequency in the turning frame",
             move |row| value(row).map(|(_, imaginary)| imaginary),

@@ -16,7 +16,7 @@ use crate::study::Study;
 
 /// The names of a study's tables, as files are called without `.parquet`.
 pub const TABLES: [&str; 6] =
-    ["runs", "points", "rest", "cycles", "equilibria", "equilibrium_histogram"];
+    ["runs", "points", "time_to_rest", "cycles", "equilibria", "equilibrium_histogram"];
 
 /// The tables of a study, open for rows.
 pub struct MemoryResults {
@@ -35,7 +35,7 @@ impl MemoryResults {
         MemoryResults {
             runs: MemoryWriter::new(run_columns(study), about("runs")),
             points: MemoryWriter::new(point_columns(study), about("points")),
-            rest: MemoryWriter::new(rest_columns(study), about("rest")),
+            rest: MemoryWriter::new(rest_columns(study), about("time_to_rest")),
             cycles: MemoryWriter::new(cycle_columns(study), about("cycles")),
             equilibria: MemoryWriter::new(equilibrium_columns(study), about("equilibria")),
             histogram: MemoryWriter::new(histogram_columns(study), about("equilibrium_histogram")),

@@ -1,7 +1,7 @@
 //! Results as files: Parquet tables with units and provenance, and the manifest beside them.
 //!
 //! The only room that knows Arrow, and that writes Parquet (`study` reads tables in it, behind guards
-//! that the reading of results shares).
+//! that the reading of results fractions).
 
 pub mod cell;
 mod checked;

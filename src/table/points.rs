@@ -3,7 +3,7 @@
 use super::column::Column;
 use super::runs::swept_columns;
 use crate::analysis::{
-    AuditCounts, EscapeRate, PointSummary, amplitude_without_balls, is_narrow, set_fraction,
+    AuditCounts, EscapeRate, PointSummary, is_narrow, reference_amplitude, set_fraction,
 };
 use crate::classification::Label;
 use crate::model::{ExistenceVerdict, Machine};
@@ -20,7 +20,7 @@ pub struct PointRow {
     pub summary: PointSummary,
     /// Amplitude without balls, m.
     pub amplitude_without_balls_m: Option<f64>,
-    /// Share of all ball positions that are equilibria.
+    /// Fraction of all ball positions that are equilibria.
     pub set_fraction: Option<f64>,
     /// Whether stick and slip are always decided in exactly one way.
     pub existence: Option<ExistenceVerdict>,
@@ -33,10 +33,7 @@ impl PointRow {
             point_id: point.point_id,
             swept: point.swept.clone(),
             summary,
-            amplitude_without_balls_m: point
-                .model()
-                .ball_balancer()
-                .and_then(amplitude_without_balls),
+            amplitude_without_balls_m: point.model().ball_balancer().and_then(reference_amplitude),
             set_fraction: point.model().ball_balancer().and_then(set_fraction),
             existence: point.model().ball_balancer().map(Machine::existence),
         }
@@ -66,9 +63,9 @@ pub fn point_columns(study: &Study) -> Vec<Column<PointRow>> {
         Column::number(
             "equilibrium_fraction",
             "1",
-            "share of runs that ended in equilibrium by the end time; of runs that were continued, \
+            "fraction of runs that ended in equilibrium by the end time; of runs that were continued, \
              by the later one; where ci_method is stratified, every cell weighs the same (of an \
-             interrupted study not quite the share of runs)",
+             interrupted study not quite the fraction of runs)",
             |row: &PointRow| Some(row.summary.equilibrium_fraction),
         ),
         Column::number(
@@ -91,8 +88,8 @@ pub fn point_columns(study: &Study) -> Vec<Column<PointRow>> {
         ),
     ]);
     columns.extend(label_interval_columns());
-    for (index, share) in PointSummary::TIME_SHARES.into_iter().enumerate() {
-        let percent = (100.0 * share).round();
+    for (index, fraction) in PointSummary::TIME_FRACTIONS.into_iter().enumerate() {
+        let percent = (100.0 * fraction).round();
         columns.push(Column::number(
             &format!("time_to_rest_p{percent:02}_s"),
             "s",
@@ -101,8 +98,8 @@ pub fn point_columns(study: &Study) -> Vec<Column<PointRow>> {
         ));
     }
     columns.extend(median_and_escape_columns());
-    for (index, share) in PointSummary::AMPLITUDE_SHARES.into_iter().enumerate() {
-        let percent = (100.0 * share).round();
+    for (index, fraction) in PointSummary::AMPLITUDE_FRACTIONS.into_iter().enumerate() {
+        let percent = (100.0 * fraction).round();
         columns.push(Column::number(
             &format!("amplitude_p{percent:02}_m"),
             "m",
@@ -126,18 +123,18 @@ pub fn point_columns(study: &Study) -> Vec<Column<PointRow>> {
         Column::number(
             "set_fraction",
             "1",
-            "share of all ball positions that are equilibria: exact for one ball, to about 0.001 for two \
+            "fraction of all ball positions that are equilibria: exact for one ball, to about 0.001 for two \
              and 0.005 for three and more; without uncertain draws",
             |row: &PointRow| row.set_fraction,
         ),
         Column::word(
-            "solution",
+            "uniqueness",
             "unique: stick and slip are decided in exactly one way at all positions and for all \
              forces, proven; not_unique: some runs may end in no_solution; without uncertain draws",
             |row: &PointRow| row.existence.as_ref().map_or("", ExistenceVerdict::word),
         ),
         Column::number(
-            "least_principal_minor",
+            "min_principal_minor",
             "1",
             "what decides that: the least principal minor of the decision's matrix over all \
              positions, over the product of its diagonal entries; 1 where balls do not feel each \
@@ -148,7 +145,7 @@ pub fn point_columns(study: &Study) -> Vec<Column<PointRow>> {
     columns
 }
 
-/// Whether the share of equilibria is known well enough; null in a study without a precision.
+/// Whether the fraction of equilibria is known well enough; null in a study without a precision.
 fn precision_column(study: &Study) -> Column<PointRow> {
     let widest = study.precision().map(|precision| precision.equilibrium_fraction);
     Column::truth(
@@ -167,7 +164,7 @@ fn audit_columns(study: &Study) -> [Column<PointRow>; 6] {
             has_audit.then(|| value(&row.summary.audit))
         })
     };
-    let share = |name: &str, meaning: &str, value: fn(&AuditCounts) -> Option<f64>| {
+    let fraction = |name: &str, meaning: &str, value: fn(&AuditCounts) -> Option<f64>| {
         Column::number(name, "1", meaning, move |row: &PointRow| {
             has_audit.then(|| value(&row.summary.audit)).flatten()
         })
@@ -185,17 +182,21 @@ fn audit_columns(study: &Study) -> [Column<PointRow>; 6] {
             "those of them that were an equilibrium in one of the two computations only",
             |audit| audit.rest_flips,
         ),
-        share("audit_flip_rate", "share of audited runs that flipped", AuditCounts::flip_rate),
-        share("audit_flip_low", "lower end of its 95 % interval (Wilson)", |audit| {
+        fraction(
+            "audit_flip_rate",
+            "fraction of audited runs that flipped",
+            AuditCounts::flip_rate,
+        ),
+        fraction("audit_flip_low", "lower end of its 95 % interval (Wilson)", |audit| {
             Some(audit.interval().0)
         }),
-        share("audit_flip_high", "upper end of its 95 % interval (Wilson)", |audit| {
+        fraction("audit_flip_high", "upper end of its 95 % interval (Wilson)", |audit| {
             Some(audit.interval().1)
         }),
     ]
 }
 
-/// The shares of all labels at once.
+/// The fractions of all labels at once.
 fn label_interval_columns() -> impl Iterator<Item = Column<PointRow>> {
     Label::ALL.into_iter().enumerate().flat_map(|(index, label)| {
         let name = label.name();
@@ -208,7 +209,7 @@ fn label_interval_columns() -> impl Iterator<Item = Column<PointRow>> {
                 &format!("{name}_low"),
                 "1",
                 &format!(
-                    "lower end of an interval of the share of {name} runs; those of all labels hold \
+                    "lower end of an interval of the fraction of {name} runs; those of all labels hold \
                      together with 95 % (Goodman, with Bonferroni's points)"
                 ),
                 move |row: &PointRow| Some(row.summary.counts.intervals()[index].0),
@@ -245,20 +246,20 @@ fn median_and_escape_columns() -> [Column<PointRow>; 6] {
             "upper end of the median's 95 % interval; null where not reached",
         ),
         escape(
-            "escape_rate_1_s",
+            "escape_rate_per_s",
             "1/s",
             "constant rate at which runs still moving after escape_from_s come to rest; null where \
              no tail of 10 rests and a tenth of all rests or more is exponential",
-            |escape| escape.rate_1_s,
+            |escape| escape.rate_per_s,
         ),
         escape(
-            "escape_rate_low_1_s",
+            "escape_rate_low_per_s",
             "1/s",
             "lower end of its 95 % interval (Garwood)",
             |escape| escape.interval_1_s.0,
         ),
         escape(
-            "escape_rate_high_1_s",
+            "escape_rate_high_per_s",
             "1/s",
             "upper end of its 95 % interval (Garwood)",
             |escape| escape.interval_1_s.1,

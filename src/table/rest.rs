@@ -1,4 +1,4 @@
-//! `rest.parquet`: per point of the sweep, the probability of being at rest over time.
+//! `time_to_rest.parquet`: per point of the sweep, the probability of being at rest over time.
 
 use super::column::Column;
 use super::points::PointRow;
@@ -24,7 +24,7 @@ impl RestRow {
     }
 }
 
-/// The columns of `rest.parquet`.
+/// The columns of `time_to_rest.parquet`.
 pub fn rest_columns(study: &Study) -> Vec<Column<RestRow>> {
     let mut columns =
         vec![Column::count("point_id", "number of the sweep's point, from 0", |row: &RestRow| {

@@ -111,7 +111,7 @@ pub(super) const DATA_FILES: [&str; 7] = [RUNS, POINTS, REST, CYCLES, EQUILIBRIA
 
 pub(super) const RUNS: &str = "runs.parquet";
 const POINTS: &str = "points.parquet";
-const REST: &str = "rest.parquet";
+const REST: &str = "time_to_rest.parquet";
 const CYCLES: &str = "cycles.parquet";
 const EQUILIBRIA: &str = "equilibria.parquet";
 const HISTOGRAM: &str = "equilibrium_histogram.parquet";
@@ -146,7 +146,7 @@ impl Results {
             rest: TableWriter::create(
                 &directory.join(REST),
                 rest_columns(study),
-                &provenance(study, "rest"),
+                &provenance(study, "time_to_rest"),
             )?,
             cycles: TableWriter::create(
                 &directory.join(CYCLES),

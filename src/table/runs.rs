@@ -236,21 +236,24 @@ fn lyapunov_columns() -> [Column<RunRecord>; 4] {
     };
     [
         column(
-            "lyapunov_1_s",
+            "lyapunov_exponent_per_s",
             "1/s",
             "largest finite-time Lyapunov exponent over the window, of runs still moving at the end \
              time: the mean rate at which neighbouring motions separate",
             |exponent| exponent.exponent_1_s,
         ),
         column(
-            "lyapunov_low_1_s",
+            "lyapunov_exponent_low_per_s",
             "1/s",
             "lower end of its 95 % interval (Student, from parts of the window)",
             |exponent| exponent.interval_1_s[0],
         ),
-        column("lyapunov_high_1_s", "1/s", "upper end of its 95 % interval", |exponent| {
-            exponent.interval_1_s[1]
-        }),
+        column(
+            "lyapunov_exponent_high_per_s",
+            "1/s",
+            "upper end of its 95 % interval",
+            |exponent| exponent.interval_1_s[1],
+        ),
         column(
             "lyapunov_window_s",
             "s",

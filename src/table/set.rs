@@ -1,4 +1,4 @@
-//! `set.parquet`: one row per position of the balls; `sets.parquet`: one row per point of the
+//! `equilibrium_positions.parquet`: one row per position of the balls; `equilibrium_set_summary.parquet`: one row per point of the
 //! sweep, with what its equilibrium set is like.
 
 use std::sync::Arc;
@@ -65,7 +65,7 @@ pub(super) fn key_columns<R: 'static>(study: &Study, point: fn(&R) -> &PointKey)
     columns
 }
 
-/// The columns of `set.parquet`.
+/// The columns of `equilibrium_positions.parquet`.
 pub fn set_columns(study: &Study) -> Vec<Column<SetRow>> {
     let mut columns = key_columns(study, |row: &SetRow| &row.point);
     for ball in 0..study.model().balls().min(MAX_BALLS) {
@@ -104,7 +104,7 @@ pub fn set_columns(study: &Study) -> Vec<Column<SetRow>> {
     columns
 }
 
-/// The columns of `sets.parquet`.
+/// The columns of `equilibrium_set_summary.parquet`.
 pub fn set_summary_columns(study: &Study) -> Vec<Column<SetSummaryRow>> {
     let mut columns = key_columns(study, |row: &SetSummaryRow| &row.point);
     let number =
@@ -113,39 +113,39 @@ pub fn set_summary_columns(study: &Study) -> Vec<Column<SetSummaryRow>> {
         };
     columns.extend([
         Column::count(
-            "positions",
-            "ball positions looked at: points of the grid, or samples; of one ball share, parts and \
+            "grid_positions",
+            "ball positions looked at: points of the grid, or samples; of one ball fraction, components and \
              amplitudes are exact, whatever the grid",
             |row: &SetSummaryRow| Some(row.positions),
         ),
-        number("share", "1", "share of all ball positions that are in the set", |row| {
-            Some(row.set.share)
+        number("fraction", "1", "fraction of all ball positions that are in the set", |row| {
+            Some(row.set.fraction)
         }),
         number(
-            "share_low",
+            "fraction_low",
             "1",
             "lower end of its 95 % interval (Student's t over independent scrambles); null on a \
              grid",
-            |row| row.set.share_interval.map(|(low, _)| low),
+            |row| row.set.fraction_interval.map(|(low, _)| low),
         ),
-        number("share_high", "1", "upper end of its 95 % interval; null on a grid", |row| {
-            row.set.share_interval.map(|(_, high)| high)
+        number("fraction_high", "1", "upper end of its 95 % interval; null on a grid", |row| {
+            row.set.fraction_interval.map(|(_, high)| high)
         }),
         Column::count(
-            "parts",
-            "separate parts of the set on the torus of ball angles; null for samples",
-            |row: &SetSummaryRow| row.set.parts,
+            "components",
+            "connected components of the set on the torus of ball angles; null for samples",
+            |row: &SetSummaryRow| row.set.components,
         ),
         Column::count(
-            "parts_modulo_exchange",
-            "separate parts where exchanging balls that are alike makes no difference; null for \
+            "components_modulo_exchange",
+            "connected components where exchanging identical balls makes no difference; null for \
              samples",
-            |row: &SetSummaryRow| row.set.parts_modulo_exchange,
+            |row: &SetSummaryRow| row.set.components_modulo_exchange,
         ),
         Column::count(
-            "unseen_equilibria",
+            "unresolved_equilibria",
             "frictionless equilibria, which are in the set, about which no grid point is: above 0 \
-             the grid is too coarse to see all parts; null for samples",
+             the grid is too coarse to see all components; null for samples",
             |row: &SetSummaryRow| row.set.unseen,
         ),
         number(
@@ -163,9 +163,9 @@ pub fn set_summary_columns(study: &Study) -> Vec<Column<SetSummaryRow>> {
     ]);
     columns.extend(angle_columns(
         study,
-        "calmest_beta",
+        "min_amplitude_beta",
         "angle of the ball where the amplitude in the set is smallest",
-        |row| row.set.calmest_rad.as_deref(),
+        |row| row.set.min_amplitude_beta_rad.as_deref(),
     ));
     columns.push(Column::word(
         "balance",

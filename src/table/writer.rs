@@ -19,14 +19,14 @@ use super::staging::{Staging, part_name};
 use super::temporary::taken;
 
 /// Rows per write. Pages and row groups begin where they do because of this number alone, so that
-/// the bytes do not depend on how many runs were farmed at a time.
+/// the bytes do not depend on how many runs were computed at a time.
 const BLOCK: usize = 4096;
 /// Rows per row group.
 const ROW_GROUP: usize = 2 * BLOCK;
 /// Rows per file: 64 row groups. A table of more rows is a directory of files, `part-00000.parquet` and
 /// so on. Until a file is closed, its writer holds the footer, up to 40 KiB for each row group, which
 /// would grow with the table (50 MB for 10^7 rows); so does every reader that opens it. Parts are of
-/// some 30 to 100 MB, which readers share out over cores, and a copy that broke off goes on with the next.
+/// some 30 to 100 MB, which readers fraction out over cores, and a copy that broke off goes on with the next.
 const PART: u64 = 64 * ROW_GROUP as u64;
 
 /// Why a table could not be written.

@@ -1,8 +1,8 @@
 //! Classes of limit cycles: what makes no difference is folded, and nothing else.
 
 use proptest::prelude::*;
-use stickslip::analysis::{CycleClass, Role, groups_of_alike};
-use stickslip::classification::{Cycle, Doing, Evidence, Outcome};
+use stickslip::analysis::{CycleClass, Role, groups_of_identical};
+use stickslip::classification::{Cycle, CyclePhase, Evidence, Outcome};
 use stickslip::model::{Balancer, Ball, Block, Machine, Model, State};
 use stickslip::motion::{Phase, derivative};
 
@@ -11,7 +11,7 @@ use stickslip::motion::{Phase, derivative};
 struct Part {
     kind: u8,
     turns: i32,
-    letters: Vec<Doing>,
+    letters: Vec<CyclePhase>,
     angle: f64,
 }
 
@@ -44,10 +44,10 @@ impl Sample {
             other.cycle.turns[place] = self.cycle.turns[ball];
             other.cycle.speed_extremes[place] = self.cycle.speed_extremes[ball];
             other.angles[place] = self.angles[ball];
-            for (doings, before) in
+            for (cycle_phases, before) in
                 other.cycle.configurations.iter_mut().zip(&self.cycle.configurations)
             {
-                doings[place] = before[ball];
+                cycle_phases[place] = before[ball];
             }
         }
         other
@@ -62,31 +62,35 @@ impl Sample {
         for extremes in &mut other.cycle.speed_extremes {
             *extremes = [-extremes[1], -extremes[0]];
         }
-        for doing in other.cycle.configurations.iter_mut().flatten() {
-            *doing = match doing {
-                Doing::Stick => Doing::Stick,
-                Doing::Forward => Doing::Backward,
-                Doing::Backward => Doing::Forward,
+        for cycle_phase in other.cycle.configurations.iter_mut().flatten() {
+            *cycle_phase = match cycle_phase {
+                CyclePhase::Stick => CyclePhase::Stick,
+                CyclePhase::Forward => CyclePhase::Backward,
+                CyclePhase::Backward => CyclePhase::Forward,
             };
         }
         other
     }
 }
 
-fn doing() -> impl Strategy<Value = Doing> {
-    prop::sample::select(vec![Doing::Stick, Doing::Forward, Doing::Backward])
+fn cycle_phase() -> impl Strategy<Value = CyclePhase> {
+    prop::sample::select(vec![CyclePhase::Stick, CyclePhase::Forward, CyclePhase::Backward])
 }
 
 /// Balls of two kinds that rest, run, or switch; so few of each that equal classes are common.
 pub fn sample(most_balls: usize, most_letters: usize) -> impl Strategy<Value = Sample> {
     let parts = (1..=most_balls, 1..=most_letters).prop_flat_map(|(balls, letters)| {
-        let switching = (Just(0), -1..=1, prop::collection::vec(doing(), letters));
-        let running = (Just(0), prop::sample::select(vec![-2, -1, 1]), doing());
+        let switching = (Just(0), -1..=1, prop::collection::vec(cycle_phase(), letters));
+        let running = (Just(0), prop::sample::select(vec![-2, -1, 1]), cycle_phase());
         let part = prop_oneof![
-            Just((0, 0, vec![Doing::Stick; letters])),
-            running.prop_map(move |(kind, turns, doing)| {
-                let doing = if doing == Doing::Stick { Doing::Forward } else { doing };
-                (kind, turns, vec![doing; letters])
+            Just((0, 0, vec![CyclePhase::Stick; letters])),
+            running.prop_map(move |(kind, turns, cycle_phase)| {
+                let cycle_phase = if cycle_phase == CyclePhase::Stick {
+                    CyclePhase::Forward
+                } else {
+                    cycle_phase
+                };
+                (kind, turns, vec![cycle_phase; letters])
             }),
             switching,
         ];
@@ -140,17 +144,18 @@ fn orders_of_alike(balls: &[Ball]) -> Vec<Vec<usize>> {
     orders
 }
 
-/// What the balls do, one after another in a circle, with each ball's doings kept as they are: of
+/// What the balls do, one after another in a circle, with each ball's phases kept as they are: of
 /// a ball that runs without stopping its direction is in its turns.
-fn circle(sample: &Sample) -> Vec<Vec<Option<Doing>>> {
+fn circle(sample: &Sample) -> Vec<Vec<Option<CyclePhase>>> {
     let configurations = &sample.cycle.configurations;
-    let constant =
-        |ball: usize| configurations.iter().all(|doings| doings[ball] == configurations[0][ball]);
-    let shown = |doings: &Vec<Doing>| {
-        let of_ball = |(ball, &doing): (usize, &Doing)| {
-            (!constant(ball) || doing == Doing::Stick).then_some(doing)
+    let constant = |ball: usize| {
+        configurations.iter().all(|cycle_phases| cycle_phases[ball] == configurations[0][ball])
+    };
+    let shown = |cycle_phases: &Vec<CyclePhase>| {
+        let of_ball = |(ball, &cycle_phase): (usize, &CyclePhase)| {
+            (!constant(ball) || cycle_phase == CyclePhase::Stick).then_some(cycle_phase)
         };
-        doings.iter().enumerate().map(of_ball).collect::<Vec<_>>()
+        cycle_phases.iter().enumerate().map(of_ball).collect::<Vec<_>>()
     };
     let steps: Vec<_> = configurations.iter().map(shown).collect();
     let before = |step: usize| &steps[(step + steps.len() - 1) % steps.len()];
@@ -188,9 +193,9 @@ fn same(a: &Sample, b: &Sample) -> bool {
 /// The parts of a class's text, as a program would read them.
 fn read(name: &str) -> Vec<Role> {
     let letter = |letter: char| match letter {
-        'S' => Doing::Stick,
-        'F' => Doing::Forward,
-        'B' => Doing::Backward,
+        'S' => CyclePhase::Stick,
+        'F' => CyclePhase::Forward,
+        'B' => CyclePhase::Backward,
         other => panic!("{other}"),
     };
     let part = |part: &str| {
@@ -238,7 +243,7 @@ proptest! {
             prop_assert_eq!(one.machine.balls[place], one.machine.balls[ball]);
             prop_assert_eq!(class.roles[place].rests, one.cycle.rests(ball));
         }
-        for group in groups_of_alike(&one.machine.balls) {
+        for group in groups_of_identical(&one.machine.balls) {
             for pair in group.windows(2) {
                 let [first, second] = [pair[0], pair[1]].map(|place| &class.roles[place]);
                 prop_assert!(first.rests <= second.rests);
@@ -279,10 +284,12 @@ fn brute_force_finds_both() {
     assert!((50..1000).contains(&equal), "{equal}");
 }
 
-fn named(speed_rad_s: f64, alike: bool, balls: &[(i32, &[Doing])]) -> CycleClass {
+fn named(speed_rad_s: f64, alike: bool, balls: &[(i32, &[CyclePhase])]) -> CycleClass {
     let masses = [1.4e-4, if alike { 1.4e-4 } else { 2e-4 }];
-    let steps = balls.iter().map(|(_, doings)| doings.len()).max().expect("balls");
-    let at = |step: usize| balls.iter().map(|(_, doings)| doings[step % doings.len()]).collect();
+    let steps = balls.iter().map(|(_, cycle_phases)| cycle_phases.len()).max().expect("balls");
+    let at = |step: usize| {
+        balls.iter().map(|(_, cycle_phases)| cycle_phases[step % cycle_phases.len()]).collect()
+    };
     Sample {
         machine: Machine {
             speed_rad_s,
@@ -307,8 +314,8 @@ fn named(speed_rad_s: f64, alike: bool, balls: &[(i32, &[Doing])]) -> CycleClass
 
 #[test]
 fn classes_by_name() {
-    use Doing::{Backward as B, Forward as F, Stick as S};
-    let name = |speed, alike, balls: &[(i32, &[Doing])]| named(speed, alike, balls).name;
+    use CyclePhase::{Backward as B, Forward as F, Stick as S};
+    let name = |speed, alike, balls: &[(i32, &[CyclePhase])]| named(speed, alike, balls).name;
     // At -247.3 rad/s a ball that goes round in the positive sense falls back.
     assert_eq!(name(-247.3, true, &[(0, &[S]), (1, &[F])]), "-1|rest");
     assert_eq!(name(247.3, true, &[(-1, &[B]), (0, &[S])]), "-1|rest");
@@ -317,8 +324,8 @@ fn classes_by_name() {
     assert_eq!(name(247.3, true, &[(-1, &[B]), (-1, &[B])]), "-1|-1");
     assert_eq!(name(247.3, true, &[(0, &[F, S, B, S]), (-1, &[B])]), "-1|0:SFSB");
     // Whether one ball sticks while the other does is part of the class.
-    let together: [(i32, &[Doing]); 2] = [(0, &[S, F, B]), (0, &[S, F, B])];
-    let apart: [(i32, &[Doing]); 2] = [(0, &[S, F, B]), (0, &[F, B, S])];
+    let together: [(i32, &[CyclePhase]); 2] = [(0, &[S, F, B]), (0, &[S, F, B])];
+    let apart: [(i32, &[CyclePhase]); 2] = [(0, &[S, F, B]), (0, &[F, B, S])];
     assert_eq!(name(1.0, true, &together), "0:SFB|0:SFB");
     assert_eq!(name(1.0, true, &apart), "0:SFB|0:FBS");
     // Balls that rest stand in the order of their angles, 3, 2 and 1 rad.
@@ -387,7 +394,7 @@ fn unknown_and_none() {
     let block = Block::on_belt();
     let cycle = Cycle {
         turns: vec![0],
-        configurations: vec![vec![Doing::Backward], vec![Doing::Stick]],
+        configurations: vec![vec![CyclePhase::Backward], vec![CyclePhase::Stick]],
         speed_extremes: vec![[-1.0, 0.0]],
         angle_extremes: vec![None],
         peak_amplitude_m: 0.0,

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use proptest::prelude::*;
 use stickslip::analysis::{CycleGroup, Observed, PointAccumulator, Z_95, wilson_with_failures};
-use stickslip::classification::{Cycle, Doing, Evidence, Outcome};
+use stickslip::classification::{Cycle, CyclePhase, Evidence, Outcome};
 use stickslip::model::{Case, Machine, Simulation, Start};
 
 use super::cycle_classes::sample;
@@ -30,9 +30,9 @@ fn falls_back(turns: i32, period_s: f64, rests_at: f64, second_rests: bool) -> (
     let cycle = Cycle {
         turns: if second_rests { vec![turns, 0] } else { vec![0, turns] },
         configurations: vec![if second_rests {
-            vec![Doing::Forward, Doing::Stick]
+            vec![CyclePhase::Forward, CyclePhase::Stick]
         } else {
-            vec![Doing::Stick, Doing::Forward]
+            vec![CyclePhase::Stick, CyclePhase::Forward]
         }],
         speed_extremes: if second_rests {
             vec![[60.0 + period_s, 80.0 + period_s], [0.0; 2]]
@@ -74,7 +74,7 @@ fn a_class_in_numbers() {
         groups.iter().map(|group| (group.class.as_str(), group.runs)).collect();
     assert_eq!(names, [("-1|rest", 3), ("-2|rest", 1), ("unknown", 1)]);
     let first = &groups[0];
-    assert_eq!((first.share, first.interval), (0.5, wilson_with_failures(3, 1, 6, Z_95)));
+    assert_eq!((first.fraction, first.interval), (0.5, wilson_with_failures(3, 1, 6, Z_95)));
     let period = first.period_s.expect("known");
     assert_eq!([period.middle, period.least, period.greatest], [0.375, 0.25, 0.75]);
     let amplitude = first.amplitude_m.expect("known");
@@ -118,8 +118,8 @@ fn no_more_than_a_thousand_classes() {
 fn many_runs_of_a_class() {
     let mut runs: Vec<_> = (0..5000)
         .map(|i| {
-            let share = f64::from(i * 7 % 5000) / 4999.0;
-            falls_back(1, 0.0895 + 1e-6 * share, 5.0 + 2.0 * share, i % 3 == 0)
+            let fraction = f64::from(i * 7 % 5000) / 4999.0;
+            falls_back(1, 0.0895 + 1e-6 * fraction, 5.0 + 2.0 * fraction, i % 3 == 0)
         })
         .collect();
     let found = groups(&runs);

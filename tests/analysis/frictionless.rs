@@ -6,7 +6,7 @@ use std::f64::consts::{PI, TAU};
 use nalgebra::{DMatrix, DVector};
 use stickslip::analysis::{
     FrictionlessEquilibrium, FrictionlessKind as Kind, RestForm, SmallMotions, Stability,
-    frictionless_equilibria, sorted_where_alike,
+    frictionless_equilibria, sorted_where_identical,
 };
 use stickslip::model::{Balancer, Ball, Machine};
 
@@ -26,7 +26,7 @@ fn stable(found: &[FrictionlessEquilibrium]) -> Vec<Kind> {
     stable.map(|one| one.kind).collect()
 }
 
-/// Whether the thesis's condition for A1+ and A1- to vanish holds, two balls that are alike:
+/// Whether the thesis's condition for A1+ and A1- to vanish holds, two identical balls:
 /// (1 - w²)² ≤ 4 ζ² w² ((2 m / (m_I e))² - 1), e over L.
 fn vanished(machine: &Machine) -> bool {
     let natural = machine.natural_frequency_rad_s();
@@ -191,9 +191,9 @@ fn a_search_finds_the_same() {
                 continue;
             }
             let same = known.iter().position(|one| {
-                let exchanged = sorted_where_alike(&beta, &machine.balls);
+                let exchanged = sorted_where_identical(&beta, &machine.balls);
                 let angles = one.beta_rad.as_ref().unwrap();
-                distance(&exchanged, &sorted_where_alike(angles, &machine.balls)) < 1e-6
+                distance(&exchanged, &sorted_where_identical(angles, &machine.balls)) < 1e-6
             });
             met[same.unwrap_or_else(|| panic!("{beta:?} of {machine:?} is not in {known:?}"))] =
                 true;

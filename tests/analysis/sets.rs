@@ -24,11 +24,11 @@ fn set(machine: &Machine, points: usize) -> EquilibriumSet {
 }
 
 /// Thesis section 5.2.1, figure 5.4 (four subsets "with the symmetry properties" at the lowest
-/// friction, everything at the highest), and figure 5.5 at -191.6372 rad/s. The numbers of parts
+/// friction, everything at the highest), and figure 5.5 at -191.6372 rad/s. The numbers of components
 /// do not depend on the grid.
 #[test]
-fn shares_and_parts_of_the_thesis() {
-    for (speed, friction, share, torus, exchanged) in [
+fn fractions_and_parts_of_the_thesis() {
+    for (speed, friction, fraction, torus, exchanged) in [
         (-216.3772, 2.75e-4, 0.0174, 6, 4),
         (-216.3772, 2.75e-3, 0.770, 1, 1),
         (-216.3772, 3.5e-3, 1.000, 1, 1),
@@ -36,9 +36,13 @@ fn shares_and_parts_of_the_thesis() {
     ] {
         for points in [128, 500, 2048] {
             let set = set(&machine(speed, friction), points);
-            assert!((set.share - share).abs() < 1e-3, "{} {share}", set.share);
-            assert_eq!(set.parts, Some(torus), "{speed} {friction} {points}");
-            assert_eq!(set.parts_modulo_exchange, Some(exchanged), "{speed} {friction} {points}");
+            assert!((set.fraction - fraction).abs() < 1e-3, "{} {fraction}", set.fraction);
+            assert_eq!(set.components, Some(torus), "{speed} {friction} {points}");
+            assert_eq!(
+                set.components_modulo_exchange,
+                Some(exchanged),
+                "{speed} {friction} {points}"
+            );
         }
     }
 }
@@ -55,7 +59,7 @@ fn amplitudes_and_balance_of_the_thesis() {
     let cosine = -machine.imbalance_mass_kg * machine.imbalance_radius_m
         / (2.0 * machine.balls[0].mass_kg * machine.ring_radius_m);
     let Balance::Position(beta) = set.balance else { panic!("{:?}", set.balance) };
-    assert_eq!(set.calmest_rad.as_ref(), Some(&beta));
+    assert_eq!(set.min_amplitude_beta_rad.as_ref(), Some(&beta));
     assert!((beta[0] - cosine.acos()).abs() < 1e-12, "{beta:?}");
     assert!((beta[1] - (TAU - cosine.acos())).abs() < 1e-12, "{beta:?}");
     assert!((beta[0] - 2.270).abs() < 5e-4 && (beta[1] - 4.013).abs() < 5e-4);
@@ -91,13 +95,13 @@ fn every_point_is_what_the_model_says() {
             Ok(())
         });
         assert_eq!((shown, all), (Ok(()), 8100));
-        let share = f64::from(inside) / f64::from(all);
-        assert_eq!(set(&machine, 90).share, share);
-        assert!(share > 0.0 && share < 1.0, "{share}");
+        let fraction = f64::from(inside) / f64::from(all);
+        assert_eq!(set(&machine, 90).fraction, fraction);
+        assert!(fraction > 0.0 && fraction < 1.0, "{fraction}");
     }
 }
 
-/// One ball: the model's own condition on a fine scan of the circle, share and extremes; the set is the
+/// One ball: the model's own condition on a fine scan of the circle, fraction and extremes; the set is the
 /// same whatever the grid.
 #[test]
 fn one_ball_against_a_fine_scan() {
@@ -111,10 +115,14 @@ fn one_ball_against_a_fine_scan() {
             .filter(|beta| balancer.required_friction(beta) <= friction);
         let amplitudes: Vec<f64> =
             held.map(|beta| balancer.rest_amplitude(&beta) * machine.ring_radius_m).collect();
-        let share = amplitudes.len() as f64 / f64::from(fine);
+        let fraction = amplitudes.len() as f64 / f64::from(fine);
         for points in [1, 512] {
             let found = set(&machine, points);
-            assert!((found.share - share).abs() < 4.0 / f64::from(fine), "{} {share}", found.share);
+            assert!(
+                (found.fraction - fraction).abs() < 4.0 / f64::from(fine),
+                "{} {fraction}",
+                found.fraction
+            );
             let (smallest, largest) = found.amplitude_m.unwrap();
             let rounding = 1e-12 * largest;
             let scanned =
@@ -125,11 +133,11 @@ fn one_ball_against_a_fine_scan() {
             assert!(-rounding <= below && below < 1e-5 * largest, "{smallest} {scanned:?}");
             assert!(-rounding <= above && above < 1e-5 * largest, "{largest} {scanned:?}");
         }
-        assert_eq!(set_fraction(&machine), Some(set(&machine, 512).share));
+        assert_eq!(set_fraction(&machine), Some(set(&machine, 512).fraction));
     }
     let mut machine = machine(-179.2671, 2.75e-3);
     machine.balls.truncate(1);
-    assert!((set(&machine, 512).share - 0.128_98).abs() < 5e-6);
+    assert!((set(&machine, 512).fraction - 0.128_98).abs() < 5e-6);
 }
 
 /// One ball: the condition is |q| ≤ μ (1 + p) with q a sine of the angle, so that two arcs, about
@@ -139,15 +147,15 @@ fn one_ball_has_two_arcs() {
     let mut machine = machine(-216.3772, 1.0e-4);
     machine.balls.truncate(1);
     let set = set(&machine, 10_000);
-    assert_eq!((set.parts, set.parts_modulo_exchange), (Some(2), Some(2)));
+    assert_eq!((set.components, set.components_modulo_exchange), (Some(2), Some(2)));
     let form = RestForm::new(&machine).unwrap();
     // |z| so small that the normal force is 1: |Im(g I e^{-iβ} + g m)| ≤ μ, where `arcs` sees the
     // sine's range directly.
     let (amplitude, offset) =
         ((form.transfer * form.imbalance).norm(), form.transfer.im * form.mass[0]);
     let edge = |value: f64| ((value - offset) / amplitude).clamp(-1.0, 1.0).asin();
-    let share = (edge(1.0e-4) - edge(-1.0e-4)) / PI;
-    assert!((set.share - share).abs() < 5e-3 * share, "{} {share}", set.share);
+    let fraction = (edge(1.0e-4) - edge(-1.0e-4)) / PI;
+    assert!((set.fraction - fraction).abs() < 5e-3 * fraction, "{} {fraction}", set.fraction);
     assert_eq!(set.balance, Balance::Nowhere);
 }
 
@@ -187,33 +195,33 @@ fn balanced_positions_close_the_polygon() {
 }
 
 /// More balls: a third ball almost without mass and with more friction than ever needed changes
-/// nothing in what the first two do, so that the sampled share is the grid's.
+/// nothing in what the first two do, so that the sampled fraction is the grid's.
 #[test]
 fn samples_agree_with_the_grid() {
     let two = machine(-216.3772, 2.0e-3);
     let mut three = two.clone();
     three.balls.push(Ball { mass_kg: 1e-15, friction_coefficient: 1.0, ..Ball::default() });
-    let exact = set(&two, 2048).share;
+    let exact = set(&two, 2048).fraction;
     let sampled = EquilibriumSet::of(&three, Resolution::Samples(4096)).unwrap();
     assert!((set_fraction(&three).unwrap() - exact).abs() < 0.005);
-    let (low, high) = sampled.share_interval.unwrap();
+    let (low, high) = sampled.fraction_interval.unwrap();
     assert!(low < exact && exact < high, "{exact} {low} {high}");
     // As many independent samples would have 0.0076.
     assert!(high - low < 0.003, "{low} {high}");
-    assert_eq!((sampled.parts, sampled.parts_modulo_exchange), (None, None));
+    assert_eq!((sampled.components, sampled.components_modulo_exchange), (None, None));
     assert_eq!(sampled.balance.name(), "family");
     let (_, largest) = sampled.amplitude_m.unwrap();
     assert!((largest - set(&two, 512).amplitude_m.unwrap().1).abs() < 1e-12);
 }
 
 #[test]
-fn quick_share_is_good_to_a_thousandth() {
+fn quick_fraction_is_good_to_a_thousandth() {
     for (speed, friction) in
         [(-216.3772, 2.75e-4), (-216.3772, 2.75e-3), (-191.6372, 2.75e-3), (-173.1803, 2.75e-3)]
     {
         let machine = machine(speed, friction);
         let quick = set_fraction(&machine).unwrap();
-        let fine = set(&machine, 4096).share;
+        let fine = set(&machine, 4096).fraction;
         assert!((quick - fine).abs() < 1e-3, "{quick} {fine}");
     }
 }
@@ -223,19 +231,22 @@ fn quick_share_is_good_to_a_thousandth() {
 #[test]
 fn extremes() {
     let still = set(&machine(0.0, 0.0), 64);
-    assert_eq!((still.share, still.parts, still.amplitude_m), (1.0, Some(1), Some((0.0, 0.0))));
+    assert_eq!(
+        (still.fraction, still.components, still.amplitude_m),
+        (1.0, Some(1), Some((0.0, 0.0)))
+    );
     let smooth = set(&machine(-216.3772, 0.0), 64);
-    assert_eq!((smooth.share, smooth.parts), (0.0, Some(0)));
+    assert_eq!((smooth.fraction, smooth.components), (0.0, Some(0)));
     // The set is then the equilibria without friction, of which the balanced one is the calmest.
     let equilibria = frictionless_equilibria(&machine(-216.3772, 0.0), 1.0).unwrap();
     let most = equilibria.iter().map(|one| one.amplitude_m()).fold(0.0, f64::max);
     let (smallest, largest) = smooth.amplitude_m.unwrap();
     assert!(smallest == 0.0 && (largest / most - 1.0).abs() < 1e-9, "{largest} {most}");
-    assert!(smooth.calmest_rad.is_some());
+    assert!(smooth.min_amplitude_beta_rad.is_some());
     let mut resonant = Machine { damping_n_s_m: 0.0, ..machine(0.0, 1.0) };
     resonant.speed_rad_s = resonant.natural_frequency_rad_s();
     let resonant = set(&resonant, 64);
-    assert_eq!((resonant.share, resonant.parts), (0.0, Some(0)));
+    assert_eq!((resonant.fraction, resonant.components), (0.0, Some(0)));
     let none = Machine { balls: vec![], ..Machine::default() };
     assert_eq!(EquilibriumSet::of(&none, Resolution::Grid(64)), None);
     assert_eq!(EquilibriumSet::of(&with_masses(&[1.0e-4; 3]), Resolution::Grid(64)), None);

@@ -1,7 +1,7 @@
 //! Blocks on springs: where and when they stop, their cycles, and when nothing is claimed.
 
 use crate::model::closed_forms::ClosedForms;
-use stickslip::classification::{Doing, Evidence, Label, Outcome, simulate};
+use stickslip::classification::{CyclePhase, Evidence, Label, Outcome, simulate};
 use stickslip::model::{Block, Case, FrictionLaw, Ground, Method, Simulation, Start};
 
 const METHODS: [Method; 2] = [Method::Event, Method::Switch];
@@ -118,7 +118,7 @@ fn a_block_on_a_belt_has_the_cycle_of_the_closed_form() {
                 near(position(&outcome), exact.break_away_m, 1e-8);
                 assert_eq!(outcome.time_to_rest_s, None);
                 let cycle = outcome.cycle.as_ref().expect("known");
-                assert_eq!(cycle.configurations, [[Doing::Backward], [Doing::Stick]]);
+                assert_eq!(cycle.configurations, [[CyclePhase::Backward], [CyclePhase::Stick]]);
                 // It swings back through where the spring balances kinetic friction.
                 let natural = block.natural_frequency_rad_s();
                 let [[least, greatest]] = cycle.speed_extremes[..] else { panic!("one contact") };

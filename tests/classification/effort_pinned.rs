@@ -9,7 +9,7 @@ use std::path::Path;
 
 use stickslip::classification::{Outcome, simulate, simulate_one_by_one};
 use stickslip::model::{Ball, Case, FrictionLaw, Machine, Method, Simulation, Start};
-use stickslip::motion::VectorLevel;
+use stickslip::motion::SimdLevel;
 
 const VISCOUS: FrictionLaw = FrictionLaw::Viscous { viscous_coefficient_n_s_m: 2e-4 };
 
@@ -133,7 +133,7 @@ fn efforts_are_those_pinned() {
     }
     let pinned = std::fs::read_to_string(path).expect("the pinned table");
     // Without vectors of its own a processor computes everything one by one.
-    let has_lanes = VectorLevel::best().name() != "none";
+    let has_lanes = SimdLevel::best().name() != "none";
     let counts = |line: &&str| has_lanes || !line.contains("  lockstep  ");
     let differs = found.lines().filter(counts).ne(pinned.lines().filter(counts));
     assert!(

@@ -52,11 +52,11 @@ fn smooth_friction_lets_resting_balls_creep() {
             let moved = |end: &[f64]| (0..2).map(|i| distance(end[i], beta[i])).fold(0.0, f64::max);
             crept.push(moved(&end));
         }
-        // A ball held with a share `s` of the limit creeps with `v_0 tan(π s / 2)`, here with 45 to
+        // A ball held with a fraction `s` of the limit creeps with `v_0 tan(π s / 2)`, here with 45 to
         // 55 %: some 2 hundredths of a radian in 20 s, and with ten times the speed nearly ten times
         // that, as the pull grows less on the way.
-        let share = |s: f64| 0.02 * (std::f64::consts::FRAC_PI_2 * s).tan();
-        assert!((share(0.45)..share(0.56)).contains(&crept[0]), "{crept:?}");
+        let fraction = |s: f64| 0.02 * (std::f64::consts::FRAC_PI_2 * s).tan();
+        assert!((fraction(0.45)..fraction(0.56)).contains(&crept[0]), "{crept:?}");
         assert!((7.0..10.0).contains(&(crept[1] / crept[0])), "{crept:?}");
     }
 }

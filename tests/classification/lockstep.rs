@@ -5,7 +5,7 @@ use stickslip::classification::{
     Label, Outcome, Runs, simulate, simulate_in_lockstep, simulate_one_by_one,
 };
 use stickslip::model::{Case, Method};
-use stickslip::motion::VectorLevel;
+use stickslip::motion::SimdLevel;
 
 use crate::cli::support::parse;
 
@@ -27,7 +27,7 @@ impl Runs for Listed {
     }
 }
 
-fn in_lockstep(level: VectorLevel, cases: &[Case], order: Vec<usize>) -> Vec<Outcome> {
+fn in_lockstep(level: SimdLevel, cases: &[Case], order: Vec<usize>) -> Vec<Outcome> {
     let mut runs = Listed { cases: cases.to_vec(), order, outcomes: vec![None; cases.len()] };
     simulate_in_lockstep(level, &mut runs);
     runs.outcomes.into_iter().map(|outcome| outcome.expect("every run has ended")).collect()
@@ -72,8 +72,8 @@ fn mixed() -> Vec<Case> {
 fn bits_depend_neither_on_lanes_nor_on_neighbours_nor_on_vectors() {
     let cases = mixed();
     let forwards = || (0..cases.len()).rev().collect::<Vec<_>>();
-    let best = in_lockstep(VectorLevel::best(), &cases, forwards());
-    for level in VectorLevel::all() {
+    let best = in_lockstep(SimdLevel::best(), &cases, forwards());
+    for level in SimdLevel::all() {
         assert_eq!(in_lockstep(level, &cases, forwards()), best, "{}", level.name());
     }
     // Another order, other neighbours.
@@ -81,7 +81,7 @@ fn bits_depend_neither_on_lanes_nor_on_neighbours_nor_on_vectors() {
     let mut sorted = shuffled.clone();
     sorted.sort_unstable();
     assert!(sorted.into_iter().eq(0..cases.len()), "the shuffle takes every run once");
-    assert_eq!(in_lockstep(VectorLevel::best(), &cases, shuffled), best);
+    assert_eq!(in_lockstep(SimdLevel::best(), &cases, shuffled), best);
     for (case, outcome) in cases.iter().zip(&best).step_by(5) {
         assert_eq!(simulate(case), *outcome);
     }

@@ -12,7 +12,7 @@ use rayon::prelude::*;
 use sha2::{Digest, Sha256};
 use stickslip::classification::{MODEL_VERSION, simulate};
 use stickslip::engine::compute;
-use stickslip::motion::VectorLevel;
+use stickslip::motion::SimdLevel;
 use stickslip::study::Study;
 
 use crate::cli::support::parse;
@@ -68,7 +68,7 @@ fn studies() -> Vec<(&'static str, Study)> {
 
 #[test]
 fn outcomes_are_those_of_the_version() {
-    if VectorLevel::best().name() == "none" {
+    if SimdLevel::best().name() == "none" {
         return;
     }
     let mut found = format!("version {MODEL_VERSION}\n");

@@ -231,9 +231,11 @@ fn beyond_a_nearby_unstable_equilibrium_nothing_is_claimed() {
     assert_eq!((stable.1, unstable.1), (Stability::Stable, Stability::Unstable));
     let machine = viscous(there, 2, 5e-2);
     let way = (unstable.0 - stable.0 + 1.0).rem_euclid(TAU) - 1.0;
-    for (share, claimed) in [(0.0, true), (-0.02, true), (1.0, false), (1.3, false), (1.5, false)] {
-        let outcome = run(machine.clone(), &resting(&machine, [stable.0 + share * way; 2]), 1.0);
-        assert_eq!(outcome.evidence == Evidence::Settled, claimed, "{share}");
+    for (fraction, claimed) in
+        [(0.0, true), (-0.02, true), (1.0, false), (1.3, false), (1.5, false)]
+    {
+        let outcome = run(machine.clone(), &resting(&machine, [stable.0 + fraction * way; 2]), 1.0);
+        assert_eq!(outcome.evidence == Evidence::Settled, claimed, "{fraction}");
     }
 }
 

@@ -42,14 +42,19 @@ fn files(scratch: &Scratch, directory: &str) -> BTreeSet<String> {
 fn tables_agree_with_one_another() {
     let scratch = scratch();
     let text = scratch.well("equilibria a.yaml --grid 128 --out out");
-    let header = "point  speed_rad_s  normal_force  friction_coefficient   share  parts";
+    let header = "point  speed_rad_s  normal_force  friction_coefficient   fraction  parts";
     assert_has(&text, &[header, "a1_plus", "b1", "0 .. 5.514e-5", "6                4"]);
     assert_eq!(text.lines().count(), 4);
-    let expected = ["files.json", "frictionless.parquet", "set.parquet", "sets.parquet"];
+    let expected = [
+        "files.json",
+        "frictionless_equilibria.parquet",
+        "equilibrium_positions.parquet",
+        "equilibrium_set_summary.parquet",
+    ];
     let expected = expected.map(String::from);
     assert_eq!(files(&scratch, "out"), expected.into_iter().collect());
 
-    let set = scratch.table("out", "set");
+    let set = scratch.table("out", "equilibrium_positions");
     let key = ["point_id", "speed_rad_s", "normal_force", "friction_coefficient"];
     let position = [
         "beta_1_rad",
@@ -60,31 +65,31 @@ fn tables_agree_with_one_another() {
         "in_set",
     ];
     assert_eq!(names(&set), [key.as_slice(), &position].concat());
-    let sets = scratch.table("out", "sets");
+    let sets = scratch.table("out", "equilibrium_set_summary");
     let summary = [
-        "positions",
-        "share",
-        "share_low",
-        "share_high",
-        "parts",
-        "parts_modulo_exchange",
-        "unseen_equilibria",
+        "grid_positions",
+        "fraction",
+        "fraction_low",
+        "fraction_high",
+        "components",
+        "components_modulo_exchange",
+        "unresolved_equilibria",
         "amplitude_min_m",
         "amplitude_max_m",
-        "calmest_beta_1_rad",
-        "calmest_beta_2_rad",
+        "min_amplitude_beta_1_rad",
+        "min_amplitude_beta_2_rad",
         "balance",
         "balance_beta_1_rad",
         "balance_beta_2_rad",
     ];
     assert_eq!(names(&sets), [key.as_slice(), &summary].concat());
-    assert_eq!(counts(&sets, "positions"), [128 * 128; 3]);
-    assert_eq!(counts(&sets, "parts"), [1, 1, 6]);
-    assert_eq!(counts(&sets, "parts_modulo_exchange"), [1, 1, 4]);
-    assert_eq!(numbers(&sets, "share_low"), [None; 3]);
+    assert_eq!(counts(&sets, "grid_positions"), [128 * 128; 3]);
+    assert_eq!(counts(&sets, "components"), [1, 1, 6]);
+    assert_eq!(counts(&sets, "components_modulo_exchange"), [1, 1, 4]);
+    assert_eq!(numbers(&sets, "fraction_low"), [None; 3]);
 
     // Row for row: in the set where the margin is not negative, which is where the friction is at
-    // least what the position takes; as many as the share says; no amplitude above the largest.
+    // least what the position takes; as many as the fraction says; no amplitude above the largest.
     let points = counts(&set, "point_id");
     let inside: Vec<bool> = column(&set, "in_set").as_boolean().iter().flatten().collect();
     let number = |name| -> Vec<f64> { numbers(&set, name).into_iter().flatten().collect() };
@@ -98,8 +103,8 @@ fn tables_agree_with_one_another() {
     }
     for point in 0..3 {
         let rows = (0..inside.len()).filter(|&row| points[row] == point && inside[row]);
-        let share = rows.clone().count() as f64 / f64::from(1 << 14);
-        assert_eq!(numbers(&sets, "share")[point as usize], Some(share));
+        let fraction = rows.clone().count() as f64 / f64::from(1 << 14);
+        assert_eq!(numbers(&sets, "fraction")[point as usize], Some(fraction));
         let largest = rows.map(|row| amplitude[row]).fold(0.0, f64::max);
         // The largest amplitude in the set is at a grid point or between two of them.
         let found = numbers(&sets, "amplitude_max_m")[point as usize].unwrap();
@@ -111,7 +116,7 @@ fn tables_agree_with_one_another() {
 fn frictionless_equilibria_at_points_and_at_speeds_of_their_own() {
     let scratch = scratch();
     scratch.well("equilibria a.yaml --grid 8 --out out");
-    let table = scratch.table("out", "frictionless");
+    let table = scratch.table("out", "frictionless_equilibria");
     let mut expected: Vec<String> = [
         "point_id",
         "speed_rad_s",
@@ -129,8 +134,8 @@ fn frictionless_equilibria_at_points_and_at_speeds_of_their_own() {
     .map(String::from)
     .to_vec();
     for index in 1..=8 {
-        expected.push(format!("eigenvalue_{index}_re_1_s"));
-        expected.push(format!("eigenvalue_{index}_im_rad_s"));
+        expected.push(format!("eigenvalue_{index}_real_per_s"));
+        expected.push(format!("eigenvalue_{index}_imag_rad_s"));
     }
     assert_eq!(names(&table), expected);
     assert_eq!(counts(&table, "point_id"), [0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2]);
@@ -139,8 +144,8 @@ fn frictionless_equilibria_at_points_and_at_speeds_of_their_own() {
     let text = scratch.well(&format!("{arguments} --out speeds"));
     assert_has(&text, &["a1_plus    147      30  -179.000 .. -150.000"]);
     assert_has(&text, &["b1    151     119  -300.000 .. -182.000"]);
-    assert!(!files(&scratch, "speeds").contains("set.parquet"));
-    let table = scratch.table("speeds", "frictionless");
+    assert!(!files(&scratch, "speeds").contains("equilibrium_positions.parquet"));
+    let table = scratch.table("speeds", "frictionless_equilibria");
     expected.drain(..4);
     expected.insert(0, "speed_rad_s".to_owned());
     assert_eq!(names(&table), expected);
@@ -161,7 +166,8 @@ fn a_grid_that_is_too_coarse_is_said_to_be() {
         &coarse.err,
         &["warning: at 1 of them parts of the set are smaller than the grid's"],
     );
-    let unseen = counts(&scratch.table("coarse", "sets"), "unseen_equilibria");
+    let unseen =
+        counts(&scratch.table("coarse", "equilibrium_set_summary"), "unresolved_equilibria");
     assert!(unseen[0] == 0 && unseen[1] == 0 && unseen[2] > 0, "{unseen:?}");
     let fine = scratch.stickslip("equilibria a.yaml --grid 128 --out fine");
     assert!(!fine.err.contains("warning"), "{}", fine.err);
@@ -171,15 +177,15 @@ fn a_grid_that_is_too_coarse_is_said_to_be() {
 fn one_ball_and_three() {
     let scratch = scratch();
     scratch.well("equilibria one.yaml --out one");
-    assert_eq!(scratch.table("one", "set").num_rows(), 512);
+    assert_eq!(scratch.table("one", "equilibrium_positions").num_rows(), 512);
     let text = scratch.well("equilibria three.yaml --samples 1024 --out three");
     assert_has(&text, &["95 % interval", "family", "b1"]);
-    let set = scratch.table("three", "set");
+    let set = scratch.table("three", "equilibrium_positions");
     assert_eq!((set.num_rows(), names(&set)[3].as_str()), (1024, "beta_3_rad"));
-    let sets = scratch.table("three", "sets");
-    let [low, share, high] =
-        ["share_low", "share", "share_high"].map(|name| numbers(&sets, name)[0].unwrap());
-    assert!(0.0 < low && low < share && share < high && high < 1.0);
+    let sets = scratch.table("three", "equilibrium_set_summary");
+    let [low, fraction, high] =
+        ["fraction_low", "fraction", "fraction_high"].map(|name| numbers(&sets, name)[0].unwrap());
+    assert!(0.0 < low && low < fraction && fraction < high && high < 1.0);
     assert_eq!(words(&sets, "balance"), [Some("family".to_owned())]);
     assert_eq!(numbers(&sets, "balance_beta_1_rad"), [None]);
 }
@@ -189,12 +195,12 @@ fn json_and_provenance_say_what_was_asked_for() {
     let scratch = scratch();
     let text = scratch.well("equilibria a.yaml --grid 64 --json --quiet --out out");
     let report: serde_json::Value = serde_json::from_str(&text).unwrap();
-    assert_eq!(report["points"][2]["parts_modulo_exchange"], 4);
+    assert_eq!(report["points"][2]["components_modulo_exchange"], 4);
     assert_eq!(report["points"][2]["balance"], "position");
     assert_eq!(report["points"][0]["stable_without_friction"][0], "a1_plus");
     assert_eq!(report["frictionless"][0]["kind"], "a1_plus");
     assert_eq!(report["frictionless"][0]["found"], 3);
-    for name in ["set", "sets", "frictionless"] {
+    for name in ["equilibrium_positions", "equilibrium_set_summary", "frictionless_equilibria"] {
         let path = scratch.path("out").join(format!("{name}.parquet"));
         let reader = SerializedFileReader::new(std::fs::File::open(path).unwrap()).unwrap();
         let pairs = reader.metadata().file_metadata().key_value_metadata().unwrap().clone();

@@ -45,7 +45,7 @@ responses:
   mean: {amplitude_mean: {}}
   relative: {amplitude_mean: {relative: true}}
   spread: {amplitude_std_dev: {}}
-  most: {amplitude_quantile: {share: 0.9}}
+  most: {amplitude_quantile: {fraction: 0.9}}
   worst: {amplitude_worst: {}}
   above: {amplitude_above: {limit: 2e-5}}
   rest: {at_rest_by_s: 1.2}
@@ -311,9 +311,9 @@ fn tables_and_studies_that_make_no_sense_are_refused() {
             ["ceramic.ball_mass_kg", "no physical meaning"],
         ),
         (
-            "share: 0.9",
-            "share: 1.5",
-            ["responses.most.amplitude_quantile.share", "above 0 and below 1"],
+            "fraction: 0.9",
+            "fraction: 1.5",
+            ["responses.most.amplitude_quantile.fraction", "above 0 and below 1"],
         ),
         (
             "at_rest_by_s: 1.2",

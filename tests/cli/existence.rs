@@ -44,7 +44,7 @@ fn failing_points_are_named_with_position_and_remedy() {
     let named = &existence["not_unique"][0];
     assert_eq!((&named["point_id"], &named["friction_coefficient"]), (&json!(1), &json!(3.0)));
     assert_eq!(named["worst_position"][1]["ball"], json!(2));
-    assert_eq!(named["least_principal_minor"], existence["least_principal_minor"]);
+    assert_eq!(named["min_principal_minor"], existence["min_principal_minor"]);
 }
 
 /// Of a huge sweep a part is looked at, and the text says so.

@@ -73,7 +73,9 @@ fn texts_of_a_manifest() {
     }
     // Names of files and labels, and what is no manifest at all.
     for manifest in [
-        right.to_string().replace("rest.parquet", &json!(EVIL).to_string().replace('"', "")),
+        right
+            .to_string()
+            .replace("time_to_rest.parquet", &json!(EVIL).to_string().replace('"', "")),
         right.to_string().replace("undecided", &json!(EVIL).to_string().replace('"', "")),
         json!({"format": evil()}).to_string(),
         json!(evil()).to_string(),
@@ -261,7 +263,7 @@ fn lists_of_files_and_provenance() {
     scratch.well("optimize block.yaml --out search -q");
     let right = fs::read_to_string(scratch.path("search/files.json")).unwrap();
     for wrong in [
-        right.replace("finals.parquet", &json!(EVIL).to_string().replace('"', "")),
+        right.replace("finalists.parquet", &json!(EVIL).to_string().replace('"', "")),
         json!(evil()).to_string(),
         json!({"format": evil()}).to_string(),
     ] {

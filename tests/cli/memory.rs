@@ -25,7 +25,7 @@ fn peak_kib(text: &str, runs: u64) -> u64 {
     assert!(child.wait().unwrap().success());
     let manifest = scratch.manifest("out");
     assert_eq!(manifest["runs_finished"], runs);
-    assert!(manifest["files"]["rest.parquet"]["rows"].as_u64().unwrap() <= 1000);
+    assert!(manifest["files"]["time_to_rest.parquet"]["rows"].as_u64().unwrap() <= 1000);
     peak
 }
 

@@ -44,7 +44,7 @@ design:
       ceramic: {ball_mass_kg: 5.8e-5, friction_coefficient: 1.5e-3}
 responses:
   mean: {amplitude_mean: {}}
-  most: {amplitude_quantile: {share: 0.75, relative: true}}
+  most: {amplitude_quantile: {fraction: 0.75, relative: true}}
   rest: {at_rest_by_s: 0.5}
 ";
 
@@ -116,7 +116,7 @@ fn the_same_search_again() {
     assert_eq!(origins.iter().filter(|origin| *origin == "spread").count(), 12);
     assert_eq!(optimum(&scratch, "again")["best"], optimum(&scratch, "one")["best"]);
     // The best is reported from runs of its own.
-    let finals = scratch.table("one", "finals");
+    let finals = scratch.table("one", "finalists");
     assert_eq!(
         texts(&finals, "role"),
         ["finalist", "finalist", "finalist", "finalist", "best", "best"]
@@ -148,7 +148,7 @@ fn a_pareto_front() {
     }
     let sensitivities = scratch.table("two", "sensitivities");
     assert_eq!(sensitivities.num_rows(), 6);
-    assert!(texts(&sensitivities, "from").iter().all(|from| from == "runs"));
+    assert!(texts(&sensitivities, "source").iter().all(|from| from == "runs"));
     let origins = texts(&scratch.table("two", "evaluations"), "origin");
     assert_eq!(origins[..2], ["compare_with", "compare_with"]);
 }

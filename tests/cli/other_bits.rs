@@ -40,7 +40,7 @@ fn of_results() {
     with_other_bits(&scratch, "out/points.parquet", PLACES, |bit| {
         refused(&scratch, "summary out", "points.parquet: this is not the file", bit);
     });
-    for name in ["points", "runs", "rest", "cycles"] {
+    for name in ["points", "runs", "time_to_rest", "cycles"] {
         let name = format!("{name}.parquet");
         with_other_bits(&scratch, &format!("out/{name}"), 10, |bit| {
             refused(&scratch, "report out", &name, bit);

@@ -93,7 +93,7 @@ fn each_of_a_few_points_has_a_line() {
 
 /// Of many points at most one in a second has a line, and the others are counted.
 #[test]
-fn many_points_share_lines() {
+fn many_points_fraction_lines() {
     let scratch = scratch(60);
     let ended = scratch.stickslip("run a.yaml --out out");
     assert_eq!(ended.code, Some(3), "{}", ended.err);

@@ -25,7 +25,7 @@ fn figure<'a>(data: &'a Value, id: &str) -> &'a Value {
 fn run_ids(panel: &Value, layer: &str) -> Vec<u64> {
     let layers = panel["layers"].as_array().unwrap();
     let named = layers.iter().filter(|one| one["name"] == layer && one["mark"] == "dots");
-    named.flat_map(|one| whole(&one["tips"]["run_ids"])).collect()
+    named.flat_map(|one| whole(&one["tooltips"]["run_ids"])).collect()
 }
 
 /// Whole numbers, packed or not.
@@ -226,11 +226,12 @@ fn what_cannot_be_shown_is_refused() {
     assert_eq!(page(&scratch, "out-report.html"), mine);
     fs::remove_file(scratch.path("out-report.html")).unwrap();
     // A table that lacks a column, and one that is missing.
-    rewrite(&scratch, "rest", |batch| without(batch, "probability_at_rest"));
-    let said = ["rest.parquet: column probability_at_rest: there is no such column", "allowed: "];
+    rewrite(&scratch, "time_to_rest", |batch| without(batch, "probability_at_rest"));
+    let said =
+        ["time_to_rest.parquet: column probability_at_rest: there is no such column", "allowed: "];
     scratch.refused("report out", &said);
-    fs::remove_file(scratch.path("out/rest.parquet")).unwrap();
-    scratch.refused("report out", &["rest.parquet: this is not the file that was written"]);
+    fs::remove_file(scratch.path("out/time_to_rest.parquet")).unwrap();
+    scratch.refused("report out", &["time_to_rest.parquet: this is not the file that was written"]);
     let other = of_older_model(&scratch.manifest("out").to_string());
     let manifest = scratch.manifest("out").to_string();
     scratch.write("out/manifest.json", other);

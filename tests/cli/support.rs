@@ -19,7 +19,7 @@ use tempfile::TempDir;
 pub const DATA_FILES: [&str; 7] = [
     "runs.parquet",
     "points.parquet",
-    "rest.parquet",
+    "time_to_rest.parquet",
     "cycles.parquet",
     "equilibria.parquet",
     "equilibrium_histogram.parquet",

@@ -75,7 +75,7 @@ fn cd_rom_values(out: &str) -> Value {
     stickslip(&["optimize", study, "--out", out, "--quiet"]);
     let text = fs::read_to_string(Path::new(out).join("optimum.json")).expect("optimum.json");
     let optimum: Value = serde_json::from_str(&text).expect("JSON");
-    let finals = table(&Path::new(out).join("finals.parquet"));
+    let finals = table(&Path::new(out).join("finalists.parquet"));
     let (roles, relative) = (words(&finals, "role"), numbers(&finals, "relative"));
     let of = |role: &str| -> Vec<f64> {
         let rows = roles.iter().zip(&relative).filter(|(own, _)| own.as_deref() == Some(role));
@@ -166,9 +166,9 @@ fn the_escape_rate() {
 pub fn escape_rate(points: &arrow::array::RecordBatch, point: usize) -> Value {
     let of = |name: &str| numbers(points, name)[point];
     json!({
-        "value": of("escape_rate_1_s"),
-        "low": of("escape_rate_low_1_s"),
-        "high": of("escape_rate_high_1_s"),
+        "value": of("escape_rate_per_s"),
+        "low": of("escape_rate_low_per_s"),
+        "high": of("escape_rate_high_per_s"),
         "from_s": of("escape_from_s"),
     })
 }

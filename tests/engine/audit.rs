@@ -9,7 +9,7 @@ use stickslip::classification::{Evidence, Label, simulate};
 use stickslip::engine::compute;
 use stickslip::model::{Case, Method};
 
-use super::kept::{Kept, farmed};
+use super::kept::{Kept, run_in_memory};
 use crate::cli::support::{
     AT_ONCE, Scratch, assert_has, counts, numbers, parse, row, study_text, words,
 };
@@ -100,12 +100,12 @@ fn failures_on_one_side_are_flips() {
         Method::Event => case.start.0[1] > 0.0,
     };
     let mut kept = Kept::default();
-    let tally = farmed(&study, &mut kept, &AtomicBool::new(false), |case| {
+    let totals = run_in_memory(&study, &mut kept, &AtomicBool::new(false), |case| {
         assert!(!fails(case), "as told");
         simulate(case)
     })
     .unwrap();
-    assert!(!tally.interrupted());
+    assert!(!totals.interrupted());
     let (mut flips, mut both) = (0, 0);
     for record in &kept.runs {
         let start = &record.planned.start.0;
@@ -118,7 +118,7 @@ fn failures_on_one_side_are_flips() {
     assert!(flips > 5 && both > 2, "{flips} {both}: the study shows too little");
     let audit = kept.points[0].summary.audit;
     assert_eq!((audit.runs, audit.flips), (30, flips));
-    assert_eq!(tally.counts.of(Label::Failed), kept.points[0].summary.counts.of(Label::Failed));
+    assert_eq!(totals.counts.of(Label::Failed), kept.points[0].summary.counts.of(Label::Failed));
 }
 
 /// A draw without physical sense is audited, too: it fails both times.

@@ -50,7 +50,7 @@ fn rows_are_those_of_the_longer_or_the_shorter_study() {
 #[test]
 fn points_are_those_of_the_longer_study() {
     let scratch = three_ways(BALLS, 3.0, 2.0);
-    for name in ["points", "rest", "equilibria"] {
+    for name in ["points", "time_to_rest", "equilibria"] {
         let [extended, long] = ["extended", "long"].map(|way| scratch.table(way, name));
         assert_eq!(extended.columns(), long.columns(), "{name}");
     }
@@ -61,7 +61,7 @@ fn points_are_those_of_the_longer_study() {
 fn the_curve_goes_to_both_end_times() {
     let scratch = three_ways(BALLS, 3.0, 2.0);
     let last = |directory: &str| {
-        let rest = scratch.table(directory, "rest");
+        let rest = scratch.table(directory, "time_to_rest");
         let point = counts(&rest, "point_id");
         let rows = (0..rest.num_rows()).filter(|row| point[*row] == 1);
         let row = rows.max().expect("rows");

@@ -6,7 +6,7 @@ use stickslip::analysis::{Z_95, wilson};
 use stickslip::classification::{Evidence, Label, Outcome, simulate};
 use stickslip::study::Study;
 
-use super::kept::{Kept, farmed};
+use super::kept::{Kept, run_in_memory};
 use crate::cli::support::{AT_ONCE, Scratch, counts, numbers, parse, study_text, words};
 
 fn study() -> Study {
@@ -19,15 +19,15 @@ fn a_panic_is_a_row() {
     let study = study();
     let go = AtomicBool::new(false);
     let mut sound = Kept::default();
-    farmed(&study, &mut sound, &go, simulate).unwrap();
+    run_in_memory(&study, &mut sound, &go, simulate).unwrap();
     let mut kept = Kept::default();
     // Half of the start states have their ring to the left.
-    let tally = farmed(&study, &mut kept, &go, |case| {
+    let totals = run_in_memory(&study, &mut kept, &go, |case| {
         assert!(case.start.0[0] > 0.0, "the ring is at {}", case.start.0[0]);
         simulate(case)
     })
     .unwrap();
-    assert!(!tally.interrupted());
+    assert!(!totals.interrupted());
     assert_eq!(kept.runs.len(), 40);
     let mut panics = 0;
     for (record, sound) in kept.runs.iter().zip(&sound.runs) {
@@ -45,8 +45,8 @@ fn a_panic_is_a_row() {
         }
     }
     assert!(panics > 10 && panics < 30, "{panics}");
-    assert_eq!(tally.counts.of(Label::Failed), panics);
-    assert_eq!(tally.counts.total(), 40);
+    assert_eq!(totals.counts.of(Label::Failed), panics);
+    assert_eq!(totals.counts.total(), 40);
     for point in &kept.points {
         let failed = point.summary.counts.of(Label::Failed);
         assert!(failed > 0);
@@ -58,7 +58,7 @@ fn a_panic_is_a_row() {
 #[test]
 fn runs_come_in_order_and_points_when_they_are_full() {
     let mut kept = Kept::default();
-    farmed(&study(), &mut kept, &AtomicBool::new(false), simulate).unwrap();
+    run_in_memory(&study(), &mut kept, &AtomicBool::new(false), simulate).unwrap();
     assert!(kept.runs.iter().map(|record| record.planned.run_id).eq(0..40));
     let points: Vec<(u64, u64)> =
         kept.points.iter().map(|point| (point.point_id, point.summary.counts.total())).collect();
@@ -69,22 +69,22 @@ fn runs_come_in_order_and_points_when_they_are_full() {
 fn stop_finishes_what_runs_and_begins_nothing() {
     let stop = AtomicBool::new(false);
     let mut kept = Kept::default();
-    let tally = farmed(&study(), &mut kept, &stop, |case| {
+    let totals = run_in_memory(&study(), &mut kept, &stop, |case| {
         stop.store(true, Ordering::Relaxed);
         simulate(case)
     })
     .unwrap();
-    assert!(tally.interrupted());
+    assert!(totals.interrupted());
     // One for each of three threads at most.
     assert!((1..=3).contains(&kept.runs.len()), "{}", kept.runs.len());
-    assert_eq!(tally.counts.total(), kept.runs.len() as u64);
+    assert_eq!(totals.counts.total(), kept.runs.len() as u64);
     assert_eq!(kept.points.len(), 1);
 }
 
 #[test]
 fn a_sink_that_refuses_stops_the_farm() {
     let mut kept = Kept { room: Some(10), ..Kept::default() };
-    let error = farmed(&study(), &mut kept, &AtomicBool::new(false), simulate).unwrap_err();
+    let error = run_in_memory(&study(), &mut kept, &AtomicBool::new(false), simulate).unwrap_err();
     assert_eq!(error.to_string(), "the disk is full");
     assert_eq!(kept.runs.len(), 10);
 }

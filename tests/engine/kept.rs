@@ -1,10 +1,10 @@
-//! A farm whose runs and points are kept in memory.
+//! Runs and points of a study kept in memory.
 
 use std::sync::atomic::AtomicBool;
 
 use stickslip::analysis::PointDetail;
 use stickslip::classification::Outcome;
-use stickslip::engine::{FarmError, FarmOptions, Progress, Sink, Tally, farm};
+use stickslip::engine::{EngineError, EngineOptions, Progress, RunTotals, Sink, run_study_with};
 use stickslip::model::Case;
 use stickslip::study::Study;
 use stickslip::table::{PointRow, RunRecord};
@@ -34,13 +34,21 @@ impl Sink for Kept {
     }
 }
 
-/// Farms a study with three threads, four runs at a time.
-pub fn farmed(
+/// Computes a study with three threads, four runs at a time.
+pub fn run_in_memory(
     study: &Study,
     sink: &mut Kept,
     stop: &AtomicBool,
     simulate: impl Fn(&Case) -> Outcome + Sync,
-) -> Result<Tally, FarmError<&'static str>> {
-    let options = FarmOptions { threads: 3, chunk: 4, ..FarmOptions::default() };
-    farm(study, options, simulate, stop, &Progress::new(study.run_count(), true), None, sink)
+) -> Result<RunTotals, EngineError<&'static str>> {
+    let options = EngineOptions { threads: 3, chunk: 4, ..EngineOptions::default() };
+    run_study_with(
+        study,
+        options,
+        simulate,
+        stop,
+        &Progress::new(study.run_count(), true),
+        None,
+        sink,
+    )
 }

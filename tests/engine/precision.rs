@@ -1,4 +1,4 @@
-//! Points that are sampled until their share of equilibria is known well enough.
+//! Points that are sampled until their fraction of equilibria is known well enough.
 
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -9,7 +9,7 @@ use stickslip::classification::{Evidence, Outcome, simulate};
 use stickslip::model::Case;
 use stickslip::study::Study;
 
-use super::kept::{Kept, farmed};
+use super::kept::{Kept, run_in_memory};
 use crate::cli::support::{
     AT_ONCE, Scratch, assert_has, column, counts, parse, row, rows_by_key, study_text, words,
 };
@@ -33,17 +33,17 @@ fn text(half_width: f64, max_runs: u64, end_time_s: f64) -> String {
 /// Comes to rest where the first ball starts in a part of the ring that depends on the speed.
 fn by_place(case: &Case) -> Outcome {
     let speed = case.model.ball_balancer().expect("a balancer").speed_rad_s;
-    let share = (-speed - 160.0) / 100.0;
-    let rests = case.start.0[2] < share * std::f64::consts::TAU;
+    let fraction = (-speed - 160.0) / 100.0;
+    let rests = case.start.0[2] < fraction * std::f64::consts::TAU;
     let evidence = if rests { Evidence::RestCertified } else { Evidence::EndTime };
     Outcome { error: None, ..Outcome::failed(evidence, String::new()) }
 }
 
 fn sampled(study: &Study) -> Kept {
     let mut kept = Kept::default();
-    let tally = farmed(study, &mut kept, &AtomicBool::new(false), by_place).unwrap();
-    assert!(!tally.interrupted());
-    assert_eq!(tally.counts.total(), kept.runs.len() as u64);
+    let totals = run_in_memory(study, &mut kept, &AtomicBool::new(false), by_place).unwrap();
+    assert!(!totals.interrupted());
+    assert_eq!(totals.counts.total(), kept.runs.len() as u64);
     kept
 }
 
@@ -153,15 +153,15 @@ fn an_interruption_keeps_what_is_finished() {
     let first = whole.points[0].summary.counts.total();
     let (stop, done) = (AtomicBool::new(false), AtomicUsize::new(0));
     let mut kept = Kept::default();
-    let tally = farmed(&study, &mut kept, &stop, |case| {
+    let totals = run_in_memory(&study, &mut kept, &stop, |case| {
         if done.fetch_add(1, Ordering::Relaxed) as u64 == first + 20 {
             stop.store(true, Ordering::Relaxed);
         }
         by_place(case)
     })
     .unwrap();
-    assert!(tally.interrupted());
-    assert_eq!(tally.counts.total(), kept.runs.len() as u64);
+    assert!(totals.interrupted());
+    assert_eq!(totals.counts.total(), kept.runs.len() as u64);
     assert_eq!((kept.points.len(), &kept.points[0]), (2, &whole.points[0]));
     let finished = kept.runs.len() as u64;
     assert!((first + 18..first + 25).contains(&finished), "{finished}");
@@ -173,7 +173,7 @@ fn an_interruption_keeps_what_is_finished() {
     let stop = AtomicBool::new(false);
     let done = AtomicUsize::new(0);
     let mut kept = Kept::default();
-    let tally = farmed(&study, &mut kept, &stop, |case| {
+    let totals = run_in_memory(&study, &mut kept, &stop, |case| {
         if done.fetch_add(1, Ordering::Relaxed) == 14 {
             stop.store(true, Ordering::Relaxed);
         }
@@ -181,7 +181,7 @@ fn an_interruption_keeps_what_is_finished() {
     })
     .unwrap();
     assert_eq!(kept.runs.len(), 15);
-    assert!(tally.interrupted());
+    assert!(totals.interrupted());
 }
 
 /// What is finished is complete, though there might have been more runs.

@@ -1,8 +1,8 @@
-//! The same bytes in every data file, however the runs are farmed.
+//! The same bytes in every data file, however the runs are spread.
 
 use crate::cli::support::{AT_ONCE, DATA_FILES, Scratch, study_text};
 
-/// Runs a study farmed in these ways and compares all data files with those of the first.
+/// Runs a study in these ways and compares all data files with those of the first.
 fn same_bytes(text: &str, code: i32, ways: &[&str]) {
     let scratch = Scratch::new();
     scratch.write("a.yaml", text);

@@ -8,7 +8,14 @@ use crate::cli::support::{Scratch, assert_has, study_text};
 
 /// The commands, without `--out`, and what they write.
 const COMMANDS: [(&str, &[&str]); 2] = [
-    ("equilibria a.yaml --grid 64", &["set.parquet", "sets.parquet", "frictionless.parquet"]),
+    (
+        "equilibria a.yaml --grid 64",
+        &[
+            "equilibrium_positions.parquet",
+            "equilibrium_set_summary.parquet",
+            "frictionless_equilibria.parquet",
+        ],
+    ),
     ("replay a 1", &["trajectory.parquet", "switches.parquet", "replay.html"]),
 ];
 
@@ -70,8 +77,11 @@ fn nothing_else_is_replaced() {
     let scratch = scratch();
     for (command, names) in COMMANDS {
         // Not begun by the program, or with something of somebody else's in it.
-        for others in [&["sets.parquet"][..], &["trajectory.parquet"], &["unfinished", "notes.txt"]]
-        {
+        for others in [
+            &["equilibrium_set_summary.parquet"][..],
+            &["trajectory.parquet"],
+            &["unfinished", "notes.txt"],
+        ] {
             fs::create_dir(scratch.path("out")).unwrap();
             others.iter().for_each(|name| drop(scratch.write(&format!("out/{name}"), "")));
             let occupied = ["out: this directory is not empty", "allowed: another directory"];

@@ -4,25 +4,26 @@ use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
 use stickslip::classification::{Label, Outcome, simulate};
-use stickslip::engine::{FarmOptions, Progress, Store, farm};
+use stickslip::engine::{EngineOptions, Progress, Store, run_study_with};
 use stickslip::model::Case;
 use stickslip::study::Study;
 
 use crate::cli::support::{Scratch, parse};
 use crate::engine::kept::Kept;
 
-fn farmed(
+fn run_in_memory(
     study: &Study,
     directory: &Path,
     retry_failed: bool,
     simulate: impl Fn(&Case) -> Outcome + Sync,
 ) -> Kept {
     let mut store = Store::open(directory, study).unwrap();
-    let options = FarmOptions { threads: 2, chunk: 50, retry_failed, ..FarmOptions::default() };
+    let options = EngineOptions { threads: 2, chunk: 50, retry_failed, ..EngineOptions::default() };
     let mut kept = Kept::default();
     let stop = AtomicBool::new(false);
     let progress = Progress::new(study.run_count(), true);
-    farm(study, options, simulate, &stop, &progress, Some(&mut store), &mut kept).unwrap();
+    run_study_with(study, options, simulate, &stop, &progress, Some(&mut store), &mut kept)
+        .unwrap();
     kept
 }
 
@@ -30,10 +31,10 @@ fn farmed(
 fn panics_are_rows_that_can_be_tried_again() {
     let scratch = Scratch::new();
     let study = parse(&super::study().replace("samples: 3200", "samples: 200"));
-    let whole = farmed(&study, &scratch.path("whole"), false, simulate);
+    let whole = run_in_memory(&study, &scratch.path("whole"), false, simulate);
     let out = scratch.path("out");
     let bad = |case: &Case| case.start.0[0] > 0.02;
-    let first = farmed(&study, &out, false, |case| {
+    let first = run_in_memory(&study, &out, false, |case| {
         assert!(!bad(case), "injected");
         simulate(case)
     });
@@ -47,16 +48,16 @@ fn panics_are_rows_that_can_be_tried_again() {
     }
     assert!((50..200).contains(&panics), "{panics}");
     // They are finished: nothing is computed again unless asked for.
-    let again = farmed(&study, &out, false, |_| unreachable!("all runs are finished"));
+    let again = run_in_memory(&study, &out, false, |_| unreachable!("all runs are finished"));
     assert_eq!(again.runs, first.runs);
     // And then only they, from the same start states and parameters.
-    let retried = farmed(&study, &out, true, |case| {
+    let retried = run_in_memory(&study, &out, true, |case| {
         assert!(bad(case), "a run that had not failed");
         simulate(case)
     });
     assert_eq!(retried.runs, whole.runs);
     assert_eq!(retried.points, whole.points);
     // The better outcome is the one that is kept.
-    let last = farmed(&study, &out, true, |_| unreachable!("no run has failed any more"));
+    let last = run_in_memory(&study, &out, true, |_| unreachable!("no run has failed any more"));
     assert_eq!(last.runs, whole.runs);
 }

@@ -11,9 +11,7 @@ use serde_json::Value;
 use sha2::{Digest, Sha256};
 use stickslip::analysis::PointDetail;
 use stickslip::classification::MODEL_VERSION;
-use stickslip::engine::{
-    CHUNKS, Chunk, FarmOptions, Listed, Progress, Sink, Store, farm_in_lockstep,
-};
+use stickslip::engine::{CHUNKS, Chunk, EngineOptions, Listed, Progress, Sink, Store, run_study};
 use stickslip::responses::Request;
 use stickslip::study::{Study, StudyError};
 use stickslip::table::{
@@ -210,8 +208,8 @@ fn finished_runs(folder: &Path, bytes: &[u8]) -> bool {
     let Some((first, rest)) = bytes.split_first() else { return false };
     match first % 3 {
         0 => whole_chunk(rest),
-        1 => farmed(folder, &genuine(folder), Some(rest)),
-        _ => farmed(folder, &outcomes(&genuine(folder), rest), None),
+        1 => computed_from(folder, &genuine(folder), Some(rest)),
+        _ => computed_from(folder, &outcomes(&genuine(folder), rest), None),
     }
 }
 
@@ -231,7 +229,7 @@ pub fn genuine(folder: &Path) -> Vec<u8> {
     static GENUINE: OnceLock<Vec<u8>> = OnceLock::new();
     let make = || {
         let results = folder.join("genuine");
-        farm(&results, short());
+        run_in_scratch(&results, short());
         let chunk = results.join(CHUNKS).join(&short().hash()[..16]).join("000000.chunk");
         fs::read(chunk).expect("a chunk")
     };
@@ -263,7 +261,7 @@ fn outcomes(chunk: &[u8], bytes: &[u8]) -> Vec<u8> {
 }
 
 /// Goes on from this chunk and a list of chunks, the right one if none is given.
-fn farmed(folder: &Path, chunk: &[u8], list: Option<&[u8]>) -> bool {
+fn computed_from(folder: &Path, chunk: &[u8], list: Option<&[u8]>) -> bool {
     assert!(chunk.len() > HEAD && chunk[20..24] == MODEL_VERSION.to_le_bytes());
     let results = folder.join("results");
     let chunks = results.join(CHUNKS).join(&short().hash()[..16]);
@@ -287,11 +285,11 @@ fn farmed(folder: &Path, chunk: &[u8], list: Option<&[u8]>) -> bool {
         Err(_) => list.to_vec(),
     });
     fs::write(chunks.join("manifest.jsonl"), list).expect("a scratch folder");
-    farm(&results, short()) > 0
+    run_in_scratch(&results, short()) > 0
 }
 
 /// Runs a study into a directory, from what is there; returns how many runs were there.
-fn farm(directory: &Path, study: &Study) -> u64 {
+fn run_in_scratch(directory: &Path, study: &Study) -> u64 {
     let mut store = match Store::open(directory, study) {
         Ok(store) => store,
         Err(error) => {
@@ -304,10 +302,9 @@ fn farm(directory: &Path, study: &Study) -> u64 {
     let progress = Progress::new(study.run_count(), true);
     let stop = AtomicBool::new(false);
     let store = Some(&mut store);
-    let farmed =
-        farm_in_lockstep(study, FarmOptions::default(), &stop, &progress, store, &mut sink);
+    let ended = run_study(study, EngineOptions::default(), &stop, &progress, store, &mut sink);
     progress.close();
-    let tally = farmed.expect("a scratch folder");
+    let tally = ended.expect("a scratch folder");
     assert_eq!(sink.runs, study.run_count());
     let circumstances = Circumstances::begin("1/1".to_owned(), study.run_count());
     sink.results.finish(study, circumstances).expect("a scratch folder");

@@ -273,7 +273,7 @@ fn the_thesis_machine_has_one_solution() {
     };
     assert!(least_minor < 1.0 && 1.0 - least_minor < 1e-7, "{least_minor}");
     assert!(Balancer::<2>::new(&machine).unwrap().surely_one_solution());
-    assert_eq!(machine.unambiguous_friction_share(), 1.0);
+    assert_eq!(machine.unambiguous_friction_fraction(), 1.0);
 }
 
 /// No machine fails with coefficients below 1.4966, and one ball never fails; just above, the most
@@ -299,24 +299,24 @@ fn safe_friction_is_safe_and_sharp() {
     assert_eq!(machine.existence().word(), "not_unique");
 }
 
-/// The share of friction that would do is the edge.
+/// The fraction of friction that would do is the edge.
 #[test]
-fn unambiguous_share_of_friction() {
+fn unambiguous_fraction_of_friction() {
     let (mut seed, mut failing) = (19, 0);
     for _ in 0..100 {
         let machine = extreme(&mut seed, 3, 5.0);
-        let share = machine.unambiguous_friction_share();
+        let fraction = machine.unambiguous_friction_fraction();
         let scaled = |factor: f64| {
             let mut scaled = machine.clone();
             for ball in &mut scaled.balls {
-                ball.friction_coefficient *= share * factor;
+                ball.friction_coefficient *= fraction * factor;
             }
             scaled.existence().word()
         };
         assert_eq!(scaled(0.999), "unique");
         if machine.existence().word() == "not_unique" {
             failing += 1;
-            assert!(share < 1.0);
+            assert!(fraction < 1.0);
             assert_eq!(scaled(1.001), "not_unique");
         }
     }

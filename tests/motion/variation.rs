@@ -1,7 +1,7 @@
 //! The linearised flow against differences of whole motions, through stick and slip.
 
 use stickslip::model::{Balancer, FrictionLaw, Machine, Method, Model, State};
-use stickslip::motion::{Motion, Phase, Settings, Tolerance, Variation};
+use stickslip::motion::{Motion, Phase, Settings, Tolerance, Variational};
 
 use super::samples::Sampler;
 
@@ -56,7 +56,7 @@ fn compare<const N: usize>(
     end: f64,
     direction: State<N>,
 ) -> Option<(f64, usize)> {
-    let mut variation = Variation::new(vec![direction]);
+    let mut variation = Variational::new(vec![direction]);
     let (_, phases) = flow(balancer, settings, start, end, |motion| variation.follow(motion));
     let shifted = |step: f64| {
         let mut from = start;

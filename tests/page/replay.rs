@@ -146,8 +146,8 @@ fn balls_move_by_button_keys_and_slider() {
 
     // With the mouse in the middle of the slider: the middle of the run.
     page.click_on("#time");
-    let share = page.number("time / data.seconds");
-    assert!((share - 0.5).abs() < 0.02, "{share}");
+    let fraction = page.number("time / data.seconds");
+    assert!((fraction - 0.5).abs() < 0.02, "{fraction}");
     assert_eq!(page.ask("playing"), false);
 
     // What is drawn is the data: an angle of the first ball, where the table is drawn as it is.

@@ -190,14 +190,15 @@ fn figures_show_what_is_in_the_tables() {
     // A dot for each point of the sweep.
     see(&mut page, "fractions");
     let speeds = made.numbers("a/points.parquet", "speed_rad_s");
-    let share = made.numbers("a/points.parquet", "equilibrium_fraction");
-    let mut expected: Vec<[f64; 2]> = (0..5).map(|point| [speeds[point], share[point]]).collect();
+    let fraction = made.numbers("a/points.parquet", "equilibrium_fraction");
+    let mut expected: Vec<[f64; 2]> =
+        (0..5).map(|point| [speeds[point], fraction[point]]).collect();
     let mut found = dots(&mut page, "fractions", "equilibrium");
     for values in [&mut expected, &mut found] {
         values.sort_by(|a, b| a[0].total_cmp(&b[0]));
     }
-    near(&found, &expected, "shares");
-    // A curve for each point, that ends at its share.
+    near(&found, &expected, "fractions");
+    // A curve for each point, that ends at its fraction.
     see(&mut page, "time-to-rest");
     let last = page.ask(&format!(
         "{}.getOption().series.filter(series => series.type === 'line')
@@ -206,8 +207,8 @@ fn figures_show_what_is_in_the_tables() {
     ));
     let last: Vec<f64> = serde_json::from_value(last).unwrap();
     assert_eq!(last.len(), 6);
-    for (last, share) in last.iter().zip(&share) {
-        assert!((last - share).abs() < 1e-6, "{last} {share}");
+    for (last, fraction) in last.iter().zip(&fraction) {
+        assert!((last - fraction).abs() < 1e-6, "{last} {fraction}");
     }
     // The table of points.
     let rows = page.ask(
@@ -216,8 +217,8 @@ fn figures_show_what_is_in_the_tables() {
     );
     let rows: Vec<Vec<String>> = serde_json::from_value(rows).unwrap();
     assert_eq!(rows.len(), 6);
-    for (row, share) in rows.iter().zip(&share) {
-        assert!(row.contains(&format!("{share:.4}")), "{share} not in {row:?}");
+    for (row, fraction) in rows.iter().zip(&fraction) {
+        assert!(row.contains(&format!("{fraction:.4}")), "{fraction} not in {row:?}");
     }
     assert_eq!(page.faults(), [""; 0]);
 }
@@ -424,9 +425,9 @@ fn figures_are_said_in_words() {
     assert_eq!(page.text("document.documentElement.lang"), "en");
     in_words(&mut page);
     let told = page.text("document.getElementById('preferred-equilibria-words').textContent");
-    let share = made.numbers("a/points.parquet", "equilibrium_fraction");
-    for share in share {
-        let words = format!(": {} of 8 runs came to rest", (8.0 * share).round());
+    let fraction = made.numbers("a/points.parquet", "equilibrium_fraction");
+    for fraction in fraction {
+        let words = format!(": {} of 8 runs came to rest", (8.0 * fraction).round());
         assert!(told.contains(&words), "no {words} in {told}");
     }
 }

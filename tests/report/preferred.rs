@@ -3,7 +3,7 @@
 use std::f64::consts::{PI, TAU};
 
 use stickslip::report::chart::{Figure, Mark, Symbol};
-use stickslip::report::{Budget, Gathered, ResultTables, of_results};
+use stickslip::report::{Budget, ReportData, ResultTables, of_results};
 use stickslip::study::Study;
 use stickslip::table::Manifest;
 
@@ -13,7 +13,9 @@ use crate::cli::support::Scratch;
 fn dots(figure: &Figure, title: &str) -> Vec<[f64; 2]> {
     let panel = figure.panels.iter().find(|panel| panel.title.starts_with(title)).unwrap();
     let of_runs = panel.layers.iter().find_map(|layer| match &layer.mark {
-        Mark::Dots { symbol: Symbol::Dot, x, y, tips } if !tips.run_ids.is_empty() => Some((x, y)),
+        Mark::Dots { symbol: Symbol::Dot, x, y, tooltips } if !tooltips.run_ids.is_empty() => {
+            Some((x, y))
+        }
         _ => None,
     });
     let (x, y) = of_runs.unwrap();
@@ -41,8 +43,8 @@ fn dots_are_densest_at_the_balancing_positions() {
     let manifest = Manifest::read(&directory).unwrap().unwrap();
     let study = Study::load(study.as_ref()).unwrap();
     let tables = ResultTables::open(&directory, &manifest).unwrap();
-    let gathered = Gathered::read(&tables, &study, &manifest, Budget::SCREEN).unwrap();
-    let figures = of_results(&gathered);
+    let data = ReportData::read(&tables, &study, &manifest, Budget::SCREEN).unwrap();
+    let figures = of_results(&data);
     let figure = figures.iter().find(|figure| figure.id == "preferred-equilibria").unwrap();
     assert_eq!(figure.panels.len(), 6);
     let dots = dots(figure, "speed \u{2212}216.3772 rad/s, friction coefficient 0.00275:");

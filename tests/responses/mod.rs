@@ -38,7 +38,7 @@ fn set(study: &Study, stiffness: f64, balls: f64) -> Study {
 /// is equal, in samplings whose draws do not depend on the number of coordinates. (The cells of a
 /// stratified design do.)
 #[test]
-fn designs_share_their_draws() {
+fn designs_fraction_their_draws() {
     for sampling in
         ["monte_carlo: {samples: 16}", "sobol: {samples: 16}", "latin_hypercube: {samples: 16}"]
     {

@@ -1,4 +1,4 @@
-//! Which runs are audited: a random share, chosen anew at every point, and for good.
+//! Which runs are audited: a random fraction, chosen anew at every point, and for good.
 
 use stickslip::study::{Study, json_schema};
 
@@ -64,7 +64,7 @@ fn the_choice_is_pinned() {
 
 const PINNED: [u64; 6] = [1, 30, 36, 89, 91, 97];
 
-/// A larger share, more samples, further points and further uncertain parameters keep all choices.
+/// A larger fraction, more samples, further points and further uncertain parameters keep all choices.
 #[test]
 fn choices_are_kept() {
     let speeds = |list: &str| format!("sweep: [{{grid: {{speed_rad_s: [{list}]}}}}]\n");
@@ -116,7 +116,7 @@ fn it_is_part_of_the_resolved_study_and_of_its_hash() {
 }
 
 #[test]
-fn shares_that_are_none() {
+fn fractions_that_are_none() {
     let text = text_with_design("{sobol: {samples: 4}}");
     for (written, found) in [("0", "0"), ("-0.1", "-0.1"), ("1.01", "1.01")] {
         let error = parse(&format!("{text}audit: {{fraction: {written}}}\n")).unwrap_err();

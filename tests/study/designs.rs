@@ -2,7 +2,7 @@
 
 use std::collections::HashSet;
 
-use super::{assert_follows, coordinates, shares, study, with_design};
+use super::{assert_follows, coordinates, fractions, study, with_design};
 
 #[test]
 fn stratified_has_every_sample_in_its_own_cell() {
@@ -11,8 +11,9 @@ fn stratified_has_every_sample_in_its_own_cell() {
     for run in 0..768 {
         let planned = study.planned_run(run);
         assert_eq!((planned.cell, planned.replicate), (run % 256, run / 256));
-        let cell =
-            shares(&study, run).iter().fold(0, |cell, share| 2 * cell + u64::from(*share >= 0.5));
+        let cell = fractions(&study, run)
+            .iter()
+            .fold(0, |cell, fraction| 2 * cell + u64::from(*fraction >= 0.5));
         assert_eq!(cell, planned.cell);
     }
 }
@@ -34,8 +35,8 @@ fn latin_hypercube_has_one_sample_in_each_stratum_of_each_axis() {
         let study = with_design(&format!("{{latin_hypercube: {{samples: {samples}}}}}"), "");
         let mut seen = vec![HashSet::new(); 8];
         for run in 0..samples {
-            for (axis, share) in shares(&study, run).iter().enumerate() {
-                assert!(seen[axis].insert((share * samples as f64).floor() as u64));
+            for (axis, fraction) in fractions(&study, run).iter().enumerate() {
+                assert!(seen[axis].insert((fraction * samples as f64).floor() as u64));
             }
         }
         assert!(seen.iter().all(|strata| strata.len() as u64 == samples));
@@ -46,7 +47,7 @@ fn latin_hypercube_has_one_sample_in_each_stratum_of_each_axis() {
 fn latin_hypercube_orders_of_two_axes_are_unrelated() {
     let samples = 2000;
     let study = with_design(&format!("{{latin_hypercube: {{samples: {samples}}}}}"), "");
-    let all: Vec<Vec<f64>> = (0..samples).map(|run| shares(&study, run)).collect();
+    let all: Vec<Vec<f64>> = (0..samples).map(|run| fractions(&study, run)).collect();
     for left in 0..8 {
         // Each axis against the next, and against the order of the samples.
         let right = (left + 1) % 8;
@@ -65,18 +66,26 @@ fn latin_hypercube_orders_of_two_axes_are_unrelated() {
 fn monte_carlo_is_uniform_on_every_axis() {
     let samples = 10_000;
     let study = with_design(&format!("{{monte_carlo: {{samples: {samples}}}}}"), "");
-    let all: Vec<Vec<f64>> = (0..samples).map(|run| shares(&study, run)).collect();
+    let all: Vec<Vec<f64>> = (0..samples).map(|run| fractions(&study, run)).collect();
     for axis in 0..8 {
-        assert_follows(all.iter().map(|sample| sample[axis]).collect(), |share| share, 1.0e-3);
+        assert_follows(
+            all.iter().map(|sample| sample[axis]).collect(),
+            |fraction| fraction,
+            1.0e-3,
+        );
     }
 }
 
 #[test]
 fn stratified_is_uniform_within_cells() {
     let study = with_design("{stratified: {parts_per_axis: 1, samples_per_cell: 5000}}", "");
-    let all: Vec<Vec<f64>> = (0..5000).map(|run| shares(&study, run)).collect();
+    let all: Vec<Vec<f64>> = (0..5000).map(|run| fractions(&study, run)).collect();
     for axis in 0..8 {
-        assert_follows(all.iter().map(|sample| sample[axis]).collect(), |share| share, 1.0e-3);
+        assert_follows(
+            all.iter().map(|sample| sample[axis]).collect(),
+            |fraction| fraction,
+            1.0e-3,
+        );
     }
 }
 
@@ -84,7 +93,7 @@ fn stratified_is_uniform_within_cells() {
 fn sobol_fills_every_stratum_of_every_axis() {
     let samples = 1024;
     let study = with_design(&format!("{{sobol: {{samples: {samples}}}}}"), "");
-    let all: Vec<Vec<f64>> = (0..samples).map(|run| shares(&study, run)).collect();
+    let all: Vec<Vec<f64>> = (0..samples).map(|run| fractions(&study, run)).collect();
     for axis in 0..8 {
         // The small margin is for the way to the box and back.
         let strata: HashSet<u64> =
@@ -101,8 +110,8 @@ fn grid_takes_midpoints_so_that_no_angle_is_taken_twice() {
     for run in 0..study.run_count() {
         let planned = study.planned_run(run);
         assert_eq!((planned.cell, planned.replicate), (run, 0));
-        for share in shares(&study, run) {
-            let thirds = 6.0 * share;
+        for fraction in fractions(&study, run) {
+            let thirds = 6.0 * fraction;
             assert!([1.0, 3.0, 5.0].iter().any(|middle| (thirds - middle).abs() < 1.0e-9));
         }
         angles.insert(planned.start.0[2].to_bits());

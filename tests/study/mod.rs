@@ -55,8 +55,8 @@ fn machine_at(study: &Study, point: u64) -> Machine {
     study.point(point).model().ball_balancer().expect("a balancer").clone()
 }
 
-/// Coordinates as shares of the default box for two balls.
-fn shares(study: &Study, run: u64) -> Vec<f64> {
+/// Coordinates as fractions of the default box for two balls.
+fn fractions(study: &Study, run: u64) -> Vec<f64> {
     let tau = std::f64::consts::TAU;
     let low = [-0.05, -0.05, 0.0, 0.0, -0.05, -0.05, -1.0, -1.0];
     let width = [0.1, 0.1, tau, tau, 0.1, 0.1, 2.0, 2.0];

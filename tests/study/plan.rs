@@ -69,7 +69,7 @@ fn grids_run_through_their_last_key_first_and_blocks_follow_one_another() {
 }
 
 #[test]
-fn all_points_share_their_start_states() {
+fn all_points_fraction_their_start_states() {
     let study = with_design(SMALL, "sweep: [{grid: {speed_rad_s: [-1, -2]}}]\n");
     for run in 0..4 {
         assert_eq!(study.planned_run(run).start, study.planned_run(run + 4).start);

@@ -88,9 +88,9 @@ fn runs() {
             "neutral_directions s -",
             "ball_speed_1_rad_s n rad/s",
             "ball_speed_2_rad_s n rad/s",
-            "lyapunov_1_s n 1/s",
-            "lyapunov_low_1_s n 1/s",
-            "lyapunov_high_1_s n 1/s",
+            "lyapunov_exponent_per_s n 1/s",
+            "lyapunov_exponent_low_per_s n 1/s",
+            "lyapunov_exponent_high_per_s n 1/s",
             "lyapunov_window_s n s",
             "steps c -",
             "rejected_steps c -",
@@ -179,9 +179,9 @@ fn points() {
         "time_to_rest_p95_s n s",
         "time_to_rest_p50_low_s n s",
         "time_to_rest_p50_high_s n s",
-        "escape_rate_1_s n 1/s",
-        "escape_rate_low_1_s n 1/s",
-        "escape_rate_high_1_s n 1/s",
+        "escape_rate_per_s n 1/s",
+        "escape_rate_low_per_s n 1/s",
+        "escape_rate_high_per_s n 1/s",
         "escape_from_s n s",
         "amplitude_p05_m n m",
         "amplitude_p50_m n m",
@@ -196,7 +196,7 @@ fn points() {
         "amplitude_without_balls_m n m",
         "set_fraction n 1",
         "solution w -",
-        "least_principal_minor n 1",
+        "min_principal_minor n 1",
     ];
     let points = scratch.table("out", "points");
     assert_eq!(columns(&points), expected);
@@ -211,7 +211,7 @@ fn points() {
 fn rest() {
     let rest = "sweep: [{grid: {speed_rad_s: [-160.0, -216.0]}}]\n";
     let scratch = results(&study_text("a", "{monte_carlo: {samples: 40}}", 5.0, rest));
-    let rest = scratch.table("out", "rest");
+    let rest = scratch.table("out", "time_to_rest");
     let expected = [
         "point_id c -",
         "speed_rad_s n rad/s",

@@ -1,5 +1,5 @@
 //! `cycles.parquet`: columns, the one cycle of a block on a belt, and constructed cycles of balls
-//! through the farm.
+//! through the engine.
 
 use std::fs;
 use std::path::Path;
@@ -8,8 +8,8 @@ use std::sync::atomic::AtomicBool;
 use arrow::array::{AsArray, RecordBatch};
 use arrow::datatypes::{Float64Type, Int32Type};
 use stickslip::analysis::PointDetail;
-use stickslip::classification::{Cycle, Doing, Evidence, Outcome};
-use stickslip::engine::{FarmOptions, Progress, Sink, farm};
+use stickslip::classification::{Cycle, CyclePhase, Evidence, Outcome};
+use stickslip::engine::{EngineOptions, Progress, Sink, run_study_with};
 use stickslip::model::{Block, Case, FrictionLaw, Ground};
 use stickslip::study::Study;
 use stickslip::table::{Circumstances, PointRow, Results, ResultsError, RunRecord};
@@ -22,7 +22,7 @@ use crate::model::closed_forms::ClosedForms;
 
 const OF_EVERY_MODEL: [&str; 7] = [
     "runs c -",
-    "share n 1",
+    "fraction n 1",
     "ci_low n 1",
     "ci_high n 1",
     "period_s n s",
@@ -41,10 +41,10 @@ fn columns_of_a_balancer() {
         [
             format!("turns_{i} i -"),
             format!("mean_speed_{i}_rad_s n rad/s"),
-            format!("least_speed_{i}_rad_s n rad/s"),
-            format!("greatest_speed_{i}_rad_s n rad/s"),
-            format!("stays_from_{i}_rad n rad"),
-            format!("stays_to_{i}_rad n rad"),
+            format!("min_speed_{i}_rad_s n rad/s"),
+            format!("max_speed_{i}_rad_s n rad/s"),
+            format!("rest_from_{i}_rad n rad"),
+            format!("rest_to_{i}_rad n rad"),
         ]
     };
     let mut expected =
@@ -57,7 +57,7 @@ fn columns_of_a_balancer() {
         "amplitude_rms_low_m n m",
         "amplitude_rms_high_m n m",
         "amplitude_peak_m n m",
-        "least_margin n 1",
+        "min_friction_margin n 1",
     ]);
     expected.extend(OF_EVERY_CYCLE);
     let cycles = scratch.table("out", "cycles");
@@ -76,8 +76,8 @@ fn a_block_on_a_belt_has_one_cycle() {
     let mut expected = ["point_id c -", "belt_speed_m_s n m/s", "class t -"].to_vec();
     expected.extend(OF_EVERY_MODEL);
     expected.extend([
-        "least_speed_m_s n m/s",
-        "greatest_speed_m_s n m/s",
+        "min_speed_m_s n m/s",
+        "max_speed_m_s n m/s",
         "amplitude_m n m",
         "amplitude_low_m n m",
         "amplitude_high_m n m",
@@ -103,7 +103,7 @@ fn a_block_on_a_belt_has_one_cycle() {
             assert!((value(name, row) / exact.amplitude_m - 1.0).abs() < 1e-6, "{name}");
         }
         let fastest = -speed_m_s - block.natural_frequency_rad_s() * exact.amplitude_m;
-        assert!((value("least_speed_m_s", row) / fastest - 1.0).abs() < 1e-6);
+        assert!((value("min_speed_m_s", row) / fastest - 1.0).abs() < 1e-6);
         assert_eq!(value("largest_multiplier", row), 0.0);
     }
     let runs = scratch.table("out", "runs");
@@ -134,7 +134,7 @@ fn constructed(case: &Case) -> Outcome {
     let (own, other) = (start[2], start[3]);
     let sense = case.model.ball_balancer().expect("a balancer").speed_rad_s.signum() as i32;
     let first_rests = own < 3.0;
-    let runs = if sense > 0 { Doing::Backward } else { Doing::Forward };
+    let runs = if sense > 0 { CyclePhase::Backward } else { CyclePhase::Forward };
     let of_balls =
         |first, second| if first_rests { vec![second, first] } else { vec![first, second] };
     let cycle = if other < 1.0 {
@@ -142,7 +142,7 @@ fn constructed(case: &Case) -> Outcome {
     } else if other < 2.0 {
         Some((vec![-sense; 2], vec![vec![runs; 2]]))
     } else {
-        let balls = of_balls(runs, Doing::Stick);
+        let balls = of_balls(runs, CyclePhase::Stick);
         Some((if first_rests { vec![0, -sense] } else { vec![-sense, 0] }, vec![balls]))
     };
     let cycle = cycle.map(|(turns, configurations)| {
@@ -167,12 +167,20 @@ fn constructed(case: &Case) -> Outcome {
     }
 }
 
-fn farmed(study: &Study, folder: &Path, threads: usize, chunk: usize) -> Vec<u8> {
-    let options = FarmOptions { threads, chunk, ..FarmOptions::default() };
+fn written(study: &Study, folder: &Path, threads: usize, chunk: usize) -> Vec<u8> {
+    let options = EngineOptions { threads, chunk, ..EngineOptions::default() };
     let mut tables = Tables(Results::create(folder, study).unwrap());
     let progress = Progress::new(study.run_count(), true);
-    farm(study, options, constructed, &AtomicBool::new(false), &progress, None, &mut tables)
-        .unwrap();
+    run_study_with(
+        study,
+        options,
+        constructed,
+        &AtomicBool::new(false),
+        &progress,
+        None,
+        &mut tables,
+    )
+    .unwrap();
     let circumstances = Circumstances {
         runs_kept: 0,
         shard: "1/1".to_owned(),
@@ -198,9 +206,9 @@ fn constructed_cycles_of_balls() {
     let sweep = "sweep: [{grid: {speed_rad_s: [-247.3, 247.3]}}]\n";
     let study = parse(&study_text("a", "{monte_carlo: {samples: 3000}}", 20.0, sweep));
     let scratch = Scratch::new();
-    let first = farmed(&study, &scratch.path("first"), 1, 100);
+    let first = written(&study, &scratch.path("first"), 1, 100);
     for (index, (threads, chunk)) in [(3, 7), (7, 1000)].into_iter().enumerate() {
-        let again = farmed(&study, &scratch.path(&format!("out-{index}")), threads, chunk);
+        let again = written(&study, &scratch.path(&format!("out-{index}")), threads, chunk);
         assert!(first == again, "{threads} threads, chunks of {chunk}");
     }
     let cycles = table(&scratch.path("first").join("cycles.parquet"));
@@ -231,15 +239,14 @@ fn constructed_cycles_of_balls() {
     assert_eq!(multipliers, widest.cycle.as_ref().unwrap().multipliers);
     assert_eq!(value("largest_multiplier"), multipliers[0]);
     let margins = runs.iter().filter_map(|outcome| outcome.friction_margin);
-    assert_eq!(value("least_margin"), margins.fold(f64::MAX, f64::min));
+    assert_eq!(value("min_friction_margin"), margins.fold(f64::MAX, f64::min));
     // Angles all around the circle: the arc leaves out the longest gap between two of them.
     let mut angles: Vec<f64> = runs.iter().map(own).collect();
     angles.sort_by(f64::total_cmp);
     let wrapped = angles[0] + std::f64::consts::TAU;
     let next = angles[1..].iter().copied().chain([wrapped]);
     let gap = angles.iter().zip(next).map(|(a, b)| b - a).fold(0.0, f64::max);
-    let arc =
-        (value("stays_to_2_rad") - value("stays_from_2_rad")).rem_euclid(std::f64::consts::TAU);
+    let arc = (value("rest_to_2_rad") - value("rest_from_2_rad")).rem_euclid(std::f64::consts::TAU);
     assert!(arc <= std::f64::consts::TAU - gap + 0.02, "{arc} {gap}");
-    assert_eq!(numbers(&cycles, "stays_from_1_rad")[0], None);
+    assert_eq!(numbers(&cycles, "rest_from_1_rad")[0], None);
 }

@@ -5,7 +5,7 @@ use std::sync::atomic::AtomicBool;
 
 use arrow::error::ArrowError;
 use stickslip::analysis::PointDetail;
-use stickslip::engine::{FarmOptions, Progress, Sink, farm_in_lockstep};
+use stickslip::engine::{EngineOptions, Progress, Sink, run_study};
 use stickslip::study::Study;
 use stickslip::table::{
     MemoryResults, MemoryTable, PointRow, RunRecord, TABLES, Table, manifest_of,
@@ -52,9 +52,9 @@ fn what_is_computed_is_what_is_written() {
     let study = Study::load(&path).unwrap();
     let mut sink = InMemory(MemoryResults::new(&study));
     let progress = Progress::new(study.run_count(), true);
-    let options = FarmOptions { threads: 2, chunk: 7, ..FarmOptions::default() };
+    let options = EngineOptions { threads: 2, chunk: 7, ..EngineOptions::default() };
     let go_on = AtomicBool::new(false);
-    farm_in_lockstep(&study, options, &go_on, &progress, None, &mut sink).unwrap();
+    run_study(&study, options, &go_on, &progress, None, &mut sink).unwrap();
     let tables = sink.0.finish().unwrap();
     assert_eq!(tables[0].rows() as u64, study.run_count());
     for (name, table) in TABLES.into_iter().zip(&tables) {

@@ -63,17 +63,17 @@ fn bins_count_the_equilibria() {
     assert_eq!(counted, seen);
     let points = scratch.table("out", "points");
     let at_rest = counts(&points, "equilibrium_runs");
-    let [share, low, high, from] =
+    let [fraction, low, high, from] =
         ["fraction", "ci_low", "ci_high", "beta_1_from_rad"].map(|name| all(&histogram, name));
     for (row, (key, runs)) in counted.iter().enumerate() {
         let of_point = at_rest[key[0] as usize];
-        assert_eq!(share[row], *runs as f64 / of_point as f64);
+        assert_eq!(fraction[row], *runs as f64 / of_point as f64);
         assert_eq!((low[row], high[row]), wilson(*runs, of_point, stickslip::analysis::Z_95));
         assert_eq!(from[row], bin_edges(key[1] as usize)[0]);
     }
 }
 
-/// Three balls and more: one angle, by balls that are alike; a block has no ring.
+/// Three balls and more: one angle, by identical balls; a block has no ring.
 #[test]
 fn other_numbers_of_balls() {
     let model = "model: {kind: ball_balancer, parameters: {balls: [{mass_kg: 1.4e-4}, \

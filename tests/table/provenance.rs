@@ -34,7 +34,7 @@ fn every_table_says_where_it_comes_from() {
     for (file, table) in [
         ("out/runs.parquet", "runs"),
         ("out/points.parquet", "points"),
-        ("out/rest.parquet", "rest"),
+        ("out/time_to_rest.parquet", "time_to_rest"),
         ("out/cycles.parquet", "cycles"),
         ("out/equilibria.parquet", "equilibria"),
         ("out/equilibrium_histogram.parquet", "equilibrium_histogram"),
@@ -92,7 +92,7 @@ fn time_and_host_are_in_the_manifest_only() {
             assert!(!holds, "{name} holds the host's name");
         }
     }
-    let rows = ["runs", "points", "rest", "cycles", "equilibria", "density"]
+    let rows = ["runs", "points", "time_to_rest", "cycles", "equilibria", "equilibrium_histogram"]
         .map(|name| manifest["files"][format!("{name}.parquet")]["rows"].clone());
     assert_eq!(rows, [5, 1, 2, 0, 0, 0]);
     assert_eq!(manifest["files"]["study.yaml"]["rows"], Value::Null);

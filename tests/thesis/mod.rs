@@ -5,7 +5,7 @@ use std::sync::atomic::AtomicBool;
 
 use stickslip::analysis::PointDetail;
 use stickslip::classification::{Label, simulate};
-use stickslip::engine::{FarmOptions, Progress, Sink, farm};
+use stickslip::engine::{EngineOptions, Progress, Sink, run_study_with};
 use stickslip::study::Study;
 use stickslip::table::{PointRow, RunRecord};
 
@@ -29,11 +29,19 @@ impl Sink for Points {
 fn points(study: &str) -> Vec<PointRow> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies").join(study);
     let study = Study::load(&path).expect("a sound study");
-    let options = FarmOptions { threads: 2, chunk: 512, ..FarmOptions::default() };
+    let options = EngineOptions { threads: 2, chunk: 512, ..EngineOptions::default() };
     let progress = Progress::new(study.run_count(), true);
     let mut points = Points::default();
-    farm(&study, options, simulate, &AtomicBool::new(false), &progress, None, &mut points)
-        .expect("the study runs");
+    run_study_with(
+        &study,
+        options,
+        simulate,
+        &AtomicBool::new(false),
+        &progress,
+        None,
+        &mut points,
+    )
+    .expect("the study runs");
     for point in &points.0 {
         let counts = &point.summary.counts;
         println!(

@@ -116,7 +116,7 @@ error, and therefore an interval.
         .to_owned();
         for (point, (speed, friction)) in self.points.iter().enumerate() {
             let runs = self.outcomes[0][point].len() as u64;
-            let share = |count| {
+            let fraction = |count| {
                 let (low, high) = wilson(count, runs, Z_95);
                 format!("{count} of {runs} | {low:.4} .. {high:.4}")
             };
@@ -124,9 +124,9 @@ error, and therefore an interval.
             let _ = writeln!(
                 text,
                 "| {speed} | {friction:e} | {} | {} | {} |",
-                share(THESIS[point]),
-                share(switch),
-                share(event),
+                fraction(THESIS[point]),
+                fraction(switch),
+                fraction(event),
             );
         }
         let _ = write!(
@@ -149,10 +149,10 @@ The table contains the times by which a given percentage of the runs is at rest 
 
 | speed [rad/s] | μ |"
             .to_owned();
-        for share in PointSummary::TIME_SHARES {
-            let _ = write!(text, " {:.0} % [s] |", 100.0 * share);
+        for fraction in PointSummary::TIME_FRACTIONS {
+            let _ = write!(text, " {:.0} % [s] |", 100.0 * fraction);
         }
-        let columns = "---|".repeat(PointSummary::TIME_SHARES.len());
+        let columns = "---|".repeat(PointSummary::TIME_FRACTIONS.len());
         let _ = writeln!(text, " still moving at 16.5 s |\n|---|---|{columns}---|");
         for (point, (speed, friction)) in self.points.iter().enumerate() {
             let summary = self.summary(0, point);
@@ -273,7 +273,8 @@ are compared where both programs find rest.
                 })
                 .collect();
             differences.sort_by(f64::total_cmp);
-            let below = |share: f64| differences[(share * (differences.len() - 1) as f64) as usize];
+            let below =
+                |fraction: f64| differences[(fraction * (differences.len() - 1) as f64) as usize];
             let _ = writeln!(
                 text,
                 "| -{speed} | {name} | {agree} of {} | {:.0e} | {:.0e} |",

@@ -82,8 +82,8 @@ end. The rows *prototype* are from an independent prototype with other start sta
         let _ = writeln!(text, "| | prototype | {a} | {b} | {c} | {d} | | | | |");
         // Counts of two samples of 256: within four standard deviations of their difference.
         for (found, expected) in at_rest.into_iter().zip(elsewhere) {
-            let share = (found + expected) as f64 / 512.0;
-            let deviation = (2.0 * 256.0 * share * (1.0 - share)).sqrt();
+            let fraction = (found + expected) as f64 / 512.0;
+            let deviation = (2.0 * 256.0 * fraction * (1.0 - fraction)).sqrt();
             let difference = (found as f64 - expected as f64).abs();
             assert!(difference <= 4.0 * deviation, "{speed}: {found}, elsewhere {expected}");
         }

@@ -3,8 +3,8 @@
 use std::fmt::Write;
 
 use stickslip::analysis::{
-    EquilibriumSet, FrictionlessKind, Resolution, Stability, amplitude_without_balls,
-    frictionless_equilibria,
+    EquilibriumSet, FrictionlessKind, Resolution, Stability, frictionless_equilibria,
+    reference_amplitude,
 };
 use stickslip::model::{Balancer, Machine};
 
@@ -55,7 +55,7 @@ and their mass. Balls opposite each other cancel, but their mass lowers the natu
 closer to the thesis's value.
 ",
         natural / std::f64::consts::TAU,
-        amplitude_without_balls(&machine).expect("a damped suspension"),
+        reference_amplitude(&machine).expect("a damped suspension"),
         amplitude([0.0, std::f64::consts::PI]),
         amplitude([0.0, 0.0]),
         balance[0],
@@ -140,9 +140,9 @@ an equilibrium.
         let _ = writeln!(
             text,
             "| {speed} | {friction:e} | {:.4} | {} | {} | {smallest:.3e} | {largest:.3e} |",
-            set.share,
-            set.parts.expect("a grid"),
-            set.parts_modulo_exchange.expect("a grid"),
+            set.fraction,
+            set.components.expect("a grid"),
+            set.components_modulo_exchange.expect("a grid"),
         );
     }
     text

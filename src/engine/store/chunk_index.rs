@@ -12,7 +12,7 @@ const MEMORY: usize = 1 << 27;
 
 /// A finished run as it lies on disk.
 #[derive(Clone, Debug, PartialEq)]
-pub(in crate::engine) struct Found {
+pub(in crate::engine) struct StoredResult {
     /// The key of its case.
     pub key: CaseKey,
     /// Its content.
@@ -23,16 +23,16 @@ pub(in crate::engine) struct Found {
 
 /// The folders of a study: the first is our own, others are its shards'.
 #[derive(Debug)]
-pub(in crate::engine) struct Shelves {
+pub(in crate::engine) struct ChunkIndex {
     pub(super) folders: Vec<Folder>,
     /// Chunks that were read and may reach into the next window, by folder and number.
     loaded: HashMap<(usize, u64), Chunk>,
 }
 
-impl Shelves {
-    /// Shelves with our own folder.
+impl ChunkIndex {
+    /// An index with our own folder.
     pub(super) fn new(own: Folder) -> Self {
-        Shelves { folders: vec![own], loaded: HashMap::new() }
+        ChunkIndex { folders: vec![own], loaded: HashMap::new() }
     }
 
     /// Whether there is a finished run with this number or a later one.
@@ -43,7 +43,7 @@ impl Shelves {
 
     /// The finished runs from number `first` to `last`; windows ascend. Damaged chunks are told of, and
     /// not read again; our own are put aside.
-    pub fn window(&mut self, first: u64, last: u64) -> HashMap<u64, Found> {
+    pub fn window(&mut self, first: u64, last: u64) -> HashMap<u64, StoredResult> {
         let mut runs = HashMap::new();
         for (number, folder) in self.folders.iter_mut().enumerate() {
             let own = number == 0;
@@ -54,7 +54,7 @@ impl Shelves {
                     None => folder.read(listed)?,
                 };
                 let found = |(run_id, key, content): (u64, CaseKey, &[u8])| {
-                    (run_id, Found { key, content: content.to_vec(), own })
+                    (run_id, StoredResult { key, content: content.to_vec(), own })
                 };
                 runs.extend(chunk.runs_between(first, last).map(found));
                 if listed.last_run > last {

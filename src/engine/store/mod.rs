@@ -19,10 +19,10 @@ use std::path::{Path, PathBuf};
 use thiserror::Error;
 
 pub use chunk::{Chunk, ChunkFault};
-pub(super) use chunk_index::{Found, Shelves};
+pub(super) use chunk_index::{ChunkIndex, StoredResult};
 pub use folder::Listed;
-pub(super) use record::{CaseKey, Finished};
-pub(super) use result_cache::Reuse;
+pub(super) use record::{CaseKey, StoredOutcome};
+pub(super) use result_cache::ResultCache;
 
 use self::chunk::ChunkWriter;
 use self::folder::Folder;
@@ -102,9 +102,9 @@ pub fn listed_runs(directory: &Path, study: &Study) -> Result<u64, StoreError> {
 /// The finished runs in an output directory, ours alone as long as this value lives.
 #[derive(Debug)]
 pub struct Store {
-    pub(super) keeper: Keeper,
-    pub(super) shelves: Shelves,
-    pub(super) reuse: Reuse,
+    pub(super) appender: ChunkAppender,
+    pub(super) chunk_index: ChunkIndex,
+    pub(super) result_cache: ResultCache,
     lock: Lock,
 }
 
@@ -143,9 +143,9 @@ impl Store {
         let others: Result<Vec<Folder>, StoreError> = others.into_iter().map(open).collect();
         let own = Folder::open(own, &study_hash, true)?;
         Ok(Store {
-            shelves: Shelves::new(own.clone()),
-            keeper: Keeper { folder: own, study_hash },
-            reuse: Reuse::of(others?),
+            chunk_index: ChunkIndex::new(own.clone()),
+            appender: ChunkAppender { folder: own, study_hash },
+            result_cache: ResultCache::of(others?),
             lock,
         })
     }
@@ -156,10 +156,10 @@ impl Store {
     /// # Errors
     /// [`StoreError::Unusable`].
     pub fn add_shard(&mut self, directory: &Path) -> Result<u64, StoreError> {
-        let hash = &self.keeper.study_hash;
+        let hash = &self.appender.study_hash;
         let folder = Folder::open(directory.join(CHUNKS).join(&hash[..DIGITS]), hash, false)?;
         let runs = folder.runs();
-        self.shelves.folders.push(folder);
+        self.chunk_index.folders.push(folder);
         Ok(runs)
     }
 
@@ -173,23 +173,23 @@ impl Store {
 
     /// How many finished runs of this study are on lists, here and in its shards.
     pub fn listed_runs(&self) -> u64 {
-        self.shelves.folders.iter().map(Folder::runs).fold(0, u64::saturating_add)
+        self.chunk_index.folders.iter().map(Folder::runs).fold(0, u64::saturating_add)
     }
 
     /// Whether there are finished runs of other studies.
     pub fn has_others(&self) -> bool {
-        !self.reuse.is_empty()
+        !self.result_cache.is_empty()
     }
 
     /// Whether another study has finished this very run, so that it need not be computed.
     pub fn can_reuse(&self, study: &Study, run_id: u64) -> bool {
-        self.reuse.find(CaseKey::of(&study.planned_run(run_id))).is_some()
+        self.result_cache.find(CaseKey::of(&study.planned_run(run_id))).is_some()
     }
 }
 
 /// A run that has been finished and is not on disk yet.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Fresh {
+pub(super) struct NewResult {
     pub run_id: u64,
     pub key: CaseKey,
     pub content: Vec<u8>,
@@ -197,17 +197,17 @@ pub(super) struct Fresh {
 
 /// Writes chunks of a study.
 #[derive(Debug)]
-pub(super) struct Keeper {
+pub(super) struct ChunkAppender {
     folder: Folder,
     study_hash: String,
 }
 
-impl Keeper {
+impl ChunkAppender {
     /// Writes these runs, which ascend, as a chunk; they are finished when this returns.
     ///
     /// # Errors
     /// [`StoreError::Unwritten`].
-    pub fn keep(&mut self, runs: &[Fresh]) -> Result<(), StoreError> {
+    pub fn append(&mut self, runs: &[NewResult]) -> Result<(), StoreError> {
         let mut chunk = ChunkWriter::new(&self.study_hash);
         runs.iter().for_each(|run| chunk.push(run.run_id, run.key, &run.content));
         let run_ids: Vec<u64> = runs.iter().map(|run| run.run_id).collect();

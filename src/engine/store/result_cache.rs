@@ -13,7 +13,7 @@ const KEPT: usize = 32;
 
 /// An index of finished runs by case; it takes some forty bytes a run.
 #[derive(Debug, Default)]
-pub(in crate::engine) struct Reuse {
+pub(in crate::engine) struct ResultCache {
     folders: Vec<Folder>,
     /// The folder and its chunk, by number.
     chunks: Vec<(usize, Listed)>,
@@ -23,10 +23,10 @@ pub(in crate::engine) struct Reuse {
     kept: Mutex<VecDeque<(u32, Arc<Chunk>)>>,
 }
 
-impl Reuse {
+impl ResultCache {
     /// Reads all chunks of these folders; damaged ones are told of and left out.
     pub(super) fn of(folders: Vec<Folder>) -> Self {
-        let mut reuse = Reuse { folders, ..Reuse::default() };
+        let mut reuse = ResultCache { folders, ..ResultCache::default() };
         for (number, folder) in reuse.folders.iter().enumerate() {
             for listed in &folder.listed {
                 let Ok(place) = u32::try_from(reuse.chunks.len()) else { break };

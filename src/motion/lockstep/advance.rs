@@ -105,7 +105,7 @@ fn step<S: Simd, const N: usize>(
                 failed[lane] = condition;
                 happened.event |= 1 << lane;
             }
-            Ends::AtOnce => happened.trouble[lane] = Some(Trouble::GiveUp),
+            Ends::AtOnce => happened.trouble[lane] = Some(Trouble::Fallback),
         }
     }
     let end = series.at(&g.equations, &g.state, length);

@@ -2,7 +2,7 @@
 
 use super::step::within_tolerance;
 use super::tangent::carry;
-use super::{Flow, Group, LANES, Lanes, Room, Saved, VectorLevel};
+use super::{Flow, Group, LANES, Lanes, Room, Saved, SimdLevel};
 use crate::model::{Balancer, Dual, FrictionLaw, Machine, Method, Number, State};
 use crate::motion::contact::{Phase, SmoothPhase};
 use crate::motion::{Settings, Step, Tolerance};
@@ -59,7 +59,7 @@ fn largest<const N: usize>(state: &State<N>) -> f64 {
 /// Displacements over the longest steps that a coarse tolerance allows, where the table moves as slowly as it
 /// does after a while, and is displaced as balls displace it, by some part of what they are.
 fn over_longest_steps<const N: usize>() {
-    let Some(simd) = VectorLevel::best().avx2() else { return };
+    let Some(simd) = SimdLevel::best().avx2() else { return };
     let settings = Settings {
         method: Method::Event,
         band: 0.0,
@@ -113,7 +113,7 @@ fn longest_steps() {
 }
 
 fn against_one_run<const N: usize>() {
-    let Some(simd) = VectorLevel::best().avx2() else { return };
+    let Some(simd) = SimdLevel::best().avx2() else { return };
     // A wide band: what is left of the speed of a ball that sticks is to be seen.
     let settings = Settings {
         method: Method::Switch,

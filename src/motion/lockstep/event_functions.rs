@@ -15,7 +15,7 @@ use fearless_simd::{Simd, prelude::*};
 
 use super::Lanes;
 use super::equations::Equations;
-use super::root_isolation::{FOURTH, Outline, Place};
+use super::root_isolation::{Bounds, FOURTH, PolynomialPoint};
 use super::series::{ORDER, Series, decay};
 use crate::motion::Phase;
 
@@ -105,13 +105,13 @@ impl<S: Simd> Curve<S> {
 
     /// The same of one lane.
     #[inline(always)]
-    pub(super) fn outline(&self, lane: usize) -> Outline {
-        let end = |which: usize| Place {
+    pub(super) fn outline(&self, lane: usize) -> Bounds {
+        let end = |which: usize| PolynomialPoint {
             at: which as f64,
             value: self.values[which][lane],
             slope: self.changes[which][lane],
         };
-        Outline { ends: [end(0), end(1)], fourth_derivative: self.bound[lane] }
+        Bounds { ends: [end(0), end(1)], fourth_derivative: self.bound[lane] }
     }
 
     /// Where it plainly stays above zero: no coefficient of its Bernstein form of degree four is negative

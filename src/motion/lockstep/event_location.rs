@@ -5,7 +5,7 @@ use fearless_simd::Simd;
 use super::event_functions::Doubts;
 use super::lane::Lane;
 use super::recurrence::DYING;
-use super::root_isolation::{Course, Outline, Polynomial};
+use super::root_isolation::{Bounds, ConditionFate, Polynomial};
 use super::series::{ORDER, Series};
 use crate::motion::Phase;
 
@@ -90,12 +90,12 @@ fn first_of_all<S: Simd, const N: usize>(
 impl Ends {
     /// The first of this and of what becomes of another condition.
     #[inline(always)]
-    fn or(&mut self, condition: &Polynomial, outline: &Outline, which: (usize, usize)) {
+    fn or(&mut self, condition: &Polynomial, outline: &Bounds, which: (usize, usize)) {
         match (condition.first_fall(outline), &self) {
-            (Course::Holds, _) | (_, Ends::AtOnce) => {}
-            (Course::FailsAtOnce, _) => *self = Ends::AtOnce,
-            (Course::Fails(at), Ends::At(earlier, _)) if *earlier <= at => {}
-            (Course::Fails(at), _) => *self = Ends::At(at, which),
+            (ConditionFate::Holds, _) | (_, Ends::AtOnce) => {}
+            (ConditionFate::FailsAtOnce, _) => *self = Ends::AtOnce,
+            (ConditionFate::Fails(at), Ends::At(earlier, _)) if *earlier <= at => {}
+            (ConditionFate::Fails(at), _) => *self = Ends::At(at, which),
         }
     }
 }
@@ -186,7 +186,7 @@ fn normal_force<S: Simd, const N: usize>(
 #[cfg(all(test, target_arch = "x86_64"))]
 mod tests {
     use super::super::event_functions::look_over;
-    use super::super::{Group, LANES, Lanes, Room, Saved, VectorLevel};
+    use super::super::{Group, LANES, Lanes, Room, Saved, SimdLevel};
     use super::{Ends, first_failure};
     use crate::model::{Balancer, FrictionLaw, Machine, Method, NormalForce, State};
     use crate::motion::contact::SmoothPhase;
@@ -199,7 +199,7 @@ mod tests {
     /// leaves it within a step, as the forces of one run at many places have it, that is seen, and no later.
     #[test]
     fn balls_that_leave_the_ring_are_seen() {
-        let Some(simd) = VectorLevel::best().avx2() else { return };
+        let Some(simd) = SimdLevel::best().avx2() else { return };
         let machine = Machine {
             speed_rad_s: -216.3772,
             normal_force: NormalForce::Newton,

@@ -9,7 +9,7 @@ use super::series::Series;
 use super::{Flow, LANES, Lanes};
 use crate::model::{State, System};
 use crate::motion::contact::Phase;
-use crate::motion::driver::{Course, Motion};
+use crate::motion::driver::{Motion, TrajectoryState};
 use crate::motion::first_switch::LastStep;
 use crate::motion::interpolant::Interpolant;
 use crate::motion::settings::MOST_PER_TIME;
@@ -293,9 +293,9 @@ impl<S: Simd, const N: usize> Group<S, N> {
         Some((self.lanes[lane].as_ref()?.phases, state))
     }
 
-    fn course(&self, lane: usize) -> Option<Course<N, 2>> {
+    fn trajectory_state(&self, lane: usize) -> Option<TrajectoryState<N, 2>> {
         let own = self.lanes[lane].as_ref()?;
-        Some(Course {
+        Some(TrajectoryState {
             time: self.time[lane],
             state: self.state.lane(lane),
             turns: self.turns.each_ref().map(|turns| turns[lane] as i64),
@@ -314,7 +314,7 @@ impl<S: Simd, const N: usize> Group<S, N> {
         balancer: &'a crate::model::Balancer<N>,
     ) -> Option<Motion<'a, crate::model::Balancer<N>, N>> {
         let own = self.lanes[lane].as_ref()?;
-        Some(Motion::resume(balancer, own.settings, self.course(lane)?, None))
+        Some(Motion::resume(balancer, own.settings, self.trajectory_state(lane)?, None))
     }
 
     /// The motion in a lane with its latest step, angles not yet brought back into one turn; for looking
@@ -327,7 +327,7 @@ impl<S: Simd, const N: usize> Group<S, N> {
         balancer: &'a crate::model::Balancer<N>,
     ) -> Option<Motion<'a, crate::model::Balancer<N>, N>> {
         let own = self.lanes[lane].as_ref()?;
-        let mut course = self.course(lane)?;
+        let mut course = self.trajectory_state(lane)?;
         let end = room.end.lane(lane);
         for ball in 0..N {
             let turns =

@@ -40,7 +40,7 @@ pub(crate) enum Trouble {
     /// It cannot go on at all.
     Failure(Failure),
     /// An event could not be located: it is computed by itself instead, from its start.
-    GiveUp,
+    Fallback,
 }
 
 impl From<Failure> for Trouble {

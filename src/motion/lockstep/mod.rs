@@ -34,7 +34,7 @@ pub(crate) use advance::{Happened, advance};
 pub(crate) use group::{Group, Room};
 pub(crate) use lane::{Saved, Trouble};
 pub(super) use series::TERMS;
-pub use simd_level::VectorLevel;
+pub use simd_level::SimdLevel;
 
 use fearless_simd::f64x8;
 

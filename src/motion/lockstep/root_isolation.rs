@@ -28,7 +28,7 @@ const LAST: f64 = 1e-5;
 
 /// What becomes of a condition in a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Course {
+pub(super) enum ConditionFate {
     /// It holds to the end.
     Holds,
     /// It first fails at this part of the step.
@@ -46,7 +46,7 @@ pub(super) struct Polynomial {
 
 /// A place in a step, 0 at its start and 1 at its end, with value and slope there.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Place {
+pub(super) struct PolynomialPoint {
     pub(super) at: f64,
     pub(super) value: f64,
     pub(super) slope: f64,
@@ -55,8 +55,8 @@ pub(super) struct Place {
 /// What is known of a polynomial without looking at its coefficients: its ends, and a bound of its fourth
 /// derivative, with the step's length as the unit of time.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Outline {
-    pub(super) ends: [Place; 2],
+pub(super) struct Bounds {
+    pub(super) ends: [PolynomialPoint; 2],
     pub(super) fourth_derivative: f64,
 }
 
@@ -71,7 +71,7 @@ pub(super) const FOURTH: [f64; ORDER + 1] = {
     all
 };
 
-impl Outline {
+impl Bounds {
     /// Whether the condition plainly holds all along.
     #[inline(always)]
     pub(super) fn holds(&self) -> bool {
@@ -83,14 +83,14 @@ impl Outline {
 impl Polynomial {
     /// Value and slope.
     #[inline(always)]
-    fn place(&self, at: f64) -> Place {
+    fn place(&self, at: f64) -> PolynomialPoint {
         self.bend(at).0
     }
 
     /// Value and slope, and half of the second derivative. To be inlined where the processor's fused
     /// multiply-add is at hand; even and odd powers apart, so that neither waits for the other.
     #[inline(always)]
-    fn bend(&self, at: f64) -> (Place, f64) {
+    fn bend(&self, at: f64) -> (PolynomialPoint, f64) {
         let time = at * self.length;
         let square = time * time;
         // Each with its first derivative by the square of time, and half of its second.
@@ -107,48 +107,50 @@ impl Polynomial {
         let bend = (4.0 * square).mul_add(time.mul_add(odd[2], even[2]), even[1]);
         let bend = (3.0 * time).mul_add(odd[1], bend);
         let value = time.mul_add(odd[0], even[0]);
-        let place = Place { at, value, slope: slope * self.length };
+        let place = PolynomialPoint { at, value, slope: slope * self.length };
         (place, bend * (self.length * self.length))
     }
 
     /// Its ends and a bound of its fourth derivative.
     #[inline(always)]
-    pub(super) fn outline(&self) -> Outline {
+    pub(super) fn outline(&self) -> Bounds {
         let mut bound = 0.0_f64;
         for k in (4..=ORDER).rev() {
             bound = bound.mul_add(self.length, FOURTH[k] * self.coefficients[k].abs());
         }
         let square = self.length * self.length;
         let [value, slope, ..] = self.coefficients;
-        let start = Place { at: 0.0, value, slope: slope * self.length };
-        Outline { ends: [start, self.place(1.0)], fourth_derivative: bound * (square * square) }
+        let start = PolynomialPoint { at: 0.0, value, slope: slope * self.length };
+        Bounds { ends: [start, self.place(1.0)], fourth_derivative: bound * (square * square) }
     }
 
     /// Where it first falls below zero.
     #[inline(always)]
-    pub(super) fn first_fall(&self, outline: &Outline) -> Course {
-        let Outline { ends: [mut low, end], fourth_derivative: bound } = *outline;
+    pub(super) fn first_fall(&self, outline: &Bounds) -> ConditionFate {
+        let Bounds { ends: [mut low, end], fourth_derivative: bound } = *outline;
         if low.value <= 0.0 {
             // Beyond the boundary by rounding: if it rises, the fall comes after.
             let risen = (1..30).map(|halvings| self.place(0.5_f64.powi(halvings)));
             match risen.into_iter().find(|place| place.value > 0.0) {
                 Some(place) => low = place,
-                None => return Course::FailsAtOnce,
+                None => return ConditionFate::FailsAtOnce,
             }
         }
         let mut high = end;
         loop {
             match part(low, high, bound) {
-                Part::Falls => return Course::Fails(self.fall(low, high)),
+                Part::Falls => return ConditionFate::Fails(self.fall(low, high)),
                 Part::Open if high.at - low.at > SHORTEST_PART => {
                     high = self.place(0.5 * (low.at + high.at));
                     continue;
                 }
-                Part::Open if high.value < 0.0 => return Course::Fails(self.fall(low, high)),
+                Part::Open if high.value < 0.0 => {
+                    return ConditionFate::Fails(self.fall(low, high));
+                }
                 Part::Holds | Part::Open => {}
             }
             if high.at >= 1.0 {
-                return Course::Holds;
+                return ConditionFate::Holds;
             }
             (low, high) = (high, end);
         }
@@ -157,7 +159,7 @@ impl Polynomial {
     /// The fall between two places, by Halley's method kept between them; from where the curve by their
     /// values and slopes falls.
     #[inline(always)]
-    fn fall(&self, low: Place, high: Place) -> f64 {
+    fn fall(&self, low: PolynomialPoint, high: PolynomialPoint) -> f64 {
         const MOST: u32 = 60;
         let (mut least, mut most) = (low.at, high.at);
         let length = high.at - low.at;
@@ -170,7 +172,7 @@ impl Polynomial {
                 most = at;
             }
             // x = f / (f' - f'' f / (2 f')), without a second division.
-            let Place { value, slope, .. } = place;
+            let PolynomialPoint { value, slope, .. } = place;
             let halley = at - value * slope / slope.mul_add(slope, -(bend * value));
             // What is left is of the third power of this.
             if (halley - at).abs() <= LAST && slope < 0.0 {
@@ -184,7 +186,7 @@ impl Polynomial {
 
 /// Where between two places, from 0 to 1, the value falls through zero: a guess.
 #[inline(always)]
-pub(super) fn guess(low: Place, high: Place) -> f64 {
+pub(super) fn guess(low: PolynomialPoint, high: PolynomialPoint) -> f64 {
     let length = high.at - low.at;
     let (fall, slopes) = (low.value - high.value, [length * low.slope, length * high.slope]);
     // The place as the cubic of the value by both ends.
@@ -200,7 +202,7 @@ pub(super) fn guess(low: Place, high: Place) -> f64 {
 
 /// Where between two places, from 0 to 1, their cubic falls: a guess.
 #[inline(always)]
-fn fall_of_cubic(low: Place, high: Place) -> f64 {
+fn fall_of_cubic(low: PolynomialPoint, high: PolynomialPoint) -> f64 {
     let length = high.at - low.at;
     let (a, b) = (low.value, length * low.slope);
     let rise = high.value - low.value;
@@ -228,7 +230,7 @@ enum Part {
 }
 
 /// What is known of the part between two places, at the first of which the condition holds.
-fn part(low: Place, high: Place, fourth_derivative: f64) -> Part {
+fn part(low: PolynomialPoint, high: PolynomialPoint, fourth_derivative: f64) -> Part {
     let length = high.at - low.at;
     let third = length / 3.0;
     let (one, two) = (low.value + third * low.slope, high.value - third * high.slope);
@@ -253,7 +255,7 @@ fn part(low: Place, high: Place, fourth_derivative: f64) -> Part {
 
 #[cfg(test)]
 mod tests {
-    use super::{Course, ORDER, Polynomial};
+    use super::{ConditionFate, ORDER, Polynomial};
 
     /// The Taylor polynomial of a function with these derivatives at 0.
     fn polynomial(derivative: impl Fn(usize) -> f64) -> Polynomial {
@@ -265,13 +267,13 @@ mod tests {
         Polynomial { coefficients, length: 1.0 }
     }
 
-    fn first_fall(of: Polynomial) -> Course {
+    fn first_fall(of: Polynomial) -> ConditionFate {
         of.first_fall(&of.outline())
     }
 
-    fn at(course: Course) -> f64 {
+    fn at(course: ConditionFate) -> f64 {
         match course {
-            Course::Fails(at) => at,
+            ConditionFate::Fails(at) => at,
             other => panic!("{other:?}"),
         }
     }
@@ -296,7 +298,7 @@ mod tests {
         };
         assert!((at(first_fall(dip(-1e-4))) - 0.39).abs() < 1e-12);
         assert!((at(first_fall(dip(-1e-14))) - 0.4).abs() < 1e-6);
-        assert_eq!(first_fall(dip(1e-14)), Course::Holds);
+        assert_eq!(first_fall(dip(1e-14)), ConditionFate::Holds);
 
         // Three falls: the first counts. cos(6 t) - 0.2 falls at acos(0.2)/6, rises and falls again.
         let wave = |k: usize| [1.0, 0.0, -1.0, 0.0][k % 4] * 6.0_f64.powi(k as i32);
@@ -305,7 +307,7 @@ mod tests {
 
         // Beyond the boundary and on the way out.
         let out = polynomial(|k| [-1e-15, -0.1].get(k).copied().unwrap_or(0.0));
-        assert_eq!(first_fall(out), Course::FailsAtOnce);
+        assert_eq!(first_fall(out), ConditionFate::FailsAtOnce);
     }
 
     /// Against looking at very many places, for polynomials with all their coefficients drawn.
@@ -335,15 +337,15 @@ mod tests {
             let looked = (1..=4000).map(|k| f64::from(k) / 4000.0);
             let below = looked.into_iter().find(|t| polynomial.place(*t).value < 0.0);
             match (first_fall(polynomial), below) {
-                (Course::Holds, None) => {}
-                (Course::Fails(t), Some(below)) => {
+                (ConditionFate::Holds, None) => {}
+                (ConditionFate::Fails(t), Some(below)) => {
                     falls += 1;
                     let found = polynomial.place(t);
                     assert!(t <= below && found.value.abs() < 1e-14, "{t} {below} {found:?}");
                     assert!(t > below - 1.0 / 3999.0 || polynomial.place(t + 1e-7).value < 0.0);
                 }
                 // A dip between two places.
-                (Course::Fails(t), None) => {
+                (ConditionFate::Fails(t), None) => {
                     assert!(polynomial.place(t + 1e-6).value < 0.0, "{t}");
                 }
                 other => panic!("{other:?} {coefficients:?}"),

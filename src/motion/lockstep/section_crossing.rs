@@ -3,7 +3,7 @@
 use fearless_simd::Simd;
 
 use super::recurrence::RECIPROCALS;
-use super::root_isolation::{Place, guess};
+use super::root_isolation::{PolynomialPoint, guess};
 use super::series::{Series, TERMS};
 use super::{Group, Room};
 use crate::model::State;
@@ -50,8 +50,12 @@ impl<S: Simd, const N: usize> Group<S, N> {
                     },
                     (0.0, 1.0),
                     guess(
-                        Place { at: 0.0, value: before(angle), slope: slope(start.beta_dot[ball]) },
-                        Place { at: 1.0, value: before(end), slope: slope(last) },
+                        PolynomialPoint {
+                            at: 0.0,
+                            value: before(angle),
+                            slope: slope(start.beta_dot[ball]),
+                        },
+                        PolynomialPoint { at: 1.0, value: before(end), slope: slope(last) },
                     ),
                     1e-13,
                 );

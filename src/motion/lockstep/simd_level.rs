@@ -4,12 +4,12 @@ use fearless_simd::Level;
 
 /// The vector instructions that runs in lockstep are computed with. Results do not depend on it.
 #[derive(Clone, Copy, Debug)]
-pub struct VectorLevel(Level);
+pub struct SimdLevel(Level);
 
-impl VectorLevel {
+impl SimdLevel {
     /// The best that this processor has.
     pub fn best() -> Self {
-        VectorLevel(Level::new())
+        SimdLevel(Level::new())
     }
 
     /// All that this processor has, the best first; for comparing them.
@@ -18,7 +18,7 @@ impl VectorLevel {
         let mut levels = vec![best];
         #[cfg(target_arch = "x86_64")]
         if let (Some(_), Some(avx2)) = (best.avx512(), best.avx2()) {
-            levels.push(VectorLevel(Level::Avx2(avx2)));
+            levels.push(SimdLevel(Level::Avx2(avx2)));
         }
         levels
     }

@@ -66,13 +66,13 @@ fn inverse_sixteenth_root<S: Simd>(x: Lanes<S>) -> Lanes<S> {
 
 #[cfg(all(test, target_arch = "x86_64"))]
 mod tests {
-    use super::super::{LANES, Lanes, VectorLevel};
+    use super::super::{LANES, Lanes, SimdLevel};
     use super::{inverse_sixteenth_root, reciprocal};
     use fearless_simd::prelude::*;
 
     #[test]
     fn reciprocals() {
-        let Some(simd) = VectorLevel::best().avx2() else { return };
+        let Some(simd) = SimdLevel::best().avx2() else { return };
         for exponent in -300..300 {
             let number = 1.7 * libm::exp10(f64::from(exponent));
             let found = simd.vectorize(
@@ -85,7 +85,7 @@ mod tests {
 
     #[test]
     fn sixteenth_roots() {
-        let Some(simd) = VectorLevel::best().avx2() else { return };
+        let Some(simd) = SimdLevel::best().avx2() else { return };
         for exponent in -100..100 {
             let number = |lane: usize| libm::exp10(f64::from(exponent) + 0.13 * lane as f64);
             let mut numbers = Lanes::splat(simd, 0.0);

@@ -125,7 +125,7 @@ pub(crate) struct Displaced {
 }
 
 impl<S: Simd, const N: usize> Group<S, N> {
-    /// Displaces the balls of a lane, all alike, by a displacement of size 1.
+    /// Displaces the balls of a lane, all identical, by a displacement of size 1.
     pub(crate) fn displace(&mut self, lane: usize) {
         let displaced = State { beta: [1.0 / (N as f64).sqrt(); N], ..State::zero() };
         self.displacement.set_lane(lane, &displaced);

@@ -77,14 +77,14 @@ fn flip<S: Simd>(value: f64x8<S>, sign: fearless_simd::u64x8<S>) -> f64x8<S> {
 
 #[cfg(all(test, target_arch = "x86_64"))]
 mod tests {
-    use super::super::{LANES, Lanes, VectorLevel};
+    use super::super::{LANES, Lanes, SimdLevel};
     use super::sin_cos;
     use fearless_simd::prelude::*;
 
     /// Against the library's, within two units in the last place, up to angles of a long run.
     #[test]
     fn sines_and_cosines() {
-        let Some(simd) = VectorLevel::best().avx2() else { return };
+        let Some(simd) = SimdLevel::best().avx2() else { return };
         let mut worst: f64 = 0.0;
         for k in 0..20_000 {
             let angle = |lane: usize| {

@@ -7,7 +7,7 @@ const MOST_ROWS: usize = 20_000;
 
 /// Values that are shown of cycles: name, unit, and the columns of a value and of its range.
 pub const QUANTITIES: [(&str, &str, [&str; 3]); 6] = [
-    ("share of runs", "", ["share", "ci_low", "ci_high"]),
+    ("fraction of runs", "", ["fraction", "ci_low", "ci_high"]),
     ("period", "s", ["period_s", "period_low_s", "period_high_s"]),
     (
         "amplitude (root mean square)",
@@ -15,11 +15,7 @@ pub const QUANTITIES: [(&str, &str, [&str; 3]); 6] = [
         ["amplitude_rms_m", "amplitude_rms_low_m", "amplitude_rms_high_m"],
     ),
     ("amplitude", "m", ["amplitude_m", "amplitude_low_m", "amplitude_high_m"]),
-    (
-        "speed of ball 1",
-        "rad/s",
-        ["mean_speed_1_rad_s", "least_speed_1_rad_s", "greatest_speed_1_rad_s"],
-    ),
+    ("speed of ball 1", "rad/s", ["mean_speed_1_rad_s", "min_speed_1_rad_s", "max_speed_1_rad_s"]),
     ("largest multiplier", "", ["largest_multiplier", "", ""]),
 ];
 

@@ -10,7 +10,7 @@ use std::path::Path;
 
 pub use cycles::{CycleFacts, QUANTITIES};
 pub use names::{axis_of, heading, said};
-pub use points::{PointFacts, Share};
+pub use points::{Fraction, PointFacts};
 pub use rest::RestCurve;
 pub use runs::{LABELS, Notable, RunSample, scattered};
 
@@ -67,13 +67,13 @@ impl ResultTables {
     pub fn open(directory: &Path, manifest: &Manifest) -> Result<Self, TableError> {
         let open = |name: &str| Table::open(directory, manifest, name);
         let (points, runs) = (open("points")?, open("runs")?);
-        Ok(ResultTables { points, runs, rest: open("rest")?, cycles: open("cycles")? })
+        Ok(ResultTables { points, runs, rest: open("time_to_rest")?, cycles: open("cycles")? })
     }
 }
 
 /// Results as a report needs them.
 #[derive(Clone, Debug)]
-pub struct Gathered<'a> {
+pub struct ReportData<'a> {
     /// The study.
     pub study: &'a Study,
     /// What the directory says of itself.
@@ -96,7 +96,7 @@ pub struct Gathered<'a> {
     pub budget: Budget,
 }
 
-impl<'a> Gathered<'a> {
+impl<'a> ReportData<'a> {
     /// Reads the tables of a results directory.
     ///
     /// # Errors
@@ -115,7 +115,7 @@ impl<'a> Gathered<'a> {
         let shown: Vec<u64> = of.iter().map(|point| point.point_id).collect();
         let rest = rest::read(&tables.rest, &shown)?;
         let cycles = cycles::read(&tables.cycles)?;
-        Ok(Gathered {
+        Ok(ReportData {
             study,
             manifest,
             points,

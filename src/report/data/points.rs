@@ -9,13 +9,13 @@ use crate::table::{Batch, Kind, Table, TableError};
 /// Most points that are held; of more, every second, third and so on.
 const MOST_POINTS: u64 = 50_000;
 
-/// A share of a point's runs with its 95 % interval.
+/// A fraction of a point's runs with its 95 % interval.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Share {
+pub struct Fraction {
     /// How many runs.
     pub runs: u64,
-    /// The share.
-    pub share: f64,
+    /// The fraction.
+    pub fraction: f64,
     /// The lower end of its interval.
     pub low: f64,
     /// The upper end of its interval.
@@ -33,17 +33,17 @@ pub struct PointFacts {
     pub title: String,
     /// Finished runs.
     pub runs: u64,
-    /// Shares of the labels, in the order of [`Label::ALL`].
-    pub labels: [Share; 5],
-    /// Share of equilibria with the interval that the study asks for, failures in it.
-    pub equilibrium: Share,
+    /// Fractions of the labels, in the order of [`Label::ALL`].
+    pub labels: [Fraction; 5],
+    /// Fraction of equilibria with the interval that the study asks for, failures in it.
+    pub equilibrium: Fraction,
     /// Quartiles and 95 % quantile of time to rest, s.
     pub time_to_rest_s: [Option<f64>; 4],
     /// 5 %, 50 % and 95 % quantiles of residual amplitude, m.
     pub amplitude_m: [Option<f64>; 3],
     /// Amplitude without balls, m.
     pub without_balls_m: Option<f64>,
-    /// Share of all ball positions that are equilibria.
+    /// Fraction of all ball positions that are equilibria.
     pub set_fraction: Option<f64>,
     /// Runs computed twice.
     pub audit: AuditCounts,
@@ -56,7 +56,7 @@ const TIMES: [&str; 4] =
 const AMPLITUDES: [&str; 3] = ["amplitude_p05_m", "amplitude_p50_m", "amplitude_p95_m"];
 const FLIPS: [&str; 3] = ["audit_flip_rate", "audit_flip_low", "audit_flip_high"];
 const COUNTS: [&str; 5] = ["point_id", "runs", "audited_runs", "audit_flips", "audit_rest_flips"];
-const SHARE: [&str; 3] = ["equilibrium_fraction", "ci_low", "ci_high"];
+const FRACTION: [&str; 3] = ["equilibrium_fraction", "ci_low", "ci_high"];
 const BALANCER: [&str; 2] = ["amplitude_without_balls_m", "set_fraction"];
 
 fn of_label(label: Label, what: &str) -> String {
@@ -69,7 +69,7 @@ pub fn read(study: &Study, table: &Table) -> Result<Vec<PointFacts>, TableError>
     let mut columns: Vec<(String, Kind)> =
         COUNTS.iter().map(|name| ((*name).to_owned(), Kind::Count)).collect();
     columns.extend(Label::ALL.map(|label| (of_label(label, "runs"), Kind::Count)));
-    let numbers = SHARE.iter().chain(&TIMES).chain(&AMPLITUDES).chain(&FLIPS);
+    let numbers = FRACTION.iter().chain(&TIMES).chain(&AMPLITUDES).chain(&FLIPS);
     let numbers = numbers.chain(BALANCER.iter().filter(|_| balls));
     columns.extend(numbers.map(|name| ((*name).to_owned(), Kind::Number)));
     for label in Label::ALL {
@@ -98,20 +98,20 @@ fn point(study: &Study, batch: &Batch, row: usize, balls: bool) -> Result<PointF
     let many =
         |names: &[&str]| names.iter().map(|name| number(name)).collect::<Result<Vec<_>, _>>();
     let (point_id, runs) = (count("point_id")?, count("runs")?);
-    let mut labels = [Share { runs: 0, share: f64::NAN, low: f64::NAN, high: f64::NAN }; 5];
-    for (share, label) in labels.iter_mut().zip(Label::ALL) {
+    let mut labels = [Fraction { runs: 0, fraction: f64::NAN, low: f64::NAN, high: f64::NAN }; 5];
+    for (fraction, label) in labels.iter_mut().zip(Label::ALL) {
         let counted = count(&of_label(label, "runs"))?;
-        *share = Share {
+        *fraction = Fraction {
             runs: counted,
-            share: counted as f64 / runs as f64,
+            fraction: counted as f64 / runs as f64,
             low: number(&of_label(label, "low"))?.unwrap_or(f64::NAN),
             high: number(&of_label(label, "high"))?.unwrap_or(f64::NAN),
         };
     }
     let of_equilibria: Vec<f64> =
-        many(&SHARE)?.into_iter().map(|value| value.unwrap_or(f64::NAN)).collect();
+        many(&FRACTION)?.into_iter().map(|value| value.unwrap_or(f64::NAN)).collect();
     let equilibrium = match of_equilibria[..] {
-        [share, low, high] => Share { share, low, high, ..labels[0] },
+        [fraction, low, high] => Fraction { fraction, low, high, ..labels[0] },
         _ => labels[0],
     };
     let swept =

@@ -1,4 +1,4 @@
-//! Curves of `rest.parquet`: the probability of being at rest by a time.
+//! Curves of `time_to_rest.parquet`: the probability of being at rest by a time.
 
 use crate::table::{Kind, Table, TableError};
 

@@ -1,24 +1,24 @@
 //! Residual amplitude: its distribution over the runs of each point, against no balls at all.
 
-use super::layers::{CurveOf, axis, few_each, share_axis, significant};
+use super::layers::{CurveOf, axis, few_each, fraction_axis, significant};
 use crate::report::chart::{Axis, AxisKind, Colour, Figure, Layer, Mark, Panel};
-use crate::report::data::Gathered;
+use crate::report::data::ReportData;
 
 /// Steps of a curve: more than a picture can tell apart.
 const MOST_STEPS: usize = 300;
 
 /// Empirical distributions, relative to the amplitude without balls where the model has balls.
-pub fn figure(gathered: &Gathered<'_>) -> Option<Figure> {
-    let balls = gathered.study.model().balls() > 0;
+pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
+    let balls = data.study.model().balls() > 0;
     let mut curves = Vec::new();
     let mut told = Vec::new();
-    for point in gathered.details() {
+    for point in data.details() {
         let over = match (balls, point.without_balls_m) {
             (true, Some(without)) if without > 0.0 => without,
             (true, _) => continue,
             (false, _) => 1.0,
         };
-        let held = gathered.runs.amplitudes_m.get(&point.point_id);
+        let held = data.runs.amplitudes_m.get(&point.point_id);
         let mut values: Vec<f64> = held
             .into_iter()
             .flatten()
@@ -62,7 +62,7 @@ pub fn figure(gathered: &Gathered<'_>) -> Option<Figure> {
     };
     let layers = |few: &[CurveOf<'_, Vec<[f64; 2]>>]| {
         let curve = |(place, (point, points)): (usize, &CurveOf<'_, Vec<[f64; 2]>>)| Layer {
-            name: gathered.curve_name(point),
+            name: data.curve_name(point),
             colour: Colour::Series(place),
             mark: Mark::Steps { points: points.clone() },
         };
@@ -76,12 +76,12 @@ pub fn figure(gathered: &Gathered<'_>) -> Option<Figure> {
             title: String::new(),
             part,
             x: x.clone(),
-            y: share_axis("share of runs with less"),
+            y: fraction_axis("fraction of runs with less"),
             scale: None,
             layers: layers(few),
         })
         .collect();
-    let sampled = match gathered.runs.amplitude_one_in {
+    let sampled = match data.runs.amplitude_one_in {
         1 => String::new(),
         one_in => format!(" Of the runs of these points about one in {one_in} is counted."),
     };
@@ -89,12 +89,12 @@ pub fn figure(gathered: &Gathered<'_>) -> Option<Figure> {
         id: "residual-amplitude".to_owned(),
         title: "Residual amplitude".to_owned(),
         caption: format!(
-            "Share of a point's runs whose amplitude at the end is smaller, all runs with an amplitude: \
+            "Fraction of a point's runs whose amplitude at the end is smaller, all runs with an amplitude: \
              at rest or moving.{}{}{}{}{sampled}",
-            gathered.failures_left_out(),
-            if balls { gathered.without_draws("'No balls' is") } else { String::new() },
-            gathered.left_out(),
-            gathered.curve_names(),
+            data.failures_left_out(),
+            if balls { data.without_draws("'No balls' is") } else { String::new() },
+            data.left_out(),
+            data.curve_names(),
         ),
         alternative: told.join("; "),
         one_at_a_time: panels.len() > 1,

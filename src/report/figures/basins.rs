@@ -3,34 +3,32 @@
 use super::layers::{label_colour, label_symbol, label_words, places, run_dots};
 use crate::classification::Label;
 use crate::model::Coordinate;
-use crate::report::chart::{Axis, AxisKind, Figure, Layer, Mark, Panel, Tips};
-use crate::report::data::{Gathered, scattered};
+use crate::report::chart::{Axis, AxisKind, Figure, Layer, Mark, Panel, Tooltips};
+use crate::report::data::{ReportData, scattered};
 use crate::study::Study;
 
 /// A panel for each point and pair of coordinates.
-pub fn figure(gathered: &Gathered<'_>) -> Option<Figure> {
-    let study = gathered.study;
+pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
+    let study = data.study;
     let coordinates = study.model().coordinates();
     let pairs = pairs(study, &coordinates);
-    let of_points: Vec<(_, Vec<usize>)> = gathered
-        .details()
-        .map(|point| (point, places(&gathered.runs, point.point_id, None)))
-        .collect();
+    let of_points: Vec<(_, Vec<usize>)> =
+        data.details().map(|point| (point, places(&data.runs, point.point_id, None))).collect();
     let all: usize = of_points.iter().map(|(_, runs)| runs.len()).sum();
     if pairs.is_empty() || all == 0 {
         return None;
     }
-    let every = (all * pairs.len()).div_ceil(gathered.budget.starts).max(1);
+    let every = (all * pairs.len()).div_ceil(data.budget.starts).max(1);
     // Of those that are held: the numbers are mixed once more.
     let mixed = |run: u64| run.wrapping_mul(0x2545_f491_4f6c_dd1d).rotate_left(17);
     let is_shown = |place: usize| {
-        gathered.runs.run_id.get(place).is_some_and(|run| scattered(mixed(*run), every as u64))
+        data.runs.run_id.get(place).is_some_and(|run| scattered(mixed(*run), every as u64))
     };
     let mut panels = Vec::new();
     for (point, runs) in &of_points {
         let runs: Vec<usize> = runs.iter().copied().filter(|run| is_shown(*run)).collect();
         for &[first, second] in &pairs {
-            let column = |index: usize| gathered.runs.start.get(index);
+            let column = |index: usize| data.runs.start.get(index);
             let (Some(x), Some(y)) = (column(first), column(second)) else { continue };
             let (Some(of_x), Some(of_y)) = (coordinates.get(first), coordinates.get(second)) else {
                 continue;
@@ -40,13 +38,14 @@ pub fn figure(gathered: &Gathered<'_>) -> Option<Figure> {
                 .enumerate()
                 .filter_map(|(place, label)| {
                     let is = |run: &usize| {
-                        gathered.runs.label.get(*run).is_some_and(|l| usize::from(*l) == place)
+                        data.runs.label.get(*run).is_some_and(|l| usize::from(*l) == place)
                     };
                     let chosen: Vec<usize> = runs.iter().copied().filter(is).collect();
-                    let run_ids = chosen.iter().filter_map(|&run| gathered.runs.run_id.get(run));
-                    let tips = Tips { run_ids: run_ids.copied().collect(), columns: Vec::new() };
+                    let run_ids = chosen.iter().filter_map(|&run| data.runs.run_id.get(run));
+                    let tooltips =
+                        Tooltips { run_ids: run_ids.copied().collect(), columns: Vec::new() };
                     let look = (&*label_words(label), label_colour(label), label_symbol(label));
-                    (!chosen.is_empty()).then(|| run_dots(look, (x, y), &chosen, tips))
+                    (!chosen.is_empty()).then(|| run_dots(look, (x, y), &chosen, tooltips))
                 })
                 .collect();
             panels.push(Panel {
@@ -61,14 +60,14 @@ pub fn figure(gathered: &Gathered<'_>) -> Option<Figure> {
     }
     let drawn: usize =
         panels.iter().step_by(pairs.len()).flat_map(|panel| &panel.layers).map(dots_of).sum();
-    let sampled = if every > 1 || gathered.runs.one_in > 1 {
-        format!(" Of the {} runs of these points {drawn} are shown.", gathered.runs.of)
+    let sampled = if every > 1 || data.runs.one_in > 1 {
+        format!(" Of the {} runs of these points {drawn} are shown.", data.runs.of)
     } else {
         String::new()
     };
     let counts = Label::ALL.into_iter().enumerate().filter_map(|(place, label)| {
-        let of = gathered.details().filter_map(|point| point.labels.get(place));
-        let count: u64 = of.map(|share| share.runs).sum();
+        let of = data.details().filter_map(|point| point.labels.get(place));
+        let count: u64 = of.map(|fraction| fraction.runs).sum();
         (count > 0).then(|| format!("{count} {}", label_words(label)))
     });
     let counts: Vec<String> = counts.collect();
@@ -78,7 +77,7 @@ pub fn figure(gathered: &Gathered<'_>) -> Option<Figure> {
         caption: format!(
             "Start states in the plane of two of their coordinates, by how the run ended; the other \
              coordinates differ from dot to dot.{}{sampled}",
-            gathered.left_out()
+            data.left_out()
         ),
         alternative: format!("Start states of runs by label: {}.", counts.join(", ")),
         panels,

@@ -2,16 +2,16 @@
 
 use super::layers::{axis, numbers};
 use super::sweep_axis::{Group, SweepAxis};
-use crate::report::chart::{Colour, Figure, Layer, Mark, Panel, Symbol, Tips};
-use crate::report::data::{CycleFacts, Gathered, QUANTITIES};
+use crate::report::chart::{Colour, Figure, Layer, Mark, Panel, Symbol, Tooltips};
+use crate::report::data::{CycleFacts, QUANTITIES, ReportData};
 
 /// Most classes that are shown, those with the most runs.
 const MOST_CLASSES: usize = 8;
 const SYMBOLS: [Symbol; 4] = [Symbol::Disc, Symbol::Triangle, Symbol::Square, Symbol::Diamond];
 
 /// A panel for each quantity; none where no run ended in a limit cycle.
-pub fn figure(gathered: &Gathered<'_>) -> Option<Figure> {
-    let cycles = &gathered.cycles;
+pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
+    let cycles = &data.cycles;
     let mut classes: Vec<(String, u64)> = Vec::new();
     for cycle in cycles {
         match classes.iter_mut().find(|(class, _)| *class == cycle.class) {
@@ -22,20 +22,20 @@ pub fn figure(gathered: &Gathered<'_>) -> Option<Figure> {
     let all = classes.len();
     classes.sort_by_key(|(_, runs)| std::cmp::Reverse(*runs));
     classes.truncate(MOST_CLASSES);
-    let axes = SweepAxis::all(gathered, 2);
-    let groups = axes.first().map(|sweep| (sweep.axis.clone(), sweep.groups(gathered)));
+    let axes = SweepAxis::all(data, 2);
+    let groups = axes.first().map(|sweep| (sweep.axis.clone(), sweep.groups(data)));
     let (x, groups) = match groups {
         Some(found) => found,
         None => {
-            let named: Vec<_> = gathered.details().collect();
-            let x = gathered.axis_of_points(&named);
+            let named: Vec<_> = data.details().collect();
+            let x = data.axis_of_points(&named);
             let points = named.into_iter().enumerate();
             let points = points.map(|(place, point)| (place as f64, point)).collect();
             (x, vec![Group { title: String::new(), points }])
         }
     };
     let mut panels = Vec::new();
-    for group in groups.iter().take(gathered.budget.details) {
+    for group in groups.iter().take(data.budget.details) {
         for (place, (name, unit, _)) in QUANTITIES.iter().enumerate() {
             let mut layers = Vec::new();
             for (index, (class, _)) in classes.iter().enumerate() {
@@ -74,7 +74,7 @@ pub fn figure(gathered: &Gathered<'_>) -> Option<Figure> {
         caption: format!(
             "A branch for each class of cycles (which balls run and which stick; docs/endings.md says \
              how a class is written), with the range over its runs, or the 95 % interval of a \
-             share (Wilson, for itself).{left_out}"
+             fraction (Wilson, for itself).{left_out}"
         ),
         alternative: list.join("; "),
         panels,
@@ -106,7 +106,7 @@ fn branch(
     let (name, colour) = (format!("class {class}"), Colour::Series(index));
     let x: Vec<f64> = known.iter().map(|(x, ..)| *x).collect();
     let column = |pick: fn(&CycleFacts) -> f64| known.iter().map(move |(.., cycle)| pick(cycle));
-    let tips = Tips {
+    let tooltips = Tooltips {
         run_ids: Vec::new(),
         columns: vec![
             numbers("value", known.iter().map(|(_, value, ..)| *value)),
@@ -125,7 +125,7 @@ fn branch(
         Mark::Line { points: known.iter().map(|(x, y, ..)| [*x, *y]).collect(), dashed: false };
     let symbol = SYMBOLS.get(index % SYMBOLS.len()).copied().unwrap_or(Symbol::Disc);
     let y = known.iter().map(|(_, y, ..)| *y).collect();
-    let dots = Mark::Dots { symbol, x, y, tips };
+    let dots = Mark::Dots { symbol, x, y, tooltips };
     let layer = |mark| Layer { name: name.clone(), colour, mark };
     vec![layer(intervals), layer(line), layer(dots)]
 }

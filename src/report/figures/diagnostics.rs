@@ -1,13 +1,13 @@
 //! Failures and doubt: what could not be computed or shown, and what a more precise computation changed.
 
-use super::layers::{label_colour, label_symbol, label_words, numbers, share_axis};
+use super::layers::{fraction_axis, label_colour, label_symbol, label_words, numbers};
 use crate::classification::Label;
-use crate::report::chart::{Axis, Colour, Figure, Layer, Mark, Panel, Symbol, Tips};
-use crate::report::data::{Gathered, PointFacts};
+use crate::report::chart::{Axis, Colour, Figure, Layer, Mark, Panel, Symbol, Tooltips};
+use crate::report::data::{PointFacts, ReportData};
 
-/// Shares of failed and undecided runs and of flips, with their intervals, of each point in detail.
-pub fn figure(gathered: &Gathered<'_>) -> Option<Figure> {
-    let points: Vec<&PointFacts> = gathered.details().collect();
+/// Fractions of failed and undecided runs and of flips, with their intervals, of each point in detail.
+pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
+    let points: Vec<&PointFacts> = data.details().collect();
     if points.is_empty() {
         return None;
     }
@@ -18,9 +18,14 @@ pub fn figure(gathered: &Gathered<'_>) -> Option<Figure> {
         }
         let values: Vec<Option<[f64; 3]>> = points
             .iter()
-            .map(|point| point.labels.get(place).map(|share| [share.share, share.low, share.high]))
+            .map(|point| {
+                point
+                    .labels
+                    .get(place)
+                    .map(|fraction| [fraction.fraction, fraction.low, fraction.high])
+            })
             .collect();
-        let counts = points.iter().map(|p| p.labels.get(place).map_or(0, |share| share.runs));
+        let counts = points.iter().map(|p| p.labels.get(place).map_or(0, |fraction| fraction.runs));
         let look = (label_words(label), label_colour(label), label_symbol(label));
         add(&mut layers, look, &values, counts.collect(), place);
     }
@@ -31,20 +36,20 @@ pub fn figure(gathered: &Gathered<'_>) -> Option<Figure> {
         let look = ("flips of audited runs".to_owned(), Colour::Series(0), Symbol::Circle);
         add(&mut layers, look, &values, counts, 5);
     }
-    let x = gathered.axis_of_points(&points);
+    let x = data.axis_of_points(&points);
     let panel = Panel {
         title: String::new(),
         part: String::new(),
         x,
-        y: Axis { range: None, ..share_axis("share of runs") },
+        y: Axis { range: None, ..fraction_axis("fraction of runs") },
         scale: None,
         layers,
     };
-    let failed = gathered.manifest.labels.get(Label::Failed.name()).copied().unwrap_or(0);
-    let undecided = gathered.manifest.labels.get(Label::Undecided.name()).copied().unwrap_or(0);
+    let failed = data.manifest.labels.get(Label::Failed.name()).copied().unwrap_or(0);
+    let undecided = data.manifest.labels.get(Label::Undecided.name()).copied().unwrap_or(0);
     let audit = if audited {
-        let flips: u64 = gathered.points.iter().map(|point| point.audit.flips).sum();
-        let runs: u64 = gathered.points.iter().map(|point| point.audit.runs).sum();
+        let flips: u64 = data.points.iter().map(|point| point.audit.flips).sum();
+        let runs: u64 = data.points.iter().map(|point| point.audit.runs).sum();
         format!(" {flips} of {runs} audited runs have another label when computed more precisely.")
     } else {
         " No run was audited (`audit:` in the study computes some of them more precisely)."
@@ -56,7 +61,7 @@ pub fn figure(gathered: &Gathered<'_>) -> Option<Figure> {
         caption: format!(
             "Runs that failed, runs of which nothing could be shown, and labels that an audit changed; \
              95 % intervals, also round zero.{}",
-            gathered.left_out()
+            data.left_out()
         ),
         alternative: format!("{failed} runs failed, {undecided} are undecided.{audit}"),
         panels: vec![panel],
@@ -88,15 +93,15 @@ fn add(
     let mark =
         Mark::Intervals { x: x.clone(), low: column(1).collect(), high: column(2).collect() };
     layers.push(Layer { name: name.clone(), colour, mark });
-    let tips = Tips {
+    let tooltips = Tooltips {
         run_ids: Vec::new(),
         columns: vec![
             numbers("runs", known.iter().map(|(.., count)| *count as f64)),
-            numbers("share", column(0)),
+            numbers("fraction", column(0)),
             numbers("from", column(1)),
             numbers("to", column(2)),
         ],
     };
-    let mark = Mark::Dots { symbol, x, y: column(0).collect(), tips };
+    let mark = Mark::Dots { symbol, x, y: column(0).collect(), tooltips };
     layers.push(Layer { name, colour, mark });
 }

@@ -5,11 +5,12 @@ use std::f64::consts::TAU;
 
 use crate::analysis::{
     FrictionlessEquilibrium, GridRow, HIGH_DRAG, RestForm, SetGrid, Stability,
-    frictionless_equilibria, groups_of_alike,
+    frictionless_equilibria, groups_of_identical,
 };
 use crate::model::Machine;
 use crate::report::chart::{
-    Axis, AxisKind, Colour, ColourScale, Layer, Mark, Symbol, TipColumn, TipValues, Tips,
+    Axis, AxisKind, Colour, ColourScale, Layer, Mark, Symbol, TooltipColumn, TooltipValues,
+    Tooltips,
 };
 
 /// Cells of the raster per axis: about half a screen's pixels, in 100 kB of the page.
@@ -93,10 +94,10 @@ fn nice(step: f64) -> f64 {
     factor.unwrap_or(10.0) * power
 }
 
-/// The equilibria without friction; where balls are alike, with the balls exchanged as well.
+/// The equilibria without friction; where balls are identical, with the balls exchanged as well.
 fn frictionless(machine: &Machine) -> Option<Vec<Layer>> {
     let found = frictionless_equilibria(machine, HIGH_DRAG)?;
-    let alike = groups_of_alike(&machine.balls).len() == 1;
+    let alike = groups_of_identical(&machine.balls).len() == 1;
     let layer = |name: &str, symbol, stable: bool| {
         let of_kind = found.iter().filter(|one| (one.stability == Stability::Stable) == stable);
         let places: Vec<(&FrictionlessEquilibrium, [f64; 2])> = of_kind
@@ -109,16 +110,16 @@ fn frictionless(machine: &Machine) -> Option<Vec<Layer>> {
             .collect();
         let words = places.iter().map(|(one, _)| one.kind.name().to_owned()).collect();
         let amplitudes = places.iter().map(|(one, _)| 1e6 * one.amplitude_m()).collect();
-        let column = |name: &str, values| TipColumn { name: name.to_owned(), values };
+        let column = |name: &str, values| TooltipColumn { name: name.to_owned(), values };
         let columns = vec![
-            column("kind", TipValues::Words(words)),
-            column("amplitude [µm]", TipValues::Numbers(amplitudes)),
+            column("kind", TooltipValues::Words(words)),
+            column("amplitude [µm]", TooltipValues::Numbers(amplitudes)),
         ];
         let mark = Mark::Dots {
             symbol,
             x: places.iter().map(|(_, place)| place[0]).collect(),
             y: places.iter().map(|(_, place)| place[1]).collect(),
-            tips: Tips { run_ids: Vec::new(), columns },
+            tooltips: Tooltips { run_ids: Vec::new(), columns },
         };
         Layer { name: name.to_owned(), colour: Colour::Series(1), mark }
     };

@@ -1,25 +1,25 @@
-//! How runs end, over a swept parameter: the share of each label with its interval.
+//! How runs end, over a swept parameter: the fraction of each label with its interval.
 
-use super::layers::{label_colour, label_symbol, label_words, numbers, share_axis};
+use super::layers::{fraction_axis, label_colour, label_symbol, label_words, numbers};
 use super::sweep_axis::SweepAxis;
 use crate::classification::Label;
-use crate::report::chart::{Figure, Layer, Mark, Panel, Tips};
-use crate::report::data::{Gathered, PointFacts};
+use crate::report::chart::{Figure, Layer, Mark, Panel, Tooltips};
+use crate::report::data::{PointFacts, ReportData};
 
-/// Shares over the parameter with the most values; over the points themselves where no number is swept.
-pub fn figure(gathered: &Gathered<'_>) -> Option<Figure> {
-    let share = || share_axis("share of runs");
-    let axes = SweepAxis::all(gathered, 2);
+/// Fractions over the parameter with the most values; over the points themselves where no number is swept.
+pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
+    let fraction = || fraction_axis("fraction of runs");
+    let axes = SweepAxis::all(data, 2);
     let (mut left_out, mut most_left_out) = (0, 1);
     let (panels, over) = match axes.first() {
         Some(sweep) => {
-            let mut groups = sweep.groups(gathered);
+            let mut groups = sweep.groups(data);
             // Those with the most points say the most.
             groups.sort_by_key(|group| std::cmp::Reverse(group.points.len()));
-            left_out = groups.len().saturating_sub(gathered.budget.details);
-            groups.truncate(gathered.budget.details);
+            left_out = groups.len().saturating_sub(data.budget.details);
+            groups.truncate(data.budget.details);
             // Half of what a map may have: there are several values for each point.
-            let each = gathered.budget.points / 2 / groups.len().max(1);
+            let each = data.budget.points / 2 / groups.len().max(1);
             for group in &mut groups {
                 let one_in = group.points.len().div_ceil(each.max(1)).max(1);
                 most_left_out = most_left_out.max(one_in);
@@ -29,36 +29,32 @@ pub fn figure(gathered: &Gathered<'_>) -> Option<Figure> {
                 title: group.title.clone(),
                 part: String::new(),
                 x: sweep.axis.clone(),
-                y: share(),
+                y: fraction(),
                 scale: None,
-                layers: layers(gathered, &group.points),
+                layers: layers(data, &group.points),
             };
             (groups.iter().map(panel).collect(), sweep.axis.name.clone())
         }
         None => {
-            let points: Vec<(f64, &PointFacts)> = gathered
-                .details()
-                .enumerate()
-                .map(|(place, point)| (place as f64, point))
-                .collect();
+            let points: Vec<(f64, &PointFacts)> =
+                data.details().enumerate().map(|(place, point)| (place as f64, point)).collect();
             let named: Vec<&PointFacts> = points.iter().map(|(_, point)| *point).collect();
-            let x = gathered.axis_of_points(&named);
-            let layers = layers(gathered, &points);
+            let x = data.axis_of_points(&named);
+            let layers = layers(data, &points);
             let panel = Panel {
                 title: String::new(),
                 part: String::new(),
                 x,
-                y: share(),
+                y: fraction(),
                 scale: None,
                 layers,
             };
             (vec![panel], String::new())
         }
     };
-    let end = gathered.study.simulation().end_time_s;
-    let most = gathered.points.iter().map(|point| point.equilibrium.share).fold(f64::NAN, f64::max);
-    let least =
-        gathered.points.iter().map(|point| point.equilibrium.share).fold(f64::NAN, f64::min);
+    let end = data.study.simulation().end_time_s;
+    let most = data.points.iter().map(|point| point.equilibrium.fraction).fold(f64::NAN, f64::max);
+    let least = data.points.iter().map(|point| point.equilibrium.fraction).fold(f64::NAN, f64::min);
     let left_out = match left_out {
         0 => String::new(),
         more => format!(" {more} more combinations of the other parameters are not shown."),
@@ -74,59 +70,59 @@ pub fn figure(gathered: &Gathered<'_>) -> Option<Figure> {
             over => format!("How runs end, over {over}"),
         },
         caption: format!(
-            "Share of the runs of each point by how they end, {end} s after the start, with 95 % \
+            "Fraction of the runs of each point by how they end, {end} s after the start, with 95 % \
              intervals: of equilibria for themselves, widened by failed runs, which might have been any; \
              of the other labels for all labels at once, which makes them wider.{left_out}{thinned}"
         ),
         alternative: format!(
-            "The share of runs that end in equilibrium lies between {least:.3} and {most:.3}."
+            "The fraction of runs that end in equilibrium lies between {least:.3} and {most:.3}."
         ),
         one_at_a_time: panels.len() > 1,
         panels,
     })
 }
 
-fn layers(gathered: &Gathered<'_>, points: &[(f64, &PointFacts)]) -> Vec<Layer> {
+fn layers(data: &ReportData<'_>, points: &[(f64, &PointFacts)]) -> Vec<Layer> {
     let mut layers = Vec::new();
     for (place, label) in Label::ALL.into_iter().enumerate() {
-        let share = |point: &PointFacts| match label {
+        let fraction = |point: &PointFacts| match label {
             Label::Equilibrium => Some(point.equilibrium),
             _ => point.labels.get(place).copied(),
         };
-        let seen = gathered.points.iter().any(|point| share(point).is_some_and(|s| s.runs > 0));
+        let seen = data.points.iter().any(|point| fraction(point).is_some_and(|s| s.runs > 0));
         if !seen && label != Label::Equilibrium {
             continue;
         }
         let known: Vec<_> =
-            points.iter().filter_map(|(x, point)| Some((*x, share(point)?, *point))).collect();
+            points.iter().filter_map(|(x, point)| Some((*x, fraction(point)?, *point))).collect();
         let colour = label_colour(label);
         let name = label_words(label);
         let x: Vec<f64> = known.iter().map(|(x, ..)| *x).collect();
         let mark = Mark::Intervals {
             x: x.clone(),
-            low: known.iter().map(|(_, share, _)| share.low).collect(),
-            high: known.iter().map(|(_, share, _)| share.high).collect(),
+            low: known.iter().map(|(_, fraction, _)| fraction.low).collect(),
+            high: known.iter().map(|(_, fraction, _)| fraction.high).collect(),
         };
         layers.push(Layer { name: name.clone(), colour, mark });
-        let line = known.iter().map(|(x, share, _)| [*x, share.share]).collect();
+        let line = known.iter().map(|(x, fraction, _)| [*x, fraction.fraction]).collect();
         let mark = Mark::Line { points: line, dashed: label != Label::Equilibrium };
         layers.push(Layer { name: name.clone(), colour, mark });
-        let tips = Tips {
+        let tooltips = Tooltips {
             run_ids: Vec::new(),
             columns: vec![
-                numbers("share", known.iter().map(|(_, share, _)| share.share)),
-                numbers("from", known.iter().map(|(_, share, _)| share.low)),
-                numbers("to", known.iter().map(|(_, share, _)| share.high)),
+                numbers("fraction", known.iter().map(|(_, fraction, _)| fraction.fraction)),
+                numbers("from", known.iter().map(|(_, fraction, _)| fraction.low)),
+                numbers("to", known.iter().map(|(_, fraction, _)| fraction.high)),
                 numbers(
                     "runs with this label",
-                    known.iter().map(|(_, share, _)| share.runs as f64),
+                    known.iter().map(|(_, fraction, _)| fraction.runs as f64),
                 ),
                 numbers("runs", known.iter().map(|(.., point)| point.runs as f64)),
                 numbers("point", known.iter().map(|(.., point)| point.point_id as f64)),
             ],
         };
-        let y = known.iter().map(|(_, share, _)| share.share).collect();
-        let mark = Mark::Dots { symbol: label_symbol(label), x, y, tips };
+        let y = known.iter().map(|(_, fraction, _)| fraction.fraction).collect();
+        let mark = Mark::Dots { symbol: label_symbol(label), x, y, tooltips };
         layers.push(Layer { name, colour, mark });
     }
     layers

@@ -2,7 +2,7 @@
 
 use crate::classification::Label;
 use crate::report::chart::{
-    Axis, AxisKind, Colour, Layer, Mark, Symbol, TipColumn, TipValues, Tips,
+    Axis, AxisKind, Colour, Layer, Mark, Symbol, TooltipColumn, TooltipValues, Tooltips,
 };
 use crate::report::data::{LABELS, PointFacts, RunSample};
 use crate::study::Study;
@@ -13,7 +13,7 @@ pub fn axis(name: &str, unit: &str) -> Axis {
 }
 
 /// An axis from 0 to 1.
-pub fn share_axis(name: &str) -> Axis {
+pub fn fraction_axis(name: &str) -> Axis {
     Axis { range: Some([0.0, 1.0]), ..axis(name, "") }
 }
 
@@ -51,19 +51,19 @@ pub fn label_symbol(label: Label) -> Symbol {
 }
 
 /// A column of numbers.
-pub fn numbers(name: &str, values: impl Iterator<Item = f64>) -> TipColumn {
-    TipColumn { name: name.to_owned(), values: TipValues::Numbers(values.collect()) }
+pub fn numbers(name: &str, values: impl Iterator<Item = f64>) -> TooltipColumn {
+    TooltipColumn { name: name.to_owned(), values: TooltipValues::Numbers(values.collect()) }
 }
 
 /// What is known of runs at these places of a sample, beside their angles.
-pub fn run_tips(runs: &RunSample, places: &[usize]) -> Tips {
+pub fn run_tooltips(runs: &RunSample, places: &[usize]) -> Tooltips {
     let of = |values: &[f64], factor: f64| -> Vec<f64> {
         places
             .iter()
             .map(|&place| factor * values.get(place).copied().unwrap_or(f64::NAN))
             .collect()
     };
-    Tips {
+    Tooltips {
         run_ids: places.iter().filter_map(|&place| runs.run_id.get(place).copied()).collect(),
         columns: vec![
             numbers("amplitude [µm]", of(&runs.amplitude_m, 1e6).into_iter()),
@@ -78,12 +78,12 @@ pub fn run_dots(
     (name, colour, symbol): (&str, Colour, Symbol),
     (x, y): (&[f64], &[f64]),
     places: &[usize],
-    tips: Tips,
+    tooltips: Tooltips,
 ) -> Layer {
     let of = |values: &[f64]| {
         places.iter().map(|&place| values.get(place).copied().unwrap_or(f64::NAN)).collect()
     };
-    let mark = Mark::Dots { symbol, x: of(x), y: of(y), tips };
+    let mark = Mark::Dots { symbol, x: of(x), y: of(y), tooltips };
     Layer { name: name.to_owned(), colour, mark }
 }
 
@@ -124,7 +124,7 @@ pub fn failed(point: &PointFacts) -> u64 {
         .iter()
         .zip(&point.labels)
         .filter(|(label, _)| **label == Label::Failed)
-        .map(|(_, share)| share.runs)
+        .map(|(_, fraction)| fraction.runs)
         .sum()
 }
 

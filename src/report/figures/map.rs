@@ -2,8 +2,8 @@
 
 use super::layers::{failed, numbers};
 use super::sweep_axis::{SweepAxis, distinct, is_by_decades};
-use crate::report::chart::{Colour, ColourScale, Figure, Layer, Mark, Panel, Tips};
-use crate::report::data::{Gathered, PointFacts, heading};
+use crate::report::chart::{Colour, ColourScale, Figure, Layer, Mark, Panel, Tooltips};
+use crate::report::data::{PointFacts, ReportData, heading};
 use crate::study::ParameterValue;
 
 /// Least number of values of each parameter.
@@ -13,7 +13,7 @@ const LEAST: usize = 3;
 type Shown = (&'static str, fn(&PointFacts) -> Option<f64>, Option<[f64; 2]>);
 
 const SHOWN: [Shown; 4] = [
-    ("share of equilibria", |point| Some(point.equilibrium.share), Some([0.0, 1.0])),
+    ("fraction of equilibria", |point| Some(point.equilibrium.fraction), Some([0.0, 1.0])),
     ("median time to rest [s]", |point| point.time_to_rest_s[1], None),
     (
         "median amplitude over that without balls",
@@ -25,24 +25,23 @@ const SHOWN: [Shown; 4] = [
         },
         None,
     ),
-    ("share of positions that are equilibria", |point| point.set_fraction, Some([0.0, 1.0])),
+    ("fraction of positions that are equilibria", |point| point.set_fraction, Some([0.0, 1.0])),
 ];
 
 /// Maps over the two parameters with the most values, one for each combination of the others.
-pub fn figure(gathered: &Gathered<'_>) -> Option<Figure> {
-    let axes = SweepAxis::all(gathered, LEAST);
+pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
+    let axes = SweepAxis::all(data, LEAST);
     let [across, up, ..] = &axes[..] else { return None };
     let number = |point: &PointFacts, column: usize| match point.swept.get(column) {
         Some(ParameterValue::Number(number)) => Some(*number),
         _ => None,
     };
-    let values = |column| distinct(&gathered.points, column);
+    let values = |column| distinct(&data.points, column);
     let (x_values, y_values) = (values(across.column)?, values(up.column)?);
     // Where cells are too many, every second, third and so on of the values of each parameter.
     let (mut x_values, mut y_values) = (x_values, y_values);
     let mut one_in = 1;
-    while x_values.len().div_ceil(one_in) * y_values.len().div_ceil(one_in) > gathered.budget.points
-    {
+    while x_values.len().div_ceil(one_in) * y_values.len().div_ceil(one_in) > data.budget.points {
         one_in += 1;
     }
     for values in [&mut x_values, &mut y_values] {
@@ -54,13 +53,13 @@ pub fn figure(gathered: &Gathered<'_>) -> Option<Figure> {
     }
     // A map for each combination of the other parameters.
     let mut planes: Vec<(String, Vec<Placed<'_>>)> = Vec::new();
-    for point in &gathered.points {
+    for point in &data.points {
         let places = number(point, across.column).zip(number(point, up.column));
         let Some((x, y)) = places.filter(|(x, y)| on(&x_values, *x) && on(&y_values, *y)) else {
             continue;
         };
         let is_other = |column| column != across.column && column != up.column;
-        let title = heading(gathered.study, &point.swept, is_other);
+        let title = heading(data.study, &point.swept, is_other);
         let place = planes.iter().position(|(other, _)| *other == title);
         let place = place.unwrap_or_else(|| {
             planes.push((title, Vec::new()));
@@ -79,10 +78,10 @@ pub fn figure(gathered: &Gathered<'_>) -> Option<Figure> {
         .iter()
         .flat_map(|(title, points)| plane(title, points, [(across, &x_values), (up, &y_values)]))
         .collect();
-    let more = if shown as u64 == gathered.point_count {
+    let more = if shown as u64 == data.point_count {
         String::new()
     } else {
-        format!(" Of {} points, {shown} are shown.", gathered.point_count)
+        format!(" Of {} points, {shown} are shown.", data.point_count)
     };
     Some(Figure {
         id: "map".to_owned(),
@@ -124,7 +123,7 @@ fn plane(
         if known().next().is_none() {
             continue;
         }
-        let tips = Tips {
+        let tooltips = Tooltips {
             run_ids: Vec::new(),
             columns: vec![
                 numbers(&label(across), points.iter().map(|(_, x, _)| *x)),
@@ -135,7 +134,7 @@ fn plane(
                 column("point", &|point| Some(point.point_id as f64)),
             ],
         };
-        let mark = Mark::Cells { edges: cells.clone(), values, tips };
+        let mark = Mark::Cells { edges: cells.clone(), values, tooltips };
         let range = range.unwrap_or([least, if most > least { most } else { least + 1.0 }]);
         panels.push(Panel {
             title: title.to_owned(),

@@ -1,4 +1,4 @@
-//! The figures of results: each made from what has been gathered, and drawn elsewhere.
+//! The figures of results: each made from what has been read, and drawn elsewhere.
 
 mod amplitudes;
 mod basins;
@@ -15,19 +15,19 @@ mod sweep_axis;
 pub use layers::{failed as failed_runs, label_words, significant};
 
 use super::chart::Figure;
-use super::data::Gathered;
+use super::data::ReportData;
 
 /// All figures that these results can show, in reading order.
-pub fn of_results(gathered: &Gathered<'_>) -> Vec<Figure> {
+pub fn of_results(data: &ReportData<'_>) -> Vec<Figure> {
     let figures = [
-        preferred::figure(gathered),
-        fractions::figure(gathered),
-        map::figure(gathered),
-        rest::figure(gathered),
-        amplitudes::figure(gathered),
-        basins::figure(gathered),
-        branches::figure(gathered),
-        diagnostics::figure(gathered),
+        preferred::figure(data),
+        fractions::figure(data),
+        map::figure(data),
+        rest::figure(data),
+        amplitudes::figure(data),
+        basins::figure(data),
+        branches::figure(data),
+        diagnostics::figure(data),
     ];
     figures.into_iter().flatten().collect()
 }

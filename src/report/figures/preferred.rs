@@ -1,47 +1,47 @@
 //! Where balls come to rest: the preferred equilibria, over the equilibrium set.
 
 use super::equilibrium_set::{SetLayers, angle_axis, set_layers};
-use super::layers::{axis, label_colour, label_words, places, run_dots, run_tips, subscript};
+use super::layers::{axis, label_colour, label_words, places, run_dots, run_tooltips, subscript};
 use crate::classification::Label;
 use crate::report::chart::{Axis, AxisKind, Colour, Figure, Layer, Panel, Symbol};
-use crate::report::data::{Gathered, PointFacts};
+use crate::report::data::{PointFacts, ReportData};
 
 /// Most pairs of balls that are shown.
 const MOST_PAIRS: usize = 6;
 
 /// A panel for each point; with three balls or more for each point and pair of balls.
-pub fn figure(gathered: &Gathered<'_>) -> Option<Figure> {
-    let balls = gathered.study.model().balls();
-    let panels: Vec<Panel> = gathered
+pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
+    let balls = data.study.model().balls();
+    let panels: Vec<Panel> = data
         .details()
         .flat_map(|point| match balls {
-            0 | 1 => vec![one_contact(gathered, point, balls)],
-            2 => vec![pair(gathered, point, [1, 2])],
+            0 | 1 => vec![one_contact(data, point, balls)],
+            2 => vec![pair(data, point, [1, 2])],
             balls => {
                 let pairs = (1..balls)
                     .flat_map(|first| (first + 1..=balls).map(move |second| [first, second]));
-                pairs.take(MOST_PAIRS).map(|of| pair(gathered, point, of)).collect()
+                pairs.take(MOST_PAIRS).map(|of| pair(data, point, of)).collect()
             }
         })
         .collect();
-    let none_at_rest = gathered.points.iter().all(|point| point.equilibrium.runs == 0);
+    let none_at_rest = data.points.iter().all(|point| point.equilibrium.runs == 0);
     if panels.is_empty() || (none_at_rest && balls != 2) {
         return None;
     }
-    let counts = gathered.details().map(|point| {
-        let share = point.set_fraction.map_or_else(String::new, |share| {
-            format!(", and {:.0} % of all positions are equilibria", 100.0 * share)
+    let counts = data.details().map(|point| {
+        let fraction = point.set_fraction.map_or_else(String::new, |fraction| {
+            format!(", and {:.0} % of all positions are equilibria", 100.0 * fraction)
         });
         let runs = point.runs;
-        format!("{}: {} of {runs} runs came to rest{share}", point.title, point.equilibrium.runs)
+        format!("{}: {} of {runs} runs came to rest{fraction}", point.title, point.equilibrium.runs)
     });
     let alternative = counts.collect::<Vec<_>>().join("; ");
     let set = if balls == 2 {
-        gathered.without_draws("The set, the colours, the stars and the circles are")
+        data.without_draws("The set, the colours, the stars and the circles are")
     } else {
         String::new()
     };
-    let left_out = format!("{set}{}{}", gathered.left_out(), gathered.runs.left_out());
+    let left_out = format!("{set}{}{}", data.left_out(), data.runs.left_out());
     let (title, caption) = match balls {
         0 => ("Where the block comes to rest", "Position and time of rest of each run.".to_owned()),
         1 => ("Preferred equilibria", "Angle at rest and amplitude of each run.".to_owned()),
@@ -72,21 +72,21 @@ fn counted(point: &PointFacts) -> String {
 }
 
 /// Dots of the runs at rest with two columns of the sample.
-fn dots(gathered: &Gathered<'_>, point: &PointFacts, x: &[f64], y: &[f64]) -> Layer {
-    let runs = places(&gathered.runs, point.point_id, Some(Label::Equilibrium));
-    let tips = run_tips(&gathered.runs, &runs);
-    run_dots((&label_words(Label::Equilibrium), Colour::Ink, Symbol::Dot), (x, y), &runs, tips)
+fn dots(data: &ReportData<'_>, point: &PointFacts, x: &[f64], y: &[f64]) -> Layer {
+    let runs = places(&data.runs, point.point_id, Some(Label::Equilibrium));
+    let tooltips = run_tooltips(&data.runs, &runs);
+    run_dots((&label_words(Label::Equilibrium), Colour::Ink, Symbol::Dot), (x, y), &runs, tooltips)
 }
 
-fn pair(gathered: &Gathered<'_>, point: &PointFacts, [first, second]: [usize; 2]) -> Panel {
-    let column = |ball: usize| gathered.runs.position.get(ball - 1).map_or(&[][..], Vec::as_slice);
-    let part = match gathered.study.model().balls() {
+fn pair(data: &ReportData<'_>, point: &PointFacts, [first, second]: [usize; 2]) -> Panel {
+    let column = |ball: usize| data.runs.position.get(ball - 1).map_or(&[][..], Vec::as_slice);
+    let part = match data.study.model().balls() {
         2 => String::new(),
         _ => format!("β{} and β{}", subscript(first), subscript(second)),
     };
-    let dots = dots(gathered, point, column(first), column(second));
+    let dots = dots(data, point, column(first), column(second));
     // What is drawn is computed from the study alone; a point that it does not have has no set.
-    let study = gathered.study;
+    let study = data.study;
     let model = (point.point_id < study.point_count()).then(|| study.point(point.point_id));
     let machine = model.as_ref().and_then(|point| point.model().ball_balancer());
     let (scale, layers) = match machine.and_then(set_layers) {
@@ -99,8 +99,8 @@ fn pair(gathered: &Gathered<'_>, point: &PointFacts, [first, second]: [usize; 2]
     Panel { title: counted(point), part, x, y, scale, layers }
 }
 
-fn one_contact(gathered: &Gathered<'_>, point: &PointFacts, balls: usize) -> Panel {
-    let runs = &gathered.runs;
+fn one_contact(data: &ReportData<'_>, point: &PointFacts, balls: usize) -> Panel {
+    let runs = &data.runs;
     let place = runs.position.first().map_or(&[][..], Vec::as_slice);
     let amplitude: Vec<f64> = runs.amplitude_m.iter().map(|value| 1e6 * value).collect();
     let (x, y, over): (Axis, Axis, &[f64]) = match balls {
@@ -108,7 +108,7 @@ fn one_contact(gathered: &Gathered<'_>, point: &PointFacts, balls: usize) -> Pan
         _ => (angle_axis(1), axis("amplitude", "µm"), &amplitude),
     };
     let y = Axis { kind: AxisKind::Linear, ..y };
-    let mut layer = dots(gathered, point, place, over);
+    let mut layer = dots(data, point, place, over);
     layer.colour = label_colour(Label::Equilibrium);
     Panel { title: counted(point), part: String::new(), x, y, scale: None, layers: vec![layer] }
 }

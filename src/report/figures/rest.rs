@@ -1,16 +1,16 @@
 //! The probability of being at rest by time t, of each point.
 
-use super::layers::{CurveOf, axis, failed, few_each, moving, share_axis};
+use super::layers::{CurveOf, axis, failed, few_each, fraction_axis, moving};
 use crate::report::chart::{Axis, Colour, Figure, Layer, Mark, Panel};
-use crate::report::data::{Gathered, PointFacts, RestCurve};
+use crate::report::data::{PointFacts, ReportData, RestCurve};
 
 /// Curves with their bands, up to the study's end time.
-pub fn figure(gathered: &Gathered<'_>) -> Option<Figure> {
-    let end = gathered.study.simulation().end_time_s;
+pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
+    let end = data.study.simulation().end_time_s;
     let curve_of =
-        |point: &PointFacts| gathered.rest.iter().find(|curve| curve.point_id == point.point_id);
+        |point: &PointFacts| data.rest.iter().find(|curve| curve.point_id == point.point_id);
     let with_curves: Vec<(&PointFacts, &RestCurve)> =
-        gathered.details().filter_map(|point| Some((point, curve_of(point)?))).collect();
+        data.details().filter_map(|point| Some((point, curve_of(point)?))).collect();
     if with_curves.is_empty() {
         return None;
     }
@@ -22,9 +22,9 @@ pub fn figure(gathered: &Gathered<'_>) -> Option<Figure> {
             title: String::new(),
             part,
             x: x.clone(),
-            y: share_axis("probability of being at rest"),
+            y: fraction_axis("probability of being at rest"),
             scale: None,
-            layers: layers(gathered, few, end),
+            layers: layers(data, few, end),
         })
         .collect();
     let medians: Vec<String> = with_curves
@@ -42,19 +42,19 @@ pub fn figure(gathered: &Gathered<'_>) -> Option<Figure> {
         .collect();
     Some(Figure {
         id: "time-to-rest".to_owned(),
-        title: match moving(gathered.study) {
+        title: match moving(data.study) {
             "balls" => "When the balls come to rest".to_owned(),
             one => format!("When the {one} comes to rest"),
         },
         caption: format!(
             "Probability of being at rest by time t (Kaplan and Meier; runs that still move at the end \
              are censored), with 95 % bands.{}{}{}",
-            match gathered.failures_left_out() {
+            match data.failures_left_out() {
                 none if none.is_empty() => none,
                 failed => failed + " Bands allow for them: at rest at once, or never.",
             },
-            gathered.left_out(),
-            gathered.curve_names()
+            data.left_out(),
+            data.curve_names()
         ),
         alternative: medians.join("; "),
         one_at_a_time: panels.len() > 1,
@@ -62,11 +62,11 @@ pub fn figure(gathered: &Gathered<'_>) -> Option<Figure> {
     })
 }
 
-fn layers(gathered: &Gathered<'_>, curves: &[CurveOf<'_, &RestCurve>], end: f64) -> Vec<Layer> {
+fn layers(data: &ReportData<'_>, curves: &[CurveOf<'_, &RestCurve>], end: f64) -> Vec<Layer> {
     let layer = |place: usize, point: &PointFacts, mark| Layer {
         name: match failed(point) {
-            0 => gathered.curve_name(point),
-            failed => format!("{} ({failed} failed)", gathered.curve_name(point)),
+            0 => data.curve_name(point),
+            failed => format!("{} ({failed} failed)", data.curve_name(point)),
         },
         colour: Colour::Series(place),
         mark,

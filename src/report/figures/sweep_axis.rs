@@ -1,7 +1,7 @@
 //! Which swept parameter a figure goes over, and which points belong together on it.
 
 use crate::report::chart::{Axis, AxisKind};
-use crate::report::data::{Gathered, PointFacts, axis_of, heading};
+use crate::report::data::{PointFacts, ReportData, axis_of, heading};
 use crate::study::ParameterValue;
 
 /// A swept parameter as an axis, and the points in groups that differ in nothing else.
@@ -46,11 +46,11 @@ pub fn is_by_decades(values: &[f64]) -> bool {
 
 impl SweepAxis {
     /// The parameters of a sweep that take at least so many values, the one with the most first.
-    pub fn all(gathered: &Gathered<'_>, least: usize) -> Vec<SweepAxis> {
-        let columns = gathered.study.swept().iter().enumerate();
+    pub fn all(data: &ReportData<'_>, least: usize) -> Vec<SweepAxis> {
+        let columns = data.study.swept().iter().enumerate();
         let mut axes: Vec<(usize, SweepAxis)> = columns
             .filter_map(|(column, parameter)| {
-                let values = distinct(&gathered.points, column)?;
+                let values = distinct(&data.points, column)?;
                 // All panels of a sweep go over all of it.
                 let (from, to) = (values.first()?, values.last()?);
                 let decades = is_by_decades(&values);
@@ -70,12 +70,12 @@ impl SweepAxis {
     }
 
     /// The points in groups that differ in nothing but this parameter, in the order of the sweep.
-    pub fn groups<'a>(&self, gathered: &'a Gathered<'_>) -> Vec<Group<'a>> {
+    pub fn groups<'a>(&self, data: &'a ReportData<'_>) -> Vec<Group<'a>> {
         let mut groups: Vec<Group<'a>> = Vec::new();
         let mut places = std::collections::HashMap::new();
-        for point in &gathered.points {
+        for point in &data.points {
             let Some(value) = number(point, self.column) else { continue };
-            let title = heading(gathered.study, &point.swept, |column| column != self.column);
+            let title = heading(data.study, &point.swept, |column| column != self.column);
             let next = groups.len();
             let place = *places.entry(title.clone()).or_insert(next);
             if place == next {

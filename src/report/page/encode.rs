@@ -9,7 +9,7 @@ use base64::engine::general_purpose::STANDARD as BASE64;
 use serde_json::{Map, Value, json};
 
 use crate::report::chart::{
-    Axis, AxisKind, Figure, Layer, Mark, Panel, TipColumn, TipValues, Tips,
+    Axis, AxisKind, Figure, Layer, Mark, Panel, TooltipColumn, TooltipValues, Tooltips,
 };
 
 /// Columns longer than this are packed.
@@ -71,18 +71,18 @@ fn mark(mark: &Mark) -> Map<String, Value> {
         Mark::Bars { x, base, top, width } => json!({
             "mark": "bars", "x": column(x), "base": column(base), "top": column(top), "width": width,
         }),
-        Mark::Dots { symbol, x, y, tips } => json!({
+        Mark::Dots { symbol, x, y, tooltips } => json!({
             "mark": "dots", "symbol": symbol, "x": coordinates(x), "y": coordinates(y),
-            "tips": known(tips),
+            "tooltips": known(tooltips),
         }),
         Mark::Raster { size, values } => {
             json!({"mark": "raster", "size": size, "values": steps(values)})
         }
-        Mark::Cells { edges, values, tips } => json!({
+        Mark::Cells { edges, values, tooltips } => json!({
             "mark": "cells",
             "edges": column(&edges.iter().flatten().copied().collect::<Vec<_>>()),
             "values": column(&values.iter().map(|v| v.unwrap_or(f64::NAN)).collect::<Vec<_>>()),
-            "tips": known(tips),
+            "tooltips": known(tooltips),
         }),
         Mark::Rule { upright, at, label } => {
             json!({"mark": "rule", "upright": upright, "at": at, "label": label})
@@ -94,14 +94,14 @@ fn mark(mark: &Mark) -> Map<String, Value> {
     }
 }
 
-fn known(tips: &Tips) -> Value {
-    let column = |of: &TipColumn| match &of.values {
-        TipValues::Numbers(values) => json!({"name": of.name, "values": column(values)}),
-        TipValues::Words(values) => json!({"name": of.name, "words": values}),
+fn known(tooltips: &Tooltips) -> Value {
+    let column = |of: &TooltipColumn| match &of.values {
+        TooltipValues::Numbers(values) => json!({"name": of.name, "values": column(values)}),
+        TooltipValues::Words(values) => json!({"name": of.name, "words": values}),
     };
     json!({
-        "run_ids": whole(&tips.run_ids),
-        "columns": tips.columns.iter().map(column).collect::<Vec<_>>(),
+        "run_ids": whole(&tooltips.run_ids),
+        "columns": tooltips.columns.iter().map(column).collect::<Vec<_>>(),
     })
 }
 

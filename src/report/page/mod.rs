@@ -12,7 +12,7 @@ use std::path::Path;
 use serde_json::json;
 
 use super::chart::Figure;
-use super::data::Gathered;
+use super::data::ReportData;
 use crate::foreign::{harmless_json, shell_word, shown_path};
 use html::{Html, escaped};
 
@@ -28,13 +28,13 @@ pub const OWN: &str = "<meta name=\"generator\" content=\"stickslip\">";
 const MOST_STUDY: usize = 60_000;
 
 /// The page of results that lie in a directory.
-pub fn page(directory: &Path, gathered: &Gathered<'_>, figures: &[Figure]) -> String {
-    let name = gathered.study.name();
+pub fn page(directory: &Path, data: &ReportData<'_>, figures: &[Figure]) -> String {
+    let name = data.study.name();
     let mut body = Html::default();
     body.line("<header>");
     body.element("h1", "", name);
-    tables::facts(&mut body, gathered);
-    tables::warnings(&mut body, directory, gathered);
+    tables::facts(&mut body, data);
+    tables::warnings(&mut body, directory, data);
     body.line("</header>");
     body.line("<nav aria-label=\"Parts of this page\"><ul>");
     body.line("<li><a href=\"#points\">Points</a></li>");
@@ -48,7 +48,7 @@ pub fn page(directory: &Path, gathered: &Gathered<'_>, figures: &[Figure]) -> St
     body.line("<li><a href=\"#notable\">Runs to look at</a></li>");
     body.line("<li><a href=\"#study\">Study</a></li>");
     body.line("</ul></nav>\n<main>");
-    tables::points(&mut body, directory, gathered);
+    tables::points(&mut body, directory, data);
     body.line("<div id=\"figures\">");
     body.line(
         "<p class=\"hint soft\">Press a name to hide or show a series; Ctrl and the wheel zoom, dragging \
@@ -58,9 +58,9 @@ pub fn page(directory: &Path, gathered: &Gathered<'_>, figures: &[Figure]) -> St
         section(&mut body, figure);
     }
     body.line("</div>");
-    tables::notable(&mut body, directory, gathered);
+    tables::notable(&mut body, directory, data);
     body.line("<section aria-labelledby=\"study\"><h2 id=\"study\">Study</h2>");
-    let study = gathered.study.resolved_yaml();
+    let study = data.study.resolved_yaml();
     if study.len() <= MOST_STUDY {
         body.line("<details><summary>All of it, with every default filled in</summary>");
         body.element("pre", "", &study);

@@ -6,7 +6,7 @@ use super::html::{Html, escaped};
 use crate::classification::Label;
 use crate::foreign::{one_line, shell_word};
 use crate::model::Method;
-use crate::report::data::{Gathered, Notable, PointFacts, Share, said};
+use crate::report::data::{Fraction, Notable, PointFacts, ReportData, said};
 use crate::report::figures::significant;
 use crate::study::ParameterKind;
 
@@ -18,10 +18,10 @@ const LONGEST_ERROR: usize = 400;
 const MOST_ROWS: usize = 200;
 
 /// What was run: study, version, seed, machine, time.
-pub fn facts(body: &mut Html, gathered: &Gathered<'_>) {
-    let (study, manifest) = (gathered.study, gathered.manifest);
+pub fn facts(body: &mut Html, data: &ReportData<'_>) {
+    let (study, manifest) = (data.study, data.manifest);
     let simulation = study.simulation();
-    let points = match gathered.point_count {
+    let points = match data.point_count {
         1 => "one point".to_owned(),
         count => format!("{count} points"),
     };
@@ -70,16 +70,16 @@ pub fn facts(body: &mut Html, gathered: &Gathered<'_>) {
 }
 
 /// What is missing or in doubt, in plain sight.
-pub fn warnings(body: &mut Html, directory: &Path, gathered: &Gathered<'_>) {
-    let manifest = gathered.manifest;
+pub fn warnings(body: &mut Html, directory: &Path, data: &ReportData<'_>) {
+    let manifest = data.manifest;
     let (finished, planned) = (manifest.runs_finished, manifest.runs_planned);
-    let bound = if gathered.study.precision().is_some() { "at most " } else { "" };
+    let bound = if data.study.precision().is_some() { "at most " } else { "" };
     if !manifest.complete {
         let missing = planned.saturating_sub(finished);
-        let share = 100.0 * missing as f64 / planned.max(1) as f64;
+        let fraction = 100.0 * missing as f64 / planned.max(1) as f64;
         body.line(&format!(
             "<p class=\"warning\" id=\"missing\"><strong>Not complete.</strong> {bound}{missing} of \
-             {bound}{planned} runs are missing ({share:.1} %): what follows is of the {finished} runs \
+             {bound}{planned} runs are missing ({fraction:.1} %): what follows is of the {finished} runs \
              that have finished, and points whose runs came last may have none. <code \
              class=\"command\">stickslip resume {}</code> computes the rest.</p>",
             escaped(&shell_word(directory)),
@@ -94,8 +94,8 @@ pub fn warnings(body: &mut Html, directory: &Path, gathered: &Gathered<'_>) {
              {finished}. They widen the intervals; <a href=\"#notable\">what went wrong</a>.</p>"
         ));
     }
-    let flips: u64 = gathered.points.iter().map(|point| point.audit.flips).sum();
-    let audited: u64 = gathered.points.iter().map(|point| point.audit.runs).sum();
+    let flips: u64 = data.points.iter().map(|point| point.audit.flips).sum();
+    let audited: u64 = data.points.iter().map(|point| point.audit.runs).sum();
     let undecided = count(Label::Undecided);
     let audit = match audited {
         0 => "no run was audited".to_owned(),
@@ -107,9 +107,9 @@ pub fn warnings(body: &mut Html, directory: &Path, gathered: &Gathered<'_>) {
 }
 
 /// The table of points with their intervals.
-pub fn points(body: &mut Html, directory: &Path, gathered: &Gathered<'_>) {
+pub fn points(body: &mut Html, directory: &Path, data: &ReportData<'_>) {
     body.line("<section aria-labelledby=\"points\"><h2 id=\"points\">Points</h2>");
-    let study = gathered.study;
+    let study = data.study;
     let mut head = vec!["point"];
     head.extend(study.swept().iter().map(|parameter| parameter.name.as_str()));
     head.extend(["runs", "equilibria", "95 % interval"]);
@@ -135,16 +135,16 @@ pub fn points(body: &mut Html, directory: &Path, gathered: &Gathered<'_>) {
     let row = |point: &PointFacts| {
         let mut cells = vec![point.point_id.to_string()];
         cells.extend(point.swept.iter().map(|value| escaped(&said(value))));
-        let Share { share, low, high, .. } = point.equilibrium;
+        let Fraction { fraction, low, high, .. } = point.equilibrium;
         cells.push(point.runs.to_string());
-        cells.push(format!("{share:.4}"));
+        cells.push(format!("{fraction:.4}"));
         cells.push(format!("<span class=\"interval\">{low:.4} to {high:.4}</span>"));
         cells.extend(
             Label::ALL
                 .iter()
                 .zip(&point.labels)
                 .filter(|(label, _)| moving.contains(label))
-                .map(|(_, share)| share.runs.to_string()),
+                .map(|(_, fraction)| fraction.runs.to_string()),
         );
         if audit {
             cells.push(format!("{} of {}", point.audit.flips, point.audit.runs));
@@ -159,7 +159,7 @@ pub fn points(body: &mut Html, directory: &Path, gathered: &Gathered<'_>) {
         }
         cells
     };
-    let rows: Vec<Vec<String>> = gathered.points.iter().take(MOST_ROWS).map(row).collect();
+    let rows: Vec<Vec<String>> = data.points.iter().take(MOST_ROWS).map(row).collect();
     let long = rows.len() > SHORT_TABLE;
     if long {
         let rows = rows.len();
@@ -170,22 +170,22 @@ pub fn points(body: &mut Html, directory: &Path, gathered: &Gathered<'_>) {
         body.line("</details>");
     }
     let dir = escaped(&shell_word(directory));
-    if gathered.point_count > rows.len() as u64 {
+    if data.point_count > rows.len() as u64 {
         body.line(&format!(
             "<p>The first {} of {} points; <code class=\"command\">stickslip summary {dir} --points \
              all</code> prints them all, and points.parquet has all that is known of them.</p>",
             rows.len(),
-            gathered.point_count,
+            data.point_count,
         ));
     }
     body.line("</section>");
 }
 
 /// Runs that failed, and runs whose label an audit changed.
-pub fn notable(body: &mut Html, directory: &Path, gathered: &Gathered<'_>) {
+pub fn notable(body: &mut Html, directory: &Path, data: &ReportData<'_>) {
     body.line("<section aria-labelledby=\"notable\"><h2 id=\"notable\">Runs to look at</h2>");
-    if gathered.notable.is_empty() {
-        let audit = if gathered.study.audit().is_some() { ", and no label changed" } else { "" };
+    if data.notable.is_empty() {
+        let audit = if data.study.audit().is_some() { ", and no label changed" } else { "" };
         body.line(&format!("<p>None: no run failed{audit}.</p></section>"));
         return;
     }
@@ -204,11 +204,11 @@ pub fn notable(body: &mut Html, directory: &Path, gathered: &Gathered<'_>) {
             format!("<code>stickslip replay {dir} {run_id}</code>"),
         ]
     };
-    let rows: Vec<Vec<String>> = gathered.notable.iter().map(row).collect();
+    let rows: Vec<Vec<String>> = data.notable.iter().map(row).collect();
     body.line(&format!(
         "<p>Runs that failed, and audited runs that end otherwise when they are computed more \
          precisely: {}.</p>",
-        match gathered.runs.notable {
+        match data.runs.notable {
             all if all > rows.len() as u64 => format!("the first {} of {all}", rows.len()),
             1 => "one".to_owned(),
             all => format!("all {all}"),

@@ -1,4 +1,4 @@
-//! Farms a study with progress, and says on the terminal what came out.
+//! Computes a study with progress, and says on the terminal what came out.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -7,7 +7,7 @@ use std::time::{SystemTime, UNIX_EPOCH};
 
 use serde_json::{Value, json};
 
-use super::arguments::FarmArguments;
+use super::arguments::EngineArguments;
 use super::exit::{CliError, End};
 use super::output::{print, print_json};
 use super::point_line::PointLine;
@@ -15,16 +15,16 @@ use super::points_table::{MOST_LINES, PointsTable};
 use crate::analysis::PointDetail;
 use crate::classification::Label;
 use crate::engine::{
-    FarmOptions, Planned, Progress, Sink, StopReason, Store, Tally, farm_in_lockstep, say,
+    EngineOptions, Planned, Progress, RunTotals, Sink, StopReason, Store, run_study, say,
     stop_on_signals,
 };
 use crate::study::Study;
 use crate::table::{Circumstances, PointRow, ResultsError, RunRecord};
 
-/// A study that has been farmed.
+/// A study that has been computed.
 pub struct Ran {
     /// What has been done.
-    pub tally: Tally,
+    pub totals: RunTotals,
     /// For the manifest.
     pub circumstances: Circumstances,
     table: PointsTable,
@@ -33,10 +33,10 @@ pub struct Ran {
 impl Ran {
     /// How it ended.
     pub fn end(&self) -> End {
-        match self.tally.stopped {
+        match self.totals.stopped {
             Some(StopReason::Asked | StopReason::Time) => End::Interrupted,
             Some(StopReason::Failures) => End::TooManyFailed,
-            None if self.tally.counts.of(Label::Failed) > 0 => End::RunsFailed,
+            None if self.totals.counts.of(Label::Failed) > 0 => End::RunsFailed,
             None => End::Well,
         }
     }
@@ -48,19 +48,19 @@ impl Ran {
     pub fn report(
         &self,
         study: &Study,
-        arguments: &FarmArguments,
+        arguments: &EngineArguments,
         directory: Option<&Path>,
         expectations: Option<Value>,
     ) -> Result<(), CliError> {
-        let runs = self.tally.counts.total();
+        let runs = self.totals.counts.total();
         if arguments.json {
             let mut report = json!({
                 "study": study.name(),
                 "out": directory.map(|directory| directory.display().to_string()),
                 "runs_planned": self.circumstances.runs_planned,
                 "runs_finished": runs,
-                "runs_kept": self.tally.kept,
-                "interrupted": self.tally.interrupted(),
+                "runs_kept": self.totals.kept,
+                "interrupted": self.totals.interrupted(),
                 "already_complete": false,
                 "wall_s": self.circumstances.wall_s,
                 "points": self.table.json(),
@@ -77,7 +77,7 @@ impl Ran {
         }
         if !arguments.quiet {
             say(&self.speed_line());
-            let failed = self.tally.counts.of(Label::Failed);
+            let failed = self.totals.counts.of(Label::Failed);
             if failed > 0 {
                 say(&format!(
                     "{failed} runs failed: see the columns evidence and error of runs.parquet"
@@ -94,7 +94,7 @@ impl Ran {
 
     fn speed_line(&self) -> String {
         let Circumstances { wall_s, threads, .. } = self.circumstances;
-        let (runs, kept) = (self.tally.counts.total(), self.tally.kept);
+        let (runs, kept) = (self.totals.counts.total(), self.totals.kept);
         let computed = runs.saturating_sub(kept);
         let rate = computed as f64 / wall_s.max(1e-9);
         let speed = format!("in {wall_s:.1} s on {threads} threads: {rate:.0} runs/s");
@@ -106,18 +106,18 @@ impl Ran {
     }
 
     fn stopped_line(&self, study: &Study) -> Option<String> {
-        let failed = self.tally.counts.of(Label::Failed);
+        let failed = self.totals.counts.of(Label::Failed);
         let too_many =
             format!("stopped: {failed} runs have failed, more than --on-failure allows,");
-        let (cause, goes_on) = match self.tally.stopped? {
+        let (cause, goes_on) = match self.totals.stopped? {
             StopReason::Asked => ("interrupted", "the same command goes on"),
             StopReason::Time => ("out of time (--max-seconds)", "the same command goes on"),
             StopReason::Failures => (too_many.as_str(), "with --on-failure continue it goes on"),
         };
-        let runs = self.tally.counts.total();
+        let runs = self.totals.counts.total();
         let planned = self.circumstances.runs_planned;
         let bound = if study.precision().is_some() { "at most " } else { "" };
-        let given_up = match self.tally.given_up {
+        let given_up = match self.totals.given_up {
             0 => String::new(),
             1 => "; 1 run in progress was given up".to_owned(),
             more => format!("; {more} runs in progress were given up"),
@@ -157,14 +157,14 @@ where
     }
 }
 
-/// Farms a study with progress; `take` gets each run and each point.
+/// Computes a study with progress; `take` gets each run and each point.
 ///
 /// # Errors
 /// Where threads cannot be started, `take` refuses, or finished runs cannot be kept.
-pub fn farm_study(
+pub fn run_on_engine(
     study: &Study,
-    options: FarmOptions,
-    arguments: &FarmArguments,
+    options: EngineOptions,
+    arguments: &EngineArguments,
     store: Option<&mut Store>,
     take: impl FnMut(Option<RunRecord>, Option<PointWithDetail<'_>>) -> Result<(), ResultsError> + Send,
 ) -> Result<Ran, CliError> {
@@ -185,20 +185,20 @@ pub fn farm_study(
     let most = if arguments.json { usize::MAX } else { MOST_LINES };
     let table = PointsTable::new(study, most);
     let mut collector = Collector { take, table, progress: &progress };
-    let farmed = farm_in_lockstep(study, options, &stop, &progress, store, &mut collector);
+    let ended = run_study(study, options, &stop, &progress, store, &mut collector);
     let wall = progress.close();
-    let tally = farmed?;
-    progress.ended(tally.interrupted());
+    let totals = ended?;
+    progress.ended(totals.interrupted());
     Ok(Ran {
-        tally,
+        totals,
         circumstances: Circumstances {
             shard: options.shard.to_string(),
             runs_planned,
-            runs_kept: tally.kept,
+            runs_kept: totals.kept,
             started_unix_s: started.as_secs_f64(),
             wall_s: wall.as_secs_f64(),
             threads: options.threads,
-            complete: !tally.interrupted(),
+            complete: !totals.interrupted(),
             merging: Vec::new(),
         },
         table: collector.table,

@@ -1,8 +1,8 @@
-//! Separate parts of a set on the torus, from the runs of its points in the rows of a grid.
+//! Connected components of a set on the torus, from the runs of its points in the rows of a grid.
 //!
 //! Two points of the grid belong together where one is among the eight neighbours of the other,
 //! across the ends of either axis too. The sets have sharp tips that run across the grid, from
-//! which four neighbours break off single points on any grid; with eight the number of parts of
+//! which four neighbours break off single points on any grid; with eight the number of components of
 //! the thesis's sets is the same from 128 to 2048 points per axis. The price is that a gap
 //! narrower than the grid's spacing is not seen; nor is a part smaller than that. Neighbours are
 //! joined run by run, so that time and memory go with the length of the set's edge and not with
@@ -63,26 +63,26 @@ impl SetRuns {
         runs
     }
 
-    /// Number of separate parts, and their number where a point and the one with rows and columns
+    /// Number of connected components, and their number where a point and the one with rows and columns
     /// exchanged count as the same. The second is none on a grid that is not square.
-    pub fn parts(&self) -> (u64, Option<u64>) {
+    pub fn components(&self) -> (u64, Option<u64>) {
         let mut first = Vec::with_capacity(self.rows.len() + 1); // number of each row's first run
         let mut count = 0;
         for runs in &self.rows {
             first.push(count as u32);
             count += runs.len();
         }
-        let mut parts = Disjoint::new(count);
+        let mut components = Disjoint::new(count);
         for (row, runs) in self.rows.iter().enumerate() {
             if let (Some(&(0, _)), Some(&(_, end))) = (runs.first(), runs.last())
                 && end == self.columns
             {
-                parts.join(first[row], first[row] + runs.len() as u32 - 1);
+                components.join(first[row], first[row] + runs.len() as u32 - 1);
             }
             let next = (row + 1) % self.rows.len();
-            self.join_touching(row, next, &first, &mut parts);
+            self.join_touching(row, next, &first, &mut components);
         }
-        let on_the_torus = parts.sets;
+        let on_the_torus = components.sets;
         if self.rows.len() != self.columns as usize {
             return (on_the_torus, None);
         }
@@ -93,20 +93,20 @@ impl SetRuns {
                 let others = &self.rows[mirrored as usize];
                 let other = others.partition_point(|&(_, end)| end as usize <= row);
                 if others.get(other).is_some_and(|&(start, _)| start as usize <= row) {
-                    parts.join(first[row] + index, first[mirrored as usize] + other as u32);
+                    components.join(first[row] + index, first[mirrored as usize] + other as u32);
                 }
             }
         }
-        (on_the_torus, Some(parts.sets))
+        (on_the_torus, Some(components.sets))
     }
 
     /// Joins runs of two rows, one below the other, that touch, at corners too.
-    fn join_touching(&self, row: usize, next: usize, first: &[u32], parts: &mut Disjoint) {
+    fn join_touching(&self, row: usize, next: usize, first: &[u32], components: &mut Disjoint) {
         let (upper, lower) = (&self.rows[row], &self.rows[next]);
         let (mut i, mut j) = (0, 0);
         while let (Some(one), Some(other)) = (upper.get(i), lower.get(j)) {
             if one.0 <= other.1 && other.0 <= one.1 {
-                parts.join(first[row] + i as u32, first[next] + j as u32);
+                components.join(first[row] + i as u32, first[next] + j as u32);
             }
             if one.1 < other.1 {
                 i += 1;
@@ -121,7 +121,7 @@ impl SetRuns {
             if let (Some(&(_, end)), Some(&(0, _))) = (one.last(), other.first())
                 && end == self.columns
             {
-                parts.join(first[one_row] + one.len() as u32 - 1, first[other_row]);
+                components.join(first[one_row] + one.len() as u32 - 1, first[other_row]);
             }
         }
     }
@@ -144,19 +144,19 @@ mod tests {
 
     #[test]
     fn neighbours_are_joined_across_corners_and_the_ends_of_both_axes() {
-        assert_eq!(set(&["#..#", "....", "....", "#..#"]).parts().0, 1);
-        assert_eq!(set(&["#....", "....#", ".....", ".....", "....."]).parts().0, 1);
-        assert_eq!(set(&["....#", "#....", ".....", ".....", "....."]).parts().0, 1);
-        assert_eq!(set(&["#....", ".#...", "..#..", ".....", "....."]).parts().0, 1);
-        assert_eq!(set(&["..#..", ".#...", "#....", ".....", "....."]).parts().0, 1);
-        assert_eq!(set(&["#....", "..#..", ".....", ".....", "....."]).parts().0, 2);
-        assert_eq!(set(&["....", "....", "....", "...."]).parts(), (0, Some(0)));
-        assert_eq!(set(&["####"; 4]).parts(), (1, Some(1)));
-        assert_eq!(set(&["#.#.", "#.#."]).parts(), (2, None));
+        assert_eq!(set(&["#..#", "....", "....", "#..#"]).components().0, 1);
+        assert_eq!(set(&["#....", "....#", ".....", ".....", "....."]).components().0, 1);
+        assert_eq!(set(&["....#", "#....", ".....", ".....", "....."]).components().0, 1);
+        assert_eq!(set(&["#....", ".#...", "..#..", ".....", "....."]).components().0, 1);
+        assert_eq!(set(&["..#..", ".#...", "#....", ".....", "....."]).components().0, 1);
+        assert_eq!(set(&["#....", "..#..", ".....", ".....", "....."]).components().0, 2);
+        assert_eq!(set(&["....", "....", "....", "...."]).components(), (0, Some(0)));
+        assert_eq!(set(&["####"; 4]).components(), (1, Some(1)));
+        assert_eq!(set(&["#.#.", "#.#."]).components(), (2, None));
         // A ring of one row: one arc across its end, one in its middle.
-        assert_eq!(set(&["##..#..#"]).parts(), (2, None));
+        assert_eq!(set(&["##..#..#"]).components(), (2, None));
         // A comb, joined by its last row only.
-        assert_eq!(set(&["#.#.#...", "#.#.#...", "#####..."]).parts().0, 1);
+        assert_eq!(set(&["#.#.#...", "#.#.#...", "#####..."]).components().0, 1);
     }
 
     #[test]
@@ -165,8 +165,8 @@ mod tests {
             "........", "...#....", "........", ".#......", "........", "......#.", "........",
             "........",
         ];
-        assert_eq!(set(&three).parts(), (3, Some(2)));
+        assert_eq!(set(&three).components(), (3, Some(2)));
         let two = [".....", "...#.", ".....", ".#...", "....."];
-        assert_eq!(set(&two).parts(), (2, Some(1)));
+        assert_eq!(set(&two).components(), (2, Some(1)));
     }
 }

@@ -1,0 +1,325 @@
+//! A study computed from end to end: batches of runs go over the cores, and finished runs go to the sink in order.
+//!
+//! A batch is a set of runs that are computed without asking in between whether more are needed; a study without
+//! a precision has one. Parts of a batch bound the memory: while one is computed, the one before is written.
+
+use std::collections::HashMap;
+use std::sync::atomic::{AtomicBool, AtomicU64};
+use std::sync::mpsc::SyncSender;
+use std::thread;
+use std::time::Instant;
+
+use thiserror::Error;
+
+use super::batches::Batches;
+use super::chunk_writer::{new_results, write_chunks};
+use super::compute::{Engine, InLockstep, OneByOne};
+use super::patience::with_patience;
+use super::stop::{StopCondition, StopReason};
+use super::store::{ChunkIndex, NewResult, ResultCache, Store, StoreError};
+use super::worker::{RunQueue, Storage};
+use super::{Progress, Shard, WorkerPool};
+use crate::analysis::{LabelCounts, PointAccumulator, PointDetail};
+use crate::classification::Outcome;
+use crate::model::Case;
+use crate::motion::{Cancellation, SimdLevel};
+use crate::study::Study;
+use crate::table::{PointRow, RunRecord};
+
+/// How a study is computed. None of it changes a result.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct EngineOptions {
+    /// Worker threads; at least one is used.
+    pub threads: usize,
+    /// Runs computed before they are handed on, and kept in one file; at least one.
+    pub chunk: usize,
+    /// The part of the study to compute.
+    pub shard: Shard,
+    /// When to begin no further run; those in progress are given up a second later.
+    pub deadline: Option<Instant>,
+    /// How many runs may fail before no further run is begun; any number if none.
+    pub most_failed: Option<u64>,
+    /// Whether finished runs that failed are computed again, from the same case.
+    pub retry_failed: bool,
+}
+
+impl Default for EngineOptions {
+    /// The whole study on one thread, to its end.
+    fn default() -> Self {
+        let (deadline, most_failed, retry_failed) = (None, None, false);
+        EngineOptions {
+            threads: 1,
+            chunk: 1024,
+            shard: Shard::WHOLE,
+            deadline,
+            most_failed,
+            retry_failed,
+        }
+    }
+}
+
+/// Takes in runs and points, in the order of the study.
+pub trait Sink: Send {
+    /// What can go wrong.
+    type Error: Send;
+
+    /// A run has finished. Runs come in ascending order of their numbers.
+    ///
+    /// # Errors
+    /// Stops the study.
+    fn run(&mut self, record: RunRecord) -> Result<(), Self::Error>;
+
+    /// All runs of a point have finished, or those that will; `detail` goes into tables of its own.
+    ///
+    /// # Errors
+    /// Stops the study.
+    fn point(&mut self, point: PointRow, detail: PointDetail) -> Result<(), Self::Error>;
+}
+
+/// Why a study could not be computed.
+#[derive(Debug, Error)]
+pub enum EngineError<E> {
+    /// The worker threads could not be started.
+    #[error("cannot start the worker threads: {0}")]
+    Threads(#[from] rayon::ThreadPoolBuildError),
+    /// The sink refused.
+    #[error("{0}")]
+    Sink(E),
+    /// Finished runs could not be kept.
+    #[error(transparent)]
+    Store(StoreError),
+}
+
+/// What the engine has done.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct RunTotals {
+    /// Finished runs per label.
+    pub counts: LabelCounts,
+    /// Why it was cut short, if it was.
+    pub stopped: Option<StopReason>,
+    /// How many of the finished runs did not have to be computed.
+    pub kept: u64,
+    /// How many runs had begun and were given up; nothing of them is kept.
+    pub given_up: u64,
+}
+
+impl RunTotals {
+    /// Whether it was cut short.
+    pub fn interrupted(&self) -> bool {
+        self.stopped.is_some()
+    }
+}
+
+/// Computes the runs of a study's shard in lockstep and hands runs and points to `sink`. Runs that are in
+/// `store` are not computed; all others go there.
+///
+/// When `stop` becomes true, runs in progress are finished, or given up where that takes longer than a second;
+/// all finished runs are handed on, and the engine returns. A panic in a run is that run's failure and nobody else's.
+///
+/// # Errors
+/// Where threads cannot be started, the sink refuses or the store cannot be written.
+pub fn run_study<S: Sink>(
+    study: &Study,
+    options: EngineOptions,
+    stop: &AtomicBool,
+    progress: &Progress,
+    store: Option<&mut Store>,
+    sink: &mut S,
+) -> Result<RunTotals, EngineError<S::Error>> {
+    let run =
+        StudyRun { study, options, stop_condition: StopCondition::new(stop, &options), progress };
+    run.run(&InLockstep(SimdLevel::best()), store, sink)
+}
+
+/// The same with a function that simulates one case.
+///
+/// # Errors
+/// As for [`run_study`].
+pub fn run_study_with<S: Sink>(
+    study: &Study,
+    options: EngineOptions,
+    simulate: impl Fn(&Case) -> Outcome + Sync,
+    stop: &AtomicBool,
+    progress: &Progress,
+    store: Option<&mut Store>,
+    sink: &mut S,
+) -> Result<RunTotals, EngineError<S::Error>> {
+    let run =
+        StudyRun { study, options, stop_condition: StopCondition::new(stop, &options), progress };
+    run.run(&OneByOne(simulate), store, sink)
+}
+
+/// A study on its way.
+struct StudyRun<'a> {
+    study: &'a Study,
+    options: EngineOptions,
+    stop_condition: StopCondition<'a>,
+    progress: &'a Progress,
+}
+
+/// What is needed of a store while runs are computed.
+struct StoreReader<'a> {
+    chunk_index: &'a mut ChunkIndex,
+    result_cache: &'a ResultCache,
+    new_results: SyncSender<NewResult>,
+}
+
+impl StudyRun<'_> {
+    fn run<S: Sink>(
+        &self,
+        engine: &impl Engine,
+        store: Option<&mut Store>,
+        sink: &mut S,
+    ) -> Result<RunTotals, EngineError<S::Error>> {
+        let mut stopped = None;
+        let is_over = || self.stop_condition.gives_up(&mut stopped);
+        with_patience(is_over, |cancellation| self.run_under(cancellation, engine, store, sink))
+    }
+
+    fn run_under<S: Sink>(
+        &self,
+        cancellation: &Cancellation,
+        engine: &impl Engine,
+        store: Option<&mut Store>,
+        sink: &mut S,
+    ) -> Result<RunTotals, EngineError<S::Error>> {
+        let Some(Store { appender, chunk_index, result_cache, .. }) = store else {
+            return self.compute_all(cancellation, engine, None, sink);
+        };
+        let (new_results, finished) = new_results();
+        let (stop_condition, chunk) = (&self.stop_condition, self.options.chunk);
+        thread::scope(|scope| {
+            let keeping =
+                scope.spawn(move || write_chunks(appender, &finished, chunk, stop_condition));
+            let reading = Some(StoreReader { chunk_index, result_cache, new_results });
+            let tally = self.compute_all(cancellation, engine, reading, sink);
+            // It has nothing to panic about; if it does, that is a failure of the program.
+            keeping
+                .join()
+                .unwrap_or_else(|panic| std::panic::resume_unwind(panic))
+                .map_err(EngineError::Store)?;
+            tally
+        })
+    }
+
+    fn compute_all<S: Sink>(
+        &self,
+        cancellation: &Cancellation,
+        engine: &impl Engine,
+        mut disk: Option<StoreReader<'_>>,
+        sink: &mut S,
+    ) -> Result<RunTotals, EngineError<S::Error>> {
+        let StudyRun { study, ref options, ref stop_condition, progress } = *self;
+        let pool = WorkerPool::new(options.threads)?;
+        let computed = |label| progress.finished(label);
+        let taken = |label| progress.found(label);
+        let size = options.chunk.max(1) as u64;
+        let kept = AtomicU64::new(0);
+        let mut intake = Intake { study, sink, point: None, counts: LabelCounts::default() };
+        let mut batches = Batches::new(study, options.shard);
+        let mut due = 0;
+        while let Some(batch) = batches.next(intake.so_far()) {
+            progress.expect(batches.most_runs());
+            due += batch.runs;
+            let mut finished: Vec<RunRecord> = Vec::new();
+            let mut first = 0;
+            let more_on_disk = |disk: &Option<StoreReader<'_>>, first| {
+                let reaches = |disk: &StoreReader<'_>| disk.chunk_index.reach(batch.run_id(first));
+                !stop_condition.at_once() && disk.as_ref().is_some_and(reaches)
+            };
+            while first < batch.runs && (!stop_condition.now() || more_on_disk(&disk, first)) {
+                let end = batch.runs.min(first.saturating_add(size));
+                let run_ids: Vec<u64> = (first..end).map(|index| batch.run_id(index)).collect();
+                first = end;
+                let found = match (&mut disk, run_ids.first(), run_ids.last()) {
+                    (Some(disk), Some(&first), Some(&last)) => disk.chunk_index.window(first, last),
+                    _ => HashMap::new(),
+                };
+                let disk =
+                    disk.as_ref().map(|StoreReader { result_cache, new_results, .. }| Storage {
+                        found: &found,
+                        taken: &taken,
+                        result_cache,
+                        retry_failed: options.retry_failed,
+                        new_results: new_results.clone(),
+                        kept: &kept,
+                    });
+                let begun = AtomicU64::new(0);
+                let batch = RunQueue {
+                    study,
+                    run_ids,
+                    begun,
+                    audits: true,
+                    stop_condition,
+                    finished: &computed,
+                    disk,
+                };
+                let waiting = std::mem::take(&mut finished);
+                let compute = || pool.compute(cancellation, engine, &batch);
+                let (records, handed_on) =
+                    pool.install(|| rayon::join(compute, || intake.take_all(waiting)));
+                handed_on.map_err(EngineError::Sink)?;
+                finished = records;
+            }
+            intake.take_all(finished).map_err(EngineError::Sink)?;
+            if intake.counts.total() < due {
+                break;
+            }
+        }
+        let counts = intake.finish().map_err(EngineError::Sink)?;
+        let stopped =
+            (counts.total() < due).then(|| stop_condition.reason().unwrap_or(StopReason::Asked));
+        Ok(RunTotals {
+            counts,
+            stopped,
+            kept: kept.into_inner(),
+            given_up: stop_condition.given_up(),
+        })
+    }
+}
+
+/// Hands runs to the sink and collects them point by point.
+struct Intake<'a, S> {
+    study: &'a Study,
+    sink: &'a mut S,
+    point: Option<(u64, PointAccumulator)>,
+    counts: LabelCounts,
+}
+
+impl<S: Sink> Intake<'_, S> {
+    /// What is known of the point whose runs came last.
+    fn so_far(&self) -> Option<&PointAccumulator> {
+        self.point.as_ref().map(|(_, runs)| runs)
+    }
+
+    fn take_all(&mut self, records: Vec<RunRecord>) -> Result<(), S::Error> {
+        for record in records {
+            let point_id = record.planned.point_id;
+            if self.point.as_ref().is_some_and(|(current, _)| *current != point_id) {
+                self.close_point()?;
+            }
+            let start = || (point_id, PointAccumulator::new(self.study.point(point_id).cells));
+            let (_, point) = self.point.get_or_insert_with(start);
+            point.add(record.observed());
+            self.counts.add(record.outcome.label());
+            self.sink.run(record)?;
+        }
+        Ok(())
+    }
+
+    fn close_point(&mut self) -> Result<(), S::Error> {
+        match self.point.take() {
+            Some((point_id, runs)) => {
+                let detail = runs.detail(self.study.simulation().end_times_s());
+                let row = PointRow::new(&self.study.point(point_id), runs.summary());
+                self.sink.point(row, detail)
+            }
+            None => Ok(()),
+        }
+    }
+
+    fn finish(mut self) -> Result<LabelCounts, S::Error> {
+        self.close_point()?;
+        Ok(self.counts)
+    }
+}
