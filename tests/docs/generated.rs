@@ -9,12 +9,11 @@ static PAGES: Mutex<()> = Mutex::new(());
 
 /// Every computed part of a page.
 const PARTS: [(&str, &[&str]); 4] = [
-    ("README.md", &["labels-below", "labels-above", "labels-irregular"]),
+    ("docs/verification.md", &["labels-below", "labels-above", "labels-irregular"]),
     (
-        "docs/endings.md",
+        "docs/methods.md",
         &[
             "distance-ratios",
-            "kernel-widths",
             "escape-rate-thesis",
             "escape-from-thesis",
             "escape-rate",

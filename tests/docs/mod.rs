@@ -1,11 +1,12 @@
-//! The README says what the program does: its outputs, its study and its commands are run.
+//! The README and the pages in `docs` say what the program does: their outputs, studies and commands are run.
 
 mod convergence;
 pub mod generated;
+mod named;
 mod records;
 mod tutorial;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 use arrow::array::RecordBatch;
@@ -14,6 +15,8 @@ use stickslip::analysis::{Z_95, wilson};
 use crate::cli::support::{counts, numbers, table, words};
 
 const README: &str = include_str!("../../README.md");
+const EQUILIBRIA: &str = include_str!("../../docs/equilibria.md");
+const STUDY_FILE: &str = include_str!("../../docs/study-file.md");
 
 fn stickslip(arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_stickslip"))
@@ -23,9 +26,9 @@ fn stickslip(arguments: &[&str]) -> Output {
         .expect("the program starts")
 }
 
-/// The code block that follows a line of the README.
-fn block_after(line: &str) -> String {
-    let mut lines = README.lines().skip_while(|text| *text != line).skip(1);
+/// The code block that follows a line of a page.
+fn block_after(page: &str, line: &str) -> String {
+    let mut lines = page.lines().skip_while(|text| *text != line).skip(1);
     assert!(lines.next().is_some_and(|fence| fence.starts_with("```")), "a block after {line}");
     lines.take_while(|text| !text.starts_with("```")).map(|text| format!("{text}\n")).collect()
 }
@@ -39,17 +42,18 @@ fn output_of_the_first_command() {
     let output = stickslip(&["run", "studies/preferred-equilibria.yaml", "--out", folder]);
     assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
     let printed = String::from_utf8_lossy(&output.stdout).into_owned();
-    assert_eq!(printed, block_after("<!-- tested: preferred-equilibria -->"));
+    assert_eq!(printed, block_after(README, "<!-- tested: preferred-equilibria -->"));
+    named::columns_are_on_pages(&out.path().join("results"));
     // Numbers that other pages take from this study.
     let points = table(&out.path().join("results/points.parquet"));
     let irregular = numbers(&points, "speed_rad_s").iter().position(|one| *one == Some(-191.6372));
     let rate = records::escape_rate(&points, irregular.expect("the irregular speed"));
     let rate_in_words = records::rate_in_words(&rate);
-    generated::compare_or_write_part("docs/endings.md", "escape-rate-thesis", &rate_in_words);
+    generated::compare_or_write_part("docs/methods.md", "escape-rate-thesis", &rate_in_words);
     let from = format!("{:.1} s", rate["from_s"].as_f64().expect("a time"));
-    generated::compare_or_write_part("docs/endings.md", "escape-from-thesis", &from);
+    generated::compare_or_write_part("docs/methods.md", "escape-from-thesis", &from);
     generated::compare_or_write_part(
-        "docs/endings.md",
+        "docs/methods.md",
         "stratified-narrower",
         &stratified_narrower(&points),
     );
@@ -71,7 +75,7 @@ fn stratified_narrower(points: &RecordBatch) -> String {
     format!("{:.0} to {:.0} %", (100.0 * least).abs(), 100.0 * most)
 }
 
-/// The equilibrium sets of the thesis, as the README shows them.
+/// The equilibrium sets of the thesis, as their page shows them.
 #[test]
 fn output_of_equilibria() {
     let out = tempfile::tempdir().expect("a folder");
@@ -83,19 +87,35 @@ fn output_of_equilibria() {
     let output = stickslip(&arguments);
     assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
     let printed = String::from_utf8_lossy(&output.stdout).into_owned();
-    assert_eq!(printed, block_after("<!-- tested: equilibria -->"));
+    assert_eq!(printed, block_after(EQUILIBRIA, "<!-- tested: equilibria -->"));
+    named::columns_are_on_pages(&out.path().join("sets"));
 }
 
-/// The annotated study of the README is a study.
+/// The first study of a page.
+fn first_study(page: &str) -> (String, stickslip::study::Study) {
+    let start = page.find("```yaml\n").expect("a YAML block") + "```yaml\n".len();
+    let text = &page[start..];
+    let text = text[..text.find("```").expect("its end")].to_owned();
+    let study = stickslip::study::Study::parse(Path::new("page.md"), text.clone())
+        .unwrap_or_else(|error| panic!("{error}"));
+    (text, study)
+}
+
+/// The study of the README is a study, in 20 lines.
 #[test]
 fn study_of_the_readme() {
-    let start = README.find("```yaml\n").expect("a YAML block") + "```yaml\n".len();
-    let text = &README[start..];
-    let text = &text[..text.find("```").expect("its end")];
-    let study = stickslip::study::Study::parse(Path::new("README.md"), text.to_owned())
-        .unwrap_or_else(|error| panic!("{error}"));
-    assert_eq!(study.point_count(), 6);
+    let (text, study) = first_study(README);
+    assert_eq!(text.lines().count(), 20);
+    assert_eq!(study.point_count(), 3);
     // At most, as it asks for a precision.
+    assert_eq!(study.run_count(), 3 * 1024);
+}
+
+/// The annotated study of the page on study files is a study.
+#[test]
+fn study_of_the_study_file_page() {
+    let (_, study) = first_study(STUDY_FILE);
+    assert_eq!(study.point_count(), 6);
     assert_eq!(study.run_count(), 6 * 1024);
 }
 
@@ -149,13 +169,34 @@ fn scripts_have_help() {
     assert!(asked > 10, "{asked} scripts");
 }
 
-/// Files that the README links to are there.
+/// The README is a first page, not a manual.
+#[test]
+fn readme_is_short() {
+    assert!(README.len() <= 8192, "README.md has {} bytes", README.len());
+}
+
+/// Files that pages link to are there.
 #[test]
 fn links_lead_somewhere() {
-    for link in README.split("](").skip(1).filter_map(|rest| rest.split(')').next()) {
-        if !link.starts_with("https://") {
-            let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(link);
-            assert!(path.exists(), "{link}");
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let docs = std::fs::read_dir(root.join("docs")).expect("pages");
+    let docs = docs.map(|entry| entry.expect("a page").path());
+    let mut pages: Vec<PathBuf> =
+        docs.filter(|path| path.extension().is_some_and(|ending| ending == "md")).collect();
+    for page in ["README.md", "CONTRIBUTING.md", "CHANGELOG.md", "SECURITY.md"] {
+        pages.push(root.join(page));
+    }
+    for page in ["benches", "fuzz", "scripts/compare", "scripts/reference"] {
+        pages.push(root.join(page).join("README.md"));
+    }
+    for page in pages {
+        let text = std::fs::read_to_string(&page).expect("a page");
+        for link in text.split("](").skip(1).filter_map(|rest| rest.split(')').next()) {
+            let path = link.split('#').next().unwrap_or_default();
+            if !path.is_empty() && !link.starts_with("https://") {
+                let folder = page.parent().expect("a folder");
+                assert!(folder.join(path).exists(), "{}: {link}", page.display());
+            }
         }
     }
 }

@@ -110,7 +110,7 @@ fn the_cd_rom_drive() {
         page,
         "cd-rom",
         &format!(
-            "\nThe search looks at {} designs. The final runs, {} for each of both:\n\n\
+            "\nThe search evaluates {} designs. Each of the two designs has {} final runs:\n\n\
              | | thesis's machine | best design |\n|---|---|---|\n{}{}| design | {} | {} |\n",
             optimum["search"]["designs"],
             best["runs"],
@@ -151,7 +151,7 @@ fn the_cd_rom_drive() {
     compare_or_write_part(page, "cd-rom-indices-rest", &largest("quiet"));
 }
 
-/// The rate at which irregular motion comes to rest, from 400 runs of 300 s; docs/endings.md sets it beside that of
+/// The rate at which irregular motion comes to rest, from 400 runs of 300 s; docs/methods.md sets it beside that of
 /// the thesis's study.
 #[test]
 fn the_escape_rate() {
@@ -159,7 +159,7 @@ fn the_escape_rate() {
         stickslip(&["run", "studies/escape-rate.yaml", "--out", out, "--quiet"]);
         escape_rate(&table(&Path::new(out).join("points.parquet")), 0)
     });
-    compare_or_write_part("docs/endings.md", "escape-rate", &rate_in_words(&values));
+    compare_or_write_part("docs/methods.md", "escape-rate", &rate_in_words(&values));
 }
 
 /// The escape rate of a point in `points.parquet`.

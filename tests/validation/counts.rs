@@ -105,11 +105,12 @@ impl ThesisRuns {
         let mut text = "\
 ## Preferred equilibria (thesis figures 5.7 to 5.9)
 
-Equilibria after 16.5 s, with Wilson's 95 % intervals. The thesis's box of start states is lost; the
-one used is *reconstructed*: chosen so that these six counts come out. That they agree with one box
-is evidence; each of them alone is not. The thesis's counts are a sample, too; its interval is given beside it.
+The table contains equilibria after 16.5 s, with Wilson's 95 % confidence intervals. The thesis's box of start states is
+illegible. The box of the program is *reconstructed* such that it reproduces the six counts. The agreement of all six
+counts with one box is evidence; the agreement of a single count is not. The counts of the thesis also have sampling
+error, and therefore an interval.
 
-| speed [rad/s] | μ | thesis | its interval | switch | interval | event | interval |
+| speed [rad/s] | μ | thesis | interval | switch | interval | event | interval |
 |---|---|---|---|---|---|---|---|
 "
         .to_owned();
@@ -130,9 +131,9 @@ is evidence; each of them alone is not. The thesis's counts are a sample, too; i
         }
         let _ = write!(
             text,
-            "\nWith Newton's normal force instead of the thesis's, {} of {} at {} rad/s \
-             (`studies/model-form.yaml`):\nthe thesis's counts need its derivation of the normal \
-             force.\n",
+            "\nWith Newton's normal force, {} of {} runs come to rest at {} rad/s \
+             (`studies/model-form.yaml`). Only the thesis's\nderivation of the normal force \
+             reproduces its counts.\n",
             self.with_newton,
             self.outcomes[0][0].len(),
             self.points[0].0,
@@ -144,7 +145,7 @@ is evidence; each of them alone is not. The thesis's counts are a sample, too; i
         let mut text = "\
 ## Time to rest (thesis section 5.3: \"about 2.5 s\")
 
-Times by which fractions of the runs are at rest (Kaplan-Meier; method `event`).
+The table contains the times by which a given percentage of the runs is at rest (Kaplan-Meier, method `event`).
 
 | speed [rad/s] | μ |"
             .to_owned();
@@ -171,13 +172,13 @@ Times by which fractions of the runs are at rest (Kaplan-Meier; method `event`).
         let mut text = "\
 ## Labels that flip between methods and tolerances
 
-Runs of the thesis's study that are at rest in one way and not in `event` with tolerance 1e-8, or the
-other way round, and the rate of that with Wilson's 95 % interval; and all whose label differs (runs
-that still move are `irregular` or `undecided` by the interval of their Lyapunov exponent). Where motions
-are irregular (-191.6372 rad/s) a run's label depends on the last digits of the computation; the
-fraction of equilibria does not.
+The reference is the method `event` with a tolerance of 1e-8. The column *rest flips* counts the runs of the thesis's study
+that come to rest in only one of the two computations, with the rate and Wilson's 95 % confidence interval. The column
+*label flips* counts all runs whose label differs; moving runs are `irregular` or `undecided` by the interval of their
+Lyapunov exponent. Where motions are irregular (-191.6372 rad/s), the label of a single run depends on the last digits of
+the computation, but the fraction of equilibria does not.
 
-| speed [rad/s] | μ | against event, tolerance 1e-8 | equilibria | rest flips | rate | interval | other label |
+| speed [rad/s] | μ | method | equilibria | rest flips | rate | interval | label flips |
 |---|---|---|---|---|---|---|---|
 "
         .to_owned();
@@ -241,11 +242,11 @@ pub fn independent_program() -> String {
     let mut text = "\
 ## An independent program
 
-The same start states in a Python program (`scripts/reference`) that shares nothing with this one:
-other equations (8×8), another integrator (Dormand-Prince 5(4)), exact switching. Final angles are
-compared where both are at rest.
+A Python program ([`scripts/reference`](../scripts/reference/README.md)) computes the same start states. It shares no code
+with stickslip and has other equations (8×8), another integrator (Dormand-Prince 5(4)), and exact switching. Final angles
+are compared where both programs find rest.
 
-| speed [rad/s] | method | labels that agree | final angles: median difference [rad] | 99 % below [rad] |
+| speed [rad/s] | method | equal labels | median difference of final angles [rad] | 99 % of the differences below [rad] |
 |---|---|---|---|---|
 "
     .to_owned();
@@ -297,7 +298,7 @@ compared where both are at rest.
         ("labels-above", agree("switch", "216.3772")),
         ("labels-irregular", irregular),
     ] {
-        compare_or_write_part("README.md", part, &words);
+        compare_or_write_part("docs/verification.md", part, &words);
     }
     text
 }

@@ -40,11 +40,11 @@ fn replicate(parameters: &str, end_time_s: f64) -> Vec<(Case, Outcome)> {
 pub fn at_rest_over_time() -> String {
     let times = [16.5, 33.0, 66.0, 165.0];
     let mut text = "\
-## At rest as time goes on
+## Equilibria as a function of time
 
-The thesis stops at 16.5 s and calls what still moves a limit cycle. One replicate of its start
-states, 256 runs, each to 165 s: how many have come to rest by a time, and what the others do at the
-end. *Elsewhere* is a prototype by other hands, with other start states.
+The thesis stops at 16.5 s and calls every run that still moves a limit cycle. The table contains one replicate of its
+start states, 256 runs of up to 165 s: the number of runs at rest by a given time, and the labels of the other runs at the
+end. The rows *prototype* are from an independent prototype with other start states.
 
 | speed [rad/s] | | 16.5 s | 33 s | 66 s | 165 s | irregular | limit cycle | undecided | Lyapunov exponents [1/s] |
 |---|---|---|---|---|---|---|---|---|---|
@@ -79,7 +79,7 @@ end. *Elsewhere* is a prototype by other hands, with other start states.
              {exponents} |",
         );
         let [a, b, c, d] = elsewhere;
-        let _ = writeln!(text, "| | elsewhere | {a} | {b} | {c} | {d} | | | | |");
+        let _ = writeln!(text, "| | prototype | {a} | {b} | {c} | {d} | | | | |");
         // Counts of two samples of 256: within four standard deviations of their difference.
         for (found, expected) in at_rest.into_iter().zip(elsewhere) {
             let fraction = (found + expected) as f64 / 512.0;
@@ -89,7 +89,7 @@ end. *Elsewhere* is a prototype by other hands, with other start states.
         }
         if speed == -216.3772 {
             let part = format!("{exponents}/s").replace(" .. ", " to ");
-            compare_or_write_part("docs/endings.md", "slow-exponents", &part);
+            compare_or_write_part("docs/methods.md", "slow-exponents", &part);
         }
         if speed == -191.6372 {
             let moving = runs.len() - at_rest[3];
@@ -103,15 +103,15 @@ pub fn thesis_orbits() -> String {
     let mut text = "\
 ## The thesis's limit cycles (table 5.1, figure 5.15)
 
-From the thesis's start states, both balls exactly side by side, to 55 s. The thesis found limit
-cycles, and names no ball speeds; those beside are of a prototype by other hands. The program finds
-the same motion, a closed orbit, and that it is *unstable*: two Floquet multipliers lie outside the
-unit circle, a pair that belongs to the separation of the balls (all others, those of motions with the
-balls side by side among them, lie inside). Only exact symmetry keeps the balls together; with the
-second moved by 1e-6 rad both come to rest. The thesis's limit cycles are no attractors of its model.
-(In the experiment the balls touched, which the model leaves out.)
+The runs start from the thesis's start states, with both balls exactly side by side, and last 55 s. The thesis reports limit
+cycles without ball speeds; the speeds for comparison are from an independent prototype. The program finds the same motion
+and shows that this closed orbit is *unstable*: two Floquet multipliers are outside the unit circle, a pair that belongs to
+the separation of the balls. All other multipliers are inside the unit circle, including those of motions with the balls
+side by side. Only exact symmetry keeps the balls together: if the second ball is displaced by 1e-6 rad, both balls come to
+rest. The limit cycles of the thesis are therefore not attractors of its model. (In the experiment the balls touched, which
+the model excludes.)
 
-| speed [rad/s] | mean ball speed, prototype [rad/s] | program [rad/s] | label | evidence | moduli of the multipliers | with β₂ moved by 1e-6: at rest at |
+| speed [rad/s] | mean ball speed, prototype [rad/s] | mean ball speed, program [rad/s] | label | evidence | moduli of the multipliers | time of rest with β₂ displaced by 1e-6 |
 |---|---|---|---|---|---|---|
 "
     .to_owned();
@@ -154,12 +154,11 @@ pub fn cycles() -> String {
     let mut text = "\
 ## Limit cycles from the thesis's start states
 
-256 runs to 66 s each, classes as in `cycles.parquet`: of each ball the turns per period in the disc's
-sense, or `rest`, with the order of stick (S) and slip (F, B). Each class has one orbit, however it was
-reached; only where a ball rests (it has more friction in the last line) do orbits form a family, with
-as many neutral directions.
+The table contains 256 runs of up to 66 s at each point, with the
+[classes](methods.md#classes-of-limit-cycles) of `cycles.parquet`. All runs of a class reach the same orbit. The only
+exception is the last row, where one ball has more friction and rests: its orbits form a family with one neutral direction.
 
-| speed [rad/s] | μ | class | runs | speed of the running ball [rad/s] | largest multiplier | neutral directions | where the other ball stays [rad] |
+| speed [rad/s] | μ | class | runs | speed of the revolving ball [rad/s] | largest multiplier | neutral directions | angles of the other ball [rad] |
 |---|---|---|---|---|---|---|---|
 "
     .to_owned();
@@ -223,9 +222,9 @@ pub fn block_on_belt() -> String {
     let mut text = "\
 ## A block on a belt
 
-The study `block-on-belt`: all runs that reach the stick-slip cycle, against its closed form.
+The table compares all runs of the study `block-on-belt` that reach the stick-slip cycle with its closed form.
 
-| belt speed [m/s] | runs | on the cycle | classes | largest error of the period |
+| belt speed [m/s] | runs | runs on the cycle | classes | largest relative error of the period |
 |---|---|---|---|---|
 "
     .to_owned();

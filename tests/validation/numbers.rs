@@ -12,11 +12,11 @@ pub fn introduction() -> String {
     "\
 # Validation
 
-What the program gives for every number that can still be read in the thesis (*Modeling and Analysis
-of an Automatic Balancing Unit with Dry Friction*, TU Eindhoven), how its two methods compare with
-each other, and how they compare with an independent program.
+This page compares the program with every number that is legible in the thesis (*Modeling and Analysis of an Automatic
+Balancing Unit with Dry Friction*, TU Eindhoven), its two methods with each other, and both methods with an independent
+program. [Verification](verification.md) lists the tests of the program.
 
-This page is made by `scripts/docs` from real runs; `cargo test` makes it again and compares.
+`scripts/docs` writes this page from computed results, and `cargo test` recomputes and compares it.
 "
     .to_owned()
 }
@@ -50,9 +50,9 @@ pub fn closed_forms() -> String {
 | balancing angles | 2.27, 4.01 rad | {:.4}, {:.4} rad |
 | A1+ and A1- vanish for abs(ω) in | [179, 184] rad/s | [{low:.2}, {high:.2}] rad/s |
 
-The thesis gives 2.15e-5 m \"if no balls were present in the system\" and not how it was computed. It is compared
-with the machine from which the balls are taken out, their mass with them. Balls that only cancel each other out keep
-their mass, which lowers the natural frequency: that amplitude is beside it, and nearer to the thesis's.
+The thesis gives 2.15e-5 m \"if no balls were present in the system\" without a derivation. The program removes the balls
+and their mass. Balls opposite each other cancel, but their mass lowers the natural frequency; the resulting amplitude is
+closer to the thesis's value.
 ",
         natural / std::f64::consts::TAU,
         reference_amplitude(&machine).expect("a damped suspension"),
@@ -90,8 +90,8 @@ pub fn frictionless() -> String {
     let mut text = "\
 ## Equilibria without friction (thesis figure 5.1)
 
-With viscous drag on the balls instead of dry friction. `stickslip equilibria STUDY --speeds
--150:-300:151` writes them with their eigenvalues.
+The balls have viscous drag instead of dry friction. `stickslip equilibria STUDY --speeds -150:-300:151` writes these
+equilibria with their eigenvalues.
 
 | speed [rad/s] | equilibria | stable |
 |---|---|---|
@@ -116,11 +116,11 @@ pub fn equilibrium_sets() -> String {
     let mut text = "\
 ## Equilibrium sets (thesis section 5.2)
 
-On a grid of 2048 × 2048 ball positions (`stickslip equilibria`); amplitudes are the extremes in the set. The
-thesis counts 4 parts at 2.75e-4, mirror images (balls exchanged) taken together, and finds that at 3.5e-3 every
-position is an equilibrium.
+The table is computed on a grid of 2048 × 2048 ball positions (`stickslip equilibria`). Amplitudes are extremes over the
+set. The thesis counts 4 components at 2.75e-4, modulo exchange of the balls, and finds that at 3.5e-3 every position is
+an equilibrium.
 
-| speed [rad/s] | μ | fraction of all positions | parts | parts modulo exchange | smallest amplitude [m] | largest [m] |
+| speed [rad/s] | μ | fraction of all positions | components | components modulo exchange | smallest amplitude [m] | largest amplitude [m] |
 |---|---|---|---|---|---|---|
 "
     .to_owned();
@@ -154,16 +154,9 @@ pub fn remainder() -> String {
         "\
 ## Existence and uniqueness (thesis section 4.3, left open there)
 
-Stick and slip are decided in exactly one way at all positions and for all forces, proven for the
-thesis's machine: least principal minor {:.8} (1: balls do not feel each other, 0: fails). `stickslip
-check STUDY --existence` says so for every point of a study.
-
-## Convergence
-
-How the errors of both methods fall with tolerance and band, on systems whose motion is known in
-closed form:
-
-![Errors against tolerance and band](convergence.svg)
+For the thesis's machine, stick and slip have exactly one solution at all positions and for all forces. The smallest
+principal minor is {:.8}, where 1 means decoupled balls and 0 means loss of uniqueness. `stickslip check STUDY
+--existence` applies this test to every point of a study.
 ",
         verdict.least_minor(),
     )

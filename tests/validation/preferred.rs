@@ -19,13 +19,13 @@ pub fn near_frictionless<'a>(points: impl Iterator<Item = (&'a Machine, &'a [Out
     let mut text = "\
 ## Preferred equilibria and the equilibria without friction (thesis section 5.3)
 
-The thesis remarks that preferred equilibria lie near the stable equilibria of the frictionless system
-(stable with a drag of 1e4 on the balls). Distances are root mean squares over the balls' angles to
-the nearest of these, balls exchanged as is best (method `switch`). *By chance* is the median for positions
-spread evenly over the equilibrium set, on a grid of 1024 × 1024; *nearer than that* are the equilibria below it, half of them
-if the set were all that mattered, with Wilson's 95 % interval.
+The thesis remarks that preferred equilibria are near the stable equilibria of the frictionless system (stable with a drag
+of 1e4 on the balls). The distance is the root mean square over the ball angles to the nearest of these, minimal over
+permutations of the balls (method `switch`). The column *uniform* contains the median distance of positions uniformly
+distributed in the equilibrium set, on a grid of 1024 × 1024. The column *nearer* counts the equilibria with a smaller
+distance than that, with Wilson's 95 % confidence interval; uniformly distributed equilibria would give one half.
 
-| speed [rad/s] | μ | nearest | median distance [rad] | by chance [rad] | ratio | nearer than that | interval |
+| speed [rad/s] | μ | nearest | median distance [rad] | uniform [rad] | ratio | nearer | interval |
 |---|---|---|---|---|---|---|---|
 "
     .to_owned();
@@ -63,7 +63,7 @@ if the set were all that mattered, with Wilson's 95 % interval.
     }
     let [least, most] = ratios.map(|ratio| format!("{ratio:.2}"));
     let range = format!("{least} to {most}");
-    compare_or_write_part("docs/endings.md", "distance-ratios", &range);
+    compare_or_write_part("docs/methods.md", "distance-ratios", &range);
     text
 }
 

@@ -1,0 +1,86 @@
+//! The pages name every key of a study file and every column of a table.
+
+use std::collections::BTreeSet;
+use std::path::Path;
+
+use serde_json::Value;
+
+use super::{EQUILIBRIA, STUDY_FILE, stickslip};
+use crate::cli::support::table;
+
+const RESULTS: &str = include_str!("../../docs/results.md");
+const LABELS: [&str; 5] = ["equilibrium", "limit_cycle", "irregular", "undecided", "failed"];
+
+/// The number of a ball in a name.
+fn is_number(part: &str) -> bool {
+    part.len() == 1 && part.bytes().all(|byte| byte.is_ascii_digit())
+}
+
+/// A column as pages write it: `K` for the number of a ball, `<label>` for a label.
+fn as_written(column: &str) -> String {
+    let parts = column.split('_').map(|part| if is_number(part) { "K" } else { part });
+    let name = parts.collect::<Vec<_>>().join("_");
+    let of_label = LABELS.iter().find_map(|label| {
+        let rest = name.strip_prefix(label)?;
+        ["_runs", "_low", "_high"].contains(&rest).then_some(rest)
+    });
+    of_label.map_or_else(|| name.clone(), |rest| format!("<label>{rest}"))
+}
+
+/// Compares the columns of all tables in a folder with the pages about them.
+pub fn columns_are_on_pages(folder: &Path) {
+    let mut tables = 0;
+    for entry in std::fs::read_dir(folder).expect("tables") {
+        let path = entry.expect("a file").path();
+        if path.extension().is_none_or(|ending| ending != "parquet") {
+            continue;
+        }
+        tables += 1;
+        for field in table(&path).schema().fields() {
+            let name = format!("`{}`", as_written(field.name()));
+            // Swept parameters are on the page about study files.
+            let found = [RESULTS, EQUILIBRIA, STUDY_FILE].iter().any(|page| page.contains(&name));
+            assert!(found, "{}: {name} is on no page", path.display());
+        }
+    }
+    assert!(tables > 1, "{} tables in {}", tables, folder.display());
+}
+
+fn keys_of(schema: &Value, keys: &mut BTreeSet<String>) {
+    match schema {
+        Value::Object(entries) => {
+            for (key, value) in entries {
+                if let ("properties", Value::Object(properties)) = (key.as_str(), value) {
+                    keys.extend(properties.keys().cloned());
+                }
+                keys_of(value, keys);
+            }
+        }
+        Value::Array(values) => values.iter().for_each(|value| keys_of(value, keys)),
+        _ => {}
+    }
+}
+
+#[test]
+fn keys_of_study_files_are_on_their_page() {
+    let schema: Value = serde_json::from_slice(&stickslip(&["schema"]).stdout).expect("JSON");
+    let mut keys = BTreeSet::new();
+    keys_of(&schema, &mut keys);
+    assert!(keys.len() > 80, "{} keys", keys.len());
+    for key in keys {
+        // A parameter of one ball is on the page as that of all balls.
+        let parts: Vec<&str> = key.split('_').filter(|part| !is_number(part)).collect();
+        let key = parts.join("_");
+        let forms =
+            [format!("`{key}`"), format!("`{key}."), format!(".{key}`"), format!("{key}: ")];
+        let found = forms.iter().any(|form| STUDY_FILE.contains(form.as_str()));
+        assert!(found, "`{key}` is not on the page");
+    }
+}
+
+#[test]
+fn columns_as_pages_write_them() {
+    assert_eq!(as_written("ball_speed_2_rad_s"), "ball_speed_K_rad_s");
+    assert_eq!(as_written("limit_cycle_low"), "<label>_low");
+    assert_eq!(as_written("equilibrium_fraction"), "equilibrium_fraction");
+}
