@@ -1,0 +1,7 @@
+"""`python -m stickslip.figures` is the command `stickslip-figures`."""
+
+import sys
+
+from .command import main
+
+sys.exit(main())
