@@ -9,6 +9,14 @@ Each function takes a directory of results and returns a matplotlib figure, 90 m
 Needs matplotlib, numpy and pyarrow (`pip install "stickslip[figures]"`), and no compiled part of this package.
 """
 
+from importlib.util import find_spec as _find_spec
+
+for _name in ("matplotlib", "numpy", "pyarrow"):
+    if _find_spec(_name) is None:
+        raise ModuleNotFoundError(
+            f'stickslip.figures needs {_name}: pip install "stickslip[figures]"', name=_name
+        )
+
 from .attraction import basins
 from .branches import frictionless_branches
 from .curves import amplitudes, time_to_rest

@@ -23,14 +23,18 @@ _MOST_DOTS = 48_000
 
 
 def basins(
-    directory: Source, *, width: Optional[Width] = None, points: Optional[Sequence[int]] = None, sheet: int = 1
+    directory: Source,
+    *,
+    width: Optional[Width] = None,
+    points: Optional[Sequence[int]] = None,
+    sheet: int = 1,
 ) -> Paper:
     """Basins of attraction: start states in the planes of two of their coordinates, by how the run ended.
 
     A panel for each point and pair of coordinates that belong together: equal ones of two balls, x and y,
     angle and speed of each ball; position and velocity of a block. The other coordinates differ from dot to
-    dot, so that this is a projection of the basins and not a cut through them. Angles are in rad, the block's
-    coordinates in m and m/s, the others without dimensions as in the study. Dots have no errors: labels in
+    dot, so that this is a projection of the basins and not a cut through them. Angles are in [rad], the block's
+    coordinates in [m] and [m/s], the others without dimensions as in the study. Dots have no errors: labels in
     doubt are in `diagnostics`.
 
     ``width``: "single" (90 mm) or "double" (180 mm); ``points``: numbers of the points to show; ``sheet``:
@@ -53,8 +57,14 @@ def basins(
     size = 1.8 if len(sample) > 500 * len(rows) else 2.4
     seen = [name for name in LABELS if np.any(sample["label"] == name)]
     keys = [
-        Line2D([], [], color=look.LABELS[name][0], marker=look.LABELS[name][1], linestyle="none",
-               label=words.label(name))
+        Line2D(
+            [],
+            [],
+            color=look.LABELS[name][0],
+            marker=look.LABELS[name][1],
+            linestyle="none",
+            label=words.label(name),
+        )
         for name in seen
     ]
     panels = []
@@ -68,10 +78,19 @@ def basins(
                     colour, mark, _ = look.LABELS[name]
                     of = of_point["label"] == name
                     axes.plot(
-                        x[of], y[of], linestyle="none", marker=mark, color=colour, markersize=size,
-                        markeredgewidth=0.6 if mark == "x" else 0, rasterized=rasterized,
+                        x[of],
+                        y[of],
+                        linestyle="none",
+                        marker=mark,
+                        color=colour,
+                        markersize=size,
+                        markeredgewidth=0.6 if mark == "x" else 0,
+                        rasterized=rasterized,
                     )
-                for which, column, values in (("x", pair[0], sample[pair[0]]), ("y", pair[1], sample[pair[1]])):
+                for which, column, values in (
+                    ("x", pair[0], sample[pair[0]]),
+                    ("y", pair[1], sample[pair[1]]),
+                ):
                     _start_axis(axes, which, column, table.unit(column), values.astype(float))
 
             title = sweep.title(row)

@@ -85,9 +85,18 @@ def frictionless_branches(directory: Source, *, width: Optional[Width] = None, s
                     if dashes != "-":
                         every = max(1, -(-speeds.size // _CIRCLES))
                         few = place % every == every // 2
+                        if not np.any(few):
+                            continue
                         axes.plot(
-                            sign * speeds[place[few]], angle[few], linestyle="none", marker="o", color=colour,
-                            markerfacecolor="white", markersize=3.2, clip_on=False, zorder=3,
+                            sign * speeds[place[few]],
+                            angle[few],
+                            linestyle="none",
+                            marker="o",
+                            color=colour,
+                            markerfacecolor="white",
+                            markersize=3.2,
+                            clip_on=False,
+                            zorder=3,
                         )
                 axes.plot([], [], color=colour, label=name)
             angle_axis(axes, "y", "angle of the balls")
@@ -95,8 +104,15 @@ def frictionless_branches(directory: Source, *, width: Optional[Width] = None, s
             axes.set_xlabel(f"speed of the disc {'−ω' if clockwise else 'ω'} [rad/s]")
             if natural is not None:
                 axes.axvline(natural, color=FAINT, linewidth=0.7, linestyle=(0, (4, 2)), zorder=1)
-                axes.annotate("ωₙ", (natural, 1.0), xycoords=("data", "axes fraction"), xytext=(0, 2),
-                              textcoords="offset points", ha="center", va="bottom")
+                axes.annotate(
+                    "ωₙ",
+                    (natural, 1.0),
+                    xycoords=("data", "axes fraction"),
+                    xytext=(0, 2),
+                    textcoords="offset points",
+                    ha="center",
+                    va="bottom",
+                )
 
         panels.append(Panel(draw, _KINDS[kind], keys=keys))
     told = [
@@ -119,4 +135,3 @@ def _connected(place: NDArray[np.int64], x: Numbers, y: Numbers) -> tuple[Number
     """Points at neighbouring speeds as a line, broken where a speed is left out or an angle goes round."""
     gaps = np.flatnonzero((np.abs(np.diff(place)) > 1) | (np.abs(np.diff(y)) > np.pi)) + 1
     return np.insert(x, gaps, np.nan), np.insert(y, gaps, np.nan)
-

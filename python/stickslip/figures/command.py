@@ -59,6 +59,14 @@ matplotlib give the same bytes. Exit code: 0; 1 where a table cannot be read; 2 
 """
 
 
+def _dpi(text: str) -> int:
+    """A number of dots per inch."""
+    dpi = int(text) if text.isascii() and text.isdigit() else 0
+    if not 50 <= dpi <= 2400:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a number from 50 to 2400")
+    return dpi
+
+
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="stickslip-figures",
@@ -76,6 +84,12 @@ def _parser() -> argparse.ArgumentParser:
         "--width",
         choices=list(WIDTHS_MM),
         help="90 mm or 180 mm [default: double where there are several panels]",
+    )
+    parser.add_argument(
+        "--dpi",
+        type=_dpi,
+        default=300,
+        help="dots per inch of PNG, and of dense dots in the others [default: 300]",
     )
     parser.add_argument(
         "--equilibria",
@@ -130,18 +144,24 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
     """Runs the command and returns its exit code."""
     parsed = _parser().parse_args(arguments)
     directory = Path(parsed.directory)
-    out = Path(parsed.out) if parsed.out else directory.resolve().with_name(f"{directory.resolve().name}-figures")
+    out = (
+        Path(parsed.out)
+        if parsed.out
+        else directory.resolve().with_name(f"{directory.resolve().name}-figures")
+    )
     try:
         drawn = _drawn(parsed)
         out.mkdir(parents=True, exist_ok=True)
         for name, paper in drawn:
             file = out / f"{name}.{parsed.format}"
-            paper.savefig(file)
+            paper.savefig(file, dpi=parsed.dpi)
             print(file)
     except FiguresError as error:
         print(f"error: {error}", file=sys.stderr)
         return 1
     except OSError as error:
-        print(f"error: {out}: {error.strerror or error}; choose another directory with --out", file=sys.stderr)
+        print(
+            f"error: {out}: {error.strerror or error}; choose another directory with --out", file=sys.stderr
+        )
         return 1
     return 0

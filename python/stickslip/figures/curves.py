@@ -92,7 +92,11 @@ def _own_legend(axes: Axes, title: str, ruled: bool) -> None:
 
 
 def time_to_rest(
-    directory: Source, *, width: Optional[Width] = None, points: Optional[Sequence[int]] = None, sheet: int = 1
+    directory: Source,
+    *,
+    width: Optional[Width] = None,
+    points: Optional[Sequence[int]] = None,
+    sheet: int = 1,
 ) -> Paper:
     """The probability that the balls (or the block) are at rest by time t [s], a curve for each point.
 
@@ -166,13 +170,17 @@ def time_to_rest(
 
 
 def amplitudes(
-    directory: Source, *, width: Optional[Width] = None, points: Optional[Sequence[int]] = None, sheet: int = 1
+    directory: Source,
+    *,
+    width: Optional[Width] = None,
+    points: Optional[Sequence[int]] = None,
+    sheet: int = 1,
 ) -> Paper:
     """The table's amplitude at the end of the runs: its empirical distribution function at each point.
 
     All runs with an amplitude count, at rest or moving (of moving ones the root mean square). With balls the
     abscissa is the amplitude divided by that of the same machine without balls: left of 1 the balls help.
-    Without balls (the block) it is the amplitude in m. No errors are drawn: a value at fraction p of n runs has
+    Without balls (the block) it is the amplitude [m]. No errors are drawn: a value at fraction p of n runs has
     the standard error sqrt(p (1 − p) / n).
 
     ``width``: "single" (90 mm) or "double" (180 mm); ``points``: numbers of the points to show. Raises
@@ -204,9 +212,7 @@ def amplitudes(
         part = np.arange(1, values.size + 1) / values.size
         kept = evenly(values.size, _MOST_STEPS)
         x, y = np.r_[values[0], values[kept]], np.r_[0.0, part[kept]]
-        axes.step(
-            x, y, where="post", color=SERIES[place], linestyle=DASHES[place % 5], label=name, zorder=3
-        )
+        axes.step(x, y, where="post", color=SERIES[place], linestyle=DASHES[place % 5], label=name, zorder=3)
 
     def finish(axes: Axes) -> None:
         axes.set_ylim(0, 1)

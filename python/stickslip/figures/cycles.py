@@ -32,7 +32,11 @@ _QUANTITIES = (
 
 
 def limit_cycle_branches(
-    directory: Source, *, width: Optional[Width] = None, points: Optional[Sequence[int]] = None, sheet: int = 1
+    directory: Source,
+    *,
+    width: Optional[Width] = None,
+    points: Optional[Sequence[int]] = None,
+    sheet: int = 1,
 ) -> Paper:
     """Limit cycles over the swept parameter: a branch for each class, a panel for each quantity.
 
@@ -94,14 +98,29 @@ def limit_cycle_branches(
                     order = np.argsort(x, kind="stable")
                     y, low, high = (factor * read[(columns * 3)[k]][of][order] for k in range(3))
                     interval(
-                        axes, x[order], y, low, high, colour=SERIES[number], mark=MARKS[number],
-                        dashes=DASHES[number % 5], name=f"class {of_class.replace('-', '−')}",
+                        axes,
+                        x[order],
+                        y,
+                        low,
+                        high,
+                        colour=SERIES[number],
+                        mark=MARKS[number],
+                        dashes=DASHES[number % 5],
+                        name=f"class {of_class.replace('-', '−')}",
                     )
                 axes.set_ylabel(words.axis(name, unit))
                 if name.startswith("largest"):
                     axes.axhline(1.0, color=FAINT, linewidth=0.7, linestyle=(0, (4, 2)), zorder=1)
-                    axes.annotate("stable below", (0.98, 1.0), xycoords=("axes fraction", "data"), ha="right",
-                                  va="top", xytext=(0, -2), textcoords="offset points", color="#505050")
+                    axes.annotate(
+                        "stable below",
+                        (0.98, 1.0),
+                        xycoords=("axes fraction", "data"),
+                        ha="right",
+                        va="top",
+                        xytext=(0, -2),
+                        textcoords="offset points",
+                        color="#505050",
+                    )
                 _not_too_close(axes)
                 if over is None:
                     named_axis(axes, [sweep.short(row) for row in rows], sweep.short_names)

@@ -45,6 +45,8 @@ def interval(
 ) -> None:
     """Marks with intervals, joined by a line where dashes are given."""
     known = np.isfinite(y)
+    if not np.any(known):
+        return
     x, y, low, high = x[known], y[known], low[known], high[known]
     low, high = np.where(np.isfinite(low), low, y), np.where(np.isfinite(high), high, y)
     axes.errorbar(
@@ -65,11 +67,15 @@ def interval(
 
 
 def ending_fractions(
-    directory: Source, *, width: Optional[Width] = None, points: Optional[Sequence[int]] = None, sheet: int = 1
+    directory: Source,
+    *,
+    width: Optional[Width] = None,
+    points: Optional[Sequence[int]] = None,
+    sheet: int = 1,
 ) -> Paper:
     """How the runs end: the fraction of each label over the swept parameter, with 95 % intervals.
 
-    The abscissa is the swept number with the most values, in its unit; a panel for each combination of the
+    The abscissa is the swept number with the most values, in its unit, as speed [rad/s]; a panel for each combination of the
     other parameters. Without a swept number it is the points themselves. Fractions are of all finished runs of
     a point. The interval of equilibria stands for itself (`ci_low` to `ci_high` of `points.parquet`) and is
     widened by failed runs, which might have been any; those of the other labels hold for all labels at once
@@ -88,9 +94,7 @@ def ending_fractions(
         for name in seen:
             colour, mark, dashes = look.LABELS[name]
             one, low, high = (found[key][list(rows)] for key in (name, f"{name}_low", f"{name}_high"))
-            interval(
-                axes, x, one, low, high, colour=colour, mark=mark, dashes=dashes, name=words.label(name)
-            )
+            interval(axes, x, one, low, high, colour=colour, mark=mark, dashes=dashes, name=words.label(name))
         axes.set_ylim(0, 1)
         axes.set_ylabel("fraction of the runs")
 
@@ -138,11 +142,15 @@ def ending_fractions(
 
 
 def diagnostics(
-    directory: Source, *, width: Optional[Width] = None, points: Optional[Sequence[int]] = None, sheet: int = 1
+    directory: Source,
+    *,
+    width: Optional[Width] = None,
+    points: Optional[Sequence[int]] = None,
+    sheet: int = 1,
 ) -> Paper:
     """What failed or is in doubt at each point: fractions of failed and undecided runs, and of flips.
 
-    Fractions are of all finished runs of a point, with 95 % intervals for all labels at once. Flips are
+    Fractions [1] are of all finished runs of a point, with 95 % intervals for all labels at once. Flips are
     audited runs (`audit:` in the study) that get another label when they are computed more precisely, as a
     fraction of the audited runs, with Wilson's 95 % interval.
 

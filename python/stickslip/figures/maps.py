@@ -30,7 +30,11 @@ _SHOWN = (
 
 
 def label_map(
-    directory: Source, *, width: Optional[Width] = None, points: Optional[Sequence[int]] = None, sheet: int = 1
+    directory: Source,
+    *,
+    width: Optional[Width] = None,
+    points: Optional[Sequence[int]] = None,
+    sheet: int = 1,
 ) -> Paper:
     """Maps over two swept parameters: a cell for each point of the sweep, white where there is no value.
 
@@ -75,7 +79,9 @@ def label_map(
                 said = f"{title} – {name}" if title else name
                 panels.append(_panel(said, (scale, limits), (across, up), rows, found[column]))
     if not panels:
-        raise sweep.table.nothing("most combinations of the two parameters are missing", "sweep them as a grid")
+        raise sweep.table.nothing(
+            "most combinations of the two parameters are missing", "sweep them as a grid"
+        )
     more = "" if drawn == len(sweep) else f" {drawn} of {len(sweep)} points are shown."
     return lay_out(
         panels,
@@ -99,7 +105,10 @@ def _panel(
     across, up = over
     grid = np.full((up.distinct.size, across.distinct.size), np.nan)
     for row in rows:
-        place = np.searchsorted(up.distinct, up.values[row]), np.searchsorted(across.distinct, across.values[row])
+        place = (
+            np.searchsorted(up.distinct, up.values[row]),
+            np.searchsorted(across.distinct, across.values[row]),
+        )
         grid[place] = values[row]
     low, high = limits or (float(np.nanmin(grid)), float(np.nanmax(grid)))
 

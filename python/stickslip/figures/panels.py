@@ -76,7 +76,9 @@ class _Numbers(ScalarFormatter):
     def get_offset(self) -> str:
         """The common power."""
         superscripts = str.maketrans("-−0123456789", "⁻⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
-        return re.sub(r"1e(\S+)", lambda match: "×10" + match[1].translate(superscripts), super().get_offset())
+        return re.sub(
+            r"1e(\S+)", lambda match: "×10" + match[1].translate(superscripts), super().get_offset()
+        )
 
 
 def _plain_numbers(axes: Axes) -> None:
@@ -140,7 +142,9 @@ def lay_out(
                 bar.outline.set_linewidth(0.6)
             lettered = f"({_letter(first + place)}) {panel.title}" if len(panels) > 1 else panel.title
             if lettered.strip():
-                axes.set_title("\n".join(textwrap.wrap(lettered.strip(), max(18, int(letters)))), pad=4.0 + panel.above)
+                axes.set_title(
+                    "\n".join(textwrap.wrap(lettered.strip(), max(18, int(letters)))), pad=4.0 + panel.above
+                )
             drawn.append(axes)
         for axes in paper.axes:
             _plain_numbers(axes)

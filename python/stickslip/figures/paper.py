@@ -88,6 +88,11 @@ _STYLE: Any = {
 }
 
 
+#: Coordinates in a file, and their digits after the second: a hundredth of a point is not seen.
+_DRAWN = re.compile(r' d="[^"]*"|<use [^>]*>')
+_LONG = re.compile(r"(\d\.\d\d)\d+")
+
+
 @contextmanager
 def style() -> Iterator[None]:
     """Matplotlib's settings for papers, whatever the reader's own are."""
@@ -149,7 +154,8 @@ class Paper(Figure):
     def _described(self, svg: bytes) -> bytes:
         """With a title and a description that programs which read aloud find."""
         words = escape(" ".join(part for part in (self.alternative, self.caption) if part))
-        text = svg.decode().replace("<svg ", '<svg role="img" aria-labelledby="title description" ', 1)
+        text = _DRAWN.sub(lambda drawn: _LONG.sub(r"\1", drawn[0]), svg.decode())
+        text = text.replace("<svg ", '<svg role="img" aria-labelledby="title description" ', 1)
         named = f'<title id="title">{escape(self.title)}</title>\n <desc id="description">{words}</desc>'
         text, found = re.subn(r"<title>.*?</title>", lambda _: named, text, count=1, flags=re.DOTALL)
         if not found:

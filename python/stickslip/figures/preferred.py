@@ -77,8 +77,16 @@ def preferred_equilibria(
     rasterized = len(at_rest) > runs.MOST_VECTOR_DOTS
     colour = INK if balls > 1 else LABELS["equilibrium"][0]
     size = 1.1 if behind == "set" or balls > 2 else 1.6
-    dot = Line2D([], [], linestyle="none", marker="o", markersize=2, color=colour, markeredgewidth=0,
-                 label="run at rest")
+    dot = Line2D(
+        [],
+        [],
+        linestyle="none",
+        marker="o",
+        markersize=2,
+        color=colour,
+        markeredgewidth=0,
+        label="run at rest",
+    )
     counts = sweep.numbers(["equilibrium_runs"])["equilibrium_runs"]
     pairs = list(combinations(range(balls), 2))[:_MOST_PAIRS] if balls > 1 else [(0, 0)]
     panels = []
@@ -95,8 +103,15 @@ def preferred_equilibria(
                 first = at_rest[places[pair[0]]][of_point].astype(float)
                 second = at_rest[(more or places)[pair[1] if not more else 0]][of_point].astype(float)
                 axes.plot(
-                    first, 1e6 * second if balls == 1 else second, linestyle="none", marker="o",
-                    markersize=size, color=colour, markeredgewidth=0, rasterized=rasterized, zorder=2,
+                    first,
+                    1e6 * second if balls == 1 else second,
+                    linestyle="none",
+                    marker="o",
+                    markersize=size,
+                    color=colour,
+                    markeredgewidth=0,
+                    rasterized=rasterized,
+                    zorder=2,
                 )
                 if balls == 0:
                     axes.set(xlabel="position at rest [m]", ylabel="time to rest [s]")
@@ -174,6 +189,11 @@ def _histogram(axes: Axes, results: Directory, point: int) -> Optional[ScalarMap
         grid[across, up] = 100 * read["fraction"][of]
     edges = np.linspace(0, 2 * np.pi, cells + 1)
     return axes.pcolormesh(
-        edges, edges, np.ma.masked_invalid(np.where(grid > 0, grid, np.nan)), cmap=_COUNTS, vmin=0,
-        rasterized=True, zorder=0,
+        edges,
+        edges,
+        np.ma.masked_invalid(np.where(grid > 0, grid, np.nan)),
+        cmap=_COUNTS,
+        vmin=0,
+        rasterized=True,
+        zorder=0,
     )

@@ -17,7 +17,7 @@ __all__ = ["MOST_DOTS", "Sample", "balls_of", "read", "scattered"]
 #: At most about so many runs are dots of a figure.
 MOST_DOTS = 100_000
 #: From so many dots on they are pixels in a file of lines, which otherwise gets large.
-MOST_VECTOR_DOTS = 4_000
+MOST_VECTOR_DOTS = 2_000
 
 
 def scattered(run_id: NDArray[Any], one_in: int) -> NDArray[np.bool_]:
@@ -85,7 +85,5 @@ def read(
     for batch in directory.table("runs").batches(wanted):
         shown = np.isin(batch["point_id"], points) & scattered(batch["run_id"], one_in)
         parts.append({name: values[shown] for name, values in batch.items()})
-    held = {
-        name: np.concatenate([part[name] for part in parts]) if parts else np.empty(0) for name in wanted
-    }
+    held = {name: np.concatenate([part[name] for part in parts]) if parts else np.empty(0) for name in wanted}
     return Sample(held, of, one_in)

@@ -10,6 +10,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import BoundaryNorm
+from matplotlib.contour import ContourSet
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
@@ -60,6 +61,14 @@ def nice(step: float) -> float:
     return float(next((factor * power for factor in (1, 2, 5) if factor * power >= 0.95 * step), 10 * power))
 
 
+def _widened(held: NDArray[np.bool_], cells: int = 6) -> NDArray[np.bool_]:
+    """Positions in the set, and those up to so many cells away, once round."""
+    wide = held.copy()
+    for axis in (0, 1):
+        wide = np.logical_or.reduce([np.roll(wide, by, axis) for by in range(-cells, cells + 1)])
+    return wide
+
+
 class EquilibriumSets:
     """What `stickslip equilibria` has written: a grid of positions for each point, and what goes with it."""
 
@@ -85,7 +94,12 @@ class EquilibriumSets:
         """The grid of a point."""
         point = self.sweep.ids[row]
         parts = [
-            (batch["beta_1_rad"][of], batch["beta_2_rad"][of], batch["amplitude_m"][of], batch["friction_margin"][of])
+            (
+                batch["beta_1_rad"][of],
+                batch["beta_2_rad"][of],
+                batch["amplitude_m"][of],
+                batch["friction_margin"][of],
+            )
             for batch in self.positions.batches(
                 ["point_id", "beta_1_rad", "beta_2_rad", "amplitude_m", "friction_margin"]
             )
@@ -93,12 +107,15 @@ class EquilibriumSets:
             if np.any(of)
         ]
         if not parts:
-            raise self.positions.error(f"it has no positions of point {point}", "repeat `stickslip equilibria`")
+            raise self.positions.error(
+                f"it has no positions of point {point}", "repeat `stickslip equilibria`"
+            )
         first, second, amplitude, margin = (np.concatenate(column).astype(float) for column in zip(*parts))
         side = round(float(np.sqrt(first.size)))
         if side * side != first.size:
             raise self.positions.error(
-                f"its {first.size} positions of point {point} are no square grid", "repeat `stickslip equilibria`"
+                f"its {first.size} positions of point {point} are no square grid",
+                "repeat `stickslip equilibria`",
             )
         order = np.lexsort((second, first))
         margin = np.nan_to_num(margin, nan=-1e3, neginf=-1e3).clip(min=-1e3)
@@ -118,18 +135,31 @@ class EquilibriumSets:
     def draw(self, axes: Axes, row: int, rasterized: bool = False) -> ScalarMappable:
         """Draws the set of a point: amplitude by colour inside, white outside, its edge, and stars and circles."""
         grid = self.grid(row)
-        angle, amplitude = grid.closed(grid.amplitude_um)
-        _, margin = grid.closed(grid.margin)
         levels = grid.levels()
-        # Columns of the picture go with ball 1.
-        filled = axes.contourf(
-            angle, angle, amplitude.T, levels=levels, cmap=SCALE, norm=BoundaryNorm(levels, SCALE.N), zorder=0
-        )
-        lines = axes.contour(
-            angle, angle, amplitude.T, levels=levels, colors=FAINT, linewidths=0.4, linestyles="-", zorder=0.1
-        )
-        layers = [filled, lines]
-        if margin.min() < 0:
+        norm = BoundaryNorm(levels, SCALE.N)
+        layers: list[ContourSet] = []
+        held = grid.margin >= 0
+        if np.any(held):
+            # Columns of the picture go with ball 1. What is far from the set is covered, and not drawn at all.
+            angle, amplitude = grid.closed(
+                np.where(_widened(held), grid.amplitude_um, np.nan), _MOST_CELLS // 2
+            )
+            shown = np.ma.masked_invalid(amplitude.T)
+            layers += [
+                axes.contourf(angle, angle, shown, levels=levels, cmap=SCALE, norm=norm, zorder=0),
+                axes.contour(
+                    angle,
+                    angle,
+                    shown,
+                    levels=levels,
+                    colors=FAINT,
+                    linewidths=0.4,
+                    linestyles="-",
+                    zorder=0.1,
+                ),
+            ]
+        if np.any(held) and not np.all(held):
+            angle, margin = grid.closed(grid.margin)
             layers.append(
                 axes.contourf(angle, angle, margin.T, levels=[-1e9, 0.0], colors="white", zorder=0.2)
             )
@@ -145,20 +175,38 @@ class EquilibriumSets:
                 if grid.alike:
                     other = x != y
                     x, y = np.r_[x, y[other]], np.r_[y, x[other]]
+                if not x.size:
+                    continue
                 axes.plot(
-                    x, y, linestyle="none", marker=mark, markersize=size, color=SERIES[1], zorder=4,
-                    markerfacecolor=fill, markeredgewidth=0.4 if fill != "white" else 1.0,
-                    markeredgecolor="white" if fill != "white" else SERIES[1], clip_on=False,
+                    x,
+                    y,
+                    linestyle="none",
+                    marker=mark,
+                    markersize=size,
+                    color=SERIES[1],
+                    zorder=4,
+                    markerfacecolor=fill,
+                    markeredgewidth=0.4 if fill != "white" else 1.0,
+                    markeredgecolor="white" if fill != "white" else SERIES[1],
+                    clip_on=False,
                 )
-        return filled
+        return ScalarMappable(norm, SCALE)
 
     def keys(self) -> list[Line2D]:
         """Entries of the legend."""
         found = [Line2D([], [], color=INK, linewidth=0.9, label="edge of the equilibrium set")]
         if self.directory.has("frictionless_equilibria"):
             found += [
-                Line2D([], [], linestyle="none", marker=mark, markersize=size, color=SERIES[1],
-                       markerfacecolor=fill, label=name)
+                Line2D(
+                    [],
+                    [],
+                    linestyle="none",
+                    marker=mark,
+                    markersize=size,
+                    color=SERIES[1],
+                    markerfacecolor=fill,
+                    label=name,
+                )
                 for name, mark, size, fill in _STABILITIES
             ]
         return found
@@ -171,7 +219,11 @@ _STABILITIES = (
 
 
 def equilibrium_set(
-    directory: Source, *, width: Optional[Width] = None, points: Optional[Sequence[int]] = None, sheet: int = 1
+    directory: Source,
+    *,
+    width: Optional[Width] = None,
+    points: Optional[Sequence[int]] = None,
+    sheet: int = 1,
 ) -> Paper:
     """The equilibrium set of two balls: where dry friction holds both, over their angles [rad].
 

@@ -39,7 +39,7 @@ def equilibrium_surface(directory: Source, *, width: Optional[Width] = None, poi
     _, margin = grid.closed(grid.margin, _CELLS)
     highest = float(amplitude[margin >= 0].max()) if np.any(margin >= 0) else float(amplitude.max())
     step = nice(highest / 6)
-    top = step * np.ceil(highest / step)
+    top = step * np.ceil(highest / step - 1e-9)
     parameters = dict(sets.positions.parameters)
     for column in sets.sweep.parameters:
         value = sets.sweep.values[column][row]
@@ -57,18 +57,36 @@ def equilibrium_surface(directory: Source, *, width: Optional[Width] = None, poi
         held = np.where(margin >= 0, amplitude, np.nan)
         norm = Normalize(0.0, top)
         axes.plot_surface(  # type: ignore[attr-defined]
-            first, second, held, rcount=_CELLS, ccount=_CELLS, facecolors=SCALE(norm(amplitude)),
-            linewidth=0, antialiased=False, shade=False, rasterized=True,
+            first,
+            second,
+            held,
+            rcount=_CELLS,
+            ccount=_CELLS,
+            facecolors=SCALE(norm(amplitude)),
+            linewidth=0,
+            antialiased=False,
+            shade=False,
+            rasterized=True,
         )
         axes.plot_wireframe(  # type: ignore[attr-defined]
-            first, second, held + 0.004 * top, rcount=16, ccount=16, colors="#606060", linewidth=0.3,
+            first,
+            second,
+            held + 0.004 * top,
+            rcount=16,
+            ccount=16,
+            colors="#606060",
+            linewidth=0.3,
             rasterized=True,
         )
         for handle in keys:
             corners = 2 * np.pi * np.array([[0, 0], [1, 0], [1, 1], [0, 1], [0, 0]])
             axes.plot(
-                corners[:, 0], corners[:, 1], np.full(5, 1e6 * (without or 0.0)), color=handle.get_color(),
-                linestyle=(0, (4, 2)), zorder=10,
+                corners[:, 0],
+                corners[:, 1],
+                np.full(5, 1e6 * (without or 0.0)),
+                color=handle.get_color(),
+                linestyle=(0, (4, 2)),
+                zorder=10,
             )
         quarters = [place * np.pi / 2 for place in range(5)]
         for which in ("x", "y"):

@@ -48,16 +48,26 @@ def motion(directory: Source, *, width: Optional[Width] = None, sheet: int = 1) 
     read = table.read(["time_s", *(column for *_, columns, _ in quantities for column in columns)])
     time = read["time_s"].astype(float)
     if time.size < 2 or not time[-1] > time[0]:
-        raise table.nothing(f"it has {time.size} times, and a curve needs two", "repeat `stickslip replay` with more")
+        raise table.nothing(
+            f"it has {time.size} times, and a curve needs two", "repeat `stickslip replay` with more"
+        )
+    # A ball side by side with another would not be seen.
+    beside = balls == 2 and all(
+        np.array_equal(read[first], read[second], equal_nan=True)
+        for first, second in (columns for *_, columns, _ in quantities[:2])
+    )
     panels = []
     for name, unit, columns, factor in quantities:
 
         def draw(
-            axes: Axes, name: str = name, unit: str = unit, columns: list[str] = columns, factor: float = factor
+            axes: Axes,
+            name: str = name,
+            unit: str = unit,
+            columns: list[str] = columns,
+            factor: float = factor,
         ) -> None:
             values = [factor * read[column].astype(float) for column in columns]
-            # A ball side by side with another would not be seen.
-            if len(values) == 2 and np.array_equal(values[0], values[1], equal_nan=True):
+            if len(values) == 2 and beside:
                 values, named = values[:1], ["balls 1 and 2, side by side"]
             else:
                 named = [f"ball {ball + 1}" for ball in range(len(values))]
@@ -66,7 +76,10 @@ def motion(directory: Source, *, width: Optional[Width] = None, sheet: int = 1) 
                 x, y = thinned(time, one)
                 if unit == "rad":
                     x, y = _unbroken(x, y)
-                style: dict[str, Any] = {"linewidth": 0.8, "color": INK if alone else SERIES[ball % len(SERIES)]}
+                style: dict[str, Any] = {
+                    "linewidth": 0.8,
+                    "color": INK if alone else SERIES[ball % len(SERIES)],
+                }
                 if not alone:
                     style["linestyle"] = DASHES[ball % len(DASHES)]
                 axes.plot(x, y, label=label if len(columns) > 1 else "", **style)
