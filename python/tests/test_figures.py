@@ -1,5 +1,6 @@
 """What figures show: marks at coordinates, axes, words; and the command that draws them."""
 
+import hashlib
 import os
 import re
 import subprocess
@@ -466,8 +467,10 @@ def test_errors_say_where_what_and_the_remedy(results, tmp_path):
     (results / "manifest.json").write_text('{"files": {"runs.parquet": {"bytes": 5}}}')
     with pytest.raises(figures.FiguresError, match=r"points\.parquet: it is not on the directory's list"):
         figures.ending_fractions(results)
-    size = (results / "points.parquet").stat().st_size
-    (results / "manifest.json").write_text(f'{{"files": {{"points.parquet": {{"bytes": {size + 1}}}}}}}')
+    listed = hashlib.sha256((results / "points.parquet").read_bytes()).hexdigest()
+    (results / "manifest.json").write_text(f'{{"files": {{"points.parquet": {{"sha256": "{listed}"}}}}}}')
+    assert len(panels(figures.ending_fractions(results))) == 1
+    small_tables.points(results, {"speed_rad_s": [-200.0]}, [[1, 0, 0, 0, 0]])
     with pytest.raises(figures.FiguresError, match="it is not the file that was written"):
         figures.ending_fractions(results)
     with pytest.raises(ValueError, match="width='triple': allowed are 'single', 'double'"):

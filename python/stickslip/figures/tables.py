@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import re
 from collections.abc import Iterator, Sequence
-from functools import cached_property
+from functools import cached_property, lru_cache
 from os import PathLike
 from pathlib import Path
 from typing import Any, Optional, Union
@@ -104,9 +105,20 @@ class Directory:
             again = f"finish or repeat `{_COMMANDS[name]}`"
             if key not in listed:
                 raise FiguresError(self.path, key, "it is not on the directory's list of files", again)
-            if listed[key].get("bytes") not in (None, file.stat().st_size):
+            if listed[key].get("sha256") not in (None, _sha256(file, file.stat().st_mtime_ns)):
                 raise FiguresError(self.path, key, "it is not the file that was written", again)
         return Table(self.path, path.name, files)
+
+
+@lru_cache(maxsize=256)
+def _sha256(file: Path, changed_ns: int) -> str:
+    """The hash of a file as it was at a time."""
+    del changed_ns
+    found = hashlib.sha256()
+    with file.open("rb") as content:
+        while block := content.read(1 << 20):
+            found.update(block)
+    return found.hexdigest()
 
 
 class Table:
