@@ -1,0 +1,137 @@
+"""Equilibria without dry friction over the speed of the disc: a panel for each kind."""
+
+from __future__ import annotations
+
+from typing import Optional
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
+from numpy.typing import NDArray
+
+from .machine import natural_frequency_rad_s
+from .panels import Panel, angle_axis, lay_out
+from .paper import FAINT, INK, SERIES, Paper, Width
+from .tables import Directory, Numbers, Source
+
+__all__ = ["frictionless_branches"]
+
+#: About so many circles on a branch over all speeds.
+_CIRCLES = 30
+_DASHED = (0, (5, 1.8))
+#: Kinds as the thesis writes them.
+_KINDS = {
+    "a1_plus": "A1+",
+    "a1_minus": "A1−",
+    "a2": "A2",
+    "b1": "B1",
+    "other": "on one line",
+    "everywhere": "everywhere",
+}
+
+
+def frictionless_branches(directory: Source, *, width: Optional[Width] = None, sheet: int = 1) -> Paper:
+    """Equilibria without dry friction over the speed of the disc [rad/s]: angles of the balls [rad].
+
+    A panel for each kind: A1+ and A1− with all balls together, A2 with two balls opposite each other, B1
+    balanced, others with three balls or more. Stable branches are solid, unstable ones dashed with circles;
+    the dashed upright line is the natural frequency. Closed forms; there are no errors to draw. The thesis,
+    figure 5.1.
+
+    ``width``: "single" (90 mm) or "double" (180 mm). Raises FiguresError where the directory has no
+    `frictionless_equilibria.parquet` with three speeds or more (`stickslip equilibria --speeds=FROM:TO:N`).
+    """
+    table = Directory(directory).table("frictionless_equilibria")
+    table.need(["speed_rad_s", "kind", "stability"])
+    own = table.columns[: table.columns.index("kind")]
+    other = [column for column in own if column not in ("point_id", "speed_rad_s")]
+    remedy = "repeat `stickslip equilibria` with --speeds=FROM:TO:N, or sweep only the speed"
+    if other:
+        raise table.nothing(f"it is swept over {', '.join(other)} as well", remedy)
+    angles = [name for name in table.columns if name.startswith("beta_") and name.endswith("_rad")]
+    read = table.read(["speed_rad_s", "kind", "stability", *angles])
+    speeds = np.unique(read["speed_rad_s"])
+    if speeds.size < 3:
+        raise table.nothing(f"it has {speeds.size} speeds, and branches need three", remedy)
+    # To the right the disc turns faster, whichever way.
+    clockwise = bool(speeds[-1] <= 0)
+    sign = -1.0 if clockwise else 1.0
+    natural = natural_frequency_rad_s(table.parameters)
+    beta = np.array([read[name].astype(float) for name in angles])
+    exists = np.all(np.isfinite(beta), axis=0)
+    stable = read["stability"] == "stable"
+    kinds = [kind for kind in _KINDS if np.any((read["kind"] == kind) & exists)]
+    if not kinds:
+        raise table.nothing("it has no equilibria with balls at places of their own", remedy)
+    keys = [
+        Line2D([], [], color=INK, label="stable"),
+        Line2D([], [], color=INK, linestyle=_DASHED, marker="o", markerfacecolor="white", label="unstable"),
+    ]
+    panels = []
+    for kind in kinds:
+        of = (read["kind"] == kind) & exists
+        together = bool(np.all(beta[:, of] == beta[:1, of]))
+
+        def draw(axes: Axes, of: NDArray[np.bool_] = of, together: bool = together) -> None:
+            for ball in range(1 if together else len(angles)):
+                colour = SERIES[2] if together else SERIES[ball % len(SERIES)]
+                name = "all balls together" if together else f"ball {ball + 1}"
+                for kept, dashes in ((of & stable, "-"), (of & ~stable, _DASHED)):
+                    place = np.searchsorted(speeds, read["speed_rad_s"][kept])
+                    order = np.argsort(sign * place, kind="stable")
+                    place, angle = place[order], beta[ball, kept][order]
+                    x, y = _connected(place, sign * speeds[place], angle)
+                    axes.plot(x, y, color=colour, linestyle=dashes)
+                    if dashes != "-":
+                        every = max(1, -(-speeds.size // _CIRCLES))
+                        few = place % every == every // 2
+                        if not np.any(few):
+                            continue
+                        axes.plot(
+                            sign * speeds[place[few]],
+                            angle[few],
+                            linestyle="none",
+                            marker="o",
+                            color=colour,
+                            markerfacecolor="white",
+                            markersize=3.2,
+                            clip_on=False,
+                            zorder=3,
+                        )
+                axes.plot([], [], color=colour, label=name)
+            angle_axis(axes, "y", "angle of the balls")
+            axes.set_xlim(float(np.min(sign * speeds)), float(np.max(sign * speeds)))
+            axes.set_xlabel(f"speed of the disc {'−ω' if clockwise else 'ω'} [rad/s]")
+            if natural is not None:
+                axes.axvline(natural, color=FAINT, linewidth=0.7, linestyle=(0, (4, 2)), zorder=1)
+                axes.annotate(
+                    "ωₙ",
+                    (natural, 1.0),
+                    xycoords=("data", "axes fraction"),
+                    xytext=(0, 2),
+                    textcoords="offset points",
+                    ha="center",
+                    va="bottom",
+                )
+
+        panels.append(Panel(draw, _KINDS[kind], keys=keys))
+    told = [
+        f"{_KINDS[kind]} is stable at {np.count_nonzero((read['kind'] == kind) & stable)} of the "
+        f"{np.count_nonzero(read['kind'] == kind)} speeds at which it exists"
+        for kind in kinds
+    ]
+    return lay_out(
+        panels,
+        title="Equilibria without dry friction over the speed of the disc",
+        caption="Where the balls rest without dry friction: A1+ and A1− all together, A2 opposite each other, B1 "
+        "balanced. Solid: stable; dashed with circles: unstable; ωₙ: natural frequency.",
+        alternative=f"{'; '.join(told)}; of {speeds.size} speeds.",
+        width=width,
+        sheet=sheet,
+    )
+
+
+def _connected(place: NDArray[np.int64], x: Numbers, y: Numbers) -> tuple[Numbers, Numbers]:
+    """Points at neighbouring speeds as a line, broken where a speed is left out or an angle goes round."""
+    gaps = np.flatnonzero((np.abs(np.diff(place)) > 1) | (np.abs(np.diff(y)) > np.pi)) + 1
+    return np.insert(x, gaps, np.nan), np.insert(y, gaps, np.nan)

@@ -1,0 +1,253 @@
+"""Distributions over the runs of each point: time to rest, and amplitude at the end."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, Callable, Optional
+
+import numpy as np
+from matplotlib.axes import Axes
+from numpy.typing import NDArray
+
+from . import runs, words
+from .panels import Panel, lay_out
+from .paper import DASHES, INK, SERIES, Paper, Width
+from .sweep import Sweep, evenly
+from .tables import Directory, Numbers, Source
+
+__all__ = ["amplitudes", "time_to_rest"]
+
+#: At most so many curves in one panel.
+_MOST_CURVES = 6
+#: At most so many steps of a curve: more than a picture can tell apart.
+_MOST_STEPS = 400
+#: At most about so many amplitudes are held.
+_MOST_AMPLITUDES = 2_000_000
+
+
+def _few_each(rows: Sequence[int], ids: NDArray[Any]) -> list[tuple[str, list[int]]]:
+    """Rows in panels of a few neighbours each, with what the panels are called."""
+    count = max(1, -(-len(rows) // _MOST_CURVES))
+    each = max(1, -(-len(rows) // count))
+    parts = [list(rows[first : first + each]) for first in range(0, len(rows), each)]
+    if len(parts) < 2:
+        return [("", part) for part in parts]
+    return [
+        (f"points {ids[part[0]]} to {ids[part[-1]]}" if len(part) > 1 else f"point {ids[part[0]]}", part)
+        for part in parts
+    ]
+
+
+def _panels(
+    sweep: Sweep,
+    rows: Sequence[int],
+    draw: Callable[[Axes, int, str, int], None],
+    finish: Callable[[Axes], None],
+    ruled: bool = False,
+) -> list[Panel]:
+    """Curves of points, a few in a panel, each with its legend where there are several panels."""
+    parts = _few_each(rows, sweep.ids)
+
+    def panel(part: list[int]) -> Callable[[Axes], None]:
+        def of(axes: Axes) -> None:
+            for place, row in enumerate(part):
+                failed = f" ({sweep.failed[row]:.0f} failed)" if sweep.failed[row] > 0 else ""
+                named = sweep.short(row) if sweep.parameters or len(sweep) > 1 else "all runs"
+                draw(axes, row, named + failed, place)
+            finish(axes)
+            if len(parts) > 1:
+                _own_legend(axes, sweep.short_names, ruled)
+
+        return of
+
+    if len(parts) < 2:
+        return [Panel(panel(part), aspect=0.62) for _, part in parts]
+    return [
+        Panel(panel(part), title, above=11.0 * (-(-len(part) // 2) + bool(sweep.short_names) + ruled))
+        for title, part in parts
+    ]
+
+
+def _own_legend(axes: Axes, title: str, ruled: bool) -> None:
+    """A legend above the axes that holds for them alone."""
+    handles, names = axes.get_legend_handles_labels()
+    legend = axes.legend(
+        handles,
+        names,
+        loc="lower left",
+        bbox_to_anchor=(0.0, 1.0),
+        borderaxespad=1.5 if ruled else 0.3,
+        borderpad=0.0,
+        ncols=2,
+        handlelength=1.8,
+        columnspacing=0.8,
+        labelspacing=0.2,
+        title=title or None,
+        alignment="left",
+    )
+    # The title above it keeps its room.
+    legend.set_in_layout(False)
+    for handle in [*axes.lines, *axes.collections]:
+        handle.set_label("")
+
+
+def time_to_rest(
+    directory: Source,
+    *,
+    width: Optional[Width] = None,
+    points: Optional[Sequence[int]] = None,
+    sheet: int = 1,
+) -> Paper:
+    """The probability that the balls (or the block) are at rest by time t [s], a curve for each point.
+
+    The estimator of Kaplan and Meier from `time_to_rest.parquet`: runs that still move at the end are
+    censored. The bands are its 95 % intervals, point by point in time. Failed runs are left out of the curve;
+    the band allows for them, as if all of them were at rest at once, or never.
+
+    ``width``: "single" (90 mm) or "double" (180 mm); ``points``: numbers of the points to show. Raises
+    FiguresError where the directory has no such table.
+    """
+    results = Directory(directory)
+    sweep = Sweep(results)
+    table = results.table("time_to_rest")
+    read = table.read(["point_id", "time_s", "probability_at_rest", "ci_low", "ci_high"])
+    curves: dict[int, tuple[Numbers, ...]] = {}
+    for row in sweep.details(points):
+        of = np.flatnonzero(read["point_id"] == sweep.ids[row])
+        if of.size:
+            of = of[evenly(of.size, _MOST_STEPS)]
+            names = ("time_s", "probability_at_rest", "ci_low", "ci_high")
+            curves[row] = tuple(read[name][of].astype(float) for name in names)
+    if not curves:
+        raise table.nothing("it has no rows of these points", "choose points with runs that did not fail")
+    end = float(np.nanmax(read["time_s"]))
+
+    def draw(axes: Axes, row: int, name: str, place: int) -> None:
+        time, probability, low, high = curves[row]
+        failed = sweep.failed[row] / max(sweep.runs[row], 1.0)
+        low, high = low * (1 - failed), high * (1 - failed) + failed
+        if time[0] > 0:
+            time, probability = np.r_[0, time], np.r_[0, probability]
+            low, high = np.r_[0, low], np.r_[high[0], high]
+        if time[-1] < end:
+            time = np.r_[time, end]
+            probability, low, high = (np.r_[part, part[-1]] for part in (probability, low, high))
+        style: dict[str, Any] = {"color": SERIES[place], "zorder": 3}
+        axes.fill_between(time, low, high, step="post", color=SERIES[place], alpha=0.2, linewidth=0)
+        axes.step(time, probability, where="post", linestyle=DASHES[place % 5], label=name, **style)
+
+    def finish(axes: Axes) -> None:
+        axes.set_xlim(0, end)
+        axes.set_ylim(0, 1)
+        axes.set_xlabel("time [s]")
+        axes.set_ylabel("probability of being at rest")
+
+    balls = runs.balls_of(results)
+    medians = sweep.numbers(["time_to_rest_p50_s"])["time_to_rest_p50_s"]
+    told = [
+        f"{sweep.named(row)}"
+        + (
+            f"half of the runs that did not fail are at rest by {medians[row]:.3f} s"
+            if np.isfinite(medians[row])
+            else "less than half of the runs that did not fail come to rest"
+        )
+        for row in curves
+    ]
+    left_out = sweep.failures_left_out(list(curves))
+    if left_out:
+        left_out += " The bands allow for them: all at rest at once, or never."
+    moving = {0: "block comes", 1: "ball comes"}.get(balls, "balls come")
+    return lay_out(
+        _panels(sweep, list(curves), draw, finish),
+        title=f"When the {moving} to rest",
+        caption="Probability of being at rest by time t (Kaplan and Meier; runs that still move at the end are "
+        f"censored), with 95 % bands.{left_out}{sweep.left_out(list(curves))}",
+        alternative=words.listed(told),
+        width=width,
+        sheet=sheet,
+        legend_title=sweep.short_names,
+    )
+
+
+def amplitudes(
+    directory: Source,
+    *,
+    width: Optional[Width] = None,
+    points: Optional[Sequence[int]] = None,
+    sheet: int = 1,
+) -> Paper:
+    """The table's amplitude at the end of the runs: its empirical distribution function at each point.
+
+    All runs with an amplitude count, at rest or moving (of moving ones the root mean square). With balls the
+    abscissa is the amplitude divided by that of the same machine without balls: left of 1 the balls help.
+    Without balls (the block) it is the amplitude [m]. No errors are drawn: a value at fraction p of n runs has
+    the standard error sqrt(p (1 − p) / n).
+
+    ``width``: "single" (90 mm) or "double" (180 mm); ``points``: numbers of the points to show. Raises
+    FiguresError where the directory has no `runs.parquet`, or no run has an amplitude.
+    """
+    results = Directory(directory)
+    sweep = Sweep(results)
+    balls = runs.balls_of(results) > 0
+    rows = sweep.details(points)
+    sample = runs.read(results, sweep, rows, ["amplitude_m"], _MOST_AMPLITUDES)
+    without = np.ones(len(sweep))
+    if balls:
+        without = sweep.numbers(["amplitude_without_balls_m"])["amplitude_without_balls_m"]
+    curves: dict[int, Numbers] = {}
+    for row in rows:
+        values = sample["amplitude_m"][sample["point_id"] == sweep.ids[row]].astype(float)
+        if balls and not without[row] > 0:
+            continue
+        values = np.sort(values[np.isfinite(values)]) / without[row]
+        if balls:
+            values = values[values > 0]
+        if values.size:
+            curves[row] = values
+    if not curves:
+        raise results.table("runs").nothing("no run of these points has an amplitude", "choose other points")
+
+    def draw(axes: Axes, row: int, name: str, place: int) -> None:
+        values = curves[row]
+        part = np.arange(1, values.size + 1) / values.size
+        kept = evenly(values.size, _MOST_STEPS)
+        x, y = np.r_[values[0], values[kept]], np.r_[0.0, part[kept]]
+        axes.step(x, y, where="post", color=SERIES[place], linestyle=DASHES[place % 5], label=name, zorder=3)
+
+    def finish(axes: Axes) -> None:
+        axes.set_ylim(0, 1)
+        axes.set_ylabel("fraction of the runs with less")
+        axes.set_xlabel("amplitude at the end [m]")
+        if balls:
+            axes.set_xscale("log")
+            axes.set_xlabel("amplitude / amplitude without balls")
+            axes.axvline(1.0, color=INK, linewidth=0.8, linestyle=(0, (4, 2)), zorder=2)
+            axes.annotate(
+                "without balls",
+                (1.0, 1.0),
+                xycoords=("data", "axes fraction"),
+                xytext=(0, 2),
+                textcoords="offset points",
+                ha="center",
+                va="bottom",
+            )
+
+    def fact(row: int) -> str:
+        values = curves[row]
+        if balls:
+            part = 100 * float(np.mean(values < 1.0))
+            return f"{sweep.named(row)}{part:.1f} % of the runs vibrate less than without balls"
+        median = words.significant(float(values[(values.size - 1) // 2]))
+        return f"{sweep.named(row)}half of the runs have {median} m or less"
+
+    sampled = sample.subsample.replace("are shown", "are counted")
+    return lay_out(
+        _panels(sweep, list(curves), draw, finish, ruled=balls),
+        title="Amplitude of the table at the end" if balls else "Amplitude of the block at the end",
+        caption="Fraction of a point's runs whose amplitude at the end is smaller: all runs with an amplitude, "
+        f"at rest or moving.{sweep.failures_left_out(list(curves))}{sweep.left_out(list(curves))}{sampled}",
+        alternative=words.listed([fact(row) for row in curves]),
+        width=width,
+        sheet=sheet,
+        legend_title=sweep.short_names,
+    )

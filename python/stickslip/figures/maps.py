@@ -1,0 +1,143 @@
+"""A sweep over two parameters as maps: a cell for each point, coloured by what came of it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Optional
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+
+from .panels import Panel, lay_out
+from .paper import SCALE, Paper, Width
+from .sweep import Axis, Sweep, by_decades
+from .tables import Directory, Numbers, Source
+
+__all__ = ["label_map"]
+
+#: At least so many values of each parameter.
+_LEAST = 3
+#: At most so many combinations of the other parameters have maps.
+_MOST_PLANES = 12
+
+_SHOWN = (
+    ("fraction of runs in equilibrium", "fraction", "equilibrium_fraction", (0.0, 1.0)),
+    ("median time to rest", "time to rest [s]", "time_to_rest_p50_s", None),
+    ("median amplitude / amplitude without balls", "ratio", "amplitude_p50_m", None),
+    ("fraction of positions in the equilibrium set", "fraction", "set_fraction", (0.0, 1.0)),
+)
+
+
+def label_map(
+    directory: Source,
+    *,
+    width: Optional[Width] = None,
+    points: Optional[Sequence[int]] = None,
+    sheet: int = 1,
+) -> Paper:
+    """Maps over two swept parameters: a cell for each point of the sweep, white where there is no value.
+
+    Shown are the fraction of runs that end in equilibrium, the median time to rest [s] (white where less than
+    half of the runs come to rest), the median amplitude at the end divided by that without balls, and the
+    fraction of all ball positions that are equilibria. The axes are the two swept numbers with the most
+    values, in their units; there is a row of maps for each combination of the others. Intervals are in
+    `points.parquet`, and in `ending_fractions`.
+
+    ``width``: "single" (90 mm) or "double" (180 mm); ``points``: numbers of the points to show; ``sheet``:
+    which twelve panels, where there are more. Raises FiguresError where fewer than two parameters take three
+    values or more.
+    """
+    sweep = Sweep(Directory(directory))
+    axes_of = sweep.axes(_LEAST)
+    if len(axes_of) < 2:
+        raise sweep.table.nothing(
+            f"{len(axes_of)} of its swept parameters are numbers with {_LEAST} values or more, and a map needs "
+            "two",
+            "sweep two parameters, or draw `ending_fractions`",
+        )
+    across, up = axes_of[:2]
+    shown = None if points is None else set(sweep.details(points))
+    wanted = [column for *_, column, _ in _SHOWN if column in sweep.table.columns]
+    found = sweep.numbers([*wanted, *({"amplitude_without_balls_m"} & set(sweep.table.columns))])
+    if "amplitude_without_balls_m" in found:
+        with np.errstate(invalid="ignore", divide="ignore"):
+            found["amplitude_p50_m"] = found["amplitude_p50_m"] / found["amplitude_without_balls_m"]
+    else:
+        found.pop("amplitude_p50_m", None)
+    panels = []
+    cells = across.distinct.size * up.distinct.size
+    drawn = 0
+    for title, rows in list(sweep.groups([across.column, up.column]).items())[:_MOST_PLANES]:
+        rows = [row for row in rows if shown is None or row in shown]
+        # A map of which most cells are empty is a path: curves show it better.
+        if 3 * len(rows) < cells:
+            continue
+        drawn += len(rows)
+        for name, scale, column, limits in _SHOWN:
+            if column in found and np.any(np.isfinite(found[column][rows])):
+                said = f"{title} – {name}" if title else name
+                panels.append(_panel(said, (scale, limits), (across, up), rows, found[column]))
+    if not panels:
+        raise sweep.table.nothing(
+            "most combinations of the two parameters are missing", "sweep them as a grid"
+        )
+    more = "" if drawn == len(sweep) else f" {drawn} of {len(sweep)} points are shown."
+    return lay_out(
+        panels,
+        title=f"Maps over {across.name} and {up.name}",
+        caption=f"A cell for each point of the sweep, white where there is no value.{more}",
+        alternative=f"{drawn} points over {across.label} and {up.label}.",
+        width=width,
+        sheet=sheet,
+        columns=2,
+    )
+
+
+def _panel(
+    title: str,
+    shown: tuple[str, Optional[tuple[float, float]]],
+    over: tuple[Axis, Axis],
+    rows: Sequence[int],
+    values: Numbers,
+) -> Panel:
+    scale, limits = shown
+    across, up = over
+    grid = np.full((up.distinct.size, across.distinct.size), np.nan)
+    for row in rows:
+        place = (
+            np.searchsorted(up.distinct, up.values[row]),
+            np.searchsorted(across.distinct, across.values[row]),
+        )
+        grid[place] = values[row]
+    low, high = limits or (float(np.nanmin(grid)), float(np.nanmax(grid)))
+
+    def draw(axes: Axes) -> ScalarMappable:
+        mesh = axes.pcolormesh(
+            edges(across.distinct),
+            edges(up.distinct),
+            np.ma.masked_invalid(grid),
+            cmap=SCALE,
+            vmin=low,
+            vmax=high if high > low else low + 1,
+            edgecolors="face",
+            linewidth=0.1,
+        )
+        for axis, set_scale, set_label in (
+            (across, axes.set_xscale, axes.set_xlabel),
+            (up, axes.set_yscale, axes.set_ylabel),
+        ):
+            set_scale("log" if axis.logarithmic else "linear")
+            set_label(axis.label)
+        return mesh
+
+    return Panel(draw, title, scale=scale)
+
+
+def edges(values: Numbers) -> Numbers:
+    """Edges of cells round ascending values: in the middle between neighbours, as the axis goes."""
+    logarithmic = by_decades(values)
+    along = np.log(values) if logarithmic else values
+    between = (along[1:] + along[:-1]) / 2
+    all_edges = np.r_[2 * along[0] - between[0], between, 2 * along[-1] - between[-1]]
+    return np.asarray(np.exp(all_edges) if logarithmic else all_edges)

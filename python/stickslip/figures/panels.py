@@ -1,0 +1,220 @@
+"""Panels on a sheet: how many side by side, how high, with one legend and letters."""
+
+from __future__ import annotations
+
+import re
+import textwrap
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any, Callable, Optional
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.ticker import FixedLocator, FuncFormatter, NullFormatter, NullLocator, ScalarFormatter
+
+from .paper import WIDTHS_MM, Paper, Width, style
+
+__all__ = ["MOST_PANELS", "Panel", "angle_axis", "lay_out"]
+
+#: At most so many panels are on one sheet.
+MOST_PANELS = 12
+_INCH_MM = 25.4
+_QUARTERS = ("0", "π/2", "π", "3π/2", "2π")
+
+
+@dataclass
+class Panel:
+    """A pair of axes: what is drawn on it, and the words above it."""
+
+    draw: Callable[[Axes], Optional[ScalarMappable]]
+    title: str = ""
+    #: Height over width.
+    aspect: float = 0.75
+    #: Room between the axes and the title for what stands there, points.
+    above: float = 0.0
+    #: What the colours mean, where `draw` returns what they are of.
+    scale: str = ""
+    #: Named lines and marks that are no data of this panel, for the legend.
+    keys: Sequence[Any] = field(default_factory=tuple)
+    #: Whether the axes are in space.
+    in_space: bool = False
+
+
+def angle_axis(axes: Axes, which: str, name: str) -> None:
+    """An axis once round, with ticks at quarters of a turn."""
+    quarters = [place * np.pi / 2 for place in range(5)]
+    if which == "x":
+        axes.set_xlim(0, 2 * np.pi)
+        axes.set_xticks(quarters, _QUARTERS)
+        axes.set_xlabel(f"{name} [rad]")
+    else:
+        axes.set_ylim(0, 2 * np.pi)
+        axes.set_yticks(quarters, _QUARTERS)
+        axes.set_ylabel(f"{name} [rad]")
+
+
+def named_axis(axes: Axes, names: Sequence[str], label: str) -> None:
+    """An abscissa of names, turned where they are long."""
+    axes.set_xlim(-0.5, len(names) - 0.5)
+    axes.xaxis.set_major_locator(FixedLocator(list(range(len(names)))))
+    axes.xaxis.set_minor_locator(NullLocator())
+    turned = max((len(name) for name in names), default=0) * len(names) > 45
+    axes.set_xticks(
+        range(len(names)),
+        list(names),
+        rotation=45 if turned else 0,
+        ha="right" if turned else "center",
+        rotation_mode="anchor" if turned else "default",
+    )
+    axes.set_xlabel(label)
+
+
+class _Numbers(ScalarFormatter):
+    """Numbers at ticks, with a common power of ten as `×10⁻³`."""
+
+    def get_offset(self) -> str:
+        """The common power."""
+        superscripts = str.maketrans("-−0123456789", "⁻⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+        return re.sub(
+            r"1e(\S+)", lambda match: "×10" + match[1].translate(superscripts), super().get_offset()
+        )
+
+
+def _plain_numbers(axes: Axes) -> None:
+    """Ticks whose words are text in every format: `0.01`, and not a formula."""
+    for axis in (axes.xaxis, axes.yaxis):
+        if axis.get_scale() == "log":
+            axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+            axis.set_minor_formatter(NullFormatter())
+        elif type(axis.get_major_formatter()) is ScalarFormatter:
+            axis.set_major_formatter(_Numbers())
+
+
+def _letter(place: int) -> str:
+    letters = "abcdefghijklmnopqrstuvwxyz"
+    return letters[place] if place < 26 else letters[place // 26 - 1] + letters[place % 26]
+
+
+def lay_out(
+    panels: Sequence[Panel],
+    *,
+    title: str,
+    caption: str,
+    alternative: str,
+    width: Optional[Width] = None,
+    sheet: int = 1,
+    columns: Optional[int] = None,
+    legend_title: str = "",
+) -> Paper:
+    """A sheet of panels, as wide as a journal's column or page, and as high as it has to be."""
+    if width is not None and width not in WIDTHS_MM:
+        raise ValueError(f"width={width!r}: allowed are {', '.join(map(repr, WIDTHS_MM))}")
+    sheets = -(-len(panels) // MOST_PANELS)
+    if not 1 <= sheet <= sheets:
+        raise ValueError(f"sheet={sheet!r}: there are {sheets}, numbered from 1")
+    first = (sheet - 1) * MOST_PANELS
+    shown = panels[first : first + MOST_PANELS]
+    size = WIDTHS_MM[width or ("double" if len(shown) > 1 else "single")] / _INCH_MM
+    if columns is None:
+        most = 3 if size > 5 else 1
+        columns = min(most, 2 if len(shown) in (2, 4) else len(shown))
+    columns = min(columns, len(shown))
+    rows = -(-len(shown) // columns)
+    with style():
+        across = size / columns
+        height = rows * (across * max(panel.aspect for panel in shown) + 0.5) + 0.8
+        paper = Paper(figsize=(size, height), layout="compressed")
+        paper.title, paper.caption, paper.alternative = title, caption.strip(), alternative
+        paper.sheets = sheets
+        paper.get_layout_engine().set(w_pad=0.02, h_pad=0.02)  # type: ignore[union-attr, call-arg]
+        letters = 72 * (across - 0.35) / 4.7
+        drawn: list[Axes] = []
+        for place, panel in enumerate(shown):
+            axes = paper.add_subplot(rows, columns, place + 1, projection="3d" if panel.in_space else None)
+            if not panel.in_space:
+                axes.set_box_aspect(panel.aspect)
+            mappable = panel.draw(axes)
+            if mappable is not None and panel.scale:
+                beside: Any = {"shrink": 0.75, "pad": 0.16} if panel.in_space else {"pad": 0.03}
+                bar = paper.colorbar(mappable, ax=axes, aspect=18, **beside)
+                bar.set_label(panel.scale)
+                bar.outline.set_linewidth(0.6)
+            lettered = f"({_letter(first + place)}) {panel.title}" if len(panels) > 1 else panel.title
+            if lettered.strip():
+                axes.set_title(
+                    "\n".join(textwrap.wrap(lettered.strip(), max(18, int(letters)))), pad=4.0 + panel.above
+                )
+            drawn.append(axes)
+        for axes in paper.axes:
+            _plain_numbers(axes)
+        _label_outer(drawn, columns)
+        _legend(paper, shown, drawn, legend_title)
+        _fit_height(paper)
+    return paper
+
+
+def _label_outer(drawn: Sequence[Axes], columns: int) -> None:
+    """Words at axes that are those of a neighbour are written once."""
+
+    def of_x(axes: Axes) -> Any:
+        return axes.get_xlabel(), axes.get_xlim(), axes.get_xscale()
+
+    def of_y(axes: Axes) -> Any:
+        return axes.get_ylabel(), axes.get_ylim(), axes.get_yscale()
+
+    inner_x, inner_y = [], []
+    for place, axes in enumerate(drawn):
+        if axes.name == "3d":
+            continue
+        below = place + columns
+        if below < len(drawn) and of_x(drawn[below]) == of_x(axes):
+            inner_x.append(axes)
+        if place % columns and of_y(drawn[place - 1]) == of_y(axes):
+            inner_y.append(axes)
+    for axes in inner_x:
+        axes.set_xlabel("")
+        axes.tick_params(axis="x", which="both", labelbottom=False)
+    for axes in inner_y:
+        axes.set_ylabel("")
+        axes.tick_params(axis="y", which="both", labelleft=False)
+
+
+def _legend(paper: Paper, panels: Sequence[Panel], drawn: Sequence[Axes], title: str) -> None:
+    """One legend above all panels; what has one name has one entry."""
+    entries: dict[str, Any] = {}
+    for panel, axes in zip(panels, drawn):
+        for handle in panel.keys:
+            entries.setdefault(handle.get_label(), handle)
+        for handle, name in zip(*axes.get_legend_handles_labels()):
+            entries.setdefault(name, handle)
+    if not entries:
+        return
+    # As many side by side as there is room for.
+    for beside in range(len(entries), 0, -1):
+        legend = paper.legend(
+            list(entries.values()),
+            list(entries),
+            loc="outside upper left",
+            ncols=beside,
+            title=title or None,
+            columnspacing=1.2,
+            alignment="left",
+        )
+        if beside == 1 or legend.get_window_extent().width <= paper.bbox.width - 4:
+            break
+        legend.remove()
+
+
+def _fit_height(paper: Paper) -> None:
+    """Makes a figure as high as what is on it."""
+    engine = paper.get_layout_engine()
+    for _ in range(3):
+        engine.execute(paper)  # type: ignore[union-attr]
+        width, height = paper.get_size_inches()
+        used = paper.get_tightbbox().height + 0.06
+        if abs(used - height) < 0.01:
+            break
+        paper.set_size_inches(width, used)
+    engine.execute(paper)  # type: ignore[union-attr]
+    paper.set_layout_engine("none")

@@ -1,0 +1,199 @@
+"""Preferred equilibria: where the balls of the runs come to rest."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import combinations
+from typing import Literal, Optional
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import LinearSegmentedColormap
+from matplotlib.lines import Line2D
+
+from . import runs, words
+from .panels import Panel, angle_axis, lay_out
+from .sets import SCALE_NAME, EquilibriumSets
+from .paper import INK, LABELS, Paper, Width
+from .sweep import Sweep
+from .tables import Directory, FiguresError, Source
+
+__all__ = ["preferred_equilibria"]
+
+#: At most so many pairs of balls are shown.
+_MOST_PAIRS = 6
+_COUNTS = LinearSegmentedColormap.from_list("stickslip-counts", ["#e3eef6", "#56b4e9", "#0072b2"])
+Background = Literal["set", "histogram", "none"]
+
+
+def preferred_equilibria(
+    directory: Source,
+    *,
+    equilibria: Optional[Source] = None,
+    background: Optional[Background] = None,
+    width: Optional[Width] = None,
+    points: Optional[Sequence[int]] = None,
+    sheet: int = 1,
+) -> Paper:
+    """Preferred equilibria: where the balls of each run came to rest, as angles from the imbalance [rad].
+
+    Two balls: a dot for each run at rest, over the equilibrium set with the amplitude of the table [µm] where
+    ``equilibria`` is the directory that `stickslip equilibria` has written for the same study (the results
+    hold it as `study.yaml`), otherwise over the histogram of `equilibrium_histogram.parquet`, the part of the
+    point's runs at rest that lies in each bin [%]. More balls: a panel for each pair of them. One ball:
+    its angle and the amplitude [µm]. A block: position [m] and time to rest [s]. Dots have no errors; intervals
+    of the bins are in `equilibrium_histogram.parquet`. The thesis, figures 5.7 to 5.9.
+
+    ``background``: "set", "histogram" or "none", should it be another one; ``width``: "single" (90 mm) or
+    "double" (180 mm); ``points``: numbers of the points to show; ``sheet``: which twelve panels, where there are
+    more. Above 100,000 runs a labelled subsample is plotted. Raises FiguresError where the directory has no
+    runs at rest, or ``equilibria`` is of another study.
+    """
+    results = Directory(directory)
+    sweep = Sweep(results)
+    balls = runs.balls_of(results)
+    rows = sweep.details(points)
+    if background not in (None, "set", "histogram", "none"):
+        raise ValueError(f"background={background!r}: allowed are 'set', 'histogram', 'none'")
+    if background == "set" and equilibria is None:
+        raise ValueError("background='set' needs equilibria=, the directory of `stickslip equilibria`")
+    behind = background or ("set" if equilibria is not None else "histogram")
+    behind = behind if balls == 2 else "none"
+    sets = EquilibriumSets(equilibria) if equilibria is not None and behind == "set" else None
+    if sets is not None and sets.positions.about.get("study_hash") != sweep.table.about.get("study_hash"):
+        raise FiguresError(
+            sets.directory.path,
+            sets.positions.name,
+            f"it is of another study than {results.path}",
+            f"repeat `stickslip equilibria {results.path / 'study.yaml'} --out DIR`",
+        )
+    places = [f"beta_{ball}_rad" for ball in range(1, balls + 1)] or ["position_m"]
+    more = {0: ["time_to_rest_s"], 1: ["amplitude_m"]}.get(balls, [])
+    sample = runs.read(results, sweep, rows, ["label", *places, *more])
+    at_rest = sample.where(sample["label"] == "equilibrium")
+    if not len(at_rest) and balls != 2:
+        raise sweep.table.nothing("no run came to rest", "draw `ending_fractions` to see how the runs ended")
+    rasterized = len(at_rest) > runs.MOST_VECTOR_DOTS
+    colour = INK if balls > 1 else LABELS["equilibrium"][0]
+    size = 1.1 if behind == "set" or balls > 2 else 1.6
+    dot = Line2D(
+        [],
+        [],
+        linestyle="none",
+        marker="o",
+        markersize=2,
+        color=colour,
+        markeredgewidth=0,
+        label="run at rest",
+    )
+    counts = sweep.numbers(["equilibrium_runs"])["equilibrium_runs"]
+    pairs = list(combinations(range(balls), 2))[:_MOST_PAIRS] if balls > 1 else [(0, 0)]
+    panels = []
+    for row in rows:
+        for pair in pairs:
+
+            def draw(axes: Axes, row: int = row, pair: tuple[int, int] = pair) -> Optional[ScalarMappable]:
+                of_point = at_rest["point_id"] == sweep.ids[row]
+                mappable = None
+                if sets is not None:
+                    mappable = sets.draw(axes, _same_point(sets, sweep, row), rasterized=True)
+                elif behind == "histogram":
+                    mappable = _histogram(axes, results, int(sweep.ids[row]))
+                first = at_rest[places[pair[0]]][of_point].astype(float)
+                second = at_rest[(more or places)[pair[1] if not more else 0]][of_point].astype(float)
+                axes.plot(
+                    first,
+                    1e6 * second if balls == 1 else second,
+                    linestyle="none",
+                    marker="o",
+                    markersize=size,
+                    color=colour,
+                    markeredgewidth=0,
+                    rasterized=rasterized,
+                    zorder=2,
+                )
+                if balls == 0:
+                    axes.set(xlabel="position at rest [m]", ylabel="time to rest [s]")
+                else:
+                    angle_axis(axes, "x", f"angle of ball {pair[0] + 1}")
+                    if balls == 1:
+                        axes.set_ylabel(SCALE_NAME)
+                    else:
+                        angle_axis(axes, "y", f"angle of ball {pair[1] + 1}")
+                return mappable
+
+            said = f"{counts[row]:.0f} of {sweep.runs[row]:.0f} at rest".replace(" ", "\u00a0")
+            if balls > 2:
+                said += f", β{words.subscript(pair[0] + 1)} and β{words.subscript(pair[1] + 1)}"
+            scale = {"set": SCALE_NAME, "histogram": "runs at rest per bin [%]"}.get(behind, "")
+            keys = [dot, *(sets.keys() if sets is not None else [])]
+            aspect = 1.0 if balls > 1 else 0.75
+            panels.append(Panel(draw, sweep.named(row) + said, aspect, scale=scale, keys=keys))
+    fractions = sweep.numbers(["set_fraction"])["set_fraction"] if balls else np.full(len(sweep), np.nan)
+    told = []
+    for row in rows:
+        fact = f"{sweep.named(row)}{counts[row]:.0f} of {sweep.runs[row]:.0f} runs came to rest"
+        if np.isfinite(fractions[row]):
+            fact += f", and {100 * fractions[row]:.0f} % of all positions are equilibria"
+        told.append(fact)
+    return lay_out(
+        panels,
+        title="Where the block comes to rest" if balls == 0 else "Preferred equilibria",
+        caption=_caption(balls, behind) + sweep.left_out(rows) + sample.subsample,
+        alternative=words.listed(told),
+        width=width,
+        sheet=sheet,
+        legend_title=sample.label,
+    )
+
+
+def _caption(balls: int, behind: str) -> str:
+    if balls == 0:
+        return "Position and time of rest of each run."
+    if balls == 1:
+        return "Angle at rest and amplitude of each run."
+    if balls > 2:
+        return "Each dot is where two of the balls of a run came to rest."
+    return "Each dot is where the balls of a run came to rest." + {
+        "set": " Colour: amplitude of the table if they rest there, of the machine without random draws; white: "
+        "no equilibrium, friction does not hold them. Stars and circles: stable and unstable equilibria "
+        "without friction.",
+        "histogram": " Colour: part of the point's runs at rest that lies in each bin (in either order where the balls "
+        "are alike); white: none.",
+    }.get(behind, "")
+
+
+def _same_point(sets: EquilibriumSets, sweep: Sweep, row: int) -> int:
+    """The row of a point in the equilibrium sets of the same study."""
+    return sets.sweep.details([int(sweep.ids[row])])[0]
+
+
+def _histogram(axes: Axes, results: Directory, point: int) -> Optional[ScalarMappable]:
+    """Draws the fraction of a point's runs at rest in each bin; of balls that are alike, in either order."""
+    table = results.table("equilibrium_histogram")
+    ends = [f"beta_{ball}_{end}_rad" for ball in (1, 2) for end in ("from", "to")]
+    read = table.read(["point_id", "fraction", *ends])
+    of = read["point_id"] == point
+    if not np.any(of):
+        return None
+    left, right, low, high = (read[name][of].astype(float) for name in ends)
+    cells = round(2 * np.pi / float(np.median(right - left)))
+    grid = np.full((cells, cells), np.nan)
+    size = 2 * np.pi / cells
+    across = np.rint(left / size).astype(int) % cells
+    up = np.rint(low / size).astype(int) % cells
+    grid[up, across] = 100 * read["fraction"][of]
+    if np.all(read["beta_1_from_rad"] <= read["beta_2_from_rad"]):
+        # Balls that are alike have no order: a bin stands for both.
+        grid[across, up] = 100 * read["fraction"][of]
+    edges = np.linspace(0, 2 * np.pi, cells + 1)
+    return axes.pcolormesh(
+        edges,
+        edges,
+        np.ma.masked_invalid(np.where(grid > 0, grid, np.nan)),
+        cmap=_COUNTS,
+        vmin=0,
+        rasterized=True,
+        zorder=0,
+    )

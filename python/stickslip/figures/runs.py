@@ -1,0 +1,89 @@
+"""Runs of a study, column by column: all of them, or of very many a scattered part."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .sweep import Sweep
+from .tables import Directory
+
+__all__ = ["MOST_DOTS", "Sample", "balls_of", "read", "scattered"]
+
+#: At most about so many runs are dots of a figure.
+MOST_DOTS = 100_000
+#: From so many dots on they are pixels in a file of lines, which otherwise gets large.
+MOST_VECTOR_DOTS = 2_000
+
+
+def scattered(run_id: NDArray[Any], one_in: int) -> NDArray[np.bool_]:
+    """Which runs belong to the about one in so many that are shown.
+
+    By their numbers, mixed so that neighbours have nothing in common (the finaliser of SplitMix64, G. L.
+    Steele, D. Lea and C. H. Flood, OOPSLA 2014, doi:10.1145/2660193.2660195): runs at even distances would lie
+    in the same cells of a stratified design again and again.
+    """
+    with np.errstate(over="ignore"):
+        mixed = run_id.astype(np.uint64) + np.uint64(0x9E37_79B9_7F4A_7C15)
+        mixed = (mixed ^ (mixed >> np.uint64(30))) * np.uint64(0xBF58_476D_1CE4_E5B9)
+        mixed = (mixed ^ (mixed >> np.uint64(27))) * np.uint64(0x94D0_49BB_1331_11EB)
+    return np.asarray((mixed ^ (mixed >> np.uint64(31))) % np.uint64(max(one_in, 1)) == 0)
+
+
+@dataclass
+class Sample:
+    """Columns of the runs that are shown."""
+
+    columns: dict[str, NDArray[Any]]
+    #: How many runs the points shown have.
+    of: int
+    #: About one in so many of them is held.
+    one_in: int
+
+    def __len__(self) -> int:
+        return len(self.columns["run_id"])
+
+    def __getitem__(self, name: str) -> NDArray[Any]:
+        return self.columns[name]
+
+    def where(self, mask: NDArray[np.bool_]) -> Sample:
+        """Some of its runs."""
+        return Sample({name: values[mask] for name, values in self.columns.items()}, self.of, self.one_in)
+
+    @property
+    def subsample(self) -> str:
+        """What is to be said where it does not hold all runs; empty where it does."""
+        if self.one_in <= 1:
+            return ""
+        return f" Subsample: {len(self):,} of {self.of:,} runs are shown, about one in {self.one_in}."
+
+    @property
+    def label(self) -> str:
+        """The same in few words, for the figure itself."""
+        return f"subsample: {len(self):,} of {self.of:,} runs" if self.one_in > 1 else ""
+
+
+def balls_of(directory: Directory) -> int:
+    """How many balls the runs have; 0 for the block."""
+    columns = directory.table("runs").columns
+    return sum(1 for name in columns if name.startswith("beta_") and name.endswith("_rad"))
+
+
+def read(
+    directory: Directory, sweep: Sweep, rows: Sequence[int], columns: Sequence[str], most: int = MOST_DOTS
+) -> Sample:
+    """Columns of the runs of some points, at most about so many runs."""
+    of = int(sum(sweep.runs[row] for row in rows))
+    one_in = max(1, -(-of // max(most, 1)))
+    points = np.array([sweep.ids[row] for row in rows])
+    wanted = ["run_id", "point_id", *columns]
+    parts: list[dict[str, NDArray[Any]]] = []
+    for batch in directory.table("runs").batches(wanted):
+        shown = np.isin(batch["point_id"], points) & scattered(batch["run_id"], one_in)
+        parts.append({name: values[shown] for name, values in batch.items()})
+    held = {name: np.concatenate([part[name] for part in parts]) if parts else np.empty(0) for name in wanted}
+    return Sample(held, of, one_in)

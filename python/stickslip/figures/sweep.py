@@ -1,0 +1,192 @@
+"""The points of a sweep: their parameters, what tells them apart, and which of them are shown."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, Optional
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import words
+from .tables import Directory, Numbers, Table
+
+__all__ = ["LABELS", "MOST_DETAILS", "Axis", "Sweep"]
+
+#: How a run can end, in the order of the tables' columns.
+LABELS = ("equilibrium", "limit_cycle", "irregular", "undecided", "failed")
+#: At most so many points are shown in detail, each in a panel or with a curve of its own.
+MOST_DETAILS = 24
+
+
+@dataclass(frozen=True)
+class Axis:
+    """A swept parameter that is a number everywhere."""
+
+    column: str
+    name: str
+    unit: str
+    values: Numbers
+
+    @property
+    def label(self) -> str:
+        """The axis' name with its unit."""
+        return words.axis(self.name, self.unit)
+
+    @property
+    def distinct(self) -> Numbers:
+        """The values it takes, ascending."""
+        return np.unique(self.values)
+
+    @property
+    def logarithmic(self) -> bool:
+        """Whether its values belong on a logarithmic axis: over two decades, and most of them small."""
+        return by_decades(self.distinct)
+
+    @property
+    def limits(self) -> tuple[float, float]:
+        """A range a little wider than its values."""
+        low, high = self.distinct[0], self.distinct[-1]
+        if self.logarithmic:
+            factor = (high / low) ** 0.04
+            return float(low / factor), float(high * factor)
+        margin = 0.04 * (high - low) or 1.0
+        return float(low - margin), float(high + margin)
+
+
+def by_decades(values: Numbers) -> bool:
+    """Whether ascending values are spread over two decades or more, most of them small."""
+    low, high = values[0], values[-1]
+    few = np.count_nonzero(values < 0.2 * high)
+    return bool(low > 0 and high / low >= 100 and 2 * few >= len(values))
+
+
+def evenly(count: int, most: int) -> list[int]:
+    """At most so many of the places 0, 1, … at nearly even distances, the first and the last among them."""
+    if count <= most or most < 2:
+        return list(range(count))
+    return [place * (count - 1) // (most - 1) for place in range(most)]
+
+
+class Sweep:
+    """The points of a study, from a table with a row for each."""
+
+    def __init__(self, directory: Directory, name: str = "points", first: str = "runs") -> None:
+        self.directory = directory
+        self.table: Table = directory.table(name)
+        self.table.need([first])
+        own = self.table.columns[: self.table.columns.index(first)]
+        self.parameters = [column for column in own if column != "point_id"]
+        read = self.table.read([*(["point_id"] if "point_id" in own else []), *self.parameters])
+        self.values = {column: read[column] for column in self.parameters}
+        self.ids: NDArray[Any] = read.get("point_id", np.zeros(self.table.rows, dtype=np.int64)).astype(
+            np.int64
+        )
+        if not len(self.ids):
+            raise self.table.error("it has no rows", "repeat the study: no run of it has finished")
+
+    def __len__(self) -> int:
+        return len(self.ids)
+
+    def numbers(self, columns: Sequence[str]) -> dict[str, Numbers]:
+        """More columns, a number for each point."""
+        return {name: values.astype(float) for name, values in self.table.read(columns).items()}
+
+    @cached_property
+    def runs(self) -> Numbers:
+        """Finished runs of each point."""
+        return self.numbers(["runs"])["runs"]
+
+    @cached_property
+    def failed(self) -> Numbers:
+        """Runs of each point that failed."""
+        return self.numbers(["failed_runs"])["failed_runs"]
+
+    def unit(self, column: str) -> str:
+        """The unit of a swept parameter."""
+        return self.table.unit(column)
+
+    def _words(self, column: str) -> str:
+        return words.parameter(column, self.unit(column))
+
+    def title(self, row: int, without: Iterable[str] = ()) -> str:
+        """What tells a point apart: `speed −216.3772 rad/s, friction coefficient 0.00275`."""
+        skipped = set(without)
+        parts = [
+            f"{self._words(column)} {words.number(self.values[column][row])}\u00a0{self.unit(column)}".strip()
+            for column in self.parameters
+            if column not in skipped
+        ]
+        if not self.parameters:
+            return f"point {self.ids[row]}" if len(self) > 1 else ""
+        return ", ".join(parts)
+
+    def named(self, row: int) -> str:
+        """A point in a sentence, before a fact about it."""
+        title = self.title(row)
+        return f"{title}: " if title else ""
+
+    def short(self, row: int) -> str:
+        """A point by its values alone, as `−216.3772, 0.00275`."""
+        if not self.parameters:
+            return f"point {self.ids[row]}"
+        return ", ".join(words.number(self.values[column][row]) for column in self.parameters)
+
+    @property
+    def short_names(self) -> str:
+        """What the values of `short` are, as `speed [rad/s], friction coefficient`."""
+        return ", ".join(words.axis(self._words(column), self.unit(column)) for column in self.parameters)
+
+    def axes(self, least: int) -> list[Axis]:
+        """Swept numbers with at least so many values, the one with the most first."""
+        found = []
+        for column in self.parameters:
+            values = self.values[column]
+            if values.dtype.kind not in "fiu" or not np.all(np.isfinite(values.astype(float))):
+                continue
+            axis = Axis(column, self._words(column), self.unit(column), values.astype(float))
+            if len(axis.distinct) >= least:
+                found.append(axis)
+        return sorted(found, key=lambda axis: -len(axis.distinct))
+
+    def groups(self, without: Sequence[str]) -> dict[str, list[int]]:
+        """Rows that differ in nothing but some parameters, by what they have in common."""
+        groups: dict[str, list[int]] = {}
+        for row in range(len(self)):
+            groups.setdefault(self.title(row, without), []).append(row)
+        return {"": rows for rows in groups.values()} if len(groups) == 1 else groups
+
+    def details(self, points: Optional[Sequence[int]]) -> list[int]:
+        """Rows that are shown in detail: those asked for, or all, or some at even distances."""
+        if points is None:
+            return evenly(len(self), MOST_DETAILS)
+        places = {int(point): row for row, point in enumerate(self.ids)}
+        missing = [point for point in points if point not in places]
+        if missing:
+            raise self.table.error(
+                f"it has no point {missing[0]}", f"points are {self.ids[0]} to {self.ids[-1]}"
+            )
+        return [places[point] for point in points]
+
+    def left_out(self, shown: Sequence[int]) -> str:
+        """What is to be said where not all points are shown."""
+        if len(shown) == len(self):
+            return ""
+        return f" {len(shown)} of {len(self)} points are shown."
+
+    def failures_left_out(self, shown: Sequence[int]) -> str:
+        """What is to be said of failed runs, which a figure cannot show."""
+        some = [row for row in shown if self.failed[row] > 0]
+        if not some:
+            return ""
+        if len(some) > 6:
+            return f" Failed runs are left out; {len(some)} points have some."
+        parts = [
+            f"{self.failed[row]:.0f} of {self.runs[row]:.0f}"
+            + (f" at {self.title(row)}" if self.title(row) else "")
+            for row in some
+        ]
+        other = ", none at the other points" if len(some) < len(shown) else ""
+        return f" Failed runs are left out: {'; '.join(parts)}{other}."

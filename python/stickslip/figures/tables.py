@@ -1,0 +1,220 @@
+"""The tables of a results directory, and what is said where one of them cannot be read."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import re
+from collections.abc import Iterator, Sequence
+from functools import cached_property, lru_cache
+from os import PathLike
+from pathlib import Path
+from typing import Any, Optional, Union
+
+import numpy as np
+import pyarrow as pa  # type: ignore[import-untyped]
+import pyarrow.parquet as pq  # type: ignore[import-untyped]
+from numpy.typing import NDArray
+
+__all__ = ["Directory", "FiguresError", "Source", "Table"]
+
+Source = Union[str, PathLike[str]]
+Numbers = NDArray[np.float64]
+
+#: What writes the tables of a kind of directory.
+_COMMANDS = {
+    "points": "stickslip run STUDY --out DIR",
+    "runs": "stickslip run STUDY --out DIR",
+    "time_to_rest": "stickslip run STUDY --out DIR",
+    "cycles": "stickslip run STUDY --out DIR",
+    "equilibrium_histogram": "stickslip run STUDY --out DIR",
+    "equilibrium_positions": "stickslip equilibria STUDY --out DIR (without --no-set)",
+    "equilibrium_set_summary": "stickslip equilibria STUDY --out DIR",
+    "frictionless_equilibria": "stickslip equilibria STUDY --out DIR",
+    "trajectory": "stickslip replay RESULTS RUN_ID --out DIR",
+}
+
+
+class FiguresError(ValueError):
+    """A figure cannot be drawn: where, what is missing, and what helps."""
+
+    #: Whether the tables are as they should be, and only have nothing that this figure shows.
+    cannot_show: bool = False
+
+    def __init__(self, directory: Source, file: str, problem: str, remedy: str) -> None:
+        self.directory = Path(directory)
+        self.file = file
+        self.problem = problem
+        self.remedy = remedy
+        super().__init__(f"{self.directory / file}: {problem}; {remedy}")
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self.directory, self.file, self.problem, self.remedy)
+
+
+class NothingToShowError(FiguresError):
+    """The tables can be read, and have nothing that the figure shows."""
+
+    cannot_show = True
+
+
+class Directory:
+    """A directory that `stickslip run`, `equilibria` or `replay` has written."""
+
+    def __init__(self, path: Source) -> None:
+        self.path = Path(path)
+        if not self.path.is_dir():
+            problem = "there is no such directory" if not self.path.exists() else "it is not a directory"
+            raise FiguresError(path, "", problem, "give a directory that `stickslip run` has written")
+
+    def has(self, name: str) -> bool:
+        """Whether it has a table."""
+        return (self.path / f"{name}.parquet").exists()
+
+    @cached_property
+    def _listed(self) -> Optional[dict[str, Any]]:
+        """The files that the program says it has written, where it says so."""
+        for name in ("manifest.json", "files.json"):
+            file = self.path / name
+            if file.exists():
+                try:
+                    return dict(json.loads(file.read_text(encoding="utf-8")).get("files", {}))
+                except (OSError, ValueError, AttributeError, TypeError) as error:
+                    raise FiguresError(
+                        self.path, name, f"it cannot be read ({error})", "write the directory anew"
+                    ) from error
+        return None
+
+    def table(self, name: str) -> Table:
+        """One of its tables: a file, or a directory of parts."""
+        path = self.path / f"{name}.parquet"
+        if not path.exists():
+            raise FiguresError(
+                self.path, path.name, "the table is not there", f"`{_COMMANDS[name]}` writes it"
+            )
+        files = sorted(path.glob("part-*.parquet")) if path.is_dir() else [path]
+        if not files:
+            raise FiguresError(
+                self.path, path.name, "the directory has no parts", f"`{_COMMANDS[name]}` writes them"
+            )
+        for file in files:
+            listed = self._listed
+            key = file.relative_to(self.path).as_posix()
+            if listed is None:
+                continue
+            again = f"finish or repeat `{_COMMANDS[name]}`"
+            if key not in listed:
+                raise FiguresError(self.path, key, "it is not on the directory's list of files", again)
+            if listed[key].get("sha256") not in (None, _sha256(file, file.stat().st_mtime_ns)):
+                raise FiguresError(self.path, key, "it is not the file that was written", again)
+        return Table(self.path, path.name, files)
+
+
+@lru_cache(maxsize=256)
+def _sha256(file: Path, changed_ns: int) -> str:
+    """The hash of a file as it was at a time."""
+    del changed_ns
+    found = hashlib.sha256()
+    with file.open("rb") as content:
+        while block := content.read(1 << 20):
+            found.update(block)
+    return found.hexdigest()
+
+
+class Table:
+    """A table: its columns, their units, and where it comes from."""
+
+    def __init__(self, directory: Path, name: str, files: Sequence[Path]) -> None:
+        self.directory = directory
+        self.name = name
+        try:
+            self._files = [pq.ParquetFile(file) for file in files]
+        except (OSError, pa.ArrowException) as error:
+            raise self.error(f"it cannot be read ({error})", "write the directory anew") from error
+        self.schema = self._files[0].schema_arrow
+
+    def error(self, problem: str, remedy: str) -> FiguresError:
+        """An exception about this table."""
+        return FiguresError(self.directory, self.name, problem, remedy)
+
+    def nothing(self, problem: str, remedy: str) -> NothingToShowError:
+        """An exception about this table, which is as it should be but has nothing to show."""
+        return NothingToShowError(self.directory, self.name, problem, remedy)
+
+    @property
+    def columns(self) -> list[str]:
+        """Names of its columns."""
+        return list(self.schema.names)
+
+    @property
+    def rows(self) -> int:
+        """How many rows it has."""
+        return sum(file.metadata.num_rows for file in self._files)
+
+    @cached_property
+    def about(self) -> dict[str, Any]:
+        """What the program says of it: study, seed, version, options; empty where it says nothing."""
+        text = (self._files[0].metadata.metadata or {}).get(b"stickslip", b"{}")
+        try:
+            about = json.loads(text)
+        except ValueError:
+            return {}
+        return about if isinstance(about, dict) else {}
+
+    @property
+    def study(self) -> str:
+        """The name of its study."""
+        return str(self.about.get("study", self.directory.name))
+
+    @cached_property
+    def parameters(self) -> dict[str, float]:
+        """The study's model parameters that are numbers, before a sweep."""
+        found = re.findall(r"^ +(\w+): ([-+.\deE]+)$", str(self.about.get("study_yaml", "")), re.MULTILINE)
+        numbers: dict[str, float] = {}
+        for name, value in found:
+            try:
+                numbers.setdefault(name, float(value))
+            except ValueError:
+                continue
+        return numbers
+
+    def unit(self, column: str) -> str:
+        """The unit of a column; empty for a pure number."""
+        unit = (self.schema.field(column).metadata or {}).get(b"unit", b"").decode()
+        return "" if unit.split(" ")[:1] == ["1"] else unit
+
+    def need(self, columns: Sequence[str]) -> None:
+        """Raises where a column is missing."""
+        missing = [column for column in columns if column not in self.schema.names]
+        if missing:
+            words = "columns" if len(missing) > 1 else "column"
+            version = self.about.get("version", "unknown")
+            raise self.error(
+                f"it has no {words} {', '.join(missing)} (written by stickslip {version})",
+                "write the tables with the version of stickslip that these figures belong to",
+            )
+
+    def batches(self, columns: Sequence[str]) -> Iterator[dict[str, NDArray[Any]]]:
+        """Columns as arrays, a few ten thousand rows at a time; numbers that are missing are NaN."""
+        self.need(columns)
+        try:
+            for file in self._files:
+                for batch in file.iter_batches(columns=list(columns), batch_size=65_536):
+                    yield {name: _array(batch.column(name)) for name in columns}
+        except (OSError, pa.ArrowException) as error:
+            raise self.error(f"it cannot be read ({error})", "write the directory anew") from error
+
+    def read(self, columns: Sequence[str]) -> dict[str, NDArray[Any]]:
+        """Whole columns as arrays."""
+        parts = list(self.batches(columns))
+        if not parts:
+            return {name: np.empty(0) for name in columns}
+        return {name: np.concatenate([part[name] for part in parts]) for name in columns}
+
+
+def _array(column: pa.Array) -> NDArray[Any]:
+    if pa.types.is_dictionary(column.type):
+        column = column.cast(pa.string())
+    if pa.types.is_floating(column.type) or (pa.types.is_integer(column.type) and column.null_count):
+        return np.asarray(column.cast(pa.float64()).to_numpy(zero_copy_only=False), dtype=np.float64)
+    return np.asarray(column.to_numpy(zero_copy_only=False))

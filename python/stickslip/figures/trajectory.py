@@ -1,0 +1,131 @@
+"""The motion of one run over time."""
+
+from __future__ import annotations
+
+from typing import Any, Optional
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from . import words
+from .panels import Panel, angle_axis, lay_out
+from .paper import DASHES, INK, SERIES, Paper, Width
+from .tables import Directory, Numbers, Source
+
+__all__ = ["motion"]
+
+#: Places along the time axis that can be told apart.
+_BINS = 1200
+
+
+def motion(directory: Source, *, width: Optional[Width] = None, sheet: int = 1) -> Paper:
+    """The motion of a run over time [s], from `trajectory.parquet` of `stickslip replay`.
+
+    Balls: their angles from the imbalance [rad], their speeds relative to the ring [rad/s], and the position
+    x, y of the ring's centre [µm] in the frame that turns with the disc, x towards the imbalance. Block:
+    position [m], sliding speed [m/s] and friction force [N]. The curves end where the record ends: of a run
+    that ended because everything rests for good, at that time. Where there are very many rows, the least and
+    the greatest value of each of 1,200 equal times are drawn. The thesis, figures 5.6 and 5.15.
+
+    ``width``: "single" (90 mm) or "double" (180 mm). Raises FiguresError where the directory has no
+    `trajectory.parquet`, or fewer than two times.
+    """
+    table = Directory(directory).table("trajectory")
+    balls = sum(1 for name in table.columns if name.startswith("beta_unwrapped_"))
+    numbers = range(1, balls + 1)
+    quantities: list[tuple[str, str, list[str], float]] = [
+        ("angle of the balls", "rad", [f"beta_{ball}_rad" for ball in numbers], 1.0),
+        ("speed of the balls", "rad/s", [f"ball_speed_{ball}_rad_s" for ball in numbers], 1.0),
+        ("x of the table", "µm", ["x_m"], 1e6),
+        ("y of the table", "µm", ["y_m"], 1e6),
+    ]
+    if not balls:
+        quantities = [
+            ("position", "m", ["position_m"], 1.0),
+            ("sliding speed", "m/s", ["sliding_speed_m_s"], 1.0),
+            ("friction force", "N", ["friction_n"], 1.0),
+        ]
+    read = table.read(["time_s", *(column for *_, columns, _ in quantities for column in columns)])
+    time = read["time_s"].astype(float)
+    if time.size < 2 or not time[-1] > time[0]:
+        raise table.nothing(
+            f"it has {time.size} times, and a curve needs two", "repeat `stickslip replay` with more"
+        )
+    # A ball side by side with another would not be seen.
+    beside = balls == 2 and all(
+        np.array_equal(read[first], read[second], equal_nan=True)
+        for first, second in (columns for *_, columns, _ in quantities[:2])
+    )
+    panels = []
+    for name, unit, columns, factor in quantities:
+
+        def draw(
+            axes: Axes,
+            name: str = name,
+            unit: str = unit,
+            columns: list[str] = columns,
+            factor: float = factor,
+        ) -> None:
+            values = [factor * read[column].astype(float) for column in columns]
+            if len(values) == 2 and beside:
+                values, named = values[:1], ["balls 1 and 2, side by side"]
+            else:
+                named = [f"ball {ball + 1}" for ball in range(len(values))]
+            for ball, (one, label) in enumerate(zip(values, named)):
+                alone = len(values) == 1
+                x, y = thinned(time, one)
+                if unit == "rad":
+                    x, y = _unbroken(x, y)
+                style: dict[str, Any] = {
+                    "linewidth": 0.8,
+                    "color": INK if alone else SERIES[ball % len(SERIES)],
+                }
+                if not alone:
+                    style["linestyle"] = DASHES[ball % len(DASHES)]
+                axes.plot(x, y, label=label if len(columns) > 1 else "", **style)
+            if unit == "rad":
+                angle_axis(axes, "y", name)
+            else:
+                axes.set_ylabel(words.axis(name, unit))
+            axes.set_xlim(time[0], time[-1])
+            axes.set_xlabel("time [s]")
+
+        panels.append(Panel(draw, aspect=0.55))
+    run = table.about.get("options", {}).get("run_id")
+    of_balls = (
+        "Angles of the balls from the imbalance, their speeds relative to the ring, and the position of the "
+        "ring's centre in the frame that turns with the disc, x towards the imbalance."
+    )
+    title = f"Run {run} of {table.study}" if run is not None else table.study
+    return lay_out(
+        panels,
+        title=f"Motion: {title}",
+        caption=of_balls if balls else "Position, sliding speed and friction force over time.",
+        alternative=f"The motion of {'balls and table' if balls else 'the block'} from {time[0]:.4f} s to "
+        f"{time[-1]:.4f} s.",
+        width=width,
+        sheet=sheet,
+        columns=2 if balls else 1,
+    )
+
+
+def thinned(time: Numbers, values: Numbers) -> tuple[Numbers, Numbers]:
+    """A curve of very many points as the first, least, greatest and last of each of many equal times."""
+    if time.size <= 4 * _BINS:
+        return time, values
+    place = np.minimum((_BINS * (time - time[0]) / (time[-1] - time[0])).astype(int), _BINS - 1)
+    starts = np.flatnonzero(np.r_[True, np.diff(place) > 0])
+    kept = []
+    for start, end in zip(starts, np.r_[starts[1:], time.size]):
+        part = values[start:end]
+        if np.all(np.isnan(part)):
+            kept += [start]
+            continue
+        kept += sorted({start, start + int(np.nanargmin(part)), start + int(np.nanargmax(part)), end - 1})
+    return time[kept], values[kept]
+
+
+def _unbroken(time: Numbers, angle: Numbers) -> tuple[Numbers, Numbers]:
+    """Angles over time, broken where one goes round."""
+    gaps = np.flatnonzero(np.abs(np.diff(angle)) > np.pi) + 1
+    return np.insert(time, gaps, np.nan), np.insert(angle, gaps, np.nan)

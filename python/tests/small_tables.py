@@ -1,0 +1,212 @@
+"""Small tables as the program writes them, for tests of what figures show."""
+
+import json
+
+import numpy as np
+import pyarrow
+import pyarrow.parquet
+
+HASH = "0" * 64
+LABELS = ("equilibrium", "limit_cycle", "irregular", "undecided", "failed")
+PARAMETERS = """\
+model:
+  kind: ball_balancer
+  parameters:
+    table_mass_kg: 0.324
+    stiffness_n_m: 10700.0
+    damping_n_s_m: 1.28
+    imbalance_mass_kg: 0.000056
+    imbalance_radius_m: 0.037
+    balls: 2
+    ball_mass_kg: 0.00014
+    speed_rad_s: -216.3772
+"""
+UNITS = {
+    "speed_rad_s": "rad/s",
+    "friction_coefficient": "1",
+    "initial_beta_1": "rad",
+    "initial_beta_2": "rad",
+}
+
+
+def write(folder, name, columns, options=None, study_hash=HASH):
+    """Writes a table with units and provenance; `columns` are lists by name."""
+    fields, arrays = [], []
+    for column, values in columns.items():
+        array = pyarrow.array(values)
+        if column in ("label", "kind", "stability"):
+            array = array.dictionary_encode()
+        metadata = {"unit": UNITS[column]} if column in UNITS else None
+        fields.append(pyarrow.field(column, array.type, metadata=metadata))
+        arrays.append(array)
+    about = {"study": "small", "study_hash": study_hash, "version": "0.1.0", "study_yaml": PARAMETERS}
+    about["options"] = options or {}
+    schema = pyarrow.schema(fields, metadata={"stickslip": json.dumps(about)})
+    path = folder / f"{name}.parquet"
+    path.parent.mkdir(parents=True, exist_ok=True)
+    pyarrow.parquet.write_table(pyarrow.table(arrays, schema=schema), path)
+    return path
+
+
+def points(folder, swept, labels, more=None):
+    """`points.parquet`: swept columns, and for each point the counts of its labels."""
+    counts = np.array(labels)
+    runs = counts.sum(axis=1)
+    columns = {"point_id": list(range(len(counts))), **swept, "runs": runs.tolist()}
+    for place, label in enumerate(LABELS):
+        part = counts[:, place] / runs
+        columns[f"{label}_runs"] = counts[:, place].tolist()
+        columns[f"{label}_low"] = np.maximum(part - 0.1, 0).tolist()
+        columns[f"{label}_high"] = np.minimum(part + 0.1, 1).tolist()
+    part = counts[:, 0] / runs
+    columns["equilibrium_fraction"] = part.tolist()
+    columns["ci_low"], columns["ci_high"] = (part / 2).tolist(), ((part + 1) / 2).tolist()
+    nothing = [None] * (len(counts) - 1)
+    columns.update(
+        time_to_rest_p50_s=[1.5, *nothing],
+        amplitude_p50_m=[2e-5] * len(counts),
+        amplitude_without_balls_m=[1e-5] * len(counts),
+        set_fraction=[0.25] * len(counts),
+        audited_runs=[4, *[0] * len(nothing)],
+        audit_flips=[1, *[0] * len(nothing)],
+        audit_flip_rate=[0.25, *nothing],
+        audit_flip_low=[0.05, *nothing],
+        audit_flip_high=[0.7, *nothing],
+    )
+    nullable = [name for name, values in columns.items() if None in values]
+    columns.update({name: pyarrow.array(columns[name], pyarrow.float64()) for name in nullable})
+    columns.update(more or {})
+    return write(folder, "points", columns)
+
+
+def results(folder):
+    """Results of two points with four runs each: two and one at rest, one cycle, and failures."""
+    points(folder, {"speed_rad_s": [-200.0, -210.0]}, [[2, 1, 0, 1, 0], [1, 0, 0, 1, 2]])
+    labels = [
+        "equilibrium",
+        "equilibrium",
+        "limit_cycle",
+        "undecided",
+        "equilibrium",
+        "undecided",
+        "failed",
+        "failed",
+    ]
+    rests = [1.0, 2.0, None, None, 3.0, None, None, None]
+    write(
+        folder,
+        "runs",
+        {
+            "run_id": list(range(8)),
+            "point_id": [0] * 4 + [1] * 4,
+            "speed_rad_s": [-200.0] * 4 + [-210.0] * 4,
+            **{
+                f"initial_{name}": [0.5 + 0.25 * run + place for run in range(8)]
+                for place, name in enumerate(("x", "y", "beta_1", "beta_2", "x_dot", "y_dot"))
+            },
+            "initial_beta_dot_1": [-0.5] * 8,
+            "initial_beta_dot_2": [0.5, 0.25] * 4,
+            "label": labels,
+            "time_to_rest_s": rests,
+            "beta_1_rad": [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, None, None],
+            "beta_2_rad": [4.0, 5.0, 6.0, 1.0, 2.0, 3.0, None, None],
+            "amplitude_m": [5e-6, 8e-6, 9e-6, 2e-5, 4e-6, 3e-5, None, None],
+        },
+    )
+    write(
+        folder,
+        "time_to_rest",
+        {
+            "point_id": [0, 0, 0, 0, 1, 1],
+            "time_s": [0.0, 1.0, 2.0, 10.0, 3.0, 10.0],
+            "probability_at_rest": [0.0, 0.25, 0.5, 0.5, 0.5, 0.5],
+            "ci_low": [0.0, 0.1, 0.2, 0.2, 0.2, 0.2],
+            "ci_high": [0.1, 0.4, 0.8, 0.8, 0.8, 0.8],
+        },
+    )
+    write(
+        folder,
+        "cycles",
+        {
+            "point_id": [0, 1],
+            "class": ["-1|0:SB", "-1|0:SB"],
+            "runs": [1, 3],
+            "fraction": [0.25, 0.75],
+            "ci_low": [0.05, 0.3],
+            "ci_high": [0.7, 0.95],
+            "period_s": [0.1, 0.2],
+            "period_low_s": [0.1, 0.15],
+            "period_high_s": [0.1, 0.25],
+            "amplitude_rms_m": [1e-6, 2e-6],
+            "amplitude_rms_low_m": [1e-6, 1e-6],
+            "amplitude_rms_high_m": [1e-6, 3e-6],
+            "mean_speed_1_rad_s": [-50.0, -60.0],
+            "min_speed_1_rad_s": [-51.0, -62.0],
+            "max_speed_1_rad_s": [-49.0, -59.0],
+            "largest_multiplier": [0.5, 0.75],
+        },
+    )
+    turn = np.pi / 2
+    write(
+        folder,
+        "equilibrium_histogram",
+        {
+            "point_id": [0, 0, 1],
+            "beta_1_from_rad": [0.0, turn, 0.0],
+            "beta_1_to_rad": [turn, 2 * turn, turn],
+            "beta_2_from_rad": [2 * turn, 3 * turn, 0.0],
+            "beta_2_to_rad": [3 * turn, 4 * turn, turn],
+            "runs": [1, 1, 1],
+            "fraction": [0.5, 0.5, 1.0],
+        },
+    )
+    return folder
+
+
+def equilibria(folder, side=64, parts=1, study_hash=HASH, samples=None):
+    """The set `cos(β₁ - β₂) <= 0` with the amplitude 10 µm (1 + cos β₁ cos β₂), at two points of a sweep."""
+    angles = np.arange(side) * 2 * np.pi / side
+    first, second = (grid.ravel() for grid in np.meshgrid(angles, angles, indexing="ij"))
+    both = {"beta_1_rad": np.tile(first, 2), "beta_2_rad": np.tile(second, 2)}
+    columns = {
+        "point_id": np.repeat([0, 1], side * side),
+        "speed_rad_s": np.repeat([-200.0, -210.0], side * side),
+        **both,
+        "amplitude_m": 1e-5 * (1 + np.cos(both["beta_1_rad"]) * np.cos(both["beta_2_rad"])),
+        "friction_margin": -np.cos(both["beta_1_rad"] - both["beta_2_rad"]),
+    }
+    options = {"samples": samples}
+    if parts == 1:
+        write(folder, "equilibrium_positions", columns, options, study_hash)
+    else:
+        for part, rows in enumerate(np.array_split(np.arange(2 * side * side), parts)):
+            some = {name: values[rows] for name, values in columns.items()}
+            write(folder / "equilibrium_positions.parquet", f"part-{part:05}", some, options, study_hash)
+    write(
+        folder,
+        "equilibrium_set_summary",
+        {
+            "point_id": [0, 1],
+            "speed_rad_s": [-200.0, -210.0],
+            "grid_positions": [side * side] * 2,
+            "fraction": [0.5, 0.5],
+            "amplitude_max_m": [2e-5, 2e-5],
+        },
+        options,
+        study_hash,
+    )
+    write(
+        folder,
+        "frictionless_equilibria",
+        {
+            "point_id": [0, 0, 1],
+            "speed_rad_s": [-200.0, -200.0, -210.0],
+            "kind": ["b1", "a1_plus", "b1"],
+            "stability": ["stable", "unstable", "stable"],
+            "beta_1_rad": [2.0, 3.0, 2.5],
+            "beta_2_rad": [4.0, 3.0, 3.5],
+        },
+        options,
+        study_hash,
+    )
+    return folder
