@@ -9,8 +9,8 @@ use std::f64::consts::TAU;
 use super::arc::AngleSet;
 use super::cycle_class::{CycleClass, Role, speeds_in_sense};
 use super::interval::{Z_95, wilson_with_failures};
+use super::observed::{LabelCounts, Observed};
 use super::order_statistics::OrderStatistics;
-use super::point_summary::{LabelCounts, Observed};
 use crate::classification::{Label, Outcome};
 use crate::model::Model;
 

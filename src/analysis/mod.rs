@@ -15,6 +15,7 @@ mod frictionless;
 mod identical_balls;
 mod interval;
 mod linearised;
+mod observed;
 mod one_ball;
 mod order_statistics;
 mod point_summary;
@@ -46,7 +47,8 @@ pub use frictionless::{
 pub use identical_balls::{groups_of_identical, sorted_where_identical};
 pub use interval::{Interval, IntervalMethod, Z_95, simultaneous, wilson, wilson_with_failures};
 pub use linearised::{SmallMotions, Stability, state_matrix};
-pub use point_summary::{LabelCounts, Observed, PointAccumulator, PointDetail, PointSummary};
+pub use observed::{LabelCounts, Observed};
+pub use point_summary::{PointAccumulator, PointDetail, PointSummary};
 pub use reference_amplitude::reference_amplitude;
 pub use resolution::{FEWEST_GRID_POINTS, MOST_BALL_DAMPING, SAMPLE_COUNTS};
 pub use rest_curve::{RestStep, rest_curve};

@@ -11,8 +11,7 @@ use super::orbit::OrbitWatch;
 use super::outcome::{Evidence, LyapunovExponent, Outcome};
 use super::recorder::Recorder;
 use super::settled::SettledWatch;
-use super::simulate::WINDOW;
-use super::window::{LatestStep, Window};
+use super::window::{LatestStep, WINDOW, Window};
 use crate::model::{Balancer, Endings, Machine, RestPoint, Simulation, Start, State};
 use crate::motion::{Failure, Motion, Settings};
 

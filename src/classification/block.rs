@@ -17,7 +17,7 @@ use super::follow::{Horizons, Run, follow};
 use super::outcome::{Evidence, Outcome};
 use super::recorder::Recorder;
 use super::settled::SettledWatch;
-use super::simulate::WINDOW;
+use super::window::WINDOW;
 use crate::model::{Block, Endings, Simulation, Slider, SliderState, Start};
 use crate::motion::{Failure, Motion, Settings};
 

@@ -10,9 +10,9 @@ use fearless_simd::Simd;
 
 use super::balancer::{Prepared, other_number_of_balls};
 use super::lane_run::{LaneRun, Next};
+use super::one_by_one::one_by_one;
 use super::outcome::{Evidence, Outcome};
 use super::recorder::Recorder;
-use super::simulate::one_by_one;
 use crate::model::{Ball, Case, Model};
 use crate::motion::lockstep::{Group, Happened, LANES, Room, Saved, advance};
 use crate::motion::{SimdLevel, unwind_if_cancelled};

@@ -1,15 +1,11 @@
 //! The one arrow of this room: a case goes in, an outcome comes out.
 
-use super::balancer::simulate_balancer;
-use super::block::simulate_block;
 use super::in_lockstep::{Runs, simulate_in_lockstep};
-use super::outcome::{Evidence, Outcome};
+use super::one_by_one::one_by_one;
+use super::outcome::Outcome;
 use super::recorder::Recorder;
-use crate::model::{Case, Machine, Model, Simulation, Start};
+use crate::model::Case;
 use crate::motion::SimdLevel;
-
-/// The part of the time at the end of a run over which means are taken.
-pub(super) const WINDOW: f64 = 0.1;
 
 /// Simulates a case until its ending is known. A pure function: equal cases give equal outcomes, here
 /// and among others in [`super::simulate_in_lockstep`].
@@ -48,48 +44,4 @@ impl Runs for Single<'_> {
     fn recorder(&mut self) -> Option<&mut Recorder> {
         self.recorder.as_deref_mut()
     }
-}
-
-/// Simulates a case by itself, with other code than in lockstep: the cross-check of that, and for models
-/// that it does not know. Motions agree within their tolerances.
-pub fn simulate_one_by_one(case: &Case) -> Outcome {
-    one_by_one(case, None)
-}
-
-/// The same; a recorder, if there is one, begins anew.
-pub(super) fn one_by_one(case: &Case, mut recorder: Option<&mut Recorder>) -> Outcome {
-    if let Some(recorder) = &mut recorder {
-        recorder.restart();
-    }
-    if let Err(invalid) = case.model.validate() {
-        return Outcome::failed(Evidence::InvalidParameters, invalid.to_string());
-    }
-    match &case.model {
-        Model::BallBalancer(machine) => {
-            simulate_balls(machine, &case.start, &case.simulation, recorder)
-        }
-        Model::Block(block) => simulate_block(block, &case.start, &case.simulation, recorder),
-    }
-}
-
-fn simulate_balls(
-    machine: &Machine,
-    start: &Start,
-    simulation: &Simulation,
-    recorder: Option<&mut Recorder>,
-) -> Outcome {
-    let run = match machine.balls.len() {
-        1 => simulate_balancer::<1>,
-        2 => simulate_balancer::<2>,
-        3 => simulate_balancer::<3>,
-        4 => simulate_balancer::<4>,
-        5 => simulate_balancer::<5>,
-        6 => simulate_balancer::<6>,
-        7 => simulate_balancer::<7>,
-        8 => simulate_balancer::<8>,
-        other => {
-            return Outcome::failed(Evidence::InvalidParameters, format!("{other} balls"));
-        }
-    };
-    run(machine, start, simulation, recorder)
 }

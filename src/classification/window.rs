@@ -4,6 +4,9 @@
 use crate::model::Balancer;
 use crate::motion::Motion;
 
+/// The part of the time at the end of a run over which means are taken.
+pub(super) const WINDOW: f64 = 0.1;
+
 /// Places in a part of a step at which the table's displacement is taken, and their weights: Gauss and
 /// Legendre's rule of order 10. In the longest steps the square of the displacement swings by 5 rad of the
 /// highest frequency in it; the rule is right to 4e-6 of that there, and to 2e-8 in steps of 3 rad.

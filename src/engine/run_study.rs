@@ -7,7 +7,6 @@ use std::collections::HashMap;
 use std::sync::atomic::{AtomicBool, AtomicU64};
 use std::sync::mpsc::SyncSender;
 use std::thread;
-use std::time::Instant;
 
 use thiserror::Error;
 
@@ -18,45 +17,13 @@ use super::patience::with_patience;
 use super::stop::{StopCondition, StopReason};
 use super::store::{ChunkIndex, NewResult, ResultCache, Store, StoreError};
 use super::worker::{RunQueue, Storage};
-use super::{Progress, Shard, WorkerPool};
+use super::{EngineOptions, Progress, WorkerPool};
 use crate::analysis::{LabelCounts, PointAccumulator, PointDetail};
 use crate::classification::Outcome;
 use crate::model::Case;
 use crate::motion::{Cancellation, SimdLevel};
 use crate::study::Study;
 use crate::table::{PointRow, RunRecord};
-
-/// How a study is computed. None of it changes a result.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct EngineOptions {
-    /// Worker threads; at least one is used.
-    pub threads: usize,
-    /// Runs computed before they are handed on, and kept in one file; at least one.
-    pub chunk: usize,
-    /// The part of the study to compute.
-    pub shard: Shard,
-    /// When to begin no further run; those in progress are given up a second later.
-    pub deadline: Option<Instant>,
-    /// How many runs may fail before no further run is begun; any number if none.
-    pub most_failed: Option<u64>,
-    /// Whether finished runs that failed are computed again, from the same case.
-    pub retry_failed: bool,
-}
-
-impl Default for EngineOptions {
-    /// The whole study on one thread, to its end.
-    fn default() -> Self {
-        let (deadline, most_failed, retry_failed) = (None, None, false);
-        EngineOptions {
-            threads: 1,
-            chunk: 1024,
-            shard: Shard::WHOLE,
-            deadline,
-            most_failed,
-            retry_failed,
-        }
-    }
-}
 
 /// Takes in runs and points, in the order of the study.
 pub trait Sink: Send {

@@ -14,7 +14,7 @@
 
 use serde::Serialize;
 
-use super::machine::{not_negative, positive};
+use super::invalid_parameter::{not_negative, positive};
 use super::system::stiff_pace;
 use super::{
     Contact, Dual, Forces, Friction, FrictionLaw, InvalidParameter, Number, State, System,

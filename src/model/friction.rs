@@ -6,7 +6,7 @@
 
 use serde::Serialize;
 
-use super::machine::{invalid, not_negative, positive};
+use super::invalid_parameter::{invalid, not_negative, positive};
 use super::{Contact, InvalidParameter};
 
 /// A friction law in SI units. Speeds are sliding speeds: rad/s for a ball relative to the ring,

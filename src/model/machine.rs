@@ -5,8 +5,8 @@
 //! so that the natural frequency, the balancing angles and the amplitudes it prints come out).
 
 use serde::Serialize;
-use thiserror::Error;
 
+use super::invalid_parameter::{InvalidParameter, invalid, not_negative, positive};
 use super::{Friction, FrictionLaw};
 
 /// The largest number of balls that one machine may have.
@@ -86,18 +86,6 @@ impl Default for Machine {
     }
 }
 
-/// A value that no machine can have.
-#[derive(Clone, Debug, PartialEq, Error)]
-#[error("{name} is {found}, but must be {allowed}")]
-pub struct InvalidParameter {
-    /// The parameter's name, as in a study file.
-    pub name: String,
-    /// What was given.
-    pub found: String,
-    /// What would do.
-    pub allowed: &'static str,
-}
-
 impl Machine {
     /// Refuses values without physical meaning: anything not finite, masses, lengths and stiffness
     /// that are not positive, negative damping or friction, no ball or more than [`MAX_BALLS`].
@@ -160,25 +148,5 @@ pub fn ball_parameter_name(general: &str, ball: usize) -> String {
     match general.rsplit_once('_') {
         Some((stem, unit @ ("kg" | "m"))) => format!("{stem}_{ball}_{unit}"),
         _ => format!("{general}_{ball}"),
-    }
-}
-
-pub(super) fn invalid(name: &str, found: &str, allowed: &'static str) -> InvalidParameter {
-    InvalidParameter { name: name.to_owned(), found: found.to_owned(), allowed }
-}
-
-pub(super) fn positive(name: &str, value: f64) -> Result<(), InvalidParameter> {
-    if value.is_finite() && value > 0.0 {
-        Ok(())
-    } else {
-        Err(invalid(name, &value.to_string(), "a positive, finite number"))
-    }
-}
-
-pub(super) fn not_negative(name: &str, value: f64) -> Result<(), InvalidParameter> {
-    if value.is_finite() && value >= 0.0 {
-        Ok(())
-    } else {
-        Err(invalid(name, &value.to_string(), "a finite number, zero or more"))
     }
 }

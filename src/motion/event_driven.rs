@@ -21,7 +21,8 @@
 //!   the same step.
 
 use super::Failure;
-use super::contact::{Phase, derivative, forces, resolve_modes, stick_reserve};
+use super::contact::{Phase, derivative, forces, stick_reserve};
+use super::resolve_modes::resolve_modes;
 use crate::model::{Forces, State, System};
 
 /// What counts as rounding in a condition, over the size of the forces.

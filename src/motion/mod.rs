@@ -1,6 +1,5 @@
 //! How the system moves: integration of smooth phases, stick and slip, switches between them.
 
-mod ambiguity;
 mod cancellation;
 mod contact;
 mod dop853;
@@ -12,6 +11,7 @@ mod guard;
 mod instant;
 mod interpolant;
 pub(crate) mod lockstep;
+mod resolve_modes;
 mod root;
 mod settings;
 mod switch_model;
@@ -50,7 +50,7 @@ pub enum Failure {
     #[error("more steps than the limit, or steps too short to go on")]
     StepLimit,
     /// Stick and slip cannot be decided: no combination meets all conditions, or several do.
-    #[error("{} all conditions", ambiguity::combinations_meet(*.solutions))]
+    #[error("{} all conditions", resolve_modes::combinations_meet(*.solutions))]
     NoSolution {
         /// How many combinations with different accelerations meet all conditions.
         solutions: usize,

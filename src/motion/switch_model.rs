@@ -8,7 +8,8 @@
 //! for all balls in the band together; no step crosses a switch, so that the method keeps its order.
 
 use super::Failure;
-use super::contact::{Phase, resolve_modes, stick_reserve};
+use super::contact::{Phase, stick_reserve};
+use super::resolve_modes::resolve_modes;
 use crate::model::{Forces, State, System};
 
 /// Slack of the conditions for stick and transition, as an acceleration over `L ω_n²`: a phase ends

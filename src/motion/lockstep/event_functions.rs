@@ -16,7 +16,8 @@ use fearless_simd::{Simd, prelude::*};
 use super::Lanes;
 use super::equations::Equations;
 use super::root_isolation::{Bounds, FOURTH, PolynomialPoint};
-use super::series::{ORDER, Series, decay};
+use super::series::{Series, decay};
+use super::terms::ORDER;
 use crate::motion::Phase;
 
 /// What the conditions of a ball depend on.

@@ -6,7 +6,8 @@ use super::event_functions::Doubts;
 use super::lane::Lane;
 use super::recurrence::DYING;
 use super::root_isolation::{Bounds, ConditionFate, Polynomial};
-use super::series::{ORDER, Series};
+use super::series::Series;
+use super::terms::ORDER;
 use crate::motion::Phase;
 
 /// What ends a step of a lane.

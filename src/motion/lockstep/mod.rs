@@ -27,14 +27,15 @@ mod simd_level;
 mod step;
 mod tail_terms;
 mod tangent;
+mod terms;
 mod trigonometry;
 mod within;
 
 pub(crate) use advance::{Happened, advance};
 pub(crate) use group::{Group, Room};
 pub(crate) use lane::{Saved, Trouble};
-pub(super) use series::TERMS;
 pub use simd_level::SimdLevel;
+pub(super) use terms::TERMS;
 
 use fearless_simd::f64x8;
 

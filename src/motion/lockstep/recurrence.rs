@@ -5,7 +5,7 @@ use fearless_simd::{Simd, prelude::*};
 
 use super::Lanes;
 use super::equations::Equations;
-use super::series::{ResidualForce, Solver, TERMS, Term};
+use super::terms::{ResidualForce, Solver, TERMS, Term};
 
 /// 1/k.
 pub(super) const RECIPROCALS: [f64; TERMS + 1] = {

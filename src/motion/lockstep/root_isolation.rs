@@ -6,7 +6,7 @@
 //! coefficient is below zero the polynomial is not, either; where they change their sign once, it falls
 //! through zero once. Parts of which neither can be said are halved.
 
-use super::series::ORDER;
+use super::terms::ORDER;
 
 /// An event is located where its condition is below zero by half of this: a part of the relative tolerance,
 /// within these bounds. So it has failed for certain, and one that is met to rounding only is not met

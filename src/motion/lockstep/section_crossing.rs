@@ -4,7 +4,8 @@ use fearless_simd::Simd;
 
 use super::recurrence::RECIPROCALS;
 use super::root_isolation::{PolynomialPoint, guess};
-use super::series::{Series, TERMS};
+use super::series::Series;
+use super::terms::TERMS;
 use super::{Group, Room};
 use crate::model::State;
 use crate::motion::root::fall_of_smooth;

@@ -6,7 +6,8 @@
 use fearless_simd::{Simd, prelude::*};
 
 use super::Lanes;
-use super::series::{ORDER, Series};
+use super::series::Series;
+use super::terms::ORDER;
 
 /// The last coefficients may make this part of the tolerance. With it errors are those of DOP853 at the same
 /// tolerance (`benches/README.md`).

@@ -1,9 +1,61 @@
-//! The decision between stick and slip where it may have several solutions, or none: all
-//! combinations are tried, and a motion goes on only if what comes of it is one and the same.
+//! Which contacts stick and which slip: the modes of all contacts, resolved together.
+//!
+//! Where stick and slip may have several solutions, or none, all combinations are tried, and a motion continues
+//! only if all combinations that meet the conditions give the same accelerations.
 
 use super::Failure;
 use super::contact::{Phase, forces};
 use crate::model::{Forces, State, System};
+
+/// Settles the phases of the contacts that are `open` together (thesis section 4.3, appendix C)
+/// and returns the forces that go with them; the others are left alone. `better` names the phase
+/// that a contact should have instead where the one assumed fails its condition.
+///
+/// The conditions are a linear complementarity problem. For light balls its matrix is nearly
+/// diagonal; exchanging all phases that fail their condition at once then settles it in a step or
+/// two. Should it not converge, all `3^k` combinations of `choices` are tried. Where the balls are so
+/// heavy and the friction so large that there may be several solutions, all of them are looked for,
+/// and none is chosen silently ([`crate::model::ExistenceVerdict`]).
+///
+/// # Errors
+/// [`Failure::NoSolution`] where no combination meets all conditions, or several different ones do.
+pub(super) fn resolve_modes<S: System<N, FREE>, const N: usize, const FREE: usize>(
+    system: &S,
+    state: &State<N, f64, FREE>,
+    phases: &mut [Phase; N],
+    open: [bool; N],
+    choices: [Phase; 3],
+    better: impl Fn(&Forces<N, f64, FREE>, &[Phase; N], usize) -> Option<Phase>,
+) -> Result<Forces<N, f64, FREE>, Failure> {
+    if !system.surely_one_solution() && !system.one_solution_at(state) {
+        return unique_or_refused(system, state, phases, open, choices, better);
+    }
+    for _ in 0..N + 3 {
+        let forces = forces(system, phases, state);
+        let before = *phases;
+        for ball in (0..N).filter(|&ball| open[ball]) {
+            if let Some(other) = better(&forces, &before, ball) {
+                phases[ball] = other;
+            }
+        }
+        if *phases == before {
+            return Ok(forces);
+        }
+    }
+    let open: Vec<usize> = (0..N).filter(|&ball| open[ball]).collect();
+    for combination in 0..3_usize.pow(open.len() as u32) {
+        let mut rest = combination;
+        for &ball in &open {
+            phases[ball] = choices[rest % 3];
+            rest /= 3;
+        }
+        let forces = forces(system, phases, state);
+        if open.iter().all(|&ball| better(&forces, phases, ball).is_none()) {
+            return Ok(forces);
+        }
+    }
+    Err(Failure::NoSolution { solutions: 0 })
+}
 
 /// Accelerations that differ by no more than this, over 1 and the largest of them, are the same
 /// motion: on the boundary between stick and transition both hold, to rounding or to the slack.

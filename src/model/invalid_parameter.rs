@@ -1,0 +1,35 @@
+//! A parameter without physical meaning, and the checks that find one.
+
+use thiserror::Error;
+
+/// A value that no machine can have.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[error("{name} is {found}, but must be {allowed}")]
+pub struct InvalidParameter {
+    /// The parameter's name, as in a study file.
+    pub name: String,
+    /// What was given.
+    pub found: String,
+    /// What would do.
+    pub allowed: &'static str,
+}
+
+pub(super) fn invalid(name: &str, found: &str, allowed: &'static str) -> InvalidParameter {
+    InvalidParameter { name: name.to_owned(), found: found.to_owned(), allowed }
+}
+
+pub(super) fn positive(name: &str, value: f64) -> Result<(), InvalidParameter> {
+    if value.is_finite() && value > 0.0 {
+        Ok(())
+    } else {
+        Err(invalid(name, &value.to_string(), "a positive, finite number"))
+    }
+}
+
+pub(super) fn not_negative(name: &str, value: f64) -> Result<(), InvalidParameter> {
+    if value.is_finite() && value >= 0.0 {
+        Ok(())
+    } else {
+        Err(invalid(name, &value.to_string(), "a finite number, zero or more"))
+    }
+}

@@ -1,0 +1,49 @@
+//! What a power series of the motion consists of: its terms, and what all of its terms are solved with.
+
+use fearless_simd::Simd;
+
+use super::Lanes;
+
+/// The highest power of time in the series of speeds.
+pub(super) const ORDER: usize = 16;
+/// Coefficients of the series of positions.
+pub(crate) const TERMS: usize = ORDER + 2;
+
+/// The coefficients of one power of time that are of one ball.
+#[derive(Clone, Copy)]
+pub(super) struct BallTerm<S: Simd> {
+    /// Speed.
+    pub(super) speed: Lanes<S>,
+    /// Its square.
+    pub(super) squared: Lanes<S>,
+    /// m (1 + ip) e^{iβ} / (1 + p²): real and imaginary part.
+    pub(super) direction: [Lanes<S>; 2],
+}
+
+/// The coefficients of one power of time.
+#[derive(Clone, Copy)]
+pub(super) struct Term<S: Simd, const N: usize> {
+    /// Position of the table.
+    pub(super) table: [Lanes<S>; 2],
+    /// Its absolute acceleration.
+    pub(super) pull: [Lanes<S>; 2],
+    pub(super) balls: [BallTerm<S>; N],
+}
+
+/// What solves the equations of a power of time for the accelerations.
+#[derive(Clone, Copy)]
+pub(super) struct Solver<S: Simd, const N: usize> {
+    /// The inverse of the table's 2×2 system: first row, second row.
+    pub(super) inverse: [Lanes<S>; 4],
+    /// How a ball's acceleration pushes the table: m s and -m c.
+    pub(super) reaction: [[Lanes<S>; 2]; N],
+    /// How the table's acceleration enters a ball's.
+    pub(super) drawn: [[Lanes<S>; 2]; N],
+    /// Cosine and sine of the angles at the start.
+    pub(super) trigonometry: [[Lanes<S>; 2]; N],
+    /// What is left of the speeds of balls that stick, at the start.
+    pub(super) residual: [Lanes<S>; N],
+}
+
+/// What the residual speeds add to the force on the table, as they die out: times exp(-t), times exp(-2t).
+pub(super) type ResidualForce<S> = [[Lanes<S>; 2]; 2];
