@@ -14,7 +14,8 @@
 //! - [`farm`]: runs over the cores, in order, whatever happens in one of them.
 //! - [`analysis`]: intervals, times to rest, what is known of a point; equilibrium sets.
 //! - [`design`]: responses of designs, for optimisers.
-//! - [`table`]: Parquet files with units and provenance; the only room that writes them, and that knows Arrow.
+//! - `tabular`: tables in CSV, Parquet and Arrow, read in bounds; what `study` and `table` stand on.
+//! - [`table`]: Parquet files with units and provenance; the only room that writes them.
 //! - [`report`]: results and runs for the eye: what a figure shows, figures, animations.
 //! - [`cli`]: the commands.
 //!
@@ -48,3 +49,4 @@ pub mod motion;
 pub mod report;
 pub mod study;
 pub mod table;
+mod tabular;
