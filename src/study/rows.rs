@@ -112,7 +112,7 @@ impl Rows {
     ) -> Result<Rows, StudyError> {
         let columns = |columns: &[String]| check_columns(columns, allowed);
         let refuse = |Refusal { line, row, column, fault }| {
-            StudyError::new(name, line.map(at_line), key(row, column.as_deref()), fault, None)
+            StudyError::new(name, line.map(at_line), key(row, column.as_deref()), *fault, None)
         };
         let limits = Limits { columns: &columns, values: MAX_VALUES };
         let Cells { columns, rows, lines } = read(&limits).map_err(refuse)?;

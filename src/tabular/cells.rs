@@ -47,10 +47,13 @@ pub(crate) struct Cells {
     pub lines: Option<Vec<usize>>,
 }
 
+/// A column of a wrong name, by its place, and what is wrong.
+type WrongColumn = (usize, Fault);
+
 /// Which tables are read.
 pub(crate) struct Limits<'a> {
-    /// Checks the names of the columns, and says which one is wrong.
-    pub columns: &'a dyn Fn(&[String]) -> Result<(), (usize, Fault)>,
+    /// Checks the names of the columns.
+    pub columns: &'a dyn Fn(&[String]) -> Result<(), WrongColumn>,
     /// The most values.
     pub values: usize,
 }

@@ -39,11 +39,11 @@ pub(crate) struct Refusal {
     /// The name of the column.
     pub column: Option<String>,
     /// What is wrong there.
-    pub fault: Fault,
+    pub fault: Box<Fault>,
 }
 
 impl From<Fault> for Refusal {
     fn from(fault: Fault) -> Refusal {
-        Refusal { line: None, row: None, column: None, fault }
+        Refusal { line: None, row: None, column: None, fault: Box::new(fault) }
     }
 }

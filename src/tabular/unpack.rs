@@ -95,7 +95,7 @@ mod tests {
     fn zstd(blocks: usize) -> Vec<u8> {
         let block = |last: usize| {
             let header = (128 << 10) << 3 | 1 << 1 | last;
-            [&header.to_le_bytes()[..3], &[b'x']].concat()
+            [&header.to_le_bytes()[..3], b"x"].concat()
         };
         let head = [0x28, 0xb5, 0x2f, 0xfd, 0, 0x58];
         [head.to_vec(), block(0).repeat(blocks - 1), block(1)].concat()

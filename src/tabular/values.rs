@@ -8,6 +8,7 @@ use arrow_array::types::{
 };
 use arrow_array::{Array, ArrayRef};
 use arrow_schema::DataType;
+use arrow_select::take::take;
 
 /// What a column holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -131,9 +132,7 @@ impl Values {
             }
             DataType::Dictionary(..) => {
                 let coded = column.as_any_dictionary_opt()?;
-                let places = coded.normalized_keys().into_iter().enumerate();
-                let places = places.map(|(row, place)| column.is_valid(row).then_some(place));
-                Values::of(coded.values())?.at(&places.collect::<Vec<_>>())
+                Values::of(&take(coded.values(), coded.keys(), None).ok()?)?
             }
             DataType::List(_) => {
                 let lists = column.as_list_opt::<i32>()?.iter().map(|list| {
@@ -144,20 +143,5 @@ impl Values {
             }
             _ => return None,
         })
-    }
-
-    /// The values at these places, none where there is no place.
-    fn at(&self, places: &[Option<usize>]) -> Values {
-        fn pick<V: Clone>(values: &[Option<V>], places: &[Option<usize>]) -> Vec<Option<V>> {
-            places.iter().map(|place| values.get((*place)?).cloned().flatten()).collect()
-        }
-        match self {
-            Values::Number(values) => Values::Number(pick(values, places)),
-            Values::Count(values) => Values::Count(pick(values, places)),
-            Values::Integer(values) => Values::Integer(pick(values, places)),
-            Values::Truth(values) => Values::Truth(pick(values, places)),
-            Values::Text(values) => Values::Text(pick(values, places)),
-            Values::Numbers(values) => Values::Numbers(pick(values, places)),
-        }
     }
 }
