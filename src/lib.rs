@@ -13,7 +13,8 @@
 //! - [`classification`]: how a run ends, on evidence.
 //! - [`engine`]: runs spread over the cores, the files of finished runs, progress, interruption, resume, shards.
 //! - [`analysis`]: intervals, times to rest, summaries of points, equilibrium sets.
-//! - [`table`]: the result tables with their units and provenance.
+//! - `tabular`: tables in CSV, Parquet and Arrow, read within bounds, for studies and results alike.
+//! - [`table`]: the result tables with their units and provenance; they alone write Parquet.
 //! - [`report`]: the HTML page of results and the animation of a run.
 //! - [`responses`]: what an optimiser asks of a design.
 //! - [`optimize`]: the search for the best design, and sensitivities.
@@ -50,3 +51,4 @@ pub mod report;
 pub mod responses;
 pub mod study;
 pub mod table;
+mod tabular;

@@ -6,7 +6,6 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyCapsule};
 use stickslip::study::file_values::Entry;
 use stickslip::study::{DesignValue, Study};
-use stickslip::table::designs_in_arrow;
 
 use crate::error::Trouble;
 use crate::values::{is_text, items, keys, kind, number};
@@ -26,7 +25,8 @@ pub fn designs(study: &Study, given: &Bound<'_, PyAny>) -> PyResult<Vec<Vec<Desi
     if given.hasattr("__arrow_c_stream__")? {
         match given.call_method0("__arrow_c_stream__") {
             Ok(stream) => {
-                return Ok(designs_in_arrow(study, NAME, reader(&stream)?).map_err(Trouble::from)?);
+                let designs = study.designs_in_arrow(NAME, reader(&stream)?);
+                return Ok(designs.map_err(Trouble::from)?);
             }
             // A dataframe of pandas without pyarrow still has its columns.
             Err(error) if error.is_instance_of::<PyImportError>(given.py()) => {}

@@ -3,7 +3,8 @@
 use serde_json::{Value, json};
 
 use crate::study::file_values::Named;
-use crate::study::{DesignValue, Fault, Study, list_names, shorten};
+use crate::study::{DesignValue, Study, list_names, shorten};
+use crate::tabular::Fault;
 
 /// What an optimiser asks for.
 #[derive(Clone, Debug)]

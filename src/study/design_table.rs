@@ -2,16 +2,15 @@
 
 use std::path::Path;
 
-use super::csv_table;
-use super::error::{Fault, StudyError, shorten};
+use arrow_array::RecordBatchReader;
+
+use super::error::{Fault, StudyError};
 use super::file_values::Entry;
-use super::parquet_table;
 use super::plan::Study;
 use super::read_file::read_bytes;
-use super::rows::{
-    MAX_VALUES, Rows, TableFile, check_number, empty_value, ragged, too_many_values,
-};
+use super::rows::Rows;
 use super::variable::DesignValue;
+use crate::tabular::{Cell, Cells, Limits, Refusal, check_name};
 
 /// Faults of tables in files need no study file to be placed in.
 struct Nowhere;
@@ -34,20 +33,23 @@ impl Study {
     /// The first thing that is wrong, with row and column: a file that cannot be read, a column that is
     /// unknown, missing or given twice, a value that its variable does not have.
     pub fn designs(&self, path: &Path) -> Result<Vec<Vec<DesignValue>>, StudyError> {
-        let extension = path.extension().and_then(|extension| extension.to_str());
-        let read = match extension.map(str::to_ascii_lowercase).as_deref() {
-            Some("csv") => csv_table::read,
-            Some("parquet") => parquet_table::read,
-            _ => {
-                let found = shorten(&path.display().to_string());
-                let allowed = "a name that ends in .csv or .parquet, or - for standard input";
-                let problem = "neither a CSV nor a Parquet file by its name";
-                return Err(StudyError::about_file(path, Fault::new(problem, found, allowed)));
-            }
-        };
-        let bytes = read_bytes(path).map_err(|fault| StudyError::about_file(path, fault))?;
-        let names: Vec<String> = self.variables.iter().map(|one| one.name.clone()).collect();
-        self.check_designs(&names, read(path, bytes, &names)?)
+        let refuse = |fault| StudyError::about_file(path, fault);
+        let allowed = "a name that ends in .csv or .parquet, or - for standard input";
+        check_name(path, allowed).map_err(refuse)?;
+        let bytes = read_bytes(path).map_err(refuse)?;
+        self.designs_in(path, |limits| Cells::read(path, bytes, limits))
+    }
+
+    /// The designs in an Arrow table, which messages call `name`.
+    ///
+    /// # Errors
+    /// As for [`Study::designs`]; a table that cannot be read.
+    pub fn designs_in_arrow(
+        &self,
+        name: &str,
+        reader: impl RecordBatchReader,
+    ) -> Result<Vec<Vec<DesignValue>>, StudyError> {
+        self.designs_in(Path::new(name), |limits| Cells::of_arrow(reader, limits))
     }
 
     /// The designs in a table that is in memory, with one value per column in each row, none where it is
@@ -61,29 +63,23 @@ impl Study {
         columns: Vec<String>,
         rows: Vec<Vec<Option<Entry>>>,
     ) -> Result<Vec<Vec<DesignValue>>, StudyError> {
-        let table = TableFile::without_lines(Path::new(name));
-        let names: Vec<String> = self.variables.iter().map(|one| one.name.clone()).collect();
-        table.check_columns(&columns, &names)?;
-        if rows.len().saturating_mul(columns.len()) > MAX_VALUES {
-            let found = format!("{} rows of {} values", rows.len(), columns.len());
-            return Err(table.refuse_all(too_many_values(found)));
-        }
-        let checked = |(index, row): (usize, Vec<Option<Entry>>)| {
-            if row.len() != columns.len() {
-                return Err(table.refuse(Some(index), None, ragged(row.len(), columns.len())));
-            }
-            let cell = |(value, column): (Option<Entry>, &String)| {
-                let entry = match value {
-                    None => Err(empty_value()),
-                    Some(Entry::Number(number)) => check_number(number, || number.to_string()),
-                    Some(text) => Ok(text),
-                };
-                entry.map_err(|fault| table.refuse(Some(index), Some(column), fault))
-            };
-            row.into_iter().zip(&columns).map(cell).collect()
+        let cell = |entry| match entry {
+            Some(Entry::Number(number)) => Cell::of_number(number),
+            Some(Entry::Text(text)) => Cell::Text(text),
+            None => Cell::Empty,
         };
-        let rows = rows.into_iter().enumerate().map(checked).collect::<Result<_, _>>()?;
-        self.check_designs(&names, Rows::in_file(columns, rows, table))
+        let cells = |row: Vec<Option<Entry>>| row.into_iter().map(cell).collect();
+        let rows = rows.into_iter().map(cells).collect();
+        self.designs_in(Path::new(name), |limits| Cells::of_rows(columns, rows, limits))
+    }
+
+    fn designs_in(
+        &self,
+        name: &Path,
+        read: impl FnOnce(&Limits<'_>) -> Result<Cells, Refusal>,
+    ) -> Result<Vec<Vec<DesignValue>>, StudyError> {
+        let names: Vec<String> = self.variables.iter().map(|one| one.name.clone()).collect();
+        self.check_designs(&names, Rows::in_file(name, read, &names)?)
     }
 
     fn check_designs(
@@ -120,5 +116,79 @@ impl Study {
         }
         self.with_design(&values).map_err(|fault| rows.refuse(&Nowhere, Some(row), None, fault))?;
         Ok(values)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+    use std::sync::Arc;
+
+    use arrow_array::types::Int8Type;
+    use arrow_array::{
+        ArrayRef, BooleanArray, DictionaryArray, Int16Array, LargeStringArray, RecordBatch,
+        RecordBatchIterator,
+    };
+
+    use super::{DesignValue, Study, StudyError};
+
+    fn study() -> Study {
+        let text = "
+schema: 1
+name: two
+seed: 1
+model: {kind: ball_balancer}
+initial_conditions: {design: {monte_carlo: {samples: 2}}}
+design:
+  speed_rad_s: {from: -260, to: -140}
+  material: {choices: {steel: {ball_mass_kg: 1.4e-4}, tin: {ball_mass_kg: 1.2e-4}}}
+";
+        Study::parse(Path::new("two.yaml"), text.to_owned()).unwrap()
+    }
+
+    fn read(columns: Vec<(&str, ArrayRef)>) -> Result<Vec<Vec<DesignValue>>, StudyError> {
+        let batch = RecordBatch::try_from_iter(columns).unwrap();
+        let batches = [Ok(batch.clone()), Ok(batch.clone())];
+        study().designs_in_arrow("designs", RecordBatchIterator::new(batches, batch.schema()))
+    }
+
+    fn speeds() -> ArrayRef {
+        Arc::new(Int16Array::from(vec![-150, -200]))
+    }
+
+    #[test]
+    fn columns_in_any_order_and_encoding() {
+        let words: DictionaryArray<Int8Type> = [Some("tin"), Some("steel")].into_iter().collect();
+        let designs = read(vec![("material", Arc::new(words)), ("speed_rad_s", speeds())]).unwrap();
+        let row = |speed, choice| vec![DesignValue::Number(speed), DesignValue::Choice(choice)];
+        let (first, second) = (row(-150.0, 1), row(-200.0, 0));
+        assert_eq!(designs, [first.clone(), second.clone(), first, second]);
+    }
+
+    #[test]
+    fn what_is_wrong_is_named() {
+        let truths: ArrayRef = Arc::new(BooleanArray::from(vec![true, false]));
+        let text = |words: [Option<&str>; 2]| -> ArrayRef {
+            Arc::new(LargeStringArray::from(words.to_vec()))
+        };
+        for (columns, key, problem) in [
+            (vec![("speed_rad_s", Arc::clone(&truths))], "column speed_rad_s", "wrong type"),
+            (vec![("speed", truths)], "column speed", "unknown column"),
+            (vec![("speed_rad_s", speeds())], "", "no column material"),
+            (
+                vec![("speed_rad_s", speeds()), ("material", text([Some("tin"), None]))],
+                "row 2, column material",
+                "an empty value",
+            ),
+            (
+                vec![("speed_rad_s", speeds()), ("material", text([Some("tan"), Some("tin")]))],
+                "row 1, column material",
+                "not a choice",
+            ),
+        ] {
+            let error = read(columns).unwrap_err();
+            assert_eq!((error.key(), error.problem()), (key, problem), "{error}");
+            assert_eq!(error.file(), Path::new("designs"));
+        }
     }
 }

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use super::key_path::KeyPath;
 pub(crate) use crate::foreign::shorten;
 use crate::foreign::shown_path;
+pub(crate) use crate::tabular::Fault;
 
 /// Why a study cannot be used: one message with file, line, key, finding and remedy.
 ///
@@ -38,28 +39,6 @@ pub(crate) struct Place {
     pub line: usize,
     /// Column in characters, counted from one.
     pub column: usize,
-}
-
-/// What is wrong, before it is known where.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct Fault {
-    /// What is wrong, in a few words.
-    pub problem: String,
-    /// What stands there.
-    pub found: Option<String>,
-    /// What could stand there.
-    pub allowed: Option<String>,
-}
-
-impl Fault {
-    /// A fault with all three parts.
-    pub fn new(
-        problem: impl Into<String>,
-        found: impl Into<String>,
-        allowed: impl Into<String>,
-    ) -> Fault {
-        Fault { problem: problem.into(), found: Some(found.into()), allowed: Some(allowed.into()) }
-    }
 }
 
 impl StudyError {

@@ -24,7 +24,6 @@
 //! ```
 
 mod audit;
-mod csv_table;
 mod decode;
 mod design;
 mod design_table;
@@ -41,9 +40,6 @@ mod node;
 mod optimization;
 mod optimize_file;
 mod parameter;
-mod parquet_bounds;
-mod parquet_table;
-mod parquet_values;
 mod plan;
 mod precision;
 mod read_file;
@@ -65,24 +61,19 @@ mod schema;
 mod start_box;
 mod sweep;
 mod table_folders;
-mod thrift;
-mod thrift_shape;
 mod variable;
 
 pub use audit::Audit;
 pub use difference::difference;
 pub use error::StudyError;
-pub(crate) use error::{Fault, list_names, shorten};
+pub(crate) use error::{list_names, shorten};
 pub use expectation::Expectation;
 pub(crate) use node::describe_number;
 pub use optimization::{Limit, Objective, Optimization};
 pub use optimize_file::{OverPoints, SensitivityFrom};
 pub use parameter::{ParameterKind, ParameterValue, VariedParameter};
-pub(crate) use parquet_bounds::{Bounds, check_footer, check_pages, guarded};
-pub(crate) use parquet_values::{Annotation, next_lists, next_values, said};
 pub use plan::{PlannedRun, Point, Study};
 pub use precision::{Precision, Sampling};
 pub use response::{Measure, Response};
-pub(crate) use rows::MAX_VALUES;
 pub use schema::json_schema;
 pub use variable::{DesignValue, Values, Variable};

@@ -6,6 +6,7 @@ use std::path::Path;
 
 use super::error::Fault;
 use super::node::MAX_FILE_BYTES;
+use crate::tabular::to_text;
 
 /// Reads a regular file of bounded size.
 ///
@@ -38,17 +39,6 @@ pub(crate) fn read_bytes(file: &Path) -> Result<Vec<u8>, Fault> {
 /// What is wrong with the file, also where it is not UTF-8.
 pub(crate) fn read_text(file: &Path) -> Result<String, Fault> {
     to_text(read_bytes(file)?)
-}
-
-/// Bytes as text.
-///
-/// # Errors
-/// Bytes that are not UTF-8.
-pub(crate) fn to_text(bytes: Vec<u8>) -> Result<String, Fault> {
-    String::from_utf8(bytes).map_err(|error| {
-        let found = format!("a wrong byte at position {}", error.utf8_error().valid_up_to());
-        Fault::new("the text is not UTF-8", found, "UTF-8")
-    })
 }
 
 /// What the operating system says about a file that cannot be read.

@@ -3,12 +3,11 @@
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
-use super::csv_table;
 use super::error::{Fault, Locate, Place, StudyError, list_names, shorten};
 use super::file_values::{Entry, InlineTable, Table};
 use super::key_path::KeyPath;
-use super::parquet_table;
 use super::table_folders::TableFolders;
+use crate::tabular::{Cell, Cells, Limits, Refusal, check_name, ragged};
 
 /// The most values that all sweeps and tables of a study may hold together.
 pub(crate) const MAX_VALUES: usize = 1_000_000;
@@ -28,7 +27,7 @@ enum Origin {
 }
 
 /// The file that a table was read from.
-pub(crate) struct TableFile {
+struct TableFile {
     path: PathBuf,
     /// In a file of lines, the line of each row.
     lines: Option<Vec<usize>>,
@@ -91,28 +90,47 @@ impl Rows {
             fault.problem = format!("the table cannot be read: {}", fault.problem);
             locate.refuse_value(path, fault)
         })?;
-        let extension = file.extension().and_then(|extension| extension.to_str());
-        let rows = match extension.map(str::to_ascii_lowercase).as_deref() {
-            Some("csv") => csv_table::read(&file, bytes, allowed),
-            Some("parquet") => parquet_table::read(&file, bytes, allowed),
-            _ => {
-                let fault = Fault::new(
-                    "neither a CSV nor a Parquet file by its name",
-                    shorten(name),
-                    "a name that ends in .csv or .parquet",
-                );
-                Err(locate.refuse_value(path, fault))
-            }
-        }?;
+        check_name(&file, "a name that ends in .csv or .parquet").map_err(|fault| {
+            locate.refuse_value(path, Fault { found: Some(shorten(name)), ..fault })
+        })?;
+        let rows = Rows::in_file(&file, |limits| Cells::read(&file, bytes, limits), allowed)?;
         folders
             .count(rows.rows.len() * rows.columns.len())
             .map_err(|fault| locate.refuse_value(path, fault))?;
         Ok(rows)
     }
 
-    /// A table that a file holds.
-    pub fn in_file(columns: Vec<String>, rows: Vec<Vec<Entry>>, file: TableFile) -> Rows {
-        Rows { columns, rows, origin: Origin::File(file) }
+    /// A table outside of the study file, which messages call `name`; `allowed` are the names that columns may
+    /// have.
+    ///
+    /// # Errors
+    /// What is wrong, and where.
+    pub fn in_file(
+        name: &Path,
+        read: impl FnOnce(&Limits<'_>) -> Result<Cells, Refusal>,
+        allowed: &[String],
+    ) -> Result<Rows, StudyError> {
+        let columns = |columns: &[String]| check_columns(columns, allowed);
+        let refuse = |Refusal { line, row, column, fault }| {
+            StudyError::new(name, line.map(at_line), key(row, column.as_deref()), *fault, None)
+        };
+        let limits = Limits { columns: &columns, values: MAX_VALUES };
+        let Cells { columns, rows, lines } = read(&limits).map_err(refuse)?;
+        let file = TableFile { path: name.to_owned(), lines };
+        let entry = |row: usize, (cell, column): (Cell, &String)| {
+            let fault = match cell {
+                Cell::Number(number) => return Ok(Entry::Number(number)),
+                Cell::Text(text) => return Ok(Entry::Text(text)),
+                Cell::NotFinite(written) => not_finite(written),
+                Cell::Empty => Fault::new("an empty value", "nothing", "a number"),
+            };
+            Err(file.refuse(Some(row), Some(column), fault))
+        };
+        let entries = |(row, cells): (usize, Vec<Cell>)| {
+            cells.into_iter().zip(&columns).map(|cell| entry(row, cell)).collect()
+        };
+        let rows = rows.into_iter().enumerate().map(entries).collect::<Result<_, _>>()?;
+        Ok(Rows { columns, rows, origin: Origin::File(file) })
     }
 
     /// The message for a fault in a row, a column, both, or the whole table.
@@ -142,50 +160,23 @@ impl Rows {
 }
 
 impl TableFile {
-    /// A file of lines.
-    pub fn of_lines(path: &Path) -> TableFile {
-        TableFile { path: path.to_path_buf(), lines: Some(Vec::new()) }
-    }
-
-    /// A file without lines, in which rows have numbers only.
-    pub fn without_lines(path: &Path) -> TableFile {
-        TableFile { path: path.to_path_buf(), lines: None }
-    }
-
-    /// Notes the line of the next row.
-    pub fn begin_row(&mut self, line: usize) {
-        self.lines.get_or_insert_default().push(line);
-    }
-
     /// The message for a fault in a row, a column by its name, both, or the whole table.
-    pub fn refuse(&self, row: Option<usize>, column: Option<&str>, fault: Fault) -> StudyError {
-        let key = match (row, column) {
-            (Some(row), Some(name)) => format!("row {}, column {}", row + 1, shorten(name)),
-            (Some(row), None) => format!("row {}", row + 1),
-            (None, Some(name)) => format!("column {}", shorten(name)),
-            (None, None) => String::new(),
-        };
-        let place = self.lines.as_ref().map(|lines| {
-            let line = row.and_then(|row| lines.get(row)).copied().unwrap_or(1);
-            Place { line, column: 1 }
-        });
-        StudyError::new(&self.path, place, key, fault, None)
+    fn refuse(&self, row: Option<usize>, column: Option<&str>, fault: Fault) -> StudyError {
+        let line = |lines: &Vec<usize>| row.and_then(|row| lines.get(row)).copied().unwrap_or(1);
+        let place = self.lines.as_ref().map(line).map(at_line);
+        StudyError::new(&self.path, place, key(row, column), fault, None)
     }
+}
 
-    /// The message for a fault in the file as such.
-    pub fn refuse_all(&self, fault: Fault) -> StudyError {
-        StudyError::about_file(&self.path, fault)
-    }
+fn at_line(line: usize) -> Place {
+    Place { line, column: 1 }
+}
 
-    /// Checks the names of the columns.
-    ///
-    /// # Errors
-    /// A column that is unknown or given twice.
-    pub fn check_columns(&self, columns: &[String], allowed: &[String]) -> Result<(), StudyError> {
-        check_columns(columns, allowed).map_err(|(column, fault)| {
-            self.refuse(None, columns.get(column).map(String::as_str), fault)
-        })
-    }
+/// A row and a column as messages name them.
+fn key(row: Option<usize>, column: Option<&str>) -> String {
+    let row = row.map(|row| format!("row {}", row + 1));
+    let column = column.map(|name| format!("column {}", shorten(name)));
+    row.into_iter().chain(column).collect::<Vec<_>>().join(", ")
 }
 
 /// The first column that is unknown or given twice.
@@ -204,28 +195,7 @@ fn check_columns(columns: &[String], allowed: &[String]) -> Result<(), (usize, F
     Ok(())
 }
 
-/// A row with more or fewer values than there are columns.
-pub(crate) fn ragged(found: usize, columns: usize) -> Fault {
-    Fault::new("a ragged row", format!("{found} values"), format!("{columns}, one per column"))
-}
-
-/// A table with more values than a study may hold.
-pub(crate) fn too_many_values(found: String) -> Fault {
-    Fault::new("too many values", found, format!("at most {MAX_VALUES} in all tables of a study"))
-}
-
-/// A number that a file holds.
-///
-/// # Errors
-/// A number that is not finite, shown as it is `written`.
-pub(crate) fn check_number(number: f64, written: impl Fn() -> String) -> Result<Entry, Fault> {
-    if number.is_finite() {
-        return Ok(Entry::Number(number));
-    }
-    Err(Fault::new("not a finite number", written(), "a finite number"))
-}
-
-/// A cell that holds nothing.
-pub(crate) fn empty_value() -> Fault {
-    Fault::new("an empty value", "nothing", "a number")
+/// A number that is not finite.
+pub(crate) fn not_finite(written: String) -> Fault {
+    Fault::new("not a finite number", written, "a finite number")
 }

@@ -9,7 +9,7 @@ use std::path::{Component, Path, PathBuf};
 use super::manifest::FileEntry;
 use super::read::TableError;
 use crate::foreign::is_acted_on;
-use crate::study::Fault;
+use crate::tabular::Fault;
 
 /// Whether a name on a list is that of a file in the directory itself, or below it, and can be shown.
 pub(super) fn is_file_name(name: &str) -> bool {

@@ -16,7 +16,7 @@ use super::provenance::FORMAT;
 use super::read::TableError;
 use super::temporary::{write_atomically, write_once};
 use crate::foreign::shorten;
-use crate::study::Fault;
+use crate::tabular::Fault;
 
 /// Name of the list in its directory.
 pub const FILES: &str = "files.json";

@@ -1,13 +1,11 @@
 //! Results as files: Parquet tables with units and provenance, and the manifest beside them.
 //!
-//! The only room that knows Arrow, and that writes Parquet (`study` reads tables in it, behind guards
-//! that the reading of results fractions).
+//! The only room that writes Parquet; `tabular` reads it, for studies and results alike.
 
 pub mod cell;
 mod checked;
 pub mod column;
 mod cycles;
-mod design_rows;
 mod destination;
 mod directory;
 mod earlier;
@@ -35,8 +33,8 @@ mod stored_run;
 mod temporary;
 mod writer;
 
+pub use crate::tabular::{Kind, Values};
 pub use cycles::{CycleRow, cycle_columns};
-pub use design_rows::designs_in_arrow;
 pub use destination::{Destination, check_path, inspect, manifest_of};
 pub use directory::{is_inside, make_directory, make_inside, sync_directory};
 pub use earlier::{EARLIER, close_earlier, put_aside};
@@ -52,7 +50,7 @@ pub use memory_results::{MemoryResults, TABLES};
 pub use points::{PointRow, point_columns};
 pub use provenance::{COMMIT, FORMAT, VERSION, provenance, provenance_with};
 pub use read::{Batches, Table, TableError};
-pub use read_values::{Batch, Kind, Values};
+pub use read_values::Batch;
 pub use record::RunRecord;
 pub use replay::{Units, in_circle, phase_name, switch_columns, trajectory_columns};
 pub use rest::{RestRow, rest_columns};

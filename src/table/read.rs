@@ -8,20 +8,16 @@
 use std::fs::File;
 use std::path::{Path, PathBuf};
 
-use parquet::column::reader::ColumnReader;
-use parquet::file::reader::{FileReader, SerializedFileReader};
 use serde_json::Value;
 use thiserror::Error;
 
 use super::file_list::{FILES, FileList};
 use super::manifest::{MANIFEST, Manifest};
 use super::provenance::FORMAT;
-use super::read_values::{Batch, Kind, Values, next};
-use crate::foreign::shown_path;
-use crate::study::{Bounds, Fault, check_footer, check_pages, guarded, list_names, said, shorten};
-
-/// Rows of a batch.
-const BATCH: usize = 1024;
+use super::read_values::Batch;
+use crate::foreign::{shorten, shown_path};
+use crate::study::list_names;
+use crate::tabular::{self, Fault, Kind, ParquetFile, Values};
 
 /// Why a table cannot be read: file, column, what was found and what is allowed.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
@@ -98,7 +94,7 @@ impl Table {
             );
             return Err(TableError::new(directory, None, fault));
         };
-        table.columns = table.open_part(path, *rows)?.columns();
+        table.columns = columns(&table.open_part(path, *rows)?);
         Ok(table)
     }
 
@@ -130,7 +126,7 @@ impl Table {
         };
         let study_hash = about["study_hash"].as_str().unwrap_or_default().to_owned();
         let mut table = Table { name: name.to_owned(), study_hash, parts, columns: Vec::new() };
-        table.columns = table.open_part(&first, rows)?.columns();
+        table.columns = columns(&table.open_part(&first, rows)?);
         Ok((table, about))
     }
 
@@ -169,10 +165,9 @@ impl Table {
     }
 
     /// Opens a file of the table and checks what it says of itself.
-    pub(super) fn open_part(&self, path: &Path, rows: u64) -> Result<Part, TableError> {
+    pub(super) fn open_part(&self, path: &Path, rows: u64) -> Result<ParquetFile, TableError> {
         let refuse = |fault| TableError::new(path, None, fault);
-        let (reader, provenance) = open_file(path)?;
-        let about = reader.metadata().file_metadata();
+        let (file, provenance) = open_file(path)?;
         let facts = |value: &Value| {
             let text = |key: &str| shorten(value[key].as_str().unwrap_or("none"));
             format!(
@@ -195,32 +190,37 @@ impl Table {
             let problem = "this is not a table of these results";
             return Err(refuse(Fault::new(problem, found, allowed)));
         }
-        if u64::try_from(about.num_rows()).ok() != Some(rows) {
-            let (found, allowed) = (about.num_rows(), rows);
+        if file.rows() != rows {
             return Err(refuse(Fault::new(
                 "not as many rows as were written",
-                format!("{found} rows"),
-                format!("{allowed}, as {MANIFEST} says"),
+                format!("{} rows", file.rows()),
+                format!("{rows}, as {MANIFEST} says"),
             )));
         }
-        Ok(Part { path: path.to_owned(), reader, next_group: 0, group: None })
+        Ok(file)
     }
 }
 
+/// The columns of a file and what they hold.
+fn columns(file: &ParquetFile) -> Vec<(String, Option<Kind>)> {
+    let fields = file.schema().fields().iter();
+    fields.map(|field| (field.name().clone(), Kind::of(field.data_type()))).collect()
+}
+
 /// Opens a file and reads what it says of itself.
-fn open_file(path: &Path) -> Result<(SerializedFileReader<File>, Option<Value>), TableError> {
-    let refuse = |fault| TableError::new(path, None, fault);
+fn open_file(path: &Path) -> Result<(ParquetFile, Option<Value>), TableError> {
+    let file = open(path)?;
+    let provenance = file.said("stickslip").and_then(|text| serde_json::from_str(text).ok());
+    Ok((file, provenance))
+}
+
+/// Opens a file.
+pub(super) fn open(path: &Path) -> Result<ParquetFile, TableError> {
     let file = File::open(path).map_err(|error| {
-        refuse(Fault::new("this file cannot be read", error.to_string(), "a readable file"))
-    })?;
-    check_footer(Bounds::RESULTS, &file).map_err(refuse)?;
-    let reader = guarded(|| SerializedFileReader::new(file)).map_err(refuse)?;
-    let reader = reader.map_err(|error| refuse(said(&error)))?;
-    let pairs = reader.metadata().file_metadata().key_value_metadata().into_iter().flatten();
-    let provenance = pairs
-        .filter(|pair| pair.key == "stickslip")
-        .find_map(|pair| serde_json::from_str::<Value>(pair.value.as_deref()?).ok());
-    Ok((reader, provenance))
+        Fault::new("this file cannot be read", error.to_string(), "a readable file")
+    });
+    let file = file.and_then(ParquetFile::on_disk);
+    file.map_err(|fault| TableError::new(path, None, fault))
 }
 
 /// Where columns are that are wanted.
@@ -250,80 +250,31 @@ fn find(
     wanted.iter().map(place).collect()
 }
 
-/// How many rows, and their columns by name.
-type Rows = (usize, Vec<(String, Values)>);
-
-/// A file that is being read.
-pub(super) struct Part {
-    path: PathBuf,
-    pub(super) reader: SerializedFileReader<File>,
-    next_group: usize,
-    /// The columns of the group of rows that is being read, and how many of its rows are left.
-    group: Option<(Vec<ColumnReader>, usize)>,
-}
-
-impl Part {
-    fn columns(&self) -> Vec<(String, Option<Kind>)> {
-        let schema = self.reader.metadata().file_metadata().schema_descr();
-        let name = |path: &[String]| path.first().cloned().unwrap_or_default();
-        let columns = schema.columns().iter();
-        columns.map(|column| (name(column.path().parts()), Kind::of(column))).collect()
-    }
-
-    /// The next rows of these columns; none after the last ones.
-    fn next(&mut self, places: &[usize], wanted: &[(String, Kind)]) -> Result<Option<Rows>, Fault> {
-        loop {
-            if let Some((columns, left)) = &mut self.group {
-                let rows = BATCH.min(*left);
-                *left -= rows;
-                let values = columns.iter_mut().zip(wanted).map(|(column, (name, kind))| {
-                    Ok((name.clone(), guarded(|| next(column, *kind, rows))??))
-                });
-                let values = values.collect::<Result<_, Fault>>()?;
-                if *left == 0 {
-                    self.group = None;
-                }
-                return Ok(Some((rows, values)));
-            }
-            if self.next_group == self.reader.num_row_groups() {
-                return Ok(None);
-            }
-            let index = self.next_group;
-            self.next_group += 1;
-            let reader = &self.reader;
-            let open = || {
-                let group = reader.get_row_group(index)?;
-                let columns = places.iter().map(|place| group.get_column_reader(*place));
-                columns.collect::<Result<Vec<_>, _>>()
-            };
-            let columns = guarded(open)?.map_err(|error| said(&error))?;
-            // Not below 0: it has been checked.
-            let rows = usize::try_from(self.reader.metadata().row_group(index).num_rows());
-            self.group = rows.ok().filter(|rows| *rows > 0).map(|rows| (columns, rows));
-        }
-    }
-}
-
 /// The rows of some columns, in order.
 pub struct Batches<'a> {
     table: &'a Table,
     wanted: Vec<(String, Kind)>,
     next_part: usize,
-    part: Option<(Part, Vec<usize>)>,
+    part: Option<(&'a Path, tabular::Batches)>,
     next_row: u64,
 }
 
 impl Batches<'_> {
     fn advance(&mut self) -> Result<Option<Batch>, TableError> {
         loop {
-            if let Some((part, places)) = &mut self.part {
-                let rows = part
-                    .next(places, &self.wanted)
-                    .map_err(|fault| TableError::new(&part.path, None, fault))?;
-                if let Some((rows, columns)) = rows {
-                    let first_row = self.next_row;
+            if let Some((path, batches)) = &mut self.part {
+                let refuse = |fault| TableError::new(path, None, fault);
+                if let Some(batch) = batches.next().transpose().map_err(refuse)? {
+                    let (first_row, rows) = (self.next_row, batch.num_rows());
                     self.next_row += rows as u64;
-                    return Ok(Some(Batch { file: part.path.clone(), first_row, rows, columns }));
+                    let columns = self.wanted.iter().map(|(name, kind)| {
+                        let values = batch.column_by_name(name).and_then(Values::of);
+                        // The kinds of columns have been compared.
+                        let damaged = || refuse(Fault::damaged(kind.name()));
+                        Ok((name.clone(), values.ok_or_else(damaged)?))
+                    });
+                    let columns = columns.collect::<Result<_, TableError>>()?;
+                    return Ok(Some(Batch { file: path.to_path_buf(), first_row, rows, columns }));
                 }
                 self.part = None;
             }
@@ -332,16 +283,9 @@ impl Batches<'_> {
             };
             self.next_part += 1;
             let part = self.table.open_part(path, *rows)?;
-            let places = find(path, &part.columns(), &self.wanted)?;
-            let file = File::open(path);
-            let checked = file
-                .map_err(|error| error.to_string())
-                .map(|file| check_pages(Bounds::RESULTS, &file, part.reader.metadata(), &places));
-            let checked = checked.unwrap_or_else(|error| {
-                Err(Fault::new("this file cannot be read", error, "a readable file"))
-            });
-            checked.map_err(|fault| TableError::new(path, None, fault))?;
-            self.part = Some((part, places));
+            let places = find(path, &columns(&part), &self.wanted)?;
+            let batches = part.batches(&places, part.schema());
+            self.part = Some((path, batches.map_err(|fault| TableError::new(path, None, fault))?));
         }
     }
 }

@@ -1,17 +1,15 @@
 //! Tables of a results directory, taken into memory in full.
 
-use std::fs::File;
 use std::path::Path;
 use std::sync::Arc;
 
-use arrow_schema::Schema;
-use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
-use parquet::errors::ParquetError;
-use parquet::file::reader::FileReader;
+use arrow_array::RecordBatch;
+use arrow_schema::{Schema, SchemaRef};
+use arrow_select::concat::concat_batches;
 
 use super::memory::MemoryTable;
 use super::read::{Table, TableError};
-use crate::study::{Bounds, Fault, check_pages, guarded, said};
+use crate::tabular::Fault;
 
 /// Rows of a batch.
 const BATCH: usize = 65_536;
@@ -27,22 +25,21 @@ impl Table {
         for (path, rows) in &self.parts {
             let refuse = |fault| TableError::new(path, None, fault);
             let part = self.open_part(path, *rows)?;
-            let all: Vec<usize> =
-                (0..part.reader.metadata().file_metadata().schema_descr().num_columns()).collect();
-            let file = File::open(path).map_err(|error| {
-                refuse(Fault::new("this file cannot be read", error.to_string(), "a readable file"))
-            })?;
-            check_pages(Bounds::RESULTS, &file, part.reader.metadata(), &all).map_err(refuse)?;
-            let read = || -> Result<_, ParquetError> {
-                let builder = ParquetRecordBatchReaderBuilder::try_new(file)?;
-                let own = builder.schema().clone();
-                let batches = builder.with_batch_size(BATCH).build()?;
-                Ok((own, batches.collect::<Result<Vec<_>, _>>()?))
-            };
-            let (own, read) =
-                guarded(read).map_err(refuse)?.map_err(|error| refuse(said(&error)))?;
+            let own = part.written_schema().map_err(refuse)?;
+            let all: Vec<usize> = (0..own.fields().len()).collect();
+            let mut read = Vec::new();
+            for batch in part.batches(&all, &own).map_err(refuse)? {
+                read.push(batch.map_err(refuse)?);
+                let rows: usize = read.iter().map(RecordBatch::num_rows).sum();
+                if rows >= BATCH {
+                    batches.push(joined(&own, &read).map_err(refuse)?);
+                    read.clear();
+                }
+            }
+            if !read.is_empty() {
+                batches.push(joined(&own, &read).map_err(refuse)?);
+            }
             schema.get_or_insert(own);
-            batches.extend(read);
         }
         // There is a part, or the table could not have been opened.
         let schema = schema.unwrap_or_else(|| Arc::new(Schema::empty()));
@@ -56,4 +53,9 @@ impl Table {
             )
         })
     }
+}
+
+/// One batch of several, with what the file says of its columns.
+fn joined(schema: &SchemaRef, batches: &[RecordBatch]) -> Result<RecordBatch, Fault> {
+    concat_batches(schema, batches).map_err(|error| Fault::damaged(&error.to_string()))
 }

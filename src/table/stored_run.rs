@@ -1,24 +1,21 @@
 //! A run's row in `runs.parquet`, and whether a run that has been computed again is the same.
 
-use std::fs::File;
-use std::panic::{self, AssertUnwindSafe};
 use std::path::{Path, PathBuf};
 
 use arrow_array::cast::AsArray;
 use arrow_array::types::UInt64Type;
 use arrow_array::{Array, RecordBatch};
 use arrow_schema::ArrowError;
-use parquet::arrow::ProjectionMask;
-use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 
 use super::cell::cell_text;
 use super::column::batch;
 use super::manifest::Manifest;
-use super::read::TableError;
+use super::read::{TableError, open};
 use super::record::RunRecord;
 use super::runs::run_columns;
 use crate::foreign::one_line;
-use crate::study::{Fault, Study};
+use crate::study::Study;
+use crate::tabular::Fault;
 
 /// A column in which two rows of one run differ.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -62,11 +59,9 @@ impl StoredRun {
         let listed = manifest.in_directory(directory, &remedy);
         for (name, entry) in listed.of_table("runs") {
             let path = listed.check(name, entry)?;
-            // The library has assertions that damaged files fail. Nothing outlives the unwinding.
-            let found = panic::catch_unwind(AssertUnwindSafe(|| row(&path, run_id)));
-            let found = found.unwrap_or_else(|_| Err("damaged contents".to_owned()));
-            let found = found.map_err(|found| {
-                unusable(&path, "this is no table of runs that can be read", &found)
+            let found = row(&path, run_id).map_err(|error| {
+                let problem = "this is no table of runs that can be read";
+                unusable(&path, problem, &format!("{}: {}", error.problem, error.found))
             })?;
             if let Some(row) = found {
                 return Ok(Some(StoredRun { path, row }));
@@ -123,26 +118,25 @@ impl StoredRun {
     }
 }
 
-fn row(path: &Path, run_id: u64) -> Result<Option<RecordBatch>, String> {
-    let open = || {
-        let file = File::open(path).map_err(|error| error.to_string())?;
-        ParquetRecordBatchReaderBuilder::try_new(file).map_err(|error| error.to_string())
-    };
-    let builder = open()?;
-    let column = builder.schema().index_of("run_id").map_err(|_| "no column run_id".to_owned())?;
-    let mask = ProjectionMask::roots(builder.parquet_schema(), [column]);
-    let reader = builder.with_projection(mask).build().map_err(|error| error.to_string())?;
+/// The row of a run in a file; none where it is in another one.
+fn row(path: &Path, run_id: u64) -> Result<Option<RecordBatch>, TableError> {
+    let refuse = |fault| TableError::new(path, None, fault);
+    let file = open(path)?;
+    let types = file.written_schema().map_err(refuse)?;
+    let ids = types.index_of("run_id").map_err(|_| {
+        refuse(Fault::new("a column is missing", "no column run_id", "a column run_id"))
+    })?;
     let mut before = 0;
-    for batch in reader {
-        let batch = batch.map_err(|error| error.to_string())?;
-        let ids = batch.column(0).as_primitive_opt::<UInt64Type>();
-        let ids = ids.ok_or_else(|| format!("run_id of type {}", batch.column(0).data_type()))?;
+    for batch in file.batches(&[ids], &types).map_err(refuse)? {
+        let batch = batch.map_err(refuse)?;
+        let ids = batch.column(0).as_primitive_opt::<UInt64Type>().ok_or_else(|| {
+            let found = format!("run_id of type {}", batch.column(0).data_type());
+            refuse(Fault::new("wrong type", found, "whole numbers from 0"))
+        })?;
         if let Some(index) = ids.iter().position(|id| id == Some(run_id)) {
-            let reader = open()?.with_offset(before + index).with_limit(1).build();
-            let row = reader.map_err(|error| error.to_string())?.next();
-            return row.transpose().map_err(|error| error.to_string());
+            return file.row(before + index as u64, &types).map_err(refuse);
         }
-        before += batch.num_rows();
+        before += batch.num_rows() as u64;
     }
     Ok(None)
 }

@@ -185,6 +185,26 @@ fn a_row_that_is_not_the_run_is_shown() {
     scratch.refused("replay a 0", &["runs.parquet: this is no table of runs", "found: "]);
 }
 
+/// A footer of a few bytes that announces 2^31 - 1 columns, and one that is cut off: no memory is taken for them.
+#[test]
+fn a_hostile_table_of_runs_is_refused() {
+    let scratch = Scratch::new();
+    scratch.write("a.yaml", study_text("a", "{monte_carlo: {samples: 2}}", 0.05, ""));
+    scratch.well("run a.yaml --out a");
+    let path = scratch.path("a/runs.parquet");
+    let right = fs::read(&path).unwrap();
+    let announced = [0x15, 2, 0x19, 0x1c, 0x48, 1, b'a', 0x15, 0xfe, 0xff, 0xff, 0xff, 0x0f, 0, 0];
+    let announced = [b"PAR1", &announced[..], &15_u32.to_le_bytes(), b"PAR1"].concat();
+    let cut_off = [&right[..right.len() / 2], &right[right.len() - 8..]].concat();
+    for hostile in [announced, cut_off] {
+        fs::write(&path, hostile).unwrap();
+        scratch.list_again("a", "runs.parquet");
+        let parts =
+            ["runs.parquet: this is no table of runs that can be read", "a footer", "allowed: "];
+        scratch.refused("replay a 0", &parts);
+    }
+}
+
 #[test]
 fn what_cannot_be_replayed() {
     let scratch = Scratch::new();

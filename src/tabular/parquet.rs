@@ -1,0 +1,224 @@
+//! Parquet files: opened and read batch by batch, in bounds, whatever they hold.
+//!
+//! A small file may claim 2^60 rows, pages that unpack to gigabytes, dictionaries of 2^31 values, or a schema so
+//! deep that reading it overflows the stack. What a file says is checked before memory is taken for it: its footer
+//! (`source`, `thrift`), each page (`pages`), the number of rows and the types here. The Parquet library decodes
+//! the rest.
+
+use std::fs::File;
+use std::panic::{self, AssertUnwindSafe};
+use std::sync::Arc;
+
+use arrow_array::RecordBatch;
+use arrow_schema::{DataType, Schema, SchemaRef};
+use bytes::Bytes;
+use parquet::arrow::arrow_reader::{
+    ParquetRecordBatchReader, RowGroups, RowSelection, RowSelector,
+};
+use parquet::arrow::{ProjectionMask, parquet_to_arrow_field_levels, parquet_to_arrow_schema};
+use parquet::column::page::PageIterator;
+use parquet::errors::Result as ParquetResult;
+use parquet::file::metadata::{KeyValue, ParquetMetaData, RowGroupMetaData};
+
+use super::error::Fault;
+use super::pages::Chunks;
+use super::source::{Place, Source};
+use super::values::Kind;
+
+/// Rows of a batch.
+const BATCH: usize = 1024;
+/// The most rows of a file: twice what a part of results has.
+const MAX_ROWS: u64 = 1 << 20;
+/// The longest values of a column of bytes of fixed length: decimals.
+const MAX_FIXED_BYTES: i32 = 32;
+/// To how many bytes the pages of a file may unpack: so many for each value, and some for small tables.
+const UNPACKED_PER_VALUE: u64 = 256;
+const UNPACKED: u64 = 64 * 1024 * 1024;
+
+/// A Parquet file.
+pub(crate) struct ParquetFile {
+    source: Arc<Source>,
+    schema: SchemaRef,
+}
+
+/// Calls the Parquet library, which has assertions that damaged files fail, such as a value that refers
+/// to a dictionary's entry that is not there. What `call` changes must not be used after a fault.
+///
+/// # Errors
+/// A fault where the library panics.
+pub(super) fn guarded<T>(call: impl FnOnce() -> T) -> Result<T, Fault> {
+    // Nothing that is used later outlives the unwinding.
+    panic::catch_unwind(AssertUnwindSafe(call))
+        .map_err(|_| Fault::damaged("contents that the Parquet library stumbles over"))
+}
+
+/// What the library says, in our words.
+fn said<T>(result: Result<ParquetResult<T>, Fault>) -> Result<T, Fault> {
+    result?.map_err(|error| Fault::damaged(&error.to_string()))
+}
+
+impl ParquetFile {
+    /// Opens a file that is in memory.
+    ///
+    /// # Errors
+    /// Where it is no Parquet file, a damaged one, or beyond the bounds.
+    pub fn in_memory(bytes: Vec<u8>) -> Result<ParquetFile, Fault> {
+        Self::new(Place::Memory(Bytes::from(bytes)))
+    }
+
+    /// Opens a file on disk.
+    ///
+    /// # Errors
+    /// As for [`Self::in_memory`].
+    pub fn on_disk(file: File) -> Result<ParquetFile, Fault> {
+        Self::new(Place::Disk(file))
+    }
+
+    fn new(place: Place) -> Result<ParquetFile, Fault> {
+        let source = Arc::new(Source::new(place)?);
+        let schema = arrow_schema(&source.metadata, None)?;
+        Ok(ParquetFile { source, schema })
+    }
+
+    /// How many rows it claims to have.
+    pub fn rows(&self) -> u64 {
+        let rows = |group: &RowGroupMetaData| u64::try_from(group.num_rows()).unwrap_or(u64::MAX);
+        self.source.metadata.row_groups().iter().map(rows).fold(0, u64::saturating_add)
+    }
+
+    /// Its columns, of types that follow from the Parquet types alone.
+    pub fn schema(&self) -> &SchemaRef {
+        &self.schema
+    }
+
+    /// Its columns as the program that wrote it had them in memory, and what it says of them.
+    ///
+    /// # Errors
+    /// Where what it says cannot be read.
+    pub fn written_schema(&self) -> Result<SchemaRef, Fault> {
+        arrow_schema(&self.source.metadata, self.pairs())
+    }
+
+    /// What it says under a key.
+    pub fn said(&self, key: &str) -> Option<&str> {
+        self.pairs()?.iter().find(|pair| pair.key == key)?.value.as_deref()
+    }
+
+    fn pairs(&self) -> Option<&Vec<KeyValue>> {
+        self.source.metadata.file_metadata().key_value_metadata()
+    }
+
+    /// Reads these columns, in the order of the file, of the types in a schema of this file.
+    ///
+    /// # Errors
+    /// Where there are too many rows, or a column has a type that is not read.
+    pub fn batches(&self, columns: &[usize], types: &Schema) -> Result<Batches, Fault> {
+        self.select(columns, types, None)
+    }
+
+    /// Reads a row, of the types in a schema of this file.
+    ///
+    /// # Errors
+    /// As for [`Self::batches`].
+    pub fn row(&self, row: u64, types: &Schema) -> Result<Option<RecordBatch>, Fault> {
+        let all: Vec<usize> = (0..self.schema.fields().len()).collect();
+        self.select(&all, types, Some(row))?.next().transpose()
+    }
+
+    fn select(
+        &self,
+        columns: &[usize],
+        types: &Schema,
+        row: Option<u64>,
+    ) -> Result<Batches, Fault> {
+        let rows = self.rows();
+        if rows > MAX_ROWS {
+            let allowed = format!("at most {MAX_ROWS} rows in a file");
+            return Err(Fault::new("too many rows", format!("{rows} rows"), allowed));
+        }
+        let described = self.source.metadata.file_metadata().schema_descr();
+        let long = described.columns().iter().any(|leaf| leaf.type_length() > MAX_FIXED_BYTES);
+        let kinds = columns.iter().map(|column| self.schema.field(*column).data_type());
+        if let Some(kind) = kinds.into_iter().find(|kind| long || Kind::of(kind).is_none()) {
+            return Err(wrong_type(kind));
+        }
+        let values = rows.saturating_mul(columns.len() as u64);
+        self.source.allow(values.saturating_mul(UNPACKED_PER_VALUE).saturating_add(UNPACKED));
+        let mask = ProjectionMask::roots(described, columns.iter().copied());
+        let open = || {
+            let levels = parquet_to_arrow_field_levels(described, mask, Some(types.fields()))?;
+            let groups = Groups(Arc::clone(&self.source));
+            let before = |row| RowSelector::skip(usize::try_from(row).unwrap_or(usize::MAX));
+            let one = row.map(|row| RowSelection::from(vec![before(row), RowSelector::select(1)]));
+            ParquetRecordBatchReader::try_new_with_row_groups(&levels, &groups, BATCH, one)
+        };
+        let reader = guarded(open)?.map_err(|error| self.source.fault(&error.to_string()))?;
+        let (source, left) = (Arc::clone(&self.source), row.map_or(rows, |_| 1));
+        Ok(Batches { source, reader: Some(reader), left })
+    }
+}
+
+fn arrow_schema(
+    metadata: &ParquetMetaData,
+    pairs: Option<&Vec<KeyValue>>,
+) -> Result<SchemaRef, Fault> {
+    let columns = metadata.file_metadata().schema_descr();
+    said(guarded(|| parquet_to_arrow_schema(columns, pairs))).map(Arc::new)
+}
+
+/// A column that is not read.
+fn wrong_type(kind: &DataType) -> Fault {
+    let allowed = "columns of numbers, of text, of truths or of lists of numbers";
+    Fault::new("wrong type", format!("a column of {kind}"), allowed)
+}
+
+/// The groups of rows of a file, as the library asks for them.
+struct Groups(Arc<Source>);
+
+impl RowGroups for Groups {
+    fn num_rows(&self) -> usize {
+        self.row_groups().map(|group| usize::try_from(group.num_rows()).unwrap_or(0)).sum()
+    }
+
+    fn column_chunks(&self, column: usize) -> ParquetResult<Box<dyn PageIterator>> {
+        Ok(Box::new(Chunks { source: Arc::clone(&self.0), column, next_group: 0 }))
+    }
+
+    fn row_groups(&self) -> Box<dyn Iterator<Item = &RowGroupMetaData> + '_> {
+        Box::new(self.0.metadata.row_groups().iter())
+    }
+
+    fn metadata(&self) -> &ParquetMetaData {
+        &self.0.metadata
+    }
+}
+
+/// The rows of some columns, in order.
+pub(crate) struct Batches {
+    source: Arc<Source>,
+    /// None after the end, and after something that is wrong.
+    reader: Option<ParquetRecordBatchReader>,
+    /// Rows that are still to come.
+    left: u64,
+}
+
+impl Batches {
+    fn advance(&mut self) -> Result<Option<RecordBatch>, Fault> {
+        let Some(mut reader) = self.reader.take() else { return Ok(None) };
+        let batch = guarded(|| reader.next())?.transpose();
+        let batch = batch.map_err(|error| self.source.fault(&error.to_string()))?;
+        let rows = batch.as_ref().map_or(0, |batch| batch.num_rows() as u64);
+        let left = self.left.checked_sub(rows).filter(|left| batch.is_some() || *left == 0);
+        self.left = left.ok_or_else(|| Fault::damaged("not as many values as rows"))?;
+        self.reader = batch.is_some().then_some(reader);
+        Ok(batch)
+    }
+}
+
+impl Iterator for Batches {
+    type Item = Result<RecordBatch, Fault>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        self.advance().transpose()
+    }
+}

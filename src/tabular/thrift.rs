@@ -1,0 +1,262 @@
+//! The structure of a Parquet file's footer and page headers, which are in Thrift's compact protocol.
+//!
+//! The Parquet library (60.1) does not check enough: it takes memory for as many columns as a group announces, up
+//! to 2^31, calls itself for each level of columns within columns, and counts through lists of truths, which take
+//! no bytes, one by one. A footer of a hundred bytes can so end the process or keep it busy for hours. It also
+//! reads a field that it knows as what the field should be, whatever type is written beside it. What is accepted
+//! here can be read in one way only, in time and memory that are proportional to its length.
+//!
+//! Sources: Apache Thrift, `doc/specs/thrift-compact-protocol.md`; Apache Parquet, `parquet.thrift` of format 2.12.
+
+use super::error::Fault;
+
+/// How deep values may be nested; a footer needs seven levels. How deep columns may be: 1 for flat ones, 3 for lists.
+const MAX_DEPTH: usize = 12;
+const MAX_COLUMN_DEPTH: usize = 3;
+/// The most columns in a group.
+const MAX_COLUMNS: i64 = 100_000;
+/// The most values in a footer, and in the header of a page.
+const MAX_FOOTER_VALUES: usize = 1_000_000;
+const MAX_HEADER_VALUES: usize = 1000;
+
+/// What a value must be.
+#[derive(Clone, Copy)]
+enum Shape {
+    Truth,
+    /// The number of columns of a group, a number of 32 bits.
+    Children,
+    /// A value that is neither yes or no, nor a list, nor a struct.
+    Of(u8),
+    List(&'static Shape),
+    /// Fields by their number; others may be there, too.
+    Struct(&'static [(i16, Shape)]),
+}
+
+use Shape::{Children, List, Of, Struct, Truth};
+
+const BYTE: Shape = Of(3);
+const SHORT: Shape = Of(4);
+const INT: Shape = Of(5);
+const LONG: Shape = Of(6);
+const DOUBLE: Shape = Of(7);
+const BINARY: Shape = Of(8);
+const LIST: u8 = 9;
+const STRUCT: u8 = 12;
+
+#[rustfmt::skip]
+mod shapes {
+    use super::{BINARY, BYTE, Children, DOUBLE, INT, LONG, List, SHORT, Shape, Struct, Truth};
+
+    const EMPTY: Shape = Struct(&[]);
+    const UNIT: Shape = Struct(&[(1, EMPTY), (2, EMPTY), (3, EMPTY)]);
+    const TIME: Shape = Struct(&[(1, Truth), (2, UNIT)]);
+    const LOGICAL_TYPE: Shape = Struct(&[
+        (1, EMPTY), (2, EMPTY), (3, EMPTY), (4, EMPTY), (5, Struct(&[(1, INT), (2, INT)])), (6, EMPTY),
+        (7, TIME), (8, TIME), (10, Struct(&[(1, BYTE), (2, Truth)])), (11, EMPTY), (12, EMPTY), (13, EMPTY),
+        (14, EMPTY), (15, EMPTY), (16, Struct(&[(1, BYTE)])), (17, Struct(&[(1, BINARY)])),
+        (18, Struct(&[(1, BINARY), (2, INT)])),
+    ]);
+    const SCHEMA_ELEMENT: Shape = Struct(&[
+        (1, INT), (2, INT), (3, INT), (4, BINARY), (5, Children), (6, INT), (7, INT), (8, INT), (9, INT),
+        (10, LOGICAL_TYPE),
+    ]);
+    const KEY_VALUE: Shape = Struct(&[(1, BINARY), (2, BINARY)]);
+    const STATISTICS: Shape = Struct(&[
+        (1, BINARY), (2, BINARY), (3, LONG), (4, LONG), (5, BINARY), (6, BINARY), (7, Truth), (8, Truth),
+        (9, LONG),
+    ]);
+    const BOX: Shape = Struct(&[
+        (1, DOUBLE), (2, DOUBLE), (3, DOUBLE), (4, DOUBLE), (5, DOUBLE), (6, DOUBLE), (7, DOUBLE), (8, DOUBLE),
+    ]);
+    const COLUMN: Shape = Struct(&[
+        (1, INT), (2, List(&INT)), (3, List(&BINARY)), (4, INT), (5, LONG), (6, LONG), (7, LONG),
+        (8, List(&KEY_VALUE)), (9, LONG), (10, LONG), (11, LONG), (12, STATISTICS),
+        (13, List(&Struct(&[(1, INT), (2, INT), (3, INT)]))), (14, LONG), (15, INT),
+        (16, Struct(&[(1, LONG), (2, List(&LONG)), (3, List(&LONG))])),
+        (17, Struct(&[(1, BOX), (2, List(&INT))])),
+    ]);
+    const COLUMN_CHUNK: Shape = Struct(&[
+        (1, BINARY), (2, LONG), (3, COLUMN), (4, LONG), (5, INT), (6, LONG), (7, INT), (8, EMPTY), (9, BINARY),
+    ]);
+    const ROW_GROUP: Shape = Struct(&[
+        (1, List(&COLUMN_CHUNK)), (2, LONG), (3, LONG), (4, List(&Struct(&[(1, INT), (2, Truth), (3, Truth)]))),
+        (5, LONG), (6, LONG), (7, SHORT),
+    ]);
+    pub const FOOTER: Shape = Struct(&[
+        (1, INT), (2, List(&SCHEMA_ELEMENT)), (3, LONG), (4, List(&ROW_GROUP)), (5, List(&KEY_VALUE)),
+        (6, BINARY), (7, List(&UNIT)), (8, EMPTY), (9, BINARY),
+    ]);
+    pub const PAGE_HEADER: Shape = Struct(&[
+        (1, INT), (2, INT), (3, INT), (4, INT),
+        (5, Struct(&[(1, INT), (2, INT), (3, INT), (4, INT)])),
+        (6, EMPTY),
+        (7, Struct(&[(1, INT), (2, INT), (3, Truth)])),
+        (8, Struct(&[(1, INT), (2, INT), (3, INT), (4, INT), (5, INT), (6, INT), (7, Truth)])),
+    ]);
+}
+
+use shapes::{FOOTER, PAGE_HEADER};
+
+/// Checks the footer of a file.
+///
+/// # Errors
+/// Where it cannot be read in one way only, is too long, or has columns that are too deep.
+pub(super) fn check_footer(bytes: &[u8]) -> Result<(), Fault> {
+    let mut reader = Reader { bytes, left: MAX_FOOTER_VALUES, open: Vec::new(), too_deep: false };
+    match reader.value(STRUCT, Some(FOOTER), MAX_DEPTH) {
+        Some(_) => Ok(()),
+        None if reader.too_deep => {
+            let allowed = "columns of numbers or text, or lists of them";
+            Err(Fault::new("wrong type", "columns within columns", allowed))
+        }
+        None => Err(Fault::damaged("a footer that cannot be read, or of too many parts")),
+    }
+}
+
+/// The length of a page's header, which these bytes begin with.
+///
+/// # Errors
+/// Where there is no header that can be read in one way only.
+pub(super) fn page_header(bytes: &[u8]) -> Result<usize, Fault> {
+    let mut reader = Reader { bytes, left: MAX_HEADER_VALUES, open: Vec::new(), too_deep: false };
+    let read = reader.value(STRUCT, Some(PAGE_HEADER), MAX_DEPTH);
+    read.map(|_| bytes.len() - reader.bytes.len())
+        .ok_or_else(|| Fault::damaged("a page without a header"))
+}
+
+struct Reader<'a> {
+    /// What is still to be read, and how many values at most.
+    bytes: &'a [u8],
+    left: usize,
+    /// How many columns are still to come of each group of columns that is open.
+    open: Vec<i64>,
+    too_deep: bool,
+}
+
+impl Reader<'_> {
+    /// Reads a value of this type and shape; returns its number, 0 where it is none.
+    fn value(&mut self, kind: u8, shape: Option<Shape>, depth: usize) -> Option<i64> {
+        self.left = self.left.checked_sub(1)?;
+        let depth = depth.checked_sub(1)?;
+        let fits = match shape {
+            None => true,
+            Some(Truth) => matches!(kind, 1 | 2),
+            Some(Children) => kind == 5,
+            Some(Of(wanted)) => kind == wanted,
+            Some(List(_)) => kind == LIST,
+            Some(Struct(_)) => kind == STRUCT,
+        };
+        match kind {
+            _ if !fits => None,
+            1 | 2 => Some(0),
+            3 => self.take(1).map(|_| 0),
+            4 => i16::try_from(self.zig_zag()?).ok().map(i64::from),
+            5 => i32::try_from(self.zig_zag()?).ok().map(i64::from),
+            6 => self.zig_zag(),
+            7 => self.take(8).map(|_| 0),
+            8 => {
+                let length = self.length()?;
+                self.take(length).map(|_| 0)
+            }
+            LIST => self.list(shape, depth),
+            STRUCT => self.fields(shape, depth),
+            _ => None,
+        }
+    }
+
+    fn list(&mut self, shape: Option<Shape>, depth: usize) -> Option<i64> {
+        let header = *self.take(1)?.first()?;
+        let length = match header >> 4 {
+            15 => self.length()?,
+            length => usize::from(length),
+        };
+        // Truths take no bytes as fields, and are in no list of a Parquet file.
+        if length > 0 && matches!(header & 0x0f, 1 | 2) || length > self.bytes.len() {
+            return None;
+        }
+        let of = if let Some(List(of)) = shape { Some(*of) } else { None };
+        (0..length).try_fold(0, |_, _| self.value(header & 0x0f, of, depth).map(|_| 0))
+    }
+
+    fn fields(&mut self, shape: Option<Shape>, depth: usize) -> Option<i64> {
+        let known = if let Some(Struct(known)) = shape { known } else { &[] };
+        let (mut last, mut children) = (0_i16, 0);
+        loop {
+            let header = *self.take(1)?.first()?;
+            if header == 0 {
+                break;
+            }
+            // Each field once, in ascending order.
+            last = match header >> 4 {
+                0 => i16::try_from(self.zig_zag()?).ok().filter(|number| *number > last)?,
+                step => last.checked_add(i16::from(step))?,
+            };
+            let shape = known.iter().find(|(number, _)| *number == last).map(|(_, shape)| *shape);
+            let value = self.value(header & 0x0f, shape, depth)?;
+            if matches!(shape, Some(Children)) {
+                children = value;
+            }
+        }
+        let is_column = known.iter().any(|(_, shape)| matches!(shape, Children));
+        if is_column { self.column(children) } else { Some(0) }
+    }
+
+    /// Notes an element of the schema, in which each one is followed by its children.
+    fn column(&mut self, children: i64) -> Option<i64> {
+        if let Some(left) = self.open.last_mut() {
+            *left -= 1;
+        }
+        self.too_deep = children > 0 && self.open.len() >= MAX_COLUMN_DEPTH;
+        if self.too_deep || !(0..=MAX_COLUMNS).contains(&children) {
+            return None;
+        }
+        self.open.push(children);
+        while self.open.last() == Some(&0) {
+            self.open.pop();
+        }
+        Some(0)
+    }
+
+    fn take(&mut self, length: usize) -> Option<&[u8]> {
+        let (taken, rest) = self.bytes.split_at_checked(length)?;
+        self.bytes = rest;
+        Some(taken)
+    }
+
+    /// As the library counts: lengths of 2^31 and more are none.
+    fn length(&mut self) -> Option<usize> {
+        i32::try_from(self.varint()?).ok()?.try_into().ok()
+    }
+
+    fn zig_zag(&mut self) -> Option<i64> {
+        self.varint().map(signed)
+    }
+
+    fn varint(&mut self) -> Option<u64> {
+        let (value, length) = varint(self.bytes)?;
+        self.take(length)?;
+        Some(value)
+    }
+}
+
+/// A number with its sign in the lowest bit.
+pub(super) fn signed(value: u64) -> i64 {
+    (value >> 1) as i64 ^ -((value & 1) as i64)
+}
+
+/// A number in groups of seven bits, the lowest first, and how many bytes it takes.
+pub(super) fn varint(bytes: &[u8]) -> Option<(u64, usize)> {
+    let mut value = 0_u64;
+    for (place, byte) in bytes.iter().enumerate().take(10) {
+        let bits = u64::from(byte & 0x7f);
+        // The tenth byte has one bit left.
+        if place == 9 && bits > 1 {
+            return None;
+        }
+        value |= bits << (7 * place);
+        if byte & 0x80 == 0 {
+            return Some((value, place + 1));
+        }
+    }
+    None
+}

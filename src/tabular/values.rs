@@ -1,0 +1,147 @@
+//! Columns in memory as values of known kinds, whatever their width and encoding.
+
+use arrow_array::cast::AsArray;
+use arrow_array::types::{
+    ArrowPrimitiveType, Decimal32Type, Decimal64Type, Decimal128Type, Decimal256Type, Float16Type,
+    Float32Type, Float64Type, Int8Type, Int16Type, Int32Type, Int64Type, UInt8Type, UInt16Type,
+    UInt32Type, UInt64Type,
+};
+use arrow_array::{Array, ArrayRef};
+use arrow_schema::DataType;
+use arrow_select::take::take;
+
+/// What a column holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// Numbers.
+    Number,
+    /// Counts and numbers of things.
+    Count,
+    /// Whole numbers with a sign.
+    Integer,
+    /// Yes or no.
+    Truth,
+    /// Words or text.
+    Text,
+    /// Lists of numbers.
+    Numbers,
+}
+
+impl Kind {
+    /// In words.
+    pub fn name(self) -> &'static str {
+        match self {
+            Kind::Number => "numbers",
+            Kind::Count => "whole numbers from 0",
+            Kind::Integer => "whole numbers with a sign",
+            Kind::Truth => "truths",
+            Kind::Text => "text",
+            Kind::Numbers => "lists of numbers",
+        }
+    }
+
+    /// What a column of this type holds; none of what is not read.
+    pub(crate) fn of(kind: &DataType) -> Option<Kind> {
+        Some(match kind {
+            kind if kind.is_signed_integer() => Kind::Integer,
+            kind if kind.is_unsigned_integer() => Kind::Count,
+            kind if kind.is_floating() || kind.is_decimal() => Kind::Number,
+            DataType::Boolean => Kind::Truth,
+            DataType::Utf8 | DataType::LargeUtf8 | DataType::Utf8View => Kind::Text,
+            DataType::Dictionary(_, values) => Kind::of(values)?,
+            DataType::List(values) if *values.data_type() == DataType::Float64 => Kind::Numbers,
+            _ => return None,
+        })
+    }
+}
+
+/// Values of a column, none where one is missing.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Values {
+    /// Numbers.
+    Number(Vec<Option<f64>>),
+    /// Counts and numbers of things.
+    Count(Vec<Option<u64>>),
+    /// Whole numbers with a sign.
+    Integer(Vec<Option<i64>>),
+    /// Yes or no.
+    Truth(Vec<Option<bool>>),
+    /// Words or text.
+    Text(Vec<Option<String>>),
+    /// Lists of numbers.
+    Numbers(Vec<Option<Vec<f64>>>),
+}
+
+impl Values {
+    /// What they are.
+    pub fn kind(&self) -> Kind {
+        match self {
+            Values::Number(_) => Kind::Number,
+            Values::Count(_) => Kind::Count,
+            Values::Integer(_) => Kind::Integer,
+            Values::Truth(_) => Kind::Truth,
+            Values::Text(_) => Kind::Text,
+            Values::Numbers(_) => Kind::Numbers,
+        }
+    }
+
+    /// The values of a column; none where [`Kind::of`] its type is none.
+    pub(crate) fn of(column: &ArrayRef) -> Option<Values> {
+        fn all<T: ArrowPrimitiveType, V>(
+            column: &ArrayRef,
+            value: impl Fn(T::Native) -> V,
+        ) -> Option<Vec<Option<V>>> {
+            let values = column.as_primitive_opt::<T>()?.iter();
+            Some(values.map(|number| number.map(&value)).collect())
+        }
+        /// The nearest number to a decimal one, which is the one that its digits mean elsewhere, too.
+        fn decimal<T: ArrowPrimitiveType>(column: &ArrayRef, scale: i8) -> Option<Values>
+        where
+            T::Native: ToString,
+        {
+            let digits = |value: T::Native| format!("{}e{}", value.to_string(), -i16::from(scale));
+            let number = |value| digits(value).parse().unwrap_or(f64::NAN);
+            Some(Values::Number(all::<T, f64>(column, number)?))
+        }
+        let text = |text: Option<&str>| text.map(str::to_owned);
+        Some(match column.data_type() {
+            DataType::Int8 => Values::Integer(all::<Int8Type, _>(column, i64::from)?),
+            DataType::Int16 => Values::Integer(all::<Int16Type, _>(column, i64::from)?),
+            DataType::Int32 => Values::Integer(all::<Int32Type, _>(column, i64::from)?),
+            DataType::Int64 => Values::Integer(all::<Int64Type, _>(column, |number| number)?),
+            DataType::UInt8 => Values::Count(all::<UInt8Type, _>(column, u64::from)?),
+            DataType::UInt16 => Values::Count(all::<UInt16Type, _>(column, u64::from)?),
+            DataType::UInt32 => Values::Count(all::<UInt32Type, _>(column, u64::from)?),
+            DataType::UInt64 => Values::Count(all::<UInt64Type, _>(column, |number| number)?),
+            DataType::Float16 => Values::Number(all::<Float16Type, _>(column, f64::from)?),
+            DataType::Float32 => Values::Number(all::<Float32Type, _>(column, f64::from)?),
+            DataType::Float64 => Values::Number(all::<Float64Type, _>(column, |number| number)?),
+            DataType::Decimal32(_, scale) => decimal::<Decimal32Type>(column, *scale)?,
+            DataType::Decimal64(_, scale) => decimal::<Decimal64Type>(column, *scale)?,
+            DataType::Decimal128(_, scale) => decimal::<Decimal128Type>(column, *scale)?,
+            DataType::Decimal256(_, scale) => decimal::<Decimal256Type>(column, *scale)?,
+            DataType::Boolean => Values::Truth(column.as_boolean_opt()?.iter().collect()),
+            DataType::Utf8 => {
+                Values::Text(column.as_string_opt::<i32>()?.iter().map(text).collect())
+            }
+            DataType::LargeUtf8 => {
+                Values::Text(column.as_string_opt::<i64>()?.iter().map(text).collect())
+            }
+            DataType::Utf8View => {
+                Values::Text(column.as_string_view_opt()?.iter().map(text).collect())
+            }
+            DataType::Dictionary(..) => {
+                let coded = column.as_any_dictionary_opt()?;
+                Values::of(&take(coded.values(), coded.keys(), None).ok()?)?
+            }
+            DataType::List(_) => {
+                let lists = column.as_list_opt::<i32>()?.iter().map(|list| {
+                    // A list with a value that is missing is missing.
+                    list?.as_primitive_opt::<Float64Type>()?.iter().collect::<Option<Vec<f64>>>()
+                });
+                Values::Numbers(lists.collect())
+            }
+            _ => return None,
+        })
+    }
+}
