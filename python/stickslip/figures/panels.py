@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import textwrap
+import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any, Callable, Optional
@@ -210,11 +211,19 @@ def _fit_height(paper: Paper) -> None:
     """Makes a figure as high as what is on it."""
     engine = paper.get_layout_engine()
     for _ in range(3):
-        engine.execute(paper)  # type: ignore[union-attr]
+        _execute(engine, paper)
         width, height = paper.get_size_inches()
         used = paper.get_tightbbox().height + 0.06
         if abs(used - height) < 0.01:
             break
         paper.set_size_inches(width, used)
-    engine.execute(paper)  # type: ignore[union-attr]
+    _execute(engine, paper)
     paper.set_layout_engine("none")
+
+
+def _execute(engine: Any, paper: Paper) -> None:
+    with warnings.catch_warnings():
+        if any(axes.name == "3d" for axes in paper.axes):
+            # Some versions of matplotlib cannot lay out axes in space, and leave them where they are.
+            warnings.filterwarnings("ignore", message="constrained_layout not applied")
+        engine.execute(paper)
