@@ -256,6 +256,15 @@ def test_label_map(tmp_path):
     assert bottom.get_xlim() == (-225.0, -180.0) and bottom.get_ylim() == (0.0005, 0.005)
 
 
+def test_words_at_ticks(tmp_path):
+    values = [1e-6, 2e-6, 5e-4, 2e-2]
+    small_tables.points(tmp_path, {"friction_coefficient": values}, [[4, 0, 0, 0, 0]] * 4)
+    (axes,) = panels(figures.ending_fractions(tmp_path))
+    assert axes.get_xscale() == "log"
+    said = [axes.xaxis.get_major_formatter()(value) for value in (1e-5, 2e-5, 0.01, 200.0)]
+    assert said == ["10⁻⁵", "2·10⁻⁵", "0.01", "200"]
+
+
 def test_a_map_needs_two_parameters(results):
     with pytest.raises(figures.FiguresError, match=r"points\.parquet: 0 of its swept.*ending_fractions"):
         figures.label_map(results)
