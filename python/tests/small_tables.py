@@ -20,6 +20,8 @@ model:
     balls: 2
     ball_mass_kg: 0.00014
     speed_rad_s: -216.3772
+simulation:
+  end_time_s: 16.5
 """
 UNITS = {
     "speed_rad_s": "rad/s",

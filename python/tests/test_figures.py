@@ -125,15 +125,16 @@ def test_time_to_rest(results):
     figure = figures.time_to_rest(results)
     (axes,) = panels(figure)
     first, second = axes.lines
-    assert first.get_xydata().tolist() == [[0.0, 0.0], [1.0, 0.25], [2.0, 0.5], [10.0, 0.5]]
-    assert second.get_xydata().tolist() == [[0.0, 0.0], [3.0, 0.5], [10.0, 0.5]]
+    assert first.get_xydata().tolist() == [[0.0, 0.0], [1.0, 0.25], [2.0, 0.5], [10.0, 0.5], [16.5, 0.5]]
+    assert second.get_xydata().tolist() == [[0.0, 0.0], [3.0, 0.5], [10.0, 0.5], [16.5, 0.5]]
     assert first.get_drawstyle() == "steps-post" and first.get_linestyle() != second.get_linestyle()
     # Half of the runs of the second point failed: at rest at once, or never.
     band = axes.collections[1].get_paths()[0].vertices
     assert band[:, 1].min() == 0.0 and band[:, 1].max() == pytest.approx(0.8 * 0.5 + 0.5)
     assert entries(figure) == ["−200", "−210 (2 failed)"]
     assert figure.legends[0].get_title().get_text() == "speed [rad/s]"
-    assert axes.get_xlim() == (0, 10)
+    # To the end time of the study, where nothing happens any more.
+    assert axes.get_xlim() == (0, 16.5)
     assert "Failed runs are left out: 2 of 4 at speed −210" in figure.caption
 
 
@@ -253,6 +254,15 @@ def test_label_map(tmp_path):
     bottom = panels(figure)[2]
     assert (bottom.get_xlabel(), bottom.get_ylabel()) == ("speed [rad/s]", "friction coefficient")
     assert bottom.get_xlim() == (-225.0, -180.0) and bottom.get_ylim() == (0.0005, 0.005)
+
+
+def test_words_at_ticks(tmp_path):
+    values = [1e-6, 2e-6, 5e-4, 2e-2]
+    small_tables.points(tmp_path, {"friction_coefficient": values}, [[4, 0, 0, 0, 0]] * 4)
+    (axes,) = panels(figures.ending_fractions(tmp_path))
+    assert axes.get_xscale() == "log"
+    said = [axes.xaxis.get_major_formatter()(value) for value in (1e-5, 2e-5, 0.01, 200.0)]
+    assert said == ["10⁻⁵", "2·10⁻⁵", "0.01", "200"]
 
 
 def test_a_map_needs_two_parameters(results):

@@ -54,7 +54,7 @@ def basins(
     columns = sorted({name for pair in pairs for name in pair})
     sample = runs.read(results, sweep, rows, ["label", *columns], max(1, _MOST_DOTS // len(pairs)))
     rasterized = len(sample) * len(pairs) > runs.MOST_VECTOR_DOTS
-    size = 1.8 if len(sample) > 500 * len(rows) else 2.4
+    size = float(np.clip(50 / np.sqrt(max(len(sample), 1) / len(rows)), 1.4, 3.2))
     seen = [name for name in LABELS if np.any(sample["label"] == name)]
     keys = [
         Line2D(
@@ -136,3 +136,4 @@ def _start_axis(axes: Axes, which: str, column: str, unit: str, values: Numbers)
     low, high = (float(values.min()), float(values.max())) if values.size else (0.0, 1.0)
     margin = 0.05 * (high - low) or 1.0
     set_limits(low - margin, high + margin)
+    axes.locator_params(axis="x" if which == "x" else "y", nbins=6)

@@ -63,7 +63,7 @@ def _panels(
     if len(parts) < 2:
         return [Panel(panel(part), aspect=0.62) for _, part in parts]
     return [
-        Panel(panel(part), title, above=11.0 * (-(-len(part) // 2) + bool(sweep.short_names) + ruled))
+        Panel(panel(part), title, above=10.0 * (-(-len(part) // 2) + bool(sweep.short_names) + ruled))
         for title, part in parts
     ]
 
@@ -120,7 +120,7 @@ def time_to_rest(
             curves[row] = tuple(read[name][of].astype(float) for name in names)
     if not curves:
         raise table.nothing("it has no rows of these points", "choose points with runs that did not fail")
-    end = float(np.nanmax(read["time_s"]))
+    end = max(float(np.nanmax(read["time_s"])), table.parameters.get("end_time_s", 0.0))
 
     def draw(axes: Axes, row: int, name: str, place: int) -> None:
         time, probability, low, high = curves[row]

@@ -56,7 +56,7 @@ def interval(
         color=colour,
         marker=mark,
         linestyle=dashes,
-        markersize=3.5,
+        markersize=4.5 if mark == "x" else 3.5,
         capsize=2,
         elinewidth=0.9,
         capthick=0.9,

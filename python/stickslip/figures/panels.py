@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import textwrap
+import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any, Callable, Optional
@@ -70,22 +71,33 @@ def named_axis(axes: Axes, names: Sequence[str], label: str) -> None:
     axes.set_xlabel(label)
 
 
+def _power(exponent: str) -> str:
+    """A power of ten as a reader writes it: `10⁻⁵` for `-05`."""
+    return "10" + str(int(exponent.replace("−", "-"))).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
+
+
+def _plain(value: float) -> str:
+    """A number at a tick: `0.01`, `10⁻⁵`, `2·10⁻⁵`."""
+    text = f"{value:g}"
+    mantissa, _, exponent = text.partition("e")
+    if not exponent:
+        return text.replace("-", "−")
+    return ("" if mantissa == "1" else f"{mantissa}·") + _power(exponent)
+
+
 class _Numbers(ScalarFormatter):
     """Numbers at ticks, with a common power of ten as `×10⁻³`."""
 
     def get_offset(self) -> str:
         """The common power."""
-        superscripts = str.maketrans("-−0123456789", "⁻⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
-        return re.sub(
-            r"1e(\S+)", lambda match: "×10" + match[1].translate(superscripts), super().get_offset()
-        )
+        return re.sub(r"1e(\S+)", lambda match: f"×{_power(match[1])}", super().get_offset())
 
 
 def _plain_numbers(axes: Axes) -> None:
     """Ticks whose words are text in every format: `0.01`, and not a formula."""
     for axis in (axes.xaxis, axes.yaxis):
         if axis.get_scale() == "log":
-            axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+            axis.set_major_formatter(FuncFormatter(lambda value, _: _plain(value)))
             axis.set_minor_formatter(NullFormatter())
         elif type(axis.get_major_formatter()) is ScalarFormatter:
             axis.set_major_formatter(_Numbers())
@@ -210,11 +222,19 @@ def _fit_height(paper: Paper) -> None:
     """Makes a figure as high as what is on it."""
     engine = paper.get_layout_engine()
     for _ in range(3):
-        engine.execute(paper)  # type: ignore[union-attr]
+        _execute(engine, paper)
         width, height = paper.get_size_inches()
         used = paper.get_tightbbox().height + 0.06
         if abs(used - height) < 0.01:
             break
         paper.set_size_inches(width, used)
-    engine.execute(paper)  # type: ignore[union-attr]
+    _execute(engine, paper)
     paper.set_layout_engine("none")
+
+
+def _execute(engine: Any, paper: Paper) -> None:
+    with warnings.catch_warnings():
+        if any(axes.name == "3d" for axes in paper.axes):
+            # Some versions of matplotlib cannot lay out axes in space, and leave them where they are.
+            warnings.filterwarnings("ignore", message="constrained_layout not applied")
+        engine.execute(paper)

@@ -10,7 +10,6 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import BoundaryNorm
-from matplotlib.contour import ContourSet
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
@@ -137,7 +136,6 @@ class EquilibriumSets:
         grid = self.grid(row)
         levels = grid.levels()
         norm = BoundaryNorm(levels, SCALE.N)
-        layers: list[ContourSet] = []
         held = grid.margin >= 0
         if np.any(held):
             # Columns of the picture go with ball 1. What is far from the set is covered, and not drawn at all.
@@ -145,27 +143,16 @@ class EquilibriumSets:
                 np.where(_widened(held), grid.amplitude_um, np.nan), _MOST_CELLS // 2
             )
             shown = np.ma.masked_invalid(amplitude.T)
-            layers += [
-                axes.contourf(angle, angle, shown, levels=levels, cmap=SCALE, norm=norm, zorder=0),
-                axes.contour(
-                    angle,
-                    angle,
-                    shown,
-                    levels=levels,
-                    colors=FAINT,
-                    linewidths=0.4,
-                    linestyles="-",
-                    zorder=0.1,
-                ),
-            ]
+            axes.contourf(angle, angle, shown, levels=levels, cmap=SCALE, norm=norm, zorder=0)
+            lines: dict[str, Any] = {"colors": FAINT, "linewidths": 0.4, "linestyles": "-"}
+            axes.contour(angle, angle, shown, levels=levels, zorder=0.1, **lines)
         if np.any(held) and not np.all(held):
             angle, margin = grid.closed(grid.margin)
-            layers.append(
-                axes.contourf(angle, angle, margin.T, levels=[-1e9, 0.0], colors="white", zorder=0.2)
-            )
+            axes.contourf(angle, angle, margin.T, levels=[-1e9, 0.0], colors="white", zorder=0.2)
             axes.contour(angle, angle, margin.T, levels=[0.0], colors=INK, linewidths=0.9, zorder=0.3)
-        for layer in layers:
-            layer.set_rasterized(rasterized)
+        if rasterized:
+            # All but the edge and what is above it.
+            axes.set_rasterization_zorder(0.25)
         found = self.frictionless(row)
         if found is not None:
             for name, mark, size, fill in _STABILITIES:

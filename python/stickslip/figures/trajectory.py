@@ -90,7 +90,7 @@ def motion(directory: Source, *, width: Optional[Width] = None, sheet: int = 1) 
             axes.set_xlim(time[0], time[-1])
             axes.set_xlabel("time [s]")
 
-        panels.append(Panel(draw, aspect=0.55))
+        panels.append(Panel(draw, aspect=0.55 if balls else 0.75))
     run = table.about.get("options", {}).get("run_id")
     of_balls = (
         "Angles of the balls from the imbalance, their speeds relative to the ring, and the position of the "
@@ -105,7 +105,7 @@ def motion(directory: Source, *, width: Optional[Width] = None, sheet: int = 1) 
         f"{time[-1]:.4f} s.",
         width=width,
         sheet=sheet,
-        columns=2 if balls else 1,
+        columns=2 if balls else 3,
     )
 
 
