@@ -425,7 +425,7 @@ fn extensions() {
         let extend = format!("end_time_s: 16.5\n  extend: {{factor: 2, labels: [{label}]}}");
         parse(&GOOD.replace("end_time_s: 16.5", &extend)).unwrap_err().problem().to_owned()
     };
-    assert_eq!(why("equilibrium"), "a run with this label is over");
-    assert_eq!(why("limit_cycle"), "a run with this label is over");
+    assert_eq!(why("equilibrium"), "a run with this label has already ended");
+    assert_eq!(why("limit_cycle"), "a run with this label has already ended");
     assert_eq!(why("failed"), "a run that failed cannot be continued");
 }
