@@ -1,7 +1,4 @@
-//! Results as files: Parquet tables with units and provenance, and the manifest beside them.
-//!
-//! The only room that knows Arrow, and that writes Parquet (`study` reads tables in it, behind guards
-//! that the reading of results fractions).
+//! Results as files: Parquet tables with units and provenance, and their manifest.
 
 pub mod cell;
 mod checked;
