@@ -46,8 +46,8 @@ pub fn manifest_of(directory: &Path) -> Result<Option<Manifest>, ResultsError> {
             reason: format!("{MANIFEST} is damaged, or is not a manifest of stickslip"),
             found: one_line(&cause.to_string(), LONGEST_FOUND),
             allowed: format!(
-                "another directory, with --out DIR; or, if these are results of a study, {MANIFEST} \
-                 removed and the study run again: finished runs are found without it"
+                "another directory, with --out DIR; or, if these are results of a study, remove \
+                 {MANIFEST} and run the study again, which reuses the finished runs"
             ),
         },
         _ => ResultsError::Unusable { path: directory.to_owned(), cause },

@@ -105,8 +105,8 @@ pub fn in_circle(angle: f64) -> f64 {
 const PHASE: &str = "phase: stick; slip_forward or slip_backward; transition_forward or \
                      transition_backward, in the band around zero speed without sticking; free, if \
                      the friction law has no stick";
-const FRICTION: &str = "friction force, positive against positive speed; during stick, the force that sticking \
-     requires";
+const FRICTION: &str = "friction force, positive against positive speed; during stick, the force \
+                        that sticking requires";
 const LIMIT: &str = "friction limit: static coefficient times normal force";
 
 /// Returns the columns of `trajectory.parquet`.
