@@ -133,8 +133,8 @@ fn occupied(directory: &Path, reason: &str, found: &str) -> ResultsError {
 }
 
 /// Inspects a directory without a manifest. A program that is killed at its start leaves finished
-/// runs, the study, and unfinished files. Other files with result names are moved to `earlier/` if
-/// there are tables and finished runs beside them, and refused otherwise.
+/// runs, the study, and unfinished files. A foreign study file is refused, unless there are tables or
+/// finished runs beside it: then all files are later moved to `earlier/`.
 fn without_manifest(
     directory: &Path,
     study: &Study,

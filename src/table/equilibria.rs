@@ -84,7 +84,7 @@ pub fn equilibrium_columns(study: &Study) -> Vec<Column<EquilibriumRow>> {
         Column::number(
             "time_to_rest_s",
             "s",
-            "time at which the last ball, or the block, came to rest permanently",
+            "time at which the last ball, or the block, stopped for good",
             |row: &EquilibriumRow| row.time_to_rest_s,
         ),
         Column::word("evidence", "evidence for the equilibrium", |row: &EquilibriumRow| {

@@ -155,7 +155,7 @@ pub fn run_columns(study: &Study) -> Vec<Column<RunRecord>> {
         Column::number(
             "time_to_rest_s",
             "s",
-            "time at which the last ball, or the block, came to rest permanently; null if it did \
+            "time at which the last ball, or the block, stopped for good; null if it did \
              not",
             |row: &RunRecord| row.outcome.time_to_rest_s,
         ),
