@@ -12,7 +12,7 @@
 //! - [`motion`]: integration, the switch model, stick and slip.
 //! - [`classification`]: how a run ends, and the evidence.
 //! - [`engine`]: distribution of runs over cores and shards, storage of finished runs, progress,
-//! interruption and resumption.
+//!   interruption and resumption.
 //! - [`analysis`]: confidence intervals, times to rest, summaries of points, equilibrium sets.
 //! - [`table`]: the result tables with units and provenance.
 //! - [`report`]: the HTML page of results and the animation of a run.
