@@ -1,27 +1,27 @@
-//! Text that comes from files, as messages, pages and commands may show it.
+//! Sanitisation of foreign text for messages, pages and commands.
 //!
-//! Names of files, columns of tables, manifests and studies may come from anywhere, and a terminal acts on what it
-//! is sent: escape sequences move its cursor, change its title or hide what stands there. Whatever is quoted
-//! goes through [`shorten`] or [`shown_path`] where it is quoted: one line, not too long, nothing that a terminal acts
-//! on. All that goes to a terminal goes through [`harmless`] or [`harmless_json`] once more, and what stands in
-//! a command to paste through [`shell_word`].
+//! File names, column names, manifests and studies may come from anywhere, and a terminal executes
+//! escape sequences that move its cursor, change its title or hide text. Quoted text passes through
+//! [`shorten`] or [`shown_path`], which return one line of limited length without control
+//! characters. All output to a terminal additionally passes through [`harmless`] or
+//! [`harmless_json`], and arguments of commands to paste pass through [`shell_word`].
 
 use std::borrow::Cow;
 use std::fmt::Write;
 use std::path::Path;
 
-/// The most characters of a file that a message quotes at a time.
+/// The largest number of characters that a message quotes at a time.
 const LONGEST: usize = 96;
-/// The most characters of a path that a message shows.
+/// The largest number of characters of a path in a message.
 const LONGEST_PATH: usize = 1024;
 
-/// Whether a character is acted on instead of shown: a control character, or one that begins a line or changes the
-/// direction of writing.
+/// Returns whether a terminal acts on a character instead of showing it: a control character, a
+/// line separator, or a character that changes the direction of writing.
 pub(crate) fn is_acted_on(character: char) -> bool {
     character.is_control() || matches!(character, '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
 }
 
-/// White space as a blank, and whatever else is acted on as a mark of replacement.
+/// Replaces white space by a blank, and any other active character by a replacement character.
 fn tamed(character: char) -> char {
     match character {
         acted if !is_acted_on(acted) => acted,
@@ -30,7 +30,7 @@ fn tamed(character: char) -> char {
     }
 }
 
-/// So much of a text as is quoted: one line without control characters.
+/// Returns the beginning of a text as one line without control characters.
 pub(crate) fn one_line(text: &str, most: usize) -> String {
     let mut characters = text.trim_end().chars();
     let mut short: String = characters.by_ref().take(most).map(tamed).collect();
@@ -40,20 +40,20 @@ pub(crate) fn one_line(text: &str, most: usize) -> String {
     short
 }
 
-/// Text as it is quoted in a message: one line, not too long, no control characters.
+/// Returns a text for a message: one line of limited length, without control characters.
 pub(crate) fn shorten(text: &str) -> String {
     one_line(text, LONGEST)
 }
 
-/// A path as it stands in a message: one line, no control characters.
+/// Returns a path for a message: one line, without control characters.
 pub(crate) fn shown_path(path: &Path) -> String {
     one_line(&path.to_string_lossy(), LONGEST_PATH)
 }
 
-/// A path as a shell takes it in a command to paste.
+/// Quotes a path for a shell command to paste.
 pub(crate) fn shell_word(path: &Path) -> String {
     let path = shown_path(path);
-    // What begins with a dash would be an option.
+    // A leading dash would start an option.
     let path = if path.starts_with('-') { format!("./{path}") } else { path };
     let plain =
         |c: char| c.is_alphanumeric() || "_-./+=:,@%".contains(c) || (cfg!(windows) && c == '\\');
@@ -63,7 +63,7 @@ pub(crate) fn shell_word(path: &Path) -> String {
     }
 }
 
-/// Text of any length with nothing but line breaks and tabs that a terminal acts on.
+/// Returns a text of any length in which line breaks and tabs are the only active characters.
 pub(crate) fn harmless(text: &str) -> Cow<'_, str> {
     let kept = |c: char| c == '\n' || c == '\t' || !is_acted_on(c);
     if text.chars().all(kept) {
@@ -72,8 +72,8 @@ pub(crate) fn harmless(text: &str) -> Cow<'_, str> {
     Cow::Owned(text.chars().map(|c| if kept(c) { c } else { tamed(c) }).collect())
 }
 
-/// JSON that means the same, with nothing but line breaks that a terminal acts on: serde_json leaves some
-/// control characters in texts as they are, which may be escaped.
+/// Returns equivalent JSON in which line breaks are the only active characters. serde_json leaves
+/// some control characters in strings unescaped; this function escapes them.
 pub(crate) fn harmless_json(json: &str) -> Cow<'_, str> {
     let kept = |c: char| c == '\n' || !is_acted_on(c);
     if json.chars().all(kept) {
@@ -84,7 +84,7 @@ pub(crate) fn harmless_json(json: &str) -> Cow<'_, str> {
         if kept(c) {
             escaped.push(c);
         } else {
-            // All that is acted on is in the basic plane; writing into a string cannot fail.
+            // All active characters are in the basic plane; writing into a string cannot fail.
             let _ = write!(escaped, "\\u{:04x}", u32::from(c));
         }
     }
@@ -97,7 +97,7 @@ mod tests {
 
     use super::{harmless, harmless_json, is_acted_on, shell_word, shorten, shown_path};
 
-    /// All that a terminal acts on: C0 and C1 controls, and marks of direction.
+    /// The active characters: C0 and C1 controls, and marks of direction.
     const ACTED_ON: &str = "\0\u{7}\u{8}\r\u{1b}[2J\u{7f}\u{9b}31m\u{85}\u{2028}\u{202e}\u{2066}";
 
     #[test]

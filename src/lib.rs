@@ -1,27 +1,28 @@
 //! stickslip: parallel parameter studies and Monte Carlo for mechanical systems with dry friction.
 //!
-//! Data goes one way, from left to right:
+//! Data flows in one direction, from left to right:
 //!
 //! ```text
 //! study.yaml -> study -> case -> motion -> classification -> outcome -> analysis -> table -> report
 //!                         `---------- engine: which run is computed where ----------'
 //! ```
 //!
-//! - [`study`]: a study file, checked, and its plan, which gives any run by its number.
+//! - [`study`]: a validated study file and its plan, which computes any run from its number.
 //! - [`model`]: parameters, equations of motion, friction laws.
 //! - [`motion`]: integration, the switch model, stick and slip.
-//! - [`classification`]: how a run ends, on evidence.
-//! - [`engine`]: runs spread over the cores, the files of finished runs, progress, interruption, resume, shards.
-//! - [`analysis`]: intervals, times to rest, summaries of points, equilibrium sets.
-//! - `tabular`: tables in CSV, Parquet and Arrow, read within bounds, for studies and results alike.
-//! - [`table`]: the result tables with their units and provenance; they alone write Parquet.
+//! - [`classification`]: how a run ends, and the evidence.
+//! - [`engine`]: distribution of runs over cores and shards, storage of finished runs, progress,
+//!   interruption and resumption.
+//! - [`analysis`]: confidence intervals, times to rest, summaries of points, equilibrium sets.
+//! - `tabular`: tables in CSV, Parquet and Arrow, read within bounds, for studies and results.
+//! - [`table`]: the result tables with units and provenance; this room alone writes Parquet.
 //! - [`report`]: the HTML page of results and the animation of a run.
-//! - [`responses`]: what an optimiser asks of a design.
-//! - [`optimize`]: the search for the best design, and sensitivities.
+//! - [`responses`]: the responses of a design, for optimisers.
+//! - [`optimize`]: the search for the best design, and sensitivity indices.
 //! - [`cli`]: the commands.
 //!
-//! A case is a pure function of the study and the run's number, and an outcome is a pure function of the
-//! case:
+//! A case is a pure function of the study and the number of the run, and an outcome is a pure
+//! function of the case:
 //!
 //! ```
 //! use stickslip::classification::{Label, simulate};

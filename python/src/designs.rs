@@ -1,4 +1,4 @@
-//! Designs as Python has them: rows, columns, or an Arrow table of any library.
+//! Conversion of designs from Python: rows, columns, or an Arrow table of any library.
 
 use arrow_array::ffi_stream::RecordBatchStreamReader;
 use pyo3::exceptions::{PyImportError, PyTypeError};
@@ -10,17 +10,17 @@ use stickslip::study::{DesignValue, Study};
 use crate::error::Trouble;
 use crate::values::{is_text, items, keys, kind, number};
 
-/// What messages call the designs.
+/// The name of the argument in messages.
 const NAME: &str = "designs";
-/// What they may be.
+/// The accepted types.
 const ALLOWED: &str = "a list of dicts, a dict of columns, one design as a dict of values, or an Arrow table or \
                        dataframe";
 
-/// The designs that are given, checked.
+/// Converts and validates designs.
 ///
 /// # Errors
-/// A `TypeError` for what is no table of numbers and text; a `StudyError` for designs that the study does
-/// not have.
+/// Returns a `TypeError` if the designs are not a table of numbers and text, and a `StudyError` if
+/// the study does not have these designs.
 pub fn designs(study: &Study, given: &Bound<'_, PyAny>) -> PyResult<Vec<Vec<DesignValue>>> {
     if given.hasattr("__arrow_c_stream__")? {
         match given.call_method0("__arrow_c_stream__") {
@@ -28,7 +28,7 @@ pub fn designs(study: &Study, given: &Bound<'_, PyAny>) -> PyResult<Vec<Vec<Desi
                 let designs = study.designs_in_arrow(NAME, reader(&stream)?);
                 return Ok(designs.map_err(Trouble::from)?);
             }
-            // A dataframe of pandas without pyarrow still has its columns.
+            // A pandas dataframe without pyarrow still has columns.
             Err(error) if error.is_instance_of::<PyImportError>(given.py()) => {}
             Err(error) => return Err(error),
         }
@@ -40,13 +40,14 @@ pub fn designs(study: &Study, given: &Bound<'_, PyAny>) -> PyResult<Vec<Vec<Desi
     Ok(study.designs_in_memory(NAME, columns, rows).map_err(Trouble::from)?)
 }
 
-/// The record batches behind a capsule.
+/// Returns the record batches behind a capsule.
 fn reader(stream: &Bound<'_, PyAny>) -> PyResult<RecordBatchStreamReader> {
     let capsule = stream.cast::<PyCapsule>()?;
     let stream = capsule.pointer_checked(Some(c"arrow_array_stream"))?;
-    // SAFETY: the Arrow PyCapsule interface says that a capsule of this name, which has just been checked,
-    // points to an ArrowArrayStream that lives as long as the capsule. It is moved out, with a released one
-    // left in its place, which is what consumers are to do.
+    // SAFETY: the Arrow PyCapsule interface guarantees that a capsule of this name, which the code
+    // above has checked, points to an ArrowArrayStream that lives as long as the capsule. The
+    // stream is moved out, and a released stream is left in its place, as the interface requires of
+    // consumers.
     let reader = unsafe { RecordBatchStreamReader::from_raw(stream.cast().as_ptr()) };
     reader.map_err(|error| {
         Trouble::Usage(format!("{NAME}: not a table\n  found:   {error}\n  allowed: {ALLOWED}"))
@@ -56,7 +57,7 @@ fn reader(stream: &Bound<'_, PyAny>) -> PyResult<RecordBatchStreamReader> {
 
 type Rows = Vec<Vec<Option<Entry>>>;
 
-/// A mapping of columns; or of values, which is one design.
+/// Converts a mapping of columns, or of values, which is one design.
 fn of_columns(given: &Bound<'_, PyAny>, names: Vec<String>) -> PyResult<(Vec<String>, Rows)> {
     let mut columns = Vec::with_capacity(names.len());
     let mut values = Vec::with_capacity(names.len());
@@ -76,7 +77,7 @@ fn of_columns(given: &Bound<'_, PyAny>, names: Vec<String>) -> PyResult<(Vec<Str
             wrong(&format!("column {name}"), column, "a list of numbers or of text")
         })?;
         if rows.len() < values.len() {
-            // Columns before it are shorter.
+            // Earlier columns are shorter.
             rows.resize(values.len(), vec![None; place]);
         }
         for (row, value) in values.iter().enumerate() {
@@ -89,7 +90,7 @@ fn of_columns(given: &Bound<'_, PyAny>, names: Vec<String>) -> PyResult<(Vec<Str
     Ok((names, rows))
 }
 
-/// Mappings, one per design.
+/// Converts mappings, one per design.
 fn of_rows(given: &Bound<'_, PyAny>) -> PyResult<(Vec<String>, Rows)> {
     let designs = if is_text(given) { None } else { items(given)? };
     let designs = designs.ok_or_else(|| wrong("all of it", given, ALLOWED))?;
@@ -112,14 +113,14 @@ fn of_rows(given: &Bound<'_, PyAny>) -> PyResult<(Vec<String>, Rows)> {
         }
         rows.push(values);
     }
-    // Columns that come up later are missing in the rows before.
+    // Columns that first appear in a later row are missing in the earlier rows.
     for row in &mut rows {
         row.resize(columns.len(), None);
     }
     Ok((columns, rows))
 }
 
-/// A number, text, or nothing.
+/// Converts a number, text, or nothing.
 fn entry(row: usize, name: &str, value: &Bound<'_, PyAny>) -> PyResult<Option<Entry>> {
     if value.is_none() {
         return Ok(None);

@@ -1,4 +1,4 @@
-//! The equilibrium set of one machine, for Python.
+//! The equilibrium set of a machine, for Python.
 
 use std::sync::Arc;
 
@@ -21,7 +21,7 @@ use crate::machine::Machine;
 use crate::table::Table;
 use crate::waiting::wait;
 
-/// Where the balls of a machine can rest.
+/// The positions at which the balls of a machine can rest.
 #[pyclass(frozen, module = "stickslip")]
 pub struct EquilibriumSet {
     summary: MemoryTable,
@@ -33,32 +33,34 @@ pub struct EquilibriumSet {
 
 #[pymethods]
 impl EquilibriumSet {
-    /// Fraction of all ball positions that are in the set, 0 to 1.
+    /// Fraction of all ball positions that belong to the set, 0 to 1.
     #[getter]
     fn fraction(&self) -> f64 {
         self.fraction
     }
 
-    /// Connected components of the set on the torus of ball angles; None for three balls and more, which are sampled.
+    /// Number of connected components of the set on the torus of ball angles; None for three or
+    /// more balls, which are sampled.
     #[getter]
     fn components(&self) -> Option<u64> {
         self.components
     }
 
-    /// One row: fraction with interval, components, amplitudes, balance (the program's ``equilibrium_set_summary.parquet``).
+    /// One row: fraction with confidence interval, components, amplitudes, balance, as in
+    /// ``equilibrium_set_summary.parquet``.
     #[getter]
     fn summary(&self) -> Table {
         Table(self.summary.clone())
     }
 
-    /// One row per ball position: amplitude, the friction that it takes, margin, in the set or not (the
-    /// program's ``equilibrium_positions.parquet``); None where positions were not asked for.
+    /// One row per ball position: amplitude, required friction, margin, and membership in the set,
+    /// as in ``equilibrium_positions.parquet``; None without ``positions``.
     #[getter]
     fn positions(&self) -> Option<Table> {
         self.positions.clone().map(Table)
     }
 
-    /// The equilibria without dry friction, with their stability (the program's ``frictionless_equilibria.parquet``).
+    /// The frictionless equilibria with their stability, as in ``frictionless_equilibria.parquet``.
     #[getter]
     fn frictionless(&self) -> Table {
         Table(self.frictionless.clone())
@@ -69,19 +71,22 @@ impl EquilibriumSet {
     }
 }
 
-/// The equilibrium set of a ball balancer, and its equilibria without friction, in closed form.
+/// Computes the equilibrium set of a ball balancer, and its frictionless equilibria, in closed
+/// form.
 ///
-/// grid: one ball or two: points per axis, at 2π k/grid; 512 by default.
-/// samples: three balls or more: quasi-random samples, a power of two; 65536 by default.
-/// ball_damping: viscous drag on the balls for the stability of the equilibria without friction, over ball
-///     mass and natural frequency; above 0, up to 1e5.
-/// positions: whether the table of positions is made, the large one.
-/// threads: worker threads, from 1 to 1024; one per core by default. They change no result.
-/// parameters: the machine's, named as in a study file and in its units, such as ``speed_rad_s=-216.3772``,
-///     ``balls=2``, ``friction_coefficient=2.75e-3``; and the model's ``friction`` and ``normal_force``. What is
-///     not given has the value of the thesis's machine.
+/// grid: grid points per axis, at 2π k/grid, for one or two balls; 512 by default.
+/// samples: number of quasi-random samples for three or more balls, a power of two; 65536 by
+///     default.
+/// ball_damping: viscous drag on the balls for the stability of the frictionless equilibria,
+///     divided by ball mass and natural frequency; above 0, at most 1e5.
+/// positions: whether to compute the table of positions, which is large.
+/// threads: number of worker threads, 1 to 1024; one per core by default. Does not change any
+///     result.
+/// parameters: parameters of the machine with the names and units of a study file, such as
+///     ``speed_rad_s=-216.3772``, ``balls=2``, ``friction_coefficient=2.75e-3``; also ``friction``
+///     and ``normal_force``. The defaults are the machine of the thesis.
 ///
-/// Raises StudyError for parameters and options that make no sense, TypeError for values that no study file has.
+/// Raises StudyError for invalid parameters and options, and TypeError for values of other types.
 #[pyfunction]
 #[pyo3(signature = (*, grid = None, samples = None, ball_damping = 1e4, positions = true, threads = None, **parameters))]
 pub fn equilibrium_set(

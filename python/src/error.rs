@@ -1,4 +1,4 @@
-//! Python's exceptions for what can go wrong, with the texts of the command line.
+//! Python exceptions with the messages of the command line.
 
 use pyo3::create_exception;
 use pyo3::exceptions::{PyFileExistsError, PyOSError, PyRuntimeError, PyValueError};
@@ -11,32 +11,32 @@ create_exception!(
     stickslip,
     StudyError,
     PyValueError,
-    "A study, a machine or designs that cannot be used.\n\n\
-     The text is that of the command line: where, what was found, what is allowed. The parts of it, None where \
-     there is no such part:\n\n\
-     file: the file, or what stands for it.\n\
-     line, column: place in the file, from 1.\n\
+    "Raised for an invalid study, machine or design.\n\n\
+     The text is the message of the command line: place, problem, what was found, and what is \
+     allowed. Each attribute is None if the message has no such part:\n\n\
+     file: the study file, or the name of the argument.\n\
+     line, column: position in the file, from 1.\n\
      key: the key, such as `model.parameters.speed_rad_s`, or row and column of a table.\n\
-     problem: what is wrong, in a few words.\n\
+     problem: the problem, in a few words.\n\
      found: what was found.\n\
      allowed: what is allowed, or what to do."
 );
 
-/// The parts of a [`StudyError`], by name.
+/// The attributes of a `StudyError`, by name.
 const PARTS: [&str; 7] = ["file", "line", "column", "key", "problem", "found", "allowed"];
 
-/// What can go wrong, before it is Python's.
+/// An error before its conversion to a Python exception.
 #[derive(Debug)]
 pub enum Trouble {
-    /// The study, or designs.
+    /// An invalid study or design.
     Study(study::StudyError),
-    /// The study does not serve what is asked for, or arguments make no sense.
+    /// A study without a required part, or an invalid argument.
     Usage(String),
-    /// There is something in the way.
+    /// A directory or file is in the way.
     Occupied(String),
-    /// The operating system refuses.
+    /// An error of the operating system.
     System(String),
-    /// The program is wrong.
+    /// A bug of the program.
     Defect(String),
 }
 
@@ -94,7 +94,7 @@ impl<E: Into<Trouble>> From<EngineError<E>> for Trouble {
     }
 }
 
-/// Worker threads that could not be started.
+/// Returns the error for worker threads that could not be started.
 pub fn no_threads(error: impl std::fmt::Display) -> Trouble {
     Trouble::System(format!("cannot start the worker threads: {error}"))
 }
@@ -130,7 +130,7 @@ fn of_study(py: Python<'_>, error: &study::StudyError) -> PyResult<PyErr> {
 /// Adds the exceptions to the module.
 ///
 /// # Errors
-/// Where Python refuses.
+/// Returns the exception of Python if an exception type cannot be created.
 pub fn add(module: &Bound<'_, PyModule>) -> PyResult<()> {
     let class = module.py().get_type::<StudyError>();
     for part in PARTS {

@@ -1,7 +1,7 @@
-//! The Python module `stickslip._stickslip`: the library for Python, and nothing of its own.
+//! The Python module `stickslip._stickslip`: bindings of the library.
 //!
-//! Work is done in a thread of its own without Python's lock (`waiting`); results are Arrow tables that
-//! are handed over without a copy (`table`); what goes wrong has the text of the command line (`error`).
+//! Computations run in a separate thread without Python's lock (`waiting`), results are Arrow
+//! tables without a copy (`table`), and exceptions have the messages of the command line (`error`).
 #![deny(missing_docs)]
 
 mod designs;
@@ -32,7 +32,7 @@ fn _stickslip(module: &Bound<'_, PyModule>) -> PyResult<()> {
         wrap_pyfunction!(equilibria::equilibrium_set, module)?,
         wrap_pyfunction!(simulation::simulate, module)?,
     ] {
-        // Where users find it.
+        // Names the public module instead of the compiled module.
         function.setattr("__module__", "stickslip")?;
         module.add_function(function)?;
     }

@@ -1,4 +1,5 @@
-//! One machine, from keywords: written as the text of a study, so that a mistake is found as in a file.
+//! A machine from keyword arguments, written as the text of a study, so that errors are located as
+//! in a file.
 
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
@@ -9,20 +10,21 @@ use stickslip::study::Study;
 use crate::error::Trouble;
 use crate::values::{is_text, items, keys, kind, number};
 
-/// What a study says of one machine.
+/// The study of one machine.
 pub struct Machine {
-    /// What messages call it.
+    /// The name of the function in messages.
     pub name: &'static str,
     model: Map<String, Value>,
-    /// Other parts of the study, by their keys.
+    /// Other keys of the study, with their values.
     pub parts: Vec<(&'static str, Value)>,
 }
 
 impl Machine {
-    /// A machine of a kind with these parameters; `friction` and `normal_force` are the model's own keys.
+    /// Creates a machine of a kind with these parameters; `friction` and `normal_force` are keys of
+    /// the model.
     ///
     /// # Errors
-    /// A `TypeError` for values that no study file has.
+    /// Returns a `TypeError` for values that a study file cannot contain.
     pub fn new(
         name: &'static str,
         kind: &str,
@@ -40,15 +42,15 @@ impl Machine {
         Ok(Machine { name, model, parts: Vec::new() })
     }
 
-    /// The study of this machine with such a sampling design.
+    /// Returns the study of this machine with the given sampling design.
     ///
     /// # Errors
-    /// The first thing that is wrong.
+    /// Returns the first fault of the study.
     pub fn study(&self, design: Value) -> Result<Study, Trouble> {
         let mut text = format!("schema: 1\nname: {}\nseed: 0\nmodel:\n", self.name);
         for (key, value) in &self.model {
             match value {
-                // A line for each parameter, which a message can quote.
+                // One line per parameter, which a message can quote.
                 Value::Object(parameters) if key == "parameters" && !parameters.is_empty() => {
                     text.push_str("  parameters:\n");
                     for (key, value) in parameters {
@@ -66,7 +68,7 @@ impl Machine {
     }
 }
 
-/// A key as it is usually written, where that is a name.
+/// Returns a key in its usual notation: unquoted if it is a name.
 fn key_text(key: &str) -> String {
     let name = |letter: char| letter.is_ascii_alphanumeric() || letter == '_';
     match key.starts_with(|first: char| first.is_ascii_alphabetic()) && key.chars().all(name) {
@@ -75,10 +77,12 @@ fn key_text(key: &str) -> String {
     }
 }
 
-/// A value of Python as one of a study file: numbers, text, truths, and lists and mappings of them.
+/// Converts a Python value to a value of a study file: numbers, text, booleans, and lists and
+/// mappings of them.
 ///
 /// # Errors
-/// A `TypeError` for anything else, a `StudyError` for a number that is not finite; `key` is where.
+/// Returns a `TypeError` for any other type, and a `StudyError` for a number that is not finite;
+/// `key` is the place of the value.
 pub fn to_value(key: &str, value: &Bound<'_, PyAny>) -> PyResult<Value> {
     if value.is_none() {
         return Ok(Value::Null);
@@ -90,7 +94,7 @@ pub fn to_value(key: &str, value: &Bound<'_, PyAny>) -> PyResult<Value> {
         return Ok(Value::Bool(value.extract()?));
     }
     if let Some(number) = number(value)? {
-        // Whole numbers are written as such, where they are whole to Python and to a float.
+        // An integer is written as such if a float represents it exactly.
         if number.abs() < 2.0_f64.powi(53) && value.hasattr("__index__")? {
             return Ok((number as i64).into());
         }

@@ -1,4 +1,4 @@
-//! A study that has been run: its tables, in memory or in a directory.
+//! A finished study: its tables, in memory or in a directory.
 
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
@@ -22,10 +22,10 @@ use crate::error::Trouble;
 use crate::table::Table;
 use crate::waiting::wait;
 
-/// The tables of a study that has been run, and how its runs ended.
+/// The tables of a finished study, and the number of runs per label.
 ///
-/// Where the study was run into a directory, a table is read from there when it is first asked for. One of more
-/// rows than there is memory for can be read in part: ``polars.scan_parquet(f"{results.directory}/runs.parquet")``.
+/// If the study ran into a directory, each table is read on first access. A table that exceeds the
+/// memory can be read in part: ``polars.scan_parquet(f"{results.directory}/runs.parquet")``.
 #[pyclass(frozen, module = "stickslip")]
 pub struct Results {
     labels: Vec<(String, u64)>,
@@ -36,19 +36,21 @@ pub struct Results {
 
 #[pymethods]
 impl Results {
-    /// One row per run, failures included: parameters, start state, label, evidence, where it ended.
+    /// One row per run, including failed runs: parameters, start state, label, evidence, final
+    /// position.
     #[getter]
     fn runs(&self, py: Python<'_>) -> PyResult<Table> {
         self.table(py, 0)
     }
 
-    /// One row per point of the sweep: counts, fractions with intervals, times to rest, amplitudes.
+    /// One row per point of the sweep: counts, fractions with confidence intervals, times to rest,
+    /// amplitudes.
     #[getter]
     fn points(&self, py: Python<'_>) -> PyResult<Table> {
         self.table(py, 1)
     }
 
-    /// Per point, the probability of being at rest over time, with intervals.
+    /// The probability of being at rest over time with confidence intervals, per point.
     #[getter]
     fn rest(&self, py: Python<'_>) -> PyResult<Table> {
         self.table(py, 2)
@@ -60,19 +62,19 @@ impl Results {
         self.table(py, 3)
     }
 
-    /// The preferred equilibria: where runs came to rest.
+    /// The equilibria of the runs that came to rest.
     #[getter]
     fn equilibria(&self, py: Python<'_>) -> PyResult<Table> {
         self.table(py, 4)
     }
 
-    /// How often balls came to rest in which part of the ring.
+    /// The number of equilibria in each part of the ring.
     #[getter]
     fn density(&self, py: Python<'_>) -> PyResult<Table> {
         self.table(py, 5)
     }
 
-    /// Number of runs that ended so, by label: equilibrium, limit_cycle, irregular, undecided, failed.
+    /// Number of runs by label: equilibrium, limit_cycle, irregular, undecided, failed.
     #[getter]
     fn labels<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let labels = PyDict::new(py);
@@ -82,7 +84,7 @@ impl Results {
         Ok(labels)
     }
 
-    /// The directory that holds them; None where they are in memory only.
+    /// The directory of the tables; None if they are only in memory.
     #[getter]
     fn directory(&self) -> Option<&Path> {
         self.directory.as_deref()
@@ -115,11 +117,11 @@ impl Results {
 
 /// How a study is to be run.
 pub struct Run {
-    /// Worker threads.
+    /// Number of worker threads.
     pub threads: usize,
     /// How progress is shown.
     pub show: Show,
-    /// Whether a study goes into a directory of whose finished runs it can use none.
+    /// Whether a study may replace results of which no run can be reused.
     pub recompute: bool,
 }
 
@@ -127,7 +129,7 @@ impl Run {
     /// Runs a study and keeps its tables in memory.
     ///
     /// # Errors
-    /// Where threads cannot be started.
+    /// Returns an error if the threads cannot be started.
     pub fn in_memory(self, study: &Study, stop: &AtomicBool) -> Result<Results, Trouble> {
         let mut tables = MemoryResults::new(study);
         let progress = Progress::begin(self.planned(study), self.show);
@@ -144,10 +146,10 @@ impl Run {
         })
     }
 
-    /// Runs a study into a directory, as the command line does.
+    /// Runs a study into a directory, like the command line.
     ///
     /// # Errors
-    /// Where the directory holds something else, or cannot be used.
+    /// Returns an error if the directory contains something else, or cannot be used.
     pub fn into_directory(
         self,
         study: &Study,
@@ -207,7 +209,7 @@ impl Run {
     }
 }
 
-/// Takes runs and points into memory.
+/// Collects runs and points in memory.
 struct InMemory<'a>(&'a mut MemoryResults);
 
 impl Sink for InMemory<'_> {
@@ -222,7 +224,7 @@ impl Sink for InMemory<'_> {
     }
 }
 
-/// Takes runs and points into files.
+/// Writes runs and points to files.
 struct InFiles<'a>(&'a mut table::Results);
 
 impl Sink for InFiles<'_> {

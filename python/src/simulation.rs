@@ -14,9 +14,9 @@ use crate::table::Table;
 use crate::values::{items, kind, number};
 use crate::waiting::wait;
 
-/// The most instants of a motion, and the most switches.
+/// The largest number of instants, and of switches, of a motion.
 const MOST: usize = 1_000_000;
-/// The latest time that may be asked for, s.
+/// The latest time that may be requested, s.
 const LATEST_S: f64 = 1e12;
 
 /// One run and its motion.
@@ -31,25 +31,25 @@ pub struct Simulation {
 
 #[pymethods]
 impl Simulation {
-    /// How the run ended: equilibrium, limit_cycle, irregular, undecided or failed.
+    /// Label of the run: equilibrium, limit_cycle, irregular, undecided or failed.
     #[getter]
     fn label(&self) -> &str {
         self.label
     }
 
-    /// Why it has that label, or what failed.
+    /// Evidence for the label, or the kind of failure.
     #[getter]
     fn evidence(&self) -> &str {
         self.evidence
     }
 
-    /// One row: what ``runs.parquet`` says of a run.
+    /// One row with the columns of ``runs.parquet``.
     #[getter]
     fn run(&self) -> Table {
         Table(self.run.clone())
     }
 
-    /// One row per instant: table, angles, speeds, stick or slip, friction and its limit.
+    /// One row per instant: table, angles, speeds, stick or slip, friction force and its limit.
     #[getter]
     fn trajectory(&self) -> Table {
         Table(self.trajectory.clone())
@@ -67,21 +67,23 @@ impl Simulation {
     }
 }
 
-/// Simulates one run of one machine and gives its motion.
+/// Simulates one run of one machine and returns its motion.
 ///
-/// start: the start state, by the names of ``initial_conditions`` in a study file: of a ball balancer ``x``,
-///     ``y``, ``beta_1``, ..., ``x_dot``, ``y_dot``, ``beta_dot_1``, ..., non-dimensional; of a block
-///     ``position_m`` and ``velocity_m_s``. What is not named is 0.
-/// times_s: times of the motion, s, ascending; by default the end of every integration step, and just before
-///     and after each switch.
+/// start: start state with the names of ``initial_conditions`` in a study file: for a ball balancer
+///     ``x``, ``y``, ``beta_1``, ..., ``x_dot``, ``y_dot``, ``beta_dot_1``, ..., non-dimensional;
+///     for a block ``position_m`` and ``velocity_m_s``. The defaults are 0.
+/// times_s: times of the motion, s, in ascending order; by default, the end of every integration
+///     step, and the instants just before and after each switch.
 /// model: ball_balancer, block_on_spring or block_on_belt.
-/// simulation: how it is simulated, by the keys of a study file, such as ``{"end_time_s": 33}``.
-/// parameters: the machine's, named as in a study file and in its units, such as ``speed_rad_s=-216.3772``,
-///     ``balls=2``, ``friction_coefficient=2.75e-3``; and the model's ``friction`` and ``normal_force``. What is
-///     not given has the value of the thesis's machine.
+/// simulation: settings of the simulation with the keys of a study file, such as ``{"end_time_s":
+///     33}``.
+/// parameters: parameters of the machine with the names and units of a study file, such as
+///     ``speed_rad_s=-216.3772``, ``balls=2``, ``friction_coefficient=2.75e-3``; also ``friction``
+///     and ``normal_force``. The defaults are the machine of the thesis.
 ///
-/// A run that fails is no exception: its label says so. Raises StudyError for what makes no sense, or a motion
-/// of more than 1,000,000 instants; TypeError for values that no study file has.
+/// A failed run raises no exception; its label is ``failed``. Raises StudyError for invalid
+/// arguments and for a motion of more than 1,000,000 instants, and TypeError for values of other
+/// types.
 #[pyfunction]
 #[pyo3(signature = (start, *, times_s = None, model = "ball_balancer", simulation = None, **parameters))]
 pub fn simulate(
@@ -119,11 +121,11 @@ pub fn simulate(
         let (record, recording) = record(&study, 0, times_s.as_deref(), MOST);
         if recording.cut_off {
             return Err(Trouble::Usage(format!(
-                "the motion is too long\n  found:   more than {MOST} steps, or switches\n  allowed: fewer; a part \
-                 of it with `times_s`"
+                "the motion is too long\n  found:   more than {MOST} steps, or switches\n  \
+                 allowed: fewer; select a part with `times_s`"
             )));
         }
-        // Parameters without physical sense have no units either: the motion is empty then.
+        // Impossible parameters have no units; the motion is empty then.
         let model = record.planned.case.as_ref().map_or(study.model(), |case| &case.model);
         let about = |table| provenance(&study, table);
         let trajectory =
@@ -140,7 +142,7 @@ pub fn simulate(
     Ok(simulated)
 }
 
-/// Times that ascend.
+/// Converts times, which must ascend.
 fn times(given: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
     let refused = |found: String, allowed: &str| {
         let text = format!("times_s: not times\n  found:   {found}\n  allowed: {allowed}");

@@ -14,10 +14,11 @@ use crate::results::{Results, Run};
 use crate::table::Table;
 use crate::waiting::wait;
 
-/// A study: a machine, what is swept, drawn and sampled, what designs vary and what they are asked for.
+/// A study: a model, a sweep, uncertain parameters, start states, and the variables and responses
+/// of designs.
 ///
-/// It never changes. Make one with ``Study.from_yaml(path)`` or ``Study.from_text(text)``. It can be pickled,
-/// and sent to other processes.
+/// A study is immutable. Create one with ``Study.from_yaml(path)`` or ``Study.from_text(text)``.
+/// Studies can be pickled and sent to other processes.
 #[pyclass(frozen, name = "Study", module = "stickslip")]
 pub struct PyStudy {
     study: Arc<Study>,
@@ -26,12 +27,12 @@ pub struct PyStudy {
 
 #[pymethods]
 impl PyStudy {
-    /// Reads a study file and the tables that it names, and checks everything.
+    /// Reads and validates a study file and the tables that it names.
     ///
     /// path: the study file, YAML.
-    /// tables: directories in which tables of the study may lie as well as beside the study file.
+    /// tables: further directories in which tables of the study may be.
     ///
-    /// Raises StudyError with the first thing that is wrong, also where the file cannot be read.
+    /// Raises StudyError for the first fault, also if the file cannot be read.
     #[staticmethod]
     #[pyo3(signature = (path, *, tables = Vec::new()))]
     fn from_yaml(py: Python<'_>, path: PathBuf, tables: Vec<PathBuf>) -> PyResult<Self> {
@@ -42,13 +43,14 @@ impl PyStudy {
         Ok(wait(py, |_| load())??)
     }
 
-    /// Reads a study from the text of a study file.
+    /// Parses and validates a study from the text of a study file.
     ///
     /// text: YAML.
-    /// folder: the directory that paths of the study's tables are relative to; the current one by default.
-    /// tables: directories in which tables of the study may lie as well as in that one.
+    /// folder: the directory to which paths of tables are relative; the current directory by
+    ///     default.
+    /// tables: further directories in which tables of the study may be.
     ///
-    /// Raises StudyError with the first thing that is wrong.
+    /// Raises StudyError for the first fault.
     #[staticmethod]
     #[pyo3(signature = (text, *, folder = None, tables = Vec::new()))]
     fn from_text(
@@ -77,37 +79,37 @@ impl PyStudy {
         self.study.seed()
     }
 
-    /// Hash of all that decides the runs, hexadecimal.
+    /// Hash of everything that determines the runs, in hexadecimal.
     #[getter]
     fn hash(&self) -> String {
         self.study.hash()
     }
 
-    /// Number of planned runs; with ``precision``, the most.
+    /// Number of planned runs; with ``precision``, the largest number.
     #[getter]
     fn run_count(&self) -> u64 {
         self.study.run_count()
     }
 
-    /// Number of points of the sweep; 1 where nothing is swept.
+    /// Number of points of the sweep; 1 without a sweep.
     #[getter]
     fn point_count(&self) -> u64 {
         self.study.point_count()
     }
 
-    /// Names of what designs vary, in the order of the study file.
+    /// Names of the variables of designs, in the order of the study file.
     #[getter]
     fn variables(&self) -> Vec<&str> {
         self.study.variables().iter().map(|variable| variable.name()).collect()
     }
 
-    /// Names of the responses that designs are asked for, in the order of the study file.
+    /// Names of the responses of designs, in the order of the study file.
     #[getter]
     fn responses(&self) -> Vec<&str> {
         self.study.responses().iter().map(|response| response.name.as_str()).collect()
     }
 
-    /// The study file with all defaults filled in and tables written out, YAML.
+    /// The study file with all defaults and with inline tables, YAML.
     #[getter]
     fn yaml(&self) -> String {
         self.study.resolved_yaml()
@@ -115,16 +117,19 @@ impl PyStudy {
 
     /// Runs the study.
     ///
-    /// out: a directory, in which the program's files are made as ``stickslip run --out`` makes them; without it
-    ///     the tables are in memory only. Results that are there are gone on with, and nothing is ever lost.
-    /// threads: worker threads, from 1 to 1024; one per core by default. They change no result.
-    /// progress: whether progress is shown on standard error.
-    /// recompute: with ``out``, run into a directory with the results of another study of which no run can be
-    ///     used; what is there is moved to ``earlier/``.
+    /// out: a directory for the result files of ``stickslip run --out``; without it, the tables are
+    ///     only in memory. Existing results of the study are continued, and no results are ever
+    ///     lost.
+    /// threads: number of worker threads, 1 to 1024; one per core by default. Does not change any
+    ///     result.
+    /// progress: whether to show progress on standard error.
+    /// recompute: with ``out``, also run if the directory contains results of which no run can be
+    ///     reused; these results are moved to ``earlier/``.
     ///
-    /// Failed runs are in the tables, and no exception. Raises KeyboardInterrupt within a second of Ctrl-C;
-    /// with ``out``, finished runs are kept, and the same call goes on. Raises StudyError for arguments that
-    /// make no sense, FileExistsError where a directory holds something else, OSError where it cannot be used.
+    /// Failed runs raise no exception; they are in the tables. Ctrl-C raises KeyboardInterrupt
+    /// within a second; with ``out``, finished runs are saved, and the same call resumes the study.
+    /// Raises StudyError for invalid arguments, FileExistsError if a directory contains something
+    /// else, and OSError if it cannot be used.
     #[pyo3(signature = (out = None, *, threads = None, progress = false, recompute = false))]
     fn run(
         &self,
@@ -148,18 +153,20 @@ impl PyStudy {
         })??)
     }
 
-    /// Answers the study's ``responses`` at designs, each with standard error, interval and reason.
+    /// Estimates the study's ``responses`` for designs, each with standard error, confidence
+    /// interval and reason.
     ///
-    /// designs: a list of dicts, a dict of columns, a dict of values (one design), or any Arrow table or
-    ///     dataframe (``__arrow_c_stream__``), with a value for each of the study's ``design``: numbers in the
-    ///     units of the parameters, names of choices.
-    /// threads: worker threads, from 1 to 1024; one per core by default. They change no result.
-    /// progress: whether progress is shown on standard error.
+    /// designs: a list of dicts, a dict of columns, a dict of values (one design), or any Arrow
+    ///     table or dataframe (``__arrow_c_stream__``), with a value for each variable of the
+    ///     study's ``design``: numbers in the units of the parameters, or names of choices.
+    /// threads: number of worker threads, 1 to 1024; one per core by default. Does not change any
+    ///     result.
+    /// progress: whether to show progress on standard error.
     ///
-    /// Returns the table that ``stickslip evaluate`` writes: one row per design and point of the sweep, in
-    /// order. Raises StudyError for a study that asks for nothing or varies nothing, and for designs that it
-    /// does not have; TypeError for what is neither number nor text; KeyboardInterrupt within a second of
-    /// Ctrl-C.
+    /// Returns the table of ``stickslip evaluate``: one row per design and point of the sweep, in
+    /// order. Raises StudyError for a study without variables or responses and for invalid designs,
+    /// TypeError for values that are neither numbers nor text, and KeyboardInterrupt within a
+    /// second of Ctrl-C.
     #[pyo3(signature = (designs, *, threads = None, progress = false))]
     fn evaluate(
         &self,
@@ -181,7 +188,7 @@ impl PyStudy {
             let finished = |label| progress.finished(label);
             let answers = respond_to_all(&workers, &study, &designs, stop, &finished);
             progress.close();
-            // None where it was interrupted, and then nobody takes the table.
+            // None after an interruption; then nobody receives the table.
             let answers = answers.map_err(Trouble::Usage)?.unwrap_or_default();
             let about = provenance(&study, "responses");
             Ok::<_, Trouble>(in_memory(response_columns(&study), about, answers)?)
@@ -200,7 +207,7 @@ impl PyStudy {
     }
 }
 
-/// A study from its file with all defaults filled in.
+/// Creates a study from its resolved study file.
 #[pyfunction]
 pub fn _unpickle(text: String) -> PyResult<PyStudy> {
     let file = PathBuf::from("<pickled>");
@@ -208,7 +215,7 @@ pub fn _unpickle(text: String) -> PyResult<PyStudy> {
     Ok(PyStudy { study: Arc::new(study), file })
 }
 
-/// How progress is shown, if it is.
+/// Converts the option to a way to show progress.
 fn show(progress: bool) -> Show {
     if progress { Show::auto() } else { Show::Nothing }
 }

@@ -1,4 +1,4 @@
-//! Tables for Python: Arrow's C data interface, without a copy, and Python's own lists.
+//! Tables for Python: Arrow's C data interface without a copy, and Python lists.
 
 use arrow_array::cast::AsArray;
 use arrow_array::ffi_stream::FFI_ArrowArrayStream;
@@ -13,31 +13,33 @@ use stickslip::table::MemoryTable;
 
 use crate::error::Trouble;
 
-/// A table with named columns, in memory: what the program writes as a Parquet file.
+/// A table with named columns, in memory: the content of a Parquet file of stickslip.
 ///
-/// Whatever speaks Arrow's PyCapsule interface takes it, without a copy: ``pyarrow.table(table)``,
-/// ``polars.DataFrame(table)``, ``duckdb.sql("FROM table")``, ``pandas.DataFrame.from_arrow(table)``.
-/// ``table["speed_rad_s"]`` and ``table.to_dict()`` need none of them. The schema's metadata under ``stickslip``
-/// say, in JSON, which program and study the table comes from; those of a column its unit and meaning.
+/// Any library with Arrow's PyCapsule interface reads it without a copy: ``pyarrow.table(table)``,
+/// ``polars.DataFrame(table)``, ``duckdb.sql("FROM table")``,
+/// ``pandas.DataFrame.from_arrow(table)``. ``table["speed_rad_s"]`` and ``table.to_dict()`` need no
+/// library. The metadata of the schema contain the program and the study as JSON under
+/// ``stickslip``; the metadata of a column contain its unit and meaning.
 #[pyclass(frozen, module = "stickslip")]
 pub struct Table(pub MemoryTable);
 
 #[pymethods]
 impl Table {
-    /// A capsule ``arrow_schema``, for Arrow libraries.
+    /// Returns a capsule ``arrow_schema``, for Arrow libraries.
     fn __arrow_c_schema__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyCapsule>> {
         let schema = FFI_ArrowSchema::try_from(self.0.schema().as_ref()).map_err(Trouble::from)?;
         PyCapsule::new_with_value(py, schema, c"arrow_schema")
     }
 
-    /// A capsule ``arrow_array_stream``, for Arrow libraries; always of the table's own schema.
+    /// Returns a capsule ``arrow_array_stream``, for Arrow libraries, always with the schema of the
+    /// table.
     #[pyo3(signature = (requested_schema = None))]
     fn __arrow_c_stream__<'py>(
         &self,
         py: Python<'py>,
         requested_schema: Option<Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyCapsule>> {
-        // Whoever asks for another schema has to be ready for this one.
+        // The interface permits a producer to ignore the requested schema.
         drop(requested_schema);
         let batches = self.0.batches().to_vec().into_iter().map(Ok);
         let reader = RecordBatchIterator::new(batches, self.0.schema().clone());
@@ -63,13 +65,13 @@ impl Table {
         self.0.schema().fields().iter().map(|field| field.name().as_str()).collect()
     }
 
-    /// Unit of each column, by its name; None where it has none.
+    /// Unit of each column, by name; None for a column without a unit.
     #[getter]
     fn units<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         self.metadata(py, "unit")
     }
 
-    /// Meaning of each column, by its name.
+    /// Meaning of each column, by name.
     #[getter]
     fn meanings<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         self.metadata(py, "meaning")
@@ -80,9 +82,9 @@ impl Table {
         self.0.rows()
     }
 
-    /// The values of a column as a list; None where a value is missing.
+    /// Returns the values of a column as a list, with None for missing values.
     ///
-    /// Raises KeyError where there is no such column.
+    /// Raises KeyError if there is no such column.
     fn __getitem__<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyList>> {
         let index = self.0.schema().index_of(name);
         let index = index.map_err(|_| {
@@ -92,7 +94,7 @@ impl Table {
         self.column(py, index)
     }
 
-    /// All columns as lists, by their names, in order; None where a value is missing.
+    /// Returns all columns as lists, by name and in order, with None for missing values.
     fn to_dict<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let columns = PyDict::new(py);
         for (index, name) in self.column_names().into_iter().enumerate() {
@@ -101,21 +103,21 @@ impl Table {
         Ok(columns)
     }
 
-    /// The table as a ``pyarrow.Table``, without a copy.
+    /// Returns the table as a ``pyarrow.Table``, without a copy.
     ///
     /// Raises ImportError without pyarrow.
     fn to_pyarrow(slf: Bound<'_, Self>) -> PyResult<Bound<'_, PyAny>> {
         slf.py().import("pyarrow")?.call_method1("table", (slf,))
     }
 
-    /// The table as a ``polars.DataFrame``; numbers without a copy.
+    /// Returns the table as a ``polars.DataFrame``; numbers are not copied.
     ///
     /// Raises ImportError without polars.
     fn to_polars(slf: Bound<'_, Self>) -> PyResult<Bound<'_, PyAny>> {
         slf.py().import("polars")?.call_method1("DataFrame", (slf,))
     }
 
-    /// The table as a ``pandas.DataFrame``.
+    /// Returns the table as a ``pandas.DataFrame``.
     ///
     /// Raises ImportError without pyarrow and pandas.
     fn to_pandas(slf: Bound<'_, Self>) -> PyResult<Bound<'_, PyAny>> {
@@ -146,7 +148,7 @@ impl Table {
     }
 }
 
-/// Adds the values of a column to a list.
+/// Appends the values of a column to a list.
 fn append(list: &Bound<'_, PyList>, column: &ArrayRef) -> PyResult<()> {
     match column.data_type() {
         DataType::Float64 => append_all(list, column.as_primitive::<Float64Type>()),
@@ -179,7 +181,7 @@ fn append(list: &Bound<'_, PyList>, column: &ArrayRef) -> PyResult<()> {
     }
 }
 
-/// For a column of a type that our tables do not have.
+/// Returns the error for a column type that no result table has.
 fn unknown(column: &ArrayRef) -> PyErr {
     PyTypeError::new_err(format!("a column of {}", column.data_type()))
 }

@@ -1,16 +1,16 @@
-//! How many worker threads.
+//! The number of worker threads.
 
 use std::num::NonZeroUsize;
 
 use crate::error::Trouble;
 
-/// More threads than any machine has cores would only take memory.
+/// More threads than any machine has cores would only use memory.
 const MOST: i64 = 1024;
 
-/// So many threads; one per core where none are given.
+/// Returns the number of threads; the default is one per core.
 ///
 /// # Errors
-/// A number of threads that makes no sense.
+/// Returns an error if the number is out of range.
 pub fn threads(given: Option<i64>) -> Result<usize, Trouble> {
     let Some(given) = given else {
         return Ok(std::thread::available_parallelism().map_or(1, NonZeroUsize::get));

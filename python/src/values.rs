@@ -1,41 +1,41 @@
-//! What a value of Python is. Only a `TypeError` says that it is something else: whatever else is raised on the
-//! way, such as `KeyboardInterrupt`, goes on to the user.
+//! Type tests of Python values. Only a `TypeError` means another type; any other exception, such as
+//! `KeyboardInterrupt`, is passed to the user.
 
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::PyString;
 
-/// Whether it is text.
+/// Returns whether the value is text.
 pub fn is_text(value: &Bound<'_, PyAny>) -> bool {
     value.is_instance_of::<PyString>()
 }
 
-/// The number that it is, if it is one.
+/// Returns the value as a number, if it is one.
 ///
 /// # Errors
-/// What the value raises, such as an `OverflowError`.
+/// Returns the exception of the value, such as an `OverflowError`.
 pub fn number(value: &Bound<'_, PyAny>) -> PyResult<Option<f64>> {
     unless_type_error(value, value.extract())
 }
 
-/// Its items, if it has such.
+/// Returns the items of the value, if it is iterable.
 ///
 /// # Errors
-/// What the value raises.
+/// Returns the exception of the value.
 pub fn items<'py>(value: &Bound<'py, PyAny>) -> PyResult<Option<Vec<Bound<'py, PyAny>>>> {
     let Some(iterator) = unless_type_error(value, value.try_iter())? else { return Ok(None) };
     let mut items = Vec::new();
-    // A collection would ask for their number first, and lose what is raised then.
+    // `collect` would ask for the length first, and ignore an exception from it.
     for item in iterator {
         items.push(item?);
     }
     Ok(Some(items))
 }
 
-/// The names of its columns or parts, if it is a mapping.
+/// Returns the keys of the value, if it is a mapping.
 ///
 /// # Errors
-/// A `TypeError` for a name that is no text; what the value raises.
+/// Returns a `TypeError` for a key that is not text, and the exception of the value.
 pub fn keys(value: &Bound<'_, PyAny>) -> PyResult<Option<Vec<String>>> {
     if !value.hasattr("keys")? {
         return Ok(None);
@@ -54,7 +54,7 @@ pub fn keys(value: &Bound<'_, PyAny>) -> PyResult<Option<Vec<String>>> {
     Ok(Some(keys))
 }
 
-/// The name of its type.
+/// Returns the name of the type.
 pub fn kind(value: &Bound<'_, PyAny>) -> String {
     value.get_type().name().map_or_else(|_| "?".to_owned(), |name| name.to_string())
 }

@@ -1,4 +1,4 @@
-//! Work in a thread of its own, while Python's other threads go on and Ctrl-C is looked for.
+//! Runs a computation in a separate thread, while other Python threads run and Ctrl-C is handled.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
@@ -10,16 +10,17 @@ use std::time::Duration;
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 
-/// How often signals are looked for.
+/// The interval at which signals are checked.
 const LOOK: Duration = Duration::from_millis(20);
-/// How long work that was interrupted is waited for. It goes on in its thread until the runs that have begun
-/// are finished or given up, about a second, and until tables are written.
+/// The time to wait for an interrupted computation. It continues in its thread until the current
+/// runs have finished or stopped, about a second, and until tables are written.
 const PATIENCE: Duration = Duration::from_millis(700);
 
-/// Does work and gives what comes out. When Python is interrupted, `work` finds its flag set.
+/// Runs a computation and returns its result. On an interruption, the flag of `work` is set.
 ///
 /// # Errors
-/// What a signal's handler has raised, mostly `KeyboardInterrupt`; a `RuntimeError` where the work panicked.
+/// Returns the exception of a signal handler, usually `KeyboardInterrupt`, and a `RuntimeError` if
+/// the computation panics.
 pub fn wait<T: Send + 'static>(
     py: Python<'_>,
     work: impl FnOnce(&AtomicBool) -> T + Send + 'static,
@@ -28,9 +29,9 @@ pub fn wait<T: Send + 'static>(
     let (sender, mut receiver) = sync_channel(1);
     let flag = Arc::clone(&stop);
     thread::Builder::new().name("stickslip".to_owned()).spawn(move || {
-        // What outlives the unwinding is the flag alone.
+        // Only the flag survives the unwinding.
         let done = catch_unwind(AssertUnwindSafe(|| work(&flag)));
-        // Nobody takes it where Python was interrupted.
+        // After an interruption, nobody receives the result.
         let _ = sender.send(done);
     })?;
     loop {
@@ -44,14 +45,14 @@ pub fn wait<T: Send + 'static>(
         }
         if let Err(interrupt) = py.check_signals() {
             stop.store(true, Ordering::Relaxed);
-            // Whatever it is, it is not wanted any more.
+            // The result is no longer wanted.
             let _ = py.detach(|| receive(&mut receiver, PATIENCE));
             return Err(interrupt);
         }
     }
 }
 
-/// Receives through a unique borrow, which another thread may hold where a shared one may not.
+/// Receives through a unique borrow, which another thread may hold, unlike a shared borrow.
 fn receive<T>(receiver: &mut Receiver<T>, most: Duration) -> Result<T, RecvTimeoutError> {
     receiver.recv_timeout(most)
 }

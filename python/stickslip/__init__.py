@@ -1,9 +1,10 @@
 """Parallel parameter studies and Monte Carlo for mechanical systems with dry friction.
 
-``Study.from_yaml("study.yaml")`` reads a study; ``study.run()`` gives its tables, ``study.evaluate(designs)``
-its responses at designs. ``simulate`` and ``equilibrium_set`` serve one machine without a study. All tables are
-Arrow tables in memory, which pyarrow, Polars, pandas and DuckDB take as they are. ``stickslip.figures`` draws
-figures for papers from tables in files; it is Python alone, and works without the compiled part.
+``Study.from_yaml("study.yaml")`` reads a study, ``study.run()`` returns its result tables, and
+``study.evaluate(designs)`` estimates its responses for designs. ``simulate`` and ``equilibrium_set`` compute one
+machine without a study. All tables are Arrow tables in memory, which pyarrow, Polars, pandas and DuckDB read
+directly. ``stickslip.figures`` draws figures for papers from table files; it works without the compiled part of the
+package.
 """
 
 from importlib import import_module as _import_module
@@ -22,7 +23,7 @@ __all__ = [
 
 
 def __getattr__(name):
-    # The compiled part is loaded when something of it is asked for.
+    # The compiled part is loaded on first use.
     if name not in __all__:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     value = globals()[name] = getattr(_import_module("._stickslip", __name__), name)

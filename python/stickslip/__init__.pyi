@@ -1,4 +1,4 @@
-"""Types of the package; what everything does is in the docstrings of the compiled module."""
+"""Type annotations of the package; the docstrings of the compiled module describe each item."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from os import PathLike

@@ -1,5 +1,4 @@
-//! Which runs are computed a second time, to see whether their endings depend on how they are
-//! computed.
+//! The audit: which runs are recomputed by the other method.
 
 use super::design::SampleId;
 use super::draw::DrawKey;
@@ -9,11 +8,11 @@ use super::key_path::KeyPath;
 use super::node::describe_number;
 use super::parameter::{Parameter, ParameterValue};
 
-/// A fraction of the runs that is computed once more, by [`crate::model::Simulation::counter_check`].
+/// An audit recomputes a fraction of the runs with [`crate::model::Simulation::counter_check`].
 ///
-/// A run is chosen where its own uniform number, keyed by the swept values of its point, its cell
-/// and its replicate, is below the fraction: more samples, further points and a larger fraction keep all
-/// former choices, and points have different ones.
+/// A run is selected if a uniform random number is below the fraction. The number is keyed by the
+/// swept values of the point, the cell and the replicate. More samples, more points or a larger
+/// fraction therefore keep all earlier selections, and each point has its own selection.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Audit {
     /// The fraction of the runs, above 0 and at most 1.
@@ -21,10 +20,10 @@ pub struct Audit {
 }
 
 impl Audit {
-    /// Checks an audit.
+    /// Validates the audit of a study file.
     ///
     /// # Errors
-    /// A fraction that is none, or zero.
+    /// Returns an error if the fraction is not above 0 and at most 1.
     pub(super) fn resolve(
         locate: &dyn Locate,
         written: Option<&AuditFile>,
@@ -33,17 +32,17 @@ impl Audit {
         if 0.0 < fraction && fraction <= 1.0 {
             return Ok(Some(Audit { fraction }));
         }
-        let allowed = "a fraction of the runs above 0 and at most 1, such as 0.05, or no `audit`";
+        let allowed = "a fraction above 0 and at most 1, such as 0.05, or no `audit`";
         let fault = Fault::new("not a fraction of the runs", describe_number(fraction), allowed);
         Err(locate.refuse_value(&KeyPath::of("audit.fraction"), fault))
     }
 
-    /// As a study file writes it.
+    /// Returns the audit in the form of a study file.
     pub(super) fn to_file(self) -> AuditFile {
         AuditFile { fraction: self.fraction }
     }
 
-    /// Whether a sample at the point with these swept values is chosen.
+    /// Returns whether the audit selects a sample at the point with these swept values.
     pub(super) fn chooses(
         self,
         seed: u64,
@@ -55,10 +54,10 @@ impl Audit {
     }
 }
 
-/// The swept values of a point as text, whatever the order in which the sweep names them.
+/// Returns the swept values of a point as text that does not depend on the order of the sweep.
 fn name(swept: &[(Parameter, ParameterValue)]) -> String {
     let text = |(parameter, value): &(Parameter, ParameterValue)| match value {
-        // Adding 0 makes -0 to 0; the exponent form gives back every digit.
+        // Adding 0 turns -0 into 0; the exponent form keeps every digit.
         ParameterValue::Number(number) => format!("{}={:e}", parameter.name(), number + 0.0),
         ParameterValue::Text(word) => format!("{}={word}", parameter.name()),
     };

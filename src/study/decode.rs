@@ -1,4 +1,4 @@
-//! From located values to the types of the study file, with errors that know place and key path.
+//! Deserialisation of located values into the types of the study file, with located errors.
 
 use serde::de::value::StrDeserializer;
 use serde::de::{
@@ -11,10 +11,10 @@ use super::error::{Fault, Place, StudyError, list_names, shorten};
 use super::key_path::{KeyPath, Step};
 use super::node::{Content, Key, Node, Source, describe_number};
 
-/// Reads a value of type `T` out of the whole source.
+/// Deserialises a value of type `T` from the whole source.
 ///
 /// # Errors
-/// The first value that does not fit, with its place and key path.
+/// Returns the first value that does not fit `T`, with its place and key path.
 pub(crate) fn decode<'de, T: Deserialize<'de>>(source: &'de Source) -> Result<T, StudyError> {
     T::deserialize(At(&source.root)).map_err(|mut error| {
         error.steps.reverse();
@@ -23,7 +23,8 @@ pub(crate) fn decode<'de, T: Deserialize<'de>>(source: &'de Source) -> Result<T,
     })
 }
 
-/// A fault on its way up: each level adds its step, the innermost its place.
+/// An error that is passed upwards: each level adds its step, and the innermost level adds the
+/// place.
 #[derive(Debug)]
 struct DecodeError {
     steps: Vec<Step>,
@@ -113,7 +114,7 @@ fn plain(allowed: &dyn Expected) -> String {
     }
 }
 
-/// A place in the tree from which serde reads.
+/// A node of the tree from which serde deserialises.
 #[derive(Clone, Copy)]
 struct At<'de>(&'de Node);
 
@@ -139,7 +140,7 @@ impl<'de> Deserializer<'de> for At<'de> {
         self.read(visitor).map_err(|error| error.at(self.0.place))
     }
 
-    /// A key that is there must hold a value: only a key that is absent means "not given".
+    /// A key in the file must have a value: only an absent key means "not given".
     fn deserialize_option<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, DecodeError> {
         visitor.visit_some(self)
     }
@@ -173,7 +174,8 @@ impl<'de> Deserializer<'de> for At<'de> {
         visitor.visit_enum(choice).map_err(|error| error.at(self.0.place))
     }
 
-    /// Keys and values only: serde's own structs would take a list of their values in order as well.
+    /// Accepts keys and values only: serde's derived structs would also accept a list of the values
+    /// in order.
     fn deserialize_struct<V: Visitor<'de>>(
         self,
         _name: &'static str,
@@ -249,7 +251,7 @@ impl<'de> MapAccess<'de> for Entries<'de> {
     }
 }
 
-/// One of several: a bare word, or one key with its settings.
+/// A choice: a word alone, or one key with its settings.
 struct Choice<'de> {
     name: &'de str,
     place: Place,

@@ -1,4 +1,4 @@
-//! Sampling designs: which start state a sample has, computed from its index alone.
+//! Sampling designs: the start state of a sample, computed from its index alone.
 
 use std::sync::Arc;
 
@@ -6,7 +6,7 @@ use super::draw::{DrawKey, RandomOrder};
 use super::file_values::MAX_COUNT;
 use super::start_box::{Axis, StartBox};
 
-/// The most samples of a Sobol' design; the library's sequence is that long.
+/// The largest number of samples of a Sobol' design, which is the length of the library's sequence.
 pub(crate) const MAX_SOBOL_SAMPLES: u64 = 65_536;
 
 /// How the samples of a point are laid out.
@@ -28,13 +28,14 @@ pub(crate) enum Layout {
     Grid {
         points: u64,
     },
-    /// Given start states in the order of the axes.
+    /// Given start states; each row contains the coordinates in the order of the axes.
     Table {
         rows: Arc<Vec<Vec<f64>>>,
     },
 }
 
-/// A layout over a box with the keys of its draws: every sample is a function of its index.
+/// A layout over a box with the keys of its random numbers. Every sample is a function of its
+/// index.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Design {
     layout: Layout,
@@ -50,17 +51,17 @@ struct AxisDraws {
     dimension: u32,
 }
 
-/// Where a sample stands in its design.
+/// The position of a sample in its design.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct SampleId {
-    /// Cell of a stratified design, point of a grid, row of a table; otherwise zero.
+    /// Cell of a stratified design, point of a grid or row of a table; otherwise zero.
     pub cell: u64,
     /// Number of the sample within its cell.
     pub replicate: u64,
 }
 
 impl Design {
-    /// A design over a box; draws are keyed by the names of the axes.
+    /// Creates a design over a box. The names of the axes key the random numbers.
     pub fn new(layout: Layout, start_box: &StartBox, seed: u64) -> Design {
         let axes = start_box
             .axes
@@ -85,7 +86,7 @@ impl Design {
         Design { layout, axes, sobol_seed }
     }
 
-    /// The factors whose product is the number of samples at one point.
+    /// Returns the factors whose product is the number of samples at one point.
     pub fn factors(&self) -> Vec<u64> {
         match &self.layout {
             Layout::Stratified { parts, samples_per_cell } => {
@@ -101,8 +102,8 @@ impl Design {
         }
     }
 
-    /// How many samples are added when a design of `first` samples is enlarged, and how many there
-    /// can be in all; `None` of a design that cannot be enlarged.
+    /// Returns the number of samples in one further replicate of a design of `first` samples, and
+    /// the largest total number of samples. Returns `None` if the design cannot be enlarged.
     pub fn enlargement(&self, first: u64) -> Option<(u64, u64)> {
         match &self.layout {
             Layout::Stratified { samples_per_cell, .. } => {
@@ -114,18 +115,18 @@ impl Design {
         }
     }
 
-    /// The design's name in a study file.
+    /// Returns the name of the design in a study file.
     pub fn kind(&self) -> &'static str {
         self.layout.kind()
     }
 
-    /// Whether its start states are drawn.
+    /// Returns whether the start states are random.
     pub fn is_random(&self) -> bool {
         !matches!(self.layout, Layout::Grid { .. } | Layout::Table { .. }) && self.free_axes() > 0
     }
 
-    /// Cell and replicate of a sample. In a stratified design every cell has its first sample
-    /// before any has its second, so that more samples per cell are appended.
+    /// Returns the cell and replicate of a sample. In a stratified design, every cell has its first
+    /// sample before any cell has its second, so that additional samples per cell come last.
     pub fn identify(&self, sample: u64) -> SampleId {
         match &self.layout {
             Layout::Stratified { parts, .. } => {
@@ -137,8 +138,7 @@ impl Design {
         }
     }
 
-    /// The number of cells of a stratified design, in each of which samples are drawn; none of
-    /// another design.
+    /// Returns the number of cells of a stratified design, or `None` for any other design.
     pub fn cells(&self) -> Option<u64> {
         match self.layout {
             Layout::Stratified { parts, .. } => Some(self.cells_of(parts)),
@@ -151,7 +151,7 @@ impl Design {
         parts.saturating_pow(free).max(1)
     }
 
-    /// The coordinates of a sample, in the order of the axes.
+    /// Returns the coordinates of a sample, in the order of the axes.
     pub fn coordinates(&self, id: SampleId) -> Vec<f64> {
         if let Layout::Table { rows } = &self.layout {
             let row = usize::try_from(id.cell).ok().and_then(|row| rows.get(row));
@@ -174,7 +174,8 @@ impl Design {
         coordinates
     }
 
-    /// The fraction of an axis's range at which a sample lies; takes the axis's digit off the cell.
+    /// Returns the fraction of an axis's range at which a sample lies, and removes the axis's digit
+    /// from the cell number.
     fn fraction(&self, draws: &AxisDraws, digits: &mut u64, id: SampleId) -> f64 {
         let uniform = || draws.key.uniform(id.cell, id.replicate);
         let mut digit = |parts: u64| {
@@ -215,14 +216,15 @@ impl Layout {
     }
 }
 
-/// A fraction inside one of several equal parts of the unit interval; rounding never leaves the part.
+/// Maps a fraction into one of several equal parts of the unit interval; rounding never leaves the
+/// part.
 fn within(part: u64, parts: u64, fraction: f64) -> f64 {
     let upper = (part + 1) as f64 / parts as f64;
     ((part as f64 + fraction) / parts as f64).min(upper.next_down())
 }
 
-/// The dimension of the Sobol' sequence that an axis has whatever the number of balls; no two axes of
-/// a model have the same.
+/// Returns the dimension of the Sobol' sequence for an axis. It does not depend on the number of
+/// balls, and no two axes of a model share a dimension.
 fn sobol_dimension(axis: &str) -> u32 {
     let of_ball = |ball: &str, offset: u32| {
         let ball: u32 = ball.parse().unwrap_or(1);

@@ -1,14 +1,14 @@
-//! In what two studies differ, for people.
+//! Differences between two studies, as text for users.
 
 use serde_json::Value;
 
 use super::plan::Study;
 
-/// Longest value that is shown whole, characters.
+/// The longest value that is shown in full, in characters.
 const LONGEST: usize = 60;
 
-/// Every key of the resolved study files that differs, with both values, such as
-/// `simulation.end_time_s: 16.5 -> 33.0`; in the order of the file.
+/// Returns every key of the resolved study files whose values differ, with both values, such as
+/// `simulation.end_time_s: 16.5 -> 33.0`, in the order of the file.
 pub fn difference(before: &Study, after: &Study) -> Vec<String> {
     let mut found = Vec::new();
     collect("", &before.resolved.to_value(), &after.resolved.to_value(), &mut found);

@@ -1,7 +1,7 @@
-//! Distributions of uncertain parameters, sampled by inverting their distribution functions.
+//! Distributions of uncertain parameters, sampled by inversion of their distribution functions.
 //!
-//! Inversion takes exactly one uniform number per draw, so that a draw has one place in its
-//! random stream and moves smoothly when a distribution's parameters are changed.
+//! Inversion consumes exactly one uniform number per draw. Each draw therefore has a fixed place in
+//! its random stream, and it changes smoothly with the parameters of the distribution.
 
 use statrs::distribution::{ContinuousCDF, Normal};
 
@@ -9,7 +9,7 @@ use super::error::Fault;
 use super::file::DistributionFile;
 use super::node::describe_number;
 
-/// A checked distribution.
+/// A validated distribution.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Distribution {
     Normal(Normal),
@@ -21,7 +21,7 @@ pub(crate) enum Distribution {
         within: f64,
         mirrored: bool,
     },
-    /// The exponential of a normal variable.
+    /// A log-normal distribution, as the normal distribution of the logarithm.
     Lognormal(Normal),
     Uniform {
         min: f64,
@@ -32,21 +32,21 @@ pub(crate) enum Distribution {
         mode: f64,
         max: f64,
     },
-    /// Values and the cumulated fractions of their weights.
+    /// Values and the cumulative fractions of their weights.
     Choice {
         values: Vec<f64>,
         fractions: Vec<f64>,
     },
 }
 
-/// The fraction of a normal distribution that must be left after cutting it off.
+/// The smallest fraction of a normal distribution that truncation may leave.
 const SMALLEST_REST: f64 = 1.0e-12;
 
 impl Distribution {
-    /// Checks a distribution as written.
+    /// Validates a distribution of a study file.
     ///
     /// # Errors
-    /// The key that is wrong below the distribution's name, and what is wrong with it.
+    /// Returns the faulty key below the distribution's name and the fault.
     pub fn resolve(written: &DistributionFile) -> Result<Distribution, (&'static str, Fault)> {
         match written {
             DistributionFile::Normal { mean, std_dev } => {
@@ -76,19 +76,19 @@ impl Distribution {
             }
             DistributionFile::Choice { values, weights } => choice(values, weights.as_deref()),
             DistributionFile::Times(_) => {
-                let allowed = "one of the other distributions";
+                let allowed = "a distribution other than `times`";
                 Err(("times", Fault::new("a factor of a factor", "times", allowed)))
             }
         }
     }
 
-    /// The value below which this fraction of all draws lies; `fraction` is strictly between 0 and 1.
+    /// Returns the quantile of a fraction, which is strictly between 0 and 1.
     pub fn quantile(&self, fraction: f64) -> f64 {
         match self {
             Distribution::Normal(normal) => normal.inverse_cdf(fraction),
             Distribution::TruncatedNormal { normal, min, max, below, within, mirrored } => {
-                // In the upper tail the distribution function is almost one; its mirror image
-                // keeps all digits there.
+                // In the upper tail, the distribution function is almost one; its mirror image
+                // keeps all digits.
                 let value = if *mirrored {
                     let centre = 2.0 * normal_mean(normal);
                     centre - normal.inverse_cdf((below + (1.0 - fraction) * within).clamp(0.0, 1.0))
@@ -116,7 +116,8 @@ impl Distribution {
         }
     }
 
-    /// Values that draws reach or come near to, where there are such: they must make sense.
+    /// Returns the bounds of the draws, by key, if the distribution is bounded. They must be valid
+    /// values of the parameter.
     pub fn bounds(&self) -> Vec<(&'static str, f64)> {
         match self {
             Distribution::Normal(_) | Distribution::Lognormal(_) => Vec::new(),
@@ -207,7 +208,8 @@ fn choice(values: &[f64], weights: Option<&[f64]>) -> Checked<Distribution> {
             sum / total
         })
         .collect();
-    // A value of weight zero at the end must not catch what rounding leaves over.
+    // The last value with a positive weight takes what rounding leaves; trailing zero weights do
+    // not.
     let last = weights.iter().rposition(|weight| *weight > 0.0).unwrap_or(0);
     Ok(Distribution::Choice { values: values[..=last].to_vec(), fractions })
 }

@@ -1,14 +1,14 @@
-//! Random numbers by name: a draw depends on master seed, kind, name, cell and replicate only.
+//! Random numbers by name: a draw depends only on master seed, kind, name, cell and replicate.
 //!
-//! Each (seed, kind, name) keys a ChaCha8 generator through SHA-256; the cell selects its stream
-//! and the replicate the position in it. Nothing is drawn in sequence, so that enlarging a sample,
-//! adding a sweep value or adding an uncertain parameter leaves every other draw as it was.
+//! Each (seed, kind, name) keys a ChaCha8 generator through SHA-256; the cell selects its stream,
+//! and the replicate selects the position in the stream. No draw depends on another draw, so a
+//! larger sample, a further sweep value or a further uncertain parameter changes no existing draw.
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 use sha2::{Digest, Sha256};
 
-/// Domain tag of the draws; a new number would mean other values for the same seed.
+/// Domain tag of the draws; another tag would give other values for the same seed.
 const TAG: &[u8] = b"stickslip draw 1";
 
 /// The key of all draws for one name.
@@ -16,7 +16,7 @@ const TAG: &[u8] = b"stickslip draw 1";
 pub(crate) struct DrawKey([u8; 32]);
 
 impl DrawKey {
-    /// The key for a kind of draw (such as `monte_carlo`) and a name (such as `beta_1`).
+    /// Creates the key for a kind of draw, such as `monte_carlo`, and a name, such as `beta_1`.
     pub fn new(seed: u64, kind: &str, name: &str) -> DrawKey {
         let mut digest = Sha256::new();
         for part in [TAG, &seed.to_le_bytes(), kind.as_bytes(), name.as_bytes()] {
@@ -26,7 +26,7 @@ impl DrawKey {
         DrawKey(digest.finalize().into())
     }
 
-    /// 64 random bits.
+    /// Returns 64 random bits.
     pub fn bits(&self, cell: u64, replicate: u64) -> u64 {
         let mut generator = ChaCha8Rng::from_seed(self.0);
         generator.set_stream(cell);
@@ -34,18 +34,18 @@ impl DrawKey {
         generator.next_u64()
     }
 
-    /// A uniform number strictly between zero and one: a multiple of 2^-52 plus 2^-53.
+    /// Returns a uniform number strictly between zero and one: a multiple of 2^-52 plus 2^-53.
     pub fn uniform(&self, cell: u64, replicate: u64) -> f64 {
         const STEP: f64 = 1.0 / (1_u64 << 52) as f64;
         ((self.bits(cell, replicate) >> 12) as f64 + 0.5) * STEP
     }
 }
 
-/// A random order of `0..length`, computed entry by entry without memory.
+/// A random permutation of `0..length`, computed entry by entry without a table.
 ///
-/// A Feistel network permutes the next larger power of four; values outside are sent through it
-/// again until they fall inside ("cycle walking"; J. Black and P. Rogaway, "Ciphers with arbitrary
-/// finite domains", CT-RSA 2002).
+/// A Feistel network permutes the next larger power of four. Values outside the range pass through
+/// the network again until they fall inside ("cycle walking"; J. Black and P. Rogaway, "Ciphers
+/// with arbitrary finite domains", CT-RSA 2002).
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct RandomOrder {
     length: u64,
@@ -54,7 +54,7 @@ pub(crate) struct RandomOrder {
 }
 
 impl RandomOrder {
-    /// An order decided by a key; `length` is at least one.
+    /// Creates the permutation for a key; `length` is at least one.
     pub fn new(key: &DrawKey, length: u64) -> RandomOrder {
         let bits = u64::BITS - length.saturating_sub(1).leading_zeros();
         let mut round_keys = [0; 8];
@@ -64,7 +64,7 @@ impl RandomOrder {
         RandomOrder { length, half_bits: bits.div_ceil(2).max(1), round_keys }
     }
 
-    /// The entry at `index`, which is below the length.
+    /// Returns the entry at `index`, which must be below the length.
     pub fn at(&self, index: u64) -> u64 {
         let mut value = index;
         loop {

@@ -1,4 +1,4 @@
-//! The one clear message that a wrong study gets: where, what was found, what is allowed.
+//! The error message of an invalid study: the place, what was found, and what is allowed.
 
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -8,9 +8,10 @@ pub(crate) use crate::foreign::shorten;
 use crate::foreign::shown_path;
 pub(crate) use crate::tabular::Fault;
 
-/// Why a study cannot be used: one message with file, line, key, finding and remedy.
+/// Why a study cannot be used: one message with file, line, key, the value found and the values
+/// allowed.
 ///
-/// Printed it reads, for example:
+/// An example of the printed message:
 ///
 /// ```text
 /// studies/a.yaml:12:5: `model.parameters.table_mas_kg`: unknown key
@@ -32,7 +33,7 @@ struct Message {
     snippet: Option<String>,
 }
 
-/// A place in a text, both numbers counted from one.
+/// A position in a text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Place {
     /// Line, counted from one.
@@ -42,12 +43,12 @@ pub(crate) struct Place {
 }
 
 impl StudyError {
-    /// A message without a place inside the file.
+    /// Creates a message without a place inside the file.
     pub(crate) fn about_file(file: &Path, fault: Fault) -> StudyError {
         StudyError::new(file, None, String::new(), fault, None)
     }
 
-    /// A message about a key (or, in a table, a row and column) of a file.
+    /// Creates a message about a key of a study file, or about a row and column of a table.
     pub(crate) fn new(
         file: &Path,
         place: Option<Place>,
@@ -66,38 +67,38 @@ impl StudyError {
         }))
     }
 
-    /// The file that is wrong: the study file or a table that it names.
+    /// Returns the faulty file: the study file or a table that it names.
     pub fn file(&self) -> &Path {
         &self.0.file
     }
 
-    /// The line, counted from one, where it is known.
+    /// Returns the line, counted from one, or `None` if it is unknown.
     pub fn line(&self) -> Option<usize> {
         self.0.place.map(|place| place.line)
     }
 
-    /// The column in characters, counted from one, where it is known.
+    /// Returns the column in characters, counted from one, or `None` if it is unknown.
     pub fn column(&self) -> Option<usize> {
         self.0.place.map(|place| place.column)
     }
 
-    /// The key, such as `model.parameters.speed_rad_s` or, in a table, `row 2, column x`; empty
-    /// where the whole file is meant.
+    /// Returns the key, such as `model.parameters.speed_rad_s`, or `row 2, column x` in a table.
+    /// The key is empty if the message concerns the whole file.
     pub fn key(&self) -> &str {
         &self.0.key
     }
 
-    /// What is wrong, in a few words.
+    /// Returns the problem, in a few words.
     pub fn problem(&self) -> &str {
         &self.0.problem
     }
 
-    /// What was found, where something was.
+    /// Returns what was found, if anything.
     pub fn found(&self) -> Option<&str> {
         self.0.found.as_deref()
     }
 
-    /// What is allowed, or what to do.
+    /// Returns what is allowed, or what to do.
     pub fn allowed(&self) -> Option<&str> {
         self.0.allowed.as_deref()
     }
@@ -129,7 +130,7 @@ impl fmt::Display for StudyError {
 
 impl std::error::Error for StudyError {}
 
-/// Where an error is reported: the key itself or the value that it holds.
+/// The part of an entry that a message points to: its key or its value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Spot {
     /// The key.
@@ -138,25 +139,25 @@ pub(crate) enum Spot {
     Value,
 }
 
-/// Says where in the study file a key path stands and makes the message.
+/// Finds the place of a key path in the study file and creates the message.
 pub(crate) trait Locate {
-    /// The message for a fault at this path.
+    /// Creates the message for a fault at this path.
     fn refuse(&self, path: &KeyPath, spot: Spot, fault: Fault) -> StudyError;
 
-    /// The message for a faulty value.
+    /// Creates the message for a faulty value.
     fn refuse_value(&self, path: &KeyPath, fault: Fault) -> StudyError {
         self.refuse(path, Spot::Value, fault)
     }
 
-    /// The message for a faulty key.
+    /// Creates the message for a faulty key.
     fn refuse_key(&self, path: &KeyPath, fault: Fault) -> StudyError {
         self.refuse(path, Spot::Key, fault)
     }
 }
 
-/// The names that are allowed, the nearest to `found` first and marked.
+/// Lists the allowed names. The name most similar to `found` comes first and is marked.
 pub(crate) fn list_names<S: AsRef<str>>(found: &str, names: &[S]) -> String {
-    // Comparing takes time and memory in proportion to both lengths.
+    // The time and memory of a comparison are proportional to both lengths.
     let found: String = found.chars().take(LONGEST_COMPARED).collect();
     let found = found.as_str();
     let likeness = |name: &str| {
@@ -178,5 +179,5 @@ pub(crate) fn list_names<S: AsRef<str>>(found: &str, names: &[S]) -> String {
     parts.join(", ")
 }
 
-/// The most characters of a name that are compared with those that are allowed.
+/// The number of characters of a name that are compared with the allowed names.
 const LONGEST_COMPARED: usize = 96;

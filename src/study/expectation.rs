@@ -1,4 +1,4 @@
-//! What a study expects of its own results, point by point.
+//! Expectations of a study about its own results.
 
 use super::error::{Fault, Locate, StudyError, list_names, shorten};
 use super::file::ExpectationFile;
@@ -10,20 +10,23 @@ use super::plan::Study;
 use super::resolve_sweep::resolve_value;
 use crate::model::Endings;
 
-/// Ranges of the fractions of runs per label and of the audit's flip rate, expected at every point that the selector matches.
+/// Expected ranges of the fractions of runs per label and of the audit's flip rate. They apply to
+/// every point that the selector matches.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Expectation {
-    /// Names and values of swept parameters that select points; empty selects all.
+    /// Names and values of the swept parameters that select points; an empty selector selects all
+    /// points.
     pub point: Vec<(String, ParameterValue)>,
-    /// Label, such as `equilibrium`, and the expected range `[low, high]` of its fraction of runs.
+    /// Each label, such as `equilibrium`, with the expected range `[low, high]` of its fraction of
+    /// runs.
     pub fractions: Vec<(&'static str, [f64; 2])>,
-    /// The expected range of the fraction of audited runs that flip, if one is given.
+    /// The expected range of the fraction of audited runs whose label changes.
     pub audit_flip_rate: Option<[f64; 2]>,
 }
 
 impl Expectation {
-    /// Whether a point with these swept values (one per column of [`Study::swept`], in that
-    /// order) is selected.
+    /// Returns whether this expectation selects a point with these swept values, which are in the
+    /// order of [`Study::swept`].
     pub fn selects(&self, study: &Study, swept: &[ParameterValue]) -> bool {
         self.point.iter().all(|(name, wanted)| {
             let column = study.swept().iter().position(|column| column.name == *name);
@@ -31,18 +34,18 @@ impl Expectation {
         })
     }
 
-    /// The expected range of the fraction of runs at rest, if one is given.
+    /// Returns the expected range of the fraction of runs at rest, if there is one.
     pub fn equilibrium_fraction(&self) -> Option<[f64; 2]> {
         self.fraction("equilibrium")
     }
 
-    /// The expected range of a label's fraction of runs, if one is given.
+    /// Returns the expected range of a label's fraction of runs, if there is one.
     pub fn fraction(&self, label: &str) -> Option<[f64; 2]> {
         self.fractions.iter().find(|(name, _)| *name == label).map(|(_, range)| *range)
     }
 }
 
-/// Equal words, or numbers that agree to twelve digits.
+/// Returns whether two values are equal words, or numbers that agree to twelve digits.
 pub(crate) fn same(left: &ParameterValue, right: &ParameterValue) -> bool {
     match (left, right) {
         (ParameterValue::Number(left), ParameterValue::Number(right)) => {
@@ -52,11 +55,11 @@ pub(crate) fn same(left: &ParameterValue, right: &ParameterValue) -> bool {
     }
 }
 
-/// Checks the expectations of a study.
+/// Validates the expectations of a study.
 ///
 /// # Errors
-/// A selector with a name that is not swept or a value that no point has; no range, or one that
-/// is not between zero and one.
+/// Returns an error if a selector names a parameter that is not swept or a value that no point has,
+/// if an expectation has no range, or if a range is not within 0 and 1.
 pub(crate) fn resolve_expectations(
     locate: &dyn Locate,
     study: &Study,
@@ -77,7 +80,7 @@ pub(crate) fn resolve_expectations(
             let fault = Fault::new(
                 "no point of the sweep has these values",
                 found.join(", "),
-                "values that the sweep has together",
+                "values of one point of the sweep",
             );
             return Err(locate.refuse_value(&path.key("point"), fault));
         }
@@ -99,7 +102,7 @@ fn resolve_selector(
         let Some(parameter) = parameters.iter().find(|parameter| parameter.name() == *name) else {
             let names: Vec<String> = parameters.iter().map(|other| other.name()).collect();
             let allowed = match list_names(name, &names) {
-                list if list.is_empty() => "nothing: this study sweeps no parameter".to_owned(),
+                list if list.is_empty() => "no `point`: this study sweeps no parameter".to_owned(),
                 list => list,
             };
             let fault = Fault::new("not a swept parameter", shorten(name), allowed);
@@ -129,9 +132,9 @@ fn fractions(
         let Some(range) = range else { continue };
         let only_rest = study.simulation().endings == Endings::Rest;
         if only_rest && ["limit_cycle", "irregular"].contains(&label) {
-            let allowed = "simulation: {endings: all}, or no such range";
+            let allowed = "simulation: {endings: all}, or no expectation of this label";
             let found = "a study with `endings: rest`";
-            let fault = Fault::new("such runs are not looked for", found, allowed);
+            let fault = Fault::new("the study does not detect this label", found, allowed);
             return Err(locate.refuse_key(&path.key(&format!("{label}_fraction")), fault));
         }
         fractions.push((
@@ -157,8 +160,9 @@ fn audit_flip_rate(
     let Some(range) = file.audit_flip_rate else { return Ok(None) };
     let path = path.key("audit_flip_rate");
     if study.audit().is_none() {
-        let allowed = "an audit in the study, such as audit: {fraction: 0.05}, or no such range";
-        let fault = Fault::new("nothing is audited", "a study without `audit`", allowed);
+        let allowed =
+            "an audit in the study, such as audit: {fraction: 0.05}, or no `audit_flip_rate`";
+        let fault = Fault::new("the study has no audit", "a study without `audit`", allowed);
         return Err(locate.refuse_key(&path, fault));
     }
     range_of_fractions(locate, &path, range).map(Some)

@@ -1,4 +1,4 @@
-//! The study file's small values that may be written in more than one way.
+//! Small values of a study file that have more than one notation.
 
 use std::borrow::Cow;
 use std::fmt;
@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 
 use super::file::BallFile;
 
-/// The most runs, samples or points that a study may plan.
+/// The largest number of runs, samples or points of a study.
 pub(crate) const MAX_COUNT: u64 = 1_000_000_000_000_000;
 
 /// A map from names to values that keeps the order of the file.
@@ -19,7 +19,7 @@ pub(crate) const MAX_COUNT: u64 = 1_000_000_000_000_000;
 pub struct Named<T>(pub Vec<(String, T)>);
 
 impl<T> Named<T> {
-    /// The value under a name.
+    /// Returns the value of a name, if there is one.
     pub fn get(&self, name: &str) -> Option<&T> {
         self.0.iter().find(|(other, _)| other == name).map(|(_, value)| value)
     }
@@ -72,7 +72,7 @@ impl<T: JsonSchema> JsonSchema for Named<T> {
     }
 }
 
-/// A whole number from one to 10^15; `1e6` is one, too.
+/// An integer from 1 to 10^15; `1e6` is also accepted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Count(pub u64);
 
@@ -216,14 +216,14 @@ impl JsonSchema for Entry {
     }
 }
 
-/// A list of a swept parameter's values.
+/// The values of a swept parameter.
 pub type Listed = Vec<Entry>;
 
-/// How many balls, or which.
+/// The number of balls, or the individual balls.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(untagged)]
 pub enum Balls {
-    /// So many balls, all identical.
+    /// The number of balls, all identical.
     Number(u64),
     /// One entry per ball.
     Each(Vec<BallFile>),
@@ -272,13 +272,14 @@ impl JsonSchema for Balls {
     }
 }
 
-/// A table: the path of a CSV or Parquet file, relative to the study file, or its columns and rows.
+/// A table: the path of a CSV or Parquet file relative to the study file, or inline columns and
+/// rows.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(untagged)]
 pub enum Table {
-    /// A CSV file with one header line, or a Parquet file, by the ending of its name.
+    /// A CSV file with one header line, or a Parquet file; the file extension decides.
     File(String),
-    /// The table itself.
+    /// An inline table.
     Inline(InlineTable),
 }
 
@@ -325,8 +326,9 @@ impl JsonSchema for Table {
     fn json_schema(generator: &mut SchemaGenerator) -> Schema {
         let inline = generator.subschema_for::<InlineTable>();
         json_schema!({
-            "description": "Path of a .csv or .parquet file relative to the study file, in its directory or \
-                            below (or in one that --tables allows), or the table itself.",
+            "description": "Path of a .csv or .parquet file relative to the study file, or an inline \
+                            table; a file outside the directory of the study file requires \
+                            `--tables`.",
             "anyOf": [{ "type": "string" }, inline]
         })
     }

@@ -1,8 +1,8 @@
-//! The way from the top of a study file to one of its values, such as `sweep[0].grid.speed_rad_s`.
+//! The path from the top of a study file to one of its values, such as `sweep[0].grid.speed_rad_s`.
 
 use std::fmt;
 
-/// One step down.
+/// One step of a path.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Step {
     /// Into a map, by key.
@@ -11,22 +11,22 @@ pub(crate) enum Step {
     Item(usize),
 }
 
-/// Steps from the top of the file.
+/// The steps from the top of the file.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct KeyPath(pub Vec<Step>);
 
 impl KeyPath {
-    /// The path of keys joined by dots in `keys`.
+    /// Creates the path of the keys in `keys`, which are joined by dots.
     pub fn of(keys: &str) -> KeyPath {
         KeyPath(keys.split('.').map(|key| Step::Key(key.to_owned())).collect())
     }
 
-    /// This path and one key more.
+    /// Returns this path extended by a key.
     pub fn key(&self, key: &str) -> KeyPath {
         self.and(Step::Key(key.to_owned()))
     }
 
-    /// This path and one list item more.
+    /// Returns this path extended by a list item.
     pub fn item(&self, index: usize) -> KeyPath {
         self.and(Step::Item(index))
     }

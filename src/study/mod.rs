@@ -1,8 +1,8 @@
 //! Studies: from a study file to planned runs.
 //!
-//! A study file ([`file::StudyFile`], exactly as written) is resolved into a [`Study`]: checked,
-//! with every default filled in, its points and runs counted. [`Study::planned_run`] then gives
-//! any run by its number, without state and without memory that grows with the number of runs.
+//! A study file ([`file::StudyFile`]) is resolved into a [`Study`], which is validated, contains
+//! every default, and numbers its points and runs. [`Study::planned_run`] computes any run from its
+//! number, without state; its memory does not grow with the number of runs.
 //!
 //! ```
 //! use std::path::Path;

@@ -1,6 +1,6 @@
-//! A study file's text as a tree of values that know their line and column.
+//! The text of a study file as a tree of values with their lines and columns.
 //!
-//! The YAML reader's budgets stop alias bombs and deep nesting, and duplicate keys are errors.
+//! The budgets of the YAML parser stop alias bombs and deep nesting. Duplicate keys are errors.
 
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -12,25 +12,25 @@ use serde_saphyr::options::{DuplicateKeyPolicy, MergeKeyPolicy, NonFiniteFloatPo
 use super::error::{Fault, Locate, Place, Spot, StudyError, shorten};
 use super::key_path::{KeyPath, Step};
 
-/// The largest study file, and the largest table that one names, bytes.
+/// The largest study file, and the largest table that a study names, in bytes.
 pub(crate) const MAX_FILE_BYTES: u64 = 64 * 1024 * 1024;
 
-/// The most values that one study file may hold.
+/// The largest number of values in one study file.
 const MAX_NODES: usize = 3_000_000;
 
-/// How deep maps and lists may be nested; a study needs eight levels.
+/// The deepest nesting of maps and lists; a study needs eight levels.
 const MAX_DEPTH: usize = 24;
 
-/// A value and where it stands.
+/// A value and its place.
 #[derive(Clone, Debug)]
 pub(crate) struct Node {
-    /// Where the value starts (for an alias: where it is used).
+    /// Where the value starts; for an alias, where it is used.
     pub place: Place,
     /// The value.
     pub content: Content,
 }
 
-/// What a node holds.
+/// The content of a node.
 #[derive(Clone, Debug)]
 pub(crate) enum Content {
     /// Nothing: an empty value, `null` or `~`.
@@ -51,16 +51,16 @@ pub(crate) enum Content {
     Map(Vec<(Key, Node)>),
 }
 
-/// A key of a map and where it stands.
+/// A key of a map and its place.
 #[derive(Clone, Debug)]
 pub(crate) struct Key {
     /// The key.
     pub name: String,
-    /// Where it starts.
+    /// Where the key starts.
     pub place: Place,
 }
 
-/// A study file's text, its tree and its name: all that a message needs.
+/// The text of a study file, its tree and its name, which a message needs.
 pub(crate) struct Source {
     file: PathBuf,
     text: String,
@@ -69,11 +69,11 @@ pub(crate) struct Source {
 }
 
 impl Source {
-    /// Reads the tree out of a text.
+    /// Parses a text into a tree.
     ///
     /// # Errors
-    /// Text that is empty, not YAML, more than one document, too deep or too large, a key given
-    /// twice, or a number that is not finite.
+    /// Returns an error if the text is empty, is not YAML, contains more than one document, is too
+    /// deep or too large, repeats a key, or contains a number that is not finite.
     pub fn new(file: &Path, text: String) -> Result<Source, StudyError> {
         let options = serde_saphyr::options! {
             budget: serde_saphyr::budget! {
@@ -132,13 +132,13 @@ impl Source {
         Err(self.refuse_at(node.place, &KeyPath(steps), fault))
     }
 
-    /// The message for a fault at a known place.
+    /// Creates the message for a fault at a known place.
     pub fn refuse_at(&self, place: Place, path: &KeyPath, fault: Fault) -> StudyError {
         let line = self.text.lines().nth(place.line.saturating_sub(1));
         StudyError::new(&self.file, Some(place), path.to_string(), fault, line)
     }
 
-    /// The place of a path, or of the deepest part of it that the file has.
+    /// Returns the place of a path, or of its deepest part that the file contains.
     fn place(&self, path: &KeyPath, spot: Spot) -> Place {
         let mut node = &self.root;
         let mut place = node.place;
@@ -206,7 +206,7 @@ fn reader_error(file: &Path, text: &str, error: &serde_saphyr::Error) -> StudyEr
 }
 
 impl Node {
-    /// What stands here, in words for a message.
+    /// Describes the content in words for a message.
     pub fn describe(&self) -> String {
         match &self.content {
             Content::Nothing => "nothing".to_owned(),
@@ -228,7 +228,8 @@ impl Node {
         }
     }
 
-    /// The first number that is not finite, with the steps to it from the last to the first.
+    /// Returns the first number that is not finite, with the steps to it from the last to the
+    /// first.
     fn first_not_finite(&self) -> Option<(Vec<Step>, &Node)> {
         let (step, (mut steps, node)) = match &self.content {
             Content::Number(number) if !number.is_finite() => return Some((Vec::new(), self)),
@@ -247,7 +248,7 @@ impl Node {
     }
 }
 
-/// A number as it is quoted in a message: plain, or with an exponent where that is shorter.
+/// Formats a number for a message: plain, or with an exponent if that is shorter.
 pub(crate) fn describe_number(number: f64) -> String {
     let size = number.abs();
     if size != 0.0 && !(1.0e-4..1.0e15).contains(&size) {

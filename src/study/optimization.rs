@@ -1,4 +1,4 @@
-//! What `stickslip optimize` looks for, checked.
+//! The validated key `optimize` of a study.
 
 use super::error::{Fault, Locate, StudyError, list_names};
 use super::file_values::{Count, Entry, Named};
@@ -11,67 +11,70 @@ use super::plan::Study;
 use super::response::Measure;
 use super::variable::DesignValue;
 
-/// The most designs of a search: surrogates of more take too long.
+/// The largest number of designs in a search; surrogates of more designs take too long.
 const MAX_DESIGNS: u64 = 300;
-/// The most designs that are looked at again, and samples that each then has.
+/// The largest number of finalists, and the largest value of `final_samples`.
 const MAX_FINAL: u64 = 10_000;
-/// The most base samples of Sobol' indices.
+/// The largest number of base samples of the Sobol' indices.
 const MAX_SAMPLES: u64 = 1 << 16;
-/// The most variables: there are 256 Sobol' dimensions, and Sobol' indices take two for each.
+/// The largest number of variables. There are 256 Sobol' dimensions, and the Sobol' indices need
+/// two per variable.
 const MAX_VARIABLES: usize = 100;
-/// The fewest base samples of Sobol' indices: fewer have no interval.
+/// The smallest number of base samples of the Sobol' indices; fewer samples give no confidence
+/// interval.
 const MIN_SAMPLES: u64 = 8;
 
-/// What is looked for, and how long.
+/// The objectives, limits and effort of an optimisation.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Optimization {
     /// One or two objectives.
     pub objectives: Vec<Objective>,
-    /// Limits to responses.
+    /// Limits of responses.
     pub limits: Vec<Limit>,
-    /// What counts where there is a sweep.
+    /// How the values at the points of a sweep are combined.
     pub over_points: OverPoints,
-    /// Designs spread over all ranges and choices.
+    /// Number of designs in the initial space-filling sample.
     pub start_designs: u64,
-    /// Designs in all.
+    /// Number of designs in total.
     pub designs: u64,
-    /// How many of the best are looked at again.
+    /// Number of designs that are recomputed with other random numbers.
     pub finalists: u64,
-    /// Samples of the study's size that each of these then has.
+    /// Number of runs of a finalist, as a multiple of the runs in the search.
     pub final_samples: u64,
-    /// Where responses for Sobol' indices are taken from.
+    /// Source of the responses for the Sobol' indices.
     pub sensitivity_from: SensitivityFrom,
-    /// Base samples of Sobol' indices.
+    /// Number of base samples of the Sobol' indices.
     pub sensitivity_samples: u64,
-    /// What the best design is compared with.
+    /// The reference design, if there is one.
     pub compare_with: Option<Vec<DesignValue>>,
 }
 
-/// A response that is to be small or large.
+/// A response to minimise or maximise.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 pub struct Objective {
-    /// Its number among the study's responses.
+    /// Index of the response in the study.
     pub response: usize,
-    /// Whether it is to be large.
+    /// Whether the response is maximised.
     pub maximize: bool,
 }
 
-/// One end of what is allowed of a response.
+/// A lower or upper limit of a response.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Limit {
-    /// Its number among the study's responses.
+    /// Index of the response in the study.
     pub response: usize,
-    /// The limit itself, in the response's unit.
+    /// The limit, in the unit of the response.
     pub value: f64,
-    /// Whether it is the smallest allowed value, otherwise the largest.
+    /// Whether this is a lower limit; otherwise it is an upper limit.
     pub least: bool,
 }
 
-/// Checks what is looked for.
+/// Validates the key `optimize`.
 ///
 /// # Errors
-/// A response that there is none of, no objective or too many, limits that nothing meets, numbers of
-/// designs without meaning, a design to compare with that is none.
+/// Returns an error if a response or variable is unknown, if the number of objectives is not one or
+/// two, if no value meets a limit, if a number of designs is out of range, or if the reference
+/// design is invalid.
 pub(crate) fn resolve_optimization(
     locate: &dyn Locate,
     study: &Study,

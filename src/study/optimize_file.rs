@@ -1,4 +1,4 @@
-//! What `stickslip optimize` looks for, as a study file says it.
+//! The key `optimize` of a study file.
 
 use std::borrow::Cow;
 use std::fmt;
@@ -10,94 +10,98 @@ use serde::{Deserialize, Serialize};
 
 use super::file_values::{Count, Entry, Named};
 
-/// What `stickslip optimize` looks for, and how long.
+/// Objectives, limits and effort of `stickslip optimize`.
 #[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct OptimizeFile {
-    /// The response that is to be small, or two of them. One or two objectives together with
-    /// `maximize`; of two there is a Pareto front.
+    /// Response to minimise, or a list of two; `minimize` and `maximize` have one or two responses
+    /// in total, and two give a Pareto front.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub minimize: Option<Names>,
-    /// The response that is to be large, or two of them.
+    /// Response to maximise, or a list of two.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub maximize: Option<Names>,
-    /// Limits to responses, by name.
+    /// Limits of responses, by response; by default, none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub subject_to: Option<Named<LimitFile>>,
-    /// What counts where the study has a sweep: the worst of its points (the default) or the mean.
+    /// How the values at the points of a sweep are combined; the default is `worst`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub over_points: Option<OverPoints>,
-    /// Designs in all; the default is four times `start_designs`.
+    /// Number of designs in total, 2 to 300; the default is four times `start_designs`, at most
+    /// 300.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub designs: Option<Count>,
-    /// Designs spread over all ranges and choices, before surrogates choose; the default is five per
-    /// variable, 10 at least.
+    /// Number of designs in the initial space-filling sample, 2 to 300; the default is 5 per
+    /// variable, at least 10.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub start_designs: Option<Count>,
-    /// How many of the best designs are looked at again, with other runs; the default is 5. Of two
-    /// objectives: the most designs of the Pareto front.
+    /// Number of designs that are recomputed with other random numbers, 1 to 10,000; with two
+    /// objectives, the largest size of the Pareto front; the default is 5.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub finalists: Option<Count>,
-    /// How many times as many runs as in the search a design has in the end; the default is 16.
+    /// Number of runs of a finalist, as a multiple of the runs in the search, 1 to 10,000; the
+    /// default is 16.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub final_samples: Option<Count>,
-    /// How Sobol' indices of the variables are computed.
+    /// Settings of the Sobol' indices of the variables.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sensitivity: Option<SensitivityFile>,
-    /// A design to compare the best one with: a value for each variable. The search begins with it.
+    /// A reference design with a value for each variable; the search begins with it, and the best
+    /// design is compared with it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub compare_with: Option<Named<Entry>>,
 }
 
-/// A limit to a response; either end, or both.
+/// Limits of a response: `at_least`, `at_most` or both.
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct LimitFile {
-    /// The smallest allowed value.
+    /// Smallest allowed value, in the unit of the response.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub at_least: Option<f64>,
-    /// The largest allowed value.
+    /// Largest allowed value, in the unit of the response.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub at_most: Option<f64>,
 }
 
-/// How one value is made of those at the points of a sweep.
+/// How the values at the points of a sweep are combined.
 #[derive(Clone, Copy, Debug, Default, Deserialize, Eq, JsonSchema, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum OverPoints {
-    /// The worst one.
+    /// The worst value.
     #[default]
     Worst,
-    /// Their mean.
+    /// The mean.
     Mean,
 }
 
-/// How Sobol' indices are computed.
+/// Settings of the Sobol' indices.
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct SensitivityFile {
-    /// Where responses are taken from; the default is `surrogates`.
+    /// Source of the responses; the default is `surrogates`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub from: Option<SensitivityFrom>,
-    /// Base samples; with `from: runs` so many times the number of variables and 2 designs are
-    /// computed. The default is 1024 of surrogates, and 64 of runs.
+    /// Number of base samples, 8 to 65,536; with `from: runs`, each base sample takes one design
+    /// per variable and two more; the default is 1024 for surrogates and 64 for runs.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub samples: Option<Count>,
 }
 
-/// Where the responses for Sobol' indices are taken from.
+/// Source of the responses for the Sobol' indices.
 #[derive(Clone, Copy, Debug, Default, Deserialize, Eq, JsonSchema, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum SensitivityFrom {
-    /// From the surrogates that the search ends with: at once, and as good as they are.
+    /// The surrogates at the end of the search; this takes no further runs, and is as accurate as
+    /// the surrogates.
     #[default]
     Surrogates,
-    /// From runs of new designs.
+    /// Runs of new designs.
     Runs,
 }
 
 impl SensitivityFrom {
-    /// The name in tables.
+    /// Returns the name in tables.
     pub fn name(self) -> &'static str {
         match self {
             SensitivityFrom::Surrogates => "surrogates",

@@ -1,4 +1,4 @@
-//! The parameters that a study may sweep or draw: names, units, meaning, and how each is set.
+//! The parameters that a study may sweep or draw: names, units, meanings and setters.
 
 use std::fmt;
 
@@ -11,7 +11,7 @@ use crate::model::{
 pub enum ParameterValue {
     /// A number in the parameter's unit.
     Number(f64),
-    /// One of the parameter's words, such as `newton`.
+    /// A word, such as `newton`.
     Text(&'static str),
 }
 
@@ -33,20 +33,20 @@ pub enum ParameterKind {
     Text,
 }
 
-/// A parameter that differs between points or runs: one column of a table.
+/// A parameter that differs between points or runs, as a column of a table.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct VariedParameter {
     /// Name, as in the study file and in tables.
     pub name: String,
     /// Unit, such as `kg`; `1` for dimensionless numbers, empty for words.
     pub unit: &'static str,
-    /// What it means, in a few words.
+    /// Meaning, in a few words.
     pub meaning: String,
-    /// Numbers or words.
+    /// Whether the values are numbers or words.
     pub kind: ParameterKind,
 }
 
-/// What a parameter measures.
+/// The physical quantity of a parameter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Quantity {
     TableMass,
@@ -92,12 +92,13 @@ const QUANTITIES: [Quantity; 18] = [
     Q::NormalForce,
 ];
 
-/// The words of `normal_force`.
+/// The values of `normal_force` by name.
 pub(crate) const NORMAL_FORCES: [(&str, NormalForce); 2] =
     [("lagrange", NormalForce::Lagrange), ("newton", NormalForce::Newton)];
 
 impl Quantity {
-    /// Name, unit and meaning; sliding speeds are of balls or of blocks.
+    /// Returns name, unit and meaning. The flag decides between the sliding speed of a ball and of
+    /// a block.
     fn describe(self, of_balls: bool) -> (&'static str, &'static str, &'static str) {
         let speed = |balls, block| if of_balls { (balls, "rad/s") } else { (block, "m/s") };
         match self {
@@ -129,9 +130,11 @@ impl Quantity {
                 let (name, unit) = speed("smoothing_speed_rad_s", "smoothing_speed_m_s");
                 (name, unit, "speed at which friction reaches half of its limit")
             }
-            Q::ViscousCoefficient => {
-                ("viscous_coefficient_n_s_m", "N s/m", "viscous drag over sliding speed")
-            }
+            Q::ViscousCoefficient => (
+                "viscous_coefficient_n_s_m",
+                "N s/m",
+                "viscous drag force divided by sliding speed",
+            ),
             Q::Speed => ("speed_rad_s", "rad/s", "prescribed speed of the disc"),
             Q::BeltSpeed => ("belt_speed_m_s", "m/s", "speed of the belt"),
             Q::NormalForce => ("normal_force", "", "how the normal force is derived"),
@@ -197,14 +200,14 @@ impl Quantity {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct Parameter {
     quantity: Quantity,
-    /// The ball, counted from one, where one ball's own value is meant.
+    /// The ball, counted from one, if this is the parameter of one ball.
     ball: Option<usize>,
     /// Whether the model has balls.
     of_balls: bool,
 }
 
 impl Parameter {
-    /// Every parameter of a model.
+    /// Returns all parameters of a model.
     pub fn all(model: &Model) -> Vec<Parameter> {
         let balls = model.balls();
         let mut model = model.clone();
@@ -222,23 +225,23 @@ impl Parameter {
             .collect()
     }
 
-    /// The parameter of this name in a model.
+    /// Returns the parameter of this name, if the model has one.
     pub fn find(name: &str, model: &Model) -> Option<Parameter> {
         Parameter::all(model).into_iter().find(|parameter| parameter.name() == name)
     }
 
-    /// Name, as in the study file.
+    /// Returns the name, as in the study file.
     pub fn name(self) -> String {
         let general = self.quantity.describe(self.of_balls).0;
         self.ball.map_or_else(|| general.to_owned(), |ball| ball_parameter_name(general, ball))
     }
 
-    /// Unit; `1` for dimensionless numbers, empty for words.
+    /// Returns the unit: `1` for dimensionless numbers, empty for words.
     pub fn unit(self) -> &'static str {
         self.quantity.describe(self.of_balls).1
     }
 
-    /// What it means.
+    /// Returns the meaning.
     pub fn meaning(self) -> String {
         let meaning = self.quantity.describe(self.of_balls).2;
         match self.ball {
@@ -248,33 +251,33 @@ impl Parameter {
         }
     }
 
-    /// Whether its values are numbers.
+    /// Returns whether the values are numbers.
     pub fn is_number(self) -> bool {
         self.quantity != Q::NormalForce
     }
 
-    /// Whether it is the value of all balls together.
+    /// Returns whether the parameter applies to all balls together.
     pub fn is_general(self) -> bool {
         self.of_balls && self.quantity.is_of_balls() && self.ball.is_none()
     }
 
-    /// The parameter of all balls together that this one ball's parameter refines.
+    /// Returns the parameter of all balls together, if this is the parameter of one ball.
     pub fn general(self) -> Option<Parameter> {
         self.ball.map(|_| Parameter { ball: None, ..self })
     }
 
-    /// The same parameter of one ball.
+    /// Returns the corresponding parameter of one ball.
     pub fn of_one_ball(self, ball: usize) -> Parameter {
         Parameter { ball: Some(ball), ..self }
     }
 
-    /// Whether the model's law of friction does not use it.
+    /// Returns whether the model's friction law does not use the parameter.
     pub fn is_unused(self, model: &Model) -> bool {
         self.quantity == Q::FrictionCoefficient
             && matches!(model.friction(), FrictionLaw::Viscous { .. })
     }
 
-    /// The column that it makes in a table.
+    /// Returns the column of the parameter in a table.
     pub fn column(self) -> VariedParameter {
         let kind = if self.is_number() { ParameterKind::Number } else { ParameterKind::Text };
         VariedParameter { name: self.name(), unit: self.unit(), meaning: self.meaning(), kind }
@@ -320,14 +323,15 @@ impl Parameter {
         }
     }
 
-    /// Sets the value of balls that have none of their own, where that is meant.
+    /// Sets the default of the balls if this parameter applies to all balls together.
     pub fn set_general(self, general: &mut Ball, number: f64) {
         if let (true, Some(field)) = (self.is_general(), self.quantity.of_ball(general)) {
             *field = number;
         }
     }
 
-    /// The number in a model, where it is one; of balls, that of the first one meant.
+    /// Returns the number in a model, or `None` if the parameter is not a number. For a parameter
+    /// of all balls, this is the value of the first ball.
     fn number_in(self, model: &mut Model) -> Option<f64> {
         let quantity = self.quantity;
         if let Some(number) = quantity.of_friction(model.friction_mut()) {
@@ -348,7 +352,7 @@ impl Parameter {
         self.number_in(model).is_some()
     }
 
-    /// The value in a model; `general` holds the values of balls that have none of their own.
+    /// Returns the value in a model; `general` contains the default values of the balls.
     pub fn get(self, model: &Model, general: &Ball) -> ParameterValue {
         let mut general = *general;
         if let (true, Some(number)) = (self.is_general(), self.quantity.of_ball(&mut general)) {
@@ -362,13 +366,13 @@ impl Parameter {
         ParameterValue::Text(found.map_or("lagrange", |(name, _)| *name))
     }
 
-    /// What is allowed where a value by itself makes no sense in a model of this form. How it
-    /// goes together with other values is for [`Model::validate`] to say.
+    /// Returns what is allowed if the value alone is impossible in a model of this form.
+    /// [`Model::validate`] checks values against each other.
     pub fn check(self, number: f64, form: &Model) -> Result<(), &'static str> {
         let mut model = form.clone();
         self.set(&mut model, ParameterValue::Number(number));
         if self.quantity == Q::StaticFrictionCoefficient {
-            // Its lower bound is another parameter; by itself it is bounded by zero.
+            // Its lower bound is another parameter; a single value is only bounded by zero.
             Parameter { quantity: Q::FrictionCoefficient, ball: None, ..self }
                 .set(&mut model, ParameterValue::Number(0.0));
         }
@@ -378,7 +382,7 @@ impl Parameter {
         }
     }
 
-    /// The name that validation complains of.
+    /// Returns the name that the validation reports.
     fn validated_name(self) -> String {
         if self.is_general() { self.of_one_ball(1).name() } else { self.name() }
     }

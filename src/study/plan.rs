@@ -1,4 +1,4 @@
-//! A resolved study and its plan: every point and every run as a function of its number.
+//! A resolved study and its plan: every point and every run is a function of its number.
 
 use std::ops::Range;
 
@@ -17,10 +17,10 @@ use super::sweep::{Block, Listing};
 use super::variable::Variable;
 use crate::model::{Case, InvalidParameter, Model, Simulation, Start};
 
-/// A study with everything checked and every default filled in; it never changes.
+/// A validated study with every default filled in; it is immutable.
 ///
-/// Its runs are numbered from zero, point by point in the order of the sweep. Each is a pure
-/// function of the study and its number, computed when it is asked for.
+/// Runs are numbered from zero, point by point in the order of the sweep. Each run is a pure
+/// function of the study and its number, and is computed on request.
 #[derive(Clone, Debug)]
 pub struct Study {
     pub(super) name: String,
@@ -38,7 +38,8 @@ pub struct Study {
     pub(super) variables: Vec<Variable>,
     pub(super) responses: Vec<Response>,
     pub(super) optimization: Option<Optimization>,
-    /// This study with each number of balls that a design may have, in their order.
+    /// Copies of this study, one for each number of balls that a design may have, in ascending
+    /// order.
     pub(super) by_balls: Vec<Study>,
     pub(super) resolved: ResolvedFile,
 }
@@ -48,34 +49,35 @@ pub struct Study {
 pub struct Point {
     /// Number of the point, counted from zero in the order of the sweep.
     pub point_id: u64,
-    /// One value per column of [`Study::swept`]; the base value where the point's block does not
-    /// sweep the column.
+    /// One value per column of [`Study::swept`]: the base value if the point's block does not sweep
+    /// the column.
     pub swept: Vec<ParameterValue>,
     /// Number of the point's first run.
     pub first_run: u64,
-    /// Number of the point's runs; those that are computed follow one another.
+    /// Number of the point's runs; the computed runs have consecutive numbers.
     pub sampling: Sampling,
-    /// Number of the cells of equal size from which its start states are drawn; none where the design
-    /// is not stratified.
+    /// Number of cells of equal size from which the start states are drawn; `None` if the design is
+    /// not stratified.
     pub cells: Option<u64>,
     model: Model,
 }
 
 impl Point {
-    /// The model at this point, without uncertain draws.
+    /// Returns the model at this point, without uncertain draws.
     pub fn model(&self) -> &Model {
         &self.model
     }
 }
 
-/// One run as planned.
+/// A planned run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlannedRun {
     /// Number of the run, counted from zero over the whole study.
     pub run_id: u64,
     /// Number of its point.
     pub point_id: u64,
-    /// Cell of a stratified design, point of a grid, row of a table of starts; otherwise zero.
+    /// Cell of a stratified design, point of a grid or row of a table of start states; otherwise
+    /// zero.
     pub cell: u64,
     /// Number of the sample within its cell, counted from zero.
     pub replicate: u64,
@@ -83,117 +85,119 @@ pub struct PlannedRun {
     pub swept: Vec<ParameterValue>,
     /// One drawn value per column of [`Study::uncertain`].
     pub uncertain: Vec<f64>,
-    /// Where the run starts.
+    /// Start state of the run.
     pub start: Start,
-    /// What is to be computed, or the drawn parameter that makes no physical sense: such a run is
-    /// a failed one.
+    /// The case to simulate, or the drawn parameter that is physically impossible; such a run
+    /// fails.
     pub case: Result<Case, InvalidParameter>,
-    /// Whether it is computed a second time, see [`Audit`].
+    /// Whether the audit recomputes the run, see [`Audit`].
     pub audited: bool,
 }
 
 impl Study {
-    /// Name of the study.
+    /// Returns the name of the study.
     pub fn name(&self) -> &str {
         &self.name
     }
 
-    /// Master seed of every draw.
+    /// Returns the seed of all random numbers.
     pub fn seed(&self) -> u64 {
         self.seed
     }
 
-    /// A seed that follows from the master seed: for a purpose, and by number.
+    /// Returns a seed that is derived from the master seed for a purpose and a number.
     pub fn derived_seed(&self, purpose: &str, number: u64) -> u64 {
         DrawKey::new(self.seed, purpose, "").bits(0, number)
     }
 
-    /// Whether another master seed gives other runs: not where start states are given and no parameter is
-    /// uncertain.
+    /// Returns whether another master seed gives other runs. It does not if all start states are
+    /// given and no parameter is uncertain.
     pub fn is_random(&self) -> bool {
         !self.uncertain.is_empty() || self.blocks.iter().any(|block| block.design.is_random())
     }
 
-    /// The most runs that a design has, at all points together.
+    /// Returns the largest number of runs of a design, over all points together.
     pub fn most_runs_of_a_design(&self) -> u64 {
         let all = self.by_balls.iter().map(Study::run_count);
         all.max().unwrap_or(self.run_count())
     }
 
-    /// The model before anything is swept or drawn; its kind and its number of balls are the same
-    /// in every case.
+    /// Returns the model before any parameter is swept or drawn. All cases share its kind and its
+    /// number of balls.
     pub fn model(&self) -> &Model {
         &self.base.model
     }
 
-    /// How every run is integrated.
+    /// Returns the settings of the simulation.
     pub fn simulation(&self) -> &Simulation {
         &self.simulation
     }
 
-    /// Which runs are computed a second time, if any.
+    /// Returns the audit, if there is one.
     pub fn audit(&self) -> Option<Audit> {
         self.audit
     }
 
-    /// How precisely the fraction of equilibria is wanted at each point, if that decides how many runs
-    /// it has.
+    /// Returns the requested precision of the fraction of equilibria, if the study has one.
     pub fn precision(&self) -> Option<Precision> {
         self.precision
     }
 
-    /// Number of planned runs; with a precision the most, for which numbers are reserved.
+    /// Returns the number of planned runs. With a precision, this is the largest number, for which
+    /// run numbers are reserved.
     pub fn run_count(&self) -> u64 {
         self.blocks.last().map_or(0, |block| block.first_run + block.points * block.sampling.most)
     }
 
-    /// Number of runs before the first decision at each point; without a precision, of all runs.
+    /// Returns the number of runs before the first decision at each point. Without a precision,
+    /// this is the number of all runs.
     pub fn least_run_count(&self) -> u64 {
         self.blocks.iter().map(|block| block.points * block.sampling.first).sum()
     }
 
-    /// Stretches of points that have equally many runs: their numbers, and the most runs of each.
+    /// Returns ranges of points with equally many runs: the point numbers, and the largest number
+    /// of runs per point.
     pub fn stretches(&self) -> impl Iterator<Item = (Range<u64>, u64)> {
         let points = |block: &Block| block.first_point..block.first_point + block.points;
         self.blocks.iter().map(move |block| (points(block), block.sampling.most))
     }
 
-    /// Number of points of the sweep; one where nothing is swept.
+    /// Returns the number of points of the sweep, which is one without a sweep.
     pub fn point_count(&self) -> u64 {
         self.blocks.last().map_or(0, |block| block.first_point + block.points)
     }
 
-    /// Columns for swept parameters: those of all blocks in order of first appearance.
+    /// Returns the columns of the swept parameters of all blocks, in order of first appearance.
     pub fn swept(&self) -> &[VariedParameter] {
         &self.swept
     }
 
-    /// Columns for uncertain parameters, in the order of the model's parameters.
+    /// Returns the columns of the uncertain parameters, in the order of the model's parameters.
     pub fn uncertain(&self) -> &[VariedParameter] {
         &self.uncertain
     }
 
-    /// What the study expects of its results.
+    /// Returns the expectations of the study.
     pub fn expectations(&self) -> &[Expectation] {
         &self.expectations
     }
 
-    /// What designs vary.
+    /// Returns the variables of designs.
     pub fn variables(&self) -> &[Variable] {
         &self.variables
     }
 
-    /// What designs are asked for.
+    /// Returns the responses of designs.
     pub fn responses(&self) -> &[Response] {
         &self.responses
     }
 
-    /// What is looked for, if anything is.
+    /// Returns the settings of the optimisation, if there are any.
     pub fn optimization(&self) -> Option<&Optimization> {
         self.optimization.as_ref()
     }
 
-    /// A point of the sweep by its number.
+    /// Returns a point of the sweep.
     ///
     /// # Panics
     /// If `point_id` is not below [`Study::point_count`].
@@ -218,7 +222,7 @@ impl Study {
         }
     }
 
-    /// A run by its number: the same for the same study, whatever else is computed.
+    /// Returns a run. The same study gives the same run, independently of all other computations.
     ///
     /// # Panics
     /// If `run_id` is not below [`Study::run_count`].
@@ -279,7 +283,8 @@ impl Study {
         self.uncertain_parameters.iter().map(draw).collect()
     }
 
-    /// The base model with these values: first those of all balls, then those of one ball.
+    /// Returns the base model with these values. Values of all balls are set before those of one
+    /// ball.
     fn model_with(&self, values: &[(Parameter, ParameterValue)]) -> Model {
         let mut model = self.base.model.clone();
         for of_one_ball in [false, true] {
@@ -292,7 +297,7 @@ impl Study {
         model
     }
 
-    /// Whether an expectation selects at least one point; does not go through all points of a
+    /// Returns whether an expectation selects at least one point, without visiting all points of a
     /// grid.
     pub(super) fn has_point(&self, expectation: &Expectation) -> bool {
         self.blocks.iter().any(|block| match block.listing {
@@ -316,8 +321,8 @@ impl Study {
         })
     }
 
-    /// Whether a column that a grid does not sweep itself takes a value in it: one ball's value
-    /// follows that of all balls.
+    /// Returns whether a column that a grid does not sweep itself takes a value there. The value of
+    /// one ball follows the value of all balls.
     fn follows(
         &self,
         block: &Block,

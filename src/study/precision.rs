@@ -1,4 +1,4 @@
-//! How precisely the fraction of equilibria is wanted, and how many runs of each point that may take.
+//! The requested precision of the fraction of equilibria, and the number of runs per point.
 
 use super::design::Design;
 use super::error::{Fault, Locate, StudyError};
@@ -7,33 +7,34 @@ use super::file_values::Count;
 use super::key_path::KeyPath;
 use super::node::describe_number;
 
-/// Sampling goes on at each point, in whole replicates of its design, until the fraction of equilibria
-/// is known so well.
+/// Sequential sampling: each point receives whole replicates of its design until the fraction of
+/// equilibria is known to this precision.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Precision {
-    /// The half width of the fraction's 95 % interval at which sampling stops, above 0 and below 0.5.
+    /// Half width of the fraction's 95 % confidence interval at which sampling stops, above 0 and
+    /// below 0.5.
     pub equilibrium_fraction: f64,
-    /// The most runs at a point, apart from those that its design begins with.
+    /// Largest number of runs at a point; the runs of the design itself are always computed.
     pub max_runs: u64,
 }
 
-/// How many runs a point has.
+/// The number of runs of a point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Sampling {
-    /// Runs before the first decision: the samples that the design names.
+    /// Number of runs before the first decision: the samples of the design.
     pub first: u64,
-    /// Runs that are added together: one sample in every cell of a stratified design, otherwise as
-    /// many as at first.
+    /// Number of runs per replicate: one sample in every cell of a stratified design, otherwise as
+    /// many as in the design.
     pub replicate: u64,
-    /// The most runs, for which numbers are reserved: a multiple of the replicate.
+    /// Largest number of runs, for which run numbers are reserved; a multiple of the replicate.
     pub most: u64,
 }
 
 impl Precision {
-    /// Checks a precision.
+    /// Validates the precision of a study file.
     ///
     /// # Errors
-    /// A half width that is none.
+    /// Returns an error if the half width is not above 0 and below 0.5.
     pub(super) fn resolve(
         locate: &dyn Locate,
         written: Option<&PrecisionFile>,
@@ -45,13 +46,13 @@ impl Precision {
             return Ok(Some(Precision { equilibrium_fraction, max_runs: max_runs.0 }));
         }
         let allowed =
-            "half the width of an interval of fractions, above 0 and below 0.5, such as 0.02";
+            "half the width of the confidence interval, above 0 and below 0.5, such as 0.02";
         let found = describe_number(equilibrium_fraction);
         let fault = Fault::new("not a half width", found, allowed);
         Err(locate.refuse_value(&KeyPath::of("precision.equilibrium_fraction"), fault))
     }
 
-    /// As a study file writes it.
+    /// Returns the precision in the form of a study file.
     pub(super) fn to_file(self) -> PrecisionFile {
         let Precision { equilibrium_fraction, max_runs } = self;
         PrecisionFile { equilibrium_fraction, max_runs: Count(max_runs) }
@@ -59,10 +60,10 @@ impl Precision {
 }
 
 impl Sampling {
-    /// The runs of a point whose design begins with `first` samples.
+    /// Computes the number of runs of a point whose design has `first` samples.
     ///
     /// # Errors
-    /// A design that cannot be enlarged, where a precision asks for that.
+    /// Returns an error if there is a precision and the design cannot be enlarged.
     pub(super) fn new(
         design: &Design,
         first: u64,

@@ -1,4 +1,5 @@
-//! From a study file to a resolved study: everything is checked and counted here, once.
+//! Resolution of a study file: validates everything, fills in the defaults, and counts points and
+//! runs.
 
 use std::path::{Path, PathBuf};
 
@@ -35,38 +36,39 @@ use super::variable::Variable;
 const SCHEMA: u64 = 1;
 
 impl Study {
-    /// Reads a study file and the tables that it names, and checks everything. Tables lie in the
-    /// study file's directory or below it.
+    /// Reads and validates a study file and the tables that it names. Tables are in the directory
+    /// of the study file or below it.
     ///
     /// # Errors
-    /// The first thing that is wrong, with its place.
+    /// Returns the first fault, with its place.
     pub fn load(path: &Path) -> Result<Study, StudyError> {
         Study::load_with_tables(path, &[])
     }
 
-    /// As [`Study::load`], with tables that may lie in these directories, or below them, as well. Their
-    /// paths are relative to the study file all the same: a study that can be used means the same tables
-    /// whatever directories are allowed.
+    /// Reads a study file like [`Study::load`], and grants access to tables in further directories
+    /// and below them. The paths of tables stay relative to the study file, so that the directories
+    /// never change the meaning of a study.
     ///
     /// # Errors
-    /// The first thing that is wrong, with its place.
+    /// Returns the first fault, with its place.
     pub fn load_with_tables(path: &Path, directories: &[PathBuf]) -> Result<Study, StudyError> {
         let text = read_text(path).map_err(|fault| StudyError::about_file(path, fault))?;
         Study::parse_with_tables(path, text, directories)
     }
 
-    /// Reads a study from the text of a file of this name, relative to which tables are found.
+    /// Parses a study from the text of a file of this name. The paths of tables are relative to
+    /// this file.
     ///
     /// # Errors
-    /// The first thing that is wrong, with its place.
+    /// Returns the first fault, with its place.
     pub fn parse(file: &Path, text: String) -> Result<Study, StudyError> {
         Study::parse_with_tables(file, text, &[])
     }
 
-    /// As [`Study::parse`], with tables that may lie in these directories as well.
+    /// Parses a study like [`Study::parse`], and grants access to tables in further directories.
     ///
     /// # Errors
-    /// The first thing that is wrong, with its place.
+    /// Returns the first fault, with its place.
     pub fn parse_with_tables(
         file: &Path,
         text: String,
@@ -80,7 +82,7 @@ impl Study {
     }
 }
 
-/// Says that a file is of another version before complaining about its keys.
+/// Checks the version first, because the keys of another version may be unknown.
 fn check_schema(source: &Source) -> Result<(), StudyError> {
     let Content::Map(entries) = &source.root.content else { return Ok(()) };
     let Some((_, node)) = entries.iter().find(|(key, _)| key.name == "schema") else {
@@ -197,8 +199,8 @@ fn resolve(
     Ok(study)
 }
 
-/// The study with each number of balls that a design may have, in their order; none where designs do
-/// not choose it.
+/// Returns a copy of the study for each number of balls that a design may have, in ascending order.
+/// The list is empty if designs do not vary the number of balls.
 fn by_balls(
     source: &Source,
     written: &StudyFile,
@@ -217,7 +219,7 @@ fn by_balls(
             ..written.clone()
         };
         other.model.parameters.get_or_insert_default().balls = Some(Balls::Number(balls));
-        // Ranges of balls that a design does not have.
+        // These ranges belong to balls that the design does not have.
         if let Some(ranges) = &mut other.initial_conditions.start_box {
             ranges.0.retain(|(name, _)| ball_of(name).is_none_or(|ball| ball <= balls));
         }
@@ -231,13 +233,14 @@ fn by_balls(
     numbers.map(with).collect()
 }
 
-/// The ball that a coordinate such as `beta_dot_2` is of.
+/// Returns the number of the ball of a coordinate such as `beta_dot_2`.
 fn ball_of(axis: &str) -> Option<u64> {
     let ball = axis.strip_prefix("beta_dot_").or_else(|| axis.strip_prefix("beta_"))?;
     ball.parse().ok()
 }
 
-/// The box with all axes; where designs choose the number of balls, with the ranges of all balls, too.
+/// Returns the box with all axes. If designs vary the number of balls, it also contains the ranges
+/// of all balls.
 fn box_to_file(start_box: &StartBox, written: &StudyFile) -> Named<Range> {
     let mut file = start_box.to_file();
     let chosen = written.design.as_ref().is_some_and(|design| design.get("balls").is_some());
@@ -302,7 +305,8 @@ fn check_values(
     Err(source.refuse_value(&KeyPath::of("sweep"), fault))
 }
 
-/// The design of every block: its own, which is noted in the block's file, or the common one.
+/// Returns the design of every block: its own, which is added to the block's file, or the common
+/// design.
 fn designs(
     source: &Source,
     written: &StudyFile,

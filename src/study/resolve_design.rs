@@ -1,4 +1,4 @@
-//! From a sampling design as written to a checked layout, with tables read in.
+//! Resolution of sampling designs, including their tables.
 
 use std::sync::Arc;
 
@@ -12,21 +12,22 @@ use super::start_box::axis_names;
 use super::table_folders::TableFolders;
 use crate::model::Model;
 
-/// A checked layout and the design as a self-contained study file writes it.
+/// A validated layout, and the design in the form of a self-contained study file.
 #[derive(Clone)]
 pub(crate) struct ResolvedDesign {
     /// The layout.
     pub layout: Layout,
-    /// The design with tables written out.
+    /// The design with inline tables.
     pub file: DesignFile,
-    /// Where it stands.
+    /// Key path of the design.
     pub path: KeyPath,
 }
 
-/// Checks a design.
+/// Validates a sampling design.
 ///
 /// # Errors
-/// Too many samples of a Sobol' sequence, or a table of start states that does not fit.
+/// Returns an error if a Sobol' sequence has too many samples, or if a table of start states is
+/// invalid.
 pub(crate) fn resolve_design(
     locate: &dyn Locate,
     folders: &TableFolders,
@@ -106,7 +107,7 @@ fn resolve_starts(
 }
 
 impl DesignFile {
-    /// How many values the design lists.
+    /// Returns the number of values that the design lists.
     pub(crate) fn values(&self) -> usize {
         match self {
             DesignFile::Table(Table::Inline(table)) => table.columns.len() * table.rows.len(),

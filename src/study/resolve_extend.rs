@@ -1,4 +1,4 @@
-//! From an extension of the end time as written to a checked one.
+//! Resolution of the key `simulation.extend`.
 
 use super::error::{Fault, Locate, StudyError, list_names, shorten};
 use super::file::ExtendFile;
@@ -6,17 +6,17 @@ use super::key_path::KeyPath;
 use super::node::describe_number;
 use crate::model::Extend;
 
-/// The labels with which a run can be continued.
+/// The labels of runs that can be continued.
 pub(crate) const EXTENDED_LABELS: [&str; 2] = ["undecided", "irregular"];
 
-/// How many times the end time a run may be continued to.
+/// The largest ratio of the later end time to the end time.
 const LARGEST_FACTOR: f64 = 1000.0;
 
-/// Checks how far runs are continued past the end time, and which.
+/// Validates the extension.
 ///
 /// # Errors
-/// A factor that does not extend, extends too far, or beyond all numbers; labels with which no run
-/// can be continued, no labels, or the same label twice.
+/// Returns an error if the factor is not above 1, is too large, or makes the end time infinite; if
+/// there are no labels or a label is repeated; or if a run with a label cannot be continued.
 pub(crate) fn resolve_extend(
     locate: &dyn Locate,
     written: &ExtendFile,
@@ -24,7 +24,7 @@ pub(crate) fn resolve_extend(
 ) -> Result<Extend, StudyError> {
     let factor = written.factor;
     let extends = factor > 1.0 && factor <= LARGEST_FACTOR;
-    // The least step above 1 may be lost in rounding, and the longest end time in infinity.
+    // Rounding may lose a factor slightly above 1, and a long end time may overflow.
     if !(extends && factor * end_time_s > end_time_s && (factor * end_time_s).is_finite()) {
         let problem = if factor <= 1.0 { "extends nothing" } else { "too far" };
         let allowed = format!("more than 1, at most {LARGEST_FACTOR}");
@@ -45,7 +45,7 @@ pub(crate) fn resolve_extend(
         let problem = match *name {
             _ if names[..index].contains(name) => "the label is given twice",
             name if EXTENDED_LABELS.contains(&name) => continue,
-            "equilibrium" | "limit_cycle" => "a run with this label is over",
+            "equilibrium" | "limit_cycle" => "a run with this label has already ended",
             "failed" => "a run that failed cannot be continued",
             _ => "unknown label",
         };
@@ -56,7 +56,7 @@ pub(crate) fn resolve_extend(
     Ok(Extend { factor, undecided, irregular })
 }
 
-/// An extension with every value written out.
+/// Returns the extension in the form of a study file, with all values.
 pub(crate) fn extend_to_file(extend: Extend) -> ExtendFile {
     let continued = [extend.undecided, extend.irregular];
     let labels = EXTENDED_LABELS.into_iter().zip(continued).filter(|(_, continued)| *continued);

@@ -1,14 +1,14 @@
-//! From a friction law as written to a checked one, and back.
+//! Resolution of friction laws, and the reverse.
 
 use super::error::{Fault, Locate, StudyError};
 use super::file::{FrictionFile, ModelFile, ModelKind, SmoothFile, StribeckFile};
 use super::key_path::KeyPath;
 use crate::model::{FrictionLaw, Model};
 
-/// The law as written, with the speed that goes with the kind of model.
+/// Returns the friction law with the speed of this kind of model.
 ///
 /// # Errors
-/// A speed that is missing, or in the unit of another kind of model.
+/// Returns an error if the speed is missing, or has the unit of another kind of model.
 pub(super) fn resolve_friction(
     locate: &dyn Locate,
     written: &ModelFile,
@@ -56,10 +56,10 @@ pub(super) fn resolve_friction(
     })
 }
 
-/// Checks the law with the parameters that it goes with.
+/// Validates the friction law together with the other parameters.
 ///
 /// # Errors
-/// A value of the law that makes no physical sense.
+/// Returns an error if a value of the law is physically impossible.
 pub(super) fn check_friction(locate: &dyn Locate, model: &Model) -> Result<(), StudyError> {
     model.validate().map_err(|invalid| {
         let path = KeyPath::of("model.friction").key(model.friction().name()).key(&invalid.name);
@@ -68,7 +68,7 @@ pub(super) fn check_friction(locate: &dyn Locate, model: &Model) -> Result<(), S
     })
 }
 
-/// The law as a study file writes it.
+/// Returns the law in the form of a study file.
 pub(super) fn friction_to_file(law: &FrictionLaw, kind: ModelKind) -> FrictionFile {
     let of_balls = kind == ModelKind::BallBalancer;
     let pair = |speed: f64| if of_balls { (Some(speed), None) } else { (None, Some(speed)) };

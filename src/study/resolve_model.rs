@@ -1,4 +1,4 @@
-//! From the model as written to a checked one with all defaults.
+//! Resolution of the model, with all defaults.
 
 use super::error::{Fault, Locate, StudyError};
 use super::file::{BallFile, ModelFile, ModelKind, NormalForceKind, ParametersFile};
@@ -9,27 +9,28 @@ use super::parameter::{Parameter, ParameterValue};
 use super::resolve_friction::{check_friction, friction_to_file, resolve_friction};
 use crate::model::{Ball, Block, Ground, MAX_BALLS, Machine, Model, NormalForce};
 
-/// The model before anything is swept or drawn.
+/// The model before any parameter is swept or drawn.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Base {
     /// The model.
     pub model: Model,
-    /// Values of balls that have none of their own.
+    /// Default values of the balls.
     pub general: Ball,
-    /// What each ball has of its own.
+    /// The own values of each ball.
     own: Vec<BallFile>,
 }
 
 impl Base {
-    /// Checks the parameters and fills in the defaults for those not given.
+    /// Validates the parameters and fills in the defaults.
     ///
     /// # Errors
-    /// The first parameter that the model does not have or that makes no physical sense.
+    /// Returns an error for the first parameter that the model does not have or that is physically
+    /// impossible.
     pub fn resolve(locate: &dyn Locate, written: &ModelFile) -> Result<Base, StudyError> {
         let path = KeyPath::of("model.parameters");
         let given = written.parameters.clone().unwrap_or_default();
         let friction = resolve_friction(locate, written)?;
-        // Until all values are known, one ball stands for all.
+        // One ball represents all balls until all values are known.
         let mut model = match written.kind {
             ModelKind::BallBalancer => Model::BallBalancer(Machine {
                 balls: vec![Ball::default()],
@@ -68,9 +69,9 @@ impl Base {
                     (KeyPath::of("model.normal_force"), written.normal_force.is_some()),
                 ];
                 if let Some((path, _)) = foreign.into_iter().find(|(_, given)| *given) {
-                    let allowed = "kind: ball_balancer, or leave it out";
+                    let allowed = "kind: ball_balancer, or no such key";
                     let found = format!("kind: {}", model.kind());
-                    let fault = Fault::new("only of a ball balancer", found, allowed);
+                    let fault = Fault::new("only for a ball balancer", found, allowed);
                     return Err(locate.refuse_key(&path, fault));
                 }
             }
@@ -79,14 +80,15 @@ impl Base {
         Ok(Base { model, general, own })
     }
 
-    /// Refuses to vary a value of all balls where one ball has its own (which would count?), and one
-    /// that the law of friction does not use.
+    /// Checks whether a parameter may vary. A value of all balls may not vary if one ball has its
+    /// own value, which would be ambiguous. A parameter that the friction law does not use may not
+    /// vary either.
     ///
     /// # Errors
-    /// What is found and what to vary instead.
+    /// Returns a fault that names the parameters to vary instead.
     pub fn check_varied(&self, parameter: Parameter) -> Result<(), Fault> {
         if parameter.is_unused(&self.model) {
-            let allowed = "viscous_coefficient_n_s_m, or another law of friction";
+            let allowed = "viscous_coefficient_n_s_m, or another friction law";
             return Err(Fault::new("viscous friction does not use it", parameter.name(), allowed));
         }
         if !parameter.is_general() {
@@ -104,18 +106,18 @@ impl Base {
                 let found = format!("{name}, while ball {} has its own value", index + 1);
                 let one = |ball| parameter.of_one_ball(ball).name();
                 let allowed: Vec<String> = (1..=self.own.len()).map(one).collect();
-                let problem = "a value of all balls where one ball has its own";
+                let problem = "a ball has its own value";
                 Err(Fault::new(problem, found, allowed.join(", ")))
             }
         }
     }
 
-    /// Whether a ball has values of its own.
+    /// Returns whether any ball has its own values.
     pub fn has_own(&self) -> bool {
         self.own.iter().any(|ball| *ball != BallFile::default())
     }
 
-    /// The model with every value written out.
+    /// Returns the model in the form of a study file, with all values.
     pub fn to_file(&self) -> ModelFile {
         let alike = self.own.iter().all(|ball| *ball == BallFile::default());
         let balls = if alike {

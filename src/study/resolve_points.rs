@@ -1,8 +1,7 @@
-//! Values of a sweep that make sense one by one but not together at a point.
+//! Validation of swept values that are possible alone but not together at a point.
 //!
-//! Only the Stribeck law has such values: its static coefficient of friction is not below the
-//! kinetic one. Where one of the two is drawn at random, draws decide, and a run whose draw makes no
-//! sense is a failed run.
+//! Only the Stribeck law has such values: its static friction coefficient is at least the kinetic
+//! one. If one of the two is random, the draws decide, and a run with an impossible draw fails.
 
 use super::error::{Fault, Locate, StudyError};
 use super::file::{BlockFile, StudyFile};
@@ -11,13 +10,14 @@ use super::plan::{Point, Study};
 use super::sweep::Listing;
 use crate::model::{FrictionLaw, InvalidParameter};
 
-/// The most points that are looked at; in a larger sweep a point without meaning is failed runs.
+/// The largest number of points that are checked; in a larger sweep, the runs of an impossible
+/// point fail.
 const MOST_POINTS: u64 = 100_000;
 
-/// Checks every point of a sweep.
+/// Validates the points of a sweep.
 ///
 /// # Errors
-/// The first point whose values make no physical sense together.
+/// Returns an error for the first point whose values are physically impossible together.
 pub(super) fn check_points(
     locate: &dyn Locate,
     written: &StudyFile,
@@ -46,7 +46,7 @@ pub(super) fn check_points(
     Ok(())
 }
 
-/// Where the sweep sets the parameter of this name at a point, or else another coefficient.
+/// Returns the key path at which the sweep sets this parameter, or otherwise another coefficient.
 fn path(written: &StudyFile, study: &Study, point: &Point, name: &str) -> KeyPath {
     let index = study.blocks.partition_point(|block| block.first_point <= point.point_id) - 1;
     let block = &study.blocks[index];

@@ -1,4 +1,4 @@
-//! The numbers of all points and runs of a study.
+//! Numbering of the points and runs of a study.
 
 use super::design::Design;
 use super::error::{Fault, Locate, StudyError};
@@ -13,7 +13,8 @@ use super::sweep::{Block, product};
 /// Numbers the points and runs of all blocks.
 ///
 /// # Errors
-/// More runs than can be numbered; a design that cannot be enlarged where a precision asks for that.
+/// Returns an error if there are too many runs, or if a precision requires a design that cannot be
+/// enlarged.
 pub(super) fn number_runs(
     locate: &dyn Locate,
     resolved: Vec<ResolvedBlock>,

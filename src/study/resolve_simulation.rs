@@ -1,4 +1,4 @@
-//! From the simulation settings as written to checked ones with all defaults.
+//! Resolution of the simulation settings, with all defaults.
 
 use super::error::{Fault, Locate, StudyError};
 use super::file::{EndingsKind, MethodKind, SimulationFile, ToleranceFile};
@@ -7,15 +7,15 @@ use super::node::describe_number;
 use super::resolve_extend::{extend_to_file, resolve_extend};
 use crate::model::{Endings, Method, Simulation};
 
-/// In a wider band, balls that move count as standing, and may switch between stick and transition
-/// without end.
+/// In a wider band, moving balls count as sticking, and may switch between stick and transition
+/// indefinitely.
 const WIDEST_BAND: f64 = 1.0e-2;
 
-/// Checks how runs are integrated and fills in the defaults.
+/// Validates the simulation settings and fills in the defaults.
 ///
 /// # Errors
-/// A band, tolerance or end time that is not positive; a band that is too wide to be one; an extension
-/// that is none.
+/// Returns an error if a band, tolerance or end time is not positive, if the band is too wide, or
+/// if the extension is invalid.
 pub(crate) fn resolve_simulation(
     locate: &dyn Locate,
     written: Option<&SimulationFile>,
@@ -34,7 +34,7 @@ pub(crate) fn resolve_simulation(
     };
     let band = positive("simulation.band", given.band, default.band)?;
     if band > WIDEST_BAND {
-        let allowed = format!("at most {WIDEST_BAND}; results are better the narrower it is");
+        let allowed = format!("at most {WIDEST_BAND}; a narrower band is more accurate");
         let fault = Fault::new("too wide", describe_number(band), allowed);
         return Err(locate.refuse_value(&KeyPath::of("simulation.band"), fault));
     }
@@ -66,7 +66,7 @@ pub(crate) fn resolve_simulation(
     })
 }
 
-/// The simulation with every value written out.
+/// Returns the settings in the form of a study file, with all values.
 pub(crate) fn simulation_to_file(simulation: &Simulation) -> SimulationFile {
     SimulationFile {
         method: Some(match simulation.method {

@@ -1,4 +1,4 @@
-//! From the blocks of a sweep as written to checked columns of values.
+//! Resolution of the blocks of a sweep.
 
 use super::error::{Fault, Locate, StudyError, list_names, shorten};
 use super::file::BlockFile;
@@ -12,21 +12,23 @@ use super::sweep::Listing;
 use super::table_folders::TableFolders;
 use crate::model::Model;
 
-/// Swept parameters and their values, and the block as a self-contained study file writes it.
+/// The swept parameters and values of a block, and the block in the form of a self-contained study
+/// file.
 pub(crate) struct ResolvedBlock {
     /// How the points are listed.
     pub listing: Listing,
     /// Parameters with their values.
     pub columns: Vec<(Parameter, Vec<ParameterValue>)>,
-    /// The block with tables written out, still without its design.
+    /// The block with inline tables, without its design.
     pub file: BlockFile,
 }
 
-/// Checks a block.
+/// Validates a block.
 ///
 /// # Errors
-/// Anything but exactly one of grid, zip and table; a name that is no parameter; a value that
-/// makes no sense; lists that are empty or, in a zip, of unequal length; a wrong table.
+/// Returns an error unless the block has exactly one of `grid`, `zip` and `table`; also if a
+/// parameter is unknown, a value is impossible, a list is empty, the lists of a zip differ in
+/// length, or the table is invalid.
 pub(crate) fn resolve_block(
     locate: &dyn Locate,
     folders: &TableFolders,
@@ -103,7 +105,8 @@ fn check_equal_lengths(
             let lengths: Vec<String> =
                 lists.0.iter().map(|(name, list)| format!("{name} {}", list.len())).collect();
             let found = format!("numbers of values: {}", lengths.join(", "));
-            let allowed = "as many values for every parameter (or `grid` for all combinations)";
+            let allowed =
+                "equally many values for every parameter (or `grid` for all combinations)";
             let fault = Fault::new("unequal lengths in a zip", found, allowed);
             Err(locate.refuse_value(&path.key(name), fault))
         }
@@ -138,13 +141,13 @@ fn resolve_table(
     Ok(ResolvedBlock { listing: Listing::Rows, columns, file })
 }
 
-/// The parameter of this name, if it may be swept.
+/// Returns the parameter of this name, if it may be swept.
 fn find_swept(name: &str, base: &Base) -> Result<Parameter, Fault> {
     if name == "balls" {
         return Err(Fault::new(
             "the number of balls cannot be swept",
             name,
-            "one study per number of balls (start box and columns depend on it)",
+            "one study per number of balls (start box and columns depend on the number)",
         ));
     }
     let parameter = find_parameter(name, &base.model)?;
@@ -152,7 +155,7 @@ fn find_swept(name: &str, base: &Base) -> Result<Parameter, Fault> {
     Ok(parameter)
 }
 
-/// The parameter of this name.
+/// Returns the parameter of this name.
 pub(crate) fn find_parameter(name: &str, model: &Model) -> Result<Parameter, Fault> {
     Parameter::find(name, model).ok_or_else(|| {
         let names: Vec<String> = Parameter::all(model).into_iter().map(Parameter::name).collect();
@@ -165,7 +168,7 @@ pub(crate) fn find_parameter(name: &str, model: &Model) -> Result<Parameter, Fau
     })
 }
 
-/// The checked value of a parameter.
+/// Returns the validated value of a parameter.
 pub(crate) fn resolve_value(
     parameter: Parameter,
     entry: &Entry,

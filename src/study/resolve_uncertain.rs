@@ -1,4 +1,4 @@
-//! From uncertain parameters as written to checked distributions with the keys of their draws.
+//! Resolution of uncertain parameters.
 
 use super::distribution::Distribution;
 use super::draw::DrawKey;
@@ -11,24 +11,24 @@ use super::parameter::{Parameter, ParameterValue};
 use super::resolve_model::Base;
 use super::resolve_sweep::find_parameter;
 
-/// A parameter that is drawn for every run.
+/// A parameter that is drawn for each run.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Uncertain {
     /// The parameter.
     pub parameter: Parameter,
-    /// Its distribution, or that of a factor.
+    /// The distribution of the value, or of a factor.
     pub distribution: Distribution,
-    /// Whether what is drawn is a factor of the parameter's own value.
+    /// Whether the draw is a factor that multiplies the nominal value.
     pub factor: bool,
-    /// The key of its draws.
+    /// The key of the random numbers.
     pub key: DrawKey,
 }
 
-/// Checks the uncertain parameters, in the order of the model's parameters.
+/// Validates the uncertain parameters and returns them in the order of the model's parameters.
 ///
 /// # Errors
-/// A name that is no numeric parameter, one that is swept as well, a distribution without
-/// meaning or with bounds that its parameter cannot take.
+/// Returns an error if a name is not a numeric parameter, if a parameter is also swept, if a
+/// distribution is invalid, or if its bounds are impossible values of the parameter.
 pub(crate) fn resolve_uncertain(
     locate: &dyn Locate,
     written: Option<&Named<DistributionFile>>,
@@ -54,7 +54,7 @@ pub(crate) fn resolve_uncertain(
         let distribution = Distribution::resolve(drawn)
             .map_err(|(key, fault)| locate.refuse_value(&path.key(key), fault))?;
         for (key, bound) in distribution.bounds() {
-            // Draws stay strictly inside a range, so that its end may itself be just too small.
+            // Draws are strictly inside a range, so its lower end may itself be just too small.
             let inside = if key == "min" { bound.next_up() } else { bound };
             if let (Err(allowed), Err(_)) = (
                 parameter.check(own * bound, &base.model),
@@ -82,7 +82,8 @@ fn find_uncertain(
         return Err(Fault::new("not a number", name, "a numeric parameter (or sweep it)"));
     }
     base.check_varied(parameter)?;
-    // A factor is of a value that is known: that of the same parameter, not of all balls and of one.
+    // A factor multiplies a known nominal value: that of the same parameter. It cannot combine the
+    // value of all balls with that of one ball.
     let clash = |other: &&Parameter| {
         (**other == parameter && !factor)
             || other.general() == Some(parameter)
@@ -93,7 +94,7 @@ fn find_uncertain(
         Some(other) => Err(Fault::new(
             "both uncertain and swept",
             format!("{name} here and {} in `sweep`", other.name()),
-            "either a distribution or a sweep for a parameter, or `times` and a distribution of a factor",
+            "either a distribution or a sweep, or `times` with the distribution of a factor",
         )),
     }
 }

@@ -1,4 +1,4 @@
-//! From a design's variables as written to checked ones.
+//! Resolution of the variables of a design.
 
 use super::error::{Fault, Locate, StudyError, shorten};
 use super::evaluation_file::VariableFile;
@@ -12,11 +12,11 @@ use super::response::{SUFFIXES, TAKEN, check_name};
 use super::variable::{Domain, Variable};
 use crate::model::MAX_BALLS;
 
-/// Checks the variables.
+/// Validates the variables.
 ///
 /// # Errors
-/// A name or range without meaning, a parameter that is set twice, swept or uncertain as well, choices
-/// that do not set the same parameters.
+/// Returns an error if a name or range is invalid, if a parameter is set twice, swept or uncertain,
+/// or if choices do not set the same parameters.
 pub(crate) fn resolve_variables(
     locate: &dyn Locate,
     study: &Study,
@@ -37,7 +37,7 @@ pub(crate) fn resolve_variables(
         let domain = setting.domain(&path, name, file)?;
         for parameter in domain.parameters() {
             if set.contains(&parameter) {
-                let problem = "a parameter that two variables set";
+                let problem = "two variables set the same parameter";
                 return Err(refuse(Fault::new(problem, parameter.name(), "each parameter once")));
             }
             set.push(parameter);
@@ -63,7 +63,7 @@ impl Domain {
 struct Setting<'a> {
     locate: &'a dyn Locate,
     study: &'a Study,
-    /// The fewest balls that a design has.
+    /// The smallest number of balls of a design.
     least_balls: usize,
 }
 
@@ -74,7 +74,7 @@ impl Setting<'_> {
             rest.is_some_and(|rest| rest.is_empty() || SUFFIXES.contains(&rest))
         });
         if of_response || TAKEN.contains(&name) {
-            let problem = "a column of answers has this name";
+            let problem = "a result column has this name";
             return Err(Fault::new(problem, name, "another name"));
         }
         Ok(())
@@ -98,7 +98,7 @@ impl Setting<'_> {
             let range = name == "balls" || find_parameter(name, self.study.model()).is_ok();
             if range {
                 let allowed = "`from` and `to`, or another name for the choices";
-                let fault = Fault::new("choices under a parameter's name", name, allowed);
+                let fault = Fault::new("choices with the name of a parameter", name, allowed);
                 return Err(self.locate.refuse_key(path, fault));
             }
             return self.choices(&path.key("choices"), choices);
@@ -133,11 +133,11 @@ impl Setting<'_> {
     fn balls(&self, path: &KeyPath, from: f64, to: f64) -> Result<Domain, StudyError> {
         if self.study.model().balls() == 0 {
             let found = format!("kind: {}", self.study.model().kind());
-            let fault = Fault::new("only of a ball balancer", found, "kind: ball_balancer");
+            let fault = Fault::new("only for a ball balancer", found, "kind: ball_balancer");
             return Err(self.locate.refuse_key(path, fault));
         }
         if self.study.base.has_own() {
-            let problem = "a number of balls where balls have values of their own";
+            let problem = "balls have their own values";
             let fault =
                 Fault::new(problem, "a list of balls", "a number under `model.parameters.balls`");
             return Err(self.locate.refuse_key(path, fault));
@@ -152,7 +152,7 @@ impl Setting<'_> {
         Ok(Domain::Balls { from: from as u64, to: to as u64 })
     }
 
-    /// The numeric parameter of this name, which nothing else varies.
+    /// Returns the numeric parameter of this name if nothing else varies it.
     fn parameter(&self, name: &str) -> Result<Parameter, Fault> {
         let parameter = find_parameter(name, self.study.model())?;
         if !parameter.is_number() {
@@ -162,9 +162,9 @@ impl Setting<'_> {
         let exists = |ball| parameter == parameter.of_one_ball(ball);
         if (self.least_balls + 1..=MAX_BALLS).any(exists) {
             let allowed = format!("a ball that every design has, 1 to {}", self.least_balls);
-            return Err(Fault::new("not a ball of every design", name, allowed));
+            return Err(Fault::new("some designs do not have this ball", name, allowed));
         }
-        // A factor leaves the parameter itself to the design.
+        // A factor does not set the parameter itself, so a design may vary it.
         let drawn = self.study.uncertain_parameters.iter();
         let drawn = drawn.filter(|one| !one.factor || one.parameter != parameter);
         let drawn = drawn.map(|one| one.parameter);
@@ -231,7 +231,7 @@ impl Setting<'_> {
     }
 }
 
-/// A choice is told from a number by its name, in a CSV file, too.
+/// Checks the name of a choice, which must also differ from a number in a CSV file.
 fn check_choice(name: &str) -> Result<(), Fault> {
     let usual = |character: char| character.is_ascii_alphanumeric() || "_-. ".contains(character);
     let first = name.starts_with(|first: char| first.is_ascii_alphabetic());
@@ -240,6 +240,6 @@ fn check_choice(name: &str) -> Result<(), Fault> {
         return Ok(());
     }
     let allowed =
-        "1 to 100 letters, digits, `_`, `-`, `.` and blanks, beginning with a letter, no number";
+        "1 to 100 letters, digits, `_`, `-`, `.` and blanks, beginning with a letter, not a number";
     Err(Fault::new("not a name", shorten(name), allowed))
 }

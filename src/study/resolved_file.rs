@@ -1,4 +1,4 @@
-//! A resolved study written as a study file again, and its hash.
+//! The resolved study in the form of a study file, and its hash.
 
 use std::path::Path;
 use std::sync::OnceLock;
@@ -11,10 +11,10 @@ use super::file::StudyFile;
 use super::plan::Study;
 use super::start_box::GENERAL_AXES;
 
-/// Words that some readers of YAML do not take for text.
+/// Words that some YAML parsers do not treat as text.
 const NOT_TEXT: [&str; 9] = ["true", "false", "yes", "no", "on", "off", "null", "nan", "inf"];
 
-/// A resolved study file, and what is made of it once and then asked for with every table.
+/// A resolved study file with its cached text and hash, which every table needs.
 #[derive(Clone, Debug)]
 pub(super) struct ResolvedFile {
     file: StudyFile,
@@ -27,30 +27,30 @@ impl ResolvedFile {
         ResolvedFile { file, yaml: OnceLock::new(), hash: OnceLock::new() }
     }
 
-    /// The file as plain values.
+    /// Returns the file as plain values.
     pub(super) fn to_value(&self) -> Value {
         to_value(&self.file)
     }
 }
 
 impl Study {
-    /// This study with another master seed: all draws are others, and all else is the same.
+    /// Returns this study with another master seed; everything else is unchanged.
     ///
     /// # Errors
-    /// None that the study itself had not had.
+    /// Returns only errors that parsing the study itself would return.
     pub fn with_seed(&self, seed: u64) -> Result<Study, StudyError> {
         let mut out = String::new();
         write_block(&to_value(&StudyFile { seed, ..self.resolved.file.clone() }), 0, &mut out);
         Study::parse(Path::new(&self.name), out)
     }
 
-    /// The complete study file as plain values.
+    /// Returns the complete study file as plain values.
     pub(crate) fn resolved_file(&self) -> Value {
         self.resolved.to_value()
     }
 
-    /// The complete study file: all defaults filled in, tables written out, in a fixed form.
-    /// Loading it gives the same study with the same hash.
+    /// Returns the complete study file in a canonical form, with all defaults and with inline
+    /// tables. Parsing it gives the same study with the same hash.
     pub fn resolved_yaml(&self) -> String {
         let write = || {
             let mut out = String::new();
@@ -60,8 +60,9 @@ impl Study {
         self.resolved.yaml.get_or_init(write).clone()
     }
 
-    /// SHA-256, in hexadecimal, of what determines the runs: not the file's name, form and
-    /// comments, nor `name`, `expect`, `design`, `responses` and `optimize`.
+    /// Returns the SHA-256 hash, in hexadecimal, of everything that determines the runs. It
+    /// excludes the name, format and comments of the file, and the keys `name`, `expect`, `design`,
+    /// `responses` and `optimize`.
     pub fn hash(&self) -> String {
         let compute = || {
             let file = self.resolved.file.clone();
@@ -73,7 +74,7 @@ impl Study {
                 optimize: None,
                 ..file
             };
-            // Ranges of all balls are for designs; this study's own balls have theirs.
+            // Ranges of all balls concern designs; the balls of this study have their own ranges.
             if let Some(ranges) = &mut determining.initial_conditions.start_box {
                 ranges.0.retain(|(name, _)| !GENERAL_AXES.contains(&name.as_str()));
             }
@@ -86,7 +87,7 @@ impl Study {
     }
 }
 
-/// The file as plain values; its types hold nothing that could not be written.
+/// Returns the file as plain values; its types always serialise.
 fn to_value(file: &StudyFile) -> Value {
     serde_json::to_value(file).unwrap_or_default()
 }
@@ -127,7 +128,8 @@ fn write_block(value: &Value, indent: usize, out: &mut String) {
     }
 }
 
-/// Single values, lists of them, and small maps of them stay on one line.
+/// Returns whether a value is written on one line: single values, lists of them, and small maps of
+/// them.
 fn fits_one_line(value: &Value) -> bool {
     let single = |value: &Value| !value.is_array() && !value.is_object();
     match value {

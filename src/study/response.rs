@@ -1,4 +1,4 @@
-//! Responses: what a design is asked for.
+//! Responses: the quantities that are estimated for a design.
 
 use std::collections::HashSet;
 
@@ -9,20 +9,20 @@ use super::key_path::KeyPath;
 use super::node::describe_number;
 use super::plan::Study;
 
-/// What is measured in the runs of a design.
+/// The estimated quantity.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Measure {
     /// Mean amplitude.
     Mean,
     /// Standard deviation of the amplitude.
     StandardDeviation,
-    /// The quantile of the amplitude with this fraction of runs below.
+    /// Quantile of the amplitude, with the fraction of runs below it.
     Quantile(f64),
     /// Largest amplitude.
     Worst,
     /// Probability of an amplitude above this limit.
     Above(f64),
-    /// Probability of being at rest by this time, s.
+    /// Probability of rest by this time, s.
     AtRestBy(f64),
     /// Median time to rest.
     MedianTimeToRest,
@@ -35,14 +35,14 @@ pub struct Response {
     pub name: String,
     /// What is measured.
     pub measure: Measure,
-    /// Whether amplitudes are taken over that without balls.
+    /// Whether each amplitude is divided by the amplitude without balls.
     pub relative: bool,
 }
 
-/// What follows a response's name in the columns of its numbers, after the value itself.
+/// Suffixes of the columns that accompany the value of a response.
 pub(crate) const SUFFIXES: [&str; 4] = ["_standard_error", "_low", "_high", "_reason"];
 
-/// Names that answers and tables use themselves.
+/// Names of columns that result tables use themselves.
 pub(super) const TAKEN: [&str; 15] = [
     "id",
     "design",
@@ -62,7 +62,7 @@ pub(super) const TAKEN: [&str; 15] = [
 ];
 
 impl Response {
-    /// Unit of the value; `1` where it has none.
+    /// Returns the unit of the value; `1` if it is dimensionless.
     pub fn unit(&self) -> &'static str {
         match self.measure {
             Measure::Above(_) | Measure::AtRestBy(_) => "1",
@@ -72,9 +72,9 @@ impl Response {
         }
     }
 
-    /// What the value means.
+    /// Returns the meaning of the value.
     pub fn meaning(&self) -> String {
-        let of = if self.relative { " over that without balls" } else { "" };
+        let of = if self.relative { " over the amplitude without balls" } else { "" };
         let amplitude = format!("residual amplitude{of}");
         match self.measure {
             Measure::Mean => format!("mean {amplitude}"),
@@ -93,15 +93,16 @@ impl Response {
             Measure::AtRestBy(time) => {
                 format!("probability of being at rest by {} s", describe_number(time))
             }
-            Measure::MedianTimeToRest => "time by which half of the runs have come to rest".into(),
+            Measure::MedianTimeToRest => "median time to rest (Kaplan-Meier)".into(),
         }
     }
 }
 
-/// Checks the responses.
+/// Validates the responses.
 ///
 /// # Errors
-/// A name that cannot be a column's, a number without meaning, `relative` in a model without balls.
+/// Returns an error if a name cannot be the name of a column, if a number is invalid, or if
+/// `relative` is set for a model without balls.
 pub(crate) fn resolve_responses(
     locate: &dyn Locate,
     study: &Study,
@@ -116,7 +117,7 @@ pub(crate) fn resolve_responses(
         for column in own {
             let swept = study.swept().iter().any(|swept| swept.name == column);
             if swept || TAKEN.contains(&column.as_str()) || !columns.insert(column.clone()) {
-                let fault = Fault::new("two columns of this name", column, "another name");
+                let fault = Fault::new("another column has this name", column, "another name");
                 return Err(locate.refuse_key(&path, fault));
             }
         }
@@ -124,7 +125,7 @@ pub(crate) fn resolve_responses(
             .map_err(|(keys, fault)| locate.refuse_value(&below(&path, keys), fault))?;
         if relative && study.model().balls() == 0 {
             let found = format!("kind: {}", study.model().kind());
-            let fault = Fault::new("only of a ball balancer", found, "relative: false");
+            let fault = Fault::new("only for a ball balancer", found, "relative: false");
             return Err(locate.refuse_value(&path, fault));
         }
         Ok(Response { name: name.clone(), measure, relative })
@@ -136,7 +137,7 @@ fn below(path: &KeyPath, keys: &[&str]) -> KeyPath {
     keys.iter().fold(path.clone(), |path, key| path.key(key))
 }
 
-/// Names of variables and responses are those of columns and of keys in answers.
+/// Checks the name of a variable or response, which becomes a column and a key of results.
 pub(crate) fn check_name(name: &str) -> Result<(), Fault> {
     let usual = |character: char| character.is_ascii_alphanumeric() || character == '_';
     let first = name.starts_with(|first: char| first.is_ascii_alphabetic());

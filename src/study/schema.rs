@@ -1,4 +1,4 @@
-//! The JSON Schema of a study file, generated from its types, for editors that complete and check.
+//! The JSON Schema of a study file, generated from its types, for editors.
 
 use schemars::{JsonSchema, Schema, SchemaGenerator, generate::SchemaSettings, json_schema};
 use serde_json::{Map, Value};
@@ -10,29 +10,29 @@ use super::resolve_extend::EXTENDED_LABELS;
 use super::start_box::axis_names;
 use crate::model::{Ball, Block, FrictionLaw, MAX_BALLS, Machine, Model};
 
-/// The JSON Schema (draft 2020-12) of a study file, with units in the descriptions.
+/// Returns the JSON Schema (draft 2020-12) of a study file, with units in the descriptions.
 pub fn json_schema() -> Value {
     SchemaSettings::draft2020_12().into_generator().into_root_schema_for::<StudyFile>().to_value()
 }
 
-/// Lists of values per parameter.
+/// Returns the schema of lists of values by parameter.
 pub(super) fn swept(generator: &mut SchemaGenerator) -> Schema {
     per_parameter(generator.subschema_for::<Listed>(), &all_parameters())
 }
 
-/// One value per parameter.
+/// Returns the schema of one value by parameter.
 pub(super) fn selector(generator: &mut SchemaGenerator) -> Schema {
     per_parameter(generator.subschema_for::<Entry>(), &all_parameters())
 }
 
-/// A distribution per numeric parameter.
+/// Returns the schema of distributions by numeric parameter.
 pub(super) fn uncertain(generator: &mut SchemaGenerator) -> Schema {
     let mut parameters = all_parameters();
     parameters.retain(|parameter| parameter.is_number());
     per_parameter(generator.subschema_for::<DistributionFile>(), &parameters)
 }
 
-/// A range per start coordinate.
+/// Returns the schema of ranges by start coordinate.
 pub(super) fn start_box(generator: &mut SchemaGenerator) -> Schema {
     let range = <Range as JsonSchema>::json_schema(generator);
     let general = ["beta", "beta_dot"].map(str::to_owned);
@@ -43,14 +43,14 @@ pub(super) fn start_box(generator: &mut SchemaGenerator) -> Schema {
     json_schema!({ "type": "object", "properties": properties, "additionalProperties": false })
 }
 
-/// Labels of runs that can be continued.
+/// Returns the schema of the labels of runs that can be continued.
 pub(super) fn extended_labels(_: &mut SchemaGenerator) -> Schema {
     json_schema!({
         "type": "array", "items": { "enum": EXTENDED_LABELS }, "minItems": 1, "uniqueItems": true
     })
 }
 
-/// One model of every kind, as large as it may be, with every law of friction.
+/// Returns one model of every kind and every friction law, with the largest number of balls.
 fn all_models() -> Vec<Model> {
     let laws = [
         FrictionLaw::Coulomb,
@@ -74,7 +74,7 @@ fn all_models() -> Vec<Model> {
     kinds.iter().flat_map(|model| laws.map(|law| with(model, law))).collect()
 }
 
-/// Every parameter of any model, each name once.
+/// Returns every parameter of any model, without repeated names.
 fn all_parameters() -> Vec<Parameter> {
     let mut parameters: Vec<Parameter> = Vec::new();
     for parameter in all_models().iter().flat_map(Parameter::all) {

@@ -8,17 +8,17 @@ use super::key_path::KeyPath;
 use super::node::describe_number;
 use crate::model::Model;
 
-/// Default half width of positions and table speeds. Like the ball speed below it is
-/// *reconstructed*: the thesis's box is lost, and this one reproduces its six counts.
+/// Default half width of positions and table speeds. Like the ball speed below, it is
+/// *reconstructed*: the thesis's box is illegible, and this box reproduces its six counts.
 const DEFAULT_HALF_WIDTH: f64 = 0.05;
 
-/// Default largest ball speed over the natural frequency (reconstructed).
+/// Default largest ball speed divided by the natural frequency (reconstructed).
 const DEFAULT_BALL_SPEED: f64 = 1.0;
 
 /// Names that stand for a coordinate of every ball.
 pub(crate) const GENERAL_AXES: [&str; 2] = ["beta", "beta_dot"];
 
-/// Names of the coordinates of a start state, in their order.
+/// Returns the names of the coordinates of a start state, in their order.
 pub(crate) fn axis_names(model: &Model) -> Vec<String> {
     model.coordinates().into_iter().map(|coordinate| coordinate.name).collect()
 }
@@ -30,23 +30,23 @@ pub(crate) struct Axis {
     pub name: String,
     /// Smallest value.
     pub low: f64,
-    /// Largest value; equal to `low` where the coordinate is fixed.
+    /// Largest value; equal to `low` for a fixed coordinate.
     pub high: f64,
 }
 
 impl Axis {
-    /// Whether there is nothing to sample.
+    /// Returns whether the coordinate is fixed.
     pub fn is_fixed(&self) -> bool {
         self.low == self.high
     }
 
-    /// The value at this fraction of the range, from zero to one.
+    /// Returns the value at a fraction of the range, from zero to one.
     pub fn at(&self, fraction: f64) -> f64 {
         (self.low + fraction * (self.high - self.low)).clamp(self.low, self.high)
     }
 }
 
-/// The box with every axis written out.
+/// The box with all axes.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct StartBox {
     /// One axis per coordinate, in the order of [`axis_names`].
@@ -54,10 +54,11 @@ pub(crate) struct StartBox {
 }
 
 impl StartBox {
-    /// Fills in the ranges that are not given.
+    /// Fills in the default ranges.
     ///
     /// # Errors
-    /// A name that is no coordinate, or a range whose low end is above its high one.
+    /// Returns an error if a name is not a coordinate, or if the lower end of a range is above the
+    /// upper end.
     pub fn resolve(
         locate: &dyn Locate,
         path: &KeyPath,
@@ -101,7 +102,7 @@ impl StartBox {
         Ok(StartBox { axes })
     }
 
-    /// The box as a study file writes it.
+    /// Returns the box in the form of a study file.
     pub fn to_file(&self) -> Named<Range> {
         let ranges = self.axes.iter().map(|axis| (axis.name.clone(), Range([axis.low, axis.high])));
         Named(ranges.collect())

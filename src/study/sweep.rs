@@ -9,7 +9,7 @@ use super::precision::Sampling;
 pub(crate) enum Listing {
     /// Every combination of the columns' values; the last column changes fastest.
     Grid,
-    /// The columns' values side by side.
+    /// Rows with one value of each column.
     Rows,
 }
 
@@ -33,7 +33,7 @@ pub(crate) struct Block {
 }
 
 impl Listing {
-    /// The factors whose product is the number of points.
+    /// Returns the factors whose product is the number of points.
     pub fn factors(&self, columns: &[(Parameter, Vec<ParameterValue>)]) -> Vec<u64> {
         let lengths = columns.iter().map(|(_, values)| values.len() as u64);
         match self {
@@ -44,7 +44,7 @@ impl Listing {
 }
 
 impl Block {
-    /// The swept values at a point, counted from the block's first.
+    /// Returns the swept values at a point, counted from the block's first point.
     pub fn values(&self, point: u64) -> Vec<(Parameter, ParameterValue)> {
         let mut rest = point;
         let mut values: Vec<(Parameter, ParameterValue)> = self
@@ -70,7 +70,7 @@ impl Block {
     }
 }
 
-/// The product of counts, or its size in floating point where it is above the limit.
+/// Returns the product of counts, or its floating-point value if it is above the limit.
 pub(crate) fn product(factors: &[u64], limit: u64) -> Result<u64, f64> {
     let exact = factors.iter().try_fold(1_u64, |product, factor| product.checked_mul(*factor));
     match exact {

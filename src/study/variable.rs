@@ -1,4 +1,4 @@
-//! Variables of a design: their values, and the study that has them set.
+//! Variables of a design, and the study with the values of a design.
 
 use super::error::{Fault, list_names, shorten};
 use super::node::describe_number;
@@ -12,14 +12,14 @@ pub struct Variable {
     pub(super) domain: Domain,
 }
 
-/// What values a variable has.
+/// The values that a variable accepts.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Domain {
     /// A parameter within a range.
     Parameter { parameter: Parameter, from: f64, to: f64 },
     /// The number of balls.
     Balls { from: u64, to: u64 },
-    /// Several parameters together, by the choice's name.
+    /// Several parameters together, by the name of the choice.
     Choices(Vec<(String, Vec<(Parameter, f64)>)>),
 }
 
@@ -28,23 +28,23 @@ pub(super) enum Domain {
 pub enum DesignValue {
     /// A number within the range.
     Number(f64),
-    /// The number of a choice, from zero.
+    /// The index of a choice, from zero.
     Choice(usize),
 }
 
-/// The values that a variable has, from the first to the last.
+/// The values that a variable accepts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Values {
-    /// All numbers from one to another.
+    /// All numbers of a closed interval.
     Numbers(f64, f64),
-    /// Whole numbers from one to another.
+    /// The integers of a closed interval.
     Whole(u64, u64),
-    /// So many choices.
+    /// The number of choices.
     Choices(usize),
 }
 
 impl Variable {
-    /// What values it has.
+    /// Returns the accepted values.
     pub fn values(&self) -> Values {
         match &self.domain {
             Domain::Parameter { from, to, .. } => Values::Numbers(*from, *to),
@@ -53,12 +53,12 @@ impl Variable {
         }
     }
 
-    /// Name, as in the study file.
+    /// Returns the name, as in the study file.
     pub fn name(&self) -> &str {
         &self.name
     }
 
-    /// Unit; `1` of a number of balls, none of choices.
+    /// Returns the unit: `1` for a number of balls, `None` for choices.
     pub fn unit(&self) -> Option<&'static str> {
         match &self.domain {
             Domain::Parameter { parameter, .. } => Some(parameter.unit()),
@@ -67,7 +67,7 @@ impl Variable {
         }
     }
 
-    /// What it means.
+    /// Returns the meaning.
     pub fn meaning(&self) -> String {
         match &self.domain {
             Domain::Parameter { parameter, .. } => parameter.meaning(),
@@ -76,7 +76,7 @@ impl Variable {
         }
     }
 
-    /// The smallest and the largest value; none of choices.
+    /// Returns the smallest and the largest value, or `None` for choices.
     pub fn range(&self) -> Option<[f64; 2]> {
         match self.domain {
             Domain::Parameter { from, to, .. } => Some([from, to]),
@@ -85,12 +85,12 @@ impl Variable {
         }
     }
 
-    /// Whether its numbers are whole ones.
+    /// Returns whether the values are integers.
     pub fn is_whole(&self) -> bool {
         matches!(self.domain, Domain::Balls { .. })
     }
 
-    /// The names of its choices, if it has such.
+    /// Returns the names of the choices, if the variable has choices.
     pub fn choices(&self) -> Option<impl Iterator<Item = &str>> {
         match &self.domain {
             Domain::Choices(choices) => Some(choices.iter().map(|(name, _)| name.as_str())),
@@ -105,7 +105,7 @@ impl Variable {
         }
     }
 
-    /// What is allowed, in words.
+    /// Describes the accepted values in words.
     pub(crate) fn allowed(&self) -> String {
         match &self.domain {
             Domain::Parameter { parameter, from, to } => {
@@ -123,10 +123,11 @@ impl Variable {
         }
     }
 
-    /// A number as its value.
+    /// Validates a number as a value of this variable.
     ///
     /// # Errors
-    /// One out of range, a fraction of a ball, any of choices.
+    /// Returns an error if the number is out of range, if a number of balls is not an integer, or
+    /// if the variable has choices.
     pub(crate) fn number(&self, number: f64) -> Result<DesignValue, Fault> {
         let problem = match self.domain {
             Domain::Parameter { from, to, .. } if from <= number && number <= to => None,
@@ -141,10 +142,10 @@ impl Variable {
         }
     }
 
-    /// A word as its value.
+    /// Validates a word as a value of this variable.
     ///
     /// # Errors
-    /// One that is no choice, any of a variable that takes numbers.
+    /// Returns an error if the word is not a choice, or if the variable accepts numbers.
     pub(crate) fn word(&self, word: &str) -> Result<DesignValue, Fault> {
         let Domain::Choices(choices) = &self.domain else {
             let found = format!("text {:?}", shorten(word));
@@ -158,7 +159,7 @@ impl Variable {
         )
     }
 
-    /// Where a value is on scales on which the range is 1 wide and any two choices are 1 apart.
+    /// Scales a value such that the range has width 1 and any two choices have distance 1.
     pub fn scaled(&self, value: DesignValue) -> Vec<f64> {
         let number = |from: f64, width: f64| match value {
             DesignValue::Number(number) if width > 0.0 => vec![(number - from) / width],
@@ -175,7 +176,7 @@ impl Variable {
         }
     }
 
-    /// The name of a choice, the number otherwise.
+    /// Returns the name of a choice, or the text of a number.
     pub fn describe(&self, value: DesignValue) -> String {
         match (value, &self.domain) {
             (DesignValue::Choice(index), Domain::Choices(choices)) => {
@@ -188,28 +189,29 @@ impl Variable {
 }
 
 impl Study {
-    /// Where a design is, one value per variable, on the scales of [`Variable::scaled`].
+    /// Returns the coordinates of a design on the scales of [`Variable::scaled`].
     pub fn scaled(&self, values: &[DesignValue]) -> Vec<f64> {
         let each = self.variables.iter().zip(values);
         each.flat_map(|(variable, value)| variable.scaled(*value)).collect()
     }
 
-    /// As `with_design`, which says more; what is wrong in one sentence.
+    /// Sets the variables, one value for each in their order, and returns the study of the design.
+    /// Values that are not set are unchanged.
     ///
     /// # Errors
-    /// Values that make no physical sense together.
+    /// Returns a sentence if the values are physically impossible together.
     pub fn set(&self, values: &[DesignValue]) -> Result<Study, String> {
         self.with_design(values).map_err(|Fault { problem, found, .. }| {
             format!("{problem}: {}", found.unwrap_or_default())
         })
     }
 
-    /// This study with its variables set, one value for each in their order. Start states and draws are
-    /// those of this study; what is not set keeps its value. Name, hash and resolved file stay those of
-    /// the study before.
+    /// Sets the variables, one value for each in their order, and returns the study of the design.
+    /// Start states and random numbers are those of this study, and so are name, hash and resolved
+    /// file.
     ///
     /// # Errors
-    /// Values that make no physical sense together, at any point of the sweep.
+    /// Returns a fault if the values are physically impossible together at a point of the sweep.
     pub(crate) fn with_design(&self, values: &[DesignValue]) -> Result<Study, Fault> {
         let (mut balls, mut set) = (None, Vec::new());
         for (variable, value) in self.variables.iter().zip(values) {
@@ -223,7 +225,7 @@ impl Study {
                 (Domain::Choices(choices), DesignValue::Choice(index)) => {
                     set.extend(choices.get(index).into_iter().flat_map(|(_, values)| values));
                 }
-                // Values come from `number` and `word`, which give each variable its own kind.
+                // `number` and `word` return the kind of value that belongs to the variable.
                 _ => {}
             }
         }
@@ -243,7 +245,8 @@ impl Study {
     }
 }
 
-/// Points whose parameters are looked at; in a larger sweep one without meaning is failed runs.
+/// The largest number of points that are checked; in a larger sweep, the runs of an impossible
+/// point fail.
 const MOST_POINTS: u64 = 1000;
 
 #[cfg(test)]
@@ -257,8 +260,8 @@ mod tests {
         Study::parse(Path::new("a.yaml"), text.to_owned()).unwrap_or_else(|error| panic!("{error}"))
     }
 
-    /// Every numeric parameter of every model under every law of friction can be a variable, and a design is
-    /// what a sweep over the same value computes.
+    /// Every numeric parameter of every model and friction law can be a variable, and a design has
+    /// the cases of a sweep over the same value.
     #[test]
     fn every_numeric_parameter_can_be_a_variable() {
         let (mut tried, mut refused) = (0, 0);
@@ -307,8 +310,9 @@ mod tests {
                 }
             }
         }
-        // 16 of a balancer with two balls, 4 and 5 of blocks, 0, 2, 1 and 1 of the laws; three of balls and
-        // one of each block are not used by viscous friction.
+        // A balancer with two balls has 16 parameters and the blocks have 4 and 5; the friction
+        // laws add 0, 2, 1 and 1. Viscous friction does not use three parameters of the balls and
+        // one of each block.
         assert_eq!((tried, refused), (4 * (16 + 4 + 5) + 3 * 4 - 5, 5));
     }
 }

@@ -1,11 +1,12 @@
-//! The text of a cell of a table, as arrow writes it: numbers that come back to the last bit.
+//! The text of a table cell in the format of arrow's CSV writer, which preserves every bit of a
+//! number.
 
 use arrow_array::Array;
 use arrow_array::cast::AsArray;
 use arrow_array::types::{Float64Type, Int32Type, UInt8Type, UInt64Type};
 use arrow_schema::DataType;
 
-/// The text of a cell of any type that our tables have; `null` where it is empty.
+/// Returns the text of a cell of any type that the result tables have; `null` for an empty cell.
 pub fn cell_text(column: &dyn Array, row: usize, null: &str) -> String {
     if column.is_null(row) {
         return null.to_owned();
@@ -45,7 +46,7 @@ mod tests {
 
     use super::cell_text;
 
-    /// Against arrow's own.
+    /// Compares with arrow's CSV writer.
     #[test]
     fn cells_are_written_as_arrow_writes_them() {
         let mut lists = ListBuilder::new(Float64Builder::new());

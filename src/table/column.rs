@@ -1,6 +1,6 @@
-//! A column of a table: its name, unit and meaning, and how its value is taken from a row.
+//! A column of a table: its name, unit and meaning, and how its value is computed from a row.
 //!
-//! A table is a list of columns; its schema and its record batches come from the same list.
+//! A table is a list of columns; its schema and its record batches are derived from the same list.
 
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
@@ -22,8 +22,8 @@ pub struct Column<R> {
     build: Build<R>,
 }
 
-/// Unit of a column whose values have been made non-dimensional: lengths over the ring's radius,
-/// time times the natural frequency.
+/// Unit of non-dimensional values: lengths over the ring radius, and time multiplied by the natural
+/// frequency.
 pub const NON_DIMENSIONAL: &str = "1 (non-dimensional)";
 
 impl<R> Column<R> {
@@ -36,12 +36,12 @@ impl<R> Column<R> {
         Column { field: Field::new(name, kind, true).with_metadata(metadata), build }
     }
 
-    /// Its name.
+    /// Returns the name.
     pub fn name(&self) -> &str {
         self.field.name()
     }
 
-    /// A column of numbers; a value that is not finite counts as missing.
+    /// Creates a column of numbers; a value that is not finite counts as missing.
     pub fn number(
         name: &str,
         unit: &str,
@@ -55,7 +55,7 @@ impl<R> Column<R> {
         Self::new(name, DataType::Float64, unit, meaning, Box::new(build))
     }
 
-    /// A column of counts or numbers of things.
+    /// Creates a column of counts or indices.
     pub fn count(
         name: &str,
         meaning: &str,
@@ -67,7 +67,7 @@ impl<R> Column<R> {
         Self::new(name, DataType::UInt64, "", meaning, Box::new(build))
     }
 
-    /// A column of small counts.
+    /// Creates a column of small counts.
     pub fn small_count(
         name: &str,
         meaning: &str,
@@ -79,7 +79,7 @@ impl<R> Column<R> {
         Self::new(name, DataType::UInt8, "", meaning, Box::new(build))
     }
 
-    /// A column of whole numbers with sign.
+    /// Creates a column of signed integers.
     pub fn integer(
         name: &str,
         meaning: &str,
@@ -91,7 +91,7 @@ impl<R> Column<R> {
         Self::new(name, DataType::Int32, "", meaning, Box::new(build))
     }
 
-    /// A column of lists of numbers.
+    /// Creates a column of lists of numbers.
     pub fn numbers(
         name: &str,
         unit: &str,
@@ -109,7 +109,7 @@ impl<R> Column<R> {
         Self::new(name, kind, unit, meaning, Box::new(build))
     }
 
-    /// A column of yes or no.
+    /// Creates a column of booleans.
     pub fn truth(
         name: &str,
         meaning: &str,
@@ -121,7 +121,7 @@ impl<R> Column<R> {
         Self::new(name, DataType::Boolean, "", meaning, Box::new(build))
     }
 
-    /// A column of words out of a few, dictionary-encoded.
+    /// Creates a dictionary-encoded column of words from a small set.
     pub fn word(
         name: &str,
         meaning: &str,
@@ -130,7 +130,8 @@ impl<R> Column<R> {
         Self::optional_word(name, meaning, move |row| Some(value(row)))
     }
 
-    /// A column of words out of a few, dictionary-encoded, in which some may be missing.
+    /// Creates a dictionary-encoded column of words from a small set, in which values may be
+    /// missing.
     pub fn optional_word(
         name: &str,
         meaning: &str,
@@ -147,7 +148,7 @@ impl<R> Column<R> {
         Self::new(name, kind, "", meaning, Box::new(build))
     }
 
-    /// A column of free text.
+    /// Creates a column of free text.
     pub fn text(
         name: &str,
         meaning: &str,
@@ -160,25 +161,25 @@ impl<R> Column<R> {
     }
 }
 
-/// The schema of a table.
+/// Returns the schema of a table.
 ///
-/// Two columns of one name are a defect of this program, which tests find by the assertion: readers refuse
-/// such a table, or read the wrong one.
+/// Two columns of the same name are a bug, which the assertion detects in tests: readers refuse
+/// such a table, or read the wrong column.
 pub fn schema<R>(columns: &[Column<R>]) -> Arc<Schema> {
     debug_assert_eq!(twice(columns), None, "two columns of one name");
     Arc::new(Schema::new(columns.iter().map(|column| column.field.clone()).collect::<Vec<_>>()))
 }
 
-/// A name that two columns have.
+/// Returns a name that two columns share, if there is one.
 fn twice<R>(columns: &[Column<R>]) -> Option<&str> {
     let mut names = HashSet::new();
     columns.iter().map(Column::name).find(|name| !names.insert(*name))
 }
 
-/// Rows as a record batch.
+/// Converts rows into a record batch.
 ///
 /// # Errors
-/// Where a column's values do not fit its type: a defect of this program.
+/// Returns an error if the values of a column do not fit its type, which is a bug.
 pub fn batch<R>(columns: &[Column<R>], rows: &[R]) -> Result<RecordBatch, ArrowError> {
     let arrays = columns.iter().map(|column| (column.build)(rows)).collect();
     RecordBatch::try_new(schema(columns), arrays)

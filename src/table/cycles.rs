@@ -1,4 +1,4 @@
-//! `cycles.parquet`: the limit cycles, one row per point of the sweep and class of cycles.
+//! `cycles.parquet`: the limit cycles, with one row per point of the sweep and class of cycles.
 
 use super::column::Column;
 use super::points::PointRow;
@@ -18,13 +18,13 @@ pub struct CycleRow {
 }
 
 impl CycleRow {
-    /// A class at a point.
+    /// Creates the row of a class at a point.
     pub fn new(point: &PointRow, group: CycleGroup) -> Self {
         CycleRow { point_id: point.point_id, swept: point.swept.clone(), group }
     }
 }
 
-/// The columns of `cycles.parquet`.
+/// Returns the columns of `cycles.parquet`.
 pub fn cycle_columns(study: &Study) -> Vec<Column<CycleRow>> {
     let balls = study.model().balls();
     let mut columns =
@@ -40,7 +40,7 @@ pub fn cycle_columns(study: &Study) -> Vec<Column<CycleRow>> {
     if balls > 0 {
         columns.push(Column::small_count(
             "balls_running",
-            "balls that go round the ring",
+            "balls that circulate in the ring",
             |row: &CycleRow| row.group.balls_running(),
         ));
     }
@@ -54,22 +54,22 @@ pub fn cycle_columns(study: &Study) -> Vec<Column<CycleRow>> {
         Column::number(
             "ci_low",
             "1",
-            "lower end of its 95 % interval (Wilson; no failed run counted in)",
+            "lower end of its 95 % confidence interval (Wilson; counts no failed run)",
             |row: &CycleRow| Some(row.group.interval.0),
         ),
         Column::number(
             "ci_high",
             "1",
-            "upper end of its 95 % interval (Wilson; all failed runs counted in)",
+            "upper end of its 95 % confidence interval (Wilson; counts all failed runs)",
             |row: &CycleRow| Some(row.group.interval.1),
         ),
         Column::number("period_s", "s", "period: median over the runs", |row: &CycleRow| {
             row.group.period_s.map(|period| period.middle)
         }),
-        Column::number("period_low_s", "s", "the shortest period", |row: &CycleRow| {
+        Column::number("period_low_s", "s", "shortest period", |row: &CycleRow| {
             row.group.period_s.map(|period| period.least)
         }),
-        Column::number("period_high_s", "s", "the longest period", |row: &CycleRow| {
+        Column::number("period_high_s", "s", "longest period", |row: &CycleRow| {
             row.group.period_s.map(|period| period.greatest)
         }),
     ]);
@@ -86,38 +86,39 @@ pub fn cycle_columns(study: &Study) -> Vec<Column<CycleRow>> {
         Column::number(
             "largest_multiplier",
             "1",
-            "largest modulus of a Floquet multiplier off the neutral directions in any run; below \
-             1 where cycles attract",
+            "largest modulus of the Floquet multipliers off the neutral directions in any run; \
+             below 1 if the cycle is attracting",
             |row: &CycleRow| row.group.largest_multiplier(),
         ),
         Column::numbers(
             "multipliers",
             "1",
-            "moduli of the multipliers of the run that has the largest, descending",
+            "moduli of the Floquet multipliers of the run with the largest one, in descending \
+             order",
             |row: &CycleRow| row.group.multipliers.clone(),
         ),
         Column::small_count(
             "neutral_directions",
-            "dimension of the continuous family that the cycles form: resting balls may rest \
-             elsewhere",
+            "dimension of the continuous family of the cycles, in which resting balls have other \
+             positions",
             |row: &CycleRow| row.group.neutral_directions,
         ),
     ]);
     columns
 }
 
-/// What the text of a class means.
+/// Returns the meaning of the text of a class.
 pub(super) fn class_meaning(balls: usize) -> String {
     let parts = if balls > 0 {
-        "for each ball, joined by |: rest, or turns per period, negative against the disc's \
-         rotation, and for one that does several things a colon and their order: S sticks, F slips \
-         forward, B slips back (the n-th letters of all balls are at one time); balls that are \
-         alike have no order"
+        "for each ball, joined by |: rest, or turns per period (negative against the rotation of \
+         the disc) and, after a colon, the sequence of its phases: S stick, F forward slip, B \
+         backward slip (the n-th letters of all balls are simultaneous); identical balls are not \
+         ordered"
     } else {
-        "0, a colon and what the block does in order: S sticks, F slips forward on the belt, B \
-         slips back"
+        "0, a colon and the sequence of the block's phases: S stick, F forward slip on the belt, B \
+         backward slip"
     };
-    format!("class of the limit cycle: {parts}; unknown where it is only known to close")
+    format!("class of the limit cycle: {parts}; unknown if the orbit is only known to close")
 }
 
 fn range_columns(
@@ -138,31 +139,31 @@ fn table_columns() -> Vec<Column<CycleRow>> {
     let names = [
         (
             "amplitude_rms_m",
-            "amplitude of the table's vibration, root mean square over the period: mean over the \
+            "root-mean-square amplitude of the table's vibration over the period: mean over the \
              runs",
         ),
-        ("amplitude_rms_low_m", "the least such amplitude"),
-        ("amplitude_rms_high_m", "the greatest such amplitude"),
+        ("amplitude_rms_low_m", "smallest such amplitude"),
+        ("amplitude_rms_high_m", "largest such amplitude"),
     ];
     let mut columns = Vec::from(range_columns(names, |group| group.amplitude_m));
     columns.extend([
         Column::number(
             "amplitude_peak_m",
             "m",
-            "greatest displacement of the table in any run",
+            "largest displacement of the table in any run",
             |row: &CycleRow| row.group.amplitude_peak_m,
         ),
         Column::number(
             "min_friction_margin",
             "1",
-            "least part of the friction limit that is left to a resting ball in any run",
+            "smallest unused fraction of the friction limit of a resting ball in any run",
             |row: &CycleRow| row.group.least_margin,
         ),
     ]);
     columns
 }
 
-/// Columns of the ball in one place of the class.
+/// Returns the columns of the ball at one place of the class.
 fn ball_columns(place: usize) -> Vec<Column<CycleRow>> {
     let ball = place + 1;
     let number = |name: String, unit: &str, meaning: &str, value: fn(&CycleRole) -> Option<f64>| {
@@ -173,40 +174,40 @@ fn ball_columns(place: usize) -> Vec<Column<CycleRow>> {
     vec![
         Column::integer(
             &format!("turns_{ball}"),
-            "turns around the ring per period of the ball in this place of the class, negative \
-             against the disc's rotation",
+            "turns around the ring per period of the ball at this place of the class, negative \
+             against the rotation of the disc",
             move |row: &CycleRow| Some(row.group.roles.get(place)?.role.turns),
         ),
         number(
             format!("mean_speed_{ball}_rad_s"),
             "rad/s",
-            "its mean speed relative to the ring in the median period, negative against the disc's \
-             rotation",
+            "its mean speed relative to the ring in the median period, negative against the \
+             rotation of the disc",
             |role| Some(role.mean_speed),
         ),
         number(
             format!("min_speed_{ball}_rad_s"),
             "rad/s",
-            "its least speed in any run, negative against the disc's rotation",
+            "its smallest speed in any run, negative against the rotation of the disc",
             |role| Some(role.speed_extremes[0]),
         ),
         number(
             format!("max_speed_{ball}_rad_s"),
             "rad/s",
-            "its greatest speed in any run, negative against the disc's rotation",
+            "its largest speed in any run, negative against the rotation of the disc",
             |role| Some(role.speed_extremes[1]),
         ),
         number(
             format!("rest_from_{ball}_rad"),
             "rad",
-            "of a ball that does not go round, but rests or swings, where the shortest arc begins that \
-             holds its angles from the imbalance in all runs",
+            "for a ball that rests or oscillates: start of the shortest arc that contains its \
+             angles from the imbalance in all runs",
             |role| role.stays_between.map(|[from, _]| from),
         ),
         number(
             format!("rest_to_{ball}_rad"),
             "rad",
-            "where that arc ends; it runs through 0 where it begins above its end",
+            "end of that arc; the arc contains 0 if its start is above its end",
             |role| role.stays_between.map(|[_, to]| to),
         ),
     ]
@@ -221,14 +222,14 @@ fn block_columns() -> Vec<Column<CycleRow>> {
     let names = [
         (
             "amplitude_m",
-            "half of the way between the block's extreme positions: mean over the runs",
+            "half the distance between the extreme positions of the block: mean over the runs",
         ),
-        ("amplitude_low_m", "the least such amplitude"),
-        ("amplitude_high_m", "the greatest such amplitude"),
+        ("amplitude_low_m", "smallest such amplitude"),
+        ("amplitude_high_m", "largest such amplitude"),
     ];
     let speeds = [
-        speed("min_speed_m_s", "least speed relative to the belt in any run", 0),
-        speed("max_speed_m_s", "greatest speed relative to the belt in any run", 1),
+        speed("min_speed_m_s", "smallest speed relative to the belt in any run", 0),
+        speed("max_speed_m_s", "largest speed relative to the belt in any run", 1),
     ];
     speeds.into_iter().chain(range_columns(names, |group| group.amplitude_m)).collect()
 }

@@ -1,5 +1,5 @@
-//! What an output directory holds before a study is run. What is not, byte for byte, what the program has
-//! written there or would write is never taken for its own.
+//! The state of an output directory before a run. A file counts as a result only if it is, byte for
+//! byte, what stickslip has written or would write.
 
 use std::fs;
 use std::io;
@@ -13,51 +13,52 @@ use crate::classification::MODEL_VERSION;
 use crate::foreign::one_line;
 use crate::study::Study;
 
-/// The most characters of what was found that are shown.
+/// The largest number of characters of a finding that are shown.
 const LONGEST_FOUND: usize = 400;
 
-/// What an output directory holds before a study is run.
+/// The state of an output directory before a run.
 #[derive(Debug)]
 pub enum Destination {
-    /// Nothing that would be replaced: the study can be run.
+    /// Contains nothing that would be replaced: the study can run.
     Free,
-    /// Files of results without a manifest: nothing says which study they belong to.
+    /// Contains result files without a manifest, which do not name their study.
     Loose,
-    /// A part of the results of this very study and shard: it can go on.
+    /// Contains incomplete results of this study and shard, which can be resumed.
     Begun(Box<Manifest>),
-    /// All results of this very study and shard.
+    /// Contains all results of this study and shard.
     Complete(Box<Manifest>),
-    /// Results of this very study and shard, all or a part, but not the files that the manifest names; what
-    /// differs, in words.
+    /// Contains results of this study and shard whose files differ from the manifest, with a
+    /// description of the difference.
     Changed(Box<Manifest>, String),
-    /// Results of another study, or of this one by another version of the program.
+    /// Contains results of another study, or of this study by another version of the program.
     Another(Box<Manifest>),
 }
 
-/// The manifest of an output directory, if there is one.
+/// Reads the manifest of an output directory, if there is one.
 ///
 /// # Errors
-/// [`ResultsError::Occupied`] where it is damaged or none of ours, [`ResultsError::Unusable`].
+/// Returns [`ResultsError::Occupied`] if the manifest is damaged or foreign, and
+/// [`ResultsError::Unusable`] if it cannot be read.
 pub fn manifest_of(directory: &Path) -> Result<Option<Manifest>, ResultsError> {
     Manifest::read(directory).map_err(|cause| match cause.kind() {
         io::ErrorKind::InvalidData => ResultsError::Occupied {
             path: directory.to_owned(),
-            reason: format!("{MANIFEST} is damaged, or no manifest of ours"),
+            reason: format!("{MANIFEST} is damaged, or is not a manifest of stickslip"),
             found: one_line(&cause.to_string(), LONGEST_FOUND),
             allowed: format!(
-                "another directory, with --out DIR; or, if these are results of a study, {MANIFEST} \
-                 removed and the study run again: finished runs are found without it"
+                "another directory, with --out DIR; or, if these are results of a study, remove \
+                 {MANIFEST} and run the study again, which reuses the finished runs"
             ),
         },
         _ => ResultsError::Unusable { path: directory.to_owned(), cause },
     })
 }
 
-/// Looks at an output directory and refuses one whose files are not results, or are those of another
-/// shard. `ours` are names of folders that results may have beside their tables. Changes nothing.
+/// Inspects an output directory and refuses it if its files are not results, or are results of
+/// another shard. `ours` lists names of folders that may exist beside the tables. Changes nothing.
 ///
 /// # Errors
-/// [`ResultsError::Occupied`] or [`ResultsError::Unusable`].
+/// Returns [`ResultsError::Occupied`] or [`ResultsError::Unusable`].
 pub fn inspect(
     directory: &Path,
     study: &Study,
@@ -108,17 +109,16 @@ pub fn inspect(
     Ok(Destination::Complete(manifest))
 }
 
-/// Refuses an empty path, which the operating system would take for the current directory here and for
-/// nothing there.
+/// Refuses an empty path, which operating systems interpret inconsistently.
 ///
 /// # Errors
-/// [`ResultsError::Unusable`].
+/// Returns [`ResultsError::Unusable`] if the path is empty.
 pub fn check_path(directory: &Path) -> Result<(), ResultsError> {
     if !directory.as_os_str().is_empty() {
         return Ok(());
     }
     let cause = io::Error::other("an empty path; the current directory is `.`");
-    // Shown as it was given.
+    // Shows the path as it was given.
     Err(ResultsError::Unusable { path: PathBuf::from("\"\""), cause })
 }
 
@@ -132,9 +132,9 @@ fn occupied(directory: &Path, reason: &str, found: &str) -> ResultsError {
     }
 }
 
-/// What a directory without a manifest is. A program that was killed at its very start leaves finished runs,
-/// the study, and unfinished files; where there is anything else under their names, that is put aside with
-/// tables and finished runs beside it, and refused without.
+/// Inspects a directory without a manifest. A program that is killed at its start leaves finished
+/// runs, the study, and unfinished files. A foreign study file is refused, unless there are tables or
+/// finished runs beside it: then all files are later moved to `earlier/`.
 fn without_manifest(
     directory: &Path,
     study: &Study,
@@ -175,13 +175,13 @@ fn without_manifest(
     }
 }
 
-/// Whether a file is the study's with all defaults filled in.
+/// Returns whether a file is the resolved study file of the study.
 fn is_own_study(path: &Path, study: &Study) -> io::Result<bool> {
     let text = study.resolved_yaml();
     Ok(content(path, text.len())?.is_some_and(|found| found == text.as_bytes()))
 }
 
-/// The content of a regular file of at most so many bytes; none of anything else.
+/// Returns the content of a regular file of at most `most` bytes, or `None` for anything else.
 fn content(path: &Path, most: usize) -> io::Result<Option<Vec<u8>>> {
     let found = fs::symlink_metadata(path)?;
     match found.is_file() && found.len() <= most as u64 {
@@ -190,7 +190,7 @@ fn content(path: &Path, most: usize) -> io::Result<Option<Vec<u8>>> {
     }
 }
 
-/// Which file of complete results is not what the manifest says of it, in words.
+/// Describes the first file of complete results that differs from the manifest, if there is one.
 fn missing_or_changed(directory: &Path, manifest: &Manifest) -> io::Result<Option<String>> {
     for (name, entry) in &manifest.files {
         let bytes = regular_file(directory, name);
@@ -210,8 +210,8 @@ fn missing_or_changed(directory: &Path, manifest: &Manifest) -> io::Result<Optio
     Ok(None)
 }
 
-/// Which file of results that are not complete would be replaced without being what the manifest says of it,
-/// in words.
+/// Describes the first file of incomplete results that would be replaced and differs from the
+/// manifest, if there is one.
 fn unnamed_or_changed(
     directory: &Path,
     manifest: &Manifest,
@@ -252,7 +252,7 @@ fn another_study() -> String {
     format!("{STUDY}, by another name of the study or other expectations")
 }
 
-/// The size of a regular file below a directory, to which no link leads.
+/// Returns the size of a regular file below a directory, without following links.
 fn regular_file(directory: &Path, name: &str) -> io::Result<u64> {
     let mut path = directory.to_owned();
     let mut parts = Path::new(name).components().peekable();

@@ -1,15 +1,15 @@
-//! Directories that the program makes: they outlive a loss of power, and what it makes inside of an output
-//! directory is a directory and not a link, so that nothing is written outside.
+//! Creation of directories that survive a loss of power. Directories inside an output directory are
+//! never links, so that nothing is written elsewhere.
 
 use std::fs;
 use std::io;
 use std::path::Path;
 
-/// Makes an output directory and what is missing above it. The output directory itself may be a link: its
-/// path is the user's choice.
+/// Creates an output directory and its missing parents. The output directory itself may be a link,
+/// because the user chooses its path.
 ///
 /// # Errors
-/// Where it cannot be made.
+/// Returns an error if the directory cannot be created.
 pub fn make_directory(directory: &Path) -> io::Result<()> {
     make_with(directory, &mut sync_directory)
 }
@@ -27,12 +27,12 @@ fn make_with(directory: &Path, sync: &mut impl FnMut(&Path) -> io::Result<()>) -
     };
     match made {
         Ok(()) => match sync(directory.parent().unwrap_or(Path::new(""))) {
-            // A directory that may be written to but not read cannot be synced.
+            // A directory may be writable but not readable, and then cannot be synced.
             Err(error) if error.kind() == io::ErrorKind::PermissionDenied => Ok(()),
             synced => synced,
         },
-        // Where a program was killed before it had synced the parent, that is made up for; the parent of a
-        // directory that was there before need not be readable.
+        // If an earlier program was killed before it synced the parent, this repeats the sync. The
+        // parent of an existing directory need not be readable.
         Err(_) if directory.is_dir() => {
             let _ = sync(directory.parent().unwrap_or(Path::new("")));
             Ok(())
@@ -41,10 +41,10 @@ fn make_with(directory: &Path, sync: &mut impl FnMut(&Path) -> io::Result<()>) -
     }
 }
 
-/// Makes a directory inside of an output directory, if it is not there.
+/// Creates a directory inside an output directory, unless it exists.
 ///
 /// # Errors
-/// Where it cannot be made, or where its name belongs to a link or to another thing.
+/// Returns an error if the directory cannot be created, or if its name belongs to a link or a file.
 pub fn make_inside(path: &Path) -> io::Result<()> {
     make_inside_with(path, &mut sync_directory)
 }
@@ -56,10 +56,10 @@ fn make_inside_with(path: &Path, sync: &mut impl FnMut(&Path) -> io::Result<()>)
     sync(path.parent().unwrap_or(Path::new("")))
 }
 
-/// Whether there is a directory inside of an output directory.
+/// Returns whether there is a directory of this name inside an output directory.
 ///
 /// # Errors
-/// Where its name belongs to a link or to another thing.
+/// Returns an error if the name belongs to a link or a file.
 pub fn is_inside(path: &Path) -> io::Result<bool> {
     match fs::symlink_metadata(path) {
         Ok(found) if found.is_dir() => Ok(true),
@@ -76,12 +76,12 @@ pub fn is_inside(path: &Path) -> io::Result<bool> {
     }
 }
 
-/// Makes what has been made and renamed in a directory last through a power cut.
+/// Syncs a directory, so that created and renamed files survive a loss of power.
 ///
 /// # Errors
-/// Where it cannot be done. File systems that know of no such thing are left alone.
+/// Returns an error if the sync fails. File systems without this operation are ignored.
 pub fn sync_directory(directory: &Path) -> io::Result<()> {
-    // Elsewhere directories cannot be opened.
+    // Other systems cannot open directories.
     if !cfg!(unix) {
         return Ok(());
     }
@@ -100,7 +100,7 @@ mod tests {
 
     use super::*;
 
-    /// Calls `make` and returns the directories that it has synced.
+    /// Calls `make` and returns the synced directories.
     fn synced(
         make: impl FnOnce(&mut dyn FnMut(&Path) -> io::Result<()>) -> io::Result<()>,
     ) -> Vec<PathBuf> {
@@ -123,7 +123,7 @@ mod tests {
         assert_eq!(made, [top.join("a").parent().unwrap(), &top.join("a"), &top.join("a/b")]);
         let inside = synced(|mut sync| make_inside_with(&deep.join("chunks"), &mut sync));
         assert_eq!(inside, [deep.as_path()]);
-        // Whoever made it may have been killed before it was synced.
+        // An earlier program may have been killed before it synced the directory.
         let again = synced(|mut sync| make_inside_with(&deep.join("chunks"), &mut sync));
         assert_eq!(again, [deep.as_path()]);
         assert_eq!(synced(|mut sync| make_with(&deep, &mut sync)), [top.join("a/b")]);

@@ -1,9 +1,9 @@
-//! Earlier results in an output directory: they are moved into folders of their own below `earlier/`, from
-//! which nothing is ever removed.
+//! Earlier results in an output directory, which are moved into separate folders below `earlier/`.
+//! Nothing is ever removed from these folders.
 //!
-//! A folder is `earlier/N.partial` while it is being filled, and gets its name last. What a killed program
-//! leaves is either filled up, by whoever moves what is left of the same results, or closed as it is,
-//! before anything else is written. No move ever takes the place of a file.
+//! A folder is called `earlier/N.partial` while it is being filled, and gets its final name last.
+//! After a program was killed, the next program either completes the folder with the rest of the
+//! same results, or closes it as it is before it writes anything else. No move replaces a file.
 
 use std::fs;
 use std::io;
@@ -13,37 +13,37 @@ use super::directory::{is_inside, make_inside, sync_directory};
 use super::manifest::MANIFEST;
 use super::results::{DATA_FILES, ResultsError};
 
-/// Folder of earlier results in an output directory.
+/// Name of the folder of earlier results in an output directory.
 pub const EARLIER: &str = "earlier";
 
-/// Moves the tables, the study and the manifest of an output directory into a folder of their own below
-/// `earlier/`; returns that folder.
+/// Moves the tables, the study and the manifest of an output directory into a new folder below
+/// `earlier/`, and returns the folder.
 ///
 /// # Errors
-/// Where they cannot be moved; what is left is moved by the next try.
+/// Returns an error if a file cannot be moved; the next call moves the remaining files.
 pub fn put_aside(directory: &Path) -> Result<PathBuf, ResultsError> {
     let unusable = |cause| ResultsError::Unusable { path: directory.to_owned(), cause };
     put_aside_by(directory, &mut |from, to| fs::rename(from, to)).map_err(unusable)
 }
 
-/// Closes the folders that a killed program has left half full; whoever writes anything into an output
-/// directory without putting aside what is there calls this before.
+/// Closes the folders that a killed program left incomplete. Call this before writing anything into
+/// an output directory unless [`put_aside`] was called.
 ///
 /// # Errors
-/// Where a folder cannot get its name.
+/// Returns an error if a folder cannot be renamed.
 pub fn close_earlier(directory: &Path) -> Result<(), ResultsError> {
     let unusable = |cause| ResultsError::Unusable { path: directory.to_owned(), cause };
     close_by(directory, &mut |from, to| fs::rename(from, to)).map_err(unusable)
 }
 
-/// Gives a file another name.
+/// A function that renames a file.
 type Rename<'a> = &'a mut dyn FnMut(&Path, &Path) -> io::Result<()>;
 
 fn put_aside_by(directory: &Path, rename: Rename<'_>) -> io::Result<PathBuf> {
     let folder = directory.join(EARLIER);
     make_inside(&folder)?;
     let is_there = |name: &&str| fs::symlink_metadata(directory.join(name)).is_ok();
-    // The manifest last: as long as it is there, it says whose the rest is.
+    // The manifest comes last, because it identifies the remaining files.
     let names: Vec<&str> = DATA_FILES.into_iter().chain([MANIFEST]).filter(is_there).collect();
     let mut half_full = None;
     for filling in unfinished(&folder)? {
@@ -78,7 +78,7 @@ fn close_by(directory: &Path, rename: Rename<'_>) -> io::Result<()> {
     Ok(())
 }
 
-/// Gives a folder its name: its own number, or another one where something has that.
+/// Gives a folder its final name: its own number, or another number if that name is taken.
 fn close(folder: &Path, filling: &Path, rename: Rename<'_>) -> io::Result<PathBuf> {
     let own = filling.with_extension("");
     let place = if fs::symlink_metadata(&own).is_ok() { free(folder) } else { own };
@@ -87,7 +87,7 @@ fn close(folder: &Path, filling: &Path, rename: Rename<'_>) -> io::Result<PathBu
     Ok(place)
 }
 
-/// The folders that are not closed, in the order of their numbers.
+/// Returns the unfinished folders, in the order of their numbers.
 fn unfinished(folder: &Path) -> io::Result<Vec<PathBuf>> {
     let mut found: Vec<(u64, PathBuf)> = Vec::new();
     for entry in fs::read_dir(folder)? {
@@ -102,7 +102,7 @@ fn unfinished(folder: &Path) -> io::Result<Vec<PathBuf>> {
     Ok(found.into_iter().map(|(_, path)| path).collect())
 }
 
-/// The first number that nothing has, not even a folder that is being filled.
+/// Returns the first number that neither a finished nor an unfinished folder has.
 fn free(folder: &Path) -> PathBuf {
     let names = (1..u64::MAX).map(|number| folder.join(number.to_string()));
     let is_free = |name: &PathBuf| {
@@ -123,14 +123,14 @@ mod tests {
 
     use super::*;
 
-    /// Results whose files all have this content.
+    /// Writes results whose files all have this content.
     fn write(directory: &Path, content: &str) {
         for name in DATA_FILES.into_iter().chain([MANIFEST]) {
             fs::write(directory.join(name), format!("{name} of {content}")).unwrap();
         }
     }
 
-    /// The contents of all files below a directory.
+    /// Returns the contents of all files below a directory.
     fn contents(directory: &Path) -> BTreeSet<String> {
         let entries = fs::read_dir(directory).unwrap().map(|entry| entry.unwrap().path());
         entries
@@ -141,7 +141,7 @@ mod tests {
             .collect()
     }
 
-    /// The first results, put aside by a program that is killed before renaming number `kill`.
+    /// Puts the first results aside with a program that is killed before renaming number `kill`.
     fn killed(kill: usize) -> TempDir {
         let scratch = tempdir().unwrap();
         write(scratch.path(), "the first");
@@ -156,7 +156,7 @@ mod tests {
 
     const RENAMINGS: usize = DATA_FILES.len() + 2;
 
-    /// Whatever the next two programs do, no file of the first results is lost, nor of the second ones.
+    /// The next two programs never lose a file of the first or the second results.
     #[test]
     fn no_kill_loses_earlier_results() {
         for kill in 0..=RENAMINGS {
@@ -164,8 +164,8 @@ mod tests {
             let directory = scratch.path();
             let first = contents(directory);
             assert_eq!(first.len(), DATA_FILES.len() + 1);
-            // All of it has been moved, the folder may have its name or not: a study is run as in any other
-            // directory. Before that, the rest is put aside.
+            // If all files have been moved, a study runs as in any other directory, even if the
+            // folder has not got its name yet. Otherwise the rest is put aside first.
             if directory.join(MANIFEST).exists() {
                 let place = put_aside(directory).unwrap();
                 assert_eq!(contents(&place), first, "killed before renaming {kill}");
@@ -184,7 +184,7 @@ mod tests {
         }
     }
 
-    /// Where nobody has closed a folder that is half full, what has the same names goes into another one.
+    /// If nobody has closed an incomplete folder, files of the same names go into another folder.
     #[test]
     fn a_folder_is_not_filled_up_with_other_results() {
         for kill in 1..RENAMINGS {

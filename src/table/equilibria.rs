@@ -1,4 +1,4 @@
-//! `equilibria.parquet`: the preferred equilibria, where runs came to rest.
+//! `equilibria.parquet`: the equilibria of the runs that came to rest.
 
 use super::column::Column;
 use super::record::RunRecord;
@@ -7,7 +7,7 @@ use crate::analysis::{bin, sorted_where_identical};
 use crate::classification::Label;
 use crate::study::{ParameterValue, Study};
 
-/// A run that ended in equilibrium, identical balls in ascending order of their angles.
+/// A run that ended in equilibrium, with identical balls in ascending order of their angles.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EquilibriumRow {
     run_id: u64,
@@ -22,7 +22,7 @@ pub struct EquilibriumRow {
 }
 
 impl EquilibriumRow {
-    /// The row of a run; none for one that did not end in equilibrium.
+    /// Creates the row of a run, or returns `None` if the run did not end in equilibrium.
     pub fn of(record: &RunRecord) -> Option<Self> {
         let RunRecord { planned, outcome, .. } = record;
         if outcome.label() != Label::Equilibrium {
@@ -47,7 +47,7 @@ impl EquilibriumRow {
     }
 }
 
-/// The columns of `equilibria.parquet`.
+/// Returns the columns of `equilibria.parquet`.
 pub fn equilibrium_columns(study: &Study) -> Vec<Column<EquilibriumRow>> {
     let mut columns = vec![
         Column::count(
@@ -63,8 +63,8 @@ pub fn equilibrium_columns(study: &Study) -> Vec<Column<EquilibriumRow>> {
     columns.extend(drawn_columns(study, |row: &EquilibriumRow| &row.uncertain));
     columns.extend(position_columns(
         study,
-        "angle at which the ball rests, from the imbalance, in [0, 2π); ascending among balls that \
-         are alike",
+        "angle at which the ball rests, from the imbalance, in [0, 2π); in ascending order for \
+         identical balls",
         |row: &EquilibriumRow| Some(&row.position),
     ));
     columns.extend([
@@ -77,17 +77,19 @@ pub fn equilibrium_columns(study: &Study) -> Vec<Column<EquilibriumRow>> {
         Column::number(
             "friction_margin",
             "1",
-            "least part of the friction limit that is left, 0 on the edge of the equilibrium set, where \
-             balls creep",
+            "smallest unused fraction of the friction limit; 0 on the boundary of the equilibrium \
+             set, where balls creep",
             |row: &EquilibriumRow| row.friction_margin,
         ),
         Column::number(
             "time_to_rest_s",
             "s",
-            "when the last ball, or the block, came to rest for good",
+            "time at which the last ball, or the block, stopped for good",
             |row: &EquilibriumRow| row.time_to_rest_s,
         ),
-        Column::word("evidence", "why it is an equilibrium", |row: &EquilibriumRow| row.evidence),
+        Column::word("evidence", "evidence for the equilibrium", |row: &EquilibriumRow| {
+            row.evidence
+        }),
     ]);
     columns.extend((0..study.model().balls()).map(|ball| {
         Column::count(

@@ -11,14 +11,15 @@ use super::set::{SetRow, SetSummaryRow, set_columns, set_summary_columns};
 use super::writer::{TableWriter, WriteError};
 use crate::study::Study;
 
-/// What the directory is to hold.
+/// The content of the directory.
 #[derive(Clone, Debug)]
 pub struct EquilibriumFiles {
-    /// Whether `equilibrium_positions.parquet`, the large one, is written.
+    /// Whether `equilibrium_positions.parquet` is written, which is large.
     pub positions: bool,
-    /// Whether the frictionless equilibria are at speeds of their own instead of the sweep's points.
+    /// Whether the frictionless equilibria are computed at given speeds instead of the points of
+    /// the sweep.
     pub own_speeds: bool,
-    /// The options that decide the tables, for their metadata.
+    /// The options that determine the tables, for their metadata.
     pub options: Value,
 }
 
@@ -31,7 +32,7 @@ pub struct EquilibriumTables {
 }
 
 impl EquilibriumFiles {
-    /// The names of the tables.
+    /// Returns the names of the tables.
     pub fn names(&self) -> Vec<&'static str> {
         let set = self.positions.then_some("equilibrium_positions.parquet");
         set.into_iter()
@@ -42,7 +43,7 @@ impl EquilibriumFiles {
     /// Starts the tables in a directory.
     ///
     /// # Errors
-    /// Where it cannot be written to.
+    /// Returns an error if the directory is not writable.
     pub fn create(&self, directory: &Path, study: &Study) -> Result<EquilibriumTables, WriteError> {
         let provenance = |table| provenance_with(study, table, &self.options);
         let path = |table| directory.join(format!("{table}.parquet"));
@@ -71,7 +72,7 @@ impl EquilibriumFiles {
 }
 
 impl EquilibriumTables {
-    /// Whether there is a table for positions.
+    /// Returns whether there is a table of positions.
     pub fn takes_positions(&self) -> bool {
         self.set.is_some()
     }
@@ -79,7 +80,7 @@ impl EquilibriumTables {
     /// Adds a position.
     ///
     /// # Errors
-    /// Where the table cannot be written.
+    /// Returns an error if the table cannot be written.
     pub fn push_position(&mut self, row: SetRow) -> Result<(), WriteError> {
         self.set.as_mut().map_or(Ok(()), |set| set.push(row))
     }
@@ -87,23 +88,24 @@ impl EquilibriumTables {
     /// Adds a point of the sweep.
     ///
     /// # Errors
-    /// Where the table cannot be written.
+    /// Returns an error if the table cannot be written.
     pub fn push_set(&mut self, row: SetSummaryRow) -> Result<(), WriteError> {
         self.sets.push(row)
     }
 
-    /// Adds an equilibrium without friction.
+    /// Adds a frictionless equilibrium.
     ///
     /// # Errors
-    /// Where the table cannot be written.
+    /// Returns an error if the table cannot be written.
     pub fn push_frictionless(&mut self, row: FrictionlessRow) -> Result<(), WriteError> {
         self.frictionless.push(row)
     }
 
-    /// Finishes all tables and puts their files on the directory's list. No existing table is replaced.
+    /// Finishes all tables and adds their files to the list of the directory. No existing table is
+    /// replaced.
     ///
     /// # Errors
-    /// Where a file cannot be written, or something else has its name.
+    /// Returns an error if a file cannot be written, or if its name is taken.
     pub fn finish(self, list: &mut FileList) -> Result<(), WriteError> {
         let directory = self.directory.as_path();
         if let Some(set) = self.set {

@@ -1,5 +1,5 @@
-//! `equilibrium_histogram.parquet`: how often balls came to rest in which part of the ring, one row per
-//! point of the sweep and occupied bin.
+//! `equilibrium_histogram.parquet`: the number of equilibria in each part of the ring, with one row
+//! per point of the sweep and occupied bin.
 
 use super::column::Column;
 use super::points::PointRow;
@@ -14,19 +14,19 @@ pub struct HistogramRow {
     pub point_id: u64,
     /// Values of the swept parameters, in the order of [`Study::swept`].
     pub swept: Vec<ParameterValue>,
-    /// The bin and what is known of it.
+    /// The bin and its counts.
     pub bin: HistogramBin,
 }
 
 impl HistogramRow {
-    /// A row of a point.
+    /// Creates the row of a bin at a point.
     pub fn new(point: &PointRow, bin: HistogramBin) -> Self {
         HistogramRow { point_id: point.point_id, swept: point.swept.clone(), bin }
     }
 }
 
-/// The columns of `equilibrium_histogram.parquet`: of one ball or two for both angles together, of more for one of
-/// them.
+/// Returns the columns of `equilibrium_histogram.parquet`. For one or two balls, a bin has the
+/// angles of all balls; for more balls, it has the angle of one ball.
 pub fn histogram_columns(study: &Study) -> Vec<Column<HistogramRow>> {
     let balls = study.model().balls();
     let angles = if balls > 2 { 1 } else { balls };
@@ -39,7 +39,8 @@ pub fn histogram_columns(study: &Study) -> Vec<Column<HistogramRow>> {
     if balls > 2 {
         columns.push(Column::count(
             "ball",
-            "the first of the identical balls, from 1; the row counts the angle of each of them alone",
+            "first ball of the group of identical balls, from 1; the row counts the angle of each \
+             ball of the group separately",
             |row: &HistogramRow| Some(row.bin.ball as u64 + 1),
         ));
     }
@@ -47,7 +48,7 @@ pub fn histogram_columns(study: &Study) -> Vec<Column<HistogramRow>> {
         let number = angle + 1;
         columns.push(Column::count(
             &format!("bin_{number}"),
-            "bin of the angle, from 0; the smaller angle of two identical balls is the first",
+            "bin of the angle, from 0; for two identical balls, the smaller angle comes first",
             move |row: &HistogramRow| row.bin.bins.get(angle).map(|&bin| bin as u64),
         ));
         for (end, word, meaning) in [(0, "from", "begins"), (1, "to", "ends")] {
@@ -62,7 +63,8 @@ pub fn histogram_columns(study: &Study) -> Vec<Column<HistogramRow>> {
     columns.extend([
         Column::count(
             "runs",
-            "equilibria in the bin; of three balls and more, those with at least one of these balls in it",
+            "equilibria in the bin; for three or more balls, equilibria with at least one ball of \
+             the group in the bin",
             |row: &HistogramRow| Some(row.bin.runs),
         ),
         Column::number(
@@ -74,13 +76,13 @@ pub fn histogram_columns(study: &Study) -> Vec<Column<HistogramRow>> {
         Column::number(
             "ci_low",
             "1",
-            "lower end of its 95 % interval (Wilson)",
+            "lower end of its 95 % confidence interval (Wilson)",
             |row: &HistogramRow| Some(row.bin.interval.0),
         ),
         Column::number(
             "ci_high",
             "1",
-            "upper end of its 95 % interval (Wilson)",
+            "upper end of its 95 % confidence interval (Wilson)",
             |row: &HistogramRow| Some(row.bin.interval.1),
         ),
     ]);

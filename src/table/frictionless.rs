@@ -1,4 +1,4 @@
-//! `frictionless_equilibria.parquet`: the equilibria without dry friction and their stability, one row each.
+//! `frictionless_equilibria.parquet`: the equilibria without dry friction and their stability.
 
 use std::sync::Arc;
 
@@ -7,10 +7,10 @@ use super::set::{PointKey, key_columns};
 use crate::analysis::FrictionlessEquilibrium;
 use crate::study::{ParameterValue, Study};
 
-/// An equilibrium without friction at a point of the sweep or at a speed.
+/// A frictionless equilibrium at a point of the sweep or at a speed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FrictionlessRow {
-    /// The point of the sweep; at speeds of its own one with nothing swept.
+    /// The point of the sweep; at given speeds, an empty point.
     pub point: Arc<PointKey>,
     /// Speed of the disc, rad/s.
     pub speed_rad_s: f64,
@@ -18,8 +18,8 @@ pub struct FrictionlessRow {
     pub equilibrium: FrictionlessEquilibrium,
 }
 
-/// The columns of `frictionless_equilibria.parquet`: with those of the sweep, or for `own_speeds` with the
-/// speed alone.
+/// Returns the columns of `frictionless_equilibria.parquet`, with the swept parameters, or with the
+/// speed alone for `own_speeds`.
 pub fn frictionless_columns(study: &Study, own_speeds: bool) -> Vec<Column<FrictionlessRow>> {
     let mut columns = Vec::new();
     if !own_speeds {
@@ -27,21 +27,21 @@ pub fn frictionless_columns(study: &Study, own_speeds: bool) -> Vec<Column<Frict
     }
     let speed = "speed_rad_s";
     if own_speeds || study.swept().iter().all(|column| column.name != speed) {
-        let meaning = "speed of the disc; negative turns clockwise";
+        let meaning = "speed of the disc; a negative speed is clockwise";
         columns.push(number(speed, "rad/s", meaning, |row| Some(row.speed_rad_s)));
     }
     columns.push(Column::word(
         "kind",
-        "a1_plus and a1_minus (balls together), a2 (two balls opposite each other), b1 (balanced), \
-         other (balls on one line), everywhere (the disc stands still)",
+        "kind: a1_plus and a1_minus (all balls together), a2 (two balls opposite each other), b1 \
+         (balanced), other (balls on one line), everywhere (the disc is at rest)",
         |row: &FrictionlessRow| row.equilibrium.kind.name(),
     ));
     for ball in 0..study.model().balls() {
         columns.push(Column::number(
             &format!("beta_{}_rad", ball + 1),
             "rad",
-            "angle of the ball from the imbalance, in [0, 2π), ascending among balls that are \
-             alike; of a family one position",
+            "angle of the ball from the imbalance, in [0, 2π), in ascending order for identical \
+             balls; for a family, one position",
             move |row: &FrictionlessRow| row.equilibrium.beta_rad.as_ref()?.get(ball).copied(),
         ));
     }
@@ -49,7 +49,7 @@ pub fn frictionless_columns(study: &Study, own_speeds: bool) -> Vec<Column<Frict
         number("x_m", "m", "position of the ring's centre towards the imbalance", |row| {
             Some(row.equilibrium.position_m[0])
         }),
-        number("y_m", "m", "position of the ring's centre at right angles to that", |row| {
+        number("y_m", "m", "position of the ring's centre perpendicular to x", |row| {
             Some(row.equilibrium.position_m[1])
         }),
         number("amplitude_m", "m", "amplitude of the table's vibration", |row| {
@@ -57,13 +57,13 @@ pub fn frictionless_columns(study: &Study, own_speeds: bool) -> Vec<Column<Frict
         }),
         Column::count(
             "family_dimension",
-            "dimensions of the family of equilibria that it belongs to, 0 if isolated",
+            "dimension of the family of equilibria that it belongs to; 0 if isolated",
             |row: &FrictionlessRow| Some(row.equilibrium.family_dimension as u64),
         ),
         Column::word(
             "stability",
-            "stable, unstable, marginal or unknown, by the linearised equations with viscous drag \
-             on the balls; without what lies along a family",
+            "stable, unstable, marginal or unknown, from the linearised equations with viscous \
+             drag on the balls, excluding the directions along a family",
             |row: &FrictionlessRow| row.equilibrium.stability.name(),
         ),
     ]);
@@ -75,13 +75,13 @@ pub fn frictionless_columns(study: &Study, own_speeds: bool) -> Vec<Column<Frict
         columns.push(Column::number(
             &format!("eigenvalue_{number}_real_per_s"),
             "1/s",
-            "growth rate of a small disturbance, the largest first",
+            "growth rate of a small disturbance, in descending order",
             move |row| value(row).map(|(real, _)| real),
         ));
         columns.push(Column::number(
             &format!("eigenvalue_{number}_imag_rad_s"),
             "rad/s",
-            "its angular frequency in the turning frame",
+            "its angular frequency in the rotating frame",
             move |row| value(row).map(|(_, imaginary)| imaginary),
         ));
     }
@@ -98,7 +98,7 @@ fn number(
 }
 
 impl FrictionlessRow {
-    /// A key for speeds of their own, which are no points of the sweep.
+    /// Returns the key of a speed that is not a point of the sweep.
     pub fn no_point() -> Arc<PointKey> {
         Arc::new(PointKey { point_id: 0, swept: Vec::<ParameterValue>::new() })
     }

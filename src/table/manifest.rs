@@ -1,4 +1,4 @@
-//! `manifest.json`: what an output directory holds, and when, where and how it was made.
+//! `manifest.json`: the content of an output directory, and when, where and how it was made.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -21,86 +21,87 @@ use crate::study::Study;
 /// Name of the manifest in an output directory.
 pub const MANIFEST: &str = "manifest.json";
 
-/// The largest manifest that is read, bytes.
+/// The largest manifest that is read, in bytes.
 const MAX_BYTES: u64 = 4 * 1024 * 1024;
 
-/// The most characters of a text in a manifest.
+/// The largest number of characters of a text in a manifest.
 const LONGEST_TEXT: usize = 256;
 
-/// The manifest. Times and host are here and nowhere else.
+/// The manifest. No other file contains times or the host.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Manifest {
     /// Version of the layout.
     pub format: u32,
     /// Name of the study.
     pub study: String,
-    /// Hash of what decides its runs.
+    /// Hash of everything that determines the runs.
     pub study_hash: String,
     /// Version of the program.
     pub version: String,
     /// Commit that the program was built from.
     pub commit: String,
-    /// Version of what decides outcomes; results of another are not used again.
+    /// Version of the outcomes; results of another version are not reused.
     #[serde(default)]
     pub model_version: u32,
     /// Part of the study that was run, as `K/N`.
     pub shard: String,
-    /// Runs planned in this part; with a precision, the most.
+    /// Planned runs of this part; with a precision, the largest number.
     pub runs_planned: u64,
-    /// Runs finished, failed ones included.
+    /// Finished runs, including failed runs.
     pub runs_finished: u64,
-    /// Finished runs that did not have to be computed: they were on disk already.
+    /// Finished runs that were reused from disk.
     #[serde(default)]
     pub runs_kept: u64,
     /// Runs per label.
     pub labels: BTreeMap<String, u64>,
-    /// Whether all planned runs are finished; with a precision, all that it needs.
+    /// Whether all planned runs have finished; with a precision, all runs that the precision
+    /// requires.
     pub complete: bool,
-    /// When it started, seconds since 1970-01-01 UTC.
+    /// Start time, in seconds since 1970-01-01 UTC.
     pub started_unix_s: f64,
-    /// How long it took, s.
+    /// Duration, s.
     pub wall_s: f64,
-    /// Worker threads.
+    /// Number of worker threads.
     pub threads: usize,
-    /// Directories of the shards that are being merged, as they were given; none where runs are computed,
-    /// and none once all are merged.
+    /// Directories of the shards that are being merged, as given. Empty if runs are computed, and
+    /// after the merge is complete.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub merging: Vec<String>,
-    /// Name of the machine.
+    /// Name of the host.
     pub host: String,
-    /// The data files; of a table that is a directory, each of its parts.
+    /// The data files; for a table that is a directory, each of its parts.
     pub files: BTreeMap<String, FileEntry>,
 }
 
 /// A data file in the manifest.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct FileEntry {
-    /// Rows of the table; none for a file that is not a table.
+    /// Number of rows; `None` for a file that is not a table.
     pub rows: Option<u64>,
-    /// Size, bytes.
+    /// Size in bytes.
     pub bytes: u64,
-    /// SHA-256 of its content, hexadecimal.
+    /// SHA-256 hash of the content, in hexadecimal.
     pub sha256: String,
 }
 
 impl FileEntry {
-    /// The entry of a file on disk.
+    /// Creates the entry of a file on disk.
     ///
     /// # Errors
-    /// Where the file cannot be read.
+    /// Returns an error if the file cannot be read.
     pub fn of(path: &Path, rows: Option<u64>) -> io::Result<Self> {
         let mut hasher = HashWriter { hasher: Sha256::new(), bytes: 0 };
         io::copy(&mut fs::File::open(path)?, &mut hasher)?;
         Ok(FileEntry { rows, bytes: hasher.bytes, sha256: hexadecimal(&hasher.hasher.finalize()) })
     }
 
-    /// The entry of a file of this content that is not a table.
+    /// Creates the entry of a file that has this content and is not a table.
     pub(super) fn of_content(content: &[u8]) -> Self {
         let sha256 = hexadecimal(&Sha256::digest(content));
         FileEntry { rows: None, bytes: content.len() as u64, sha256 }
     }
 
-    /// Whether two files have the same content.
+    /// Returns whether two files have the same content.
     pub(super) fn has_content_of(&self, other: &Self) -> bool {
         (self.bytes, &self.sha256) == (other.bytes, &other.sha256)
     }
@@ -128,7 +129,7 @@ impl io::Write for HashWriter {
 }
 
 impl Manifest {
-    /// The manifest of what has been done of a study.
+    /// Creates the manifest of the results of a study.
     pub fn new(
         study: &Study,
         circumstances: Circumstances,
@@ -153,17 +154,18 @@ impl Manifest {
             started_unix_s: circumstances.started_unix_s,
             wall_s: circumstances.wall_s,
             threads: circumstances.threads,
-            // What is merged is a directory like any other.
+            // A merged directory is like any other.
             merging: if complete { Vec::new() } else { merging },
             host: gethostname::gethostname().to_string_lossy().into_owned(),
             files,
         }
     }
 
-    /// Reads the manifest of a directory; none where there is no such file.
+    /// Reads the manifest of a directory, or returns `None` if there is no such file.
     ///
     /// # Errors
-    /// Where there is one that cannot be read; of the kind `InvalidData` where it is not a manifest.
+    /// Returns an error if the manifest cannot be read, with the kind `InvalidData` if it is not a
+    /// manifest.
     pub fn read(directory: &Path) -> io::Result<Option<Self>> {
         match read_regular(&directory.join(MANIFEST), MAX_BYTES) {
             Ok(bytes) => {
@@ -183,7 +185,7 @@ impl Manifest {
         }
     }
 
-    /// Whether every file is one of the directory itself.
+    /// Checks that every file is in the directory itself.
     fn check_names(&self) -> Result<(), String> {
         match self.files.keys().find(|name| !is_file_name(name)) {
             None => Ok(()),
@@ -194,8 +196,8 @@ impl Manifest {
         }
     }
 
-    /// Whether all else is such as this program writes: texts that can be shown, the part of a study, and
-    /// numbers of runs that agree with one another.
+    /// Checks the values: texts must be printable, the shard must be valid, and the numbers of runs
+    /// must be consistent.
     fn check_values(&self) -> Result<(), String> {
         let names = self.files.keys().chain(self.labels.keys());
         let texts = [&self.study, &self.study_hash, &self.version, &self.commit, &self.host];
@@ -226,11 +228,10 @@ impl Manifest {
         Ok(())
     }
 
-    /// Checks a file of the directory that this is the manifest of, if it has it: whether it is the one that
-    /// was written.
+    /// Checks a file of the manifest's directory against the manifest, if the manifest lists it.
     ///
     /// # Errors
-    /// Where it is not.
+    /// Returns an error if the file differs from the manifest.
     pub fn check_file(&self, directory: &Path, name: &str) -> Result<(), TableError> {
         let remedy = self.remedy(directory);
         let entry = self.files.get(name);
@@ -238,35 +239,33 @@ impl Manifest {
         entry.map_or(Ok(()), |entry| listed.check(name, entry).map(drop))
     }
 
-    /// The files of the manifest in its directory, with [`Self::remedy`].
+    /// Returns the files of the manifest in their directory, with [`Self::remedy`].
     pub(super) fn in_directory<'a>(&'a self, directory: &'a Path, remedy: &'a str) -> Listed<'a> {
         Listed { directory, list: MANIFEST, files: &self.files, remedy }
     }
 
-    /// What to do about a file of the directory that is another one.
+    /// Returns what to do about a file that differs from the manifest.
     pub(super) fn remedy(&self, directory: &Path) -> String {
-        format!(
-            "`stickslip resume {}` makes it again from the finished runs",
-            shell_word(directory)
-        )
+        format!("`stickslip resume {}` recreates it from the finished runs", shell_word(directory))
     }
 
-    /// Writes the manifest into a directory, whole or not at all.
+    /// Writes the manifest into a directory atomically.
     ///
     /// # Errors
-    /// Where it cannot be written.
+    /// Returns an error if the manifest cannot be written.
     pub fn write(&self, directory: &Path) -> io::Result<()> {
         let text = serde_json::to_string_pretty(self).map_err(io::Error::other)? + "\n";
         write_atomically(&directory.join(MANIFEST), text.as_bytes())
     }
 }
 
-/// Reads a regular file of at most so many bytes.
+/// Reads a regular file of at most `most` bytes.
 ///
 /// # Errors
-/// Where it is another thing, a link included, larger, or cannot be read.
+/// Returns an error if the file is not regular (for example, a link), is larger, or cannot be read.
 pub(crate) fn read_regular(path: &Path, most: u64) -> io::Result<Vec<u8>> {
-    // Asked before it is opened: opening a named pipe would wait for a writer, and a link may lead anywhere.
+    // Checked before opening: opening a named pipe would wait for a writer, and a link may lead
+    // anywhere.
     if !fs::symlink_metadata(path)?.is_file() {
         return Err(io::Error::other("not a regular file"));
     }

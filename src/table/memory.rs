@@ -1,4 +1,4 @@
-//! Tables in memory: record batches with the columns and the provenance that Parquet files have.
+//! Tables in memory: record batches with the columns and the provenance of the Parquet files.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -13,9 +13,10 @@ use arrow_select::concat::concat_batches;
 
 use super::column::{Column, batch, schema};
 
-/// Rows of a batch.
+/// Number of rows in a batch.
 const BATCH: usize = 65_536;
-/// Rows that wait to become columns: they are larger than these.
+/// Number of rows that are buffered before they become columns, because rows take more memory than
+/// columns.
 const WAITING: usize = 4096;
 
 /// A table in memory.
@@ -26,23 +27,25 @@ pub struct MemoryTable {
 }
 
 impl MemoryTable {
-    /// Its columns, with unit and meaning of each, and its provenance under the metadata key `stickslip`.
+    /// Returns the schema, with unit and meaning of each column, and the provenance under the
+    /// metadata key `stickslip`.
     pub fn schema(&self) -> &SchemaRef {
         &self.schema
     }
 
-    /// Its rows, in order.
+    /// Returns the rows, in order.
     pub fn batches(&self) -> &[RecordBatch] {
         &self.batches
     }
 
-    /// How many rows it has.
+    /// Returns the number of rows.
     pub fn rows(&self) -> usize {
         self.batches.iter().map(RecordBatch::num_rows).sum()
     }
 
-    /// A table of batches, with one dictionary for all that is in a column of words, and each word once in
-    /// it: readers take the words of the first batch for those of all, or each entry for another word.
+    /// Creates a table from batches. Each column of words has one dictionary for all batches,
+    /// without repeated words: some readers use the dictionary of the first batch for all batches,
+    /// or treat each entry as a different word.
     pub(super) fn new(
         schema: SchemaRef,
         mut batches: Vec<RecordBatch>,
@@ -70,18 +73,18 @@ impl MemoryTable {
     }
 }
 
-/// A table in memory that rows are added to.
+/// Builds a table in memory row by row.
 pub struct MemoryWriter<R> {
     columns: Vec<Column<R>>,
     schema: SchemaRef,
     rows: Vec<R>,
-    /// Of few rows each, until they are enough for a batch.
+    /// Batches of few rows, until they are enough for a full batch.
     pieces: Vec<RecordBatch>,
     batches: Vec<RecordBatch>,
 }
 
 impl<R> MemoryWriter<R> {
-    /// A table without rows and with `provenance` as the value of the metadata key `stickslip`.
+    /// Creates an empty table with `provenance` as the value of the metadata key `stickslip`.
     pub fn new(columns: Vec<Column<R>>, provenance: String) -> Self {
         let schema = schema(&columns).as_ref().clone();
         let metadata = HashMap::from([("stickslip".to_owned(), provenance)]);
@@ -93,7 +96,7 @@ impl<R> MemoryWriter<R> {
     /// Adds a row.
     ///
     /// # Errors
-    /// Where a column's values do not fit its type: a defect of this program.
+    /// Returns an error if the values of a column do not fit its type, which is a bug.
     pub fn push(&mut self, row: R) -> Result<(), ArrowError> {
         self.rows.push(row);
         if self.rows.len() < WAITING { Ok(()) } else { self.flush() }
@@ -109,7 +112,7 @@ impl<R> MemoryWriter<R> {
         if self.pieces.len() * WAITING >= BATCH { self.join() } else { Ok(()) }
     }
 
-    /// Makes one batch of the pieces.
+    /// Joins the pieces into one batch.
     fn join(&mut self) -> Result<(), ArrowError> {
         let pieces = std::mem::take(&mut self.pieces);
         if !pieces.is_empty() {
@@ -118,10 +121,10 @@ impl<R> MemoryWriter<R> {
         Ok(())
     }
 
-    /// The table.
+    /// Returns the table.
     ///
     /// # Errors
-    /// As for [`MemoryWriter::push`].
+    /// Returns an error in the cases of [`MemoryWriter::push`].
     pub fn finish(mut self) -> Result<MemoryTable, ArrowError> {
         self.flush()?;
         self.join()?;
@@ -129,10 +132,10 @@ impl<R> MemoryWriter<R> {
     }
 }
 
-/// Rows as a table.
+/// Creates a table from rows.
 ///
 /// # Errors
-/// As for [`MemoryWriter::push`].
+/// Returns an error in the cases of [`MemoryWriter::push`].
 pub fn in_memory<R>(
     columns: Vec<Column<R>>,
     provenance: String,

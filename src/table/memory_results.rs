@@ -1,4 +1,4 @@
-//! The tables of a study in memory: what [`super::Results`] writes to a directory.
+//! The tables of a study in memory: the content that [`super::Results`] writes to a directory.
 
 use arrow_schema::ArrowError;
 
@@ -14,11 +14,11 @@ use super::runs::run_columns;
 use crate::analysis::PointDetail;
 use crate::study::Study;
 
-/// The names of a study's tables, as files are called without `.parquet`.
+/// The names of a study's tables: the file names without `.parquet`.
 pub const TABLES: [&str; 6] =
     ["runs", "points", "time_to_rest", "cycles", "equilibria", "equilibrium_histogram"];
 
-/// The tables of a study, open for rows.
+/// Builds the tables of a study row by row.
 pub struct MemoryResults {
     runs: MemoryWriter<RunRecord>,
     points: MemoryWriter<PointRow>,
@@ -29,7 +29,7 @@ pub struct MemoryResults {
 }
 
 impl MemoryResults {
-    /// Tables without rows.
+    /// Creates empty tables.
     pub fn new(study: &Study) -> Self {
         let about = |table| provenance(study, table);
         MemoryResults {
@@ -45,7 +45,7 @@ impl MemoryResults {
     /// Adds a run.
     ///
     /// # Errors
-    /// Where values do not fit their column: a defect of this program.
+    /// Returns an error if values do not fit their column, which is a bug.
     pub fn push_run(&mut self, record: RunRecord) -> Result<(), ArrowError> {
         if let Some(equilibrium) = EquilibriumRow::of(&record) {
             self.equilibria.push(equilibrium)?;
@@ -53,10 +53,10 @@ impl MemoryResults {
         self.runs.push(record)
     }
 
-    /// Adds a point and what goes into tables of its own.
+    /// Adds a point and its rows in the other tables.
     ///
     /// # Errors
-    /// As for [`MemoryResults::push_run`].
+    /// Returns an error in the cases of [`MemoryResults::push_run`].
     pub fn push_point(&mut self, point: PointRow, detail: PointDetail) -> Result<(), ArrowError> {
         for step in detail.rest {
             self.rest.push(RestRow::new(&point, step))?;
@@ -70,10 +70,10 @@ impl MemoryResults {
         self.points.push(point)
     }
 
-    /// The tables, in the order of [`TABLES`].
+    /// Returns the tables, in the order of [`TABLES`].
     ///
     /// # Errors
-    /// As for [`MemoryResults::push_run`].
+    /// Returns an error in the cases of [`MemoryResults::push_run`].
     pub fn finish(self) -> Result<[MemoryTable; 6], ArrowError> {
         Ok([
             self.runs.finish()?,

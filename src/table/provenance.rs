@@ -1,7 +1,7 @@
-//! Where a table comes from: the JSON under the metadata key `stickslip` of every data file.
+//! The provenance of a table: the JSON under the metadata key `stickslip` of every data file.
 //!
-//! It holds what decides the data and nothing else, no time and no host, so that data files of
-//! equal studies are equal to the byte.
+//! It contains only what determines the data, without times or host, so that equal studies have
+//! identical data files.
 
 use serde_json::{Value, json};
 
@@ -9,18 +9,18 @@ use crate::study::Study;
 
 /// Version of this program.
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");
-/// Commit that this program was built from, `unknown` outside of a repository.
+/// Commit that this program was built from; `unknown` outside a repository.
 pub const COMMIT: &str = env!("STICKSLIP_COMMIT");
 
 /// Version of the layout of the tables and of this JSON.
 pub const FORMAT: u32 = 1;
 
-/// The provenance of a table of a study.
+/// Returns the provenance of a table of a study.
 pub fn provenance(study: &Study, table: &str) -> String {
     facts(study, table).to_string()
 }
 
-/// The provenance of a table that options of the command line decide too.
+/// Returns the provenance of a table that also depends on command-line options.
 pub fn provenance_with(study: &Study, table: &str, options: &Value) -> String {
     let mut facts = facts(study, table);
     facts["options"] = options.clone();

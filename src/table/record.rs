@@ -1,4 +1,4 @@
-//! One row of the run table: what was planned and what came out.
+//! One row of the run table: the planned run and its outcome.
 
 use crate::analysis::Observed;
 use crate::classification::{Evidence, Outcome};
@@ -11,12 +11,12 @@ pub struct RunRecord {
     pub planned: PlannedRun,
     /// How it ended.
     pub outcome: Outcome,
-    /// Why it ended as it did when it was computed a second time, if it was.
+    /// Evidence of the audit, if the run was recomputed.
     pub audit: Option<Evidence>,
 }
 
 impl RunRecord {
-    /// The run as statistics see it.
+    /// Returns the run as the statistics use it.
     pub fn observed(&self) -> Observed<'_> {
         Observed {
             cell: self.planned.cell,

@@ -1,29 +1,30 @@
-//! `trajectory.parquet` and `switches.parquet`: the motion of one run, with and without dimensions.
+//! `trajectory.parquet` and `switches.parquet`: the motion of one run, in SI units and
+//! non-dimensional.
 
 use super::column::{Column, NON_DIMENSIONAL};
 use crate::classification::{ContactSample, Sample, Switch};
 use crate::model::{Ground, Model};
 use crate::motion::Phase;
 
-/// What turns non-dimensional values of a model into SI units.
+/// Conversion of non-dimensional values of a model to SI units.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Units {
-    /// Natural frequency, rad/s: 1 over the unit of time.
+    /// Natural frequency, rad/s: the reciprocal of the unit of time.
     pub natural_rad_s: f64,
     /// Unit of length, m.
     pub length_m: f64,
-    /// Unit of a contact's position: 1 rad of a ball, the unit of length of a block.
+    /// Unit of a contact's position: 1 rad for a ball, the unit of length for a block.
     pub position: f64,
     /// Unit of force of each contact, N.
     pub force_n: Vec<f64>,
-    /// Speed of the disc, rad/s; 0 without one.
+    /// Speed of the disc, rad/s; 0 without a disc.
     pub disc_rad_s: f64,
-    /// Speed of what a block lies on, m/s; 0 of a ball.
+    /// Speed of the ground of a block, m/s; 0 for a ball.
     pub ground_m_s: f64,
 }
 
 impl Units {
-    /// Those of a model.
+    /// Returns the units of a model.
     pub fn of(model: &Model) -> Self {
         let natural = model.natural_frequency_rad_s();
         match model {
@@ -51,13 +52,13 @@ impl Units {
         }
     }
 
-    /// Time of an instant, s.
+    /// Converts a time to s.
     pub fn seconds(&self, time: f64) -> f64 {
         time / self.natural_rad_s
     }
 
-    /// Position and velocity of the ring's centre in space, m and m/s; at the time 0 the axes of the disc
-    /// are those of space.
+    /// Returns position and velocity of the ring's centre in the inertial frame, m and m/s. At time
+    /// 0, the axes of the disc and of the inertial frame coincide.
     pub fn in_space(&self, sample: &Sample) -> Option<[f64; 4]> {
         let [x, y, x_dot, y_dot] = sample.table?;
         let omega = self.disc_rad_s / self.natural_rad_s;
@@ -72,18 +73,18 @@ impl Units {
         ])
     }
 
-    /// A contact's sliding speed, rad/s of a ball, m/s of a block.
+    /// Returns the sliding speed of a contact: rad/s for a ball, m/s for a block.
     pub fn sliding_speed(&self, contact: &ContactSample) -> f64 {
         contact.speed * self.position * self.natural_rad_s
     }
 
-    /// A force on a contact, N.
+    /// Converts a force on a contact to N.
     pub fn newtons(&self, contact: usize, force: f64) -> Option<f64> {
         self.force_n.get(contact).map(|unit| unit * force)
     }
 }
 
-/// The name of what a contact does.
+/// Returns the name of a phase.
 pub fn phase_name(phase: Phase) -> &'static str {
     match phase {
         Phase::Stick => "stick",
@@ -95,20 +96,20 @@ pub fn phase_name(phase: Phase) -> &'static str {
     }
 }
 
-/// An angle in [0, 2π).
+/// Maps an angle to [0, 2π).
 pub fn in_circle(angle: f64) -> f64 {
     let wrapped = angle.rem_euclid(std::f64::consts::TAU);
     if wrapped < std::f64::consts::TAU { wrapped } else { 0.0 }
 }
 
-const PHASE: &str = "what it does: stick; slip_forward or slip_backward; transition_forward or \
-                     transition_backward, in the band around zero speed but not held; free, where its \
-                     law has no stick";
-const FRICTION: &str =
-    "friction force, acting against positive speed; in stick, what sticking takes";
-const LIMIT: &str = "most that friction can hold: static coefficient times normal force";
+const PHASE: &str = "phase: stick; slip_forward or slip_backward; transition_forward or \
+                     transition_backward, in the band around zero speed without sticking; free, if \
+                     the friction law has no stick";
+const FRICTION: &str = "friction force, positive against positive speed; during stick, the force \
+                        that sticking requires";
+const LIMIT: &str = "friction limit: static coefficient times normal force";
 
-/// The columns of `trajectory.parquet`.
+/// Returns the columns of `trajectory.parquet`.
 pub fn trajectory_columns(model: &Model) -> Vec<Column<Sample>> {
     let units = Units::of(model);
     let natural = units.natural_rad_s;
@@ -118,7 +119,7 @@ pub fn trajectory_columns(model: &Model) -> Vec<Column<Sample>> {
         }),
         Column::count(
             "step",
-            "number of the integration step that the row is in or at the end of; 0 at the start",
+            "number of the integration step that contains the row or ends there; 0 at the start",
             |row: &Sample| Some(row.step),
         ),
     ];
@@ -138,10 +139,10 @@ pub fn trajectory_columns(model: &Model) -> Vec<Column<Sample>> {
     ));
     if model.balls() > 0 {
         let names = [
-            ("x", "position of the ring's centre towards the imbalance, in the turning frame"),
-            ("y", "position of the ring's centre at right angles to that, in the turning frame"),
-            ("x_dot", "velocity along x in the turning frame"),
-            ("y_dot", "velocity along y in the turning frame"),
+            ("x", "position of the ring's centre towards the imbalance, in the rotating frame"),
+            ("y", "position of the ring's centre perpendicular to x, in the rotating frame"),
+            ("x_dot", "velocity along x in the rotating frame"),
+            ("y_dot", "velocity along y in the rotating frame"),
         ];
         columns.extend(names.into_iter().enumerate().map(|(axis, (name, meaning))| {
             let value = move |row: &Sample| Some(row.table?[axis]);
@@ -173,7 +174,7 @@ fn table_columns(units: &Units) -> Vec<Column<Sample>> {
     let (length, speed) = (units.length_m, units.length_m * units.natural_rad_s);
     let turning = [
         ("x_m", "m", "position of the ring's centre towards the imbalance", length),
-        ("y_m", "m", "position of the ring's centre at right angles to that", length),
+        ("y_m", "m", "position of the ring's centre perpendicular to x", length),
         ("x_dot_m_s", "m/s", "velocity of the ring's centre along x", speed),
         ("y_dot_m_s", "m/s", "velocity of the ring's centre along y", speed),
     ];
@@ -183,16 +184,16 @@ fn table_columns(units: &Units) -> Vec<Column<Sample>> {
             "m",
             "position of the ring's centre along the imbalance's direction at t = 0",
         ),
-        ("y_inertial_m", "m", "position of the ring's centre at right angles to that"),
-        ("x_dot_inertial_m_s", "m/s", "velocity of the ring's centre along the first"),
-        ("y_dot_inertial_m_s", "m/s", "velocity of the ring's centre along the second"),
+        ("y_inertial_m", "m", "position of the ring's centre perpendicular to x_inertial"),
+        ("x_dot_inertial_m_s", "m/s", "velocity of the ring's centre along x_inertial"),
+        ("y_dot_inertial_m_s", "m/s", "velocity of the ring's centre along y_inertial"),
     ];
     let turning = turning.into_iter().enumerate().map(|(axis, (name, unit, meaning, factor))| {
-        let meaning = format!("{meaning}, in the frame that turns with the disc");
+        let meaning = format!("{meaning}, in the frame that rotates with the disc");
         Column::number(name, unit, &meaning, move |row: &Sample| Some(factor * row.table?[axis]))
     });
     let space = space.into_iter().enumerate().map(|(axis, (name, unit, meaning))| {
-        let (units, meaning) = (units.clone(), format!("{meaning}, in space"));
+        let (units, meaning) = (units.clone(), format!("{meaning}, in the inertial frame"));
         Column::number(name, unit, &meaning, move |row: &Sample| Some(units.in_space(row)?[axis]))
     });
     turning.chain(space).collect()
@@ -213,7 +214,7 @@ fn ball_columns(units: &Units, ball: usize) -> Vec<Column<Sample>> {
             ball,
             &format!("beta_unwrapped_{number}_rad"),
             "rad",
-            "angle of the ball from the imbalance with the whole turns made since the start",
+            "angle of the ball from the imbalance, including complete turns since the start",
             |contact| contact.position,
         ),
         of_contact(
@@ -246,7 +247,7 @@ fn block_columns(units: &Units) -> Vec<Column<Sample>> {
             0,
             "sliding_speed_m_s",
             "m/s",
-            "speed of the block relative to what it lies on",
+            "speed of the block relative to the ground",
             move |block| block.speed * speed,
         ),
     ];
@@ -277,27 +278,25 @@ fn contact_columns(units: &Units, contact: usize, suffix: &str) -> Vec<Column<Sa
     ]
 }
 
-/// Speed and forces without dimensions.
+/// Speed and forces, non-dimensional.
 fn plain_columns(contact: usize, suffix: &str) -> Vec<Column<Sample>> {
     let column = |stem: &str, meaning: &str, value: fn(&ContactSample) -> f64| {
         of_contact(contact, &format!("{stem}{suffix}"), NON_DIMENSIONAL, meaning, value)
     };
     let speed = if suffix.is_empty() { "sliding_speed" } else { "beta_dot" };
     vec![
-        column(speed, "sliding speed over the natural frequency and the unit of length", |c| {
-            c.speed
-        }),
+        column(speed, "sliding speed divided by natural frequency and unit of length", |c| c.speed),
         column(
             "friction",
-            "friction force over its unit (m ω_n² L; of a block its normal force)",
+            "friction force divided by its unit (m ω_n² L; for a block, its normal force)",
             |c| c.friction,
         ),
-        column("friction_limit", "most that friction can hold, over the same unit", |c| c.limit),
-        column("normal", "normal force over the same unit", |c| c.normal),
+        column("friction_limit", "friction limit, divided by the same unit", |c| c.limit),
+        column("normal", "normal force divided by the same unit", |c| c.normal),
     ]
 }
 
-/// The columns of `switches.parquet`.
+/// Returns the columns of `switches.parquet`.
 pub fn switch_columns(model: &Model) -> Vec<Column<Switch>> {
     let units = Units::of(model);
     let natural = units.natural_rad_s;
@@ -311,7 +310,7 @@ pub fn switch_columns(model: &Model) -> Vec<Column<Switch>> {
         }));
     }
     columns.push(Column::word("from", PHASE, |row: &Switch| phase_name(row.before.phase)));
-    columns.push(Column::word("to", "the same after the switch", |row: &Switch| {
+    columns.push(Column::word("to", "phase after the switch", |row: &Switch| {
         phase_name(row.after.phase)
     }));
     let (position, position_unit) =
@@ -321,7 +320,7 @@ pub fn switch_columns(model: &Model) -> Vec<Column<Switch>> {
     columns.push(Column::number(
         position,
         position_unit,
-        "where: angle of the ball from the imbalance, in [0, 2π); position of the block",
+        "place: angle of the ball from the imbalance, in [0, 2π), or position of the block",
         move |row: &Switch| {
             let place = row.after.position * unit;
             Some(if turns { in_circle(place) } else { place })

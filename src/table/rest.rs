@@ -1,4 +1,4 @@
-//! `time_to_rest.parquet`: per point of the sweep, the probability of being at rest over time.
+//! `time_to_rest.parquet`: the probability of being at rest over time, per point of the sweep.
 
 use super::column::Column;
 use super::points::PointRow;
@@ -13,18 +13,18 @@ pub struct RestRow {
     pub point_id: u64,
     /// Values of the swept parameters, in the order of [`Study::swept`].
     pub swept: Vec<ParameterValue>,
-    /// What has happened by a time.
+    /// The state of the curve at a time.
     pub step: RestStep,
 }
 
 impl RestRow {
-    /// A row of a point's curve.
+    /// Creates the row of a point's curve.
     pub fn new(point: &PointRow, step: RestStep) -> Self {
         RestRow { point_id: point.point_id, swept: point.swept.clone(), step }
     }
 }
 
-/// The columns of `time_to_rest.parquet`.
+/// Returns the columns of `time_to_rest.parquet`.
 pub fn rest_columns(study: &Study) -> Vec<Column<RestRow>> {
     let mut columns =
         vec![Column::count("point_id", "number of the sweep's point, from 0", |row: &RestRow| {
@@ -35,18 +35,19 @@ pub fn rest_columns(study: &Study) -> Vec<Column<RestRow>> {
         Column::number("time_s", "s", "simulated time", |row: &RestRow| Some(row.step.time_s)),
         Column::count(
             "at_risk",
-            "runs still moving just before; of a curve thinned to 1000 rows, before the first rest \
-             after the row before; failed runs are left out",
+            "runs at risk just before this time, without failed runs; if the curve is thinned to \
+             1000 rows, before the first rest after the preceding row",
             |row: &RestRow| Some(row.step.at_risk),
         ),
         Column::count(
             "came_to_rest",
-            "runs that came to rest since the row before, up to and with this time",
+            "runs that came to rest after the preceding row, up to and including this time",
             |row: &RestRow| Some(row.step.came_to_rest),
         ),
         Column::count(
             "censored",
-            "runs stopped while moving before the next row; limit cycles at the last end time",
+            "censored runs: stopped while moving before the next row; limit cycles count at the \
+             last end time",
             |row: &RestRow| Some(row.step.censored),
         ),
         Column::number(
@@ -58,12 +59,17 @@ pub fn rest_columns(study: &Study) -> Vec<Column<RestRow>> {
         Column::number(
             "ci_low",
             "1",
-            "lower end of its 95 % interval (Greenwood, log(-log); exact binomial at 0 and 1)",
+            "lower end of its 95 % confidence interval (Greenwood, log(-log); exact binomial at 0 \
+             and 1)",
             |row: &RestRow| Some(row.step.interval.0),
         ),
-        Column::number("ci_high", "1", "upper end of its 95 % interval", |row: &RestRow| {
-            Some(row.step.interval.1)
-        }),
+        Column::number(
+            "ci_high",
+            "1",
+            "upper end of its 95 % confidence \
+             interval",
+            |row: &RestRow| Some(row.step.interval.1),
+        ),
     ]);
     columns
 }

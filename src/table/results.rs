@@ -1,4 +1,4 @@
-//! The output directory of a study: its tables, written as runs come in.
+//! The output directory of a study: its tables, written row by row.
 
 use std::collections::BTreeMap;
 use std::io;
@@ -25,28 +25,28 @@ use crate::study::Study;
 /// Why an output directory cannot be used or written.
 #[derive(Debug, Error)]
 pub enum ResultsError {
-    /// It holds something that must not be overwritten.
+    /// It contains something that must not be overwritten.
     #[error("{}: {reason}\n  found:   {found}\n  allowed: {allowed}", path.display())]
     Occupied {
         /// The directory.
         path: PathBuf,
-        /// What is wrong.
+        /// The problem.
         reason: String,
-        /// What it holds.
+        /// What the directory contains.
         found: String,
         /// What to do.
         allowed: String,
     },
-    /// It cannot be made or written to.
+    /// It cannot be created or written to.
     #[error(
-        "{}: cannot be used as output directory\n  found:   {cause}\n  allowed: a directory that can \
-         be made, read and written to",
+        "{}: cannot be used as output directory\n  found:   {cause}\n  allowed: a directory that \
+         can be created, read and written to",
         path.display()
     )]
     Unusable {
         /// The directory or a file in it.
         path: PathBuf,
-        /// What the operating system says.
+        /// The error of the operating system.
         cause: io::Error,
     },
     /// A table cannot be written.
@@ -54,31 +54,31 @@ pub enum ResultsError {
     Write(#[from] WriteError),
 }
 
-/// Facts about a run of the program that only it knows.
+/// Facts about an execution of the program.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Circumstances {
     /// Part of the study, as `K/N`.
     pub shard: String,
-    /// Runs planned in this part; with a precision, the most.
+    /// Planned runs of this part; with a precision, the largest number.
     pub runs_planned: u64,
-    /// Finished runs that did not have to be computed: they were on disk already.
+    /// Finished runs that were reused from disk.
     pub runs_kept: u64,
-    /// Whether all runs that are needed have finished.
+    /// Whether all required runs have finished.
     pub complete: bool,
-    /// When it started, seconds since 1970-01-01 UTC.
+    /// Start time, in seconds since 1970-01-01 UTC.
     pub started_unix_s: f64,
-    /// How long it took, s.
+    /// Duration, s.
     pub wall_s: f64,
-    /// Worker threads.
+    /// Number of worker threads.
     pub threads: usize,
-    /// Directories of the shards that are merged, if that is what is done.
+    /// Directories of the shards that are merged; empty if runs are computed.
     pub merging: Vec<String>,
 }
 
 impl Circumstances {
-    /// Those of a part of a study that is about to begin.
+    /// Returns the circumstances of a part of a study that is about to start.
     pub fn begin(shard: String, runs_planned: u64) -> Self {
-        // A clock before 1970 is a clock that is wrong.
+        // A clock before 1970 is wrong.
         let started = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
         let started_unix_s = started.as_secs_f64();
         Circumstances {
@@ -118,12 +118,13 @@ const HISTOGRAM: &str = "equilibrium_histogram.parquet";
 pub(super) const STUDY: &str = "study.yaml";
 
 impl Results {
-    /// Makes the directory, if need be, and starts the tables. Tables that are there are replaced when new
-    /// ones are finished, the study's file never. The directory is under the lock of this process: what killed
-    /// ones have left under temporary names is cleared away.
+    /// Creates the directory if necessary, and starts the tables. Existing tables are replaced when
+    /// the new ones are finished; the study file is never replaced. The caller holds the lock of
+    /// the directory, so that temporary files of killed processes are removed.
     ///
     /// # Errors
-    /// Where it cannot be made or written to, or has the file of another study.
+    /// Returns an error if the directory cannot be created or written to, or contains the file of
+    /// another study.
     pub fn create(directory: &Path, study: &Study) -> Result<Self, ResultsError> {
         let unusable = |cause| ResultsError::Unusable { path: directory.to_owned(), cause };
         make_directory(directory).map_err(unusable)?;
@@ -168,10 +169,10 @@ impl Results {
         })
     }
 
-    /// Says in the manifest whose results the directory will hold, before there are any.
+    /// Writes a manifest that names the study before there are any results.
     ///
     /// # Errors
-    /// Where it cannot be written.
+    /// Returns an error if the manifest cannot be written.
     pub fn announce(
         &self,
         study: &Study,
@@ -185,7 +186,7 @@ impl Results {
     /// Adds a run.
     ///
     /// # Errors
-    /// Where a table cannot be written.
+    /// Returns an error if a table cannot be written.
     pub fn push_run(&mut self, record: RunRecord) -> Result<(), ResultsError> {
         self.counts.add(record.outcome.label());
         if let Some(equilibrium) = EquilibriumRow::of(&record) {
@@ -194,10 +195,10 @@ impl Results {
         Ok(self.runs.push(record)?)
     }
 
-    /// Adds a point and what goes into tables of its own.
+    /// Adds a point and its rows in the other tables.
     ///
     /// # Errors
-    /// Where a table cannot be written.
+    /// Returns an error if a table cannot be written.
     pub fn push_point(&mut self, point: PointRow, detail: PointDetail) -> Result<(), ResultsError> {
         for step in detail.rest {
             self.rest.push(RestRow::new(&point, step))?;
@@ -211,10 +212,10 @@ impl Results {
         Ok(self.points.push(point)?)
     }
 
-    /// Finishes the tables and writes the manifest, last of all.
+    /// Finishes the tables, and writes the manifest last.
     ///
     /// # Errors
-    /// Where a file cannot be written.
+    /// Returns an error if a file cannot be written.
     pub fn finish(
         self,
         study: &Study,

@@ -1,4 +1,4 @@
-//! `runs.parquet`: one row per run, failures included. And the columns of planned cases.
+//! `runs.parquet`: one row per run, including failed runs; and the columns of planned runs.
 
 use super::column::{Column, NON_DIMENSIONAL};
 use super::cycles::class_meaning;
@@ -8,7 +8,8 @@ use crate::classification::{Evidence, LyapunovExponent};
 use crate::model::Coordinate;
 use crate::study::{ParameterKind, ParameterValue, PlannedRun, Study, VariedParameter};
 
-/// The columns that say which run it is and where it starts; `planned` finds that in a row.
+/// Returns the columns that identify a run and its start state; `planned` gets the planned run from
+/// a row.
 pub fn planned_columns<R: 'static>(
     study: &Study,
     planned: fn(&R) -> &PlannedRun,
@@ -33,7 +34,8 @@ pub fn planned_columns<R: 'static>(
     columns
 }
 
-/// One column for each swept parameter in a table with one row per point; `values` finds their values in a row.
+/// Returns one column for each swept parameter in a table with one row per point; `values` gets the
+/// values from a row.
 pub fn swept_columns<R: 'static>(
     study: &Study,
     values: impl Fn(&R) -> &[ParameterValue] + Copy + Send + Sync + 'static,
@@ -44,9 +46,9 @@ pub fn swept_columns<R: 'static>(
         .collect()
 }
 
-/// One column for each swept parameter in a table with one row per run. A parameter that is drawn for each
-/// run as well (a factor of what is swept, `times`) leaves its own name to the value that the run was
-/// computed with, see [`drawn_columns`]: the swept value is called `nominal_<parameter>` there.
+/// Returns one column for each swept parameter in a table with one row per run. If a parameter is
+/// swept and multiplied by a random factor (`times`), its own name denotes the value of the run,
+/// see [`drawn_columns`], and the swept value is called `nominal_<parameter>`.
 pub fn nominal_columns<R: 'static>(
     study: &Study,
     values: impl Fn(&R) -> &[ParameterValue] + Copy + Send + Sync + 'static,
@@ -62,8 +64,7 @@ pub fn nominal_columns<R: 'static>(
     study.swept().iter().enumerate().map(column).collect()
 }
 
-/// One column for each parameter that is drawn for each run, under its own name: the value that the run was
-/// computed with.
+/// Returns one column for each uncertain parameter, under its own name, with the value of the run.
 pub fn drawn_columns<R: 'static>(
     study: &Study,
     values: impl Fn(&R) -> &[f64] + Copy + Send + Sync + 'static,
@@ -112,7 +113,8 @@ fn start_columns<R: 'static>(study: &Study, planned: fn(&R) -> &PlannedRun) -> V
         .collect()
 }
 
-/// Where each contact is at the end: a ball's angle, a block's position; `value` finds it in a row.
+/// Returns the final position of each contact: the angle of a ball or the position of a block;
+/// `value` gets the position from a row.
 pub fn position_columns<R: 'static>(
     study: &Study,
     meaning: &str,
@@ -130,19 +132,22 @@ pub fn position_columns<R: 'static>(
     (0..study.model().balls()).map(column).collect()
 }
 
-/// The columns of `runs.parquet`.
+/// Returns the columns of `runs.parquet`.
 pub fn run_columns(study: &Study) -> Vec<Column<RunRecord>> {
     let mut columns = planned_columns::<RunRecord>(study, |row| &row.planned);
     columns.extend([
         Column::word("label", "how the run ended", |row: &RunRecord| row.outcome.label().name()),
-        Column::word("evidence", "why it has that label, or what failed", |row: &RunRecord| {
-            row.outcome.evidence.name()
-        }),
+        Column::word(
+            "evidence",
+            "evidence for the label, or the kind of \
+             failure",
+            |row: &RunRecord| row.outcome.evidence.name(),
+        ),
     ]);
     if study.model().balls() > 0 {
         columns.push(Column::small_count(
             "balls_running",
-            "balls that go round the ring",
+            "balls that circulate in the ring",
             |row: &RunRecord| row.outcome.balls_running,
         ));
     }
@@ -150,7 +155,8 @@ pub fn run_columns(study: &Study) -> Vec<Column<RunRecord>> {
         Column::number(
             "time_to_rest_s",
             "s",
-            "when the last ball, or the block, came to rest for good; null while moving",
+            "time at which the last ball, or the block, stopped for good; null if it did \
+             not",
             |row: &RunRecord| row.outcome.time_to_rest_s,
         ),
         Column::number(
@@ -177,7 +183,8 @@ pub fn run_columns(study: &Study) -> Vec<Column<RunRecord>> {
         Column::number(
             "friction_margin",
             "1",
-            "least part of the friction limit left at rest, 0 on the edge of the equilibrium set, where balls creep",
+            "smallest unused fraction of the friction limit at rest; 0 on the boundary of the \
+             equilibrium set, where balls creep",
             |row: &RunRecord| row.outcome.friction_margin,
         ),
         Column::number("period_s", "s", "period of the limit cycle", |row: &RunRecord| {
@@ -189,7 +196,7 @@ pub fn run_columns(study: &Study) -> Vec<Column<RunRecord>> {
         columns.push(Column::number(
             &format!("ball_speed_{}_rad_s", ball + 1),
             "rad/s",
-            "mean speed of the ball relative to the ring, positive where its angle grows, over the \
+            "mean speed of the ball relative to the ring, positive for a growing angle, over the \
              cycle or the last tenth of the time; 0 at rest",
             move |row: &RunRecord| row.outcome.mean_speed.as_ref()?.get(ball).copied(),
         ));
@@ -201,33 +208,36 @@ pub fn run_columns(study: &Study) -> Vec<Column<RunRecord>> {
         Column::count("steps", "accepted integration steps", |row: &RunRecord| {
             Some(row.outcome.effort.steps)
         }),
-        Column::count("rejected_steps", "steps tried and not taken: by error control, or in looking for a switch", |row: &RunRecord| {
-            Some(row.outcome.effort.rejected_steps)
-        }),
+        Column::count(
+            "rejected_steps",
+            "integration steps rejected by error control or by event \
+             location",
+            |row: &RunRecord| Some(row.outcome.effort.rejected_steps),
+        ),
         Column::count(
             "switches",
             "changes between stick, transition and slip",
             |row: &RunRecord| Some(row.outcome.effort.switches),
         ),
-        Column::text("error", "what went wrong, in words", |row: &RunRecord| {
+        Column::text("error", "description of the failure", |row: &RunRecord| {
             row.outcome.error.clone()
         }),
         Column::optional_word(
             "audit_label",
-            "how the run ended when it was computed again, by the other method with a tenth of both \
-             tolerances; null where it was not",
+            "label of the audit: the run recomputed by the other method with a tenth of both \
+             tolerances; null if the run was not audited",
             |row: &RunRecord| row.audit.map(|evidence| evidence.label().name()),
         ),
         Column::optional_word(
             "audit_evidence",
-            "why it has that label, or what failed; null where it was not computed again",
+            "evidence for that label, or the kind of failure; null if the run was not audited",
             |row: &RunRecord| row.audit.map(Evidence::name),
         ),
     ]);
     columns
 }
 
-/// How fast neighbouring motions separate.
+/// Columns of the Lyapunov exponent.
 fn lyapunov_columns() -> [Column<RunRecord>; 4] {
     let column = |name: &str, unit: &str, meaning: &str, value: fn(&LyapunovExponent) -> f64| {
         Column::number(name, unit, meaning, move |row: &RunRecord| {
@@ -238,33 +248,33 @@ fn lyapunov_columns() -> [Column<RunRecord>; 4] {
         column(
             "lyapunov_exponent_per_s",
             "1/s",
-            "largest finite-time Lyapunov exponent over the window, of runs still moving at the end \
-             time: the mean rate at which neighbouring motions separate",
+            "largest finite-time Lyapunov exponent over the window, for runs that still move at \
+             the end time: the mean rate at which neighbouring motions separate",
             |exponent| exponent.exponent_1_s,
         ),
         column(
             "lyapunov_exponent_low_per_s",
             "1/s",
-            "lower end of its 95 % interval (Student, from parts of the window)",
+            "lower end of its 95 % confidence interval (Student, from parts of the window)",
             |exponent| exponent.interval_1_s[0],
         ),
         column(
             "lyapunov_exponent_high_per_s",
             "1/s",
-            "upper end of its 95 % interval",
+            "upper end of its 95 % confidence interval",
             |exponent| exponent.interval_1_s[1],
         ),
         column(
             "lyapunov_window_s",
             "s",
             "length of the window: the last three quarters of the time, or less than half of that \
-             where neighbouring motions only drew together",
+             if neighbouring motions only converged",
             |exponent| exponent.window_s,
         ),
     ]
 }
 
-/// What limit cycle it is.
+/// Columns of the limit cycle.
 fn cycle_columns(study: &Study) -> [Column<RunRecord>; 3] {
     [
         Column::text(
@@ -278,14 +288,14 @@ fn cycle_columns(study: &Study) -> [Column<RunRecord>; 3] {
         Column::number(
             "largest_multiplier",
             "1",
-            "largest modulus of the Floquet multipliers off the neutral directions, of the limit cycle \
-             or of the unstable orbit that the run is near",
+            "largest modulus of the Floquet multipliers off the neutral directions, of the limit \
+             cycle or of the unstable orbit near the run",
             |row: &RunRecord| row.outcome.cycle.as_ref()?.multipliers.first().copied(),
         ),
         Column::small_count(
             "neutral_directions",
-            "dimension of the continuous family that the limit cycle belongs to: resting balls may \
-             rest elsewhere",
+            "dimension of the continuous family of the limit cycle, in which resting balls have \
+             other positions",
             |row: &RunRecord| Some(row.outcome.cycle.as_ref()?.neutral_directions),
         ),
     ]
@@ -293,10 +303,10 @@ fn cycle_columns(study: &Study) -> [Column<RunRecord>; 3] {
 
 fn amplitude_meaning(study: &Study) -> &'static str {
     if study.model().balls() > 0 {
-        "amplitude of the table's vibration: at rest, or root mean square over the cycle or the \
-         last tenth of the time"
+        "amplitude of the table's vibration: at rest, or the root mean square over the cycle or \
+         the last tenth of the time"
     } else {
-        "half of the way between the block's extreme positions over the cycle or the last tenth \
-         of the time; 0 at rest"
+        "half the distance between the extreme positions of the block over the cycle or the last \
+         tenth of the time; 0 at rest"
     }
 }

@@ -1,5 +1,5 @@
-//! `equilibrium_positions.parquet`: one row per position of the balls; `equilibrium_set_summary.parquet`: one row per point of the
-//! sweep, with what its equilibrium set is like.
+//! `equilibrium_positions.parquet` with one row per position of the balls, and
+//! `equilibrium_set_summary.parquet` with one row per point of the sweep.
 
 use std::sync::Arc;
 
@@ -9,7 +9,7 @@ use crate::analysis::{AtRest, Balance, EquilibriumSet};
 use crate::model::MAX_BALLS;
 use crate::study::{ParameterValue, Point, Study};
 
-/// Which point of the sweep a row belongs to.
+/// The point of the sweep that a row belongs to.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PointKey {
     /// Number of the point, from 0.
@@ -19,7 +19,7 @@ pub struct PointKey {
 }
 
 impl PointKey {
-    /// The key of a point.
+    /// Returns the key of a point.
     pub fn of(point: &Point) -> Self {
         PointKey { point_id: point.point_id, swept: point.swept.clone() }
     }
@@ -34,7 +34,7 @@ pub struct SetRow {
 }
 
 impl SetRow {
-    /// The row of a position, one angle per ball.
+    /// Creates the row of a position, which has one angle per ball.
     pub fn new(point: &Arc<PointKey>, beta_rad: &[f64], rest: AtRest) -> Self {
         let mut angles = [0.0; MAX_BALLS];
         for (angle, beta) in angles.iter_mut().zip(beta_rad) {
@@ -51,11 +51,11 @@ pub struct SetSummaryRow {
     pub point: Arc<PointKey>,
     /// Its equilibrium set.
     pub set: EquilibriumSet,
-    /// Number of positions looked at.
+    /// Number of evaluated positions.
     pub positions: u64,
 }
 
-/// The columns that say which point of the sweep it is; `point` finds that in a row.
+/// Returns the columns that identify the point of the sweep; `point` gets it from a row.
 pub(super) fn key_columns<R: 'static>(study: &Study, point: fn(&R) -> &PointKey) -> Vec<Column<R>> {
     let mut columns =
         vec![Column::count("point_id", "number of the sweep's point, from 0", move |row| {
@@ -65,7 +65,7 @@ pub(super) fn key_columns<R: 'static>(study: &Study, point: fn(&R) -> &PointKey)
     columns
 }
 
-/// The columns of `equilibrium_positions.parquet`.
+/// Returns the columns of `equilibrium_positions.parquet`.
 pub fn set_columns(study: &Study) -> Vec<Column<SetRow>> {
     let mut columns = key_columns(study, |row: &SetRow| &row.point);
     for ball in 0..study.model().balls().min(MAX_BALLS) {
@@ -86,15 +86,15 @@ pub fn set_columns(study: &Study) -> Vec<Column<SetRow>> {
         Column::number(
             "required_friction_coefficient",
             "1",
-            "least friction coefficient, alike for all balls, that holds them there; null where a \
-             normal force would have to pull",
+            "smallest common friction coefficient that holds all balls there; null if a normal \
+             force would have to pull",
             |row: &SetRow| Some(row.rest.required_friction),
         ),
         Column::number(
             "friction_margin",
             "1",
-            "least part of the friction limit that is left, 0 on the edge of the equilibrium set, \
-             negative outside; null without any limit",
+            "smallest unused fraction of the friction limit: 0 on the boundary of the equilibrium \
+             set, negative outside; null without a limit",
             |row: &SetRow| Some(row.rest.friction_margin()),
         ),
         Column::truth("in_set", "whether friction holds all balls there", |row: &SetRow| {
@@ -104,7 +104,7 @@ pub fn set_columns(study: &Study) -> Vec<Column<SetRow>> {
     columns
 }
 
-/// The columns of `equilibrium_set_summary.parquet`.
+/// Returns the columns of `equilibrium_set_summary.parquet`.
 pub fn set_summary_columns(study: &Study) -> Vec<Column<SetSummaryRow>> {
     let mut columns = key_columns(study, |row: &SetSummaryRow| &row.point);
     let number =
@@ -114,8 +114,8 @@ pub fn set_summary_columns(study: &Study) -> Vec<Column<SetSummaryRow>> {
     columns.extend([
         Column::count(
             "grid_positions",
-            "ball positions looked at: points of the grid, or samples; of one ball fraction, components and \
-             amplitudes are exact, whatever the grid",
+            "evaluated ball positions: grid points or samples; for one ball, fraction, components \
+             and amplitudes are exact for any grid",
             |row: &SetSummaryRow| Some(row.positions),
         ),
         number("fraction", "1", "fraction of all ball positions that are in the set", |row| {
@@ -124,11 +124,12 @@ pub fn set_summary_columns(study: &Study) -> Vec<Column<SetSummaryRow>> {
         number(
             "fraction_low",
             "1",
-            "lower end of its 95 % interval (Student's t over independent scrambles); null on a \
-             grid",
+            "lower end of its 95 % confidence interval (Student's t over independent scrambles); \
+             null on a grid",
             |row| row.set.fraction_interval.map(|(low, _)| low),
         ),
-        number("fraction_high", "1", "upper end of its 95 % interval; null on a grid", |row| {
+        number("fraction_high", "1", "upper end of its 95 % confidence interval; null on a \
+                                      grid", |row| {
             row.set.fraction_interval.map(|(_, high)| high)
         }),
         Column::count(
@@ -138,14 +139,13 @@ pub fn set_summary_columns(study: &Study) -> Vec<Column<SetSummaryRow>> {
         ),
         Column::count(
             "components_modulo_exchange",
-            "connected components where exchanging identical balls makes no difference; null for \
-             samples",
+            "connected components up to exchange of identical balls; null for samples",
             |row: &SetSummaryRow| row.set.components_modulo_exchange,
         ),
         Column::count(
             "unresolved_equilibria",
-            "frictionless equilibria, which are in the set, about which no grid point is: above 0 \
-             the grid is too coarse to see all components; null for samples",
+            "frictionless equilibria that no grid point represents; above 0, the grid is too coarse \
+             to resolve all components; null for samples",
             |row: &SetSummaryRow| row.set.unseen,
         ),
         number(
@@ -157,7 +157,7 @@ pub fn set_summary_columns(study: &Study) -> Vec<Column<SetSummaryRow>> {
         number(
             "amplitude_max_m",
             "m",
-            "largest amplitude in the set, wherever in it that is; null in an empty set",
+            "largest amplitude in the set; null in an empty set",
             |row| row.set.amplitude_m.map(|(_, largest)| largest),
         ),
     ]);
@@ -176,8 +176,8 @@ pub fn set_summary_columns(study: &Study) -> Vec<Column<SetSummaryRow>> {
     columns.extend(angle_columns(
         study,
         "balance_beta",
-        "angle of the ball where all balls balance the imbalance; null where they do so nowhere or \
-         in a family of positions",
+        "angle of the ball where all balls balance the imbalance; null if there is no such \
+         position or a family of them",
         |row| match &row.set.balance {
             Balance::Position(beta) => Some(beta),
             Balance::Nowhere | Balance::Family { .. } => None,

@@ -1,10 +1,11 @@
-//! Where a table's parts are until it is whole, and how it gets its name.
+//! The directory of an unfinished table, and the renaming of the finished table.
 //!
-//! All that is unfinished is in one temporary directory beside the table, which belongs to this process alone: in
-//! `table` the parts that are being written, in `replaced-0` for an instant what had the name before. The name is
-//! given by one renaming, so that it never belongs to a part of a table; a table that is one part is that
-//! file, one of several is the directory. Of two processes that write the same table the last one gives it
-//! the name, each a whole table. The directory goes away with the value, however the writing ends.
+//! All unfinished files are in one temporary directory beside the table, which belongs to this
+//! process: `table` contains the parts that are being written, and `replaced-0` briefly contains
+//! the table that is replaced. One rename gives the table its name, so that the name never belongs
+//! to an incomplete table. A table of one part is a file, and a table of several parts is a
+//! directory. If two processes write the same table, the last one gives it the name, and each table
+//! is complete. The temporary directory is removed when the value is dropped.
 
 use std::fs;
 use std::io;
@@ -18,9 +19,9 @@ use crate::foreign::shorten;
 
 /// In the directory: the parts.
 const TABLE: &str = "table";
-/// In the directory, with a number: what had the name before.
+/// In the directory, with a number: the replaced table.
 const REPLACED: &str = "replaced";
-/// How often another process may take the name in the same instant.
+/// The number of attempts if other processes take the name at the same time.
 const MOST_TRIES: u32 = 100;
 
 /// The directory of an unfinished table.
@@ -29,19 +30,20 @@ pub(super) struct Staging {
     directory: TempDir,
 }
 
-/// The name of a part in the directory of its table; names sort like numbers up to 100,000 parts.
+/// Returns the name of a part in the directory of its table; names sort like numbers up to 100,000
+/// parts.
 pub(super) fn part_name(number: usize) -> String {
     format!("part-{number:05}.parquet")
 }
 
-/// Whether a name is one of [`part_name`].
+/// Returns whether a name is one of [`part_name`].
 fn is_part(name: &str) -> bool {
     let number = name.strip_prefix("part-").and_then(|rest| rest.strip_suffix(".parquet"));
     number.is_some_and(|number| number.len() >= 5 && number.bytes().all(|b| b.is_ascii_digit()))
 }
 
 impl Staging {
-    /// Makes the directory for the table `target`.
+    /// Creates the directory for the table `target`.
     pub(super) fn create(target: &Path) -> io::Result<Self> {
         let staging =
             Staging { target: target.to_owned(), directory: temporary::directory(target)? };
@@ -58,12 +60,12 @@ impl Staging {
         self.directory.path().join(TABLE)
     }
 
-    /// Where part `number` is to be written.
+    /// Returns the path of part `number` while it is being written.
     pub(super) fn part(&self, number: usize) -> PathBuf {
         self.table().join(part_name(number))
     }
 
-    /// The names that so many parts will have, from the directory on that the table is in.
+    /// Returns the final names of the parts, relative to the directory of the table.
     pub(super) fn names(&self, parts: usize) -> Vec<String> {
         let name = self.target.file_name().unwrap_or_default().to_string_lossy();
         match parts {
@@ -72,7 +74,8 @@ impl Staging {
         }
     }
 
-    /// Gives the table its name, in place of the table that had it; `parts` have been written and synced.
+    /// Gives the table its name and replaces an earlier table; `parts` parts have been written and
+    /// synced.
     pub(super) fn settle(self, parts: usize) -> io::Result<()> {
         sync_directory(&self.table())?;
         self.take_name(&if parts == 1 { self.part(0) } else { self.table() })?;
@@ -82,7 +85,7 @@ impl Staging {
 
     fn take_name(&self, source: &Path) -> io::Result<()> {
         for number in 0..MOST_TRIES {
-            // A file gives way to a file in the renaming itself; a directory that is not empty to nothing.
+            // A rename replaces a file by a file, but never a directory that is not empty.
             let Err(refused) = fs::rename(source, &self.target) else { return Ok(()) };
             match fs::symlink_metadata(&self.target) {
                 Ok(old) if old.is_dir() || source.is_dir() => {}
@@ -90,13 +93,14 @@ impl Staging {
             }
             if let Some(name) = foreign(&self.target)? {
                 return Err(io::Error::other(format!(
-                    "a directory of this name is in the way: it holds {}, which is not part of a table",
+                    "a directory of this name is in the way: it holds {}, which is not part of a \
+                     table",
                     shorten(&name)
                 )));
             }
             let aside = self.directory.path().join(format!("{REPLACED}-{number}"));
             match fs::rename(&self.target, aside) {
-                // Another process has taken it away, and may put its own there.
+                // Another process has moved it, and may put its own table there.
                 Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
                 _ => {}
             }
@@ -105,7 +109,8 @@ impl Staging {
     }
 }
 
-/// Something in a directory that is not part of a table; none where there is no such directory.
+/// Returns the name of something in a directory that is not part of a table, or `None` if there is
+/// nothing or no such directory.
 fn foreign(directory: &Path) -> io::Result<Option<String>> {
     if !fs::symlink_metadata(directory).is_ok_and(|found| found.is_dir()) {
         return Ok(None);
@@ -186,7 +191,8 @@ mod tests {
         assert_eq!(read(&target), ["c"]);
     }
 
-    /// Neither disturbs the other, and the last one gives the name, whatever kinds of tables they are.
+    /// Neither process disturbs the other, and the last one gives the name, for any kinds of
+    /// tables.
     #[test]
     fn two_that_write_the_same_table() {
         let tables: [&[&str]; 2] = [&["a"], &["b", "c"]];
@@ -204,7 +210,7 @@ mod tests {
         }
     }
 
-    /// Many at once: whoever is last, its table is whole.
+    /// Many processes at the same time: the table of the last one is complete.
     #[test]
     fn many_that_write_the_same_table() {
         let scratch = tempdir().unwrap();
@@ -230,7 +236,7 @@ mod tests {
         assert_eq!(fs::read_dir(scratch.path()).unwrap().count(), 0);
     }
 
-    /// Of the user's is nothing that has not the name of the table, and no directory of other files.
+    /// Files and directories of the user are never touched.
     #[test]
     fn what_is_no_table_is_left_alone() {
         let scratch = tempdir().unwrap();

@@ -1,10 +1,9 @@
-//! Files and directories under temporary names, until they are whole and get their own.
+//! Files and directories with temporary names, until they are complete.
 //!
-//! A temporary name is that of the file it will become with six random letters and an ending that nobody else
-//! uses: `r.parquet.x4kT0b.stickslip-partial`. It is taken exclusively, so that it belongs to one
-//! process alone, and is given free when the value goes out of scope. What a process that was killed has left
-//! can be told from everything else by its name; in a directory that is under a lock the next process clears
-//! it away.
+//! A temporary name is the final name with six random characters and an extension that nobody else
+//! uses: `r.parquet.x4kT0b.stickslip-partial`. The name is created exclusively, belongs to one
+//! process, and is removed when the value is dropped. The files of a killed process are recognised
+//! by their names; in a locked directory, the next process removes them.
 
 use std::fs;
 use std::io;
@@ -14,12 +13,12 @@ use super::directory::sync_directory;
 use super::manifest::read_regular;
 use tempfile::{Builder, NamedTempFile, TempDir};
 
-/// What all temporary names end with.
+/// The extension of all temporary names.
 const ENDING: &str = ".stickslip-partial";
-/// How many random letters and digits they have.
+/// The number of random characters.
 const RANDOM: usize = 6;
 
-/// The name that a temporary file or directory will get, by its temporary name; none of another name.
+/// Returns the final name for a temporary name, or `None` for any other name.
 pub(super) fn will_become(name: &str) -> Option<&str> {
     let (target, random) = name.strip_suffix(ENDING)?.rsplit_once('.')?;
     let usual = random.len() == RANDOM && random.bytes().all(|byte| byte.is_ascii_alphanumeric());
@@ -37,17 +36,18 @@ fn beside<T>(
     make(builder.prefix(&prefix).suffix(ENDING).rand_bytes(RANDOM), parent(target))
 }
 
-/// The directory that a file is in.
+/// Returns the directory of a file.
 pub(super) fn parent(path: &Path) -> &Path {
     path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
-/// A directory beside `target`, for this process alone.
+/// Creates a directory beside `target` for this process.
 pub(super) fn directory(target: &Path) -> io::Result<TempDir> {
     beside(target, |builder, parent| builder.tempdir_in(parent))
 }
 
-/// An empty file beside `target`, for this process alone, which others may read once it has its name.
+/// Creates an empty file beside `target` for this process; other processes may read it after the
+/// rename.
 fn file(target: &Path) -> io::Result<NamedTempFile> {
     beside(target, |builder, parent| {
         #[cfg(unix)]
@@ -62,7 +62,7 @@ fn file(target: &Path) -> io::Result<NamedTempFile> {
 /// Writes a file under a temporary name, syncs it and renames it.
 ///
 /// # Errors
-/// Where it cannot be written or renamed; nothing of it is left then.
+/// Returns an error if the file cannot be written or renamed; the temporary file is then removed.
 pub fn write_atomically(path: &Path, content: &[u8]) -> io::Result<()> {
     use std::io::Write;
     let mut file = file(path)?;
@@ -72,11 +72,12 @@ pub fn write_atomically(path: &Path, content: &[u8]) -> io::Result<()> {
     sync_directory(parent(path))
 }
 
-/// Writes a file whose name nothing else may lose: where it is there already, it has this very content, and
-/// is left as it is.
+/// Writes a file that never replaces anything. An existing file with the same content is left
+/// unchanged.
 ///
 /// # Errors
-/// Where something else has the name, of the kind `AlreadyExists`; where it cannot be written.
+/// Returns an error of the kind `AlreadyExists` if the name is taken, or another error if the file
+/// cannot be written.
 pub fn write_once(path: &Path, content: &[u8]) -> io::Result<()> {
     match fs::symlink_metadata(path) {
         Err(error) if error.kind() == io::ErrorKind::NotFound => write_atomically(path, content),
@@ -90,22 +91,22 @@ pub fn write_once(path: &Path, content: &[u8]) -> io::Result<()> {
     }
 }
 
-/// Something else has the name of a file that is to be written.
+/// Returns the error for a file whose name is taken.
 pub(super) fn taken() -> io::Error {
-    let problem = "its name belongs to something else, which is not replaced";
+    let problem = "another file has this name, and is not replaced";
     io::Error::new(io::ErrorKind::AlreadyExists, problem)
 }
 
-/// Whether a name in a directory is one of `names`, or a temporary one of them.
+/// Returns whether a name is one of `names`, or a temporary name of one of them.
 pub(crate) fn is_one_of(name: &str, names: &[&str]) -> bool {
     names.contains(&will_become(name).unwrap_or(name))
 }
 
-/// Removes what killed processes have left of the files `names` in a directory that is under a lock: under temporary
-/// names only, never what has another name.
+/// Removes what killed processes have left of the files `names` in a locked directory. It removes
+/// temporary names only.
 ///
 /// # Errors
-/// Where it cannot be removed.
+/// Returns an error if something cannot be removed.
 pub fn clear_temporaries(directory: &Path, names: &[&str]) -> io::Result<()> {
     for entry in fs::read_dir(directory)? {
         let entry = entry?;
@@ -113,7 +114,7 @@ pub fn clear_temporaries(directory: &Path, names: &[&str]) -> io::Result<()> {
         if !name.to_str().and_then(will_become).is_some_and(|target| names.contains(&target)) {
             continue;
         }
-        // Of a link the link itself.
+        // Removes a link itself, not its target.
         match entry.file_type()?.is_dir() {
             true => fs::remove_dir_all(entry.path())?,
             false => fs::remove_file(entry.path())?,
@@ -171,7 +172,7 @@ mod tests {
             };
             assert_eq!(mode("a.json"), mode("a.json.partial"), "as any new file");
         }
-        // A directory does not give way; nothing is left of the try.
+        // A directory is not replaced, and the attempt leaves nothing.
         fs::create_dir_all(scratch.path().join("b/full")).unwrap();
         assert!(write_atomically(&scratch.path().join("b"), b"x").is_err());
         assert_eq!(fs::read_dir(scratch.path()).unwrap().count(), 3);

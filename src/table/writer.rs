@@ -1,4 +1,4 @@
-//! Writes one table as Parquet, in rows as they come, with memory that does not grow.
+//! Writes one table as Parquet, row by row, with constant memory.
 
 use std::fs::{self, File};
 use std::io;
@@ -18,15 +18,16 @@ use super::manifest::FileEntry;
 use super::staging::{Staging, part_name};
 use super::temporary::taken;
 
-/// Rows per write. Pages and row groups begin where they do because of this number alone, so that
-/// the bytes do not depend on how many runs were computed at a time.
+/// Rows per write. This number alone determines the boundaries of pages and row groups, so that the
+/// bytes do not depend on how many runs were computed at a time.
 const BLOCK: usize = 4096;
 /// Rows per row group.
 const ROW_GROUP: usize = 2 * BLOCK;
-/// Rows per file: 64 row groups. A table of more rows is a directory of files, `part-00000.parquet` and
-/// so on. Until a file is closed, its writer holds the footer, up to 40 KiB for each row group, which
-/// would grow with the table (50 MB for 10^7 rows); so does every reader that opens it. Parts are of
-/// some 30 to 100 MB, which readers fraction out over cores, and a copy that broke off goes on with the next.
+/// Rows per file: 64 row groups. A larger table is a directory of files, `part-00000.parquet` and
+/// so on. The writer holds the footer until a file is closed, up to 40 KiB for each row group,
+/// which would grow with the table (50 MB for 10^7 rows); every reader also holds it. Parts have 30
+/// to 100 MB: readers distribute them over cores, and an interrupted copy continues with the next
+/// part.
 const PART: u64 = 64 * ROW_GROUP as u64;
 
 /// Why a table could not be written.
@@ -35,34 +36,34 @@ const PART: u64 = 64 * ROW_GROUP as u64;
 pub struct WriteError {
     /// The file.
     pub path: PathBuf,
-    /// What went wrong.
+    /// The cause.
     pub cause: WriteCause,
 }
 
-/// What went wrong when a table was written.
+/// The cause of a failed write.
 #[derive(Debug, Error)]
 pub enum WriteCause {
-    /// The operating system refused.
+    /// An error of the operating system.
     #[error("{0}")]
     Io(#[from] io::Error),
-    /// The Parquet library failed, mostly because the operating system refused.
+    /// An error of the Parquet library, usually caused by the operating system.
     #[error("{0}")]
     Parquet(#[from] ParquetError),
-    /// The Arrow library failed.
+    /// An error of the Arrow library.
     #[error("{0}")]
     Arrow(#[from] ArrowError),
 }
 
-/// A table being written; it gets its name when it is finished.
+/// Writes a table, which gets its name when it is finished.
 ///
-/// Up to 2^19 rows it becomes a file, above a directory of files of as many rows, the last of fewer.
-/// How rows are divided depends on their number alone.
+/// Up to 2^19 rows, the table is a file. A larger table is a directory of files with 2^19 rows
+/// each; the last file has fewer. The number of rows alone determines how they are divided.
 pub struct TableWriter<R> {
     columns: Vec<Column<R>>,
     provenance: String,
     path: PathBuf,
     rows: Vec<R>,
-    // Closed before its directory goes away with `staging`.
+    // Closed before `staging` removes its directory.
     part: Part,
     staging: Staging,
     finished: Vec<FileEntry>,
@@ -79,7 +80,7 @@ impl<R> TableWriter<R> {
     /// Starts the table `path` with `provenance` as the value of the metadata key `stickslip`.
     ///
     /// # Errors
-    /// Where the file cannot be created.
+    /// Returns an error if the file cannot be created.
     pub fn create(
         path: &Path,
         columns: Vec<Column<R>>,
@@ -116,7 +117,7 @@ impl<R> TableWriter<R> {
     /// Adds a row.
     ///
     /// # Errors
-    /// Where the file cannot be written.
+    /// Returns an error if the file cannot be written.
     pub fn push(&mut self, row: R) -> Result<(), WriteError> {
         if self.part.rows + self.rows.len() as u64 == self.most_rows {
             self.flush().and_then(|()| self.next_part()).map_err(|cause| self.error(cause))?;
@@ -128,11 +129,12 @@ impl<R> TableWriter<R> {
         self.flush().map_err(|cause| self.error(cause))
     }
 
-    /// As [`Self::finish_after`], of a table that replaces nothing: where it is there already, it has these very
-    /// bytes, and is left as it is.
+    /// Finishes a table like [`Self::finish_after`], but never replaces anything: an existing table
+    /// with the same bytes is left unchanged.
     ///
     /// # Errors
-    /// Where something else has the name, a file cannot be written or renamed, or `announce` fails.
+    /// Returns an error if the name is taken, if a file cannot be written or renamed, or if
+    /// `announce` fails.
     pub fn finish_once(
         self,
         announce: impl FnOnce(&[(String, FileEntry)]) -> io::Result<()>,
@@ -146,10 +148,10 @@ impl<R> TableWriter<R> {
         Ok(())
     }
 
-    /// Leaves the name to whatever has it, and nothing of the rows.
+    /// Discards all rows, and leaves an existing table unchanged.
     ///
     /// # Errors
-    /// Where what was written cannot be removed.
+    /// Returns an error if the written files cannot be removed.
     pub fn abandon(self) -> Result<(), WriteError> {
         let TableWriter { path, part, staging, .. } = self;
         drop(part);
@@ -175,19 +177,21 @@ impl<R> TableWriter<R> {
         Ok(())
     }
 
-    /// Writes what is left and gives the table its name. Returns its files: names from the table's
-    /// directory on, and what the manifest says of them.
+    /// Writes the remaining rows and gives the table its name. Returns its files: the names
+    /// relative to the table's directory, and their manifest entries.
     ///
     /// # Errors
-    /// Where a file cannot be written or renamed.
+    /// Returns an error if a file cannot be written or renamed.
     pub fn finish(self) -> Result<Vec<(String, FileEntry)>, WriteError> {
         self.finish_after(|_| Ok(()))
     }
 
-    /// As [`Self::finish`]. It calls `announce` with the written files before the table gets its name.
+    /// Finishes a table like [`Self::finish`], and calls `announce` with the written files before
+    /// the table gets its name.
     ///
     /// # Errors
-    /// Where a file cannot be written or renamed, or `announce` fails: nothing of the table is left then.
+    /// Returns an error if a file cannot be written or renamed, or if `announce` fails; the table
+    /// is then removed.
     pub fn finish_after(
         self,
         announce: impl FnOnce(&[(String, FileEntry)]) -> io::Result<()>,
@@ -214,7 +218,7 @@ impl<R> TableWriter<R> {
     }
 }
 
-/// Whether a table on disk has these parts, to the byte, and no others.
+/// Returns whether a table on disk consists of exactly these parts, byte for byte.
 fn is_table_of(path: &Path, parts: &[(String, FileEntry)]) -> io::Result<bool> {
     let is_part = |path: &Path, part: &FileEntry| -> io::Result<bool> {
         let found = fs::symlink_metadata(path)?;
@@ -334,7 +338,7 @@ mod tests {
         }
     }
 
-    /// What is in a part is what a table of these rows alone would be, to the byte.
+    /// A part is identical to a table of its rows alone, byte for byte.
     #[test]
     fn a_part_is_a_table() {
         let scratch = tempdir().unwrap();
@@ -347,13 +351,13 @@ mod tests {
         assert_eq!(read(&part).1, [ROW_GROUP as i64, 7]);
     }
 
-    /// A table of more rows than a part takes place of one that an earlier run left, and the reverse.
+    /// A table in parts replaces a table in one file, and the reverse.
     #[test]
     fn nothing_of_an_earlier_table_is_left() {
         let scratch = tempdir().unwrap();
         let path = scratch.path().join("t.parquet");
         for rows in [35, 12, 7, 41, 0] {
-            // One that is never finished, with more parts than the next one.
+            // An unfinished table has more parts than the next one.
             let mut broken = TableWriter::with_parts_of(10, &path, columns(), "here").unwrap();
             (0..99).for_each(|row| broken.push(row).unwrap());
             drop(broken);
@@ -362,7 +366,7 @@ mod tests {
         }
     }
 
-    /// A table that may be there already: the same bytes stay, and nothing else is replaced.
+    /// The same bytes stay unchanged, and nothing else is replaced.
     #[test]
     fn a_table_that_is_written_once_replaces_nothing() {
         let again = |path: &Path, rows: u64| {
@@ -383,7 +387,7 @@ mod tests {
             let mut kept = content(scratch.path());
             assert!(before.iter().all(|file| kept.any(|other| other == *file)), "{rows} rows");
         }
-        // Of several parts, one that has changed, one too many, and one that is missing.
+        // With several parts: a changed part, an additional part, and a missing part.
         type Change = fn(&Path);
         let changes: [Change; 3] = [
             |path| fs::write(path.join("part-00001.parquet"), "mine").unwrap(),

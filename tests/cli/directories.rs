@@ -87,7 +87,11 @@ fn foreign_files_are_left_alone() {
     scratch.write("home/manifest.json", "{\"name\": \"a web application\"}");
     scratch.refused(
         "run a.yaml --out home",
-        &["home: manifest.json is damaged, or no manifest of ours", "found: ", "allowed: "],
+        &[
+            "home: manifest.json is damaged, or is not a manifest of stickslip",
+            "found: ",
+            "allowed: ",
+        ],
     );
 }
 

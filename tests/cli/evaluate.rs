@@ -323,9 +323,9 @@ fn tables_and_studies_that_make_no_sense_are_refused() {
         (
             "  half: median",
             "  mean_low: median",
-            ["responses.mean_low", "two columns of this name"],
+            ["responses.mean_low", "another column has this name"],
         ),
-        ("  half: median", "  runs: median", ["responses.runs", "two columns of this name"]),
+        ("  half: median", "  runs: median", ["responses.runs", "another column has this name"]),
         (
             "speed_rad_s: {from: -260, to: -140}",
             "imbalance_mass_kg: {from: 1e-5, to: 2e-5}",
@@ -350,7 +350,7 @@ fn tables_and_studies_that_make_no_sense_are_refused() {
     // A swept parameter's column is one, too.
     let swept = "sweep: [{grid: {damping_n_s_m: [1, 2]}}]\nresponses:\n  damping_n_s_m: median_time_to_rest\n";
     scratch.write("wrong.yaml", BALLS.replacen("responses:\n", swept, 1));
-    let parts = ["responses.damping_n_s_m", "two columns of this name"];
+    let parts = ["responses.damping_n_s_m", "another column has this name"];
     scratch.refused("evaluate wrong.yaml --designs d.csv --out r.parquet", &parts);
     let without = BALLS.split("responses:").next().unwrap();
     scratch.write("wrong.yaml", without);

@@ -263,7 +263,7 @@ fn sweeps() {
     let second = "      damping_n_s_m: [1.0, 2.0]\n";
     let key = "sweep[1].zip.damping_n_s_m";
     let found = "speed_rad_s 2, damping_n_s_m 3";
-    refused("[1.0, 2.0]", "[1.0, 2.0, 3.0]", 21, key, found, "as many values");
+    refused("[1.0, 2.0]", "[1.0, 2.0, 3.0]", 21, key, found, "equally many values");
     refused("[1.0, 2.0]", "[]", 21, key, "an empty list", "at least one value");
     refused(
         second,
@@ -425,7 +425,7 @@ fn extensions() {
         let extend = format!("end_time_s: 16.5\n  extend: {{factor: 2, labels: [{label}]}}");
         parse(&GOOD.replace("end_time_s: 16.5", &extend)).unwrap_err().problem().to_owned()
     };
-    assert_eq!(why("equilibrium"), "a run with this label is over");
-    assert_eq!(why("limit_cycle"), "a run with this label is over");
+    assert_eq!(why("equilibrium"), "a run with this label has already ended");
+    assert_eq!(why("limit_cycle"), "a run with this label has already ended");
     assert_eq!(why("failed"), "a run that failed cannot be continued");
 }

@@ -153,7 +153,7 @@ fn the_json_schema_knows_every_key_with_its_unit() {
         "beta_dot_8",
         "samples_per_cell",
         "equilibrium_fraction",
-        "Stiffness of the suspension per direction, or of a block's spring, N/m.",
+        "Stiffness, N/m, above 0: of the suspension per direction",
         "stribeck_speed_m_s",
         "belt_speed_m_s",
         "velocity_m_s",
