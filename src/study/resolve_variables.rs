@@ -7,8 +7,9 @@ use super::key_path::KeyPath;
 use super::node::describe_number;
 use super::parameter::Parameter;
 use super::plan::Study;
+use super::resolve_responses::check_name;
 use super::resolve_sweep::find_parameter;
-use super::response::{SUFFIXES, TAKEN, check_name};
+use super::response::{SUFFIXES, TAKEN};
 use super::variable::{Domain, Variable};
 use crate::model::MAX_BALLS;
 

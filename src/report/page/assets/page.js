@@ -39,9 +39,9 @@
     for (const key of ['x', 'y', 'low', 'high', 'base', 'top', 'edges', 'values']) {
       if (layer[key]) layer[key] = column(layer[key]);
     }
-    if (layer.tips) {
-      layer.tips.run_ids = column(layer.tips.run_ids);
-      for (const one of layer.tips.columns) if (one.values) one.values = column(one.values);
+    if (layer.tooltips) {
+      layer.tooltips.run_ids = column(layer.tooltips.run_ids);
+      for (const one of layer.tooltips.columns) if (one.values) one.values = column(one.values);
     }
     layer.ready = true;
     return layer;
@@ -109,24 +109,24 @@
   // ---- what is known of a dot --------------------------------------------------------------------
   function rows(panel, layer, index) {
     const list = [];
-    const tips = layer.tips;
+    const tooltips = layer.tooltips;
     if (layer.mark === 'dots') {
       for (const [axis, value] of [[panel.x, layer.x[index]], [panel.y, layer.y[index]]]) {
         if (axis.kind === 'names') list.push(['', axis.names[Math.round(value)] || '']);
         else list.push([axis.name + (axis.unit ? ' [' + axis.unit + ']' : ''), number(value, axis.kind === 'angle' ? 5 : 6)]);
       }
     }
-    for (const one of tips ? tips.columns : []) {
+    for (const one of tooltips ? tooltips.columns : []) {
       list.push([one.name, one.words ? one.words[index] : number(one.values[index])]);
     }
     return list;
   }
   function command(layer, index) {
-    const ids = layer.tips ? layer.tips.run_ids : [];
+    const ids = layer.tooltips ? layer.tooltips.run_ids : [];
     return ids.length > index ? 'stickslip replay ' + data.directory + ' ' + ids[index] : null;
   }
   function heading(layer, index) {
-    const ids = layer.tips ? layer.tips.run_ids : [];
+    const ids = layer.tooltips ? layer.tooltips.run_ids : [];
     return [layer.name, ids.length > index ? 'run ' + ids[index] : ''].filter(Boolean).join(', ');
   }
   function tip(panel, layer, index) {
@@ -546,7 +546,7 @@
     pick(order, index) {
       const panel = this.panel();
       const layer = this.layer(order);
-      if (!layer || !layer.tips) return;
+      if (!layer || !layer.tooltips) return;
       const said = rows(panel, layer, index).map(([name, value]) => (name ? name + ' ' : '') + value).join(', ');
       const replay = command(layer, index);
       this.picked.textContent = heading(layer, index) + ': ' + said + ' ';
