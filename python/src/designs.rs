@@ -4,7 +4,7 @@ use arrow_array::ffi_stream::RecordBatchStreamReader;
 use pyo3::exceptions::{PyImportError, PyTypeError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyCapsule};
-use stickslip::study::file_values::Entry;
+use stickslip::study::file::values::Entry;
 use stickslip::study::{DesignValue, Study};
 
 use crate::error::Trouble;

@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use crate::study::file_values::Named;
+use crate::study::file::values::Named;
 use crate::study::{DesignValue, Study, list_names, shorten};
 use crate::tabular::Fault;
 

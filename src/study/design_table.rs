@@ -5,11 +5,11 @@ use std::path::Path;
 use arrow_array::RecordBatchReader;
 
 use super::error::{Fault, StudyError};
-use super::file_values::Entry;
-use super::plan::Study;
-use super::read_file::read_bytes;
-use super::rows::Rows;
-use super::variable::DesignValue;
+use super::file::read_file::read_bytes;
+use super::file::table_input::Rows;
+use super::file::values::Entry;
+use super::plan::planned_study::Study;
+use super::plan::variable::DesignValue;
 use crate::tabular::{Cell, Cells, Limits, Refusal, check_name};
 
 /// Faults of tables in files need no study file to be placed in.
@@ -18,7 +18,7 @@ struct Nowhere;
 impl super::error::Locate for Nowhere {
     fn refuse(
         &self,
-        path: &super::key_path::KeyPath,
+        path: &super::file::key_path::KeyPath,
         _: super::error::Spot,
         fault: Fault,
     ) -> StudyError {

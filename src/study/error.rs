@@ -3,7 +3,7 @@
 use std::fmt;
 use std::path::{Path, PathBuf};
 
-use super::key_path::KeyPath;
+use super::file::key_path::KeyPath;
 pub(crate) use crate::foreign::shorten;
 use crate::foreign::shown_path;
 pub(crate) use crate::tabular::Fault;
@@ -25,7 +25,7 @@ pub struct StudyError(Box<Message>);
 #[derive(Clone, Debug, PartialEq, Eq)]
 struct Message {
     file: PathBuf,
-    place: Option<Place>,
+    place: Option<Location>,
     key: String,
     problem: String,
     found: Option<String>,
@@ -35,7 +35,7 @@ struct Message {
 
 /// A position in a text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Place {
+pub(crate) struct Location {
     /// Line, counted from one.
     pub line: usize,
     /// Column in characters, counted from one.
@@ -51,7 +51,7 @@ impl StudyError {
     /// Creates a message about a key of a study file, or about a row and column of a table.
     pub(crate) fn new(
         file: &Path,
-        place: Option<Place>,
+        place: Option<Location>,
         key: String,
         fault: Fault,
         line_text: Option<&str>,

@@ -3,11 +3,11 @@
 use schemars::{JsonSchema, Schema, SchemaGenerator, generate::SchemaSettings, json_schema};
 use serde_json::{Map, Value};
 
-use super::file::{DistributionFile, StudyFile};
-use super::file_values::{Entry, Listed, Range};
-use super::parameter::Parameter;
-use super::resolve_extend::EXTENDED_LABELS;
-use super::start_box::axis_names;
+use super::file::study_file::{DistributionFile, StudyFile};
+use super::file::values::{Entry, Listed, Range};
+use super::plan::parameter::Parameter;
+use super::resolve::extend::EXTENDED_LABELS;
+use super::sampling::initial_box::axis_names;
 use crate::model::{Ball, Block, FrictionLaw, MAX_BALLS, Machine, Model};
 
 /// Returns the JSON Schema (draft 2020-12) of a study file, with units in the descriptions.
@@ -16,24 +16,24 @@ pub fn json_schema() -> Value {
 }
 
 /// Returns the schema of lists of values by parameter.
-pub(super) fn swept(generator: &mut SchemaGenerator) -> Schema {
+pub(in crate::study) fn swept(generator: &mut SchemaGenerator) -> Schema {
     per_parameter(generator.subschema_for::<Listed>(), &all_parameters())
 }
 
 /// Returns the schema of one value by parameter.
-pub(super) fn selector(generator: &mut SchemaGenerator) -> Schema {
+pub(in crate::study) fn selector(generator: &mut SchemaGenerator) -> Schema {
     per_parameter(generator.subschema_for::<Entry>(), &all_parameters())
 }
 
 /// Returns the schema of distributions by numeric parameter.
-pub(super) fn uncertain(generator: &mut SchemaGenerator) -> Schema {
+pub(in crate::study) fn uncertain(generator: &mut SchemaGenerator) -> Schema {
     let mut parameters = all_parameters();
     parameters.retain(|parameter| parameter.is_number());
     per_parameter(generator.subschema_for::<DistributionFile>(), &parameters)
 }
 
 /// Returns the schema of ranges by start coordinate.
-pub(super) fn start_box(generator: &mut SchemaGenerator) -> Schema {
+pub(in crate::study) fn start_box(generator: &mut SchemaGenerator) -> Schema {
     let range = <Range as JsonSchema>::json_schema(generator);
     let general = ["beta", "beta_dot"].map(str::to_owned);
     let models = all_models();
@@ -44,7 +44,7 @@ pub(super) fn start_box(generator: &mut SchemaGenerator) -> Schema {
 }
 
 /// Returns the schema of the labels of runs that can be continued.
-pub(super) fn extended_labels(_: &mut SchemaGenerator) -> Schema {
+pub(in crate::study) fn extended_labels(_: &mut SchemaGenerator) -> Schema {
     json_schema!({
         "type": "array", "items": { "enum": EXTENDED_LABELS }, "minItems": 1, "uniqueItems": true
     })

@@ -1,0 +1,54 @@
+//! The path from the top of a study file to one of its values, such as `sweep[0].grid.speed_rad_s`.
+
+use std::fmt;
+
+/// One step of a path.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) enum Segment {
+    /// Into a map, by key.
+    Key(String),
+    /// Into a list, by index counted from zero.
+    Item(usize),
+}
+
+/// The steps from the top of the file.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(crate) struct KeyPath(pub Vec<Segment>);
+
+impl KeyPath {
+    /// Creates the path of the keys in `keys`, which are joined by dots.
+    pub fn of(keys: &str) -> KeyPath {
+        KeyPath(keys.split('.').map(|key| Segment::Key(key.to_owned())).collect())
+    }
+
+    /// Returns this path extended by a key.
+    pub fn key(&self, key: &str) -> KeyPath {
+        self.and(Segment::Key(key.to_owned()))
+    }
+
+    /// Returns this path extended by a list item.
+    pub fn item(&self, index: usize) -> KeyPath {
+        self.and(Segment::Item(index))
+    }
+
+    fn and(&self, step: Segment) -> KeyPath {
+        let mut steps = self.0.clone();
+        steps.push(step);
+        KeyPath(steps)
+    }
+}
+
+impl fmt::Display for KeyPath {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (depth, step) in self.0.iter().enumerate() {
+            match step {
+                Segment::Key(key) if depth == 0 => {
+                    write!(out, "{}", crate::study::error::shorten(key))?
+                }
+                Segment::Key(key) => write!(out, ".{}", crate::study::error::shorten(key))?,
+                Segment::Item(index) => write!(out, "[{index}]")?,
+            }
+        }
+        Ok(())
+    }
+}

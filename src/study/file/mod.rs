@@ -1,0 +1,13 @@
+//! The study file as it is written: YAML with places, its types, the tables it names, and its text with all defaults.
+
+pub(in crate::study) mod decode;
+pub(in crate::study) mod key_path;
+pub mod optimize_file;
+pub(in crate::study) mod read_file;
+pub(in crate::study) mod resolved_yaml;
+pub mod response_file;
+pub mod study_file;
+pub(in crate::study) mod table_folders;
+pub(in crate::study) mod table_input;
+pub mod values;
+pub(in crate::study) mod yaml_tree;

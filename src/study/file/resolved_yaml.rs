@@ -1,0 +1,120 @@
+//! The resolved study in the form of a study file, and its hash.
+
+use std::sync::OnceLock;
+
+use serde_json::Value;
+
+use crate::study::file::study_file::StudyFile;
+
+/// Words that some YAML parsers do not treat as text.
+const NOT_TEXT: [&str; 9] = ["true", "false", "yes", "no", "on", "off", "null", "nan", "inf"];
+
+/// A resolved study file with its cached text and hash, which every table needs.
+#[derive(Clone, Debug)]
+pub(in crate::study) struct ResolvedFile {
+    pub(in crate::study) file: StudyFile,
+    pub(in crate::study) yaml: OnceLock<String>,
+    pub(in crate::study) hash: OnceLock<String>,
+}
+
+impl ResolvedFile {
+    pub(in crate::study) fn new(file: StudyFile) -> Self {
+        ResolvedFile { file, yaml: OnceLock::new(), hash: OnceLock::new() }
+    }
+
+    /// Returns the file as plain values.
+    pub(in crate::study) fn to_value(&self) -> Value {
+        to_value(&self.file)
+    }
+}
+
+/// Returns the file as plain values; its types always serialise.
+pub(in crate::study) fn to_value(file: &StudyFile) -> Value {
+    serde_json::to_value(file).unwrap_or_default()
+}
+
+pub(in crate::study) fn write_block(value: &Value, indent: usize, out: &mut String) {
+    let margin = " ".repeat(indent);
+    match value {
+        Value::Object(fields) => {
+            for (key, value) in fields {
+                out.push_str(&margin);
+                write_text(key, out);
+                out.push(':');
+                if fits_one_line(value) {
+                    out.push(' ');
+                    write_flow(value, out);
+                    out.push('\n');
+                } else {
+                    out.push('\n');
+                    write_block(value, indent + 2, out);
+                }
+            }
+        }
+        Value::Array(items) => {
+            for item in items {
+                out.push_str(&margin);
+                out.push_str("- ");
+                if fits_one_line(item) {
+                    write_flow(item, out);
+                    out.push('\n');
+                } else {
+                    let mut below = String::new();
+                    write_block(item, indent + 2, &mut below);
+                    out.push_str(below.trim_start());
+                }
+            }
+        }
+        scalar => write_flow(scalar, out),
+    }
+}
+
+/// Returns whether a value is written on one line: single values, lists of them, and small maps of
+/// them.
+fn fits_one_line(value: &Value) -> bool {
+    let single = |value: &Value| !value.is_array() && !value.is_object();
+    match value {
+        Value::Object(fields) => {
+            fields.is_empty() || fields.len() <= 4 && fields.values().all(single)
+        }
+        Value::Array(items) => items.iter().all(single),
+        _ => true,
+    }
+}
+
+fn write_flow(value: &Value, out: &mut String) {
+    match value {
+        Value::Object(fields) => {
+            out.push('{');
+            for (index, (key, value)) in fields.iter().enumerate() {
+                out.push_str(if index == 0 { "" } else { ", " });
+                write_text(key, out);
+                out.push_str(": ");
+                write_flow(value, out);
+            }
+            out.push('}');
+        }
+        Value::Array(items) => {
+            out.push('[');
+            for (index, item) in items.iter().enumerate() {
+                out.push_str(if index == 0 { "" } else { ", " });
+                write_flow(item, out);
+            }
+            out.push(']');
+        }
+        Value::String(text) => write_text(text, out),
+        other => out.push_str(&other.to_string()),
+    }
+}
+
+fn write_text(text: &str, out: &mut String) {
+    let usual = |character: char| character.is_ascii_alphanumeric() || "-_.".contains(character);
+    let plain = text.starts_with(|first: char| first.is_ascii_alphabetic())
+        && text.chars().all(usual)
+        && !NOT_TEXT.contains(&text.to_ascii_lowercase().as_str());
+    if plain {
+        out.push_str(text);
+    } else {
+        out.push_str(&Value::from(text).to_string());
+    }
+}

@@ -1,0 +1,74 @@
+//! The keys `design` and `responses` of a study file.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::study::file::values::Named;
+
+/// A variable of a design: either `from` and `to`, or `choices`.
+#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct VariableFile {
+    /// Smallest value, in the unit of the parameter.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub from: Option<f64>,
+    /// Largest value, in the unit of the parameter; at least `from`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub to: Option<f64>,
+    /// Choices by name; each choice sets the same numeric parameters.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub choices: Option<Named<Named<f64>>>,
+}
+
+/// A response of a design, estimated from the residual amplitudes (`amplitude_m` in `runs.parquet`)
+/// or the times to rest of its runs.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum ResponseFile {
+    /// Mean amplitude, m; with `relative`, dimensionless.
+    AmplitudeMean {
+        /// Whether each amplitude is divided by the amplitude of the same machine without balls;
+        /// the default is `false`.
+        #[serde(default)]
+        relative: bool,
+    },
+    /// Standard deviation of the amplitude, m; with `relative`, dimensionless.
+    AmplitudeStdDev {
+        /// Whether each amplitude is divided by the amplitude of the same machine without balls;
+        /// the default is `false`.
+        #[serde(default)]
+        relative: bool,
+    },
+    /// Quantile of the amplitude, m; with `relative`, dimensionless.
+    AmplitudeQuantile {
+        /// Fraction of the runs below the quantile, above 0 and below 1.
+        #[schemars(extend("exclusiveMinimum" = 0, "exclusiveMaximum" = 1))]
+        fraction: f64,
+        /// Whether each amplitude is divided by the amplitude of the same machine without balls;
+        /// the default is `false`.
+        #[serde(default)]
+        relative: bool,
+    },
+    /// Largest amplitude of all runs, m; with `relative`, dimensionless.
+    AmplitudeWorst {
+        /// Whether each amplitude is divided by the amplitude of the same machine without balls;
+        /// the default is `false`.
+        #[serde(default)]
+        relative: bool,
+    },
+    /// Probability of an amplitude above a limit.
+    AmplitudeAbove {
+        /// The limit, at least 0, m; with `relative`, dimensionless.
+        #[schemars(extend("minimum" = 0))]
+        limit: f64,
+        /// Whether each amplitude is divided by the amplitude of the same machine without balls;
+        /// the default is `false`.
+        #[serde(default)]
+        relative: bool,
+    },
+    /// Probability of rest by this time, s; above 0 and at most the end time of the simulation.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    AtRestByS(f64),
+    /// Median time to rest (Kaplan-Meier estimator), s.
+    MedianTimeToRest,
+}

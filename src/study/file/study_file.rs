@@ -1,0 +1,510 @@
+//! The study file as written: types for reading, writing and the JSON Schema.
+//!
+//! These types check the form only; `resolve` validates the content and fills in the defaults.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::study::file::optimize_file::OptimizeFile;
+use crate::study::file::response_file::{ResponseFile, VariableFile};
+use crate::study::file::values::{Balls, Count, Entry, Listed, Named, Range, Table};
+use crate::study::schema;
+
+/// A stickslip study: a model, the points of a sweep, and the sampling of start states.
+#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
+#[serde(deny_unknown_fields)]
+#[schemars(title = "stickslip study")]
+pub struct StudyFile {
+    /// Version of the format; must be 1.
+    #[schemars(extend("const" = 1))]
+    pub schema: u64,
+    /// Name of the study: 1 to 100 letters, digits, `-`, `_` and `.`, not beginning with `.`; the
+    /// default output directory is `results/NAME`.
+    #[schemars(length(min = 1, max = 100), regex(pattern = r"^[A-Za-z0-9_-][A-Za-z0-9._-]*$"))]
+    pub name: String,
+    /// Seed of all random numbers: an integer from 0 to 2^64 - 1.
+    pub seed: u64,
+    /// The model and its parameters.
+    pub model: ModelFile,
+    /// Blocks of points, one block after another; without a sweep, the study has one point.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sweep: Option<Vec<BlockFile>>,
+    /// Distribution of each uncertain parameter; the value is drawn for each run.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(schema_with = "schema::uncertain")]
+    pub uncertain: Option<Named<DistributionFile>>,
+    /// Start states and how they are sampled.
+    pub initial_conditions: InitialConditionsFile,
+    /// Integration method, end time, tolerances and the endings to detect.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub simulation: Option<SimulationFile>,
+    /// Sequential sampling: adds runs at each point until the 95 % confidence interval of the
+    /// fraction of equilibria is narrow enough; by default, each point has the runs of its design.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub precision: Option<PrecisionFile>,
+    /// Recomputation of a fraction of the runs by the other method; by default, none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub audit: Option<AuditFile>,
+    /// Expected results, which `stickslip verify` checks.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub expect: Option<Vec<ExpectationFile>>,
+    /// Variables of `stickslip evaluate` and `stickslip optimize`, by name: a numeric parameter or
+    /// `balls` with `from` and `to`, or another name with `choices`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub design: Option<Named<VariableFile>>,
+    /// Responses that `stickslip evaluate` estimates for each design, by name.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub responses: Option<Named<ResponseFile>>,
+    /// Objectives, limits and effort of `stickslip optimize`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub optimize: Option<OptimizeFile>,
+}
+
+/// The model with its parameters.
+#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct ModelFile {
+    /// Kind of model.
+    pub kind: ModelKind,
+    /// Parameters in SI units; the defaults are the machine of the thesis, or a block of 1 kg on a
+    /// spring of 100 N/m.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub parameters: Option<ParametersFile>,
+    /// Friction law; the default is `coulomb`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub friction: Option<FrictionFile>,
+    /// Derivation of the normal force between ball and ring; the default is `lagrange`; only for a
+    /// ball balancer.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub normal_force: Option<NormalForceKind>,
+}
+
+/// Kinds of model.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ModelKind {
+    /// An automatic ball balancer: a table on springs, a rotating disc with an imbalance, and balls
+    /// in a ring.
+    BallBalancer,
+    /// A block on a spring, on rigid ground.
+    BlockOnSpring,
+    /// A block on a spring, on a moving belt.
+    BlockOnBelt,
+}
+
+/// Friction laws; the sliding speed of a ball is relative to the ring, in rad/s; that of a block is
+/// in m/s.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum FrictionFile {
+    /// Coulomb friction: the friction force is at most `friction_coefficient` times the normal
+    /// force.
+    Coulomb,
+    /// Stribeck friction: the coefficient decays with the sliding speed from a static value to the
+    /// kinetic `friction_coefficient`, as `μ + (μ_s - μ) exp(-|v| / v_s)`.
+    Stribeck(StribeckFile),
+    /// Regularised friction `μ f_n (2/π) atan(v / v_0)`, which is zero at rest: no contact ever
+    /// sticks.
+    Smooth(SmoothFile),
+    /// Viscous drag proportional to the sliding speed, without dry friction.
+    Viscous {
+        /// Drag force divided by the sliding speed, N s/m, at least 0.
+        #[schemars(extend("minimum" = 0))]
+        viscous_coefficient_n_s_m: f64,
+    },
+}
+
+/// Settings of the Stribeck law, with one of the two speeds.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct StribeckFile {
+    /// Friction coefficient at rest, at least `friction_coefficient`.
+    #[schemars(extend("minimum" = 0))]
+    pub static_friction_coefficient: f64,
+    /// Sliding speed of a ball over which the coefficient decays to its kinetic value, rad/s, at
+    /// least 0; 0 gives a jump.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("minimum" = 0))]
+    pub stribeck_speed_rad_s: Option<f64>,
+    /// Sliding speed of a block over which the coefficient decays to its kinetic value, m/s, at
+    /// least 0; 0 gives a jump.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("minimum" = 0))]
+    pub stribeck_speed_m_s: Option<f64>,
+}
+
+/// Settings of the smooth law, with one of the two speeds.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct SmoothFile {
+    /// Sliding speed of a ball at which friction reaches half of its limit, rad/s, above 0.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub smoothing_speed_rad_s: Option<f64>,
+    /// Sliding speed of a block at which friction reaches half of its limit, m/s, above 0.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub smoothing_speed_m_s: Option<f64>,
+}
+
+/// Derivations of the normal force.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum NormalForceKind {
+    /// From Lagrange's equations with the rolling constraint inserted, as in the thesis.
+    Lagrange,
+    /// From Newton's second law for the centre of the ball.
+    Newton,
+}
+
+/// Parameters in SI units. A block has `mass_kg`, `stiffness_n_m`, `normal_force_n`,
+/// `friction_coefficient` and, on a belt, `belt_speed_m_s`; a ball balancer has all others.
+#[derive(Clone, Debug, Default, Deserialize, JsonSchema, PartialEq, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct ParametersFile {
+    /// Mass of table, motor, ring and disc, without imbalance and balls, kg; above 0; default
+    /// 0.324.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub table_mass_kg: Option<f64>,
+    /// Stiffness, N/m, above 0: of the suspension per direction (default 1.07e4), or of a block's
+    /// spring (default 100).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub stiffness_n_m: Option<f64>,
+    /// Viscous damping of the suspension per direction, N s/m; at least 0; default 1.28.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("minimum" = 0))]
+    pub damping_n_s_m: Option<f64>,
+    /// Distance from the centre of the ring to the centres of the balls, m; above 0; default
+    /// 1.15e-2.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub ring_radius_m: Option<f64>,
+    /// Mass of the imbalance, kg; above 0; default 5.6e-5.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub imbalance_mass_kg: Option<f64>,
+    /// Distance from the centre of the ring to the imbalance, m; above 0; default 3.7e-2.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub imbalance_radius_m: Option<f64>,
+    /// Number of balls, 1 to 8, or a list with one entry per ball; default 2.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub balls: Option<Balls>,
+    /// Mass of each ball without its own value, kg; above 0; default 1.4e-4.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub ball_mass_kg: Option<f64>,
+    /// Diameter of each ball without its own value, m; above 0; default 3e-3.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub ball_diameter_m: Option<f64>,
+    /// Friction coefficient of each ball without its own value (default 2.75e-3) or of a block
+    /// (default 0.1), dimensionless, at least 0; the kinetic coefficient if the law has two.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("minimum" = 0))]
+    pub friction_coefficient: Option<f64>,
+    /// Prescribed speed of the disc, rad/s; a negative speed is clockwise; default -216.3772.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub speed_rad_s: Option<f64>,
+    /// Mass of a block, kg; above 0; default 1.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub mass_kg: Option<f64>,
+    /// Force that presses a block on the ground, N; above 0; default 10.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub normal_force_n: Option<f64>,
+    /// Speed of the belt, m/s; above 0; default 0.1.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub belt_speed_m_s: Option<f64>,
+}
+
+/// One ball; values that are absent are those of all balls.
+#[derive(Clone, Debug, Default, Deserialize, JsonSchema, PartialEq, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct BallFile {
+    /// Mass, kg, above 0; the default is `ball_mass_kg`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub mass_kg: Option<f64>,
+    /// Diameter, m, above 0; the default is `ball_diameter_m`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub diameter_m: Option<f64>,
+    /// Coefficient of friction between ball and ring, dimensionless, at least 0; the default is
+    /// `friction_coefficient`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("minimum" = 0))]
+    pub friction_coefficient: Option<f64>,
+}
+
+/// A block of points: exactly one of `grid`, `zip` and `table`.
+#[derive(Clone, Debug, Default, Deserialize, JsonSchema, PartialEq, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct BlockFile {
+    /// Lists of values by parameter; the points are all combinations, and the last parameter
+    /// changes fastest.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(schema_with = "schema::swept")]
+    pub grid: Option<Named<Listed>>,
+    /// Lists of equal length by parameter; the first point has the first value of each list, and so
+    /// on.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(schema_with = "schema::swept")]
+    pub zip: Option<Named<Listed>>,
+    /// A table with one point per row; the columns are parameters.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub table: Option<Table>,
+    /// Sampling design of this block; the default is `initial_conditions.design`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub design: Option<DesignFile>,
+}
+
+/// A distribution of a parameter, in the unit of the parameter.
+#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum DistributionFile {
+    /// Normal distribution; a physically impossible draw, such as a negative mass, makes a failed
+    /// run.
+    Normal {
+        /// Mean.
+        mean: f64,
+        /// Standard deviation, above 0.
+        std_dev: f64,
+    },
+    /// Normal distribution, truncated at both ends.
+    TruncatedNormal {
+        /// Mean before truncation.
+        mean: f64,
+        /// Standard deviation before truncation, above 0.
+        std_dev: f64,
+        /// Smallest value.
+        min: f64,
+        /// Largest value, above `min`.
+        max: f64,
+    },
+    /// Log-normal distribution, given by mean and standard deviation of the parameter itself, not
+    /// of its logarithm.
+    Lognormal {
+        /// Mean of the parameter, above 0.
+        mean: f64,
+        /// Standard deviation of the parameter, above 0.
+        std_dev: f64,
+    },
+    /// Uniform distribution.
+    Uniform {
+        /// Smallest value.
+        min: f64,
+        /// Largest value, above `min`.
+        max: f64,
+    },
+    /// Triangular distribution.
+    Triangular {
+        /// Smallest value.
+        min: f64,
+        /// Most likely value, from `min` to `max`.
+        mode: f64,
+        /// Largest value, above `min`.
+        max: f64,
+    },
+    /// One of several values.
+    Choice {
+        /// The values.
+        values: Vec<f64>,
+        /// Weights of the values, at least 0, on any scale; by default, all values are equally
+        /// likely.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        weights: Option<Vec<f64>>,
+    },
+    /// The nominal value, which may come from the model, a sweep or a design, multiplied by a
+    /// random factor from one of the other distributions.
+    Times(Box<DistributionFile>),
+}
+
+/// Start states: a box of coordinates and how it is sampled.
+#[derive(Clone, Debug, Default, Deserialize, JsonSchema, PartialEq, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct InitialConditionsFile {
+    /// Ranges `[low, high]` by coordinate; other coordinates have their default range. Ball
+    /// balancer: lengths over the ring radius, and time multiplied by the natural frequency; `beta`
+    /// and `beta_dot` hold for every ball, `beta_1` and so on for one ball. Block: `position_m` and
+    /// `velocity_m_s`.
+    #[serde(rename = "box", default, skip_serializing_if = "Option::is_none")]
+    #[schemars(schema_with = "schema::start_box")]
+    pub start_box: Option<Named<Range>>,
+    /// Sampling design of the start states; optional if every block of the sweep has its own.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub design: Option<DesignFile>,
+}
+
+/// A sampling design for start states.
+#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum DesignFile {
+    /// Stratified sampling: uniform samples in each cell of a regular partition of the box.
+    Stratified {
+        /// Number of equal parts of each axis.
+        parts_per_axis: Count,
+        /// Number of samples in each cell.
+        samples_per_cell: Count,
+    },
+    /// Latin hypercube: one sample in each of `samples` strata of every axis.
+    LatinHypercube {
+        /// Number of samples; another number is another design.
+        samples: Count,
+    },
+    /// Scrambled Sobol' sequence; a power of two is best.
+    Sobol {
+        /// Number of samples, at most 65,536.
+        samples: Count,
+    },
+    /// Independent uniform samples.
+    MonteCarlo {
+        /// Number of samples.
+        samples: Count,
+    },
+    /// Midpoints of a regular partition of the box.
+    Grid {
+        /// Number of equal parts of each axis.
+        points_per_axis: Count,
+    },
+    /// Given start states, with one column per coordinate: `x`, `y`, `beta_1` ..., `x_dot`,
+    /// `y_dot`, `beta_dot_1` ... of a ball balancer; `position_m`, `velocity_m_s` of a block.
+    Table(Table),
+}
+
+/// Integration method, end time, tolerances and the endings to detect.
+#[derive(Clone, Debug, Default, Deserialize, JsonSchema, PartialEq, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct SimulationFile {
+    /// How stick and slip are computed; the default is `switch`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub method: Option<MethodKind>,
+    /// Half width of the band around zero sliding speed in the switch model, in units of the
+    /// natural frequency (block: natural frequency times `normal_force_n` / `stiffness_n_m`); above
+    /// 0, at most 0.01; default 1e-8.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub band: Option<f64>,
+    /// Time at which an undecided run stops, s; above 0; default 16.5.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub end_time_s: Option<f64>,
+    /// Continuation of undecided and irregular runs past the end time; by default, none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub extend: Option<ExtendFile>,
+    /// Endings that the classification detects; the default is `all`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub endings: Option<EndingsKind>,
+    /// Tolerated error per integration step.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tolerance: Option<ToleranceFile>,
+}
+
+/// Endings that the classification detects.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum EndingsKind {
+    /// Rest, limit cycles and irregular motion.
+    All,
+    /// Rest only: all other runs are `undecided` at the end time; runs that come to rest are
+    /// identical to the last bit, and a study typically takes two thirds of the time.
+    Rest,
+}
+
+/// Continuation of runs past the end time; the outcome is identical to that of a study with the
+/// later end time.
+#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct ExtendFile {
+    /// The later end time as a multiple of `end_time_s`: above 1, at most 1000.
+    #[schemars(extend("exclusiveMinimum" = 1, "maximum" = 1000))]
+    pub factor: f64,
+    /// Labels at the end time of the runs that are continued; the default is `[undecided,
+    /// irregular]`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(schema_with = "schema::extended_labels")]
+    pub labels: Option<Vec<String>>,
+}
+
+/// Methods for stick and slip.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum MethodKind {
+    /// The switch model with a band of finite width around zero sliding speed.
+    Switch,
+    /// The limit of the switch model for a vanishing band, with located events; does not use
+    /// `band`.
+    Event,
+}
+
+/// Tolerated error per integration step.
+#[derive(Clone, Debug, Default, Deserialize, JsonSchema, PartialEq, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct ToleranceFile {
+    /// Relative error, dimensionless; above 0; default 1e-8.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub relative: Option<f64>,
+    /// Absolute error, non-dimensional; above 0; default 1e-10.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub absolute: Option<f64>,
+}
+
+/// Sequential sampling: adds whole replicates of the design at each point until the 95 % confidence
+/// interval of the fraction of equilibria is narrow enough; only for `stratified`, `monte_carlo`
+/// and `sobol`.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct PrecisionFile {
+    /// Half width of the 95 % confidence interval (`ci_low` to `ci_high`) at which sampling stops;
+    /// above 0, below 0.5.
+    #[schemars(extend("exclusiveMinimum" = 0, "exclusiveMaximum" = 0.5))]
+    pub equilibrium_fraction: f64,
+    /// Largest number of runs at each point; the runs of the design itself are always computed, and
+    /// a Sobol' sequence ends after 65,536.
+    pub max_runs: Count,
+}
+
+/// Recomputation of randomly chosen runs by the other method, with a tenth of both tolerances; it
+/// measures how often the label depends on the computation.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct AuditFile {
+    /// Fraction of the runs that are recomputed, above 0 and at most 1.
+    #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 1))]
+    pub fraction: f64,
+}
+
+/// Expected fractions of runs per label at some points; at least one fraction is required.
+#[derive(Clone, Debug, Default, Deserialize, JsonSchema, PartialEq, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct ExpectationFile {
+    /// Values of swept parameters that select points; by default, all points.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(schema_with = "schema::selector")]
+    pub point: Option<Named<Entry>>,
+    /// Range of the fraction of runs that come to rest, `[low, high]` within 0 and 1.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub equilibrium_fraction: Option<Range>,
+    /// Range of the fraction of runs that end in a limit cycle, `[low, high]` within 0 and 1.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub limit_cycle_fraction: Option<Range>,
+    /// Range of the fraction of runs that move irregularly, `[low, high]` within 0 and 1.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub irregular_fraction: Option<Range>,
+    /// Range of the fraction of runs without sufficient evidence for any other label, `[low, high]`
+    /// within 0 and 1.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub undecided_fraction: Option<Range>,
+    /// Range of the fraction of failed runs, `[low, high]` within 0 and 1.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub failed_fraction: Option<Range>,
+    /// Range of the fraction of audited runs whose label changes, `[low, high]` within 0 and 1.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub audit_flip_rate: Option<Range>,
+}

@@ -1,0 +1,201 @@
+//! Tables that a study names or holds: columns and rows, with the place of every value.
+
+use std::collections::HashSet;
+use std::path::{Path, PathBuf};
+
+use crate::study::error::{Fault, Locate, Location, StudyError, list_names, shorten};
+use crate::study::file::key_path::KeyPath;
+use crate::study::file::table_folders::TableFolders;
+use crate::study::file::values::{Entry, InlineTable, Table};
+use crate::tabular::{Cell, Cells, Limits, Refusal, check_name, ragged};
+
+/// The most values that all sweeps and tables of a study may hold together.
+pub(crate) const MAX_VALUES: usize = 1_000_000;
+
+/// A table with columns whose names are known to be allowed, each once.
+pub(crate) struct Rows {
+    /// Names of the columns.
+    pub columns: Vec<String>,
+    /// Rows with one value per column.
+    pub rows: Vec<Vec<Entry>>,
+    origin: Origin,
+}
+
+enum Origin {
+    Inline(KeyPath),
+    File(TableFile),
+}
+
+/// The file that a table was read from.
+struct TableFile {
+    path: PathBuf,
+    /// In a file of lines, the line of each row.
+    lines: Option<Vec<usize>>,
+}
+
+impl Rows {
+    /// Reads a table; `allowed` are the names that columns may have.
+    ///
+    /// # Errors
+    /// A file that cannot or must not be read, a ragged row, a column that is unknown or given twice,
+    /// a value that is missing or not finite, a table without rows.
+    pub fn read(
+        locate: &dyn Locate,
+        folders: &TableFolders,
+        path: &KeyPath,
+        table: &Table,
+        allowed: &[String],
+    ) -> Result<Rows, StudyError> {
+        let rows = match table {
+            Table::Inline(inline) => Rows::of_inline(locate, path, inline, allowed)?,
+            Table::File(name) => Rows::of_file(locate, folders, path, name, allowed)?,
+        };
+        if rows.rows.is_empty() {
+            let fault = Fault::new("a table without rows", "0 rows", "at least one row");
+            return Err(rows.refuse(locate, None, None, fault));
+        }
+        Ok(rows)
+    }
+
+    fn of_inline(
+        locate: &dyn Locate,
+        path: &KeyPath,
+        table: &InlineTable,
+        allowed: &[String],
+    ) -> Result<Rows, StudyError> {
+        for (row, values) in table.rows.iter().enumerate() {
+            if values.len() != table.columns.len() {
+                let fault = ragged(values.len(), table.columns.len());
+                return Err(locate.refuse_value(&path.key("rows").item(row), fault));
+            }
+        }
+        check_columns(&table.columns, allowed).map_err(|(column, fault)| {
+            locate.refuse_value(&path.key("columns").item(column), fault)
+        })?;
+        Ok(Rows {
+            columns: table.columns.clone(),
+            rows: table.rows.clone(),
+            origin: Origin::Inline(path.clone()),
+        })
+    }
+
+    fn of_file(
+        locate: &dyn Locate,
+        folders: &TableFolders,
+        path: &KeyPath,
+        name: &str,
+        allowed: &[String],
+    ) -> Result<Rows, StudyError> {
+        let (file, bytes) = folders.read(name).map_err(|mut fault| {
+            fault.problem = format!("the table cannot be read: {}", fault.problem);
+            locate.refuse_value(path, fault)
+        })?;
+        check_name(&file, "a name that ends in .csv or .parquet").map_err(|fault| {
+            locate.refuse_value(path, Fault { found: Some(shorten(name)), ..fault })
+        })?;
+        let rows = Rows::in_file(&file, |limits| Cells::read(&file, bytes, limits), allowed)?;
+        folders
+            .count(rows.rows.len() * rows.columns.len())
+            .map_err(|fault| locate.refuse_value(path, fault))?;
+        Ok(rows)
+    }
+
+    /// A table outside of the study file, which messages call `name`; `allowed` are the names that columns may
+    /// have.
+    ///
+    /// # Errors
+    /// What is wrong, and where.
+    pub fn in_file(
+        name: &Path,
+        read: impl FnOnce(&Limits<'_>) -> Result<Cells, Refusal>,
+        allowed: &[String],
+    ) -> Result<Rows, StudyError> {
+        let columns = |columns: &[String]| check_columns(columns, allowed);
+        let refuse = |Refusal { line, row, column, fault }| {
+            StudyError::new(name, line.map(at_line), key(row, column.as_deref()), *fault, None)
+        };
+        let limits = Limits { columns: &columns, values: MAX_VALUES };
+        let Cells { columns, rows, lines } = read(&limits).map_err(refuse)?;
+        let file = TableFile { path: name.to_owned(), lines };
+        let entry = |row: usize, (cell, column): (Cell, &String)| {
+            let fault = match cell {
+                Cell::Number(number) => return Ok(Entry::Number(number)),
+                Cell::Text(text) => return Ok(Entry::Text(text)),
+                Cell::NotFinite(written) => not_finite(written),
+                Cell::Empty => Fault::new("an empty value", "nothing", "a number"),
+            };
+            Err(file.refuse(Some(row), Some(column), fault))
+        };
+        let entries = |(row, cells): (usize, Vec<Cell>)| {
+            cells.into_iter().zip(&columns).map(|cell| entry(row, cell)).collect()
+        };
+        let rows = rows.into_iter().enumerate().map(entries).collect::<Result<_, _>>()?;
+        Ok(Rows { columns, rows, origin: Origin::File(file) })
+    }
+
+    /// The message for a fault in a row, a column, both, or the whole table.
+    pub fn refuse(
+        &self,
+        locate: &dyn Locate,
+        row: Option<usize>,
+        column: Option<usize>,
+        fault: Fault,
+    ) -> StudyError {
+        match &self.origin {
+            Origin::Inline(path) => {
+                let path = match (row, column) {
+                    (Some(row), Some(column)) => path.key("rows").item(row).item(column),
+                    (Some(row), None) => path.key("rows").item(row),
+                    (None, Some(column)) => path.key("columns").item(column),
+                    (None, None) => path.clone(),
+                };
+                locate.refuse_value(&path, fault)
+            }
+            Origin::File(file) => {
+                let name = column.and_then(|column| self.columns.get(column));
+                file.refuse(row, name.map(String::as_str), fault)
+            }
+        }
+    }
+}
+
+impl TableFile {
+    /// The message for a fault in a row, a column by its name, both, or the whole table.
+    fn refuse(&self, row: Option<usize>, column: Option<&str>, fault: Fault) -> StudyError {
+        let line = |lines: &Vec<usize>| row.and_then(|row| lines.get(row)).copied().unwrap_or(1);
+        let place = self.lines.as_ref().map(line).map(at_line);
+        StudyError::new(&self.path, place, key(row, column), fault, None)
+    }
+}
+
+fn at_line(line: usize) -> Location {
+    Location { line, column: 1 }
+}
+
+/// A row and a column as messages name them.
+fn key(row: Option<usize>, column: Option<&str>) -> String {
+    let row = row.map(|row| format!("row {}", row + 1));
+    let column = column.map(|name| format!("column {}", shorten(name)));
+    row.into_iter().chain(column).collect::<Vec<_>>().join(", ")
+}
+
+/// The first column that is unknown or given twice.
+fn check_columns(columns: &[String], allowed: &[String]) -> Result<(), (usize, Fault)> {
+    let mut seen = HashSet::new();
+    for (index, column) in columns.iter().enumerate() {
+        if !allowed.contains(column) {
+            let fault = Fault::new("unknown column", shorten(column), list_names(column, allowed));
+            return Err((index, fault));
+        }
+        if !seen.insert(column) {
+            let fault = Fault::new("a column given twice", column, "each column once");
+            return Err((index, fault));
+        }
+    }
+    Ok(())
+}
+
+/// A number that is not finite.
+pub(crate) fn not_finite(written: String) -> Fault {
+    Fault::new("not a finite number", written, "a finite number")
+}

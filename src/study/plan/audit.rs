@@ -1,0 +1,67 @@
+//! The audit: which runs are recomputed by the other method.
+
+use crate::study::error::{Fault, Locate, StudyError};
+use crate::study::file::key_path::KeyPath;
+use crate::study::file::study_file::AuditFile;
+use crate::study::file::yaml_tree::describe_number;
+use crate::study::plan::parameter::{Parameter, ParameterValue};
+use crate::study::sampling::draw::DrawKey;
+use crate::study::sampling::sampling_design::SampleId;
+
+/// An audit recomputes a fraction of the runs with [`crate::model::Simulation::counter_check`].
+///
+/// A run is selected if a uniform random number is below the fraction. The number is keyed by the
+/// swept values of the point, the cell and the replicate. More samples, more points or a larger
+/// fraction therefore keep all earlier selections, and each point has its own selection.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Audit {
+    /// The fraction of the runs, above 0 and at most 1.
+    pub fraction: f64,
+}
+
+impl Audit {
+    /// Validates the audit of a study file.
+    ///
+    /// # Errors
+    /// Returns an error if the fraction is not above 0 and at most 1.
+    pub(in crate::study) fn resolve(
+        locate: &dyn Locate,
+        written: Option<&AuditFile>,
+    ) -> Result<Option<Audit>, StudyError> {
+        let Some(AuditFile { fraction }) = written.copied() else { return Ok(None) };
+        if 0.0 < fraction && fraction <= 1.0 {
+            return Ok(Some(Audit { fraction }));
+        }
+        let allowed = "a fraction above 0 and at most 1, such as 0.05, or no `audit`";
+        let fault = Fault::new("not a fraction of the runs", describe_number(fraction), allowed);
+        Err(locate.refuse_value(&KeyPath::of("audit.fraction"), fault))
+    }
+
+    /// Returns the audit in the form of a study file.
+    pub(in crate::study) fn to_file(self) -> AuditFile {
+        AuditFile { fraction: self.fraction }
+    }
+
+    /// Returns whether the audit selects a sample at the point with these swept values.
+    pub(in crate::study) fn chooses(
+        self,
+        seed: u64,
+        swept: &[(Parameter, ParameterValue)],
+        id: SampleId,
+    ) -> bool {
+        let key = DrawKey::new(seed, "audit", &name(swept));
+        key.uniform(id.cell, id.replicate) < self.fraction
+    }
+}
+
+/// Returns the swept values of a point as text that does not depend on the order of the sweep.
+fn name(swept: &[(Parameter, ParameterValue)]) -> String {
+    let text = |(parameter, value): &(Parameter, ParameterValue)| match value {
+        // Adding 0 turns -0 into 0; the exponent form keeps every digit.
+        ParameterValue::Number(number) => format!("{}={:e}", parameter.name(), number + 0.0),
+        ParameterValue::Text(word) => format!("{}={word}", parameter.name()),
+    };
+    let mut values: Vec<String> = swept.iter().map(text).collect();
+    values.sort_unstable();
+    values.join(",")
+}

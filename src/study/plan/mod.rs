@@ -1,0 +1,14 @@
+//! The plan of a study: points, designs, responses, and any run from its number.
+
+pub(in crate::study) mod audit;
+pub(in crate::study) mod difference;
+pub(in crate::study) mod expectation;
+pub(in crate::study) mod optimization;
+pub(in crate::study) mod parameter;
+pub(in crate::study) mod planned_study;
+pub(in crate::study) mod precision;
+pub(in crate::study) mod resolved_study;
+pub(in crate::study) mod response;
+pub(in crate::study) mod sweep;
+pub(in crate::study) mod variable;
+pub(in crate::study) mod with_design;

@@ -1,0 +1,339 @@
+//! A resolved study and its plan: every point and every run is a function of its number.
+
+use std::ops::Range;
+
+use crate::model::{Case, InvalidParameter, Model, Simulation, Start};
+use crate::study::file::resolved_yaml::ResolvedFile;
+use crate::study::plan::audit::Audit;
+use crate::study::plan::expectation::{Expectation, same};
+use crate::study::plan::optimization::Optimization;
+use crate::study::plan::parameter::{Parameter, ParameterValue, VariedParameter};
+use crate::study::plan::precision::{Precision, Sampling};
+use crate::study::plan::response::Response;
+use crate::study::plan::sweep::{Block, Listing};
+use crate::study::plan::variable::Variable;
+use crate::study::resolve::model::Base;
+use crate::study::resolve::uncertain::Uncertain;
+use crate::study::sampling::draw::DrawKey;
+use crate::study::sampling::sampling_design::SampleId;
+
+/// A validated study with every default filled in; it is immutable.
+///
+/// Runs are numbered from zero, point by point in the order of the sweep. Each run is a pure
+/// function of the study and its number, and is computed on request.
+#[derive(Clone, Debug)]
+pub struct Study {
+    pub(in crate::study) name: String,
+    pub(in crate::study) seed: u64,
+    pub(in crate::study) base: Base,
+    pub(in crate::study) simulation: Simulation,
+    pub(in crate::study) audit: Option<Audit>,
+    pub(in crate::study) precision: Option<Precision>,
+    pub(in crate::study) blocks: Vec<Block>,
+    pub(in crate::study) swept_parameters: Vec<Parameter>,
+    pub(in crate::study) swept: Vec<VariedParameter>,
+    pub(in crate::study) uncertain_parameters: Vec<Uncertain>,
+    pub(in crate::study) uncertain: Vec<VariedParameter>,
+    pub(in crate::study) expectations: Vec<Expectation>,
+    pub(in crate::study) variables: Vec<Variable>,
+    pub(in crate::study) responses: Vec<Response>,
+    pub(in crate::study) optimization: Option<Optimization>,
+    /// Copies of this study, one for each number of balls that a design may have, in ascending
+    /// order.
+    pub(in crate::study) by_balls: Vec<Study>,
+    pub(in crate::study) resolved: ResolvedFile,
+}
+
+/// One point of the sweep.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Point {
+    /// Number of the point, counted from zero in the order of the sweep.
+    pub point_id: u64,
+    /// One value per column of [`Study::swept`]: the base value if the point's block does not sweep
+    /// the column.
+    pub swept: Vec<ParameterValue>,
+    /// Number of the point's first run.
+    pub first_run: u64,
+    /// Number of the point's runs; the computed runs have consecutive numbers.
+    pub sampling: Sampling,
+    /// Number of cells of equal size from which the start states are drawn; `None` if the design is
+    /// not stratified.
+    pub cells: Option<u64>,
+    model: Model,
+}
+
+impl Point {
+    /// Returns the model at this point, without uncertain draws.
+    pub fn model(&self) -> &Model {
+        &self.model
+    }
+}
+
+/// A planned run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlannedRun {
+    /// Number of the run, counted from zero over the whole study.
+    pub run_id: u64,
+    /// Number of its point.
+    pub point_id: u64,
+    /// Cell of a stratified design, point of a grid or row of a table of start states; otherwise
+    /// zero.
+    pub cell: u64,
+    /// Number of the sample within its cell, counted from zero.
+    pub replicate: u64,
+    /// One value per column of [`Study::swept`].
+    pub swept: Vec<ParameterValue>,
+    /// One drawn value per column of [`Study::uncertain`].
+    pub uncertain: Vec<f64>,
+    /// Start state of the run.
+    pub start: Start,
+    /// The case to simulate, or the drawn parameter that is physically impossible; such a run
+    /// fails.
+    pub case: Result<Case, InvalidParameter>,
+    /// Whether the audit recomputes the run, see [`Audit`].
+    pub audited: bool,
+}
+
+impl Study {
+    /// Returns the name of the study.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Returns the seed of all random numbers.
+    pub fn seed(&self) -> u64 {
+        self.seed
+    }
+
+    /// Returns a seed that is derived from the master seed for a purpose and a number.
+    pub fn derived_seed(&self, purpose: &str, number: u64) -> u64 {
+        DrawKey::new(self.seed, purpose, "").bits(0, number)
+    }
+
+    /// Returns whether another master seed gives other runs. It does not if all start states are
+    /// given and no parameter is uncertain.
+    pub fn is_random(&self) -> bool {
+        !self.uncertain.is_empty() || self.blocks.iter().any(|block| block.design.is_random())
+    }
+
+    /// Returns the largest number of runs of a design, over all points together.
+    pub fn most_runs_of_a_design(&self) -> u64 {
+        let all = self.by_balls.iter().map(Study::run_count);
+        all.max().unwrap_or(self.run_count())
+    }
+
+    /// Returns the model before any parameter is swept or drawn. All cases share its kind and its
+    /// number of balls.
+    pub fn model(&self) -> &Model {
+        &self.base.model
+    }
+
+    /// Returns the settings of the simulation.
+    pub fn simulation(&self) -> &Simulation {
+        &self.simulation
+    }
+
+    /// Returns the audit, if there is one.
+    pub fn audit(&self) -> Option<Audit> {
+        self.audit
+    }
+
+    /// Returns the requested precision of the fraction of equilibria, if the study has one.
+    pub fn precision(&self) -> Option<Precision> {
+        self.precision
+    }
+
+    /// Returns the number of planned runs. With a precision, this is the largest number, for which
+    /// run numbers are reserved.
+    pub fn run_count(&self) -> u64 {
+        self.blocks.last().map_or(0, |block| block.first_run + block.points * block.sampling.most)
+    }
+
+    /// Returns the number of runs before the first decision at each point. Without a precision,
+    /// this is the number of all runs.
+    pub fn least_run_count(&self) -> u64 {
+        self.blocks.iter().map(|block| block.points * block.sampling.first).sum()
+    }
+
+    /// Returns ranges of points with equally many runs: the point numbers, and the largest number
+    /// of runs per point.
+    pub fn stretches(&self) -> impl Iterator<Item = (Range<u64>, u64)> {
+        let points = |block: &Block| block.first_point..block.first_point + block.points;
+        self.blocks.iter().map(move |block| (points(block), block.sampling.most))
+    }
+
+    /// Returns the number of points of the sweep, which is one without a sweep.
+    pub fn point_count(&self) -> u64 {
+        self.blocks.last().map_or(0, |block| block.first_point + block.points)
+    }
+
+    /// Returns the columns of the swept parameters of all blocks, in order of first appearance.
+    pub fn swept(&self) -> &[VariedParameter] {
+        &self.swept
+    }
+
+    /// Returns the columns of the uncertain parameters, in the order of the model's parameters.
+    pub fn uncertain(&self) -> &[VariedParameter] {
+        &self.uncertain
+    }
+
+    /// Returns the expectations of the study.
+    pub fn expectations(&self) -> &[Expectation] {
+        &self.expectations
+    }
+
+    /// Returns the variables of designs.
+    pub fn variables(&self) -> &[Variable] {
+        &self.variables
+    }
+
+    /// Returns the responses of designs.
+    pub fn responses(&self) -> &[Response] {
+        &self.responses
+    }
+
+    /// Returns the settings of the optimisation, if there are any.
+    pub fn optimization(&self) -> Option<&Optimization> {
+        self.optimization.as_ref()
+    }
+
+    /// Returns a point of the sweep.
+    ///
+    /// # Panics
+    /// If `point_id` is not below [`Study::point_count`].
+    pub fn point(&self, point_id: u64) -> Point {
+        assert!(point_id < self.point_count(), "there is no point {point_id}");
+        let index = self.blocks.partition_point(|block| block.first_point <= point_id);
+        let block = &self.blocks[index - 1];
+        let local = point_id - block.first_point;
+        let values = block.values(local);
+        let model = self.model_with(&values);
+        let column = |parameter: &Parameter| {
+            let swept = values.iter().find(|(other, _)| other == parameter);
+            swept.map_or_else(|| parameter.get(&model, &self.base.general), |(_, value)| *value)
+        };
+        Point {
+            point_id,
+            swept: self.swept_parameters.iter().map(column).collect(),
+            first_run: block.first_run + local * block.sampling.most,
+            sampling: block.sampling,
+            cells: block.design.cells(),
+            model,
+        }
+    }
+
+    /// Returns a run. The same study gives the same run, independently of all other computations.
+    ///
+    /// # Panics
+    /// If `run_id` is not below [`Study::run_count`].
+    pub fn planned_run(&self, run_id: u64) -> PlannedRun {
+        assert!(run_id < self.run_count(), "there is no run {run_id}");
+        let index = self.blocks.partition_point(|block| block.first_run <= run_id);
+        let block = &self.blocks[index - 1];
+        let local = run_id - block.first_run;
+        let local_point = local / block.sampling.most;
+        let point = self.point(block.first_point + local_point);
+        let id = block.design.identify(local % block.sampling.most);
+        let start = Start(block.design.coordinates(id));
+        let mut values = block.values(local_point);
+        let uncertain = self.draw(id, &values);
+        let audited = self.audit.is_some_and(|audit| audit.chooses(self.seed, &values, id));
+        let model = if uncertain.is_empty() {
+            point.model
+        } else {
+            let drawn = self.uncertain_parameters.iter().zip(&uncertain);
+            let drawn = drawn.map(|(one, value)| (one.parameter, ParameterValue::Number(*value)));
+            values.extend(drawn);
+            self.model_with(&values)
+        };
+        let case = model.validate().map(|()| Case {
+            model,
+            start: start.clone(),
+            simulation: self.simulation,
+        });
+        PlannedRun {
+            run_id,
+            point_id: point.point_id,
+            cell: id.cell,
+            replicate: id.replicate,
+            swept: point.swept,
+            uncertain,
+            start,
+            case,
+            audited,
+        }
+    }
+
+    fn draw(&self, id: SampleId, set: &[(Parameter, ParameterValue)]) -> Vec<f64> {
+        let draw = |one: &Uncertain| {
+            let drawn = one.distribution.quantile(one.key.uniform(id.cell, id.replicate));
+            if !one.factor {
+                return drawn;
+            }
+            let own = set.iter().find(|(parameter, _)| *parameter == one.parameter);
+            let own = own.map_or_else(
+                || one.parameter.get(&self.base.model, &self.base.general),
+                |(_, value)| *value,
+            );
+            match own {
+                ParameterValue::Number(own) => own * drawn,
+                ParameterValue::Text(_) => drawn,
+            }
+        };
+        self.uncertain_parameters.iter().map(draw).collect()
+    }
+
+    /// Returns the base model with these values. Values of all balls are set before those of one
+    /// ball.
+    fn model_with(&self, values: &[(Parameter, ParameterValue)]) -> Model {
+        let mut model = self.base.model.clone();
+        for of_one_ball in [false, true] {
+            for (parameter, value) in values {
+                if parameter.general().is_some() == of_one_ball {
+                    parameter.set(&mut model, *value);
+                }
+            }
+        }
+        model
+    }
+
+    /// Returns whether an expectation selects at least one point, without visiting all points of a
+    /// grid.
+    pub(in crate::study) fn has_point(&self, expectation: &Expectation) -> bool {
+        self.blocks.iter().any(|block| match block.listing {
+            Listing::Rows => (block.first_point..block.first_point + block.points)
+                .any(|point| expectation.selects(self, &self.point(point).swept)),
+            Listing::Grid => {
+                let first = self.point(block.first_point);
+                let columns = self.swept_parameters.iter().zip(&self.swept).zip(&first.swept);
+                expectation.point.iter().all(|(name, wanted)| {
+                    columns.clone().filter(|((_, column), _)| column.name == *name).any(
+                        |((parameter, _), base)| {
+                            let swept = block.columns.iter().find(|(other, _)| other == parameter);
+                            match swept {
+                                Some((_, values)) => values.iter().any(|value| same(value, wanted)),
+                                None => self.follows(block, *parameter, wanted, base),
+                            }
+                        },
+                    )
+                })
+            }
+        })
+    }
+
+    /// Returns whether a column that a grid does not sweep itself takes a value there. The value of
+    /// one ball follows the value of all balls.
+    fn follows(
+        &self,
+        block: &Block,
+        parameter: Parameter,
+        wanted: &ParameterValue,
+        base: &ParameterValue,
+    ) -> bool {
+        let general = block.columns.iter().find(|(other, _)| Some(*other) == parameter.general());
+        match general {
+            Some((_, values)) => values.iter().any(|value| same(value, wanted)),
+            None => same(base, wanted),
+        }
+    }
+}

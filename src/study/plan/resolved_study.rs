@@ -1,0 +1,66 @@
+//! A resolved study as a study file with all defaults, and its hash.
+
+use std::path::Path;
+
+use serde_json::Value;
+use sha2::{Digest, Sha256};
+
+use crate::study::error::StudyError;
+use crate::study::file::resolved_yaml::{to_value, write_block};
+use crate::study::file::study_file::StudyFile;
+use crate::study::plan::planned_study::Study;
+use crate::study::sampling::initial_box::GENERAL_AXES;
+
+impl Study {
+    /// Returns this study with another master seed; everything else is unchanged.
+    ///
+    /// # Errors
+    /// Returns only errors that parsing the study itself would return.
+    pub fn with_seed(&self, seed: u64) -> Result<Study, StudyError> {
+        let mut out = String::new();
+        write_block(&to_value(&StudyFile { seed, ..self.resolved.file.clone() }), 0, &mut out);
+        Study::parse(Path::new(&self.name), out)
+    }
+
+    /// Returns the complete study file as plain values.
+    pub(crate) fn resolved_file(&self) -> Value {
+        self.resolved.to_value()
+    }
+
+    /// Returns the complete study file in a canonical form, with all defaults and with inline
+    /// tables. Parsing it gives the same study with the same hash.
+    pub fn resolved_yaml(&self) -> String {
+        let write = || {
+            let mut out = String::new();
+            write_block(&to_value(&self.resolved.file), 0, &mut out);
+            out
+        };
+        self.resolved.yaml.get_or_init(write).clone()
+    }
+
+    /// Returns the SHA-256 hash, in hexadecimal, of everything that determines the runs. It
+    /// excludes the name, format and comments of the file, and the keys `name`, `expect`, `design`,
+    /// `responses` and `optimize`.
+    pub fn hash(&self) -> String {
+        let compute = || {
+            let file = self.resolved.file.clone();
+            let mut determining = StudyFile {
+                name: String::new(),
+                expect: None,
+                design: None,
+                responses: None,
+                optimize: None,
+                ..file
+            };
+            // Ranges of all balls concern designs; the balls of this study have their own ranges.
+            if let Some(ranges) = &mut determining.initial_conditions.start_box {
+                ranges.0.retain(|(name, _)| !GENERAL_AXES.contains(&name.as_str()));
+            }
+            let mut digest = Sha256::new();
+            digest.update(b"stickslip study 1\n");
+            digest.update(to_value(&determining).to_string());
+            digest.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
+        };
+        self.resolved.hash.get_or_init(compute).clone()
+    }
+}

@@ -1,0 +1,80 @@
+//! Blocks of a sweep: the values of a point, computed from its index alone.
+
+use crate::study::plan::parameter::{Parameter, ParameterValue};
+use crate::study::plan::precision::Sampling;
+use crate::study::sampling::sampling_design::Design;
+
+/// How a block lists its points.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Listing {
+    /// Every combination of the columns' values; the last column changes fastest.
+    Grid,
+    /// Rows with one value of each column.
+    Rows,
+}
+
+/// A block of points that share swept parameters and a sampling design.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Block {
+    /// How the points are listed.
+    pub listing: Listing,
+    /// Swept parameters with their values.
+    pub columns: Vec<(Parameter, Vec<ParameterValue>)>,
+    /// Sampling of start states at each point.
+    pub design: Design,
+    /// Number of the block's first point.
+    pub first_point: u64,
+    /// Number of points.
+    pub points: u64,
+    /// Number of the block's first run.
+    pub first_run: u64,
+    /// Runs at each point.
+    pub sampling: Sampling,
+}
+
+impl Listing {
+    /// Returns the factors whose product is the number of points.
+    pub fn factors(&self, columns: &[(Parameter, Vec<ParameterValue>)]) -> Vec<u64> {
+        let lengths = columns.iter().map(|(_, values)| values.len() as u64);
+        match self {
+            Listing::Grid => lengths.collect(),
+            Listing::Rows => lengths.take(1).collect(),
+        }
+    }
+}
+
+impl Block {
+    /// Returns the swept values at a point, counted from the block's first point.
+    pub fn values(&self, point: u64) -> Vec<(Parameter, ParameterValue)> {
+        let mut rest = point;
+        let mut values: Vec<(Parameter, ParameterValue)> = self
+            .columns
+            .iter()
+            .rev()
+            .filter_map(|(parameter, values)| {
+                let length = (values.len() as u64).max(1);
+                let index = match self.listing {
+                    Listing::Rows => point,
+                    Listing::Grid => {
+                        let index = rest % length;
+                        rest /= length;
+                        index
+                    }
+                };
+                let value = usize::try_from(index).ok().and_then(|index| values.get(index))?;
+                Some((*parameter, *value))
+            })
+            .collect();
+        values.reverse();
+        values
+    }
+}
+
+/// Returns the product of counts, or its floating-point value if it is above the limit.
+pub(crate) fn product(factors: &[u64], limit: u64) -> Result<u64, f64> {
+    let exact = factors.iter().try_fold(1_u64, |product, factor| product.checked_mul(*factor));
+    match exact {
+        Some(exact) if exact <= limit => Ok(exact),
+        _ => Err(factors.iter().map(|factor| *factor as f64).product()),
+    }
+}

@@ -1,0 +1,188 @@
+//! Variables of a design, and the study with the values of a design.
+
+use crate::study::error::{Fault, list_names, shorten};
+use crate::study::file::yaml_tree::describe_number;
+use crate::study::plan::parameter::Parameter;
+
+/// A variable of a design.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Variable {
+    pub(in crate::study) name: String,
+    pub(in crate::study) domain: Domain,
+}
+
+/// The values that a variable accepts.
+#[derive(Clone, Debug, PartialEq)]
+pub(in crate::study) enum Domain {
+    /// A parameter within a range.
+    Parameter { parameter: Parameter, from: f64, to: f64 },
+    /// The number of balls.
+    Balls { from: u64, to: u64 },
+    /// Several parameters together, by the name of the choice.
+    Choices(Vec<(String, Vec<(Parameter, f64)>)>),
+}
+
+/// The value of a variable, within its range or one of its choices.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum DesignValue {
+    /// A number within the range.
+    Number(f64),
+    /// The index of a choice, from zero.
+    Choice(usize),
+}
+
+/// The values that a variable accepts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Values {
+    /// All numbers of a closed interval.
+    Numbers(f64, f64),
+    /// The integers of a closed interval.
+    Whole(u64, u64),
+    /// The number of choices.
+    Choices(usize),
+}
+
+impl Variable {
+    /// Returns the accepted values.
+    pub fn values(&self) -> Values {
+        match &self.domain {
+            Domain::Parameter { from, to, .. } => Values::Numbers(*from, *to),
+            Domain::Balls { from, to } => Values::Whole(*from, *to),
+            Domain::Choices(choices) => Values::Choices(choices.len()),
+        }
+    }
+
+    /// Returns the name, as in the study file.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Returns the unit: `1` for a number of balls, `None` for choices.
+    pub fn unit(&self) -> Option<&'static str> {
+        match &self.domain {
+            Domain::Parameter { parameter, .. } => Some(parameter.unit()),
+            Domain::Balls { .. } => Some("1"),
+            Domain::Choices(_) => None,
+        }
+    }
+
+    /// Returns the meaning.
+    pub fn meaning(&self) -> String {
+        match &self.domain {
+            Domain::Parameter { parameter, .. } => parameter.meaning(),
+            Domain::Balls { .. } => "number of balls".to_owned(),
+            Domain::Choices(_) => "name of a choice".to_owned(),
+        }
+    }
+
+    /// Returns the smallest and the largest value, or `None` for choices.
+    pub fn range(&self) -> Option<[f64; 2]> {
+        match self.domain {
+            Domain::Parameter { from, to, .. } => Some([from, to]),
+            Domain::Balls { from, to } => Some([from as f64, to as f64]),
+            Domain::Choices(_) => None,
+        }
+    }
+
+    /// Returns whether the values are integers.
+    pub fn is_whole(&self) -> bool {
+        matches!(self.domain, Domain::Balls { .. })
+    }
+
+    /// Returns the names of the choices, if the variable has choices.
+    pub fn choices(&self) -> Option<impl Iterator<Item = &str>> {
+        match &self.domain {
+            Domain::Choices(choices) => Some(choices.iter().map(|(name, _)| name.as_str())),
+            _ => None,
+        }
+    }
+
+    pub(in crate::study) fn ball_numbers(&self) -> Option<std::ops::RangeInclusive<u64>> {
+        match self.domain {
+            Domain::Balls { from, to } => Some(from..=to),
+            _ => None,
+        }
+    }
+
+    /// Describes the accepted values in words.
+    pub(crate) fn allowed(&self) -> String {
+        match &self.domain {
+            Domain::Parameter { parameter, from, to } => {
+                let [from, to] = [from, to].map(|end| describe_number(*end));
+                match parameter.unit() {
+                    "1" => format!("a number from {from} to {to}"),
+                    unit => format!("a number from {from} to {to} ({unit})"),
+                }
+            }
+            Domain::Balls { from, to } => format!("a whole number from {from} to {to}"),
+            Domain::Choices(choices) => {
+                let names: Vec<&str> = choices.iter().map(|(name, _)| name.as_str()).collect();
+                format!("one of {}", names.join(", "))
+            }
+        }
+    }
+
+    /// Validates a number as a value of this variable.
+    ///
+    /// # Errors
+    /// Returns an error if the number is out of range, if a number of balls is not an integer, or
+    /// if the variable has choices.
+    pub(crate) fn number(&self, number: f64) -> Result<DesignValue, Fault> {
+        let problem = match self.domain {
+            Domain::Parameter { from, to, .. } if from <= number && number <= to => None,
+            Domain::Balls { .. } if number.fract() != 0.0 => Some("not a whole number"),
+            Domain::Balls { from, to } if from as f64 <= number && number <= to as f64 => None,
+            Domain::Choices(_) => Some("not a choice"),
+            _ => Some("out of range"),
+        };
+        match problem {
+            None => Ok(DesignValue::Number(number)),
+            Some(problem) => Err(Fault::new(problem, describe_number(number), self.allowed())),
+        }
+    }
+
+    /// Validates a word as a value of this variable.
+    ///
+    /// # Errors
+    /// Returns an error if the word is not a choice, or if the variable accepts numbers.
+    pub(crate) fn word(&self, word: &str) -> Result<DesignValue, Fault> {
+        let Domain::Choices(choices) = &self.domain else {
+            let found = format!("text {:?}", shorten(word));
+            return Err(Fault::new("not a number", found, self.allowed()));
+        };
+        choices.iter().position(|(name, _)| name == word).map(DesignValue::Choice).ok_or_else(
+            || {
+                let names: Vec<&str> = choices.iter().map(|(name, _)| name.as_str()).collect();
+                Fault::new("not a choice", shorten(word), list_names(word, &names))
+            },
+        )
+    }
+
+    /// Scales a value such that the range has width 1 and any two choices have distance 1.
+    pub fn scaled(&self, value: DesignValue) -> Vec<f64> {
+        let number = |from: f64, width: f64| match value {
+            DesignValue::Number(number) if width > 0.0 => vec![(number - from) / width],
+            _ => vec![0.0],
+        };
+        match &self.domain {
+            Domain::Parameter { from, to, .. } => number(*from, to - from),
+            Domain::Balls { from, to } => number(*from as f64, (to - from) as f64),
+            Domain::Choices(choices) => {
+                let is = |index| value == DesignValue::Choice(index);
+                let side = std::f64::consts::FRAC_1_SQRT_2;
+                (0..choices.len()).map(|index| if is(index) { side } else { 0.0 }).collect()
+            }
+        }
+    }
+
+    /// Returns the name of a choice, or the text of a number.
+    pub fn describe(&self, value: DesignValue) -> String {
+        match (value, &self.domain) {
+            (DesignValue::Choice(index), Domain::Choices(choices)) => {
+                choices.get(index).map(|(name, _)| name.clone()).unwrap_or_default()
+            }
+            (DesignValue::Choice(index), _) => index.to_string(),
+            (DesignValue::Number(number), _) => describe_number(number),
+        }
+    }
+}

@@ -1,0 +1,16 @@
+//! From the study file to the study: every key validated, every default filled in.
+
+pub(in crate::study) mod expectations;
+pub(in crate::study) mod extend;
+pub(in crate::study) mod friction;
+pub(in crate::study) mod model;
+pub(in crate::study) mod optimization;
+pub(in crate::study) mod points;
+pub(in crate::study) mod responses;
+pub(in crate::study) mod runs;
+pub(in crate::study) mod sampling;
+pub(in crate::study) mod simulation;
+pub(in crate::study) mod sweep;
+pub(in crate::study) mod uncertain;
+pub(in crate::study) mod variables;
+pub(in crate::study) mod whole_study;

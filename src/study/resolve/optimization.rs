@@ -1,0 +1,227 @@
+//! What the search for the best design is asked for, validated.
+
+use crate::study::error::{Fault, Locate, StudyError, list_names};
+use crate::study::file::key_path::KeyPath;
+use crate::study::file::optimize_file::{
+    LimitFile, Names, OptimizeFile, SensitivityFile, SensitivityFrom,
+};
+use crate::study::file::values::{Count, Entry, Named};
+use crate::study::file::yaml_tree::describe_number;
+use crate::study::plan::optimization::{Limit, Objective, Optimization};
+use crate::study::plan::planned_study::Study;
+use crate::study::plan::response::Measure;
+use crate::study::plan::variable::DesignValue;
+
+/// The largest number of designs in a search; surrogates of more designs take too long.
+const MAX_DESIGNS: u64 = 300;
+/// The largest number of finalists, and the largest value of `final_samples`.
+const MAX_FINAL: u64 = 10_000;
+/// The largest number of base samples of the Sobol' indices.
+const MAX_SAMPLES: u64 = 1 << 16;
+/// The largest number of variables. There are 256 Sobol' dimensions, and the Sobol' indices need
+/// two per variable.
+const MAX_VARIABLES: usize = 100;
+/// The smallest number of base samples of the Sobol' indices; fewer samples give no confidence
+/// interval.
+const MIN_SAMPLES: u64 = 8;
+
+/// Validates the key `optimize`.
+///
+/// # Errors
+/// Returns an error if a response or variable is unknown, if the number of objectives is not one or
+/// two, if no value meets a limit, if a number of designs is out of range, or if the reference
+/// design is invalid.
+pub(crate) fn resolve_optimization(
+    locate: &dyn Locate,
+    study: &Study,
+    written: Option<&OptimizeFile>,
+) -> Result<Option<Optimization>, StudyError> {
+    let Some(file) = written else { return Ok(None) };
+    let setting = Setting { locate, study, path: KeyPath::of("optimize") };
+    for (empty, key, example) in [
+        (study.variables.is_empty(), "design", "speed_rad_s: {from: -260, to: -140}"),
+        (study.responses.is_empty(), "responses", "vibration: {amplitude_mean: {}}"),
+    ] {
+        if empty {
+            let fault = Fault::new(
+                format!("`optimize` without `{key}`"),
+                format!("no `{key}`"),
+                format!("`{key}` in the study, such as {example}"),
+            );
+            return Err(locate.refuse_key(&setting.path, fault));
+        }
+    }
+    if study.variables.len() > MAX_VARIABLES {
+        let found = format!("{} variables", study.variables.len());
+        let fault = Fault::new("too many variables", found, format!("at most {MAX_VARIABLES}"));
+        return Err(locate.refuse_key(&KeyPath::of("design"), fault));
+    }
+    let objectives = setting.objectives(file)?;
+    let limits = setting.limits(file.subject_to.as_ref())?;
+    let variables = study.variables.len() as u64;
+    let start_designs = setting.count("start_designs", file.start_designs, 2..=MAX_DESIGNS)?;
+    let designs = setting.count("designs", file.designs, 2..=MAX_DESIGNS)?;
+    let usual = (5 * variables).max(10);
+    let start_designs =
+        start_designs.unwrap_or_else(|| designs.map_or(usual, |all| usual.min(all)));
+    let designs = designs.unwrap_or_else(|| (4 * start_designs).min(MAX_DESIGNS));
+    if start_designs > designs {
+        let found = format!("{start_designs} of {designs} designs");
+        let fault = Fault::new("more designs at the start than in all", found, "at most `designs`");
+        return Err(locate.refuse_value(&setting.path.key("start_designs"), fault));
+    }
+    let sensitivity = file.sensitivity.unwrap_or(SensitivityFile { from: None, samples: None });
+    let from = sensitivity.from.unwrap_or_default();
+    let own = Setting { path: setting.path.key("sensitivity"), ..setting };
+    let samples = own.count("samples", sensitivity.samples, MIN_SAMPLES..=MAX_SAMPLES)?;
+    let default = if from == SensitivityFrom::Runs { 64 } else { 1024 };
+    Ok(Some(Optimization {
+        objectives,
+        limits,
+        over_points: file.over_points.unwrap_or_default(),
+        start_designs,
+        designs,
+        finalists: setting.count("finalists", file.finalists, 1..=MAX_FINAL)?.unwrap_or(5),
+        final_samples: setting
+            .count("final_samples", file.final_samples, 1..=MAX_FINAL)?
+            .unwrap_or(16),
+        sensitivity_from: from,
+        sensitivity_samples: samples.unwrap_or(default),
+        compare_with: file
+            .compare_with
+            .as_ref()
+            .map(|values| setting.compare_with(values))
+            .transpose()?,
+    }))
+}
+
+#[derive(Clone)]
+struct Setting<'a> {
+    locate: &'a dyn Locate,
+    study: &'a Study,
+    path: KeyPath,
+}
+
+impl Setting<'_> {
+    fn response(&self, path: &KeyPath, name: &str, key: bool) -> Result<usize, StudyError> {
+        let responses = &self.study.responses;
+        responses.iter().position(|one| one.name == name).ok_or_else(|| {
+            let names: Vec<&str> = responses.iter().map(|one| one.name.as_str()).collect();
+            let fault = Fault::new("not a response", name, list_names(name, &names));
+            match key {
+                true => self.locate.refuse_key(path, fault),
+                false => self.locate.refuse_value(path, fault),
+            }
+        })
+    }
+
+    fn objectives(&self, file: &OptimizeFile) -> Result<Vec<Objective>, StudyError> {
+        let mut objectives: Vec<Objective> = Vec::new();
+        for (key, names, maximize) in
+            [("minimize", &file.minimize, false), ("maximize", &file.maximize, true)]
+        {
+            let path = self.path.key(key);
+            for name in names.iter().flat_map(|Names(names)| names) {
+                let response = self.response(&path, name, false)?;
+                if objectives.iter().any(|other| other.response == response) {
+                    let fault = Fault::new("an objective twice", name.as_str(), "each once");
+                    return Err(self.locate.refuse_value(&path, fault));
+                }
+                let worst = self.study.responses.get(response).map(|one| one.measure);
+                if worst == Some(Measure::Worst) {
+                    let problem = "an objective that is bounded from below only";
+                    let allowed = "a quantile, such as amplitude_quantile: {fraction: 0.95}";
+                    let fault = Fault::new(problem, name.as_str(), allowed);
+                    return Err(self.locate.refuse_value(&path, fault));
+                }
+                objectives.push(Objective { response, maximize });
+            }
+        }
+        if (1..=2).contains(&objectives.len()) {
+            return Ok(objectives);
+        }
+        let found = format!("{} objectives", objectives.len());
+        let allowed = "one or two responses under `minimize` and `maximize` together";
+        let fault = Fault::new("no objective, or too many", found, allowed);
+        Err(self.locate.refuse_key(&self.path, fault))
+    }
+
+    fn limits(&self, written: Option<&Named<LimitFile>>) -> Result<Vec<Limit>, StudyError> {
+        let path = self.path.key("subject_to");
+        let mut limits = Vec::new();
+        for (name, LimitFile { at_least, at_most }) in written.iter().flat_map(|named| &named.0) {
+            let path = path.key(name);
+            let response = self.response(&path, name, true)?;
+            let refuse = |fault| Err(self.locate.refuse_value(&path, fault));
+            match (at_least, at_most) {
+                (None, None) => {
+                    let allowed = "`at_least`, `at_most` or both";
+                    return refuse(Fault::new("a limit without a number", "nothing", allowed));
+                }
+                (Some(least), Some(most)) if least > most => {
+                    let found = format!(
+                        "at least {} and at most {}",
+                        describe_number(*least),
+                        describe_number(*most)
+                    );
+                    let allowed = "`at_least` not above `at_most`";
+                    return refuse(Fault::new("limits that nothing meets", found, allowed));
+                }
+                _ => {}
+            }
+            let probability = matches!(
+                self.study.responses.get(response).map(|one| one.measure),
+                Some(Measure::Above(_) | Measure::AtRestBy(_))
+            );
+            let impossible = at_least.filter(|least| probability && *least > 1.0);
+            if let Some(end) = impossible.or(at_most.filter(|most| probability && *most < 0.0)) {
+                let allowed = "limits of a probability, from 0 to 1";
+                return refuse(Fault::new("nothing meets it", describe_number(end), allowed));
+            }
+            let ends = [(at_least, true), (at_most, false)];
+            limits
+                .extend(ends.into_iter().filter_map(|(value, least)| {
+                    Some(Limit { response, value: (*value)?, least })
+                }));
+        }
+        Ok(limits)
+    }
+
+    fn count(
+        &self,
+        key: &str,
+        written: Option<Count>,
+        allowed: std::ops::RangeInclusive<u64>,
+    ) -> Result<Option<u64>, StudyError> {
+        let Some(Count(count)) = written else { return Ok(None) };
+        if allowed.contains(&count) {
+            return Ok(Some(count));
+        }
+        let allowed = format!("a whole number from {} to {}", allowed.start(), allowed.end());
+        let fault = Fault::new("out of range", count.to_string(), allowed);
+        Err(self.locate.refuse_value(&self.path.key(key), fault))
+    }
+
+    fn compare_with(&self, written: &Named<Entry>) -> Result<Vec<DesignValue>, StudyError> {
+        let path = self.path.key("compare_with");
+        let variables = &self.study.variables;
+        let names: Vec<&str> = variables.iter().map(|one| one.name()).collect();
+        if let Some((name, _)) = written.0.iter().find(|(name, _)| !names.contains(&name.as_str()))
+        {
+            let fault = Fault::new("not a variable", name.as_str(), list_names(name, &names));
+            return Err(self.locate.refuse_key(&path.key(name), fault));
+        }
+        let mut values = Vec::with_capacity(variables.len());
+        for variable in variables {
+            let path = path.key(variable.name());
+            let value = match written.get(variable.name()) {
+                Some(Entry::Number(number)) => variable.number(*number),
+                Some(Entry::Text(word)) => variable.word(word),
+                None => Err(Fault::new("missing key", "no such key", variable.allowed())),
+            };
+            values.push(value.map_err(|fault| self.locate.refuse_value(&path, fault))?);
+        }
+        self.study.with_design(&values).map_err(|fault| self.locate.refuse_value(&path, fault))?;
+        Ok(values)
+    }
+}

@@ -1,0 +1,88 @@
+//! Resolution of the simulation settings, with all defaults.
+
+use crate::model::{Endings, Method, Simulation};
+use crate::study::error::{Fault, Locate, StudyError};
+use crate::study::file::key_path::KeyPath;
+use crate::study::file::study_file::{EndingsKind, MethodKind, SimulationFile, ToleranceFile};
+use crate::study::file::yaml_tree::describe_number;
+use crate::study::resolve::extend::{extend_to_file, resolve_extend};
+
+/// In a wider band, moving balls count as sticking, and may switch between stick and transition
+/// indefinitely.
+const WIDEST_BAND: f64 = 1.0e-2;
+
+/// Validates the simulation settings and fills in the defaults.
+///
+/// # Errors
+/// Returns an error if a band, tolerance or end time is not positive, if the band is too wide, or
+/// if the extension is invalid.
+pub(crate) fn resolve_simulation(
+    locate: &dyn Locate,
+    written: Option<&SimulationFile>,
+) -> Result<Simulation, StudyError> {
+    let default = Simulation::default();
+    let given = written.cloned().unwrap_or_default();
+    let tolerance = given.tolerance.unwrap_or_default();
+    let positive = |keys: &str, given: Option<f64>, default: f64| {
+        let value = given.unwrap_or(default);
+        if value.is_finite() && value > 0.0 {
+            return Ok(value);
+        }
+        let allowed = "a positive, finite number";
+        let fault = Fault::new("not positive", describe_number(value), allowed);
+        Err(locate.refuse_value(&KeyPath::of(keys), fault))
+    };
+    let band = positive("simulation.band", given.band, default.band)?;
+    if band > WIDEST_BAND {
+        let allowed = format!("at most {WIDEST_BAND}; a narrower band is more accurate");
+        let fault = Fault::new("too wide", describe_number(band), allowed);
+        return Err(locate.refuse_value(&KeyPath::of("simulation.band"), fault));
+    }
+    let end_time_s = positive("simulation.end_time_s", given.end_time_s, default.end_time_s)?;
+    let extend = given.extend.as_ref();
+    let extend = extend.map(|written| resolve_extend(locate, written, end_time_s)).transpose()?;
+    Ok(Simulation {
+        method: match given.method {
+            None | Some(MethodKind::Switch) => Method::Switch,
+            Some(MethodKind::Event) => Method::Event,
+        },
+        band,
+        end_time_s,
+        extend,
+        endings: match given.endings {
+            None | Some(EndingsKind::All) => Endings::All,
+            Some(EndingsKind::Rest) => Endings::Rest,
+        },
+        relative_tolerance: positive(
+            "simulation.tolerance.relative",
+            tolerance.relative,
+            default.relative_tolerance,
+        )?,
+        absolute_tolerance: positive(
+            "simulation.tolerance.absolute",
+            tolerance.absolute,
+            default.absolute_tolerance,
+        )?,
+    })
+}
+
+/// Returns the settings in the form of a study file, with all values.
+pub(crate) fn simulation_to_file(simulation: &Simulation) -> SimulationFile {
+    SimulationFile {
+        method: Some(match simulation.method {
+            Method::Switch => MethodKind::Switch,
+            Method::Event => MethodKind::Event,
+        }),
+        band: Some(simulation.band),
+        end_time_s: Some(simulation.end_time_s),
+        extend: simulation.extend.map(extend_to_file),
+        endings: Some(match simulation.endings {
+            Endings::All => EndingsKind::All,
+            Endings::Rest => EndingsKind::Rest,
+        }),
+        tolerance: Some(ToleranceFile {
+            relative: Some(simulation.relative_tolerance),
+            absolute: Some(simulation.absolute_tolerance),
+        }),
+    }
+}

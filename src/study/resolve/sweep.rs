@@ -1,0 +1,199 @@
+//! Resolution of the blocks of a sweep.
+
+use crate::model::Model;
+use crate::study::error::{Fault, Locate, StudyError, list_names, shorten};
+use crate::study::file::key_path::KeyPath;
+use crate::study::file::study_file::BlockFile;
+use crate::study::file::table_folders::TableFolders;
+use crate::study::file::table_input::Rows;
+use crate::study::file::values::{Entry, InlineTable, Listed, Named, Table};
+use crate::study::file::yaml_tree::describe_number;
+use crate::study::plan::parameter::{NORMAL_FORCES, Parameter, ParameterValue};
+use crate::study::plan::sweep::Listing;
+use crate::study::resolve::model::Base;
+
+/// The swept parameters and values of a block, and the block in the form of a self-contained study
+/// file.
+pub(crate) struct ResolvedBlock {
+    /// How the points are listed.
+    pub listing: Listing,
+    /// Parameters with their values.
+    pub columns: Vec<(Parameter, Vec<ParameterValue>)>,
+    /// The block with inline tables, without its design.
+    pub file: BlockFile,
+}
+
+/// Validates a block.
+///
+/// # Errors
+/// Returns an error unless the block has exactly one of `grid`, `zip` and `table`; also if a
+/// parameter is unknown, a value is impossible, a list is empty, the lists of a zip differ in
+/// length, or the table is invalid.
+pub(crate) fn resolve_block(
+    locate: &dyn Locate,
+    folders: &TableFolders,
+    path: &KeyPath,
+    written: &BlockFile,
+    base: &Base,
+) -> Result<ResolvedBlock, StudyError> {
+    match (&written.grid, &written.zip, &written.table) {
+        (Some(lists), None, None) => {
+            let columns = resolve_lists(locate, &path.key("grid"), lists, base)?;
+            let file = BlockFile { grid: Some(lists.clone()), ..BlockFile::default() };
+            Ok(ResolvedBlock { listing: Listing::Grid, columns, file })
+        }
+        (None, Some(lists), None) => {
+            let path = path.key("zip");
+            let columns = resolve_lists(locate, &path, lists, base)?;
+            check_equal_lengths(locate, &path, lists)?;
+            let file = BlockFile { zip: Some(lists.clone()), ..BlockFile::default() };
+            Ok(ResolvedBlock { listing: Listing::Rows, columns, file })
+        }
+        (None, None, Some(table)) => {
+            resolve_table(locate, folders, &path.key("table"), table, base)
+        }
+        (grid, zip, table) => {
+            let given = [("grid", grid.is_some()), ("zip", zip.is_some())];
+            let given = given.into_iter().chain([("table", table.is_some())]);
+            let names: Vec<&str> =
+                given.filter_map(|(name, given)| given.then_some(name)).collect();
+            let found = if names.is_empty() { "none of them".into() } else { names.join(", ") };
+            let allowed = "exactly one of grid, zip, table";
+            Err(locate.refuse_value(path, Fault::new("not a block of a sweep", found, allowed)))
+        }
+    }
+}
+
+fn resolve_lists(
+    locate: &dyn Locate,
+    path: &KeyPath,
+    lists: &Named<Listed>,
+    base: &Base,
+) -> Result<Vec<(Parameter, Vec<ParameterValue>)>, StudyError> {
+    if lists.0.is_empty() {
+        let fault = Fault::new("nothing is swept", "no parameter", "at least one parameter");
+        return Err(locate.refuse_value(path, fault));
+    }
+    let mut columns = Vec::with_capacity(lists.0.len());
+    for (name, list) in &lists.0 {
+        let path = path.key(name);
+        let parameter = find_swept(name, base).map_err(|fault| locate.refuse_key(&path, fault))?;
+        if list.is_empty() {
+            let fault = Fault::new("no values to sweep", "an empty list", "at least one value");
+            return Err(locate.refuse_value(&path, fault));
+        }
+        let mut values = Vec::with_capacity(list.len());
+        for (index, entry) in list.iter().enumerate() {
+            let value = resolve_value(parameter, entry, &base.model)
+                .map_err(|fault| locate.refuse_value(&path.item(index), fault))?;
+            values.push(value);
+        }
+        columns.push((parameter, values));
+    }
+    Ok(columns)
+}
+
+fn check_equal_lengths(
+    locate: &dyn Locate,
+    path: &KeyPath,
+    lists: &Named<Listed>,
+) -> Result<(), StudyError> {
+    let Some((_, first)) = lists.0.first() else { return Ok(()) };
+    match lists.0.iter().find(|(_, list)| list.len() != first.len()) {
+        None => Ok(()),
+        Some((name, _)) => {
+            let lengths: Vec<String> =
+                lists.0.iter().map(|(name, list)| format!("{name} {}", list.len())).collect();
+            let found = format!("numbers of values: {}", lengths.join(", "));
+            let allowed =
+                "equally many values for every parameter (or `grid` for all combinations)";
+            let fault = Fault::new("unequal lengths in a zip", found, allowed);
+            Err(locate.refuse_value(&path.key(name), fault))
+        }
+    }
+}
+
+fn resolve_table(
+    locate: &dyn Locate,
+    folders: &TableFolders,
+    path: &KeyPath,
+    table: &Table,
+    base: &Base,
+) -> Result<ResolvedBlock, StudyError> {
+    let names: Vec<String> = Parameter::all(&base.model).into_iter().map(Parameter::name).collect();
+    let read = Rows::read(locate, folders, path, table, &names)?;
+    let mut columns = Vec::with_capacity(read.columns.len());
+    for (column, name) in read.columns.iter().enumerate() {
+        let parameter = find_swept(name, base)
+            .map_err(|fault| read.refuse(locate, None, Some(column), fault))?;
+        let mut values = Vec::with_capacity(read.rows.len());
+        for (row, entries) in read.rows.iter().enumerate() {
+            if let Some(entry) = entries.get(column) {
+                let value = resolve_value(parameter, entry, &base.model)
+                    .map_err(|fault| read.refuse(locate, Some(row), Some(column), fault))?;
+                values.push(value);
+            }
+        }
+        columns.push((parameter, values));
+    }
+    let inline = InlineTable { columns: read.columns, rows: read.rows };
+    let file = BlockFile { table: Some(Table::Inline(inline)), ..BlockFile::default() };
+    Ok(ResolvedBlock { listing: Listing::Rows, columns, file })
+}
+
+/// Returns the parameter of this name, if it may be swept.
+fn find_swept(name: &str, base: &Base) -> Result<Parameter, Fault> {
+    if name == "balls" {
+        return Err(Fault::new(
+            "the number of balls cannot be swept",
+            name,
+            "one study per number of balls (start box and columns depend on the number)",
+        ));
+    }
+    let parameter = find_parameter(name, &base.model)?;
+    base.check_varied(parameter)?;
+    Ok(parameter)
+}
+
+/// Returns the parameter of this name.
+pub(crate) fn find_parameter(name: &str, model: &Model) -> Result<Parameter, Fault> {
+    Parameter::find(name, model).ok_or_else(|| {
+        let names: Vec<String> = Parameter::all(model).into_iter().map(Parameter::name).collect();
+        let problem = format!(
+            "not a parameter of {} with {} friction",
+            model.kind(),
+            model.friction().name()
+        );
+        Fault::new(problem, shorten(name), list_names(name, &names))
+    })
+}
+
+/// Returns the validated value of a parameter.
+pub(crate) fn resolve_value(
+    parameter: Parameter,
+    entry: &Entry,
+    form: &Model,
+) -> Result<ParameterValue, Fault> {
+    match (entry, parameter.is_number()) {
+        (Entry::Number(number), true) => match parameter.check(*number, form) {
+            Ok(()) => Ok(ParameterValue::Number(*number)),
+            Err(allowed) => {
+                Err(Fault::new("no physical meaning", describe_number(*number), allowed))
+            }
+        },
+        (Entry::Text(text), true) => {
+            Err(Fault::new("not a number", format!("text {:?}", shorten(text)), "a number"))
+        }
+        (Entry::Text(text), false) => {
+            let names = NORMAL_FORCES.map(|(name, _)| name);
+            match names.into_iter().find(|name| name == text) {
+                Some(name) => Ok(ParameterValue::Text(name)),
+                None => Err(Fault::new("unknown choice", shorten(text), list_names(text, &names))),
+            }
+        }
+        (Entry::Number(number), false) => {
+            let names = NORMAL_FORCES.map(|(name, _)| name);
+            Err(Fault::new("wrong type", describe_number(*number), names.join(", ")))
+        }
+    }
+}

@@ -1,0 +1,112 @@
+//! Resolution of uncertain parameters.
+
+use crate::study::error::{Fault, Locate, StudyError};
+use crate::study::file::key_path::KeyPath;
+use crate::study::file::study_file::DistributionFile;
+use crate::study::file::values::Named;
+use crate::study::file::yaml_tree::describe_number;
+use crate::study::plan::parameter::{Parameter, ParameterValue};
+use crate::study::resolve::model::Base;
+use crate::study::resolve::sweep::find_parameter;
+use crate::study::sampling::distribution::Distribution;
+use crate::study::sampling::draw::DrawKey;
+
+/// A parameter that is drawn for each run.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Uncertain {
+    /// The parameter.
+    pub parameter: Parameter,
+    /// The distribution of the value, or of a factor.
+    pub distribution: Distribution,
+    /// Whether the draw is a factor that multiplies the nominal value.
+    pub factor: bool,
+    /// The key of the random numbers.
+    pub key: DrawKey,
+}
+
+/// Validates the uncertain parameters and returns them in the order of the model's parameters.
+///
+/// # Errors
+/// Returns an error if a name is not a numeric parameter, if a parameter is also swept, if a
+/// distribution is invalid, or if its bounds are impossible values of the parameter.
+pub(crate) fn resolve_uncertain(
+    locate: &dyn Locate,
+    written: Option<&Named<DistributionFile>>,
+    base: &Base,
+    swept: &[Parameter],
+    seed: u64,
+) -> Result<Vec<Uncertain>, StudyError> {
+    let mut all = Vec::new();
+    for (name, distribution) in written.iter().flat_map(|named| &named.0) {
+        let path = KeyPath::of("uncertain").key(name);
+        let (factor, drawn) = match distribution {
+            DistributionFile::Times(of) => (true, of.as_ref()),
+            other => (false, other),
+        };
+        let parameter = find_uncertain(name, base, swept, factor)
+            .map_err(|fault| locate.refuse_key(&path, fault))?;
+        let path = if factor { path.key(kind(distribution)) } else { path };
+        let path = path.key(kind(drawn));
+        let own = match parameter.get(&base.model, &base.general) {
+            ParameterValue::Number(own) if factor => own,
+            _ => 1.0,
+        };
+        let distribution = Distribution::resolve(drawn)
+            .map_err(|(key, fault)| locate.refuse_value(&path.key(key), fault))?;
+        for (key, bound) in distribution.bounds() {
+            // Draws are strictly inside a range, so its lower end may itself be just too small.
+            let inside = if key == "min" { bound.next_up() } else { bound };
+            if let (Err(allowed), Err(_)) = (
+                parameter.check(own * bound, &base.model),
+                parameter.check(own * inside, &base.model),
+            ) {
+                let fault = Fault::new("no physical meaning", describe_number(bound), allowed);
+                return Err(locate.refuse_value(&path.key(key), fault));
+            }
+        }
+        let key = DrawKey::new(seed, "uncertain", name);
+        all.push(Uncertain { parameter, distribution, factor, key });
+    }
+    all.sort_by_key(|uncertain| uncertain.parameter);
+    Ok(all)
+}
+
+fn find_uncertain(
+    name: &str,
+    base: &Base,
+    swept: &[Parameter],
+    factor: bool,
+) -> Result<Parameter, Fault> {
+    let parameter = find_parameter(name, &base.model)?;
+    if !parameter.is_number() {
+        return Err(Fault::new("not a number", name, "a numeric parameter (or sweep it)"));
+    }
+    base.check_varied(parameter)?;
+    // A factor multiplies a known nominal value: that of the same parameter. It cannot combine the
+    // value of all balls with that of one ball.
+    let clash = |other: &&Parameter| {
+        (**other == parameter && !factor)
+            || other.general() == Some(parameter)
+            || (factor && parameter.general() == Some(**other))
+    };
+    match swept.iter().find(clash) {
+        None => Ok(parameter),
+        Some(other) => Err(Fault::new(
+            "both uncertain and swept",
+            format!("{name} here and {} in `sweep`", other.name()),
+            "either a distribution or a sweep, or `times` with the distribution of a factor",
+        )),
+    }
+}
+
+fn kind(distribution: &DistributionFile) -> &'static str {
+    match distribution {
+        DistributionFile::Normal { .. } => "normal",
+        DistributionFile::TruncatedNormal { .. } => "truncated_normal",
+        DistributionFile::Lognormal { .. } => "lognormal",
+        DistributionFile::Uniform { .. } => "uniform",
+        DistributionFile::Triangular { .. } => "triangular",
+        DistributionFile::Choice { .. } => "choice",
+        DistributionFile::Times(_) => "times",
+    }
+}

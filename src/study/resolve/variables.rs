@@ -1,0 +1,246 @@
+//! Resolution of the variables of a design.
+
+use crate::model::MAX_BALLS;
+use crate::study::error::{Fault, Locate, StudyError, shorten};
+use crate::study::file::key_path::KeyPath;
+use crate::study::file::response_file::VariableFile;
+use crate::study::file::values::Named;
+use crate::study::file::yaml_tree::describe_number;
+use crate::study::plan::parameter::Parameter;
+use crate::study::plan::planned_study::Study;
+use crate::study::plan::response::{SUFFIXES, TAKEN};
+use crate::study::plan::variable::{Domain, Variable};
+use crate::study::resolve::responses::check_name;
+use crate::study::resolve::sweep::find_parameter;
+
+/// Validates the variables.
+///
+/// # Errors
+/// Returns an error if a name or range is invalid, if a parameter is set twice, swept or uncertain,
+/// or if choices do not set the same parameters.
+pub(crate) fn resolve_variables(
+    locate: &dyn Locate,
+    study: &Study,
+    written: Option<&Named<VariableFile>>,
+) -> Result<Vec<Variable>, StudyError> {
+    let path = KeyPath::of("design");
+    let least_balls = written
+        .and_then(|named| named.get("balls"))
+        .and_then(|balls| balls.from)
+        .map_or(study.model().balls(), |from| from.max(0.0) as usize);
+    let setting = Setting { locate, study, least_balls };
+    let mut variables: Vec<Variable> = Vec::new();
+    let mut set: Vec<Parameter> = Vec::new();
+    for (name, file) in written.iter().flat_map(|named| &named.0) {
+        let path = path.key(name);
+        let refuse = |fault| locate.refuse_key(&path, fault);
+        check_name(name).and_then(|()| setting.free_name(name)).map_err(refuse)?;
+        let domain = setting.domain(&path, name, file)?;
+        for parameter in domain.parameters() {
+            if set.contains(&parameter) {
+                let problem = "two variables set the same parameter";
+                return Err(refuse(Fault::new(problem, parameter.name(), "each parameter once")));
+            }
+            set.push(parameter);
+        }
+        variables.push(Variable { name: name.clone(), domain });
+    }
+    Ok(variables)
+}
+
+impl Domain {
+    fn parameters(&self) -> Vec<Parameter> {
+        match self {
+            Domain::Parameter { parameter, .. } => vec![*parameter],
+            Domain::Balls { .. } => Vec::new(),
+            Domain::Choices(choices) => {
+                let first = choices.first().into_iter().flat_map(|(_, values)| values);
+                first.map(|(parameter, _)| *parameter).collect()
+            }
+        }
+    }
+}
+
+struct Setting<'a> {
+    locate: &'a dyn Locate,
+    study: &'a Study,
+    /// The smallest number of balls of a design.
+    least_balls: usize,
+}
+
+impl Setting<'_> {
+    fn free_name(&self, name: &str) -> Result<(), Fault> {
+        let of_response = self.study.responses.iter().any(|response| {
+            let rest = name.strip_prefix(response.name.as_str());
+            rest.is_some_and(|rest| rest.is_empty() || SUFFIXES.contains(&rest))
+        });
+        if of_response || TAKEN.contains(&name) {
+            let problem = "a result column has this name";
+            return Err(Fault::new(problem, name, "another name"));
+        }
+        Ok(())
+    }
+
+    fn domain(
+        &self,
+        path: &KeyPath,
+        name: &str,
+        file: &VariableFile,
+    ) -> Result<Domain, StudyError> {
+        if let Some(choices) = &file.choices {
+            if file.from.is_some() || file.to.is_some() {
+                let fault = Fault::new(
+                    "both a range and choices",
+                    "from or to",
+                    "`choices`, or `from` and `to`",
+                );
+                return Err(self.locate.refuse_value(path, fault));
+            }
+            let range = name == "balls" || find_parameter(name, self.study.model()).is_ok();
+            if range {
+                let allowed = "`from` and `to`, or another name for the choices";
+                let fault = Fault::new("choices with the name of a parameter", name, allowed);
+                return Err(self.locate.refuse_key(path, fault));
+            }
+            return self.choices(&path.key("choices"), choices);
+        }
+        let [from, to] = self.range(path, file)?;
+        if name == "balls" {
+            return self.balls(path, from, to);
+        }
+        let parameter =
+            self.parameter(name).map_err(|fault| self.locate.refuse_key(path, fault))?;
+        for (key, end) in [("from", from), ("to", to)] {
+            self.check(&path.key(key), parameter, end)?;
+        }
+        Ok(Domain::Parameter { parameter, from, to })
+    }
+
+    fn range(&self, path: &KeyPath, file: &VariableFile) -> Result<[f64; 2], StudyError> {
+        let missing = |key: &str| {
+            let fault = Fault::new("missing key", "no such key", "`from` and `to`, or `choices`");
+            self.locate.refuse_value(&path.key(key), fault)
+        };
+        let from = file.from.ok_or_else(|| missing("from"))?;
+        let to = file.to.ok_or_else(|| missing("to"))?;
+        if from > to {
+            let found = format!("from {} to {}", describe_number(from), describe_number(to));
+            let fault = Fault::new("reversed range", found, "`from` not above `to`");
+            return Err(self.locate.refuse_value(path, fault));
+        }
+        Ok([from, to])
+    }
+
+    fn balls(&self, path: &KeyPath, from: f64, to: f64) -> Result<Domain, StudyError> {
+        if self.study.model().balls() == 0 {
+            let found = format!("kind: {}", self.study.model().kind());
+            let fault = Fault::new("only for a ball balancer", found, "kind: ball_balancer");
+            return Err(self.locate.refuse_key(path, fault));
+        }
+        if self.study.base.has_own() {
+            let problem = "balls have their own values";
+            let fault =
+                Fault::new(problem, "a list of balls", "a number under `model.parameters.balls`");
+            return Err(self.locate.refuse_key(path, fault));
+        }
+        for (key, end) in [("from", from), ("to", to)] {
+            if end.fract() != 0.0 || !(1.0..=MAX_BALLS as f64).contains(&end) {
+                let allowed = format!("a whole number from 1 to {MAX_BALLS}");
+                let fault = Fault::new("not a number of balls", describe_number(end), allowed);
+                return Err(self.locate.refuse_value(&path.key(key), fault));
+            }
+        }
+        Ok(Domain::Balls { from: from as u64, to: to as u64 })
+    }
+
+    /// Returns the numeric parameter of this name if nothing else varies it.
+    fn parameter(&self, name: &str) -> Result<Parameter, Fault> {
+        let parameter = find_parameter(name, self.study.model())?;
+        if !parameter.is_number() {
+            return Err(Fault::new("not a number", name, "a numeric parameter"));
+        }
+        self.study.base.check_varied(parameter)?;
+        let exists = |ball| parameter == parameter.of_one_ball(ball);
+        if (self.least_balls + 1..=MAX_BALLS).any(exists) {
+            let allowed = format!("a ball that every design has, 1 to {}", self.least_balls);
+            return Err(Fault::new("some designs do not have this ball", name, allowed));
+        }
+        // A factor does not set the parameter itself, so a design may vary it.
+        let drawn = self.study.uncertain_parameters.iter();
+        let drawn = drawn.filter(|one| !one.factor || one.parameter != parameter);
+        let drawn = drawn.map(|one| one.parameter);
+        for (place, mut others) in [
+            ("sweep", self.study.swept_parameters.clone()),
+            ("uncertain", drawn.collect::<Vec<_>>()),
+        ] {
+            others.retain(|other| {
+                *other == parameter
+                    || other.general() == Some(parameter)
+                    || parameter.general() == Some(*other)
+            });
+            if let Some(other) = others.first() {
+                let found = format!("{name} here and {} in `{place}`", other.name());
+                let allowed = format!("a parameter in `design` or in `{place}`");
+                return Err(Fault::new("varied twice", found, allowed));
+            }
+        }
+        Ok(parameter)
+    }
+
+    fn check(&self, path: &KeyPath, parameter: Parameter, value: f64) -> Result<(), StudyError> {
+        parameter.check(value, self.study.model()).map_err(|allowed| {
+            let fault = Fault::new("no physical meaning", describe_number(value), allowed);
+            self.locate.refuse_value(path, fault)
+        })
+    }
+
+    fn choices(&self, path: &KeyPath, choices: &Named<Named<f64>>) -> Result<Domain, StudyError> {
+        let mut all: Vec<(String, Vec<(Parameter, f64)>)> = Vec::new();
+        for (name, values) in &choices.0 {
+            let path = path.key(name);
+            check_choice(name).map_err(|fault| self.locate.refuse_key(&path, fault))?;
+            let mut own = Vec::new();
+            for (key, value) in &values.0 {
+                let path = path.key(key);
+                let parameter =
+                    self.parameter(key).map_err(|fault| self.locate.refuse_key(&path, fault))?;
+                self.check(&path, parameter, *value)?;
+                own.push((parameter, *value));
+            }
+            own.sort_by_key(|(parameter, _)| *parameter);
+            let names = |values: &[(Parameter, f64)]| {
+                let names: Vec<String> = values.iter().map(|(one, _)| one.name()).collect();
+                names.join(", ")
+            };
+            if own.is_empty() {
+                let fault = Fault::new("an empty choice", "nothing", "values of parameters");
+                return Err(self.locate.refuse_value(&path, fault));
+            }
+            let first = all.first().map_or_else(|| names(&own), |(_, first)| names(first));
+            if names(&own) != first {
+                let problem = "choices that set different parameters";
+                let fault = Fault::new(problem, names(&own), first);
+                return Err(self.locate.refuse_value(&path, fault));
+            }
+            all.push((name.clone(), own));
+        }
+        if all.is_empty() {
+            let fault = Fault::new("no choices", "nothing", "at least one choice");
+            return Err(self.locate.refuse_value(path, fault));
+        }
+        Ok(Domain::Choices(all))
+    }
+}
+
+/// Checks the name of a choice, which must also differ from a number in a CSV file.
+fn check_choice(name: &str) -> Result<(), Fault> {
+    let usual = |character: char| character.is_ascii_alphanumeric() || "_-. ".contains(character);
+    let first = name.starts_with(|first: char| first.is_ascii_alphabetic());
+    let number = name.parse::<f64>().is_ok();
+    if first && !number && name.len() <= 100 && name.chars().all(usual) && !name.ends_with(' ') {
+        return Ok(());
+    }
+    let allowed =
+        "1 to 100 letters, digits, `_`, `-`, `.` and blanks, beginning with a letter, not a number";
+    Err(Fault::new("not a name", shorten(name), allowed))
+}

@@ -1,0 +1,347 @@
+//! Resolution of a study file: validates everything, fills in the defaults, and counts points and
+//! runs.
+
+use std::path::{Path, PathBuf};
+
+use crate::study::error::{Fault, Locate, StudyError, shorten};
+use crate::study::file::decode::decode;
+use crate::study::file::key_path::KeyPath;
+use crate::study::file::read_file::read_text;
+use crate::study::file::resolved_yaml::ResolvedFile;
+use crate::study::file::study_file::{
+    BlockFile, DesignFile, DistributionFile, InitialConditionsFile, StudyFile,
+};
+use crate::study::file::table_folders::TableFolders;
+use crate::study::file::table_input::MAX_VALUES;
+use crate::study::file::values::{Balls, Named, Range};
+use crate::study::file::yaml_tree::{Content, Source};
+use crate::study::plan::audit::Audit;
+use crate::study::plan::parameter::{Parameter, VariedParameter};
+use crate::study::plan::planned_study::Study;
+use crate::study::plan::precision::Precision;
+use crate::study::plan::sweep::Listing;
+use crate::study::plan::variable::Variable;
+use crate::study::resolve::expectations::resolve_expectations;
+use crate::study::resolve::model::Base;
+use crate::study::resolve::optimization::resolve_optimization;
+use crate::study::resolve::points::check_points;
+use crate::study::resolve::responses::resolve_responses;
+use crate::study::resolve::runs::number_runs;
+use crate::study::resolve::sampling::{ResolvedDesign, resolve_design};
+use crate::study::resolve::simulation::{resolve_simulation, simulation_to_file};
+use crate::study::resolve::sweep::{ResolvedBlock, resolve_block};
+use crate::study::resolve::uncertain::resolve_uncertain;
+use crate::study::resolve::variables::resolve_variables;
+use crate::study::sampling::initial_box::{GENERAL_AXES, InitialBox};
+
+/// The version of the study file's format that this program reads.
+const SCHEMA: u64 = 1;
+
+impl Study {
+    /// Reads and validates a study file and the tables that it names. Tables are in the directory
+    /// of the study file or below it.
+    ///
+    /// # Errors
+    /// Returns the first fault, with its place.
+    pub fn load(path: &Path) -> Result<Study, StudyError> {
+        Study::load_with_tables(path, &[])
+    }
+
+    /// Reads a study file like [`Study::load`], and grants access to tables in further directories
+    /// and below them. The paths of tables stay relative to the study file, so that the directories
+    /// never change the meaning of a study.
+    ///
+    /// # Errors
+    /// Returns the first fault, with its place.
+    pub fn load_with_tables(path: &Path, directories: &[PathBuf]) -> Result<Study, StudyError> {
+        let text = read_text(path).map_err(|fault| StudyError::about_file(path, fault))?;
+        Study::parse_with_tables(path, text, directories)
+    }
+
+    /// Parses a study from the text of a file of this name. The paths of tables are relative to
+    /// this file.
+    ///
+    /// # Errors
+    /// Returns the first fault, with its place.
+    pub fn parse(file: &Path, text: String) -> Result<Study, StudyError> {
+        Study::parse_with_tables(file, text, &[])
+    }
+
+    /// Parses a study like [`Study::parse`], and grants access to tables in further directories.
+    ///
+    /// # Errors
+    /// Returns the first fault, with its place.
+    pub fn parse_with_tables(
+        file: &Path,
+        text: String,
+        directories: &[PathBuf],
+    ) -> Result<Study, StudyError> {
+        let folders = TableFolders::new(file, directories)?;
+        let source = Source::new(file, text)?;
+        check_schema(&source)?;
+        let written: StudyFile = decode(&source)?;
+        resolve(&source, &written, &folders)
+    }
+}
+
+/// Checks the version first, because the keys of another version may be unknown.
+fn check_schema(source: &Source) -> Result<(), StudyError> {
+    let Content::Map(entries) = &source.root.content else { return Ok(()) };
+    let Some((_, node)) = entries.iter().find(|(key, _)| key.name == "schema") else {
+        return Ok(());
+    };
+    match node.content {
+        Content::Natural(SCHEMA) => Ok(()),
+        _ => {
+            let allowed = format!("{SCHEMA}, the version that this program reads");
+            let fault = Fault::new("unknown version of the format", node.describe(), allowed);
+            Err(source.refuse_value(&KeyPath::of("schema"), fault))
+        }
+    }
+}
+
+fn resolve(
+    source: &Source,
+    written: &StudyFile,
+    folders: &TableFolders,
+) -> Result<Study, StudyError> {
+    check_name(source, &written.name)?;
+    let base = Base::resolve(source, &written.model)?;
+    let simulation = resolve_simulation(source, written.simulation.as_ref())?;
+    let audit = Audit::resolve(source, written.audit.as_ref())?;
+    let precision = Precision::resolve(source, written.precision.as_ref())?;
+    let conditions = KeyPath::of("initial_conditions");
+    let start_box = InitialBox::resolve(
+        source,
+        &conditions.key("box"),
+        written.initial_conditions.start_box.as_ref(),
+        &base.model,
+    )?;
+    let common = match &written.initial_conditions.design {
+        None => None,
+        Some(design) => {
+            let path = conditions.key("design");
+            Some(resolve_design(source, folders, &path, design, &base.model)?)
+        }
+    };
+    let mut blocks = resolve_blocks(source, written, folders, &base)?;
+    let designs = designs(source, written, folders, &base, &mut blocks, common.as_ref())?;
+    check_values(source, &blocks, common.as_ref())?;
+    let mut swept_parameters: Vec<Parameter> = Vec::new();
+    for (parameter, _) in blocks.iter().flat_map(|block| &block.columns) {
+        if !swept_parameters.contains(parameter) {
+            swept_parameters.push(*parameter);
+        }
+    }
+    let uncertain_parameters = resolve_uncertain(
+        source,
+        written.uncertain.as_ref(),
+        &base,
+        &swept_parameters,
+        written.seed,
+    )?;
+    let column = |parameter: &Parameter| parameter.column();
+    let uncertain: Vec<VariedParameter> =
+        uncertain_parameters.iter().map(|one| one.parameter.column()).collect();
+    let resolved = StudyFile {
+        schema: SCHEMA,
+        name: written.name.clone(),
+        seed: written.seed,
+        model: base.to_file(),
+        sweep: written
+            .sweep
+            .is_some()
+            .then(|| blocks.iter().map(|block| block.file.clone()).collect()),
+        uncertain: uncertain_to_file(written, &uncertain),
+        initial_conditions: InitialConditionsFile {
+            start_box: Some(box_to_file(&start_box, written)),
+            design: common.map(|design| design.file),
+        },
+        simulation: Some(simulation_to_file(&simulation)),
+        audit: audit.map(Audit::to_file),
+        precision: precision.map(Precision::to_file),
+        expect: written.expect.clone(),
+        design: written.design.clone(),
+        responses: written.responses.clone(),
+        optimize: written.optimize.clone(),
+    };
+    let mut study = Study {
+        name: written.name.clone(),
+        seed: written.seed,
+        base,
+        simulation,
+        audit,
+        precision,
+        blocks: number_runs(
+            source,
+            blocks,
+            &designs,
+            &start_box,
+            written.seed,
+            precision.as_ref(),
+        )?,
+        swept: swept_parameters.iter().map(column).collect(),
+        swept_parameters,
+        uncertain,
+        uncertain_parameters,
+        expectations: Vec::new(),
+        variables: Vec::new(),
+        responses: Vec::new(),
+        optimization: None,
+        by_balls: Vec::new(),
+        resolved: ResolvedFile::new(resolved),
+    };
+    check_points(source, written, &study)?;
+    let expected = written.expect.as_deref().unwrap_or_default();
+    study.expectations = resolve_expectations(source, &study, &study.swept_parameters, expected)?;
+    study.responses = resolve_responses(source, &study, written.responses.as_ref())?;
+    study.variables = resolve_variables(source, &study, written.design.as_ref())?;
+    study.by_balls = by_balls(source, written, folders, &study)?;
+    study.optimization = resolve_optimization(source, &study, written.optimize.as_ref())?;
+    Ok(study)
+}
+
+/// Returns a copy of the study for each number of balls that a design may have, in ascending order.
+/// The list is empty if designs do not vary the number of balls.
+fn by_balls(
+    source: &Source,
+    written: &StudyFile,
+    folders: &TableFolders,
+    study: &Study,
+) -> Result<Vec<Study>, StudyError> {
+    let Some(numbers) = study.variables.iter().find_map(Variable::ball_numbers) else {
+        return Ok(Vec::new());
+    };
+    let with = |balls: u64| {
+        let mut other = StudyFile {
+            expect: None,
+            design: None,
+            responses: None,
+            optimize: None,
+            ..written.clone()
+        };
+        other.model.parameters.get_or_insert_default().balls = Some(Balls::Number(balls));
+        // These ranges belong to balls that the design does not have.
+        if let Some(ranges) = &mut other.initial_conditions.start_box {
+            ranges.0.retain(|(name, _)| ball_of(name).is_none_or(|ball| ball <= balls));
+        }
+        resolve(source, &other, folders).map_err(|error| {
+            let problem = format!("with {balls} balls: `{}`: {}", error.key(), error.problem());
+            let found = error.found().map(str::to_owned);
+            let fault = Fault { problem, found, allowed: error.allowed().map(str::to_owned) };
+            source.refuse_value(&KeyPath::of("design.balls"), fault)
+        })
+    };
+    numbers.map(with).collect()
+}
+
+/// Returns the number of the ball of a coordinate such as `beta_dot_2`.
+fn ball_of(axis: &str) -> Option<u64> {
+    let ball = axis.strip_prefix("beta_dot_").or_else(|| axis.strip_prefix("beta_"))?;
+    ball.parse().ok()
+}
+
+/// Returns the box with all axes. If designs vary the number of balls, it also contains the ranges
+/// of all balls.
+fn box_to_file(start_box: &InitialBox, written: &StudyFile) -> Named<Range> {
+    let mut file = start_box.to_file();
+    let chosen = written.design.as_ref().is_some_and(|design| design.get("balls").is_some());
+    if let (true, Some(ranges)) = (chosen, &written.initial_conditions.start_box) {
+        let general = ranges.0.iter().filter(|(name, _)| GENERAL_AXES.contains(&name.as_str()));
+        file.0.extend(general.cloned());
+    }
+    file
+}
+
+fn check_name(source: &Source, name: &str) -> Result<(), StudyError> {
+    let usual = |character: char| character.is_ascii_alphanumeric() || "-_.".contains(character);
+    if (1..=100).contains(&name.len()) && name.chars().all(usual) && !name.starts_with('.') {
+        return Ok(());
+    }
+    let allowed = "1 to 100 letters, digits, `-`, `_` and `.`, not starting with `.`";
+    let fault = Fault::new("not a name", format!("text {:?}", shorten(name)), allowed);
+    Err(source.refuse_value(&KeyPath::of("name"), fault))
+}
+
+fn resolve_blocks(
+    source: &Source,
+    written: &StudyFile,
+    folders: &TableFolders,
+    base: &Base,
+) -> Result<Vec<ResolvedBlock>, StudyError> {
+    let path = KeyPath::of("sweep");
+    match written.sweep.as_deref() {
+        None => Ok(vec![ResolvedBlock {
+            listing: Listing::Grid,
+            columns: Vec::new(),
+            file: BlockFile::default(),
+        }]),
+        Some([]) => {
+            let allowed = "at least one block, or no `sweep` for a single point";
+            let fault = Fault::new("an empty sweep", "an empty list", allowed);
+            Err(source.refuse_value(&path, fault))
+        }
+        Some(blocks) => blocks
+            .iter()
+            .enumerate()
+            .map(|(index, block)| resolve_block(source, folders, &path.item(index), block, base))
+            .collect(),
+    }
+}
+
+fn check_values(
+    source: &Source,
+    blocks: &[ResolvedBlock],
+    common: Option<&ResolvedDesign>,
+) -> Result<(), StudyError> {
+    let swept: usize =
+        blocks.iter().flat_map(|block| &block.columns).map(|(_, values)| values.len()).sum();
+    let own = blocks.iter().filter_map(|block| block.file.design.as_ref());
+    let designs = own.chain(common.map(|design| &design.file));
+    let starts: usize = designs.map(DesignFile::values).sum();
+    if swept + starts <= MAX_VALUES {
+        return Ok(());
+    }
+    let found = format!("{swept} swept values and {starts} coordinates of given starts");
+    let fault = Fault::new("too many values", found, format!("at most {MAX_VALUES} together"));
+    Err(source.refuse_value(&KeyPath::of("sweep"), fault))
+}
+
+/// Returns the design of every block: its own, which is added to the block's file, or the common
+/// design.
+fn designs(
+    source: &Source,
+    written: &StudyFile,
+    folders: &TableFolders,
+    base: &Base,
+    blocks: &mut [ResolvedBlock],
+    common: Option<&ResolvedDesign>,
+) -> Result<Vec<ResolvedDesign>, StudyError> {
+    let own = written.sweep.as_deref().unwrap_or_default();
+    let resolve = |(index, block): (usize, &mut ResolvedBlock)| {
+        if let Some(design) = own.get(index).and_then(|block| block.design.as_ref()) {
+            let path = KeyPath::of("sweep").item(index).key("design");
+            let design = resolve_design(source, folders, &path, design, &base.model)?;
+            block.file.design = Some(design.file.clone());
+            return Ok(design);
+        }
+        common.cloned().ok_or_else(|| {
+            let path = KeyPath::of("initial_conditions.design");
+            let allowed = "stratified, latin_hypercube, sobol, monte_carlo, grid or table";
+            source.refuse_value(&path, Fault::new("missing key", "no such key", allowed))
+        })
+    };
+    blocks.iter_mut().enumerate().map(resolve).collect()
+}
+
+fn uncertain_to_file(
+    written: &StudyFile,
+    columns: &[VariedParameter],
+) -> Option<Named<DistributionFile>> {
+    let written = written.uncertain.as_ref()?;
+    let entries: Vec<_> = columns
+        .iter()
+        .filter_map(|column| Some((column.name.clone(), written.get(&column.name)?.clone())))
+        .collect();
+    (!entries.is_empty()).then_some(Named(entries))
+}
