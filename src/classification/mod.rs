@@ -38,8 +38,8 @@ mod settled;
 mod simulate;
 mod window;
 
-/// Raised with every change that gives some case another outcome: what an earlier version has computed is
-/// then not used again. A test pins the outcomes of each version.
+/// Version of the computed outcomes, incremented with every change that alters an outcome; cached
+/// results of other versions are not reused. A test pins the outcomes of each version.
 pub const MODEL_VERSION: u32 = 4;
 
 pub use certificate::{certified, certified_by_closed_form};

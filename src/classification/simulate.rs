@@ -1,4 +1,4 @@
-//! The one arrow of this room: a case goes in, an outcome comes out.
+//! Simulation of a case: the function from a case to its outcome.
 
 use super::balancer::simulate_balancer;
 use super::block::simulate_block;
@@ -11,13 +11,13 @@ use crate::motion::SimdLevel;
 /// The part of the time at the end of a run over which means are taken.
 pub(super) const WINDOW: f64 = 0.1;
 
-/// Simulates a case until its ending is known. A pure function: equal cases give equal outcomes, here
-/// and among others in [`super::simulate_in_lockstep`].
+/// Simulates a case until its ending is known. This is a pure function: equal cases give equal
+/// outcomes, also in [`super::simulate_in_lockstep`].
 pub fn simulate(case: &Case) -> Outcome {
     single(case, None)
 }
 
-/// The same, to the last bit, with its motion recorded.
+/// Simulates a case like [`simulate`], with bit for bit the same outcome, and records its motion.
 pub fn simulate_recorded(case: &Case, recorder: &mut Recorder) -> Outcome {
     recorder.restart();
     single(case, Some(recorder))
@@ -50,13 +50,13 @@ impl Runs for Single<'_> {
     }
 }
 
-/// Simulates a case by itself, with other code than in lockstep: the cross-check of that, and for models
-/// that it does not know. Motions agree within their tolerances.
+/// Simulates a case with the one-by-one engine. It cross-checks the lockstep engine and computes
+/// the models that lockstep does not support. Motions agree within their tolerances.
 pub fn simulate_one_by_one(case: &Case) -> Outcome {
     one_by_one(case, None)
 }
 
-/// The same; a recorder, if there is one, begins anew.
+/// Simulates a case like [`simulate_one_by_one`]; the recorder, if any, is restarted.
 pub(super) fn one_by_one(case: &Case, mut recorder: Option<&mut Recorder>) -> Outcome {
     if let Some(recorder) = &mut recorder {
         recorder.restart();
