@@ -100,7 +100,8 @@ impl Resolution {
     /// there, one at a time and always in the same order. Passes none for a grid with more than two
     /// balls.
     ///
-    /// # Errors Returns the first error of `show`, which ends the iteration.
+    /// # Errors
+    /// Returns the first error of `show`, which ends the iteration.
     pub fn visit<E>(
         self,
         form: &RestForm,

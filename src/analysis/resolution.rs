@@ -17,8 +17,9 @@ impl Resolution {
     /// `--samples` (samples in all). The defaults are 512 points for one or two balls, and 65,536
     /// samples for more.
     ///
-    /// # Errors An option that does not apply to this number of balls, or a grid that is too fine;
-    /// the message names the remedy.
+    /// # Errors
+    /// An option that does not apply to this number of balls, or a grid that is too fine; the
+    /// message names the remedy.
     pub fn choose(
         balls: usize,
         grid: Option<usize>,

@@ -56,7 +56,8 @@ pub(super) enum Next<const N: usize> {
 impl<const N: usize> LaneRun<N> {
     /// Creates a run at its start.
     ///
-    /// # Errors If the motion cannot be started from the start state.
+    /// # Errors
+    /// If the motion cannot be started from the start state.
     pub(super) fn start(
         number: u64,
         prepared: Prepared<N>,

@@ -69,7 +69,8 @@ impl Block {
 
     /// Checks that all values have a physical meaning.
     ///
-    /// # Errors The first invalid parameter, by the name it has in a study file.
+    /// # Errors
+    /// The first invalid parameter, by the name it has in a study file.
     pub fn validate(&self) -> Result<(), InvalidParameter> {
         positive("mass_kg", self.mass_kg)?;
         positive("stiffness_n_m", self.stiffness_n_m)?;

@@ -80,8 +80,8 @@ impl FrictionLaw {
     /// Checks that all values have a physical meaning, for a contact with this (kinetic)
     /// coefficient.
     ///
-    /// # Errors The first invalid parameter; `speed_unit` ends the names of speeds, as in a study
-    /// file.
+    /// # Errors
+    /// The first invalid parameter; `speed_unit` ends the names of speeds, as in a study file.
     pub(super) fn validate(
         &self,
         friction_coefficient: f64,

@@ -104,7 +104,8 @@ impl Machine {
     /// lengths and stiffness that are not positive, negative damping or friction, and fewer than
     /// one or more than [`MAX_BALLS`] balls.
     ///
-    /// # Errors The first invalid parameter, by the name it has in a study file.
+    /// # Errors
+    /// The first invalid parameter, by the name it has in a study file.
     pub fn validate(&self) -> Result<(), InvalidParameter> {
         let balls = self.balls.len();
         if balls == 0 || balls > MAX_BALLS {

@@ -48,7 +48,8 @@ impl Model {
 
     /// Checks that all values have a physical meaning.
     ///
-    /// # Errors The first invalid parameter, by the name it has in a study file.
+    /// # Errors
+    /// The first invalid parameter, by the name it has in a study file.
     pub fn validate(&self) -> Result<(), InvalidParameter> {
         match self {
             Model::BallBalancer(machine) => machine.validate(),

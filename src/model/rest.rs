@@ -61,8 +61,8 @@ impl<const N: usize> Balancer<N> {
     }
 
     /// Returns the largest ratio of required friction to friction limit, over all balls, if the
-    /// table's acceleration may differ from that at the rest point by up to `disturbance`: `(|f_w|
-    /// + a) / (μ (f_n - a))`. At most 1 means that no ball can break loose.
+    /// table's acceleration may differ from that at the rest point by up to `disturbance`:
+    /// `(|f_w| + a) / (μ (f_n - a))`. At most 1 means that no ball can break loose.
     pub fn friction_use(&self, rest: &RestPoint<N>, disturbance: f64) -> f64 {
         let used = |i: usize| {
             let limit = self.balls[i].friction.limit * (rest.normal[i] - disturbance);

@@ -1,21 +1,21 @@
-//! The decision between stick and slip where it may have several solutions, or none: all
-//! combinations are tried, and a motion goes on only if what comes of it is one and the same.
+//! The decision between stick and slip if it may have several solutions or none: all combinations
+//! are tried, and the motion continues only if the solution is unique.
 
 use super::Failure;
 use super::contact::{Phase, forces};
 use crate::model::{Forces, State, System};
 
-/// Accelerations that differ by no more than this, over 1 and the largest of them, are the same
-/// motion: on the boundary between stick and transition both hold, to rounding or to the slack.
+/// Accelerations that differ by at most this, over 1 and the largest of them, belong to the same
+/// motion: on the boundary between stick and transition both hold, up to rounding or the slack.
 const SAME: f64 = 1e-6;
 
-/// Settles like [`super::contact::settle`], by trying all `3^k` combinations of the open contacts.
-/// The phases that they have stay where they are among the solutions.
+/// Decides the phases like [`super::contact::resolve_modes`], by trying all `3^k` combinations of
+/// the open contacts. The current phases are preferred if they are among the solutions.
 ///
 /// # Errors
-/// [`Failure::NoSolution`] unless all combinations that meet the conditions, with every ball pressed
-/// to the ring, have the same accelerations. Where a normal force would have to pull in all of
-/// them, they are returned as they are: contact is lost.
+/// [`Failure::NoSolution`] unless all combinations that meet the conditions, with every ball
+/// pressed to the ring, have the same accelerations. If all of them need a normal force that pulls,
+/// they are returned unchanged: contact is lost.
 pub(super) fn unique_or_refused<S: System<N, FREE>, const N: usize, const FREE: usize>(
     system: &S,
     state: &State<N, f64, FREE>,
@@ -48,7 +48,7 @@ pub(super) fn unique_or_refused<S: System<N, FREE>, const N: usize, const FREE: 
     Ok(forces)
 }
 
-/// The phases as they are, then every combination for the open contacts.
+/// Returns the current phases, then every combination for the open contacts.
 fn combinations<const N: usize>(
     phases: &[Phase; N],
     open: [bool; N],
@@ -69,7 +69,7 @@ fn combinations<const N: usize>(
     std::iter::once(given).chain(all)
 }
 
-/// Whether two solutions are the same motion.
+/// Returns whether two solutions are the same motion.
 fn same<const N: usize, const FREE: usize>(
     one: &Forces<N, f64, FREE>,
     other: &Forces<N, f64, FREE>,
@@ -79,7 +79,7 @@ fn same<const N: usize, const FREE: usize>(
     pairs().all(|(a, b)| (a - b).abs() <= SAME * scale)
 }
 
-/// How many combinations of stick and slip meet something, as the start of a message.
+/// Returns the number of combinations that meet the conditions as the start of a message.
 pub(super) fn combinations_meet(solutions: usize) -> String {
     match solutions {
         0 => "no combination of stick and slip meets".to_owned(),

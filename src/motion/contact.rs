@@ -1,20 +1,20 @@
-//! What each contact does, and how that is settled for several contacts together.
+//! The phase of each contact, and the joint decision for several contacts.
 
 use super::Failure;
 use super::ambiguity::unique_or_refused;
 use crate::model::{Contact, Dual, Forces, Friction, State, System};
 
-/// What a ball does (thesis table 4.2), or a block.
+/// The phase of a ball (thesis table 4.2) or a block.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Phase {
     /// It moves, faster than the band, in the direction 1 or -1. In the exact motion, which has no
-    /// band, also from the instant at which it breaks away.
+    /// band, this phase starts when the contact breaks away.
     Slip(f64),
     /// It rests on the ring: friction holds it.
     Stick,
     /// It is in the band but friction does not hold it: it accelerates in the direction 1 or -1.
     Transition(f64),
-    /// Its law has no stick: it moves as the law says, in either direction.
+    /// Its law has no stick: it moves in either direction.
     Free,
 }
 
@@ -43,7 +43,7 @@ impl Phase {
         }
     }
 
-    /// Whether it sticks, or may at any moment.
+    /// Returns whether it sticks, or may stick at any moment.
     pub fn in_band(self) -> bool {
         matches!(self, Phase::Stick | Phase::Transition(_))
     }
@@ -77,8 +77,8 @@ pub fn derivative<S: System<N, FREE>, const N: usize, const FREE: usize>(
     SmoothPhase::new(system, phases).derivative(state)
 }
 
-/// The equations of motion while no contact changes what it does. Friction that does not depend on
-/// speed is looked up once.
+/// The equations of motion between two phase changes. Friction that does not depend on speed is
+/// evaluated once.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SmoothPhase<'a, S, const N: usize, const FREE: usize> {
     system: &'a S,
@@ -142,7 +142,7 @@ impl<'a, S: System<N, FREE>, const N: usize, const FREE: usize> SmoothPhase<'a, 
     }
 }
 
-/// What is left of the friction limit on a contact that sticks, `μ_s f_n - |f_w|`.
+/// Returns the remaining friction of a sticking contact, `μ_s f_n - |f_w|`.
 pub fn stick_reserve<S: System<N, FREE>, const N: usize, const FREE: usize>(
     system: &S,
     forces: &Forces<N, f64, FREE>,
@@ -151,7 +151,7 @@ pub fn stick_reserve<S: System<N, FREE>, const N: usize, const FREE: usize>(
     system.friction(contact).limit * forces.normal[contact] - forces.friction[contact].abs()
 }
 
-/// Refuses forces that are not finite and normal forces that pull.
+/// Returns an error for forces that are not finite and for normal forces that pull.
 pub(super) fn check_forces<const N: usize, const FREE: usize>(
     forces: &Forces<N, f64, FREE>,
 ) -> Result<(), Failure> {
@@ -165,18 +165,18 @@ pub(super) fn check_forces<const N: usize, const FREE: usize>(
     }
 }
 
-/// Settles the phases of the contacts that are `open` together (thesis section 4.3, appendix C)
-/// and returns the forces that go with them; the others are left alone. `better` names the phase
-/// that a contact should have instead where the one assumed fails its condition.
+/// Decides the phases of the `open` contacts jointly (thesis section 4.3, appendix C) and returns
+/// the corresponding forces; the other contacts are unchanged. `better` returns the phase that a
+/// contact should have instead if the assumed one fails its condition.
 ///
 /// The conditions are a linear complementarity problem. For light balls its matrix is nearly
-/// diagonal; exchanging all phases that fail their condition at once then settles it in a step or
-/// two. Should it not converge, all `3^k` combinations of `choices` are tried. Where the balls are so
-/// heavy and the friction so large that there may be several solutions, all of them are looked for,
-/// and none is chosen silently ([`crate::model::ExistenceVerdict`]).
+/// diagonal; exchanging all failing phases simultaneously then solves it in one or two iterations.
+/// If this does not converge, all `3^k` combinations of `choices` are tried. If the balls are so
+/// heavy and the friction so large that several solutions may exist, all of them are computed, and
+/// none is chosen silently ([`crate::model::ExistenceVerdict`]).
 ///
 /// # Errors
-/// [`Failure::NoSolution`] where no combination meets all conditions, or several different ones do.
+/// [`Failure::NoSolution`] if no combination meets all conditions, or if several different ones do.
 pub(super) fn resolve_modes<S: System<N, FREE>, const N: usize, const FREE: usize>(
     system: &S,
     state: &State<N, f64, FREE>,
