@@ -209,7 +209,8 @@ fn what_cannot_be_resumed_is_refused() {
     scratch.refused("resume out", &["another version", "version 0 of the model", "allowed: "]);
 }
 
-/// Tables that were changed after a study was complete are made again; the changed ones are kept.
+/// Tables that were changed after a study was complete are made again; the changed ones are moved
+/// aside.
 #[test]
 fn changed_tables_are_made_again() {
     let scratch = Scratch::new();
@@ -227,7 +228,7 @@ fn changed_tables_are_made_again() {
     assert_eq!(fs::read(scratch.path("out/earlier/1/runs.parquet")).unwrap(), before[0][..100]);
 }
 
-/// Runs that another version of the model has computed are not mixed with those of this one.
+/// Runs of another version of the model are not mixed with those of this one.
 #[test]
 fn runs_of_another_version_are_not_used() {
     let scratch = stopped();
@@ -247,7 +248,7 @@ fn runs_of_another_version_are_not_used() {
         ended.err
     );
     assert_eq!(scratch.data("out"), scratch.data("whole"));
-    // They are kept, as is all else.
+    // They are kept, like everything else.
     assert_eq!(fs::read_to_string(list).unwrap().lines().count(), 8 + 12);
     assert!(folder.join("000007.chunk").exists());
 }

@@ -21,7 +21,7 @@ fn all(table: &RecordBatch, name: &str) -> Vec<f64> {
     numbers(table, name).into_iter().map(|number| number.expect("a number")).collect()
 }
 
-/// Rows of equilibria by point and bins are what the histogram's rows count.
+/// The histogram's rows count the equilibria by point and bins.
 #[test]
 fn bins_count_the_equilibria() {
     let scratch = results("", "-160.0, -216.0", 100, 8.0);
@@ -73,9 +73,9 @@ fn bins_count_the_equilibria() {
     }
 }
 
-/// Three balls and more: one angle, by identical balls; a block has no ring.
+/// Three or more balls have histograms of one angle, by identical balls; a block has none.
 #[test]
-fn other_numbers_of_balls() {
+fn other_numbers_of_balls_have_their_histograms() {
     let model = "model: {kind: ball_balancer, parameters: {balls: [{mass_kg: 1.4e-4}, \
                  {mass_kg: 1.0e-4}, {mass_kg: 1.4e-4}]}}\n";
     let scratch = results(model, "-160.0", 30, 8.0);

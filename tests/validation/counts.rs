@@ -1,4 +1,4 @@
-//! Counts of equilibria, time to rest, and how labels differ between methods and tolerances.
+//! Counts of equilibria, time to rest, and differences of labels between methods and tolerances.
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -40,7 +40,7 @@ fn ways() -> [Way; 6] {
     ]
 }
 
-/// The runs of the thesis's study, computed in each way; point by point.
+/// The runs of the thesis's study, computed in each way, by point.
 pub struct ThesisRuns {
     points: Vec<(f64, f64)>,
     machines: Vec<Machine>,
@@ -84,7 +84,7 @@ impl ThesisRuns {
         }
     }
 
-    /// The machine of each point and its runs, computed in the default way.
+    /// Returns the machine of each point and its runs, computed in the default way.
     pub fn by_default(&self) -> impl Iterator<Item = (&Machine, &[Outcome])> {
         self.machines.iter().zip(self.outcomes[1].iter().map(Vec::as_slice))
     }
@@ -200,7 +200,7 @@ the computation, but the fraction of equilibria does not.
         text
     }
 
-    /// Runs that are at rest in one way only.
+    /// Returns the number of runs that are at rest in one way only.
     fn rest_flips(&self, way: usize, point: usize) -> usize {
         self.flips_by(way, point, |outcome| outcome.label() == Label::Equilibrium)
     }

@@ -1,4 +1,4 @@
-//! How runs end in the long run: at rest, on cycles, irregularly.
+//! Long-term endings of runs: rest, cycles, irregular motion.
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -17,7 +17,7 @@ fn machine(speed_rad_s: f64) -> Machine {
     Machine { speed_rad_s, ..Machine::default() }
 }
 
-/// One replicate of the thesis's start states: 256 runs.
+/// Returns one replicate of the thesis's start states: 256 runs.
 fn replicate(parameters: &str, end_time_s: f64) -> Vec<(Case, Outcome)> {
     let text = format!(
         "schema: 1\nname: replicate\nseed: 2003\n\
@@ -149,7 +149,7 @@ the model excludes.)
     text
 }
 
-/// The cycles found from the thesis's start states, by class.
+/// Returns the cycles found from the thesis's start states, by class.
 pub fn cycles() -> String {
     let mut text = "\
 ## Limit cycles from the thesis's start states
@@ -215,7 +215,7 @@ exception is the last row, where one ball has more friction and rests: its orbit
     text
 }
 
-/// The block on a belt: one class, with the period of the closed form.
+/// Returns the cycles of the block on a belt: one class, with the period of the closed form.
 pub fn block_on_belt() -> String {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/block-on-belt.yaml");
     let study = Study::load(&path).expect("a sound study");
