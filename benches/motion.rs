@@ -27,7 +27,7 @@ fn study(text: &str) -> Study {
 fn of_file(name: &str) -> Vec<Case> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("benches").join(name);
     let study = Study::load(&path).unwrap_or_else(|error| panic!("{error}"));
-    (0..study.run_count()).map(|run| study.planned_run(run).case.expect("sound")).collect()
+    (0..study.run_count()).map(|run| study.planned_run(run).case.expect("valid")).collect()
 }
 
 /// Returns runs with this number of balls and speed of the disc; the relative tolerance is a power
@@ -39,7 +39,7 @@ fn cases(balls: usize, speed_rad_s: f64, tolerance: i32, samples: u32) -> Vec<Ca
          simulation: {{tolerance: {{relative: 1.0e{tolerance}, absolute: 1.0e{}}}}}\n",
         tolerance - 2
     ));
-    (0..study.run_count()).map(|run| study.planned_run(run).case.expect("sound")).collect()
+    (0..study.run_count()).map(|run| study.planned_run(run).case.expect("valid")).collect()
 }
 
 /// Cases in order; outcomes are discarded.

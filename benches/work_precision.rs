@@ -86,7 +86,7 @@ fn cases(speed_rad_s: f64, runs: u32) -> Vec<Case> {
     );
     let study = Study::parse(Path::new("work-precision.yaml"), text)
         .unwrap_or_else(|error| panic!("{error}"));
-    (0..study.run_count()).map(|run| study.planned_run(run).case.expect("sound")).collect()
+    (0..study.run_count()).map(|run| study.planned_run(run).case.expect("valid")).collect()
 }
 
 fn one_by_one(cases: &[Case]) -> Vec<Outcome> {

@@ -42,7 +42,7 @@ fn drawn(case: &Case, outcome: &Outcome) -> ([f64; 2], f64) {
     let end = claimed + 60.0 * natural;
     let mut passages = Vec::new();
     while motion.time() < end {
-        motion.advance(end).expect("goes on");
+        motion.advance(end).expect("continues");
         if motion.time() > claimed - 1.5 * period
             && let Some((time, state)) = motion.passage(runs)
         {

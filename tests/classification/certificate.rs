@@ -34,7 +34,7 @@ fn ever_moves(balancer: &Balancer<2>, state: State<2>) -> bool {
         if motion.time() >= end {
             return false;
         }
-        motion.advance(end).expect("goes on");
+        motion.advance(end).expect("continues");
     }
 }
 

@@ -77,7 +77,7 @@ initial_conditions: {design: {latin_hypercube: {samples: 64}}}
 ";
     let study = Study::parse(Path::new("cycles.yaml"), text.to_owned()).expect("a study");
     let cases: Vec<Case> =
-        (0..study.run_count()).map(|run| study.planned_run(run).case.expect("sound")).collect();
+        (0..study.run_count()).map(|run| study.planned_run(run).case.expect("valid")).collect();
     let claimed: Vec<_> = cases
         .par_iter()
         .map(|case| (case, simulate(case)))
@@ -103,7 +103,7 @@ initial_conditions: {design: {latin_hypercube: {samples: 64}}}
                 let rest = balancer.rest_point(&motion.state().beta);
                 assert!(!certified(&balancer, &rest, motion.state()), "came to rest");
             }
-            motion.advance(end).expect("goes on");
+            motion.advance(end).expect("continues");
             if earlier.is_none() && motion.time() > 0.9 * end {
                 earlier = Some((motion.time(), [0, 1].map(|ball| motion.unwrapped_angle(ball))));
             }
@@ -120,7 +120,7 @@ initial_conditions: {design: {latin_hypercube: {samples: 64}}}
 
 fn cases(text: &str) -> Vec<Case> {
     let study = Study::parse(Path::new("cycles.yaml"), text.to_owned()).expect("a study");
-    (0..study.run_count()).map(|run| study.planned_run(run).case.expect("sound")).collect()
+    (0..study.run_count()).map(|run| study.planned_run(run).case.expect("valid")).collect()
 }
 
 /// At -247.3 rad/s runs approach the cycle in a spiral of nearly five turns, so that they appear to
@@ -221,7 +221,7 @@ initial_conditions: {{design: {{latin_hypercube: {{samples: 64}}}}}}
         let mut motion = Motion::new(&balancer, settings, start).expect("starts");
         let end = 165.0 * machine.natural_frequency_rad_s();
         while motion.time() < end {
-            motion.advance(end).expect("goes on");
+            motion.advance(end).expect("continues");
         }
         assert_eq!(motion.state().beta[1].to_bits(), place.to_bits(), "it has moved");
         places.push(place);

@@ -89,7 +89,7 @@ fn side_by_side(
     const NEAR: f64 = 1e-7;
     let mut first = Motion::new(balancer, settings, start).expect("starts");
     while first.time() < begin {
-        first.advance(begin).expect("goes on");
+        first.advance(begin).expect("continues");
     }
     let mut apart = State { beta: [1.0; 2], ..State::zero() };
     let mut growth = 0.0;
@@ -109,10 +109,10 @@ fn side_by_side(
         let displaced = from.beta;
         let placed = first.state().beta;
         while first.time() < until {
-            first.advance(until).expect("goes on");
+            first.advance(until).expect("continues");
         }
         while second.time() < until - begins {
-            second.advance(until - begins).expect("goes on");
+            second.advance(until - begins).expect("continues");
         }
         apart = add(second.state(), -1.0, first.state());
         for ball in 0..2 {
@@ -142,7 +142,7 @@ simulation: {method: event, end_time_s: 5, tolerance: {relative: 1.0e-12, absolu
     let compared: Vec<(f64, f64)> = (0..study.run_count())
         .into_par_iter()
         .filter_map(|run| {
-            let case = study.planned_run(run).case.expect("sound");
+            let case = study.planned_run(run).case.expect("valid");
             // If neighbours only converge at first, the measurement ends early.
             let exponent = simulate(&case).lyapunov.filter(|found| found.window_s > 3.7)?;
             let (exponent, window_s) = (exponent.exponent_1_s, exponent.window_s);
@@ -186,7 +186,7 @@ initial_conditions: {design: {latin_hypercube: {samples: 64}}}
     let study = Study::parse(Path::new("slow.yaml"), text.to_owned()).expect("a study");
     let moving: Vec<Label> = (0..study.run_count())
         .into_par_iter()
-        .map(|run| simulate(&study.planned_run(run).case.expect("sound")).label())
+        .map(|run| simulate(&study.planned_run(run).case.expect("valid")).label())
         .filter(|label| *label != Label::Equilibrium)
         .collect();
     let irregular = moving.iter().filter(|label| **label == Label::Irregular).count();

@@ -35,7 +35,7 @@ fn passage(balancer: &Balancer<2>, start: &State<2>, ball: usize) -> (f64, State
     start.beta[ball] = 0.0;
     let mut motion = Motion::new(balancer, FINE, start).expect("starts");
     loop {
-        motion.advance(1e3).expect("goes on");
+        motion.advance(1e3).expect("continues");
         if let Some((time, mut state)) = motion.passage(ball) {
             state.beta = std::array::from_fn(|i| {
                 state.beta[i] + motion.unwrapped_angle(i) - motion.state().beta[i]
@@ -53,7 +53,7 @@ fn settled(balancer: &Balancer<2>, outcome: &Outcome, start: &State<2>) -> (Stat
     let mut motion = Motion::new(balancer, FINE, *start).expect("starts");
     let (end, mut last) = (1e5, None);
     while motion.time() < end || last.is_none() {
-        motion.advance(f64::INFINITY).expect("goes on");
+        motion.advance(f64::INFINITY).expect("continues");
         if motion.time() > end {
             last = motion.passage(ball);
         }
@@ -134,7 +134,7 @@ fn multipliers_are_those_of_the_return_map() {
             period / natural
         );
         let mut motion = Motion::new(&balancer, FINE, orbit).expect("starts");
-        motion.advance(1e-3).expect("goes on");
+        motion.advance(1e-3).expect("continues");
         // The running ball's angle is excluded; the other ball's speed is included if it moves, and
         // its angle always.
         let mut coordinates = vec![0, 1, 2, 3, 6];

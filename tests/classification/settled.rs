@@ -69,7 +69,7 @@ fn later<const N: usize>(machine: &Machine, start: &Start, time_s: f64) -> ([f64
     let mut motion = Motion::new(&balancer, settings, state).expect("starts");
     let end = time_s * machine.natural_frequency_rad_s();
     while motion.time() < end {
-        motion.advance(end).expect("goes on");
+        motion.advance(end).expect("continues");
     }
     let speeds = motion.state().beta_dot.map(f64::abs);
     (motion.state().beta, speeds.into_iter().fold(0.0, f64::max))

@@ -86,7 +86,7 @@ fn audited_runs_are_those_of_the_study_with_the_other_settings() {
         let null = |name: &str| absent.contains(&(name.to_owned(), "null".to_owned()));
         assert!(columns.into_iter().all(null), "{absent:?}");
     }
-    assert!(counts(&points, "audit_flips")[0] > 0, "the study shows too little");
+    assert!(counts(&points, "audit_flips")[0] > 0, "the study is too small");
     assert_eq!(counts(&points, "audit_flips")[1], 0);
 }
 
@@ -101,7 +101,7 @@ fn failures_on_one_side_are_flips() {
     };
     let mut kept = Kept::default();
     let totals = run_in_memory(&study, &mut kept, &AtomicBool::new(false), |case| {
-        assert!(!fails(case), "as told");
+        assert!(!fails(case), "injected");
         simulate(case)
     })
     .unwrap();
@@ -115,7 +115,7 @@ fn failures_on_one_side_are_flips() {
         flips += u64::from(first != second);
         both += u64::from(first && second);
     }
-    assert!(flips > 5 && both > 2, "{flips} {both}: the study shows too little");
+    assert!(flips > 5 && both > 2, "{flips} {both}: the study is too small");
     let audit = kept.points[0].summary.audit;
     assert_eq!((audit.runs, audit.flips), (30, flips));
     assert_eq!(totals.counts.of(Label::Failed), kept.points[0].summary.counts.of(Label::Failed));

@@ -72,7 +72,7 @@ fn exchanged_gives_exchanged(sweep: &str, rest: &str, exchanged_rest: &str) {
     }
     let labels = words(&one, "label");
     let at_rest = labels.iter().filter(|label| label.as_deref() == Some("equilibrium")).count();
-    assert!(at_rest > 0 && at_rest < labels.len(), "{at_rest}: the study shows too little");
+    assert!(at_rest > 0 && at_rest < labels.len(), "{at_rest}: the study is too small");
 }
 
 const SPEEDS: &str = "sweep: [{grid: {speed_rad_s: [-160.8103, -191.6372, -216.3772]}}]\n";

@@ -111,7 +111,7 @@ fn former_runs_are_kept() {
             new.len() > old.len()
         });
         let grown = grown.count();
-        assert!(grown > 0 || max_runs == 150, "the study shows too little");
+        assert!(grown > 0 || max_runs == 150, "the study is too small");
     }
 }
 

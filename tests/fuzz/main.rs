@@ -5,8 +5,8 @@
 //! dies or exceeds the time limit, its parent records the input, writes it to a file and starts
 //! another child with the next one.
 //!
-//! - `cargo test --test fuzz` takes a few seconds. Names select targets: `cargo test --test fuzz --
-//!   csv_table`.
+//! - `cargo test --test fuzz` takes a few seconds. Names select targets:
+//!   `cargo test --test fuzz -- csv_table`.
 //! - `STICKSLIP_FUZZ_RUNS=1000000` tests more inputs for each kind of file, `STICKSLIP_FUZZ_SEED=7`
 //!   different ones.
 //! - `cargo test --test fuzz -- --input study FILE` tests one file.

@@ -35,7 +35,7 @@ fn steps_that_reach_no_end_do_not_depend_on_it() {
             }
             assert!(cut.time() < until);
             while cut.time() < until {
-                cut.advance(until).expect("goes on");
+                cut.advance(until).expect("continues");
             }
             assert_eq!(cut.time(), until);
         }
@@ -51,14 +51,14 @@ fn states_within_a_step_are_those_of_a_stopped_motion() {
         let mut steps = motion(&balancer, method);
         while steps.time() < 20.0 {
             let before = steps.clone();
-            steps.advance(f64::MAX).expect("goes on");
+            steps.advance(f64::MAX).expect("continues");
             let length = steps.time() - before.time();
             for part in [0.0, 0.3, 0.9, 1.0] {
                 let time = if part < 1.0 { before.time() + part * length } else { steps.time() };
                 let found = steps.within_last_step(time).expect("within");
                 let mut stops = before.clone();
                 while stops.time() < time {
-                    stops.advance(time).expect("goes on");
+                    stops.advance(time).expect("continues");
                 }
                 let difference = largest_difference(&found, stops.state());
                 assert!(difference < 1e-7, "{time}: {difference}");

@@ -68,7 +68,7 @@ fn starts_on_the_edge_of_the_band_are_decided() {
         };
         let mut motion = Motion::new(&balancer, settings(), state).expect("starts");
         while motion.time() < 50.0 {
-            motion.advance(50.0).expect("goes on");
+            motion.advance(50.0).expect("continues");
         }
         assert!(motion.effort().switches < 100, "{:?}", motion.effort());
     }
@@ -87,7 +87,7 @@ fn balls_side_by_side_stay_side_by_side() {
         };
         let mut motion = Motion::new(&balancer, settings(), state).expect("starts");
         while motion.time() < 400.0 {
-            motion.advance(400.0).expect("goes on");
+            motion.advance(400.0).expect("continues");
             assert_eq!(motion.state().beta[0].to_bits(), motion.state().beta[1].to_bits());
             assert_eq!(motion.phases()[0], motion.phases()[1]);
         }
@@ -121,7 +121,7 @@ fn creep_does_not_chatter() {
         let state = State { position: rest.position, velocity: [0.0; 2], beta, beta_dot: [0.0; 2] };
         let mut motion = Motion::new(&balancer, settings(), state).expect("starts");
         while motion.time() < 1000.0 {
-            motion.advance(1000.0).expect("goes on");
+            motion.advance(1000.0).expect("continues");
         }
         let effort = motion.effort();
         assert!(effort.switches < 3000 && effort.steps < 10_000, "{offset:e}: {effort:?}");
@@ -146,7 +146,7 @@ fn time_advances_from_the_edge_of_the_band() {
         };
         let mut motion = Motion::new(&balancer, settings(), state).expect("starts");
         while motion.time() < 1.0 && motion.effort().switches < 1000 {
-            motion.advance(1.0).expect("goes on");
+            motion.advance(1.0).expect("continues");
         }
         stalled += i32::from(motion.time() < 1.0);
     }
@@ -259,11 +259,11 @@ fn break_away_is_not_ambiguous() {
 #[test]
 fn the_example_without_a_unique_solution() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/no-unique-solution.yaml");
-    let study = Study::load(&path).expect("a sound study");
+    let study = Study::load(&path).expect("a valid study");
     let (mut none, mut several) = (0, 0);
     for run in 0..study.run_count() {
         let planned = study.planned_run(run);
-        let outcome = simulate(&planned.case.expect("a sound case"));
+        let outcome = simulate(&planned.case.expect("a valid case"));
         if let Evidence::Failure(Failure::NoSolution { solutions }) = outcome.evidence {
             assert_eq!(planned.point_id, 1, "less friction always has one solution");
             assert_eq!(outcome.evidence.name(), "no_solution");

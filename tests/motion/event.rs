@@ -112,9 +112,9 @@ fn creep_does_not_chatter() {
 #[test]
 fn creeping_runs_of_the_shipped_study_are_labelled() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/preferred-equilibria.yaml");
-    let study = Study::load(&path).expect("a sound study");
+    let study = Study::load(&path).expect("a valid study");
     for run in [2121, 2244, 2250] {
-        let case = study.planned_run(run).case.expect("a sound case");
+        let case = study.planned_run(run).case.expect("a valid case");
         let simulation = Simulation { method: Method::Event, ..case.simulation };
         let outcome = simulate(&Case { simulation, ..case });
         assert_eq!(outcome.evidence, Evidence::Creep, "run {run}");
@@ -211,7 +211,7 @@ fn reversal_is_one_switch() {
         let mut state = sampler.state(&balancer);
         state.beta_dot = [0.02, -1.0];
         let mut motion = Motion::new(&balancer, tight(), state).expect("starts");
-        while !motion.advance(3.0).expect("goes on") && motion.time() < 3.0 {}
+        while !motion.advance(3.0).expect("continues") && motion.time() < 3.0 {}
         if motion.phases()[0] != Phase::Slip(-1.0) {
             continue;
         }

@@ -41,7 +41,7 @@ fn break_away_is_located_to_1e_12() {
             continue;
         }
         let mut motion = Motion::new(&balancer, tight(), state).expect("starts");
-        while !motion.advance(30.0).expect("goes on") {}
+        while !motion.advance(30.0).expect("continues") {}
         let error = motion.time() - expected;
         // The force's rounding error and the slack of a resting ball, as a time.
         let allowed = 1e-12 + 2e-13 * (1.0 + balancer.speed * balancer.speed) / rate.abs();
@@ -84,7 +84,7 @@ fn stops_are_located_to_1e_12() {
             continue;
         }
         let mut motion = Motion::new(&balancer, tight(), state).expect("starts");
-        while !motion.advance(30.0).expect("goes on") {}
+        while !motion.advance(30.0).expect("continues") {}
         let error = motion.time() - expected;
         assert!(error.abs() < 1e-12 + 1e-14 / rate.abs(), "{seed}: {error:e}, rate {rate:e}");
         assert!(motion.state().beta_dot.contains(&0.0), "exactly at rest or turning");
@@ -105,7 +105,7 @@ fn steps_may_end_on_an_event() {
         let straight = moved(&balancer, tight(), state, 6.0);
         let mut motion = Motion::new(&balancer, tight(), state).expect("starts");
         while motion.time() < 5.0 {
-            if !motion.advance(5.0).expect("goes on") {
+            if !motion.advance(5.0).expect("continues") {
                 continue;
             }
             events += 1;

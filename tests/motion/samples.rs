@@ -90,7 +90,7 @@ pub fn moved<const N: usize>(
 /// Advances until a time and returns the effort.
 pub fn go_on<const N: usize>(motion: &mut Motion<Balancer<N>, N>, until: f64) -> Effort {
     while motion.time() < until {
-        motion.advance(until).expect("goes on");
+        motion.advance(until).expect("continues");
     }
     motion.effort()
 }

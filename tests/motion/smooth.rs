@@ -52,7 +52,7 @@ fn jacobi_integral_is_constant_without_friction() {
     let before = jacobi_integral(&machine, &balancer, &start);
     let mut motion = Motion::new(&balancer, settings(1e-11), start).expect("starts");
     while motion.time() < 300.0 {
-        motion.advance(300.0).expect("goes on");
+        motion.advance(300.0).expect("continues");
     }
     let after = jacobi_integral(&machine, &balancer, motion.state());
     let moved = motion.unwrapped_angle(0) - 1.0;

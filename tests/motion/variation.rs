@@ -38,7 +38,7 @@ fn flow<const N: usize>(
     let mut motion = Motion::new(balancer, settings, start).expect("starts");
     let mut phases = vec![*motion.phases()];
     while motion.time() < end {
-        motion.advance(end).expect("goes on");
+        motion.advance(end).expect("continues");
         watch(&motion);
         if phases.last() != Some(motion.phases()) {
             phases.push(*motion.phases());
@@ -100,7 +100,7 @@ fn carried_displacements_are_those_of_neighbours() {
                 FrictionLaw::Viscous { viscous_coefficient_n_s_m: 1e-4 },
             ]);
             machine.balls[1].mass_kg *= 1.5;
-            Model::from(machine.clone()).validate().expect("a sound machine");
+            Model::from(machine.clone()).validate().expect("a valid machine");
             let balancer = Balancer::<2>::new(&machine).expect("two balls");
             let between = |sampler: &mut Sampler, half: f64| sampler.between(-half, half);
             let mut numbers =

@@ -25,7 +25,7 @@ fn follow<S: System<N, FREE>, const N: usize, const FREE: usize>(
     let mut motion = Motion::new(system, settings(method), start).expect("starts");
     let mut most = 0.0_f64;
     while motion.time() < end {
-        motion.advance(end).expect("goes on");
+        motion.advance(end).expect("continues");
         for contact in 0..N {
             let speed = motion.state().beta_dot[contact];
             let power = motion.forces().friction[contact] * speed;
@@ -80,7 +80,7 @@ fn dry_friction_dissipates_force_times_distance() {
                 let forth = motion.falls_through_zero(velocity(1.0));
                 forth.or_else(|| motion.falls_through_zero(velocity(-1.0)))
             });
-            let turn = turn.expect("goes on").map_or(before, |(_, state)| state.beta[0]);
+            let turn = turn.expect("continues").map_or(before, |(_, state)| state.beta[0]);
             let SliderState { beta: [x], beta_dot: [v], .. } = *motion.state();
             way += (turn - before).abs() + (x - turn).abs();
             let now = 0.5 * (x * x + v * v);
@@ -102,7 +102,7 @@ fn viscous_friction_dissipates_all_energy() {
     let mut motion = Motion::new(&slider, settings(Method::Event), start).expect("starts");
     let mut energy = f64::MAX;
     while motion.time() < 400.0 {
-        motion.advance(400.0).expect("goes on");
+        motion.advance(400.0).expect("continues");
         let now = motion.state().beta[0].powi(2) + motion.state().beta_dot[0].powi(2);
         assert!(now <= energy);
         energy = now;

@@ -91,7 +91,7 @@ fn every_parameter_of_a_block_can_be_varied() {
         assert!((0.7..0.9).contains(&run.uncertain[0]), "{name}");
         let mut expected = base;
         *field(&mut expected) = run.uncertain[0];
-        assert_eq!(run.case.expect("sound").model, Model::Block(expected), "{name}");
+        assert_eq!(run.case.expect("valid").model, Model::Block(expected), "{name}");
     }
 }
 

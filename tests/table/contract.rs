@@ -256,7 +256,7 @@ fn rest() {
             assert_eq!(numbers(&points, name)[id as usize], first(curve), "{name}");
         }
     }
-    assert!(counts(&points, "equilibrium_runs")[0] > 5, "the study shows too little");
+    assert!(counts(&points, "equilibrium_runs")[0] > 5, "the study is too small");
 }
 
 /// Identical balls are interchangeable: their angles are sorted in equilibria.
@@ -294,7 +294,7 @@ fn equilibria_of_identical_balls_are_sorted() {
         assert!(low >= 0.0 && high < std::f64::consts::TAU);
         exchanged += usize::from(first > second);
     }
-    assert!(exchanged > 0, "the study shows too little");
+    assert!(exchanged > 0, "the study is too small");
 }
 
 #[test]

@@ -37,7 +37,7 @@ fn stratified_designs_have_stratified_intervals() {
     let (method, (low, high), equilibria, runs) = point(&stratified(2), "");
     assert_eq!((method.as_str(), runs), ("stratified", 512));
     let whole = wilson(equilibria, runs, Z_95);
-    assert!(equilibria > 50 && equilibria < 462, "the study shows too little: {equilibria}");
+    assert!(equilibria > 50 && equilibria < 462, "the study is too small: {equilibria}");
     assert!(whole.0 < low && high < whole.1, "{low} {high}, {whole:?}");
     // A shard of two has only half of the cells.
     for (design, more) in [

@@ -57,7 +57,7 @@ fn bins_count_the_equilibria() {
         }
         assert!(key[1] <= key[2]);
     }
-    assert!(seen.len() > 20, "the study shows too little");
+    assert!(seen.len() > 20, "the study is too small");
     let counted: BTreeMap<[u64; 3], u64> =
         key(&histogram).into_iter().zip(counts(&histogram, "runs")).collect();
     assert_eq!(counted, seen);
@@ -97,7 +97,7 @@ fn other_numbers_of_balls_have_their_histograms() {
     let bins = [1, 2, 3].map(|ball| counts(&equilibria, &format!("bin_{ball}")));
     let (ball, bin, runs) =
         (counts(&histogram, "ball"), counts(&histogram, "bin_1"), counts(&histogram, "runs"));
-    assert!(equilibria.num_rows() > 5, "the study shows too little");
+    assert!(equilibria.num_rows() > 5, "the study is too small");
     for row in 0..histogram.num_rows() {
         let alike: &[usize] = if ball[row] == 1 { &[0, 2] } else { &[1] };
         let holds = |run: &usize| alike.iter().any(|&place| bins[place][*run] == bin[row]);

@@ -28,7 +28,7 @@ impl Sink for Points {
 
 fn points(study: &str) -> Vec<PointRow> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies").join(study);
-    let study = Study::load(&path).expect("a sound study");
+    let study = Study::load(&path).expect("a valid study");
     let options = EngineOptions { threads: 2, chunk: 512, ..EngineOptions::default() };
     let progress = Progress::new(study.run_count(), true);
     let mut points = Points::default();
