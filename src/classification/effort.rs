@@ -19,10 +19,10 @@ pub(super) const MOST_STEPS_OF_A_LOOK: u64 = 5_000_000;
 /// Maximum number of searches for a closed orbit per run.
 pub(super) const MOST_LOOKS: u32 = 4;
 
-/// Returns an upper bound of the time per step of a run that is computed alone, s on a
-/// core of the year 2024. In the one-by-one engine, a step with a displacement takes 2.3 µs per ball; in lockstep
-/// with one of eight lanes in use and an event in every step it takes up to 4 µs per ball. A step
-/// of a block takes 0.6 µs.
+/// Returns an upper bound of the time per step of a run that is computed alone, s on a core of the
+/// year 2024. In the one-by-one engine, a step with a displacement takes 2.3 µs per ball; in
+/// lockstep with one of eight lanes in use and an event in every step it takes up to 4 µs per ball.
+/// A step of a block takes 0.6 µs.
 pub fn seconds_per_step(model: &Model) -> f64 {
     seconds_per_step_with(model.balls())
 }

@@ -33,8 +33,8 @@ pub trait System<const N: usize, const FREE: usize> {
     /// Returns the longest step within which a friction force cannot rise and fall undetected.
     fn longest_step(&self) -> f64;
 
-    /// Returns the time scale of the motion over the natural frequency: the number of steps of a
-    /// well-behaved motion is proportional to it.
+    /// Returns the rate at which the motion may change, over the natural frequency; the number of
+    /// steps of a well-behaved motion is proportional to it.
     fn pace(&self) -> f64;
 
     /// Returns the smallest number of steps per unit of time.

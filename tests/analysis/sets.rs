@@ -149,7 +149,8 @@ fn one_ball_has_two_arcs() {
     let set = set(&machine, 10_000);
     assert_eq!((set.components, set.components_modulo_exchange), (Some(2), Some(2)));
     let form = RestForm::new(&machine).unwrap();
-    // |z| is so small that the normal force is 1: |Im(g I e^{-iβ} + g m)| ≤ μ, where `arcs` uses the sine's range directly.
+    // |z| is so small that the normal force is 1: |Im(g I e^{-iβ} + g m)| ≤ μ, where `arcs`
+    // uses the sine's range directly.
     let (amplitude, offset) =
         ((form.transfer * form.imbalance).norm(), form.transfer.im * form.mass[0]);
     let edge = |value: f64| ((value - offset) / amplitude).clamp(-1.0, 1.0).asin();

@@ -85,7 +85,7 @@ fn a_hundred_thousand_runs() {
         told += usize::from(tip != Value::Null);
     }
     let hovering = watched(&mut page);
-    assert!(told > 0, "no dot was told");
+    assert!(told > 0, "no tooltip was shown");
     assert_eq!(page.faults(), [""; 0]);
     println!(
         "10^5 runs: {:.1} MB, loaded in {loaded:.0} ms; between frames, median and 95 %: {:.0} and {:.0} ms \
