@@ -1,4 +1,4 @@
-//! What the motion of runs costs, one by one and in lockstep.
+//! Cost of the motion of runs, one by one and in lockstep.
 //!
 //! `cargo bench --bench motion`, or `-- --quick` in a few minutes, or `-- NAME` for some of it.
 //! W1 (`w1.yaml`) and W2 (`w2.yaml`) are those of `scripts/compare`; beside them 256 runs at -160.8103
@@ -23,14 +23,15 @@ fn study(text: &str) -> Study {
     Study::parse(Path::new("motion.yaml"), text).unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// The runs of a study beside this file.
+/// Returns the runs of a study beside this file.
 fn of_file(name: &str) -> Vec<Case> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("benches").join(name);
     let study = Study::load(&path).unwrap_or_else(|error| panic!("{error}"));
-    (0..study.run_count()).map(|run| study.planned_run(run).case.expect("sound")).collect()
+    (0..study.run_count()).map(|run| study.planned_run(run).case.expect("valid")).collect()
 }
 
-/// Runs with so many balls at this speed of the disc, a power of ten as relative tolerance.
+/// Returns runs with this number of balls and speed of the disc; the relative tolerance is a power
+/// of ten.
 fn cases(balls: usize, speed_rad_s: f64, tolerance: i32, samples: u32) -> Vec<Case> {
     let study = study(&format!(
         "model: {{kind: ball_balancer, parameters: {{balls: {balls}, speed_rad_s: {speed_rad_s}}}}}\n\
@@ -38,10 +39,10 @@ fn cases(balls: usize, speed_rad_s: f64, tolerance: i32, samples: u32) -> Vec<Ca
          simulation: {{tolerance: {{relative: 1.0e{tolerance}, absolute: 1.0e{}}}}}\n",
         tolerance - 2
     ));
-    (0..study.run_count()).map(|run| study.planned_run(run).case.expect("sound")).collect()
+    (0..study.run_count()).map(|run| study.planned_run(run).case.expect("valid")).collect()
 }
 
-/// Cases in their order; outcomes go nowhere.
+/// Cases in order; outcomes are discarded.
 struct Listed<'a> {
     cases: std::iter::Enumerate<std::slice::Iter<'a, Case>>,
 }
@@ -60,7 +61,7 @@ fn in_lockstep(level: SimdLevel, cases: &[Case]) {
     simulate_in_lockstep(level, &mut Listed { cases: cases.iter().enumerate() });
 }
 
-/// What one-by-one integration is made of, two balls.
+/// The components of one-by-one integration, for two balls.
 fn pieces(criterion: &mut Criterion) {
     let balancer = Balancer::<2>::new(&Machine::default()).expect("two balls");
     let state = State {
@@ -85,7 +86,7 @@ fn pieces(criterion: &mut Criterion) {
     });
 }
 
-/// Runs to their endings; throughput is in runs.
+/// Complete runs; the throughput is in runs.
 fn runs(criterion: &mut Criterion) {
     let one_thread = |name: &str, cases: &[Case], criterion: &mut Criterion| {
         let mut group = criterion.benchmark_group(name);
@@ -126,7 +127,7 @@ impl Sink for Nowhere {
     }
 }
 
-/// The thesis's six points with 128 runs each, with all but the tables.
+/// The thesis's six points with 128 runs each, with everything except the tables.
 fn thesis(criterion: &mut Criterion) {
     let study = study(
         "model: {kind: ball_balancer}\n\

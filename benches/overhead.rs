@@ -1,4 +1,4 @@
-//! What a run costs beside its motion: planning, statistics, tables.
+//! Cost of a run in addition to its motion: planning, statistics, tables.
 //!
 //! `cargo bench --bench overhead`, or `-- NAME` for some of it. Medians are in `benches/README.md`.
 
@@ -14,7 +14,7 @@ use stickslip::model::{Case, Machine};
 use stickslip::study::Study;
 use stickslip::table::{PointRow, RunRecord, TableWriter, run_columns};
 
-/// A study of the thesis's machine, with this design and these lines more.
+/// Returns a study of the thesis's machine, with this design and further lines.
 fn study(design: &str, more: &str) -> Study {
     let text = format!(
         "schema: 1\nname: overhead\nseed: 1\nmodel: {{kind: ball_balancer}}\n\
@@ -30,7 +30,7 @@ const SWEEP: &str = "sweep: [{grid: {speed_rad_s: [-160, -170, -180, -190, -200,
                      friction_coefficient: [1.0e-3, 1.5e-3, 2.0e-3, 2.5e-3]}}]\n";
 const STRATIFIED: &str = "{stratified: {parts_per_axis: 2, samples_per_cell: 1}}";
 
-/// Real outcomes, a little different for each start state, without the time that the motion takes.
+/// Real outcomes, slightly different for each start state, without the cost of the motion.
 struct Stored(Vec<Outcome>);
 
 impl Stored {
@@ -58,7 +58,7 @@ impl Stored {
     }
 }
 
-/// A run by its number: start states of all designs, drawn parameters, points of a sweep.
+/// A run by its number: start states of all designs, sampled parameters, points of a sweep.
 fn planning(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("planning one run");
     let cases = [
@@ -95,7 +95,8 @@ impl Sink for Nowhere {
     }
 }
 
-/// All of a farm but the motion and the tables: one point, and 32 points with as many runs in all.
+/// Complete studies without the motion and the tables: one point, and 32 points with the same total
+/// number of runs.
 fn farming(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("farming 8192 runs, outcomes at hand");
     group.sample_size(10).throughput(Throughput::Elements(8192));
@@ -120,7 +121,7 @@ fn farming(criterion: &mut Criterion) {
     }
 }
 
-/// What the end of a point takes, with 256 runs.
+/// The cost of the end of a point, with 256 runs.
 fn points(criterion: &mut Criterion) {
     let study = study(STRATIFIED, "");
     let stored = Stored::of(&study);
@@ -160,7 +161,7 @@ fn write(path: &Path, study: &Study, records: &[RunRecord], rows: u64) -> u64 {
     table.finish().expect("a file").iter().filter_map(|(_, file)| file.rows).sum()
 }
 
-/// An equilibrium set with its parts.
+/// An equilibrium set with its components.
 fn sets(criterion: &mut Criterion) {
     let machine = Machine::default();
     criterion.bench_function("equilibrium set, 512 x 512", |bencher| {

@@ -1,9 +1,10 @@
-//! Error and cost of runs by method, tolerance and way of computing, as lines of CSV: `scripts/work-precision`
-//! makes a table and a plot of them.
+//! Error and cost of runs by method, tolerance and engine, as lines of CSV:
+//! `scripts/work-precision` makes a table and a plot of them.
 //!
-//! The reference is the exact motion (`event`), one by one, at 1e-11. An error is the largest of a run's
-//! balls' distances, along the ring, between where they rest here and where they rest there; of runs that
-//! rest in both. Labels that differ are counted of all runs. Time is that of this thread on a core.
+//! The reference is the exact motion (`event`), one by one, at 1e-11. The error of a run is the
+//! largest distance along the ring between the rest positions of a ball in the two computations, if
+//! both come to rest. Different labels are counted over all runs. Time is the CPU time of this
+//! thread.
 
 use std::f64::consts::TAU;
 use std::path::Path;
@@ -18,8 +19,8 @@ use stickslip::study::Study;
 type Compute = fn(&[Case]) -> Vec<Outcome>;
 
 fn main() {
-    // Beside `--bench`, which cargo adds, the number of runs per speed: without it nothing is to be done,
-    // so that `cargo bench` alone does not take minutes here.
+    // The argument is the number of runs per speed. Without it the program does nothing, so that
+    // `cargo bench` does not take minutes here; cargo adds `--bench`.
     let Some(runs) = std::env::args().skip(1).find_map(|argument| argument.parse::<u32>().ok())
     else {
         println!("work and precision: see scripts/work-precision");
@@ -85,7 +86,7 @@ fn cases(speed_rad_s: f64, runs: u32) -> Vec<Case> {
     );
     let study = Study::parse(Path::new("work-precision.yaml"), text)
         .unwrap_or_else(|error| panic!("{error}"));
-    (0..study.run_count()).map(|run| study.planned_run(run).case.expect("sound")).collect()
+    (0..study.run_count()).map(|run| study.planned_run(run).case.expect("valid")).collect()
 }
 
 fn one_by_one(cases: &[Case]) -> Vec<Outcome> {
@@ -113,7 +114,8 @@ fn in_lockstep(cases: &[Case]) -> Vec<Outcome> {
     runs.outcomes.into_iter().map(|outcome| outcome.expect("every run has ended")).collect()
 }
 
-/// How far apart the balls rest in two outcomes, rad; none where one of them is not at rest.
+/// Returns the distance between the rest positions in two outcomes, rad; `None` if one of them is
+/// not at rest.
 fn error(a: &Outcome, b: &Outcome) -> Option<f64> {
     if a.label() != Label::Equilibrium || b.label() != Label::Equilibrium {
         return None;
@@ -126,7 +128,7 @@ fn error(a: &Outcome, b: &Outcome) -> Option<f64> {
     Some(pairs.map(apart).fold(0.0, f64::max))
 }
 
-/// Time that this thread has had on a core, s; where the system does not tell, time that has passed.
+/// Returns the CPU time of this thread, s; elapsed time if the system does not provide it.
 fn core_time_s() -> f64 {
     thread_local!(static BEGAN: Instant = Instant::now());
     let nanoseconds = std::fs::read_to_string("/proc/thread-self/schedstat")

@@ -1,24 +1,24 @@
 //! All integration tests in one binary; folders mirror `src`.
 
-/// Equilibrium sets and equilibria without friction.
+/// Equilibrium sets, frictionless equilibria and classes of limit cycles.
 mod analysis;
-/// How runs end.
+/// Endings of runs.
 mod classification;
-/// The command line: what goes in, what comes out, exit codes, interruption, memory.
+/// The command line: input, output, exit codes, interruption, memory.
 mod cli;
-/// The README.
+/// The documentation.
 mod docs;
-/// Threads, chunks, failures: what the engine must not change and must keep.
+/// The engine: threads, chunks, failures.
 mod engine;
-/// What may happen on a bad day: kills, full disks, damaged files.
+/// Robustness against kills, full disks and damaged files.
 mod faults;
 /// Equations of motion and closed forms.
 mod model;
 /// Integration, switches and symmetries.
 mod motion;
-/// What the project depends on.
+/// Licences, versions and sources of the dependencies.
 mod policy;
-/// What figures show.
+/// Data of the figures.
 mod report;
 /// Responses of designs.
 mod responses;
@@ -26,7 +26,7 @@ mod responses;
 mod study;
 /// Columns, metadata and contents of the tables.
 mod table;
-/// The thesis's counts, from the study files.
+/// The thesis's counts, computed from the study files.
 mod thesis;
-/// The page that sets the thesis beside the program.
+/// Comparison of the thesis with the program, in `docs/validation.md`.
 mod validation;

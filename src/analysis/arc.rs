@@ -1,30 +1,31 @@
-//! The shortest arc of the circle that holds a set of angles, in memory that does not grow with it.
+//! Shortest arc of the circle that contains a set of angles, in memory that does not grow with the
+//! set.
 
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
-/// Parts into which the circle is cut.
+/// Number of equal parts of the circle.
 const PARTS: f64 = 360.0;
 
-/// A set of angles, of which the least and the greatest in each degree are kept.
+/// A set of angles, reduced to the least and the greatest angle in each degree.
 ///
-/// Gaps between angles in different degrees are exact, and no gap within a degree is longer than
-/// that. So the arc is the shortest wherever that is shorter than 359 degrees, and otherwise one
-/// that holds all angles. It depends on the angles alone, not on their order.
+/// Gaps between angles in different degrees are exact, and no gap within one degree exceeds one
+/// degree. The arc is therefore the shortest one if that is shorter than 359 degrees, and otherwise
+/// an arc that contains all angles. The result does not depend on the order of the angles.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct AngleSet {
     parts: BTreeMap<u16, [f64; 2]>,
 }
 
 impl AngleSet {
-    /// Takes an angle in, rad; one that is not finite is left out.
+    /// Adds an angle, rad. A non-finite angle is ignored.
     pub fn add(&mut self, angle: f64) {
         if !angle.is_finite() {
             return;
         }
-        // Adding 0 makes -0 to 0.
+        // Adding 0 turns -0 into 0.
         let within = angle.rem_euclid(TAU) + 0.0;
-        // The remainder of a tiny negative angle is rounded to a whole turn.
+        // The remainder of a tiny negative angle rounds to a full turn.
         let within = if within < TAU { within } else { 0.0 };
         let part = (within / TAU * PARTS) as u16;
         let [least, greatest] = self.parts.entry(part).or_insert([within; 2]);
@@ -32,8 +33,9 @@ impl AngleSet {
         *greatest = greatest.max(within);
     }
 
-    /// Where the shortest arc that holds all angles begins and ends, in the positive sense, each in
-    /// [0, 2π): it runs through 0 where it begins above its end. None of no angles.
+    /// Returns the start and the end of the shortest arc that contains all angles, in the positive
+    /// sense, each in [0, 2π). The arc passes through 0 if its start exceeds its end. `None` if the
+    /// set is empty.
     pub fn shortest_arc(&self) -> Option<[f64; 2]> {
         let mut parts = self.parts.values();
         let [first, mut before] = *parts.next()?;
@@ -74,7 +76,7 @@ mod tests {
     }
 
     #[test]
-    fn through_zero_and_not() {
+    fn arcs_may_pass_through_zero() {
         assert_eq!(arc(&[]), None);
         assert_eq!(arc(&[f64::NAN]), None);
         assert_eq!(arc(&[1.5]), Some([1.5, 1.5]));
@@ -85,8 +87,8 @@ mod tests {
     }
 
     proptest! {
-        /// Of all arcs from an angle to the one before it, the shortest; around a centre, so that
-        /// arcs of all lengths occur. The order of the angles does not matter.
+        /// The arc is the shortest of all arcs from an angle to the preceding one, whatever the
+        /// order of the angles. The angles lie around a centre, so that arcs of all lengths occur.
         #[test]
         fn is_the_shortest_of_all(
             centre in 0.0..TAU,
@@ -107,9 +109,9 @@ mod tests {
         }
     }
 
-    /// Angles in every degree: the arc still holds all of them.
+    /// With angles in every degree, the arc contains all of them.
     #[test]
-    fn a_full_circle() {
+    fn an_arc_of_angles_in_every_degree_contains_them() {
         let angles: Vec<f64> = (0..100_000).map(|k| (f64::from(k) * 2.4).rem_euclid(TAU)).collect();
         let found = arc(&angles).unwrap();
         assert!(length(found) > 0.99 * TAU && angles.iter().all(|&angle| holds(found, angle)));

@@ -1,18 +1,18 @@
-//! How often a run ends differently when it is computed another way.
+//! How often a run gets another label when it is computed by a second method.
 
 use super::interval::{Z_95, wilson};
 use crate::classification::Label;
 
-/// Audited runs and flips: runs whose second computation has another label. A computation that
-/// fails where the other one does not is a flip, too.
+/// Counts of audited runs and flips. A flip is a run whose second computation has another label, or
+/// in which only one of the two computations fails.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct AuditCounts {
     /// Runs that were computed twice.
     pub runs: u64,
-    /// Those whose two labels differ.
+    /// Runs whose two labels differ.
     pub flips: u64,
-    /// Those of them that are an equilibrium in one computation and none in the other: what changes
-    /// the fraction of equilibria.
+    /// Flips that are an equilibrium in exactly one of the two computations. Only these change the
+    /// fraction of equilibria.
     pub rest_flips: u64,
 }
 
@@ -25,12 +25,12 @@ impl AuditCounts {
         self.rest_flips += u64::from(rests[0] != rests[1]);
     }
 
-    /// Fraction of the audited runs that flip; `None` where there are none.
+    /// Returns the fraction of the audited runs that flip, or `None` if no run was audited.
     pub fn flip_rate(&self) -> Option<f64> {
         (self.runs > 0).then(|| self.flips as f64 / self.runs as f64)
     }
 
-    /// The 95 % interval of that fraction over all runs (Wilson); all of [0, 1] where there are none.
+    /// Returns the 95 % Wilson interval of the flip rate; [0, 1] if no run was audited.
     pub fn interval(&self) -> (f64, f64) {
         wilson(self.flips, self.runs, Z_95)
     }

@@ -1,9 +1,9 @@
 //! Positions of the balls that balance the imbalance: `m_I e + Σ m e^{iβ} = 0`, the table at rest.
 //!
 //! The imbalance and the balls' masses are then the sides of a closed polygon. One ball balances
-//! only an imbalance just like its own; two make a triangle, of which there is a mirror image
-//! (two alike: `cos β = -m_I e / (2 m L)`, thesis appendix D.3); three and more have a family of
-//! positions with as many dimensions as there are balls beyond two.
+//! only an imbalance equal to its own. Two balls form a triangle, which has a mirror image (two
+//! identical balls: `cos β = -m_I e / (2 m L)`, thesis appendix D.3). Three or more balls have a
+//! family of positions with as many dimensions as there are balls beyond two.
 
 use nalgebra::Complex;
 
@@ -13,11 +13,12 @@ use super::rest_form::{RestForm, direction};
 /// Where the balls balance the imbalance.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Balance {
-    /// Nowhere: one of the masses is more than all others together can hold.
+    /// Nowhere: one of the masses exceeds the sum of all others.
     Nowhere,
-    /// At these angles, one per ball in [0, 2π), ascending among identical balls, and at their mirror image `2π - β`.
+    /// At these angles, one per ball in [0, 2π), ascending among identical balls, and at the mirror
+    /// image `2π - β`.
     Position(Vec<f64>),
-    /// In a family of positions, of which these angles are one.
+    /// In a family of positions that contains these angles.
     Family {
         /// One position, one angle per ball in [0, 2π).
         example: Vec<f64>,
@@ -27,7 +28,7 @@ pub enum Balance {
 }
 
 impl Balance {
-    /// Where the balls of a machine balance it.
+    /// Returns where the balls of a machine balance its imbalance.
     pub fn of(form: &RestForm) -> Self {
         let count = form.mass.len();
         let found = balanced(form).map(|beta| sorted_where_identical(&beta, &form.balls));
@@ -38,7 +39,7 @@ impl Balance {
         }
     }
 
-    /// One balanced position, if there is any.
+    /// Returns one balanced position, or `None` if there is none.
     pub fn position(&self) -> Option<&[f64]> {
         match self {
             Balance::Nowhere => None,
@@ -46,7 +47,7 @@ impl Balance {
         }
     }
 
-    /// How the balls can balance, in a word.
+    /// Returns the identifier that the tables use.
     pub fn name(&self) -> &'static str {
         match self {
             Balance::Nowhere => "nowhere",
@@ -56,12 +57,15 @@ impl Balance {
     }
 }
 
-/// Equality of masses that only rounding keeps apart.
+/// Relative tolerance below which two sums of masses count as equal.
 const ROUNDING: f64 = 1e-14;
 
-/// All balls but the two heaviest side by side or opposite each other, along a direction in which
-/// the two heaviest can close the polygon. Some choice of signs does where any position at all
-/// balances: flipping one ball moves the others' sum by no more than the two heaviest can follow.
+/// Returns one balanced position.
+///
+/// All balls except the two heaviest lie side by side or opposite each other, along a direction in
+/// which the two heaviest can close the polygon. If any position balances, some choice of signs
+/// allows this: flipping one ball changes the sum of the others by no more than the two heaviest
+/// can compensate.
 fn balanced(form: &RestForm) -> Option<Vec<f64>> {
     let mut heaviest: Vec<usize> = (0..form.mass.len()).collect();
     heaviest.sort_by(|&i, &j| form.mass[j].total_cmp(&form.mass[i]));
@@ -72,7 +76,7 @@ fn balanced(form: &RestForm) -> Option<Vec<f64>> {
         let sign = |place: usize| if signs >> place & 1 == 0 { 1.0 } else { -1.0 };
         let along: f64 =
             rest.iter().enumerate().map(|(place, &ball)| sign(place) * form.mass[ball]).sum();
-        // The two heaviest balls can hold any force from their difference to their sum.
+        // The two heaviest balls can produce any force from their difference to their sum.
         let low = (imbalance - along.abs()).abs().max(mass_1 - mass_2);
         let high = (imbalance + along.abs()).min(mass_1 + mass_2);
         if low > high * (1.0 + ROUNDING) {
@@ -97,7 +101,8 @@ fn balanced(form: &RestForm) -> Option<Vec<f64>> {
     })
 }
 
-/// The angle from a first vector to a second one of given lengths whose sum has a given length.
+/// Returns the angle from a first vector to a second one of given lengths whose sum has a given
+/// length.
 fn angle_between(first: f64, second: f64, sum: f64) -> f64 {
     if second == 0.0 {
         return 0.0;
@@ -106,7 +111,7 @@ fn angle_between(first: f64, second: f64, sum: f64) -> f64 {
     cosine.clamp(-1.0, 1.0).acos()
 }
 
-/// The angle of one side of a triangle to the side `base`, the third one being `other`.
+/// Returns the angle between one side of a triangle and the side `base`; `other` is the third side.
 fn side_angle(side: f64, other: f64, base: f64) -> f64 {
     if base == 0.0 || other == 0.0 {
         return 0.0;
@@ -115,7 +120,7 @@ fn side_angle(side: f64, other: f64, base: f64) -> f64 {
     cosine.clamp(-1.0, 1.0).acos()
 }
 
-/// An angle in [0, 2π).
+/// Returns the equivalent angle in [0, 2π).
 pub(super) fn wrapped(angle: f64) -> f64 {
     let wrapped = angle.rem_euclid(std::f64::consts::TAU);
     if wrapped < std::f64::consts::TAU { wrapped } else { 0.0 }

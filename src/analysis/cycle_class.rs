@@ -1,36 +1,39 @@
-//! Which limit cycle a run is on: the class that it fractions with all runs that do the same.
+//! Classification of limit cycles: runs on equivalent cycles share one class name.
 //!
-//! A class says which balls run, how often they go round per period, and in which order they stick
-//! and slip. Its text has one part for each ball, joined by `|`:
+//! A class names the balls that run, their turns per period, and the order in which they stick and
+//! slip. Its text has one part for each ball, joined by `|`:
 //!
 //! ```text
 //! class   = ball *( "|" ball )
-//! ball    = "rest"                    it sticks all along
-//!         / turns                     it never changes what it does: it runs and never stops
-//!         / turns ":" letters         it does one thing after another, in a circle
-//! turns   = a whole number: turns around the ring per period, negative against the disc's rotation
+//! ball    = "rest"                    sticks throughout
+//!         / turns                     runs in one phase throughout
+//!         / turns ":" letters         passes through a periodic sequence of phases
+//! turns   = integer: turns around the ring per period, negative against the disc's rotation
 //! letters = two or more of S (sticks), F (slips in the disc's sense), B (slips against it)
 //! ```
 //!
 //! `-1|rest`: one ball falls back by one turn per period while the other rests. `-1:SB|0:BF`: the
-//! first sticks and slips, and the second swings without going round. The letters of several balls
-//! belong together: the third letters say what the balls do at one and the same time, so that a
-//! ball that goes on with what it did has the same letter twice. A ball without letters is left out
-//! of that, as it never switches. A block has one part with 0 turns, and the belt's direction is
-//! forward. `unknown` is the class of a cycle of which nothing is known but that it closes.
+//! first ball sticks and slips, and the second swings without going round. The letters of several
+//! balls are synchronous: the third letters are the phases of all balls at the same time, so that a
+//! ball whose phase does not change has the same letter twice. A ball without letters never
+//! switches and is omitted from the sequence. A block has one part with 0 turns, and the belt's
+//! direction is forward. `unknown` is the class of a closed cycle whose phases are not known.
 //!
-//! What makes no difference is folded, by taking the smallest of all forms:
+//! Equivalent descriptions are reduced to one by taking the smallest form:
 //!
-//! - Balls that are alike have no names: among their places, balls that run come first, then those
-//!   that swing, then those that rest. Balls that differ keep their places in the machine.
-//! - A period begins nowhere: letters start where they come first in the order S, F, B.
-//! - The mirror image, `y`, angles and speeds with the other sign, solves the equations of the disc
-//!   that turns the other way and no others: of the speed `ω` they have `ω²`, `ω β̇`, `ω ẏ` and `ω x`
-//!   in the equation along `y`. So senses are counted from the disc's. At one speed there is no
-//!   other such symmetry: the imbalance fixes the direction of `x`, and the terms in `ω ẏ` and
-//!   `ω β̇` the sense. (At standstill there would be; nothing drives a cycle there.)
+//! - Identical balls are interchangeable: among their places, balls that run come first, then balls
+//!   that swing, then balls that rest. Balls that differ keep their places in the machine.
+//! - The start of a period is arbitrary: the letters start where they come first in the order S, F,
+//!   B.
+//! - The mirror image (`y`, angles and speeds with the opposite sign) solves the equations of a
+//!   disc that turns in the opposite direction, and no others: the equations contain the speed `ω`
+//!   as `ω²`, `ω β̇`, `ω ẏ` and, in the equation along `y`, `ω x`. Directions are therefore counted
+//!   relative to the disc's. At one speed there is no other such symmetry: the imbalance fixes the
+//!   direction of `x`, and the terms in `ω ẏ` and `ω β̇` fix the sense of rotation. (At standstill
+//!   there would be one, but then nothing drives a cycle.)
 //!
-//! One class can hold a continuous family of cycles: where resting balls rest does not count.
+//! One class can contain a continuous family of cycles: the rest positions of resting balls do not
+//! count.
 
 use std::cmp::{Ordering, Reverse};
 use std::fmt;
@@ -39,16 +42,16 @@ use super::identical_balls::groups_of_identical;
 use crate::classification::{Cycle, CyclePhase, Evidence, Outcome};
 use crate::model::Model;
 
-/// What one ball does in a class of cycles, or a block. In order: those that run, those that swing,
-/// those that rest.
+/// The role of one ball, or of a block, in a class of cycles. Roles are ordered: balls that run,
+/// balls that swing, balls that rest.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Role {
-    /// Turns around the ring per period, negative against the disc's rotation; 0 of a block.
+    /// Turns around the ring per period, negative against the disc's rotation; 0 for a block.
     pub turns: i32,
-    /// What it does one after another, forward in the disc's sense or the belt's; empty where it
-    /// does one thing only.
+    /// The sequence of phases; forward is the disc's or the belt's direction. Empty for a single
+    /// phase.
     pub letters: Vec<CyclePhase>,
-    /// Whether it sticks all along.
+    /// Whether the ball sticks throughout.
     pub rests: bool,
 }
 
@@ -90,23 +93,23 @@ impl fmt::Display for Role {
     }
 }
 
-/// The class of a run's cycle, and which of its balls has which place there.
+/// The class of a run's cycle, and the assignment of its balls to the places of the class.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct CycleClass {
-    /// The class as text; equal of runs in the same class and of no others.
+    /// The class as text. Two runs have the same text if and only if they are in the same class.
     pub name: String,
-    /// What the ball in each place does; empty where that is unknown.
+    /// The role of the ball in each place; empty if unknown.
     pub roles: Vec<Role>,
-    /// The ball in each place. Alike balls with the same role stand in ascending order of the angle
-    /// at which they rest, or of the greatest speed that they reach in the disc's sense.
+    /// The ball in each place. Identical balls with the same role are in ascending order of the
+    /// angle at which they rest, or of the greatest speed that they reach in the disc's sense.
     pub balls: Vec<usize>,
 }
 
 impl CycleClass {
-    /// Name of the class of cycles of which nothing is known but that they close.
+    /// Name of the class of closed cycles whose phases are not known.
     pub const UNKNOWN: &'static str = "unknown";
 
-    /// The class of a run's limit cycle; none of a run that has not been shown to be on one.
+    /// Returns the class of a run's limit cycle; `None` if the run has not been shown to be on one.
     pub fn of(model: &Model, outcome: &Outcome) -> Option<Self> {
         if outcome.evidence != Evidence::ClosedOrbit {
             return None;
@@ -122,27 +125,28 @@ impl CycleClass {
     }
 }
 
-/// 1 where senses of rotation count as they are, -1 where the disc turns in the negative sense.
+/// Returns -1 if the disc turns in the negative sense, otherwise 1.
 pub(super) fn sense(model: &Model) -> i32 {
     if model.ball_balancer().is_some_and(|machine| machine.speed_rad_s < 0.0) { -1 } else { 1 }
 }
 
-/// The least and the greatest speed of a contact, counted in the disc's sense.
+/// Returns the least and the greatest speed of a contact, counted in the disc's sense.
 pub(super) fn speeds_in_sense(model: &Model, [least, greatest]: [f64; 2]) -> [f64; 2] {
     let [least, greatest] = if sense(model) < 0 { [-greatest, -least] } else { [least, greatest] };
-    // Adding 0 makes -0 to 0.
+    // Adding 0 turns -0 into 0.
     [least + 0.0, greatest + 0.0]
 }
 
-/// A cycle in the disc's sense, ball by ball in the machine's order, from where its period was begun.
+/// A cycle in the disc's sense, ball by ball in the machine's order, from an arbitrary start of its
+/// period.
 struct CycleForm {
     roles: Vec<Role>,
-    /// What puts balls with equal roles in order.
+    /// Sort keys among balls with equal roles.
     standings: Vec<[f64; 3]>,
 }
 
 impl CycleForm {
-    /// None of a cycle that has another number of contacts than the model.
+    /// Returns `None` if the cycle and the model differ in their number of contacts.
     fn new(model: &Model, cycle: &Cycle, angles: &[f64]) -> Option<Self> {
         let contacts = model.contacts();
         let of_ball = [cycle.turns.len(), cycle.speed_extremes.len(), angles.len()];
@@ -160,7 +164,7 @@ impl CycleForm {
                 switching.iter().map(|&contact| in_sense(model, cycle_phases[contact])).collect()
             })
             .collect();
-        // A period that was begun amid a phase has that phase at both ends.
+        // A period that starts within a phase has that phase at both ends.
         steps.dedup();
         while steps.len() > 1 && steps.first() == steps.last() {
             steps.pop();
@@ -186,8 +190,9 @@ impl CycleForm {
         Some(CycleForm { roles, standings })
     }
 
-    /// The smallest form over all beginnings of the period and all orders of alike balls. For one
-    /// beginning, what a ball does is a matter of that ball alone, so that sorting finds the order.
+    /// Returns the smallest form over all starts of the period and all orders of identical balls.
+    /// For a given start the role of a ball does not depend on the other balls, so that sorting
+    /// finds the order.
     fn class(&self, model: &Model) -> CycleClass {
         let groups = model
             .ball_balancer()

@@ -1,6 +1,5 @@
-//! The limit cycles of one point of the sweep, class by class: how many runs end there, with what
-//! period, speeds, amplitude and multipliers, and where balls that do not go round rest or
-//! swing.
+//! The limit cycles of one sweep point, by class: number of runs, period, speeds, amplitude,
+//! Floquet multipliers, and the angles at which balls rest or swing.
 
 use std::cmp::Ordering;
 use std::collections::BTreeMap;
@@ -14,75 +13,77 @@ use super::order_statistics::OrderStatistics;
 use crate::classification::{Label, Outcome};
 use crate::model::Model;
 
-/// Most classes of a point that are kept apart; the others are counted together.
+/// Largest number of classes that are reported separately at one point; the others are counted
+/// together.
 const MOST_CLASSES: usize = 1000;
 
-/// A number over the runs of a class.
+/// The distribution of a quantity over the runs of a class.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CycleRange {
     /// Median of a period, mean of an amplitude.
     pub middle: f64,
-    /// The least.
+    /// Minimum.
     pub least: f64,
-    /// The greatest.
+    /// Maximum.
     pub greatest: f64,
 }
 
-/// What the ball in one place of a class does, over the class's runs, or the block.
+/// Motion of the ball in one place of a class, or of the block, over the runs of the class.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CycleRole {
-    /// What makes the class.
+    /// The role that defines the class.
     pub role: Role,
-    /// Mean speed relative to the ring in the median period, rad/s, counted in the disc's sense; 0
-    /// of a block.
+    /// Mean speed relative to the ring over the median period, rad/s, counted in the disc's sense;
+    /// 0 for a block.
     pub mean_speed: f64,
-    /// Least and greatest speed relative to the ring, rad/s, in the disc's sense, or to the belt,
-    /// m/s.
+    /// Least and greatest speed relative to the ring, rad/s, in the disc's sense, or relative to
+    /// the belt, m/s.
     pub speed_extremes: [f64; 2],
-    /// Of a ball that does not go round, where the shortest arc that holds all its angles begins and
-    /// ends, rad, in [0, 2π): through 0 where it begins above its end.
+    /// For a ball that does not go round: start and end of the shortest arc that contains all its
+    /// angles, rad, in [0, 2π). The arc passes through 0 if its start exceeds its end.
     pub stays_between: Option<[f64; 2]>,
 }
 
-/// The runs of a point whose limit cycles are of one class.
+/// The runs of a point whose limit cycles are in one class.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CycleGroup {
     /// The class as text, [`CycleClass::UNKNOWN`] or [`CycleGroup::OTHER`].
     pub class: String,
-    /// Runs in it.
+    /// Number of runs in the class.
     pub runs: u64,
-    /// Their fraction of all runs of the point.
+    /// Fraction of all runs of the point.
     pub fraction: f64,
-    /// Its 95 % interval (Wilson; failures widen it).
+    /// 95 % interval of the fraction (Wilson; failures widen it).
     pub interval: (f64, f64),
     /// The period, s: its median and its range.
     pub period_s: Option<CycleRange>,
-    /// The amplitude, m, of the table root mean square, of a block half of its way: its mean and
-    /// its range.
+    /// The amplitude, m: the root mean square for a table, half of the stroke for a block; its mean
+    /// and its range.
     pub amplitude_m: Option<CycleRange>,
     /// The greatest displacement of the table in any run, m.
     pub amplitude_peak_m: Option<f64>,
-    /// Moduli of the Floquet multipliers of the run that has the largest, descending.
+    /// Moduli of the Floquet multipliers, descending, of the run with the largest multiplier.
     pub multipliers: Option<Vec<f64>>,
-    /// In how many directions the cycles form a continuous family.
+    /// Number of directions in which the cycles form a continuous family.
     pub neutral_directions: Option<u8>,
-    /// The least part of the friction limit that is left to a resting ball in any run.
+    /// The smallest friction margin of a resting ball in any run.
     pub least_margin: Option<f64>,
-    /// What the ball in each place does; empty where that is unknown.
+    /// The role of the ball in each place; empty if unknown.
     pub roles: Vec<CycleRole>,
 }
 
 impl CycleGroup {
-    /// Name under which the classes are counted together that are one too many.
+    /// Name under which the classes in excess of the limit are counted together.
     pub const OTHER: &'static str = "other";
 
-    /// How many balls go round the ring; none where that is unknown.
+    /// Returns the number of balls that go round the ring; `None` if unknown.
     pub fn balls_running(&self) -> Option<u8> {
         let running = self.roles.iter().filter(|role| role.role.turns != 0).count();
         u8::try_from(running).ok().filter(|_| !self.roles.is_empty())
     }
 
-    /// The largest multiplier in any run; none where there is none off the neutral directions.
+    /// Returns the largest multiplier in any run; `None` if all multipliers belong to neutral
+    /// directions.
     pub fn largest_multiplier(&self) -> Option<f64> {
         self.multipliers.as_ref()?.first().copied()
     }
@@ -90,11 +91,11 @@ impl CycleGroup {
 
 /// Collects the limit cycles of one point.
 ///
-/// Of more than 1000 classes, those with the shortest and then the first names are kept, so that
-/// which ones are does not depend on the order of runs.
+/// Above 1000 classes, the classes with the shortest and then the alphabetically first names are
+/// reported separately, so that the choice does not depend on the order of runs.
 #[derive(Clone, Debug, Default)]
 pub(super) struct CycleClasses {
-    /// By length of the name, and name.
+    /// Keyed by the length of the name, then by the name.
     kept: BTreeMap<(usize, String), Collected>,
     other: u64,
 }
@@ -121,7 +122,7 @@ struct CycleMember {
 }
 
 impl CycleClasses {
-    /// Takes in one run; one that is not on a limit cycle is left out.
+    /// Adds one run. A run that is not on a limit cycle is ignored.
     pub(super) fn add(&mut self, run: Observed<'_>) {
         let Some(case) = run.case else { return };
         let Some(class) = CycleClass::of(&case.model, run.outcome) else { return };
@@ -138,8 +139,8 @@ impl CycleClasses {
         }
     }
 
-    /// The classes: those with the most runs first, then by name; what is unknown or one too many
-    /// last. `counts` are all runs of the point.
+    /// Returns the classes, those with the most runs first, then by name; `unknown` and `other`
+    /// come last. `counts` counts all runs of the point.
     pub(super) fn groups(&self, counts: &LabelCounts) -> Vec<CycleGroup> {
         let fraction = |runs: u64| {
             let (failures, total) = (counts.of(Label::Failed), counts.total());
@@ -233,7 +234,7 @@ impl Collected {
     }
 }
 
-/// Compares the first two numbers that differ; of none, the longer list is greater.
+/// Compares the first two numbers that differ; if there are none, the longer list is greater.
 fn compare(a: &[f64], b: &[f64]) -> Ordering {
     let numbers = a.iter().zip(b).fold(Ordering::Equal, |order, (a, b)| order.then(a.total_cmp(b)));
     numbers.then(a.len().cmp(&b.len()))

@@ -1,23 +1,23 @@
-//! Where on the ring balls come to rest, as counts in equal bins of their angles.
+//! Histograms of the angles at which balls come to rest.
 //!
-//! One angle or two are counted together. With three balls and more, each ball's angle is counted alone,
-//! and the angles of identical balls in one histogram. Bins are 10° wide. Two identical balls have no
-//! names: each equilibrium counts in the bin of its angles in ascending order.
+//! One or two angles are counted jointly. With three or more balls, each ball's angle is counted on
+//! its own, and the angles of identical balls share one histogram. Bins are 10° wide. Two identical
+//! balls are interchangeable: each equilibrium counts in the bin of its angles in ascending order.
 
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
 use super::interval::{Z_95, wilson};
 
-/// Bins per angle.
+/// Number of bins per angle.
 pub const BINS: usize = 36;
 
-/// The bin of an angle, from 0.
+/// Returns the bin of an angle, counted from 0.
 pub fn bin(angle: f64) -> usize {
     ((angle.rem_euclid(TAU) / TAU * BINS as f64) as usize).min(BINS - 1)
 }
 
-/// Where a bin begins and ends, rad.
+/// Returns the start and the end of a bin, rad.
 pub fn bin_edges(bin: usize) -> [f64; 2] {
     [bin, bin + 1].map(|edge| edge as f64 * (TAU / BINS as f64))
 }
@@ -25,15 +25,17 @@ pub fn bin_edges(bin: usize) -> [f64; 2] {
 /// One bin in which balls came to rest.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HistogramBin {
-    /// The first of the identical balls of three balls and more, from 0; the bin is one of their angle.
+    /// With three or more balls: the first of the identical balls whose angles the bin counts, from
+    /// 0.
     pub ball: usize,
     /// The bin of each angle: one or two.
     pub bins: Vec<usize>,
-    /// Equilibria in it; of three balls and more, those with at least one of the balls in it.
+    /// Number of equilibria in the bin; with three or more balls, the number with at least one of
+    /// the balls in it.
     pub runs: u64,
     /// Fraction of all equilibria of the point.
     pub fraction: f64,
-    /// Its 95 % interval (Wilson).
+    /// 95 % interval of the fraction (Wilson).
     pub interval: (f64, f64),
 }
 
@@ -41,13 +43,13 @@ pub struct HistogramBin {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct EquilibriumHistogram {
     equilibria: u64,
-    /// Equilibria by ball and bins.
+    /// Number of equilibria, by ball and bins.
     counts: BTreeMap<(usize, Vec<usize>), u64>,
 }
 
 impl EquilibriumHistogram {
-    /// Takes in the angles at which balls rest, ascending among identical balls; `groups` has the indices of
-    /// identical balls, each ball once.
+    /// Adds the angles of balls at rest, ascending among identical balls. `groups` has the indices
+    /// of identical balls, each ball in one group.
     pub fn add(&mut self, beta: &[f64], groups: &[Vec<usize>]) {
         self.equilibria += 1;
         if beta.len() <= 2 {
@@ -66,7 +68,7 @@ impl EquilibriumHistogram {
         *self.counts.entry((ball, bins)).or_default() += 1;
     }
 
-    /// The bins in which balls came to rest, in ascending order.
+    /// Returns the bins in which balls came to rest, in ascending order.
     pub fn bins(&self) -> Vec<HistogramBin> {
         let row = |((ball, bins), &runs): (&(usize, Vec<usize>), &u64)| HistogramBin {
             ball: *ball,
@@ -111,7 +113,7 @@ mod tests {
         assert_eq!(bin_edges(35)[1], TAU);
     }
 
-    /// Counts are of all equilibria, and fractions lie in their intervals.
+    /// The counts add up to all equilibria, and the fractions lie in their intervals.
     #[test]
     fn every_equilibrium_is_counted() {
         let mut draws = TestRng::new(10);
@@ -137,7 +139,7 @@ mod tests {
         }
     }
 
-    /// Identical balls may be exchanged, and runs come in any order.
+    /// Exchanging identical balls or reordering runs does not change the histogram.
     #[test]
     fn order_and_exchange_do_not_matter() {
         let mut draws = TestRng::new(11);
@@ -153,7 +155,8 @@ mod tests {
         assert!(forward.bins().iter().all(|row| row.bins[0] <= row.bins[1]));
     }
 
-    /// Two independent von Mises angles: the counts of the bins by a chi-square test at a level of 0.001.
+    /// For two independent von Mises angles, the counts of the bins pass a chi-square test at a
+    /// level of 0.001.
     #[test]
     fn bins_count_a_known_distribution() {
         let mut draws = TestRng::new(12);

@@ -12,13 +12,13 @@ use super::set_grid::{GridRow, SetGrid};
 use super::set_samples::{self, REPLICATES};
 use crate::model::Machine;
 
-/// How finely a set is looked at.
+/// How finely a set is sampled.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Resolution {
-    /// A regular grid of so many points per axis: one or two balls. Of one ball only the positions shown
-    /// are on the grid; its set is known in closed form.
+    /// A regular grid with this number of points per axis, for one or two balls. For one ball only
+    /// the displayed positions are on the grid; its set has a closed form.
     Grid(usize),
-    /// So many quasi-random samples in each of [`REPLICATES`] scrambles.
+    /// This number of quasi-random samples in each of [`REPLICATES`] scrambles.
     Samples(u32),
 }
 
@@ -27,28 +27,28 @@ pub enum Resolution {
 pub struct EquilibriumSet {
     /// Fraction of all ball positions that are in the set.
     pub fraction: f64,
-    /// Its 95 % interval where positions were sampled; a grid has no random error.
+    /// 95 % interval of the fraction if positions were sampled; a grid has no random error.
     pub fraction_interval: Option<(f64, f64)>,
-    /// Connected components on the torus of ball angles; none where positions were sampled.
+    /// Connected components on the torus of ball angles; `None` if positions were sampled.
     pub components: Option<u64>,
-    /// Connected components where positions that differ by an exchange of two identical balls count
-    /// as one; the same as `components` for balls that differ.
+    /// Connected components if positions that differ by an exchange of two identical balls count as
+    /// one; equal to `components` for balls that differ.
     pub components_modulo_exchange: Option<u64>,
-    /// Equilibria without friction, which are in the set, about which no grid point is: above 0 the
-    /// grid is too coarse to see all components. 0 of one ball; none where positions were sampled.
+    /// Number of frictionless equilibria (which belong to the set) with no grid point of the set
+    /// nearby. Above 0, the grid is too coarse to resolve all components. 0 for one ball; `None` if
+    /// positions were sampled.
     pub unseen: Option<u64>,
-    /// The smallest and the largest amplitude in the set, m, wherever they are in it; none where no
-    /// position is in the set.
+    /// The smallest and the largest amplitude anywhere in the set, m; `None` if the set is empty.
     pub amplitude_m: Option<(f64, f64)>,
     /// The position with the smallest amplitude, one angle per ball, rad.
     pub min_amplitude_beta_rad: Option<Vec<f64>>,
-    /// Where the balls balance the imbalance; friction has nothing to hold there.
+    /// Where the balls balance the imbalance; friction carries no load there.
     pub balance: Balance,
 }
 
 impl EquilibriumSet {
-    /// The set of a machine, over the threads of the pool that this is called in. None for a
-    /// grid with more than two balls, and for a number of balls that the model does not know.
+    /// Returns the set of a machine, computed on the current thread pool. `None` for a grid with
+    /// more than two balls, and for an unsupported number of balls.
     pub fn of(machine: &Machine, resolution: Resolution) -> Option<Self> {
         let form = RestForm::new(machine)?;
         let mut set = match resolution {
@@ -69,7 +69,8 @@ impl EquilibriumSet {
         Some(set)
     }
 
-    /// Takes the extremes of the amplitude where they are, which is between the positions looked at.
+    /// Replaces the sampled extremes of the amplitude by the exact ones, which lie between the
+    /// samples.
     fn reach_extremes(&mut self, form: &RestForm) {
         let in_metres = |(size, beta): (f64, Vec<f64>)| (size * form.ring_radius_m, beta);
         let [calmest, most] = amplitude_extremes(form).map(|found| found.map(in_metres));
@@ -87,7 +88,7 @@ impl EquilibriumSet {
 }
 
 impl Resolution {
-    /// Number of positions for a number of balls; none where it is beyond counting.
+    /// Returns the number of positions for a number of balls; `None` on overflow.
     pub fn positions(self, balls: usize) -> Option<u64> {
         match self {
             Resolution::Grid(points) => (points as u64).checked_pow(u32::try_from(balls).ok()?),
@@ -95,11 +96,12 @@ impl Resolution {
         }
     }
 
-    /// Shows all positions, one angle per ball in rad, and what resting there takes, one by one
-    /// and always in the same order; none on a grid with more than two balls.
+    /// Passes all positions to `show`, one angle per ball in rad, with the friction and amplitude
+    /// there, one at a time and always in the same order. Passes none for a grid with more than two
+    /// balls.
     ///
     /// # Errors
-    /// The first one that `show` gives ends it.
+    /// Returns the first error of `show`, which ends the iteration.
     pub fn visit<E>(
         self,
         form: &RestForm,
@@ -196,7 +198,7 @@ fn sampled(form: &RestForm, samples: u32) -> EquilibriumSet {
     }
 }
 
-/// What samples have shown.
+/// Sums over the samples.
 #[derive(Default)]
 struct Sampled {
     inside: u32,
@@ -230,12 +232,15 @@ impl Sampled {
     }
 }
 
-/// Points per axis of the quick look at two balls.
+/// Points per axis of the quick estimate for two balls.
 const FRACTION_GRID: usize = 256;
 
-/// The fraction of all ball positions that are equilibria, quickly and on the calling thread: exact for
-/// one ball; on a grid of 256 × 256 points for two, good to about 0.001; at 16384 quasi-random points for
-/// more, good to 0.005. `None` for a machine without a number of balls that the model knows.
+/// Returns a quick estimate of the fraction of all ball positions that are equilibria, computed on
+/// the calling thread.
+///
+/// The fraction is exact for one ball, accurate to about 0.001 for two balls (a grid of 256 × 256
+/// points), and to 0.005 for more (16,384 quasi-random points). `None` for an unsupported number of
+/// balls.
 pub fn set_fraction(machine: &Machine) -> Option<f64> {
     let form = RestForm::new(machine)?;
     match form.mass.len() {

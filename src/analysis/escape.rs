@@ -1,9 +1,10 @@
-//! Escape from irregular motion: the constant rate at which runs come to rest late, where there is
-//! one.
+//! Escape from irregular motion: the constant rate at which runs come to rest in an exponential
+//! tail.
 //!
-//! Transient chaos forgets how it began: what is left of it decays exponentially (Y.-C. Lai, T. Tél,
-//! Transient Chaos, Springer 2011, doi:10.1007/978-1-4419-6987-3). The tail starts at the earliest
-//! time after which a test does not speak against that, and the rate is that of the runs in it.
+//! Transient chaos loses the memory of its start, so that the number of moving runs finally decays
+//! exponentially (Y.-C. Lai, T. Tél, Transient Chaos, Springer 2011,
+//! doi:10.1007/978-1-4419-6987-3). The tail starts at the earliest time after which a test does not
+//! reject an exponential distribution, and the rate is estimated from the runs in the tail.
 
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
@@ -13,27 +14,27 @@ pub type Group = (f64, [u64; 2]);
 /// The rate of an exponential tail.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EscapeRate {
-    /// Runs that come to rest over the time that runs have moved, 1/s.
+    /// Number of runs that come to rest over the total time that runs have moved, 1/s.
     pub rate_per_s: f64,
-    /// Its 95 % interval, 1/s.
+    /// 95 % interval of the rate, 1/s.
     pub interval_1_s: (f64, f64),
-    /// When the tail starts, s.
+    /// Start of the tail, s.
     pub from_s: f64,
 }
 
-/// Fewest runs that come to rest in a tail.
+/// Smallest number of runs that come to rest in a tail.
 pub const FEWEST: u64 = 10;
-/// A tail holds at least one in this many of the runs that come to rest: the very last of any
+/// A tail contains at least one in this many of the runs that come to rest: the last few of any
 /// distribution look exponential.
 pub const FRACTION: u64 = 10;
-/// The point of Kolmogorov's distribution that one in ten exponential samples exceeds.
+/// The 90 % quantile of the test statistic (Kolmogorov's) for exponential samples.
 const CRITICAL: f64 = 1.224;
 
-/// The escape rate of groups at ascending times; `None` where no tail is exponential or too few runs
-/// come to rest.
+/// Returns the escape rate of groups at ascending times; `None` if no tail is exponential or too
+/// few runs come to rest.
 ///
-/// A tail is tried from time 0 and then from each time after which there are nine tenths of the
-/// rests of the tail before. Runs at rest at the start of a tail do not count in it.
+/// The first tail starts at time 0; each further one starts after a tenth of the rests of the tail
+/// before. Runs at rest at the start of a tail do not count in it.
 pub fn escape_rate(groups: &[Group]) -> Option<EscapeRate> {
     let rests = |groups: &[Group]| groups.iter().map(|(_, [rests, _])| rests).sum::<u64>();
     let mut tail = &groups[groups.partition_point(|(time, _)| *time <= 0.0)..];
@@ -58,14 +59,15 @@ pub fn escape_rate(groups: &[Group]) -> Option<EscapeRate> {
     None
 }
 
-/// The exact 95 % interval of a rate from events in an exposure: a Poisson count's, and valid too,
-/// if wide by one event, where the events have ended the exposure.
+/// Returns the exact 95 % interval of a rate from a number of events in an exposure, as for a
+/// Poisson count. If the events end the exposure, the interval is also valid, but wider by one
+/// event.
 ///
 /// Source: F. Garwood, Biometrika 28 (1936) 437, doi:10.1093/biomet/28.3-4.437.
 pub fn rate_interval(events: u64, exposure: f64) -> (f64, f64) {
     let end = |fraction: f64, count: u64| {
         let half = |law: ChiSquared| law.inverse_cdf(fraction) / 2.0;
-        // No events have no chi-square distribution: their end is 0.
+        // A count of 0 has no chi-square distribution; its lower end is 0.
         ChiSquared::new(2.0 * count as f64).map_or(0.0, half) / exposure
     };
     (end(0.025, events), end(0.975, events + 1))
@@ -91,13 +93,13 @@ impl<'a> Tail<'a> {
         tail
     }
 
-    /// Whether Kolmogorov's test leaves a constant rate standing. Counted in the time that all runs
-    /// together have moved, rests at a constant rate are uniform (total time on test: R. E. Barlow,
-    /// R. Campo, in Reliability and Fault Tree Analysis, SIAM 1975, p. 451); the critical value is
-    /// for any number of them (M. A. Stephens, J. Am. Stat. Assoc. 69 (1974) 730,
-    /// doi:10.1080/01621459.1974.10480196).
+    /// Returns whether Kolmogorov's test does not reject a constant rate. On the scale of the total
+    /// time that all runs have moved, rests at a constant rate are uniformly distributed (total
+    /// time on test: R. E. Barlow, R. Campo, in Reliability and Fault Tree Analysis, SIAM 1975, p.
+    /// 451). The critical value holds for any number of rests (M. A. Stephens, J. Am. Stat. Assoc.
+    /// 69 (1974) 730, doi:10.1080/01621459.1974.10480196).
     fn is_exponential(&self) -> bool {
-        // A rest that ends the exposure lies at its end by definition and says nothing.
+        // A rest that ends the exposure lies at its end by definition and carries no information.
         let ends =
             self.groups.last().is_some_and(|(_, [rests, stopped])| *rests > 0 && *stopped == 0);
         let count = (self.rests - u64::from(ends)) as f64;
@@ -106,7 +108,7 @@ impl<'a> Tail<'a> {
         for (index, (time, [rests, stopped])) in self.groups.iter().enumerate() {
             clock += moving as f64 * (time - before);
             if *rests > 0 {
-                // Values that are counted together lie about their middle.
+                // Values that were counted together scatter around the middle of their group.
                 let after = self.groups.get(index + 1).map_or(*time, |(time, _)| *time);
                 let near = |gap: f64| if *rests == 1 { 0.0 } else { gap.min(COARSE * time) };
                 let early = clock - moving as f64 * near((time - before) / 2.0);
@@ -124,7 +126,7 @@ impl<'a> Tail<'a> {
     }
 }
 
-/// How far from the middle of their group values may lie, relatively.
+/// Largest relative distance of a value from the middle of its group.
 const COARSE: f64 = 2.5e-4;
 
 #[cfg(test)]
@@ -133,17 +135,17 @@ mod tests {
     use crate::analysis::Tally;
     use crate::analysis::test_rng::TestRng;
 
-    /// Runs with these times to rest, stopped at an end time.
+    /// Returns runs with these times to rest, stopped at an end time.
     fn groups(times: impl Iterator<Item = f64>, end: f64) -> Vec<Group> {
         let mut tally = Tally::default();
         times.for_each(|time| tally.add(time.min(end), usize::from(time >= end)));
         tally.groups().collect()
     }
 
-    /// Closed forms: one event, `-ln 0.975` at the lower end; none, `-ln 0.025` at the upper. And
-    /// the table of Garwood's limits for 10 events, 4.795 and 18.39.
+    /// The limits agree with closed forms (one event: lower end `-ln 0.975`; none: upper end `-ln
+    /// 0.025`) and with Garwood's table for 10 events (4.795 and 18.39).
     #[test]
-    fn garwoods_limits() {
+    fn limits_agree_with_garwoods_table() {
         let near = |found: f64, expected: f64, within: f64| {
             assert!((found / expected - 1.0).abs() < within, "{found} {expected}");
         };
@@ -152,16 +154,16 @@ mod tests {
         near(rate_interval(0, 2.0).1, -0.025_f64.ln() / 2.0, 1e-9);
         near(rate_interval(10, 1.0).0, 4.795, 1e-4);
         near(rate_interval(10, 1.0).1, 18.39, 1e-3);
-        // A million events: the normal distribution's.
+        // For a million events the interval is that of the normal distribution.
         let (low, high) = rate_interval(1_000_000, 1e6);
         near(low, 1.0 - 1.96e-3, 1e-5);
         near(high, 1.0 + 1.96e-3, 1e-5);
     }
 
-    /// The test's level: of samples that are exponential it refuses one in ten, whether all come
-    /// to rest, half of them or few.
+    /// The test rejects one in ten exponential samples, whether all runs come to rest, half of them
+    /// or few.
     #[test]
-    fn level_of_the_test() {
+    fn the_test_rejects_one_in_ten_exponential_samples() {
         let mut draws = TestRng::new(1);
         for (runs, end) in [(12, f64::MAX), (100, f64::MAX), (100, 0.7), (400, 0.1)] {
             let repetitions = 4000;
@@ -175,11 +177,12 @@ mod tests {
         }
     }
 
-    /// The interval holds the rate of the tail: where all is tail, where there is none before 1.5 s,
-    /// and where half of the runs rest within 2 s by another law. The level is 95 %; the search for
-    /// the start of the tail costs some of it, for what the test cannot see stays in.
+    /// The interval contains the rate of the tail: if the tail starts at 0, if nothing rests before
+    /// 1.5 s, and if half of the runs rest within 2 s by another law. The nominal level is 95 %;
+    /// the search for the start of the tail reduces the coverage, because deviations below the
+    /// power of the test remain in the tail.
     #[test]
-    fn coverage_of_the_interval() {
+    fn the_interval_covers_the_rate_of_the_tail() {
         let mut draws = TestRng::new(2);
         for (name, runs, end, soon, late, least) in [
             ("all tail", 200, 16.5, 0.0, 0.0, 0.92),
@@ -214,9 +217,10 @@ mod tests {
         }
     }
 
-    /// No tail: rests that come ever faster, too few, all at once, none, nothing.
+    /// There is no tail if the rate of rests increases, or with too few rests, rests at a single
+    /// time, no rests, or no runs.
     #[test]
-    fn no_tail() {
+    fn without_exponential_tail_there_is_no_rate() {
         let ever_faster = |i: u32| (f64::from(i) / 2000.0).powf(0.2);
         assert_eq!(escape_rate(&groups((1..=2000).map(ever_faster), f64::MAX)), None);
         assert_eq!(escape_rate(&groups((1..=9).map(f64::from), f64::MAX)), None);
@@ -226,9 +230,9 @@ mod tests {
         assert_eq!(escape_rate(&[]), None);
     }
 
-    /// A million runs are counted in groups; that alone does not speak against a constant rate.
+    /// A million runs are counted in groups; the grouping alone does not reject a constant rate.
     #[test]
-    fn groups_of_a_million_runs() {
+    fn a_million_grouped_runs_keep_their_rate() {
         let runs = 1_000_000;
         let time = |i: u32| -(1.0 - (f64::from(i) + 0.5) / f64::from(runs)).ln() / 0.2;
         let escape = escape_rate(&groups((0..runs).map(time), 16.5)).expect("a tail");

@@ -1,17 +1,16 @@
-//! Equilibria without dry friction (thesis section 5.1, appendix D), all of them, for any number
-//! of balls.
+//! All equilibria without dry friction (thesis section 5.1, appendix D), for any number of balls.
 //!
 //! Without friction the tangential force on every ball vanishes: `Im(z_0 e^{-iβ}) = 0`. Either the
-//! table rests at `z_0 = 0`, balanced, or every ball lies on the line through `z_0`, on the one
-//! side or the other: `β = θ` or `θ + π`. With `S = Σ ±m` and `γ` the angle of `z_0` against the
-//! imbalance that causes it, the line is then given by
+//! table rests balanced at `z_0 = 0`, or every ball lies on the line through `z_0`, on one side or
+//! the other: `β = θ` or `θ + π`. With `S = Σ ±m` and `γ` the angle of `z_0` relative to the
+//! imbalance that causes it, the line satisfies
 //!
 //! ```text
 //! sin(θ - γ) = (S / m_I e) sin γ
 //! ```
 //!
-//! which has two solutions, or none where `|S sin γ| > m_I e`. For two identical balls these
-//! are the thesis's A1+ and A1- (together), A2 (opposite each other) and B1 (balanced).
+//! which has two solutions, or none if `|S sin γ| > m_I e`. For two identical balls these are the
+//! thesis's A1+ and A1- (together), A2 (opposite each other) and B1 (balanced).
 
 use std::f64::consts::PI;
 
@@ -24,22 +23,22 @@ use super::linearised::{SmallMotions, Stability};
 use super::rest_form::RestForm;
 use crate::model::Machine;
 
-/// The drag on the balls, as `frictionless_equilibria` takes it, with which stability is that of slow balls:
-/// large enough that a larger one changes nothing.
+/// The `drag` argument of [`frictionless_equilibria`] that gives the stability of slow balls:
+/// larger values do not change the result.
 pub const HIGH_DRAG: f64 = 1e4;
 
-/// What an equilibrium without friction looks like.
+/// The kind of an equilibrium without friction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum FrictionlessKind {
     /// All balls together, on the branch `θ - γ = arcsin(...)`: below the natural frequency the
-    /// one with the larger amplitude.
+    /// branch with the larger amplitude.
     A1Plus,
     /// All balls together, on the branch `θ - γ = π - arcsin(...)`.
     A1Minus,
     /// Two balls opposite each other.
     A2,
-    /// Balanced: the table rests at the centre. With three balls or more a family of positions,
-    /// of which one is given.
+    /// Balanced: the table rests at the centre. Three or more balls have a family of positions; one
+    /// of them is given.
     B1,
     /// Three balls or more on one line, some opposite the others.
     Other,
@@ -48,11 +47,11 @@ pub enum FrictionlessKind {
 }
 
 impl FrictionlessKind {
-    /// All of them.
+    /// All kinds.
     pub const ALL: [Self; 6] =
         [Self::A1Plus, Self::A1Minus, Self::A2, Self::B1, Self::Other, Self::Everywhere];
 
-    /// The word for it.
+    /// Returns the identifier that the tables use.
     pub fn name(self) -> &'static str {
         match self {
             Self::A1Plus => "a1_plus",
@@ -68,19 +67,19 @@ impl FrictionlessKind {
 /// An equilibrium without friction.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FrictionlessEquilibrium {
-    /// What it looks like.
+    /// The kind.
     pub kind: FrictionlessKind,
-    /// Angle of each ball from the imbalance, in [0, 2π), rad, ascending among balls that are
-    /// alike; one position of a family, and none where every position is one.
+    /// Angle of each ball from the imbalance, in [0, 2π), rad, ascending among identical balls. One
+    /// position of a family; `None` if every position is an equilibrium.
     pub beta_rad: Option<Vec<f64>>,
     /// Where the table rests, in the turning frame, m.
     pub position_m: [f64; 2],
-    /// Dimensions of the family of equilibria that it belongs to, 0 if it is isolated.
+    /// Dimension of the family of equilibria that contains this one; 0 if it is isolated.
     pub family_dimension: usize,
-    /// What happens to small disturbances.
+    /// Stability against small disturbances.
     pub stability: Stability,
-    /// Eigenvalues of the linearised equations, 1/s, the fastest growing first; all growth rates
-    /// and frequencies, those along a family, which are 0, included.
+    /// All eigenvalues of the linearised equations, 1/s, the fastest growing first, including the
+    /// zeros along a family.
     pub eigenvalues_1_s: Vec<Complex<f64>>,
 }
 
@@ -107,9 +106,11 @@ impl FrictionlessEquilibrium {
     }
 }
 
-/// All equilibria without friction, modulo 2π, modulo the exchange of identical balls, and of
-/// balanced positions of two balls that differ both mirror images; with the viscous drag `C β̇` on
-/// each ball, `C = drag` over `m ω_n`. None for a number of balls that the model does not know.
+/// Returns all equilibria without friction, modulo 2π and modulo the exchange of identical balls.
+/// For balanced positions of two different balls, both mirror images are returned.
+///
+/// Each ball has the viscous drag `C β̇`, with `C = drag` over `m ω_n`. `None` for an unsupported
+/// number of balls.
 pub fn frictionless_equilibria(
     machine: &Machine,
     drag: f64,
@@ -129,17 +130,17 @@ pub fn frictionless_equilibria(
     Some(places.map(|place| FrictionlessEquilibrium::at(&form, place, drag)).collect())
 }
 
-/// Where there is an equilibrium without friction.
+/// The position of an equilibrium without friction.
 pub(super) struct Candidate {
-    /// What it looks like.
+    /// The kind.
     pub kind: FrictionlessKind,
     /// Angle of each ball, in [0, 2π).
     pub beta: Vec<f64>,
-    /// Dimensions of the family that it belongs to.
+    /// Dimension of the family that contains it.
     pub family_dimension: usize,
 }
 
-/// All places at a speed other than 0, in the order of their kinds.
+/// Returns all positions at a nonzero speed, ordered by kind.
 pub(super) fn places(form: &RestForm) -> Vec<Candidate> {
     let mut all = on_a_line(form);
     let balanced =
@@ -160,7 +161,7 @@ pub(super) fn places(form: &RestForm) -> Vec<Candidate> {
     all
 }
 
-/// Relative size of a sum of imbalances that is zero but for rounding.
+/// Relative size below which a sum of imbalances counts as zero.
 const ROUNDING: f64 = 1e-12;
 
 fn on_a_line(form: &RestForm) -> Vec<Candidate> {
@@ -180,7 +181,7 @@ fn on_a_line(form: &RestForm) -> Vec<Candidate> {
             (sine.asin(), FrictionlessKind::A1Plus),
             (PI - sine.asin(), FrictionlessKind::A1Minus),
         ];
-        // Balls that are alike, as many on one side as on the other: both branches are one.
+        // If the exchange of sides is an exchange of identical balls, the two branches coincide.
         for (turn, branch) in branches.into_iter().take(if self_opposite { 1 } else { 2 }) {
             let side = |sign: &f64| gamma + turn + if *sign > 0.0 { 0.0 } else { PI };
             let beta: Vec<f64> = signs.iter().map(|sign| wrapped(side(sign))).collect();
@@ -200,11 +201,12 @@ fn on_a_line(form: &RestForm) -> Vec<Candidate> {
     found
 }
 
-/// The ways to lay the balls on the two sides of a line, 1 or -1 per ball, modulo exchange of balls
-/// that are alike and of the two sides; and whether the exchange of sides is one of balls.
+/// Returns the distributions of the balls over the two sides of a line (1 or -1 per ball), modulo
+/// the exchange of identical balls and of the two sides, and whether the exchange of sides is an
+/// exchange of identical balls.
 fn sides(form: &RestForm) -> Vec<(Vec<f64>, bool)> {
     let groups = groups_of_identical(&form.balls);
-    let mut ways = vec![Vec::new()]; // how many of each group are on the other side
+    let mut ways = vec![Vec::new()]; // number of each group on the other side
     for group in &groups {
         let more = |way: &Vec<usize>| -> Vec<Vec<usize>> {
             (0..=group.len()).map(|other| [way.as_slice(), &[other]].concat()).collect()

@@ -1,19 +1,19 @@
-//! Intervals for a fraction of runs.
+//! Confidence intervals for a fraction of runs.
 
 /// The two-sided 95 % point of the normal distribution.
 pub const Z_95: f64 = 1.959_963_984_540_054;
 
-/// How an interval was made.
+/// The method that gave an interval.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum IntervalMethod {
-    /// Wilson's score interval: runs count one by one.
+    /// Wilson's score interval, with runs as independent trials.
     Wilson,
-    /// From the variation within the cells of a stratified design.
+    /// From the variation within the strata of a stratified design.
     Stratified,
 }
 
 impl IntervalMethod {
-    /// The word for it.
+    /// Returns the identifier that the tables use.
     pub fn name(self) -> &'static str {
         match self {
             Self::Wilson => "wilson",
@@ -25,23 +25,23 @@ impl IntervalMethod {
 /// A 95 % interval of a fraction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Interval {
-    /// Its lower end.
+    /// Lower end.
     pub low: f64,
-    /// Its upper end.
+    /// Upper end.
     pub high: f64,
-    /// How it was made.
+    /// The method that gave it.
     pub method: IntervalMethod,
 }
 
 impl Interval {
-    /// Its lower and its upper end.
+    /// Returns the lower and the upper end.
     pub fn ends(&self) -> (f64, f64) {
         (self.low, self.high)
     }
 }
 
-/// Wilson's score interval for a fraction, `successes` of `trials`: valid at 0 and 1 and for few
-/// trials; the whole of [0, 1] where there are none.
+/// Returns Wilson's score interval for a fraction, `successes` of `trials`. It is valid at 0 and 1
+/// and for few trials, and is [0, 1] for no trials.
 ///
 /// Source: E. B. Wilson, J. Am. Stat. Assoc. 22 (1927) 209, doi:10.1080/01621459.1927.10502953.
 pub fn wilson(successes: u64, trials: u64, z: f64) -> (f64, f64) {
@@ -51,30 +51,30 @@ pub fn wilson(successes: u64, trials: u64, z: f64) -> (f64, f64) {
     }
 }
 
-/// Wilson's interval for a fraction seen in `n` trials, which need not be a whole number.
+/// Returns Wilson's interval for a fraction observed in `n` trials; `n` need not be an integer.
 pub(super) fn score_interval(fraction: f64, n: f64, z: f64) -> (f64, f64) {
     let z2 = z * z;
     let centre = (fraction + z2 / (2.0 * n)) / (1.0 + z2 / n);
     let half = z / (1.0 + z2 / n) * (fraction * (1.0 - fraction) / n + z2 / (4.0 * n * n)).sqrt();
-    // At the ends the interval reaches the end exactly; rounding must not take that away.
+    // At a fraction of 0 or 1 the interval includes that end exactly, despite rounding.
     let low = if fraction == 0.0 { 0.0 } else { (centre - half).max(0.0) };
     let high = if fraction == 1.0 { 1.0 } else { (centre + half).min(1.0) };
     (low, high)
 }
 
-/// Wilson's interval when some runs failed, so that it is not known what they would have done: from
-/// the lower end if none of them had succeeded to the upper end if all had.
+/// Returns Wilson's interval for runs some of which failed, so that their endings are unknown: from
+/// the lower end with no failed run as a success to the upper end with all of them as successes.
 pub fn wilson_with_failures(successes: u64, failures: u64, trials: u64, z: f64) -> (f64, f64) {
     (wilson(successes, trials, z).0, wilson(successes + failures, trials, z).1)
 }
 
-/// The two-sided point of the normal distribution at 99 %: five intervals, each of which misses with
-/// 1 %, miss together with 5 % at most (Bonferroni).
+/// The two-sided 99 % point of the normal distribution. Five intervals with an error of 1 % each
+/// have a joint error of at most 5 % (Bonferroni).
 const Z_99: f64 = 2.575_829_303_548_901;
 
-/// Intervals for the fractions of five kinds of runs that hold all together with 95 %, failures being
-/// the last kind: a failed run might have been of any other kind, so that the upper ends of the
-/// others count it.
+/// Returns intervals for the fractions of five kinds of runs that hold jointly at 95 %. The last
+/// kind are failures. A failed run could have been of any other kind, so that the upper ends of the
+/// other intervals count it.
 ///
 /// Source: L. A. Goodman, Technometrics 7 (1965) 247, doi:10.1080/00401706.1965.10490252.
 pub fn simultaneous(counts: [u64; 5]) -> [(f64, f64); 5] {
@@ -89,8 +89,8 @@ mod tests {
     use super::{Z_95, Z_99, simultaneous, wilson, wilson_with_failures};
     use crate::analysis::test_rng::TestRng;
 
-    /// Brown, Cai, DasGupta, Stat. Sci. 16 (2001) 101 give no table; these values are the roots of
-    /// `|p - k/n| = z sqrt(p (1 - p) / n)`, which defines the interval.
+    /// The ends are the roots of `|p - k/n| = z sqrt(p (1 - p) / n)`, which defines the interval
+    /// (Brown, Cai, DasGupta, Stat. Sci. 16 (2001) 101; they give no table).
     #[test]
     fn ends_solve_the_score_equation() {
         for (k, n) in [(1, 10), (5, 10), (435, 768), (61, 256), (1, 1_000_000)] {
@@ -105,7 +105,7 @@ mod tests {
     }
 
     #[test]
-    fn ends_of_the_range() {
+    fn intervals_at_the_ends_of_the_range_are_closed() {
         assert_eq!(wilson(0, 0, Z_95), (0.0, 1.0));
         assert_eq!(wilson(0, 768, Z_95).0, 0.0);
         assert_eq!(wilson(768, 768, Z_95).1, 1.0);
@@ -113,15 +113,15 @@ mod tests {
     }
 
     #[test]
-    fn failures_widen() {
+    fn failures_widen_the_interval() {
         let without = wilson(50, 100, Z_95);
         let with = wilson_with_failures(50, 10, 100, Z_95);
         assert_eq!(with.0, without.0);
         assert_eq!(with.1, wilson(60, 100, Z_95).1);
     }
 
-    /// Coverage: over fractions p and all outcomes k of n, weighted by the binomial distribution, the
-    /// interval holds p in 95 % on average (Wilson's interval has mean coverage within 1 % here).
+    /// Averaged over the fractions p, with all outcomes k of n weighted by the binomial
+    /// distribution, the interval contains p in 95 % of the cases (within 1 %).
     #[test]
     fn mean_coverage_is_95_percent() {
         let n = 60_u64;
@@ -141,9 +141,10 @@ mod tests {
         assert!((mean - 0.95).abs() < 0.01, "{mean}");
     }
 
-    /// Five intervals that each miss with 1 %, by the normal distribution's own function.
+    /// `Z_99` is the two-sided 99 % point of the normal distribution, and the last kind widens the
+    /// upper ends of the others.
     #[test]
-    fn five_intervals_fraction_the_error() {
+    fn five_intervals_share_the_error() {
         let beyond = libm::erfc(Z_99 / std::f64::consts::SQRT_2);
         assert!((beyond - 0.01).abs() < 1e-15, "{beyond}");
         let intervals = simultaneous([50, 0, 20, 20, 10]);
@@ -153,8 +154,9 @@ mod tests {
         assert_eq!(simultaneous([0; 5]), [(0.0, 1.0); 5]);
     }
 
-    /// All five fractions lie in their intervals in 95 % of seeded samples or more (to the error of 4000:
-    /// 0.0034); without failures, as those only widen.
+    /// All five fractions lie in their intervals in at least 95 % of seeded samples (two standard
+    /// errors of 4000 samples: 0.0068). The samples have no failures, which would only widen the
+    /// intervals.
     #[test]
     fn joint_coverage_is_95_percent() {
         let mut draws = TestRng::new(1965);

@@ -1,9 +1,9 @@
-//! Small motions about a position without dry friction, with viscous drag on the balls.
+//! Linearised motion about a position without dry friction, with viscous drag on the balls.
 //!
 //! The equations of motion with `f_w = C β̇` (over `m ω_n² L`; thesis equation 5.1), linearised
-//! about balls at rest at `β` (thesis equation 5.2), are `M q̈ + D q̇ + K q = 0` for small
-//! `q = (x, y, β_1, ..., β_N)`. With `s = sin β`, `c = cos β`, `p = x_0 c + y_0 s` and the balls'
-//! equations taken times their mass,
+//! about balls at rest at `β` (thesis equation 5.2), are `M q̈ + D q̇ + K q = 0` for small `q = (x,
+//! y, β_1, ..., β_N)`. With `s = sin β`, `c = cos β`, `p = x_0 c + y_0 s` and the balls' equations
+//! multiplied by their mass,
 //!
 //! ```text
 //! M = [ 1     0     -m s      ]   D = [ 2ζ      -2ω     -2ω m c ]   K = [ 1-ω²    -2ζω     ω² m s ]
@@ -17,22 +17,22 @@ use nalgebra::{Complex, DMatrix, Schur};
 
 use super::rest_form::{RestForm, direction};
 
-/// What happens to small disturbances.
+/// Stability of an equilibrium against small disturbances.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stability {
-    /// All die out; those along a family of equilibria stay as they are.
+    /// All disturbances decay, except those along a family of equilibria, which persist.
     Stable,
-    /// One grows.
+    /// A disturbance grows.
     Unstable,
-    /// None grows, and one neither grows nor dies out: what it does, the linearised equations do
-    /// not say.
+    /// No disturbance grows, but one neither grows nor decays; the linearised equations do not
+    /// decide the stability.
     Marginal,
     /// The eigenvalues could not be computed.
     Unknown,
 }
 
 impl Stability {
-    /// The word for it.
+    /// Returns the identifier that the tables use.
     pub fn name(self) -> &'static str {
         match self {
             Stability::Stable => "stable",
@@ -43,24 +43,24 @@ impl Stability {
     }
 }
 
-/// Eigenvalues of the equations of small motions.
+/// Eigenvalues of the linearised equations of motion.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SmallMotions {
     /// All `2 (2 + N)` eigenvalues, non-dimensional (times `ω_n`: 1/s), the fastest growing first.
-    /// Empty where they could not be computed.
+    /// Empty if they could not be computed.
     pub eigenvalues: Vec<Complex<f64>>,
-    /// Stability by the eigenvalues without those that lie along a family.
+    /// Stability according to the eigenvalues, without those along a family.
     pub stability: Stability,
 }
 
-/// Real parts below this part of the matrix's size are rounding.
+/// Real parts below this fraction of the matrix norm count as rounding errors.
 const ROUNDING: f64 = 1e-14;
-/// Most iterations per eigenvalue: some ten are usual.
+/// Maximum number of iterations per eigenvalue; about ten are usual.
 const ITERATIONS: usize = 200;
 
-/// The matrix `A` of `d/dt (q, q̇) = A (q, q̇)` for small `q = (x, y, β_1, ...)` about balls at rest
-/// at `beta` (one angle per ball), non-dimensional, with the viscous drag `C = drag` on each ball.
-/// None where the table has no rest point.
+/// Returns the matrix `A` of `d/dt (q, q̇) = A (q, q̇)` for small `q = (x, y, β_1, ...)` about
+/// balls at rest at `beta` (one angle per ball), non-dimensional, with the viscous drag `C = drag`
+/// on each ball. `None` if the table has no rest point.
 pub fn state_matrix(form: &RestForm, beta: &[f64], drag: f64) -> Option<DMatrix<f64>> {
     let n = 2 + beta.len();
     let (omega, zeta) = (form.speed, form.damping_ratio);
@@ -99,7 +99,7 @@ pub fn state_matrix(form: &RestForm, beta: &[f64], drag: f64) -> Option<DMatrix<
     Some(matrix)
 }
 
-/// The rest point; 0 where the balls balance the imbalance, whatever the resonance.
+/// Returns the rest point, which is 0 if the balls balance the imbalance, even at resonance.
 fn rest_point(form: &RestForm, beta: &[f64]) -> Option<Complex<f64>> {
     let z = form.rest_point(beta);
     if z.is_finite() {
@@ -110,8 +110,8 @@ fn rest_point(form: &RestForm, beta: &[f64]) -> Option<Complex<f64>> {
 }
 
 impl SmallMotions {
-    /// Small motions about balls at rest at `beta`, a position of a family of `family_dimension`
-    /// dimensions (0: isolated), with the viscous drag `drag` on each ball.
+    /// Computes the linearised motion about balls at rest at `beta`, a position of a family of
+    /// `family_dimension` dimensions (0: isolated), with the viscous drag `drag` on each ball.
     pub fn about(form: &RestForm, beta: &[f64], drag: f64, family_dimension: usize) -> Self {
         let unknown = SmallMotions { eigenvalues: Vec::new(), stability: Stability::Unknown };
         let Some(matrix) = state_matrix(form, beta, drag) else { return unknown };
@@ -120,13 +120,14 @@ impl SmallMotions {
         }
         let rounding = ROUNDING * (1.0 + matrix.norm());
         let iterations = ITERATIONS * matrix.nrows();
-        // Eigenvalues that coincide, as of many identical balls, may need more room to be told apart.
+        // Coinciding eigenvalues, as of many identical balls, may need a larger tolerance to
+        // converge.
         let mut rooms = [1.0, 16.0, 256.0].map(|room| room * f64::EPSILON).into_iter();
         let schur = rooms.find_map(|room| Schur::try_new(matrix.clone(), room, iterations));
         let Some(schur) = schur else { return unknown };
         let mut eigenvalues: Vec<Complex<f64>> =
             schur.complex_eigenvalues().iter().copied().collect();
-        // Those of the family are zero but for rounding: the smallest ones.
+        // The eigenvalues along the family are zero up to rounding: the smallest ones.
         eigenvalues.sort_by(|a, b| a.norm().total_cmp(&b.norm()));
         let across = eigenvalues.iter().skip(family_dimension).map(|value| value.re);
         let largest = across.fold(f64::NEG_INFINITY, f64::max);

@@ -1,7 +1,7 @@
-//! Statistics of outcomes: intervals, time to rest, classes of limit cycles, and what is known of a
-//! point of the sweep.
+//! Statistics of outcomes: confidence intervals, time to rest, classes of limit cycles, and
+//! summaries of sweep points.
 //!
-//! Between endings and tables: it reads outcomes and writes numbers, and knows no file format.
+//! This module reads outcomes and returns numbers; it does not depend on any file format.
 
 mod arc;
 mod audit;

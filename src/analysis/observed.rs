@@ -4,20 +4,20 @@ use super::interval::simultaneous;
 use crate::classification::{Label, Outcome};
 use crate::model::Case;
 
-/// A finished run, as far as statistics look at it.
+/// The parts of a finished run that the statistics use.
 #[derive(Clone, Copy, Debug)]
 pub struct Observed<'a> {
-    /// Its cell in the sampling design; looked at where the design is stratified.
+    /// Its stratum in the sampling design; used only if the design is stratified.
     pub cell: u64,
-    /// What was computed; none where the parameters drawn made no physical sense.
+    /// The simulated case; `None` if the sampled parameters were physically invalid.
     pub case: Option<&'a Case>,
-    /// How it ended.
+    /// The ending of the run.
     pub outcome: &'a Outcome,
-    /// How it ended when it was computed a second time, if it was.
+    /// Label of the second computation, if the run was audited.
     pub audit: Option<Label>,
 }
 
-/// Runs per label, in the order of [`Label::ALL`].
+/// Number of runs per label, in the order of [`Label::ALL`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct LabelCounts([u64; 5]);
 
@@ -32,17 +32,17 @@ impl LabelCounts {
         self.0[label as usize] += runs;
     }
 
-    /// Runs with this label.
+    /// Returns the number of runs with this label.
     pub fn of(&self, label: Label) -> u64 {
         self.0[label as usize]
     }
 
-    /// All runs.
+    /// Returns the number of all runs.
     pub fn total(&self) -> u64 {
         self.0.iter().sum()
     }
 
-    /// Fraction of all runs that have this label; 0 where there are no runs.
+    /// Returns the fraction of all runs with this label; 0 if there are no runs.
     pub fn fraction(&self, label: Label) -> f64 {
         match self.total() {
             0 => 0.0,
@@ -50,9 +50,9 @@ impl LabelCounts {
         }
     }
 
-    /// Intervals of the fractions of all labels, in the order of [`Label::ALL`], that hold together with
-    /// 95 % (see [`simultaneous`]). They count runs one by one; cells of a design make them wider
-    /// than need be, not wrong.
+    /// Returns intervals of the fractions of all labels, in the order of [`Label::ALL`], that hold
+    /// jointly at 95 % (see [`simultaneous`]). They treat runs as independent; with a stratified
+    /// design they are valid, but wider than necessary.
     pub fn intervals(&self) -> [(f64, f64); 5] {
         simultaneous(self.0)
     }

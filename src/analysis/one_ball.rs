@@ -1,8 +1,8 @@
-//! The equilibrium set of one ball, exactly: arcs of its circle with their ends in closed form.
+//! The exact equilibrium set of one ball: arcs of the circle with their ends in closed form.
 //!
-//! With `ψ` the ball's angle from the table's displacement by the imbalance, friction and normal force are
-//! a constant and a sine of `ψ` each, so that the two limits `T = ±μ N` are reached at `sin(ψ ± δ) = s`,
-//! `δ = atan μ`: at two angles each, or nowhere.
+//! With `ψ` the ball's angle relative to the table displacement caused by the imbalance, the
+//! tangential and the normal force are each a constant plus a sine of `ψ`. The two limits `T = ±μ
+//! N` are therefore reached at `sin(ψ ± δ) = s`, `δ = atan μ`: at two angles each, or nowhere.
 
 use std::f64::consts::{PI, TAU};
 
@@ -12,13 +12,13 @@ use super::rest_form::{RestForm, direction};
 /// Arcs of the circle in which one ball can rest.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Arcs {
-    /// Begin, in [0, 2π), and end of each, in the positive sense; without overlap. An arc of no length is a
-    /// single place to rest; the whole circle is one arc of 2π.
+    /// Start, in [0, 2π), and end of each arc, in the positive sense, without overlap. An arc of
+    /// length 0 is an isolated rest position; the whole circle is one arc of 2π.
     arcs: Vec<[f64; 2]>,
 }
 
 impl Arcs {
-    /// Those of a machine with one ball.
+    /// Returns the arcs of a machine with one ball.
     pub(super) fn of(form: &RestForm) -> Self {
         let holds = |beta: f64| form.holds(&[direction(beta)]);
         let mut ends = ends(form);
@@ -27,7 +27,7 @@ impl Arcs {
         let (Some(first), Some(last)) = (ends.first(), ends.last()) else {
             return Arcs { arcs: if holds(0.0) { vec![[0.0, TAU]] } else { Vec::new() } };
         };
-        // Piece `k` goes from end `k` to the next one round the circle.
+        // Piece `k` extends from end `k` to the next end round the circle.
         let piece = |k: usize| [ends[k], ends.get(k + 1).copied().unwrap_or(*first + TAU)];
         let inside: Vec<bool> = (0..ends.len())
             .map(|k| {
@@ -49,25 +49,25 @@ impl Arcs {
                 let to = ends[(k + along) % ends.len()];
                 arcs.push([ends[k], if to > ends[k] { to } else { to + TAU }]);
             } else if normal_force(form, ends[k]) >= 0.0 {
-                // The limit is reached and not crossed: without friction, or where it only just touches.
+                // The limit is touched but not crossed, or there is no friction.
                 arcs.push([ends[k]; 2]);
             }
         }
         Arcs { arcs }
     }
 
-    /// How many there are.
+    /// Returns the number of arcs.
     pub(super) fn count(&self) -> u64 {
         self.arcs.len() as u64
     }
 
-    /// The fraction of the circle that they make up.
+    /// Returns the fraction of the circle that the arcs cover.
     pub(super) fn fraction(&self) -> f64 {
         self.arcs.iter().map(|[begin, end]| (end - begin) / TAU).sum()
     }
 
-    /// The angles at which the smallest and the largest amplitude may be: the ends, and the directions of the
-    /// imbalance and opposite to it where the ball can rest there.
+    /// Returns the angles at which the smallest and the largest amplitude can lie: the ends, and,
+    /// if the ball can rest there, the direction of the imbalance and the opposite one.
     pub(super) fn candidates(&self) -> impl Iterator<Item = f64> {
         self.arcs.iter().flat_map(|&arc| {
             let special = [0.0, PI].into_iter().filter(move |angle| within(arc, *angle));
@@ -76,12 +76,12 @@ impl Arcs {
     }
 }
 
-/// Whether an angle in [0, 2π) lies in an arc.
+/// Returns whether an angle in [0, 2π) lies in an arc.
 fn within([begin, end]: [f64; 2], angle: f64) -> bool {
     (begin <= angle && angle <= end) || (begin <= angle + TAU && angle + TAU <= end)
 }
 
-/// Where a limit is reached, in [0, 2π).
+/// Returns the angles in [0, 2π) at which a limit is reached.
 fn ends(form: &RestForm) -> Vec<f64> {
     let (ball, imbalance) = (form.transfer * form.mass[0], form.transfer * form.imbalance);
     let coefficient = form.friction_coefficient[0];
@@ -98,14 +98,14 @@ fn ends(form: &RestForm) -> Vec<f64> {
     if forward.abs() <= 1.0 {
         ends.extend(places(forward, -slant));
     }
-    // Without friction both limits are reached at the same places.
+    // Without friction the two limits coincide.
     if coefficient > 0.0 && backward.abs() <= 1.0 {
         ends.extend(places(backward, slant));
     }
     ends
 }
 
-/// The normal force on the ball over that without vibration.
+/// Returns the ratio of the normal force on the ball to that without vibration.
 fn normal_force(form: &RestForm, beta: f64) -> f64 {
     let (z, e) = (form.rest_point(&[beta]), direction(beta));
     1.0 + (z.re * e.re + z.im * e.im)
@@ -125,8 +125,8 @@ mod tests {
         RestForm::new(&Machine { speed_rad_s, balls: vec![ball], ..Machine::default() }).unwrap()
     }
 
-    /// A position is in an arc where the condition itself holds, and not where it does not, at random
-    /// machines: forces beyond all measure, balls that lift off, sets of no, one and two arcs.
+    /// A position lies in an arc if and only if the ball is held there, for random machines with
+    /// extreme forces, balls that lift off, and sets of zero, one and two arcs.
     #[test]
     fn arcs_are_where_the_ball_is_held() {
         let mut draws = TestRng::new(5);
@@ -152,9 +152,9 @@ mod tests {
         assert!(counts.iter().all(|count| *count > 20), "{counts:?}");
     }
 
-    /// Without friction the set is the equilibria themselves: two places, of no length.
+    /// Without friction the set consists of the two equilibria, each an arc of length 0.
     #[test]
-    fn places_without_friction() {
+    fn without_friction_the_set_is_two_points() {
         let arcs = Arcs::of(&form(-216.3772, 0.0, 1.4e-4));
         assert_eq!((arcs.count(), arcs.fraction()), (2, 0.0));
         assert!(arcs.candidates().all(|beta| {
@@ -163,9 +163,9 @@ mod tests {
         }));
     }
 
-    /// At standstill no force acts.
+    /// At standstill no force acts, and the set is the whole circle.
     #[test]
-    fn the_whole_circle_at_standstill() {
+    fn at_standstill_the_set_is_the_whole_circle() {
         let arcs = Arcs::of(&form(0.0, 0.0, 1.4e-4));
         assert_eq!((arcs.count(), arcs.fraction()), (1, 1.0));
     }

@@ -3,16 +3,17 @@
 
 use std::collections::BTreeMap;
 
-/// Most values that are kept apart.
+/// Largest number of values that are counted separately.
 const MOST_VALUES: usize = 512;
 
-/// Counts by value: exact up to 512 different values, beyond that to a hundredth of their range or
-/// less, unless that spans many octaves. Range and count are always exact, and everything depends
-/// on the values alone, not on their order.
+/// Counts by value. Medians and means are exact for up to 512 different values; above that they are
+/// accurate to a hundredth of the range, unless the range spans many octaves. Range and count are
+/// always exact, and nothing depends on the order of the values.
 ///
-/// Values are counted together that agree but for some of the last binary digits: as few as bring
-/// the counts down to 512. Fewer values would never take more, so that the order in which they came
-/// does not matter. (`Tally` rounds to a part of the values, this one to a part of their range.)
+/// Values are counted together if they differ only in the last binary digits; the number of ignored
+/// digits is the smallest that leaves at most 512 counts. Subsets never need more ignored digits,
+/// so that the order of the values does not matter. (`Tally` rounds relative to the value, this
+/// type relative to the range.)
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct OrderStatistics {
     counts: BTreeMap<u64, u64>,
@@ -21,18 +22,18 @@ pub struct OrderStatistics {
 }
 
 impl OrderStatistics {
-    /// Takes a value in; one that is not finite is left out.
+    /// Adds a value. A non-finite value is ignored.
     pub fn add(&mut self, value: f64) {
         if !value.is_finite() {
             return;
         }
-        // Adding 0 makes -0 to 0.
+        // Adding 0 turns -0 into 0.
         let value = value + 0.0;
         let [least, greatest] = self.ends.get_or_insert([value; 2]);
         *least = least.min(value);
         *greatest = greatest.max(value);
         *self.counts.entry(ordered_bits(value) >> self.dropped).or_default() += 1;
-        // Without 55 of 64 digits, no more than 512 values are left to differ.
+        // Without 55 of the 64 digits, at most 512 different values remain.
         while self.counts.len() > MOST_VALUES {
             self.dropped += 1;
             for (key, count) in std::mem::take(&mut self.counts) {
@@ -41,12 +42,12 @@ impl OrderStatistics {
         }
     }
 
-    /// The least and the greatest value; none of nothing.
+    /// Returns the least and the greatest value, or `None` if there are no values.
     pub fn ends(&self) -> Option<[f64; 2]> {
         self.ends
     }
 
-    /// The value in the middle, or the mean of the two there.
+    /// Returns the median; the mean of the two middle values for an even count.
     pub fn median(&self) -> Option<f64> {
         let last = self.counts.values().sum::<u64>().checked_sub(1)?;
         let at = |rank: u64| {
@@ -60,19 +61,20 @@ impl OrderStatistics {
         Some(low + 0.5 * (high - low))
     }
 
-    /// The mean.
+    /// Returns the mean.
     pub fn mean(&self) -> Option<f64> {
         let [least, greatest] = self.ends?;
         let (mut weighted, mut all) = (0.0, 0.0);
         for (value, count) in self.values() {
-            // From the least value on, sums lose less.
+            // Sums of differences from the least value lose less precision.
             weighted += count as f64 * (value - least);
             all += count as f64;
         }
         Some((least + weighted / all).clamp(least, greatest))
     }
 
-    /// Values in ascending order with their counts: the middle of those counted together.
+    /// Returns the values in ascending order with their counts; the middle of values counted
+    /// together.
     fn values(&self) -> impl Iterator<Item = (f64, u64)> {
         let [least, greatest] = self.ends.unwrap_or([0.0; 2]);
         let middle = if self.dropped == 0 { 0 } else { 1 << (self.dropped - 1) };
@@ -85,7 +87,7 @@ impl OrderStatistics {
 
 const SIGN: u64 = 1 << 63;
 
-/// Bits that are ordered as the numbers are.
+/// Returns bits that have the same order as the numbers.
 fn ordered_bits(value: f64) -> u64 {
     let bits = value.to_bits();
     if bits & SIGN == 0 { bits | SIGN } else { !bits }
@@ -108,7 +110,7 @@ mod tests {
     }
 
     #[test]
-    fn few_values_are_exact() {
+    fn statistics_of_few_values_are_exact() {
         let few = spread([4.0, -2.0, 1.0, 3.0, f64::NAN, f64::INFINITY]);
         assert_eq!(
             (few.median(), few.mean(), few.ends()),
@@ -124,9 +126,10 @@ mod tests {
     }
 
     proptest! {
-        /// Against sorting, for thousands of values in ranges of all widths, and in another order.
+        /// For thousands of values in ranges of all widths and in any order, the results agree with
+        /// sorting to the stated accuracy.
         #[test]
-        fn many_values_to_a_part_of_their_range(
+        fn many_values_are_accurate_to_a_part_of_their_range(
             middle in 1.0..4.0_f64,
             negative: bool,
             digits in 0.3..14.0_f64,

@@ -1,4 +1,4 @@
-//! One point of the sweep in numbers: how its runs ended, how soon, with what amplitude.
+//! Summary of one sweep point: endings of its runs, time to rest and amplitude.
 
 use super::audit::AuditCounts;
 use super::cycles::{CycleClasses, CycleGroup};
@@ -14,18 +14,18 @@ use super::tally::Tally;
 use crate::classification::Label;
 use crate::model::Ball;
 
-/// Kinds of times.
+/// Indices of the two kinds of times.
 const REST: usize = 0;
 const STOPPED: usize = 1;
 
-/// What a point's own tables hold beside its summary.
+/// The data of a point's separate tables.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PointDetail {
     /// The probability of being at rest over time.
     pub rest: Vec<RestStep>,
-    /// The limit cycles, class by class.
+    /// The limit cycles, by class.
     pub cycles: Vec<CycleGroup>,
-    /// Where balls came to rest.
+    /// Histogram of the rest positions of the balls.
     pub histogram: Vec<HistogramBin>,
 }
 
@@ -34,8 +34,8 @@ pub struct PointDetail {
 pub struct PointAccumulator {
     counts: LabelCounts,
     cells: Cells,
-    /// Times at which runs came to rest (kind 0) or were stopped while moving (kind 1); those that
-    /// have been shown to be on a limit cycle never.
+    /// Times at which runs came to rest (kind 0) or were stopped while moving (kind 1). Runs that
+    /// have been shown to be on a limit cycle have an infinite time.
     times: Tally,
     /// Times at which runs were stopped because they are on a limit cycle (kind 1).
     cycles: Tally,
@@ -43,47 +43,49 @@ pub struct PointAccumulator {
     cycle_classes: CycleClasses,
     audit: AuditCounts,
     histogram: EquilibriumHistogram,
-    /// The balls of the last equilibrium, and which of them are alike.
+    /// The balls of the last equilibrium, and their groups of identical balls.
     alike: (Vec<Ball>, Vec<Vec<usize>>),
 }
 
-/// What is known of one point.
+/// The statistics of one point.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PointSummary {
-    /// Runs per label.
+    /// Number of runs per label.
     pub counts: LabelCounts,
-    /// Fraction of equilibria: of all runs, or with every cell of a stratified design weighing the same.
+    /// Fraction of equilibria: of all runs, or with equal weights of all cells of a stratified
+    /// design.
     pub equilibrium_fraction: f64,
-    /// Its 95 % interval; failures widen it.
+    /// 95 % interval of the fraction; failures widen it.
     pub interval: Interval,
-    /// Times by which 25, 50, 75 and 95 % of the runs have come to rest, s (Kaplan-Meier);
-    /// `None` where not reached.
+    /// Times by which 25, 50, 75 and 95 % of the runs have come to rest, s (Kaplan-Meier); `None`
+    /// if not reached.
     pub time_to_rest_s: [Option<f64>; 4],
-    /// The 95 % interval of the second of these, the median; `None` where not reached.
+    /// 95 % interval of the median time to rest, s; `None` if not reached.
     pub median_interval_s: [Option<f64>; 2],
-    /// The constant rate at which late runs come to rest, where it is constant. A run on a limit
-    /// cycle counts as moving until it was stopped.
+    /// The constant rate at which late runs come to rest, or `None` if there is no constant rate. A
+    /// run on a limit cycle counts as moving until it was stopped.
     pub escape: Option<EscapeRate>,
     /// Quantiles 5, 50 and 95 % of the amplitude over all runs that have one, m.
     pub amplitude_m: [Option<f64>; 3],
-    /// How often runs ended differently when they were computed again.
+    /// How often audited runs got another label.
     pub audit: AuditCounts,
 }
 
 impl PointSummary {
-    /// The fractions that `time_to_rest_s` is for.
+    /// The fractions of `time_to_rest_s`.
     pub const TIME_FRACTIONS: [f64; 4] = [0.25, 0.5, 0.75, 0.95];
-    /// The fractions that `amplitude_m` is for.
+    /// The fractions of `amplitude_m`.
     pub const AMPLITUDE_FRACTIONS: [f64; 3] = [0.05, 0.5, 0.95];
 }
 
 impl PointAccumulator {
-    /// No runs yet, of a design with so many cells of equal size; none where it is not stratified.
+    /// Creates an empty accumulator; `cells` is the number of cells of equal size, or `None` if the
+    /// design is not stratified.
     pub fn new(cells: Option<u64>) -> Self {
         PointAccumulator { cells: cells.map(Cells::new).unwrap_or_default(), ..Self::default() }
     }
 
-    /// Takes in one run. Failed runs say nothing about time and amplitude.
+    /// Adds one run. Failed runs contribute no time and no amplitude.
     pub fn add(&mut self, run: Observed<'_>) {
         let outcome = run.outcome;
         let label = outcome.label();
@@ -114,8 +116,8 @@ impl PointAccumulator {
         }
     }
 
-    /// What goes into the point's own tables; `end_times_s` are the study's end time and that of
-    /// runs that are continued.
+    /// Returns the data of the point's separate tables. `end_times_s` are the study's end time and
+    /// that of continued runs.
     pub fn detail(&self, end_times_s: [f64; 2]) -> PointDetail {
         PointDetail {
             rest: rest_curve(&SurvivalCurve::new(self.times.groups()), end_times_s),
@@ -124,15 +126,17 @@ impl PointAccumulator {
         }
     }
 
-    /// The fraction of equilibria so far. The cells of a stratified design weigh the same, which differs
-    /// from the fraction of all runs where an interrupted study leaves more runs in one than in another.
+    /// Returns the current fraction of equilibria. The cells of a stratified design have equal
+    /// weights, which differs from the fraction of all runs if an interrupted study has more runs
+    /// in one cell than in another.
     pub fn equilibrium_fraction(&self) -> f64 {
         self.cells.fraction().unwrap_or_else(|| self.counts.fraction(Label::Equilibrium))
     }
 
-    /// Its 95 % interval: from the variation within cells where the design is stratified and every
-    /// cell has two runs or more, otherwise Wilson's. It reaches from the lower end if no failed run
-    /// had been an equilibrium to the upper end if all had.
+    /// Returns the 95 % interval of the equilibrium fraction. It is based on the variation within
+    /// cells if the design is stratified and every cell has at least two runs, and on Wilson's
+    /// interval otherwise. It extends from the lower end with no failed run as an equilibrium to
+    /// the upper end with all of them.
     pub fn equilibrium_interval(&self) -> Interval {
         if let Some((low, high)) = self.cells.interval() {
             return Interval { low, high, method: IntervalMethod::Stratified };
@@ -150,7 +154,7 @@ impl PointAccumulator {
         escape_rate(&groups)
     }
 
-    /// The numbers.
+    /// Returns the summary.
     pub fn summary(self) -> PointSummary {
         let curve = SurvivalCurve::new(self.times.groups());
         let counts = self.counts;
@@ -179,7 +183,7 @@ mod tests {
     }
 
     #[test]
-    fn cycles_never_rest_and_failures_say_nothing() {
+    fn cycles_never_rest_and_failures_are_not_counted() {
         let run = |evidence, time_to_rest_s| Outcome {
             time_to_rest_s,
             end_time_s: Some(16.5),
@@ -191,7 +195,7 @@ mod tests {
         }
         add(&mut point, &run(Evidence::ClosedOrbit, None));
         add(&mut point, &run(Evidence::Panic, None));
-        // The cycle was shown at 16.5 s and is watched to the end, 20 s.
+        // The cycle was shown at 16.5 s and stays at risk until the end, 20 s.
         let rows = point.detail([20.0; 2]).rest;
         let counts: Vec<(f64, u64, u64, u64)> = rows
             .iter()
@@ -208,14 +212,14 @@ mod tests {
         assert_eq!(summary.escape, None);
     }
 
-    /// Runs that rest at a rate of 0.5 while others find limit cycles at the same rate: what still moves
-    /// rests at the former rate, whatever the fraction that never will.
+    /// If runs come to rest at a rate of 0.5 while others find limit cycles at the same rate, the
+    /// escape rate is 0.5, whatever the fraction that never comes to rest.
     #[test]
     fn runs_that_find_cycles_leave_the_exposure() {
         let mut point = PointAccumulator::default();
         let runs = 2000;
         for i in 0..runs {
-            // Times to leave at a rate of 1, in their order, and every other to a cycle.
+            // Ascending times at a total rate of 1; every second run ends on a cycle.
             let time = -(1.0 - (f64::from(i) + 0.5) / f64::from(runs)).ln();
             let rests = i % 2 == 0;
             add(

@@ -1,14 +1,15 @@
-//! What the table does without balls, to which residual amplitudes are compared.
+//! Vibration amplitude of the table without balls, the reference for residual amplitudes.
 
 use nalgebra::Complex;
 
 use crate::model::Machine;
 
-/// Amplitude of the table, m, with all balls taken out of the ring: the steady vibration of the mass
-/// `M = M_T + m_I` on its suspension, forced by the imbalance alone, `m_I e ω² / |k - M ω² + i b ω|`
-/// (thesis section 5.2, "if no balls were present"). The balls' mass is gone too, so that the natural
-/// frequency is that of the empty machine. None at the resonance of a suspension without damping,
-/// where the amplitude grows without bound.
+/// Returns the amplitude of the table, m, with all balls removed from the ring: the steady
+/// vibration of the mass `M = M_T + m_I` on its suspension, forced by the imbalance alone, `m_I e
+/// ω² / |k - M ω² + i b ω|` (thesis section 5.2, "if no balls were present").
+///
+/// The balls' mass is removed as well, so that the natural frequency is that of the empty machine.
+/// `None` at the resonance of an undamped suspension, where the amplitude is unbounded.
 pub fn reference_amplitude(machine: &Machine) -> Option<f64> {
     let speed = machine.speed_rad_s;
     let mass = machine.table_mass_kg + machine.imbalance_mass_kg;
@@ -27,18 +28,17 @@ mod tests {
         (found / expected - 1.0).abs()
     }
 
-    /// The thesis's machine: 2.1651e-5 m, computed by hand from its table 3.2.
+    /// The thesis's machine has 2.1651e-5 m, computed by hand from its table 3.2.
     #[test]
-    fn of_the_thesis_machine() {
+    fn the_thesis_machine_has_the_amplitude_of_its_parameters() {
         let found = reference_amplitude(&Machine::default()).unwrap();
         assert!(relative_error(found, 2.165_104_571_8e-5) < 1e-10, "{found:e}");
     }
 
-    /// Balls that weigh nothing move nothing: what remains of the machine with balls as they get
-    /// lighter is the machine without them. Six heavy balls that only cancel each other out are 6 %
-    /// away from that.
+    /// As the balls get lighter, the amplitude with balls tends to the reference amplitude. Six
+    /// heavy balls that only cancel each other differ from it by 6 %.
     #[test]
-    fn the_balls_are_gone_with_their_mass() {
+    fn the_reference_excludes_the_mass_of_the_balls() {
         let of_mass = |mass_kg: f64| {
             let ball = Ball { mass_kg, ..Ball::default() };
             Machine { balls: vec![ball; 6], ..Machine::default() }
@@ -57,7 +57,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_at_standstill_and_no_bound_at_resonance() {
+    fn amplitude_is_zero_at_standstill_and_unbounded_at_resonance() {
         let still = Machine { speed_rad_s: 0.0, ..Machine::default() };
         assert_eq!(reference_amplitude(&still), Some(0.0));
         let resonance = Machine {

@@ -1,23 +1,25 @@
-//! How finely equilibrium sets may be looked at, and what is taken where nothing is asked for.
+//! Limits and defaults of the resolution of equilibrium sets.
 
 use super::equilibrium_set::Resolution;
 use super::set_samples::REPLICATES;
 
-/// Most positions at one point of the sweep.
+/// Largest number of positions at one sweep point.
 const MOST_POSITIONS: u64 = 1 << 26;
-/// Fewest points of a grid per axis.
+/// Smallest number of grid points per axis.
 pub const FEWEST_GRID_POINTS: usize = 8;
-/// Fewest and most samples: Sobol' points are known up to 2^16 in each scramble.
+/// Smallest and largest number of samples: each scramble has at most 2^16 Sobol' points.
 pub const SAMPLE_COUNTS: [u32; 2] = [64 * REPLICATES, REPLICATES << 16];
-/// More viscous drag on the balls than this leaves nothing of the slow eigenvalues but rounding.
+/// Largest viscous drag on the balls; above it, the slow eigenvalues are lost in rounding errors.
 pub const MOST_BALL_DAMPING: f64 = 1e5;
 
 impl Resolution {
-    /// For so many balls: a grid of so many points per axis, or so many samples in all, as asked for with
-    /// the options `--grid` and `--samples`; 512 points of one ball or two, 65,536 samples of more.
+    /// Chooses the resolution for a number of balls from the options `--grid` (points per axis) and
+    /// `--samples` (samples in all). The defaults are 512 points for one or two balls, and 65,536
+    /// samples for more.
     ///
     /// # Errors
-    /// An option that serves another number of balls, or too fine a grid, with the remedy.
+    /// An option that does not apply to this number of balls, or a grid that is too fine; the
+    /// message names the remedy.
     pub fn choose(
         balls: usize,
         grid: Option<usize>,

@@ -1,39 +1,40 @@
-//! The probability of being at rest by a time, as rows for a table: no more than a thousand.
+//! The probability of being at rest over time, as at most a thousand table rows.
 
 use super::survival::SurvivalCurve;
 
-/// One row: what has happened by a time.
+/// One row: the state at one time.
 ///
-/// `at_risk - came_to_rest - censored` is `at_risk` of the next row, and 0 in the last.
+/// `at_risk - came_to_rest - censored` is `at_risk` of the next row, and 0 in the last row.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RestStep {
     /// The time, s.
     pub time_s: f64,
-    /// Runs still moving and watched just before; in a thinned curve, before the first run that came
-    /// to rest after the row before.
+    /// Runs at risk (moving and observed) just before; in a thinned curve, before the first run
+    /// that came to rest after the previous row.
     pub at_risk: u64,
-    /// Runs that came to rest since the row before, up to and with this time.
+    /// Runs that came to rest since the previous row, up to and including this time.
     pub came_to_rest: u64,
-    /// Runs stopped while moving, from this time on (in a thinned curve, from the first rest after
-    /// the row before on) until the next row.
+    /// Runs stopped while moving, from this time (in a thinned curve, from the first rest after the
+    /// previous row) until the next row.
     pub censored: u64,
     /// Probability of being at rest by this time.
     pub probability: f64,
-    /// Its 95 % interval.
+    /// 95 % interval of the probability.
     pub interval: (f64, f64),
 }
 
-/// Most rows at which runs come to rest.
+/// Largest number of rows at which runs come to rest.
 const MOST_STEPS: usize = 998;
 
-/// The rows of a curve, none where there are no runs.
+/// Returns the rows of a curve; no rows if there are no runs.
 ///
-/// The first is at time 0, one follows for each time at which runs came to rest, and runs still
-/// moving after the last of these, whether nothing is known of them or they are on a limit cycle, are
-/// stopped in a last row at the end time; where runs are continued to a later one, the second of
-/// `end_times_s`, those that are not have a row before it. Of more than 998 times (997 with that
-/// row), those are kept at which the probability passes equal steps, a 998th of the greatest apart;
-/// what the rows say is not changed.
+/// The first row is at time 0, and one row follows for each time at which runs came to rest. Runs
+/// still moving after the last of these, undecided or on a limit cycle, are censored in a last row
+/// at the end time. If runs are continued to a later end time, the second of `end_times_s`, the
+/// runs that are not continued have a row before it.
+///
+/// Above 998 times (997 with that additional row), only the times at which the probability passes
+/// equal steps of 1/998 of its greatest value get a row; the values in these rows are unchanged.
 pub fn rest_curve(curve: &SurvivalCurve, end_times_s: [f64; 2]) -> Vec<RestStep> {
     let mut rows = Vec::new();
     if curve.runs == 0 {
@@ -75,7 +76,7 @@ pub fn rest_curve(curve: &SurvivalCurve, end_times_s: [f64; 2]) -> Vec<RestStep>
             rows.push(last);
         }
     }
-    // All that is left is stopped at the end.
+    // All remaining runs are censored at the end.
     let mut left = stops.iter().map(|(_, runs)| runs).sum();
     if let Some(row) = rows.last_mut() {
         row.censored -= left;
@@ -88,9 +89,10 @@ pub fn rest_curve(curve: &SurvivalCurve, end_times_s: [f64; 2]) -> Vec<RestStep>
     rows
 }
 
-/// The runs stopped after the last came to rest, each at the end time that it was stopped at.
+/// Returns the runs stopped after the last rest, each with the end time at which it was stopped.
 fn last_stops(curve: &SurvivalCurve, [first, later]: [f64; 2]) -> Vec<(f64, u64)> {
-    // Times to the last digit are not at hand, but no run is stopped in between.
+    // The recorded times may differ from the end times by rounding, but no run is stopped in
+    // between.
     let between = if first < later { 0.5 * (first + later) } else { 0.0 };
     let mut stops = [(first, 0), (later, 0)];
     for (time, runs) in &curve.stopped_after {
@@ -114,7 +116,7 @@ mod tests {
         (curve, rows)
     }
 
-    /// The same, with runs continued from 16.5 s to 66 s: time, at risk, come to rest and censored.
+    /// Returns time, at risk, come to rest and censored for runs continued from 16.5 s to 66 s.
     fn extended(rests: &[f64], stopped: &[f64]) -> Vec<(f64, u64, u64, u64)> {
         let (curve, _) = rows(rests, stopped);
         let rows = rest_curve(&curve, [16.5, 66.0]);
@@ -133,7 +135,7 @@ mod tests {
     }
 
     #[test]
-    fn a_row_for_each_time_and_the_rest_at_the_end() {
+    fn each_rest_time_has_a_row_and_the_remaining_runs_one_at_the_end() {
         let (_, rows) = rows(&[2.0, 1.0, 2.0], &[0.5, 1.5, 16.5, f64::INFINITY]);
         let found: Vec<(f64, u64, u64, u64)> = rows
             .iter()
@@ -146,10 +148,10 @@ mod tests {
         assert_eq!(rows[3].interval, rows[2].interval);
     }
 
-    /// Runs that are not continued leave the risk at their own end time, wherever the last rest is,
-    /// and the probability is the product of what the runs at risk did.
+    /// Runs that are not continued are censored at their own end time, whether the last rest is
+    /// before or after it, and the probability is the Kaplan-Meier product over the runs at risk.
     #[test]
-    fn runs_stopped_at_two_end_times() {
+    fn runs_are_censored_at_their_own_end_time() {
         let (early, late, never) = (16.5 * (1.0 - 1e-15), 66.0 * (1.0 + 1e-15), f64::INFINITY);
         let found = extended(&[2.0], &[early, early, late, never]);
         let expected = [(0.0, 5, 0, 0), (2.0, 5, 1, 0), (16.5, 4, 0, 2), (66.0, 2, 0, 2)];
@@ -170,7 +172,7 @@ mod tests {
     }
 
     #[test]
-    fn rests_alone_stops_alone_and_nothing() {
+    fn curves_with_rests_only_stops_only_and_no_runs() {
         let (_, all) = rows(&[0.0, 3.0], &[]);
         assert_eq!(all.len(), 2);
         assert_eq!((all[0].time_s, all[0].probability, all[0].came_to_rest), (0.0, 0.5, 1));
@@ -184,10 +186,10 @@ mod tests {
         assert!(rows(&[], &[]).1.is_empty());
     }
 
-    /// A thinned curve has rows of the whole one, and no step of it is missed by more than a step of
+    /// A thinned curve consists of rows of the full one, at distances of at most one step of
     /// probability.
     #[test]
-    fn long_curves_are_thinned() {
+    fn long_curves_are_thinned_without_changing_their_values() {
         for count in [998, 999, 1500, 20_000] {
             let rests: Vec<f64> = (1..=count).map(|i| f64::from(i).sqrt() / 10.0).collect();
             let stopped: Vec<f64> = (1..=count / 3).map(|i| f64::from(i).cbrt()).collect();

@@ -1,29 +1,29 @@
-//! What the closed forms at rest need of a machine, for any number of balls: the one place in
-//! which equilibrium sets, balancing positions and linearised equations read its parameters.
+//! Non-dimensional parameters of the closed forms at rest, for any number of balls. Equilibrium
+//! sets, balancing positions and linearised equations all read a machine's parameters from here.
 
 use nalgebra::Complex;
 
 use crate::model::{Balancer, Ball, Machine};
 
-/// The parameters of a machine that count where its balls rest, non-dimensional.
+/// The non-dimensional parameters of a machine that determine where its balls can rest.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RestForm {
     /// Speed of the disc over `ω_n`.
     pub speed: f64,
     /// Damping ratio `ζ` of the suspension.
     pub damping_ratio: f64,
-    /// Rest point over the sum of imbalances, `g = ω² / (1 - ω² + 2iζω)`: not finite at the
-    /// resonance of a suspension without damping, where nothing rests.
+    /// Transfer function from the sum of imbalances to the rest point, `g = ω² / (1 - ω² + 2iζω)`:
+    /// not finite at the resonance of an undamped suspension, where nothing rests.
     pub transfer: Complex<f64>,
     /// Imbalance `m_I e`.
     pub imbalance: f64,
     /// Mass of each ball.
     pub mass: Vec<f64>,
-    /// The most friction that holds each ball, over its normal force.
+    /// Largest ratio of friction to normal force of each ball at rest.
     pub friction_coefficient: Vec<f64>,
-    /// `1 + 4J` of each ball: its inertia along the ring, over its mass.
+    /// `1 + 4J` of each ball: the ratio of its inertia along the ring to its mass.
     pub inertia: Vec<f64>,
-    /// The balls as they were given.
+    /// The balls as specified.
     pub balls: Vec<Ball>,
     /// Radius `L` of the ring, m.
     pub ring_radius_m: f64,
@@ -36,28 +36,29 @@ pub struct RestForm {
 pub struct AtRest {
     /// Amplitude of the table's vibration, m.
     pub amplitude_m: f64,
-    /// The least coefficient of friction, alike for all balls, that holds them here; infinite where
-    /// a normal force would have to pull.
+    /// The smallest friction coefficient, equal for all balls, that holds them here; infinite if a
+    /// normal force would have to pull.
     pub required_friction: f64,
-    /// The part of the friction limit that is taken, of the ball that comes nearest to it: the
-    /// position is an equilibrium where it is at most 1.
+    /// Largest ratio of the tangential force on a ball to its friction limit: the position is an
+    /// equilibrium if it is at most 1.
     pub friction_used: f64,
 }
 
 impl AtRest {
-    /// Whether the balls can rest here.
+    /// Returns whether the balls can rest here.
     pub fn in_set(&self) -> bool {
         self.friction_used <= 1.0
     }
 
-    /// The part of the friction limit that is left: 0 on the edge of the set, negative outside.
+    /// Returns the unused fraction of the friction limit: 0 on the edge of the set, negative
+    /// outside.
     pub fn friction_margin(&self) -> f64 {
         1.0 - self.friction_used
     }
 }
 
 impl RestForm {
-    /// The parameters of a machine; `None` for a number of balls that the model does not know.
+    /// Returns the parameters of a machine, or `None` for an unsupported number of balls.
     pub fn new(machine: &Machine) -> Option<Self> {
         match machine.balls.len() {
             1 => Self::of::<1>(machine),
@@ -91,8 +92,8 @@ impl RestForm {
         })
     }
 
-    /// The imbalance that the table feels with the balls at `beta`, one angle per ball:
-    /// `F = m_I e + Σ m e^{iβ}` (thesis equations 5.3, 5.4).
+    /// Returns the total imbalance that acts on the table with the balls at `beta`, one angle per
+    /// ball: `F = m_I e + Σ m e^{iβ}` (thesis equations 5.3, 5.4).
     pub fn imbalance_at(&self, beta: &[f64]) -> Complex<f64> {
         self.imbalance_of(beta.iter().map(|&beta| direction(beta)))
     }
@@ -102,12 +103,13 @@ impl RestForm {
         Complex::from(self.imbalance) + balls.sum::<Complex<f64>>()
     }
 
-    /// The table's rest point `z_0 = x_0 + i y_0` with the balls at `beta`, non-dimensional.
+    /// Returns the table's rest point `z_0 = x_0 + i y_0` with the balls at `beta`,
+    /// non-dimensional.
     pub fn rest_point(&self, beta: &[f64]) -> Complex<f64> {
         self.transfer * self.imbalance_at(beta)
     }
 
-    /// What resting at `beta` takes (thesis equation 5.5).
+    /// Returns the amplitude and the friction required for rest at `beta` (thesis equation 5.5).
     pub fn at_rest(&self, beta: &[f64]) -> AtRest {
         let z = self.rest_point(beta);
         let (mut required_friction, mut friction_used) = (0.0, 0.0);
@@ -120,8 +122,8 @@ impl RestForm {
         AtRest { amplitude_m: z.norm() * self.ring_radius_m, required_friction, friction_used }
     }
 
-    /// Whether the balls can rest in these directions, `e^{iβ}` of each: the same as
-    /// [`RestForm::at_rest`] says, and no more.
+    /// Returns whether the balls can rest in these directions, `e^{iβ}` of each; a faster
+    /// [`RestForm::at_rest`] that returns only whether the position is in the set.
     pub(super) fn holds(&self, directions: &[Complex<f64>]) -> bool {
         let z = self.transfer * self.imbalance_of(directions.iter().copied());
         let balls = directions.iter().zip(&self.friction_coefficient);
@@ -131,16 +133,18 @@ impl RestForm {
     }
 }
 
-/// `e^{iβ}`, with sine and cosine that do not differ between platforms.
+/// Returns `e^{iβ}` from a sine and cosine that give equal bits on all platforms.
 pub(super) fn direction(beta: f64) -> Complex<f64> {
     let (sine, cosine) = libm::sincos(beta);
     Complex::new(cosine, sine)
 }
 
-/// The friction coefficient that holds a ball in the direction `[c, s]` with the table at `[x, y]`,
-/// `|y c - x s| / (1 + x c + y s)`, and the part of its limit that this takes. The square of the
-/// speed, which both forces carry, has been divided out; so at standstill, where no force acts,
-/// both are 0. Free of branches, so that a loop over it turns into vector instructions.
+/// Returns the friction coefficient that holds a ball in the direction `[c, s]` with the table at
+/// `[x, y]`, `|y c - x s| / (1 + x c + y s)`, and the ratio of the tangential force to the friction
+/// limit.
+///
+/// The square of the speed, a factor of both forces, cancels; at standstill, where no force acts,
+/// both results are 0. The function is free of branches, so that loops over it are vectorised.
 #[inline]
 pub(super) fn holding([x, y]: [f64; 2], [c, s]: [f64; 2], coefficient: f64) -> (f64, f64) {
     let normal = 1.0 + (x * c + y * s);
@@ -153,8 +157,8 @@ pub(super) fn holding([x, y]: [f64; 2], [c, s]: [f64; 2], coefficient: f64) -> (
     (required, used)
 }
 
-/// Whether the part of its limit that [`holding`] takes is at most 1, without a division: a quotient of
-/// two positive numbers is rounded to more than 1 wherever the first is the greater.
+/// Returns whether the second result of [`holding`] is at most 1, without a division: the quotient
+/// of two positive numbers rounds to more than 1 if and only if the first is greater.
 #[inline]
 pub(super) fn is_held([x, y]: [f64; 2], [c, s]: [f64; 2], coefficient: f64) -> bool {
     let normal = 1.0 + (x * c + y * s);
@@ -165,7 +169,7 @@ pub(super) fn is_held([x, y]: [f64; 2], [c, s]: [f64; 2], coefficient: f64) -> b
     (limit > 0.0) & within | nothing_needed
 }
 
-/// The larger of two numbers of which none is NaN.
+/// Returns the larger of two numbers; neither may be NaN.
 #[inline]
 pub(super) fn larger(a: f64, b: f64) -> f64 {
     if b > a { b } else { a }
@@ -176,9 +180,10 @@ mod tests {
     use super::{holding, is_held};
     use crate::analysis::test_rng::TestRng;
 
-    /// With and without the division, on and beside the edge and where nothing is a number.
+    /// The results with and without the division agree, on and near the edge of the set and for NaN
+    /// and infinite values.
     #[test]
-    fn held_where_no_more_than_the_limit_is_taken() {
+    fn is_held_agrees_with_the_ratio_to_the_limit() {
         let mut draws = TestRng::new(8);
         let (mut held, mut seen) = (0, 0);
         let mut same = |z: [f64; 2], e: [f64; 2], coefficient: f64| {
@@ -191,7 +196,7 @@ mod tests {
             let z = [0, 1].map(|_| 3.0 * draws.uniform() - 1.5);
             let (s, c) = libm::sincos(std::f64::consts::TAU * draws.uniform());
             let normal = 1.0 + (z[0] * c + z[1] * s);
-            // The coefficient at which the limit is just reached, and its neighbours.
+            // The coefficient at which the limit is exactly reached, and its neighbours.
             let edge = (z[1] * c - z[0] * s).abs() / normal;
             for coefficient in [draws.uniform(), edge, edge.next_up(), edge.next_down(), 0.0] {
                 same(z, [c, s], coefficient.max(0.0));

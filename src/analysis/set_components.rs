@@ -1,12 +1,13 @@
-//! Connected components of a set on the torus, from the runs of its points in the rows of a grid.
+//! Connected components of a set on the torus, from the runs of set points in the rows of a grid.
 //!
-//! Two points of the grid belong together where one is among the eight neighbours of the other,
-//! across the ends of either axis too. The sets have sharp tips that run across the grid, from
-//! which four neighbours break off single points on any grid; with eight the number of components of
-//! the thesis's sets is the same from 128 to 2048 points per axis. The price is that a gap
-//! narrower than the grid's spacing is not seen; nor is a part smaller than that. Neighbours are
-//! joined run by run, so that time and memory go with the length of the set's edge and not with
-//! its area.
+//! Two grid points are connected if they are among each other's eight neighbours, with periodic
+//! ends of both axes. The sets have sharp tips that run across the grid; with four neighbours,
+//! single points of these tips are disconnected on any grid. With eight, the number of components
+//! of the thesis's sets is the same from 128 to 2048 points per axis. The cost is that gaps and
+//! parts narrower than the grid spacing are not resolved.
+//!
+//! Neighbours are joined run by run, so that time and memory are proportional to the length of the
+//! set's edge, not to its area.
 
 /// Points `start..end` of a row that belong to the set.
 pub type Run = (u32, u32);
@@ -20,7 +21,7 @@ pub struct SetRuns {
     pub rows: Vec<Vec<Run>>,
 }
 
-/// Disjoint sets of numbers, joined two at a time (R. E. Tarjan, J. ACM 22 (1975) 215).
+/// A union-find structure over numbers (R. E. Tarjan, J. ACM 22 (1975) 215).
 struct Disjoint {
     parents: Vec<u32>,
     sets: u64,
@@ -50,7 +51,7 @@ impl Disjoint {
 }
 
 impl SetRuns {
-    /// The runs of a row.
+    /// Returns the runs of a row.
     pub fn of_row(inside: impl Iterator<Item = bool>) -> Vec<Run> {
         let mut runs: Vec<Run> = Vec::new();
         for (place, inside) in (0..).zip(inside) {
@@ -63,10 +64,11 @@ impl SetRuns {
         runs
     }
 
-    /// Number of connected components, and their number where a point and the one with rows and columns
-    /// exchanged count as the same. The second is none on a grid that is not square.
+    /// Returns the number of connected components, and the number of components if a point and its
+    /// mirror image with rows and columns exchanged count as one. The second is `None` on a grid
+    /// that is not square.
     pub fn components(&self) -> (u64, Option<u64>) {
-        let mut first = Vec::with_capacity(self.rows.len() + 1); // number of each row's first run
+        let mut first = Vec::with_capacity(self.rows.len() + 1); // index of each row's first run
         let mut count = 0;
         for runs in &self.rows {
             first.push(count as u32);
@@ -88,7 +90,7 @@ impl SetRuns {
         }
         for (row, runs) in self.rows.iter().enumerate() {
             for (index, (start, end)) in (0..).zip(runs) {
-                // Of each run its middle point: rounding at the set's edge cannot have moved it.
+                // The middle point of each run: rounding at the set's edge cannot have moved it.
                 let mirrored = start + (end - start) / 2;
                 let others = &self.rows[mirrored as usize];
                 let other = others.partition_point(|&(_, end)| end as usize <= row);
@@ -100,7 +102,7 @@ impl SetRuns {
         (on_the_torus, Some(components.sets))
     }
 
-    /// Joins runs of two rows, one below the other, that touch, at corners too.
+    /// Joins touching runs of two adjacent rows, including runs that touch only at corners.
     fn join_touching(&self, row: usize, next: usize, first: &[u32], components: &mut Disjoint) {
         let (upper, lower) = (&self.rows[row], &self.rows[next]);
         let (mut i, mut j) = (0, 0);

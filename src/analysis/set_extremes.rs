@@ -1,12 +1,14 @@
 //! The smallest and the largest amplitude in the equilibrium set of several balls.
 //!
-//! With the table displaced by `z = r e^{iθ}`, whether a ball is held depends on `r` and on its angle `φ` from the
-//! displacement alone: `r |sin φ| ≤ μ (1 + r cos φ)`. So it is held in an arc about the displacement, in one
-//! opposite to it, or, where `r` is small, anywhere. Balls that are held in such arcs belong to a displacement
-//! of this size if they and the imbalance cause it: `r / g = m_I e e^{-iθ} + Σ m e^{iφ}` for some `θ`, which is
-//! `|r / g - Σ m e^{iφ}| = m_I e`. For one choice of arcs the left side takes all values between its
-//! smallest and its largest. What is looked for is the smallest and the largest `r` at which `m_I e` is
-//! among them, over all choices of arcs: one unknown, whatever the number of balls.
+//! With the table displaced by `z = r e^{iθ}`, whether a ball is held depends only on `r` and on
+//! the ball's angle `φ` from the displacement: `r |sin φ| ≤ μ (1 + r cos φ)`. The ball is therefore
+//! held in an arc about the displacement, in an arc opposite to it, or, for small `r`, anywhere.
+//! Balls held in such arcs are consistent with a displacement of this size if they and the
+//! imbalance cause it: `r / g = m_I e e^{-iθ} + Σ m e^{iφ}` for some `θ`, which is equivalent to
+//! `|r / g - Σ m e^{iφ}| = m_I e`. For one choice of arcs the left side takes all values between
+//! its minimum and its maximum. The extremes of the amplitude are the smallest and the largest `r`
+//! for which `m_I e` lies in this range, over all choices of arcs: a search in one unknown, for any
+//! number of balls.
 
 use std::f64::consts::PI;
 
@@ -15,14 +17,16 @@ use nalgebra::Complex;
 use super::identical_balls::groups_of_identical;
 use super::rest_form::{RestForm, direction};
 
-/// Steps in which a size is looked for, before it is bisected.
+/// Number of steps of the search for a displacement, before bisection.
 const STEPS: usize = 128;
-/// Rounds over all balls in which they are moved one by one.
+/// Largest number of rounds in which the balls are moved one at a time.
 const ROUNDS: usize = 200;
 
-/// Positions of balls in the set, their angles, with the smallest and the largest amplitude, non-dimensional, in
-/// it as far as it is found: none in an empty set, of balls that can balance (where the smallest is 0), and
-/// without imbalance, where any direction is as good as another.
+/// Returns the smallest and the largest non-dimensional amplitude that the search finds in the set,
+/// each with the angles of the balls.
+///
+/// `None` for an empty set, for balls that can balance (whose smallest amplitude is 0), and without
+/// imbalance, where all directions are equivalent.
 pub(super) fn amplitude_extremes(form: &RestForm) -> [Option<(f64, Vec<f64>)>; 2] {
     let most: f64 = form.transfer.norm() * (form.imbalance + form.mass.iter().sum::<f64>());
     if !(most > 0.0 && most.is_finite() && form.imbalance > 0.0) {
@@ -31,7 +35,7 @@ pub(super) fn amplitude_extremes(form: &RestForm) -> [Option<(f64, Vec<f64>)>; 2
     let above = most * (1.0 + 1e-9);
     let found = |from: f64, to: f64| {
         choices(form).into_iter().fold(None, |best: Option<(f64, Vec<f64>)>, far| {
-            // Whatever lies beyond the best so far need not be looked for.
+            // Only displacements better than the best one so far matter.
             let to = best.as_ref().map_or(to, |(size, _)| *size);
             Choice { form, far }.first(from, to).or(best)
         })
@@ -39,8 +43,8 @@ pub(super) fn amplitude_extremes(form: &RestForm) -> [Option<(f64, Vec<f64>)>; 2
     [found(0.0, above), found(above, 0.0)]
 }
 
-/// Which balls are opposite to the displacement, in all ways that differ: of identical balls, the first
-/// ones.
+/// Returns all choices of the balls opposite to the displacement that differ; among identical
+/// balls, the first ones are opposite.
 fn choices(form: &RestForm) -> Vec<Vec<bool>> {
     let mut all = vec![vec![false; form.mass.len()]];
     for group in groups_of_identical(&form.balls) {
@@ -62,19 +66,21 @@ struct Choice<'a> {
     far: Vec<bool>,
 }
 
-/// How what the balls leave of the displacement compares with the imbalance, whatever they do.
+/// Comparison of `|r / g - Σ m e^{iφ}|` with the imbalance, over all positions of the balls in
+/// their arcs.
 #[derive(Clone, Copy, PartialEq)]
 enum Left {
-    /// Always more.
+    /// Always greater.
     More,
     /// Always less.
     Less,
-    /// More or less, or just as much.
+    /// Equality is possible.
     Any,
 }
 
 impl Choice<'_> {
-    /// The first size on the way at which balls are held in these arcs, with their angles.
+    /// Returns the first displacement between `from` and `to` at which balls are held in these
+    /// arcs, with their angles.
     fn first(&self, from: f64, to: f64) -> Option<(f64, Vec<f64>)> {
         let at = |step: usize| from + (to - from) * (step as f64 / STEPS as f64);
         let (mut before, mut left) = (from, self.left(from)?);
@@ -88,7 +94,7 @@ impl Choice<'_> {
                 before = after;
                 continue;
             }
-            // Where what is left goes from more to less it is just as much in between.
+            // Between `More` and `Less` there is a displacement with equality.
             while (after - before).abs() > 1e-14 * from.max(to) {
                 let middle = before.midpoint(after);
                 if self.left(middle) == Some(left) { before = middle } else { after = middle }
@@ -103,7 +109,7 @@ impl Choice<'_> {
         None
     }
 
-    /// The middle of a ball's arc and half of its width; none where there is no such arc.
+    /// Returns the middle of a ball's arc and half of its width, or `None` if there is no such arc.
     fn arc(&self, ball: usize, size: f64) -> Option<[f64; 2]> {
         let slope = libm::atan(self.form.friction_coefficient[ball]);
         let middle = if self.far[ball] { PI } else { 0.0 };
@@ -121,7 +127,8 @@ impl Choice<'_> {
 
     fn left(&self, size: f64) -> Option<Left> {
         let (imbalance, arcs) = (self.form.imbalance, self.arcs(size)?);
-        // Mostly the middles of the arcs tell, from which no ball is farther than the chord to its arc's end.
+        // The middles of the arcs usually decide: no ball is farther from there than the chord to
+        // the end of its arc.
         let middles: Vec<f64> = arcs.iter().map(|[middle, _]| *middle).collect();
         let chords =
             self.form.mass.iter().zip(&arcs).map(|(m, [_, half])| 2.0 * m * libm::sin(0.5 * half));
@@ -141,14 +148,15 @@ impl Choice<'_> {
         }
     }
 
-    /// What the balls leave of a displacement.
+    /// Returns `r / g - Σ m e^{iφ}` for a displacement `r`.
     fn remainder(&self, size: f64, phi: &[f64]) -> Complex<f64> {
         let balls = self.form.mass.iter().zip(phi).map(|(mass, phi)| direction(*phi) * *mass);
         Complex::from(size) / self.form.transfer - balls.sum::<Complex<f64>>()
     }
 
-    /// The least that the balls leave (`sign` -1) or the most (1), as far as it matters, and where they are then:
-    /// each is moved to where it is best in turn, from some starts.
+    /// Returns the minimum (`sign` -1) or the maximum (1) of the remainder's modulus, and the
+    /// angles of the balls there. Each ball is moved to its best angle in turn, from several
+    /// starts, until the comparison with the imbalance is decided.
     fn extreme(&self, size: f64, arcs: &[[f64; 2]], sign: f64) -> (f64, Vec<f64>) {
         let enough = |left: f64| sign * (left - self.form.imbalance) >= 0.0;
         let mut best: Option<(f64, Vec<f64>)> = None;
@@ -184,12 +192,12 @@ impl Choice<'_> {
                 break;
             }
         }
-        // There is one start at least.
+        // There is at least one start.
         best.unwrap_or_default()
     }
 
-    /// The balls' angles from the imbalance in a displacement of this size: on the way from where they leave
-    /// least to where they leave most.
+    /// Returns the balls' angles from the imbalance in a displacement of this size, on the path
+    /// from the minimum to the maximum of the remainder.
     fn position(&self, size: f64) -> Option<Vec<f64>> {
         let arcs = self.arcs(size)?;
         let [(least, low), (most, high)] = [-1.0, 1.0].map(|sign| self.extreme(size, &arcs, sign));
@@ -235,8 +243,8 @@ mod tests {
         RestForm::new(&machine).unwrap()
     }
 
-    /// The largest (`sign` 1) or smallest (-1) amplitude, m, that small random moves within the set reach from
-    /// samples of it, the best ones and others.
+    /// Returns the largest (`sign` 1) or smallest (-1) amplitude, m, that small random moves within
+    /// the set reach from samples of the set, the best ones and others.
     fn climbed(form: &RestForm, sign: f64) -> f64 {
         let amplitude = |beta: &[f64]| form.at_rest(beta).amplitude_m;
         let mut samples: Vec<&[f64]> = held_positions(form).collect();
@@ -262,11 +270,11 @@ mod tests {
         sign * ends.into_iter().map(|end| sign * end).fold(f64::NEG_INFINITY, f64::max)
     }
 
-    /// Each extreme is that of a position in the set, and nothing in the set goes beyond it: of two to five
-    /// balls, alike or not, on both sides of the natural frequency and near it, with an imbalance that they can
-    /// balance and one that they cannot.
+    /// Each extreme is attained at a position in the set, and no random search finds a more extreme
+    /// one: for two to five balls, identical or not, on both sides of the natural frequency and
+    /// near it, with an imbalance that they can balance and one that they cannot.
     #[test]
-    fn extremes_are_in_the_set_and_nothing_goes_beyond() {
+    fn extremes_are_in_the_set_and_no_search_exceeds_them() {
         let usual = (1.4e-4, 2.75e-3);
         let differ = [(1.4e-4, 2.75e-3), (2.5e-4, 1.0e-3), (0.8e-4, 4.0e-3)];
         let mut calmest_seen = 0;
@@ -306,9 +314,9 @@ mod tests {
         assert_eq!(calmest_seen, 2);
     }
 
-    /// Without friction the set is the equilibria themselves, which are known without a search.
+    /// Without friction the set consists of the equilibria, which are known in closed form.
     #[test]
-    fn without_friction() {
+    fn extremes_without_friction_are_those_of_the_equilibria() {
         let ball = Ball { friction_coefficient: 0.0, ..Ball::default() };
         for count in [2, 3] {
             let mut machine = Machine { balls: vec![ball; count], ..Machine::default() };

@@ -1,8 +1,8 @@
 //! The equilibrium set of one or two balls on a regular grid of their angles.
 //!
-//! Grid points are at `2πk/G` on each axis, the imbalance's direction and diagonals included.
-//! Sines and cosines are taken once per axis, so that a row of the grid costs some twenty
-//! multiplications per point and turns into vector instructions.
+//! Grid points are at `2πk/G` on each axis, which includes the imbalance's direction and the
+//! diagonals. Sines and cosines are computed once per axis, so that a row of the grid costs about
+//! twenty multiplications per point and is vectorised.
 
 use std::f64::consts::TAU;
 use std::ops::Range;
@@ -19,11 +19,11 @@ pub struct SetGrid<'a> {
     points: usize,
     cosine: Vec<f64>,
     sine: Vec<f64>,
-    /// For each ball: where it would move the table to from each point of its axis.
+    /// For each ball, the displacement of the table that it causes at each point of its axis.
     push: Vec<[Vec<f64>; 2]>,
 }
 
-/// One row of a grid: all angles of the last ball with the first one where it is.
+/// One row of a grid: all angles of the last ball, with the first ball fixed.
 #[derive(Clone, Debug, Default)]
 pub struct GridRow {
     amplitude_squared: Vec<f64>,
@@ -31,15 +31,15 @@ pub struct GridRow {
     used: Vec<f64>,
 }
 
-/// What is known of a set after all rows.
+/// The result over all rows of the grid.
 #[derive(Clone, Debug)]
 pub struct GridSummary {
     /// Points of the grid in the set.
     pub inside: u64,
     /// The smallest and the largest amplitude at points of the set, non-dimensional, each with the
-    /// point's row and column; none where no point is in the set.
+    /// point's row and column; `None` if no point is in the set.
     pub amplitudes: Option<[(f64, [usize; 2]); 2]>,
-    /// The set's runs.
+    /// The runs of the set.
     pub runs: SetRuns,
 }
 
@@ -50,7 +50,7 @@ struct RowSummary {
 }
 
 impl<'a> SetGrid<'a> {
-    /// A grid of `points` per axis; none for more than two balls.
+    /// Returns a grid of `points` per axis, or `None` for more than two balls.
     pub fn new(form: &'a RestForm, points: usize) -> Option<Self> {
         if form.mass.len() > 2 || points == 0 {
             return None;
@@ -72,17 +72,17 @@ impl<'a> SetGrid<'a> {
         index as f64 / points as f64 * TAU
     }
 
-    /// Number of rows: 1 with one ball.
+    /// Returns the number of rows; 1 for one ball.
     pub fn rows(&self) -> usize {
         if self.push.len() == 1 { 1 } else { self.points }
     }
 
-    /// Number of points in all.
+    /// Returns the total number of points.
     pub fn size(&self) -> u64 {
         self.rows() as u64 * self.points as u64
     }
 
-    /// The balls' angles at a point, one per ball, rad.
+    /// Returns the balls' angles at a point, one per ball, rad.
     pub fn beta(&self, row: usize, column: usize) -> Vec<f64> {
         let last = Self::angle(column, self.points);
         if self.push.len() == 1 { vec![last] } else { vec![Self::angle(row, self.points), last] }
@@ -105,7 +105,8 @@ impl<'a> SetGrid<'a> {
         let used = &mut values.used[..points];
         let (push_x, push_y) = (&push_x[..points], &push_y[..points]);
         let (cosine, sine) = (&self.cosine[..points], &self.sine[..points]);
-        // The balls' pushes are added first: exchanging identical balls gives the same bits.
+        // The balls' displacements are added first, so that exchanging identical balls gives equal
+        // bits.
         for j in 0..points {
             let x = imbalance.re + (first_x + push_x[j]);
             let y = imbalance.im + (first_y + push_y[j]);
@@ -126,7 +127,7 @@ impl<'a> SetGrid<'a> {
         }
     }
 
-    /// A point of a row that has been filled.
+    /// Returns a point of a computed row.
     pub fn at(&self, values: &GridRow, column: usize) -> AtRest {
         AtRest {
             amplitude_m: values.amplitude_squared[column].sqrt() * self.form.ring_radius_m,
@@ -135,7 +136,7 @@ impl<'a> SetGrid<'a> {
         }
     }
 
-    /// Whether one of the grid points about a position, its cell's corners, is in the set.
+    /// Returns whether a corner of the grid cell around a position is in the set.
     pub fn sees(&self, beta: &[f64]) -> bool {
         let points = self.points;
         let corner = |corners: usize| -> Vec<f64> {
@@ -148,11 +149,12 @@ impl<'a> SetGrid<'a> {
         (0..1_usize << beta.len()).any(|corners| self.form.at_rest(&corner(corners)).in_set())
     }
 
-    /// The fraction of the grid's points that are in the set of two balls, on the calling thread.
+    /// Returns the fraction of the grid's points that are in the set of two balls, on the calling
+    /// thread.
     pub fn fraction(&self) -> f64 {
         let inside = match &self.push[..] {
             [_, _] if self.form.balls[0] == self.form.balls[1] => {
-                // Exchanging the balls gives the same bits: half of the grid is enough.
+                // Exchanging the balls gives equal bits: half of the grid suffices.
                 let half = (0..self.rows()).map(|row| {
                     2 * self.count(row, row + 1..self.points) + self.count(row, row..row + 1)
                 });
@@ -163,7 +165,7 @@ impl<'a> SetGrid<'a> {
         inside as f64 / self.size() as f64
     }
 
-    /// How many points of some columns of a row are in the set of two balls.
+    /// Returns how many points of a range of columns of a row are in the set of two balls.
     fn count(&self, row: usize, columns: Range<usize>) -> u64 {
         let [[first_x, first_y], [push_x, push_y]] = &self.push[..] else { return 0 };
         let imbalance = self.form.transfer * self.form.imbalance;
@@ -181,7 +183,7 @@ impl<'a> SetGrid<'a> {
         held.sum()
     }
 
-    /// The whole set, over the threads of the pool that this is called in.
+    /// Returns the whole set, computed on the current thread pool.
     pub fn summary(&self) -> GridSummary {
         let rows: Vec<RowSummary> = (0..self.rows())
             .into_par_iter()

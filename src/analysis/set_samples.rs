@@ -1,7 +1,8 @@
 //! The equilibrium set of any number of balls at quasi-random positions.
 //!
 //! Sobol' points with hashed Owen scrambling (B. Burley, J. Comput. Graph. Tech. 9 (2020) 4), in
-//! several independent scrambles: each gives an unbiased fraction, and their scatter an interval.
+//! several independent scrambles: each gives an unbiased fraction, and their scatter gives an
+//! interval.
 
 use std::f64::consts::TAU;
 use std::sync::OnceLock;
@@ -13,21 +14,21 @@ use super::interval::{Z_95, wilson};
 use super::rest_form::{RestForm, direction};
 use crate::model::MAX_BALLS;
 
-/// Independent scrambles.
+/// Number of independent scrambles.
 pub const REPLICATES: u32 = 16;
 
-/// The angles of one sample, one per ball, rad.
+/// Returns the angles of one sample, one per ball, rad.
 pub fn sample(balls: usize, replicate: u32, index: u32) -> Vec<f64> {
     let angle = |axis| f64::from(sobol_burley::sample(index, axis, replicate)) * TAU;
     (0..balls as u32).map(angle).collect()
 }
 
-/// Samples per scramble in a block.
+/// Number of samples per scramble in a block.
 const BLOCK: u32 = 256;
-/// Blocks in all: 65,536 positions.
+/// Total number of blocks: 65,536 positions.
 const BLOCKS: usize = 16;
 
-/// Positions of the balls, with their directions, which are the same for every machine.
+/// Positions of the balls with their directions, which do not depend on the machine.
 struct Block {
     beta: Vec<f64>,
     directions: Vec<Complex<f64>>,
@@ -44,15 +45,15 @@ impl Block {
         Block { beta, directions }
     }
 
-    /// Computed when it is first asked for, and kept: a sweep looks at the same positions of one
-    /// machine after another. All blocks take 1.5 MB per ball.
+    /// Returns a block, which is computed on first use and cached: a sweep tests the same positions
+    /// for every machine. All blocks take 1.5 MB per ball.
     fn of(balls: usize, number: usize) -> &'static Self {
-        static KEPT: [[OnceLock<Block>; BLOCKS]; MAX_BALLS] =
+        static CACHE: [[OnceLock<Block>; BLOCKS]; MAX_BALLS] =
             [const { [const { OnceLock::new() }; BLOCKS] }; MAX_BALLS];
-        KEPT[balls - 1][number].get_or_init(|| Self::new(balls, number))
+        CACHE[balls - 1][number].get_or_init(|| Self::new(balls, number))
     }
 
-    /// The angles of those positions at which the balls can rest.
+    /// Returns the positions of the block at which the balls can rest.
     fn held<'a>(&'a self, form: &'a RestForm) -> impl Iterator<Item = &'a [f64]> {
         let balls = form.mass.len();
         let positions = self.beta.chunks_exact(balls).zip(self.directions.chunks_exact(balls));
@@ -60,23 +61,24 @@ impl Block {
     }
 }
 
-/// Of the first 65,536 samples, the first ones of all scrambles first, those in the set: the angles of
-/// each ball, rad.
+/// Returns those of the first 65,536 samples that are in the set, as angles of each ball, rad. The
+/// samples are ordered by index, then by scramble.
 #[cfg(test)]
 pub fn held_positions(form: &RestForm) -> impl Iterator<Item = &[f64]> {
     (0..BLOCKS).flat_map(|number| Block::of(form.mass.len(), number).held(form))
 }
 
-/// The fraction of the first 16,384 of them that are in the set.
+/// Returns the fraction of the first 16,384 samples that are in the set.
 pub fn fraction(form: &RestForm) -> f64 {
     let blocks = 4;
     let held = |number| Block::of(form.mass.len(), number).held(form).count();
     (0..blocks).map(held).sum::<usize>() as f64 / (blocks as u32 * BLOCK * REPLICATES) as f64
 }
 
-/// Mean and 95 % interval from the fractions of independent scrambles of `samples` each: Student's t.
-/// Where all or none of the samples are in the set and nothing scatters, the interval is Wilson's
-/// for as many independent samples, which quasi-random ones outdo.
+/// Returns the mean and the 95 % interval (Student's t) of the fractions of independent scrambles
+/// of `samples` each. If all or none of the samples are in the set, there is no scatter, and the
+/// interval is Wilson's for the same number of independent samples, which is conservative for
+/// quasi-random ones.
 pub fn fraction_with_interval(fractions: &[f64], samples: u32) -> (f64, (f64, f64)) {
     let n = fractions.len() as f64;
     let mean = fractions.iter().sum::<f64>() / n;
@@ -86,7 +88,7 @@ pub fn fraction_with_interval(fractions: &[f64], samples: u32) -> (f64, (f64, f6
     }
     let variance =
         fractions.iter().map(|fraction| (fraction - mean).powi(2)).sum::<f64>() / (n - 1.0);
-    // No degrees of freedom, no interval but the whole.
+    // Without degrees of freedom the interval is [0, 1].
     let half = StudentsT::new(0.0, 1.0, n - 1.0)
         .map_or(f64::INFINITY, |student| student.inverse_cdf(0.975) * (variance / n).sqrt());
     (mean, ((mean - half).max(0.0), (mean + half).min(1.0)))
@@ -98,9 +100,9 @@ mod tests {
     use crate::analysis::RestForm;
     use crate::model::{Ball, Machine};
 
-    /// What is kept are the samples that all machines are looked at in, in their order.
+    /// The cached positions are the samples, in their order.
     #[test]
-    fn kept_positions_are_the_samples() {
+    fn cached_positions_are_the_samples() {
         for (balls, friction_coefficient) in [(1, 2.75e-3), (2, 2.75e-4), (3, 2.75e-3), (3, 0.0)] {
             let ball = Ball { friction_coefficient, ..Ball::default() };
             let machine = Machine { balls: vec![ball; balls], ..Machine::default() };
@@ -118,9 +120,9 @@ mod tests {
         }
     }
 
-    /// Student's t for 15 degrees of freedom is 2.131450 in every table.
+    /// The interval uses Student's t for 15 degrees of freedom, 2.131450 in published tables.
     #[test]
-    fn interval_is_students() {
+    fn the_interval_is_that_of_students_t() {
         let fractions: Vec<f64> =
             (0..16).map(|i| 0.5 + if i % 2 == 0 { 0.01 } else { -0.01 }).collect();
         let (mean, (low, high)) = fraction_with_interval(&fractions, 1024);
@@ -131,7 +133,7 @@ mod tests {
     }
 
     #[test]
-    fn all_or_nothing_is_not_called_certain() {
+    fn fractions_of_zero_and_one_have_wilsons_interval() {
         let (mean, (low, high)) = fraction_with_interval(&[1.0; 16], 4096);
         assert_eq!((mean, high), (1.0, 1.0));
         assert!(low < 1.0 && low > 0.9999, "{low}");

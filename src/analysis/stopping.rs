@@ -1,45 +1,45 @@
-//! When to stop sampling a point, and how many runs to compute until that is asked again.
+//! Stopping rule for the sampling of a point, and the number of runs until the next decision.
 //!
-//! Whoever looks at an interval again and again and stops when it is narrow must expect it to hold the
-//! fraction less often than it says; that goes away as the intervals get narrower (Y. S. Chow and
-//! H. Robbins, Ann. Math. Stat. 36 (1965) 457, doi:10.1214/aoms/1177700156). With Wilson's interval it
-//! costs little: in 4,000 to 20,000 simulated points each, with fractions of 0.02, 0.1, 0.3, 0.5 and 0.9,
-//! half widths from 0.01 to 0.05 and replicates from 1 to 256 runs, 94.2 to 98.0 % of the 95 %
-//! intervals held the fraction, and 95.0 to 100 % where fractions differed between strata. With a fraction of
-//! 0.005 or a half width of 0.1 it was down to 92.4 %. The stratified interval (16 cells, half width
-//! 0.05) held it in 95.2 to 98.9 %.
+//! An interval that is inspected repeatedly, with sampling stopped once it is narrow, covers the
+//! fraction less often than its nominal level; the loss vanishes as the intervals get narrower (Y.
+//! S. Chow and H. Robbins, Ann. Math. Stat. 36 (1965) 457, doi:10.1214/aoms/1177700156). With
+//! Wilson's interval the loss is small: in 4,000 to 20,000 simulated points each, with fractions of
+//! 0.02, 0.1, 0.3, 0.5 and 0.9, half widths from 0.01 to 0.05 and replicates from 1 to 256 runs,
+//! 94.2 to 98.0 % of the 95 % intervals covered the fraction, and 95.0 to 100 % if fractions
+//! differed between strata. With a fraction of 0.005 or a half width of 0.1 the coverage fell to
+//! 92.4 %. The coverage of the stratified interval (16 cells, half width 0.05) was 95.2 to 98.9 %.
 
-/// Sampling goes on until the interval of the fraction of equilibria is narrow enough, or as long as
-/// there may be runs.
+/// Continues sampling until the interval of the equilibrium fraction is narrow enough or the
+/// maximum number of runs is reached.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StoppingRule {
     /// Half the width of a 95 % interval that is narrow enough.
     pub half_width: f64,
-    /// Runs that are added together, at least one.
+    /// Number of runs that are added together, at least one.
     pub replicate: u64,
-    /// The most runs, a multiple of the replicate.
+    /// Maximum number of runs, a multiple of the replicate.
     pub most: u64,
 }
 
 impl StoppingRule {
-    /// How many runs to add to those that have given this interval; `None` to stop.
+    /// Returns the number of runs to add to those that gave this interval, or `None` to stop.
     ///
-    /// Half widths shrink with the root of the number of runs. As many runs are added as this says
-    /// are needed in any case, at most as many as there are, at least a replicate.
+    /// Half widths shrink with the square root of the number of runs. The rule adds the number of
+    /// runs that this estimate requires, at most doubling the runs and at least one replicate.
     pub fn more(&self, runs: u64, interval: (f64, f64)) -> Option<u64> {
         if is_narrow(interval, self.half_width) || runs >= self.most {
             return None;
         }
         let excess = half_width(interval) / self.half_width;
         let needed = runs as f64 * (excess * excess - 1.0);
-        // A cast from a floating point number saturates.
+        // A cast from a floating-point number saturates.
         let replicates = (needed / self.replicate as f64) as u64;
         let most = runs.min(self.most - runs) / self.replicate;
         Some(replicates.min(most).max(1) * self.replicate)
     }
 }
 
-/// Whether an interval is at most so wide on either side of its middle.
+/// Returns whether the half width of an interval is at most `widest`.
 pub fn is_narrow(interval: (f64, f64), widest: f64) -> bool {
     half_width(interval) <= widest
 }
@@ -57,9 +57,9 @@ mod tests {
 
     const CELLS: u64 = 16;
 
-    /// Samples a point whose fraction of equilibria is `fraction` by the rule and returns the number of runs
-    /// and the interval. Half of the 16 cells have a larger fraction by `spread`, half a smaller one;
-    /// `stratified` says whether the interval knows of the cells.
+    /// Samples a point whose fraction of equilibria is `fraction` by the rule and returns the
+    /// number of runs and the interval. Half of the 16 cells have a fraction larger by `spread`,
+    /// the other half a smaller one; with `stratified` the interval uses the cells.
     fn sampled(
         draws: &mut TestRng,
         rule: StoppingRule,
@@ -84,8 +84,8 @@ mod tests {
         (runs, point.equilibrium_interval().ends())
     }
 
-    /// Runs are added in whole replicates, at most as many as there are, never beyond the most; none
-    /// once the interval is narrow enough.
+    /// Runs are added in whole replicates, at most doubling the runs and never exceeding the
+    /// maximum; none are added once the interval is narrow enough.
     #[test]
     fn rounds_are_whole_replicates_within_bounds() {
         let mut draws = TestRng::new(7);
@@ -102,7 +102,8 @@ mod tests {
                     assert!(half_width(interval) > rule.half_width);
                     assert!(more > 0 && more % replicate == 0, "{more} {replicate}");
                     assert!(more <= runs && runs + more <= most, "{runs} {more} {most}");
-                    // No more than are needed where widths shrink with the root of the runs.
+                    // No more runs than needed if widths shrink with the square root of the number
+                    // of runs.
                     let needed = (half_width(interval) / rule.half_width).powi(2) * runs as f64;
                     let before = (runs + more - replicate) as f64;
                     assert!(before <= needed * (1.0 + 1e-12), "{before} {needed}");
@@ -111,7 +112,7 @@ mod tests {
         }
     }
 
-    /// Rounds grow: thousands of runs take few decisions.
+    /// Rounds grow, so that thousands of runs take few decisions.
     #[test]
     fn rounds_grow() {
         let rule = StoppingRule { half_width: 0.02, replicate: 10, most: 100_000 };
@@ -123,10 +124,10 @@ mod tests {
         assert!(rounds < 12, "{rounds}");
     }
 
-    /// The intervals at which sampling stops hold the fraction in 94 % at least: 10,000 points each, level
-    /// 1e-5 for each of the sixteen (4.3 standard deviations).
+    /// The intervals at which sampling stops cover the fraction in at least 94 % of 10,000 points
+    /// each, at a level of 1e-5 for each of the sixteen settings (4.3 standard deviations).
     #[test]
-    fn coverage_after_stopping() {
+    fn intervals_keep_their_coverage_after_stopping() {
         let rule = StoppingRule { half_width: 0.05, replicate: 16, most: 1 << 20 };
         let (points, claimed) = (10_000, 0.94);
         let least = claimed - 4.3 * (claimed * (1.0 - claimed) / f64::from(points)).sqrt();

@@ -1,31 +1,34 @@
-//! A fraction of runs whose start states were drawn cell by cell.
+//! Confidence interval of a fraction of runs with stratified start states.
 //!
-//! Cells of equal size share the box of start states, and each has samples of its own, so that only
-//! the variation *within* cells makes the mean of the cells' fractions uncertain: parameters drawn anew
-//! for each run are part of it. With `H` cells, `n_h` samples and `k_h` successes in each, the
-//! fraction is `p = Σ p_h / H` with `p_h = k_h / n_h`, and its variance without bias
+//! Cells of equal size partition the box of start states, and each has its own samples, so that
+//! only the variation *within* cells, including that of parameters sampled for each run, makes the
+//! mean of the cells' fractions uncertain. With `H` cells, `n_h` samples and `k_h` successes in
+//! each, the fraction is `p = Σ p_h / H` with `p_h = k_h / n_h`, and an unbiased estimate of its
+//! variance is
 //!
 //! ```text
 //! V = Σ p_h (1 - p_h) / (n_h - 1) / H²
 //! ```
 //!
-//! (W. G. Cochran, Sampling Techniques, 3rd ed., Wiley 1977, section 5.4). `p (1 - p) / V` runs drawn
-//! without cells would be as good; put into Wilson's interval as its number of trials, they make it
-//! one for a stratified sample (X. Yan, X. G. Su, Stat. Biopharm. Res. 2 (2010) 329,
+//! (W. G. Cochran, Sampling Techniques, 3rd ed., Wiley 1977, section 5.4). The effective number of
+//! runs without cells is `p (1 - p) / V`; used as the number of trials in Wilson's interval, it
+//! gives an interval for a stratified sample (X. Yan, X. G. Su, Stat. Biopharm. Res. 2 (2010) 329,
 //! doi:10.1198/sbr.2009.0049).
 //!
-//! That alone is wrong where few cells are mixed, as their number is then hardly known: two or three
-//! samples that agree do not prove that a cell is pure. (Of 16 cells with two samples, half of them with
-//! a fraction of 1 and half with 0.005, no mixed cell is seen in 92 % of all samples; the variance is
-//! then 0 and the interval a wrong number.) Hence two bounds. To the variance is added that of `z²/2`
-//! mixed cells more, just as Wilson's interval itself adds `z²/2` successes and as many failures; one
-//! mixed cell contributes about `1 / (H n)²`, `n` being the least `n_h`. And the runs that count are
-//! never fewer than `H n`, as cells never do harm.
+//! This interval is wrong if few cells are mixed, because their number is then poorly known: two or
+//! three samples that agree do not prove that a cell is pure. (With 16 cells of two samples each,
+//! half of them with a fraction of 1 and half with 0.005, no mixed cell is observed in 92 % of all
+//! samples; the estimated variance is then 0 and the interval is wrong.) There are therefore two
+//! bounds. The variance of `z²/2` additional mixed cells is added, just as Wilson's interval adds
+//! `z²/2` successes and as many failures; one mixed cell contributes about `1 / (H n)²`, with `n`
+//! the least `n_h`. And the effective number of runs is at least `H n`, because stratification
+//! never increases the variance.
 //!
-//! Coverage and mean width in simulated samples, 1000 of each of 33 populations of cells: all identical;
-//! half of them pure 0, half pure 1 and a fraction of them mixed; nearly pure; from Beta distributions;
-//! fractions from 0.004 to 0.996. In brackets: where less than one success or failure is expected, so
-//! that Wilson's interval itself falls to 0.84. "3, 2" is an interrupted study.
+//! Coverage and mean width in simulated samples, 1000 of each of 33 populations of cells: all
+//! identical; half of them pure 0, half pure 1 and a fraction of them mixed; nearly pure; from Beta
+//! distributions; fractions from 0.004 to 0.996. Values in brackets are for populations with an
+//! expected number of successes or failures below one, where Wilson's interval itself falls to
+//! 0.84. "3, 2" is an interrupted study.
 //!
 //! ```text
 //! cells  samples  coverage: least  mean   width over Wilson's: mean, least
@@ -43,10 +46,10 @@
 
 use super::interval::{Z_95, score_interval};
 
-/// Most cells that are told apart.
+/// Largest number of cells that are counted separately.
 const MOST_CELLS: u64 = 1 << 16;
 
-/// What is known of one cell.
+/// Counts of one cell.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 struct Cell {
     runs: u64,
@@ -54,13 +57,13 @@ struct Cell {
     failures: u64,
 }
 
-/// The runs of a point, cell by cell.
+/// The runs of a point, by cell.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Cells(Vec<Cell>);
 
 impl Cells {
-    /// So many cells of equal size, still empty. None are told apart where there are more than
-    /// 65,536, or only one.
+    /// Creates this number of empty cells of equal size. With a single cell or more than 65,536
+    /// cells the design counts as not stratified.
     pub fn new(cells: u64) -> Self {
         let told_apart = if (2..=MOST_CELLS).contains(&cells) { cells } else { 0 };
         Cells(vec![Cell::default(); told_apart as usize])
@@ -75,20 +78,20 @@ impl Cells {
         }
     }
 
-    /// The fewest runs that a cell has, where that is two or more: with less, a cell's variation is
-    /// not known.
+    /// Returns the smallest number of runs in a cell, or `None` if it is less than two: the
+    /// variation of such a cell is unknown.
     fn fewest(&self) -> Option<f64> {
         self.0.iter().map(|cell| cell.runs).min().filter(|&runs| runs >= 2).map(|runs| runs as f64)
     }
 
-    /// The fraction of equilibria with every cell weighing the same; `None` where the cells have too
-    /// few runs.
+    /// Returns the fraction of equilibria with equal weights of all cells, or `None` if a cell has
+    /// too few runs.
     pub fn fraction(&self) -> Option<f64> {
         self.fewest().map(|_| self.mean(|cell| cell.equilibria))
     }
 
-    /// Its 95 % interval, from the lower end if no failed run had been an equilibrium to the upper
-    /// end if all had.
+    /// Returns the 95 % interval of the fraction, from the lower end with no failed run as an
+    /// equilibrium to the upper end with all of them, or `None` if a cell has too few runs.
     pub fn interval(&self) -> Option<(f64, f64)> {
         let low = self.interval_of(|cell| cell.equilibria)?.0;
         let high = self.interval_of(|cell| cell.equilibria + cell.failures)?.1;
@@ -98,7 +101,7 @@ impl Cells {
     fn mean(&self, successes: impl Fn(&Cell) -> u64) -> f64 {
         let equal = self.0.iter().all(|cell| cell.runs == self.0[0].runs);
         if equal {
-            // To the last digit the fraction of all runs.
+            // Bit for bit the fraction of all runs.
             let [successes, runs] = self.0.iter().fold([0, 0], |[successes_, runs], cell| {
                 [successes_ + successes(cell), runs + cell.runs]
             });
@@ -130,7 +133,7 @@ mod tests {
     use crate::analysis::test_rng::TestRng;
     use crate::analysis::{Z_95, wilson};
 
-    /// Cells with these runs, equilibria and failures.
+    /// Returns cells with these runs, equilibria and failures.
     fn cells(counts: &[[u64; 3]]) -> Cells {
         let mut cells = Cells::new(counts.len() as u64);
         for (cell, &[runs, equilibria, failures]) in counts.iter().enumerate() {
@@ -143,7 +146,7 @@ mod tests {
     }
 
     #[test]
-    fn cells_that_say_nothing_have_no_interval() {
+    fn cells_with_too_few_runs_have_no_interval() {
         assert_eq!(cells(&[[2, 1, 0], [1, 1, 0]]).interval(), None);
         assert_eq!(cells(&[[2, 1, 0], [1, 1, 0]]).fraction(), None);
         assert_eq!(cells(&[[50, 20, 0]]).interval(), None);
@@ -152,8 +155,8 @@ mod tests {
         assert_eq!(Cells::new(MOST_CELLS).0.len(), 1 << 16);
     }
 
-    /// The variance of a proportional sample by another way, Cochran's equation 5.53 for `k_h` of
-    /// `n` in each cell, and the interval as the roots of `|x - p| = z sqrt(x (1 - x) / n_eff)`.
+    /// The variance agrees with Cochran's equation 5.53 for `k_h` of `n` in each cell, and the
+    /// interval's ends are the roots of `|x - p| = z sqrt(x (1 - x) / n_eff)`.
     #[test]
     fn ends_solve_the_score_equation() {
         let counts = [[4, 0, 0], [4, 1, 0], [4, 4, 0], [4, 3, 0], [4, 4, 0], [4, 4, 0]];
@@ -176,9 +179,10 @@ mod tests {
         }
     }
 
-    /// Pure cells are the most that can be seen, and still not certain; nothing and all are Wilson's.
+    /// Pure cells, the clearest possible observation, still leave an interval of positive width;
+    /// without any or with only successes the interval is Wilson's.
     #[test]
-    fn pure_cells_leave_doubt() {
+    fn pure_cells_have_an_interval_of_positive_width() {
         let (low, high) = cells(&[[3, 3, 0], [3, 0, 0]].repeat(128)).interval().unwrap();
         let wilson_width = wilson(384, 768, Z_95).1 - wilson(384, 768, Z_95).0;
         assert!(low < 0.4965 && 0.5035 < high && high - low < 0.11 * wilson_width, "{low} {high}");
@@ -189,19 +193,19 @@ mod tests {
     }
 
     #[test]
-    fn failures_widen_and_cells_weigh_the_same() {
+    fn failures_widen_the_interval_and_cells_have_equal_weights() {
         let with = cells(&[[3, 2, 1], [3, 0, 0], [3, 3, 0], [3, 1, 1]]).interval().unwrap();
         let low = cells(&[[3, 2, 0], [3, 0, 0], [3, 3, 0], [3, 1, 0]]).interval().unwrap();
         let high = cells(&[[3, 3, 0], [3, 0, 0], [3, 3, 0], [3, 2, 0]]).interval().unwrap();
         assert_eq!(with, (low.0, high.1));
-        // Six of eight runs, yet half of the box.
+        // Six of eight runs, but half of the box.
         let uneven = cells(&[[6, 6, 0], [2, 0, 0]]);
         assert_eq!(uneven.fraction(), Some(0.5));
         let (low, high) = uneven.interval().unwrap();
         assert!((low + high - 1.0).abs() < 1e-12);
     }
 
-    /// Fractions of the cells of a family of populations.
+    /// Returns the fractions of the cells, for a family of populations.
     fn populations(cells: usize, draws: &mut TestRng) -> Vec<Vec<f64>> {
         let mut all = Vec::new();
         let half = |cell: usize| (cell % 2) as f64;
@@ -242,15 +246,16 @@ mod tests {
     }
 
     struct Measured {
-        /// Least coverage, and that where less than one success or failure is expected.
+        /// Least coverage, and the least with an expected number of successes or failures below
+        /// one.
         least: [f64; 2],
         mean: f64,
         width: f64,
         least_width: f64,
     }
 
-    /// Coverage over seeded samples: `runs` in every cell, in the second half of the cells
-    /// `runs_late`.
+    /// Measures the coverage over seeded samples with `runs` in every cell and `runs_late` in the
+    /// second half of the cells.
     fn measure(count: usize, runs: u64, runs_late: u64, draws: &mut TestRng) -> Measured {
         let mut measured = Measured { least: [1.0; 2], mean: 0.0, width: 0.0, least_width: 1.0 };
         let populations = populations(count, draws);
@@ -283,12 +288,12 @@ mod tests {
         measured
     }
 
-    /// Coverage is 0.93 or more in every population, to the error of 1000 samples (0.008), or, where
-    /// less than one success or failure is expected, no less than Wilson's falls to there (0.838 for
-    /// 0.18 expected, Brown, Cai and DasGupta, Stat. Sci. 16 (2001) 101); it is 0.95 or a little more in
-    /// the mean; and many cells make the interval narrower.
+    /// The coverage is at least 0.93 in every population, up to the error of 1000 samples (0.008).
+    /// With an expected number of successes or failures below one it is no less than the minimum of
+    /// Wilson's interval (0.838 for 0.18 expected, Brown, Cai and DasGupta, Stat. Sci. 16 (2001)
+    /// 101). Its mean is 0.95 or slightly more, and many cells make the interval narrower.
     #[test]
-    fn coverage_and_width() {
+    fn simulated_coverage_and_width_are_as_documented() {
         let mut draws = TestRng::new(65);
         for count in [16, 256] {
             for (runs, runs_late) in [(2, 2), (3, 3), (5, 5), (10, 10), (3, 2)] {

@@ -1,5 +1,5 @@
-//! Time to rest: the fraction of runs still moving over time, with runs that were stopped before they
-//! came to rest as censored observations (Kaplan-Meier), and how well it is known.
+//! Kaplan-Meier estimate of the fraction of runs still moving over time, with its confidence
+//! interval. Runs that were stopped before they came to rest are censored observations.
 
 use super::interval::Z_95;
 
@@ -8,22 +8,22 @@ use super::interval::Z_95;
 pub struct SurvivalStep {
     /// The time, s.
     pub time_s: f64,
-    /// Runs moving and watched just before.
+    /// Runs at risk (moving and observed) just before.
     pub at_risk: u64,
-    /// Runs that came to rest then.
+    /// Runs that came to rest at this time.
     pub rests: u64,
-    /// Runs stopped while moving, then or later but before the next step.
+    /// Runs stopped while moving, at this time or later but before the next step.
     pub stopped: u64,
-    /// Fraction of runs still moving right after.
+    /// Fraction of runs still moving immediately after.
     pub moving: f64,
-    /// The 95 % interval of that fraction.
+    /// 95 % interval of the fraction `moving`.
     pub interval: (f64, f64),
-    /// Greenwood's sum, the variance of `moving` over its square; infinite where nothing moves.
+    /// Greenwood's sum, the variance of `moving` over its square; infinite if no run moves.
     greenwood: f64,
 }
 
 impl SurvivalStep {
-    /// Greenwood's standard error of `moving`; `None` where nothing moves any more.
+    /// Returns Greenwood's standard error of `moving`, or `None` if no run moves.
     ///
     /// Source: M. Greenwood, The natural duration of cancer, Reports on Public Health and Medical
     /// Subjects 33, HMSO 1926.
@@ -38,20 +38,21 @@ impl SurvivalStep {
 /// doi:10.1080/01621459.1958.10501452.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SurvivalCurve {
-    /// All runs.
+    /// Number of all runs.
     pub runs: u64,
     /// Runs stopped before any came to rest.
     pub stopped_before: u64,
-    /// When the runs were stopped that were still moving after the last of `steps`, ascending.
+    /// Runs still moving after the last of `steps`: times at which they were stopped, ascending,
+    /// with counts.
     pub stopped_after: Vec<(f64, u64)>,
     /// Times at which runs came to rest, ascending.
     pub steps: Vec<SurvivalStep>,
 }
 
 impl SurvivalCurve {
-    /// The curve of `[runs that came to rest, runs that were stopped]` at ascending times, s. A run
-    /// that has been shown never to come to rest was stopped at an infinite time. At equal times,
-    /// runs that came to rest count before runs that were stopped.
+    /// Computes the curve from `[runs that came to rest, runs that were stopped]` at ascending
+    /// times, s. A run that has been shown never to come to rest has an infinite stopping time. At
+    /// equal times, rests precede stops.
     pub fn new(groups: impl Iterator<Item = (f64, [u64; 2])> + Clone) -> Self {
         let runs = groups.clone().map(|(_, [rests, stopped])| rests + stopped).sum();
         let (stopped_after, steps) = (Vec::new(), Vec::new());
@@ -60,7 +61,7 @@ impl SurvivalCurve {
         for (time_s, [rests, stopped]) in groups {
             if rests > 0 {
                 let (here, left) = (at_risk as f64, (at_risk - rests) as f64);
-                // Runs that would have shown as much of this fraction had none been stopped early.
+                // The number of uncensored runs that would estimate this fraction equally well.
                 let effective = here / moving;
                 moving *= left / here;
                 greenwood += rests as f64 / (here * left);
@@ -88,21 +89,23 @@ impl SurvivalCurve {
         curve
     }
 
-    /// The 95 % interval of the fraction still moving while no run has come to rest.
+    /// Returns the 95 % interval of the fraction still moving while no run has come to rest.
     pub fn interval_before(&self) -> (f64, f64) {
         interval(1.0, 0.0, self.runs as f64)
     }
 
-    /// The time by which this fraction of runs has come to rest, s; `None` where it is not reached.
+    /// Returns the time by which this fraction of runs has come to rest, s, or `None` if it is not
+    /// reached.
     pub fn time_to_rest_quantile(&self, fraction: f64) -> Option<f64> {
         self.first_time(fraction, |step| step.moving)
     }
 
-    /// The 95 % interval of that time, s: the times at which the fraction lies in the curve's interval.
-    /// An end is `None` where it is not reached.
+    /// Returns the 95 % interval of the time by which this fraction of runs has come to rest, s:
+    /// the times at which the fraction lies in the curve's interval. An end is `None` if it is not
+    /// reached.
     ///
     /// Source: R. Brookmeyer, J. Crowley, Biometrics 38 (1982) 29, doi:10.2307/2530286, with the
-    /// interval of the curve that is used here.
+    /// interval of [`SurvivalStep::interval`].
     pub fn time_to_rest_interval(&self, fraction: f64) -> [Option<f64>; 2] {
         [
             self.first_time(fraction, |step| step.interval.0),
@@ -111,23 +114,23 @@ impl SurvivalCurve {
     }
 
     fn first_time(&self, fraction: f64, moving: impl Fn(&SurvivalStep) -> f64) -> Option<f64> {
-        // A fraction like 0.95 of 256 runs must not be missed for a rounding error in the product.
+        // A rounding error in the product must not delay a fraction like 0.95 of 256 runs.
         let enough = 1.0 - fraction + 1e-12;
         self.steps.iter().find(|step| moving(step) <= enough).map(|step| step.time_s)
     }
 }
 
-/// The 95 % interval of a fraction still moving: Greenwood's variance on the scale of log(-log), which
-/// keeps it within 0 and 1.
+/// Returns the 95 % interval of a fraction still moving: Greenwood's variance on the scale of
+/// log(-log), which keeps the interval within 0 and 1.
 ///
-/// At the ends, where that scale has no place, it is the exact binomial interval (C. J. Clopper,
-/// E. S. Pearson, Biometrika 26 (1934) 404, doi:10.1093/biomet/26.4.404) of all or none of the
-/// effective number of runs: those at risk over the fraction that they are of all (F. J. Dorey,
-/// E. L. Korn, Stat. Med. 6 (1987) 679, doi:10.1002/sim.4780060605), which without censoring is the
-/// number of runs.
+/// At 0 and 1, where that scale is singular, it is the exact binomial interval (C. J. Clopper, E.
+/// S. Pearson, Biometrika 26 (1934) 404, doi:10.1093/biomet/26.4.404) for none or all of the
+/// effective number of runs. The effective number is the number of runs at risk divided by the
+/// estimated fraction that they represent (F. J. Dorey, E. L. Korn, Stat. Med. 6 (1987) 679,
+/// doi:10.1002/sim.4780060605); without censoring it is the number of runs.
 ///
-/// Source: J. D. Kalbfleisch, R. L. Prentice, The Statistical Analysis of Failure Time Data, 2nd ed.,
-/// Wiley 2002, section 1.4, doi:10.1002/9781118032985.
+/// Source: J. D. Kalbfleisch, R. L. Prentice, The Statistical Analysis of Failure Time Data, 2nd
+/// ed., Wiley 2002, section 1.4, doi:10.1002/9781118032985.
 fn interval(moving: f64, greenwood: f64, effective: f64) -> (f64, f64) {
     let extreme = || libm::exp(libm::log(0.025) / effective);
     if moving >= 1.0 {
@@ -154,11 +157,11 @@ mod tests {
         SurvivalCurve::new(times.groups())
     }
 
-    /// The remission times of the 6-MP group of Freireich et al. (Blood 21 (1963) 699) with the
-    /// estimates, Greenwood's standard errors and log(-log) intervals that textbooks and statistics
-    /// programs print. The median is 23 weeks, from 13 to not reached.
+    /// The curve of the 6-MP group of Freireich et al. (Blood 21 (1963) 699) has the estimates,
+    /// Greenwood standard errors and log(-log) intervals printed in textbooks and by statistics
+    /// programs. The median is 23 weeks, with an interval from 13 to not reached.
     #[test]
-    fn textbook_data() {
+    fn the_6mp_group_has_the_textbook_estimates() {
         let rests = [6.0, 6.0, 6.0, 7.0, 10.0, 13.0, 16.0, 22.0, 23.0];
         let stopped = [6.0, 9.0, 10.0, 11.0, 17.0, 19.0, 20.0, 25.0, 32.0, 32.0, 34.0, 35.0];
         let curve = curve(&rests, &stopped);
@@ -185,9 +188,10 @@ mod tests {
         assert_eq!(curve.time_to_rest_quantile(0.75), None);
     }
 
-    /// Without censoring Greenwood's variance is the binomial one, `S (1 - S) / n`.
+    /// Without censoring, quantiles are sample quantiles and Greenwood's variance is the binomial
+    /// one, `S (1 - S) / n`.
     #[test]
-    fn nothing_censored_gives_the_sample_quantile() {
+    fn without_censoring_quantiles_are_sample_quantiles() {
         let times: Vec<f64> = (1..=100).map(f64::from).collect();
         let all = curve(&times, &[]);
         assert_eq!(all.time_to_rest_quantile(0.5), Some(50.0));
@@ -202,9 +206,10 @@ mod tests {
         assert_eq!(curve(&[], &[]).time_to_rest_interval(0.5), [None, None]);
     }
 
-    /// All at rest, none at rest, nothing watched: the exact binomial bounds solve `p^n = 0.025`.
+    /// With all runs at rest, none at rest, or no runs, the interval is the exact binomial one,
+    /// with bounds that solve `p^n = 0.025`.
     #[test]
-    fn ends_of_the_range() {
+    fn intervals_at_the_ends_are_exact_binomial() {
         for n in [1_u32, 2, 10, 1000] {
             let times: Vec<f64> = (1..=n).map(f64::from).collect();
             let (all, none) = (curve(&times, &[]), curve(&[], &times));
@@ -218,7 +223,7 @@ mod tests {
             assert!((low.powi(n as i32) / 0.025 - 1.0).abs() < 1e-9 && high == 1.0);
         }
         assert_eq!(curve(&[], &[]).interval_before(), (0.0, 1.0));
-        // The bounds never turn back.
+        // The bounds decrease monotonically.
         let steps = curve(&[1.0, 2.0, 3.0, 4.0, 5.0], &[2.5, 3.5]).steps;
         for pair in steps.windows(2) {
             assert!(pair[1].interval.0 <= pair[0].interval.0);
@@ -226,9 +231,9 @@ mod tests {
         }
     }
 
-    /// Coverage, over seeded repetitions, of runs that rest at a rate of 1 and are stopped between 0
-    /// and 4 s: the interval of the curve at fixed times, and that of the median, ln 2. Of
-    /// 20 runs so few have rested early that the coverage, as any discrete one, falls to 0.93.
+    /// For runs that rest at a rate of 1 and are stopped between 0 and 4 s, the intervals of the
+    /// curve at fixed times and of the median, ln 2, have a coverage near 95 %. With 20 runs, few
+    /// have rested early, and the discrete coverage falls to 0.93.
     #[test]
     fn coverage_is_95_percent() {
         let mut draws = TestRng::new(3);

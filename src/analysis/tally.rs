@@ -2,26 +2,27 @@
 
 use std::collections::BTreeMap;
 
-/// How often each value has occurred, in each of two kinds.
+/// Counts of each value, in two kinds.
 ///
-/// Exact while there are at most 65,536 different values; beyond that, values that agree to 11
-/// binary digits are counted together, as the value in their middle (within 2.5e-4 of each,
-/// relatively). What comes out depends on the values alone, not on their order.
+/// Exact for at most 65,536 different values. Above that, values that agree in 11 binary digits are
+/// counted together at their midpoint (within a relative distance of 2.5e-4). The result does not
+/// depend on the order of the values.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Tally {
     groups: BTreeMap<u64, [u64; 2]>,
     coarse: bool,
 }
 
-/// Most different values that are kept apart.
+/// Largest number of different values that are counted separately.
 const MOST_VALUES: usize = 1 << 16;
-/// Binary digits that a coarse value drops: 52 are stored, 11 are kept.
+/// Number of binary digits that a coarse value drops: 52 are stored, 11 remain.
 const DROPPED: u32 = 41;
 
 impl Tally {
-    /// Counts a value of a kind, 0 or 1: zero, positive or infinite; others are not counted.
+    /// Counts a value of a kind, 0 or 1. The value must be zero, positive or infinite; others are
+    /// ignored.
     pub fn add(&mut self, value: f64, kind: usize) {
-        // Bits of such numbers are ordered as the numbers are; adding 0 makes -0 to 0.
+        // The bits of such numbers have the same order as the numbers; adding 0 turns -0 into 0.
         let value = value + 0.0;
         if value.is_nan() || value < 0.0 {
             return;
@@ -38,14 +39,14 @@ impl Tally {
         }
     }
 
-    /// Values in ascending order, each with its counts.
+    /// Returns the values in ascending order, each with its counts.
     pub fn groups(&self) -> impl Iterator<Item = (f64, [u64; 2])> + Clone {
         self.groups.iter().map(|(key, counts)| (f64::from_bits(*key), *counts))
     }
 
-    /// The quantile of the values of both kinds, linear between order statistics (type 7 of
-    /// Hyndman and Fan, Am. Stat. 50 (1996) 361, doi:10.1080/00031305.1996.10473566); `None` of
-    /// nothing.
+    /// Returns the quantile of the values of both kinds, linear between order statistics (type 7 of
+    /// Hyndman and Fan, Am. Stat. 50 (1996) 361, doi:10.1080/00031305.1996.10473566), or `None` if
+    /// there are no values.
     pub fn quantile(&self, fraction: f64) -> Option<f64> {
         let all: u64 = self.groups.values().flatten().sum();
         let place = fraction * all.checked_sub(1)? as f64;
@@ -65,7 +66,7 @@ impl Tally {
     }
 }
 
-/// The bits of the middle of the values that agree with this one to the digits that are kept.
+/// Returns the bits of the midpoint of the values that agree with this one in the remaining digits.
 fn coarse(bits: u64) -> u64 {
     if f64::from_bits(bits).is_infinite() {
         return bits;
@@ -84,7 +85,7 @@ mod tests {
     }
 
     #[test]
-    fn quantiles_between_order_statistics() {
+    fn quantiles_interpolate_between_order_statistics() {
         let few = tally([4.0, 2.0, 1.0, 3.0]);
         assert_eq!(few.quantile(0.5), Some(2.5));
         assert_eq!(few.quantile(0.0), Some(1.0));
@@ -93,8 +94,8 @@ mod tests {
         assert_eq!(tally([f64::NAN, -1.0]).quantile(0.5), None);
     }
 
-    /// A million different values: within 2.5e-4 of the exact quantiles, in any order, and not
-    /// more groups than different values may be.
+    /// A million different values are within 2.5e-4 of the exact quantiles in any order, in a
+    /// bounded number of groups.
     #[test]
     fn many_values_are_counted_coarsely() {
         let value = |i: u32| 1e-5 * (1.0 + f64::from(i)).powf(1.3);

@@ -1,4 +1,4 @@
-//! Random numbers for tests, the same ones every time.
+//! Seeded random numbers for tests.
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
@@ -7,25 +7,25 @@ use rand_chacha::rand_core::{Rng, SeedableRng};
 pub struct TestRng(ChaCha8Rng);
 
 impl TestRng {
-    /// The stream of a seed.
+    /// Creates the stream of a seed.
     pub fn new(seed: u64) -> Self {
         TestRng(ChaCha8Rng::seed_from_u64(seed))
     }
 
-    /// Uniform between 0 and 1, never one of them.
+    /// Returns a number uniform in the open interval (0, 1).
     pub fn uniform(&mut self) -> f64 {
         ((self.0.next_u64() >> 11) as f64 + 0.5) / (1_u64 << 53) as f64
     }
 
-    /// Exponential with a rate.
+    /// Returns an exponentially distributed number with the given rate.
     pub fn exponential(&mut self, rate: f64) -> f64 {
         -self.uniform().ln() / rate
     }
 
-    /// Gamma with a shape and a scale of 1.
+    /// Returns a gamma-distributed number with the given shape and a scale of 1.
     ///
-    /// Source: J. H. Ahrens, U. Dieter, Computing 12 (1974) 223, doi:10.1007/BF02293108, algorithm GS
-    /// for shapes up to 1; larger shapes are sums.
+    /// Source: J. H. Ahrens, U. Dieter, Computing 12 (1974) 223, doi:10.1007/BF02293108, algorithm
+    /// GS for shapes up to 1; larger shapes are sums.
     fn gamma(&mut self, shape: f64) -> f64 {
         if shape > 1.0 {
             return self.exponential(1.0) + self.gamma(shape - 1.0);
@@ -47,13 +47,13 @@ impl TestRng {
         }
     }
 
-    /// From a Beta distribution.
+    /// Returns a Beta-distributed number.
     pub fn beta(&mut self, a: f64, b: f64) -> f64 {
         let (a, b) = (self.gamma(a), self.gamma(b));
         if a + b > 0.0 { a / (a + b) } else { 0.0 }
     }
 
-    /// An angle in [0, 2π) from a von Mises distribution, by rejection.
+    /// Returns an angle in [0, 2π) from a von Mises distribution, by rejection.
     pub fn von_mises(&mut self, centre: f64, concentration: f64) -> f64 {
         loop {
             let angle = std::f64::consts::TAU * self.uniform();

@@ -1,4 +1,4 @@
-//! One run of the balancer: simulated until its ending is known.
+//! Simulation of one balancer run until its ending is known.
 
 use super::certificate::{certified, certified_by_closed_form};
 use super::closed_orbit::Orbit;
@@ -15,7 +15,7 @@ use super::window::{LatestStep, WINDOW, Window};
 use crate::model::{Balancer, Endings, Machine, RestPoint, Simulation, Start, State};
 use crate::motion::{Failure, Motion, Settings};
 
-/// All that a run begins with.
+/// The initial state of a run.
 pub(super) struct Prepared<const N: usize> {
     pub(super) balancer: Balancer<N>,
     pub(super) state: State<N>,
@@ -26,8 +26,8 @@ pub(super) struct Prepared<const N: usize> {
 }
 
 impl<const N: usize> Prepared<N> {
-    /// What a run of a machine begins with; none where machine or start state have another number of
-    /// balls.
+    /// Returns the initial state of a run of a machine; `None` if machine and start state differ in
+    /// their number of balls.
     pub(super) fn new(machine: &Machine, start: &Start, simulation: &Simulation) -> Option<Self> {
         let (balancer, state) = (Balancer::<N>::new(machine)?, start.of_balls()?);
         let natural = machine.natural_frequency_rad_s();
@@ -40,7 +40,7 @@ impl<const N: usize> Prepared<N> {
     }
 }
 
-/// The outcome of a case whose start state does not go with its machine.
+/// Returns the outcome of a case whose start state does not fit its machine.
 pub(super) fn other_number_of_balls() -> Outcome {
     let error = "the start state has another number of balls than the machine";
     Outcome::failed(Evidence::InvalidParameters, error.to_owned())
@@ -75,12 +75,12 @@ pub(super) fn simulate_balancer<const N: usize>(
     }
 }
 
-/// The latest of some times.
+/// Returns the latest of some times.
 fn latest(times: &[f64]) -> f64 {
     times.iter().copied().fold(0.0, f64::max)
 }
 
-/// What turns non-dimensional values into SI units.
+/// Conversion factors from non-dimensional values to SI units.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Units {
     natural: f64,
@@ -95,13 +95,13 @@ pub(super) struct BalancerRun<'a, const N: usize> {
     pub(super) units: Units,
     pub(super) motion: Motion<'a, Balancer<N>, N>,
     pub(super) horizons: Horizons<Late<N>>,
-    /// None where limit cycles are not looked for.
+    /// `None` if limit cycles are not sought.
     pub(super) watch: Option<OrbitWatch<N>>,
     pub(super) settled: SettledWatch,
     pub(super) rest: Option<RestPoint<N>>,
 }
 
-/// What is gathered over the last part of the time.
+/// Statistics over the last part of the time.
 #[derive(Clone, Debug)]
 pub(super) struct Late<const N: usize> {
     pub(super) means: Window<N>,
@@ -109,7 +109,7 @@ pub(super) struct Late<const N: usize> {
 }
 
 impl<const N: usize> Late<N> {
-    /// For a run that ends at a time.
+    /// Creates the statistics for a run that ends at a time.
     fn until(end: f64, endings: Endings) -> Self {
         let separation = match endings {
             Endings::All => (1.0 - SEPARATION_WINDOW) * end,
@@ -127,7 +127,7 @@ impl<const N: usize> Late<N> {
     }
 }
 
-/// How the loop came to its end.
+/// How the simulation ended.
 pub(super) enum Ending<const N: usize> {
     Rest(RestPoint<N>),
     Settled,
@@ -137,7 +137,7 @@ pub(super) enum Ending<const N: usize> {
 }
 
 impl<const N: usize> BalancerRun<'_, N> {
-    /// The rest point while all balls stick; it stays the same until one breaks loose.
+    /// Returns the rest point while all balls stick; it is constant until one breaks loose.
     fn rest_point(&mut self) -> Option<RestPoint<N>> {
         if !self.motion.all_stick() {
             return None;
@@ -146,7 +146,7 @@ impl<const N: usize> BalancerRun<'_, N> {
         Some(*self.rest.get_or_insert_with(|| self.balancer.rest_point(&state.beta)))
     }
 
-    /// How it has come to its end where nothing else has ended it before.
+    /// Returns the ending of a run that has reached its end time without another ending.
     pub(super) fn at_end_time(&mut self) -> Ending<N> {
         match self.rest_point() {
             Some(rest) if certified_by_closed_form(self.balancer, &rest, self.motion.state()) => {
@@ -234,7 +234,7 @@ impl<const N: usize> Run for BalancerRun<'_, N> {
             mean_speed: Some(vec![0.0; N]),
             ..base.clone()
         };
-        // Without the certainty of stick, rest begins when the balls are slow.
+        // Without a rest certificate, rest begins when the balls are slow.
         let slow = |evidence: Evidence| Outcome {
             time_to_rest_s: Some(latest(self.motion.slow_since()) / natural),
             ..at_rest(evidence, self.balancer.rest_point(&state.beta))
@@ -253,7 +253,7 @@ impl<const N: usize> Run for BalancerRun<'_, N> {
             },
             Ending::Settled => Outcome { friction_margin: None, ..slow(Evidence::Settled) },
             Ending::EndTime if creeps(self.balancer, &self.motion) => {
-                // On the edge of the set, which is approached from outside.
+                // On the edge of the set, approached from outside.
                 let slow = slow(Evidence::Creep);
                 let friction_margin = slow.friction_margin.map(|margin| margin.max(0.0));
                 Outcome { friction_margin, ..slow }

@@ -1,13 +1,16 @@
-//! One run of a block on a spring: simulated until its ending is known.
+//! Simulation of one run of a block on a spring until its ending is known.
 //!
-//! On rigid ground a block that sticks stays: the spring's force on it no longer changes. On a belt
-//! it is carried along until it breaks away, always at the same place, so that its state there is
-//! the same each time: two break-aways in a row close a cycle, and nothing of a disturbance is left
-//! after one. That takes a static coefficient above the kinetic one. With equal ones the block only
-//! touches the belt's speed on the orbit that begins at its break-away, the outermost of those on
-//! which it slides for good; such an orbit keeps every disturbance towards the inside, so that no
-//! cycle is claimed. A block that slides on a belt for good has no dry friction to stop it; unless
-//! its law damps it, so that it settles, it swings for ever as it started.
+//! On rigid ground a block that sticks stays at rest, because the spring force on it is constant.
+//! On a belt the block is carried along until it breaks away, always at the same position, so that
+//! its state there is the same each time: two successive break-aways close a cycle, and a
+//! disturbance vanishes within one period. This requires a static coefficient above the kinetic
+//! one.
+//!
+//! With equal coefficients, the block reaches the belt's speed only on the orbit that starts at its
+//! break-away, the outermost of the orbits on which it slides permanently. This orbit preserves
+//! every inward disturbance, so that no cycle is claimed. A block that slides permanently on a belt
+//! is not stopped by dry friction; unless its law damps the motion, so that it settles, it
+//! oscillates with constant amplitude.
 
 use super::block_cycle::BlockCycleRecorder;
 use super::cycle::Cycle;
@@ -80,11 +83,11 @@ struct BreakAway {
     position: f64,
     /// The extremes since then.
     extremes: Extremes,
-    /// What it has done since then.
+    /// The phases since then.
     course: BlockCycleRecorder,
 }
 
-/// How the loop came to its end.
+/// How the simulation ended.
 enum Ending {
     Rest,
     Settled,
@@ -94,7 +97,7 @@ enum Ending {
 }
 
 impl BlockRun<'_> {
-    /// Takes a break-away in; the period where it closes a cycle.
+    /// Records a break-away. Returns the period if it closes a cycle.
     fn break_away(&mut self) -> Option<f64> {
         if self.slider.friction.limit <= self.slider.friction.coefficient {
             return None;
@@ -111,15 +114,15 @@ impl BlockRun<'_> {
         None
     }
 
-    /// Half of the way between the extremes since the last break-away, or else in the last part of
-    /// the time.
+    /// Returns half of the distance between the extremes since the last break-away, or in the last
+    /// part of the time if there was none.
     fn amplitude_m(&self) -> Option<f64> {
         let last = self.last_break_away.as_ref().map(|last| &last.extremes);
         let extremes = last.unwrap_or(self.horizons.window());
         extremes.amplitude().map(|amplitude| amplitude * self.length)
     }
 
-    /// What the block has done since the last break-away.
+    /// Returns the cycle since the last break-away.
     fn cycle(&self) -> Option<Cycle> {
         let course = &self.last_break_away.as_ref()?.course;
         Some(course.cycle(self.length * self.natural, self.amplitude_m()?))
@@ -199,7 +202,7 @@ impl Run for BlockRun<'_> {
                 evidence: Evidence::RestCertified,
                 time_to_rest_s: Some(motion.last_switches()[0] / natural),
                 amplitude_m: Some(0.0),
-                // On the very edge of the interval the slack of the conditions is all that is missing.
+                // On the very edge of the interval only the slack of the conditions is missing.
                 friction_margin: Some(1.0 - position.abs() / self.slider.friction.limit)
                     .filter(|margin| margin.is_finite())
                     .map(|margin| margin.max(0.0)),

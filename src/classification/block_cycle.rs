@@ -1,24 +1,23 @@
-//! What a block on a belt does from one break-away to the next: one period of its limit cycle.
+//! One period of the limit cycle of a block on a belt: its motion from one break-away to the next.
 //!
-//! The state at break-away is the same each time, so that nothing of a disturbance is left after
-//! one period: the only multiplier off the direction of the motion itself is 0, and no direction is
-//! neutral.
+//! The state at break-away is the same each time, so that a disturbance vanishes within one period:
+//! the only multiplier other than that along the motion is 0, and no direction is neutral.
 
 use super::cycle::{Cycle, CyclePhase};
 use crate::model::{Slider, SliderState};
 use crate::motion::{Motion, Phase, derivative};
 
-/// What a block has done since it broke away.
+/// The motion of a block since it broke away.
 #[derive(Clone, Debug, Default)]
 pub(super) struct BlockCycleRecorder {
-    /// One after another, neighbours differ.
+    /// The sequence of phases; neighbours differ.
     cycle_phases: Vec<CyclePhase>,
     /// Least and greatest speed relative to the belt, non-dimensional; 0 at break-away.
     speeds: [f64; 2],
 }
 
 impl BlockCycleRecorder {
-    /// Takes in the motion's latest step, in which the block was in this phase.
+    /// Adds the latest step of the motion, in which the block was in this phase.
     pub(super) fn extend(
         &mut self,
         slider: &Slider,
@@ -46,8 +45,8 @@ impl BlockCycleRecorder {
         }
     }
 
-    /// The cycle that the block has gone round, for the speed that counts as 1 and half of the way
-    /// between its extreme positions.
+    /// Returns the completed cycle, given the unit of speed and half of the distance between the
+    /// block's extreme positions.
     pub(super) fn cycle(&self, unit_speed_m_s: f64, amplitude_m: f64) -> Cycle {
         Cycle {
             turns: vec![0],

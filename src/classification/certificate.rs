@@ -1,14 +1,14 @@
 //! The rest certificate: whether balls that all stick can ever break loose again.
 //!
 //! With all balls stuck the table is a damped linear oscillator in inertial space, whose distance
-//! `R` from the rest point in phase space never grows; its acceleration beyond the rest point is at
-//! most `sqrt(1 + 4ζ²) R`. If every ball's friction limit covers that, the run has ended in
-//! equilibrium, certainly. Where this bound is too coarse, the motion itself is known in closed
-//! form and can be followed until it is not.
+//! `R` from the rest point in phase space never grows; the acceleration in excess of that at the
+//! rest point is at most `sqrt(1 + 4ζ²) R`. If every ball's friction limit covers this bound, the
+//! run has certainly ended in equilibrium. If the bound is too coarse, the motion in closed form is
+//! followed until the bound suffices.
 
 use crate::model::{Balancer, Contact, RestPoint, State};
 
-/// Whether no ball can ever break loose, by the energy bound alone. All balls must stick.
+/// Returns whether no ball can ever break loose, by the energy bound alone. All balls must stick.
 pub fn certified<const N: usize>(
     balancer: &Balancer<N>,
     rest: &RestPoint<N>,
@@ -17,7 +17,7 @@ pub fn certified<const N: usize>(
     balancer.friction_use(rest, disturbance_bound(balancer, rest, state)) <= 1.0
 }
 
-/// Bound on any force beyond those at rest, for ever after.
+/// Returns a bound on the deviation of any force from its value at rest, for all later times.
 fn disturbance_bound<const N: usize>(
     balancer: &Balancer<N>,
     rest: &RestPoint<N>,
@@ -28,19 +28,19 @@ fn disturbance_bound<const N: usize>(
     balancer.acceleration_bound(distance) + normal
 }
 
-/// Whether no ball can ever break loose, by following the closed form of the table's motion until
-/// the energy bound holds. Between the instants that are looked at, forces are bounded through
-/// their rate of change, so that `true` is certain; `false` means that a ball breaks loose, or that
-/// the two are too close to tell.
+/// Returns whether no ball can ever break loose, by following the closed form of the table's motion
+/// until the energy bound holds. Between the sampled instants, forces are bounded through their
+/// rate of change, so that `true` is certain; `false` means that a ball breaks loose, or that the
+/// margin is too small for a decision.
 ///
-/// From inertial space `u e^{iωt}` obeys `ü + 2ζ u̇ + u = 0`; the solution over a fixed time is one
-/// complex 2×2 matrix, which is applied again and again.
+/// In inertial space `u e^{iωt}` obeys `ü + 2ζ u̇ + u = 0`; the solution over a fixed time is one
+/// complex 2×2 matrix, which is applied repeatedly.
 pub fn certified_by_closed_form<const N: usize>(
     balancer: &Balancer<N>,
     rest: &RestPoint<N>,
     state: &State<N>,
 ) -> bool {
-    // At the rest point itself the balls must hold, or no patience helps.
+    // If the balls are not held at the rest point itself, following the motion cannot certify rest.
     if balancer.friction_use(rest, 0.0) >= 1.0 || balancer.damping_ratio <= 0.0 {
         return false;
     }
@@ -50,7 +50,8 @@ pub fn certified_by_closed_form<const N: usize>(
     let interval = 0.02 / (omega.abs() + 1.0);
     let propagate = Propagator::new(zeta, omega, interval);
     let mut current = *state;
-    // What the balls' dying speeds add is not in the closed form: bounded once and for all.
+    // The closed form does not include the decaying residual speeds of the balls; their effect is
+    // bounded once.
     let (normal, push) = balancer.residual_disturbance(state);
     let residual = normal + push + balancer.acceleration_bound(push);
     let mut u = [state.position[0] - rest.position[0], state.position[1] - rest.position[1]];
@@ -89,8 +90,8 @@ struct Propagator {
 
 impl Propagator {
     fn new(zeta: f64, omega: f64, time: f64) -> Self {
-        // Powers of the oscillator's matrix, summed: for the short times used here a dozen terms
-        // reach rounding, for any damping ratio that is not enormous.
+        // Sums the matrix exponential: for the short times used here about a dozen terms reach
+        // rounding accuracy, for any moderate damping ratio.
         let (mut term, mut sum) = ([1.0, 0.0, 0.0, 1.0], [1.0, 0.0, 0.0, 1.0]);
         for power in 1..60 {
             let scale = time / f64::from(power);

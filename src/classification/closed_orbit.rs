@@ -1,4 +1,4 @@
-//! A closed orbit near a run: found by shooting, judged by its Floquet multipliers.
+//! A closed orbit near a run: found by shooting, with its stability from the Floquet multipliers.
 //!
 //! Newton's method on the return map, whose derivative is exact through all switches, finds the
 //! orbit that closes; the eigenvalues of the same derivative there are its multipliers (R. Seydel,
@@ -12,24 +12,26 @@ use super::period::Period;
 use super::return_map::{Return, ReturnMap};
 use crate::model::State;
 
-/// How far from the run the closed orbit may lie, non-dimensional.
+/// Largest distance of the closed orbit from the run, non-dimensional.
 pub(super) const REACH: f64 = 1e-2;
-/// Most turns that Newton's method follows, each with the derivative counting as many as the
-/// section has dimensions.
+/// Maximum number of turns for Newton's method; a turn with the derivative counts once per
+/// dimension of the section.
 const MOST_TURNS_FOLLOWED: usize = 200;
-/// Over the relative tolerance with which the map is computed: an orbit that comes back to itself
-/// so nearly needs no more of Newton's method.
+/// Multiple of the relative tolerance of the return map below which the closing error of an orbit
+/// is not refined further.
 const AT_BEST: f64 = 10.0;
-/// Orbits this near to each other on the section are the same.
+/// Orbits at this distance on the section, or less, are the same.
 const SAME_ORBIT: f64 = 1e-4;
-/// Most returns within which the run must come nearer to the orbit.
+/// Maximum number of returns within which the run must approach the orbit.
 const MOST_RETURNS: usize = 400;
-/// Returns over which the greatest distance is taken: a spiral comes nearer on the whole only.
+/// Number of returns over which the greatest distance is taken, because a spiral does not approach
+/// monotonically.
 const SPELL: usize = 10;
-/// How much nearer: as much as the largest multiplier does in fifty returns, within these bounds.
+/// Bounds on the required reduction of the distance, which is that of the largest multiplier over
+/// fifty returns.
 const NEARER: (f64, f64) = (0.1, 0.8);
-/// Multipliers must stay this far inside the unit circle to count as stable, and go this far outside
-/// to count as unstable: what the orbit's closing to the tolerances only leaves open.
+/// Distance from the unit circle below which a multiplier does not decide the stability, because
+/// the orbit closes only to within the tolerances.
 const MULTIPLIER_DOUBT: f64 = 1e-4;
 
 /// A closed orbit.
@@ -37,48 +39,49 @@ const MULTIPLIER_DOUBT: f64 = 1e-4;
 pub struct Orbit<const N: usize> {
     /// Period, non-dimensional.
     pub period: f64,
-    /// Whole turns of each ball per period, with sign.
+    /// Net number of turns of each ball per period, with sign.
     pub turns: [i32; N],
-    /// What the balls do, one after another.
+    /// The sequence of phases of the balls.
     pub configurations: Vec<[CyclePhase; N]>,
     /// Mean speed of each ball relative to the ring, non-dimensional.
     pub speed: [f64; N],
     /// Least and greatest speed of each ball.
     pub speed_extremes: [[f64; 2]; N],
-    /// Least and greatest angle of each ball, from one beginning in [0, 2π) on.
+    /// Least and greatest angle of each ball, starting in [0, 2π).
     pub angle_extremes: [[f64; 2]; N],
     /// Root mean square over the period of the table's displacement, over `L`.
     pub amplitude: f64,
-    /// Its greatest displacement, over `L`.
+    /// Greatest displacement of the table, over `L`.
     pub peak: f64,
-    /// The least part of the friction limit that is left to a resting ball; none where none rests.
+    /// The smallest friction margin of a resting ball; `None` if no ball rests.
     pub margin: Option<f64>,
     /// Moduli of the multipliers off the neutral directions, descending.
     pub multipliers: Vec<f64>,
-    /// Balls that rest all along, each anywhere in an interval: as many directions are neutral.
+    /// Number of balls that rest throughout, each anywhere in an interval: one neutral direction
+    /// each.
     pub neutral_directions: usize,
 }
 
-/// What a look at a closing orbit has shown.
+/// The result of examining an orbit.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Verdict<const N: usize> {
-    /// A limit cycle that draws the run near.
+    /// A limit cycle that attracts the run.
     Stable(Orbit<N>),
-    /// A closed orbit that a disturbance grows away from.
+    /// A closed orbit from which disturbances grow.
     Unstable(Orbit<N>),
     /// Neither could be shown.
     Open,
 }
 
-/// An orbit that closes after `map.turns` turns, at one of its states on the section.
+/// An orbit that closes after `map.turns` turns, represented by one of its states on the section.
 struct Closed<'a, const N: usize> {
     map: ReturnMap<'a, N>,
     state: State<N>,
     slope: DMatrix<f64>,
 }
 
-/// Refines the orbit near `run`, a state on the section, and says what it is. An orbit is closed
-/// where it comes back to itself within `closure`, better where that can be had.
+/// Refines the orbit near `run`, a state on the section, and classifies it. An orbit counts as
+/// closed if its closing error is at most `closure`; the refinement aims for less.
 pub(super) fn examine<const N: usize>(
     map: ReturnMap<N>,
     run: &State<N>,
@@ -98,8 +101,9 @@ pub(super) fn examine<const N: usize>(
     Some(if is_stable { Verdict::Stable(orbit) } else { Verdict::Open })
 }
 
-/// Newton's method on the return map. Its derivative is kept while it brings the orbit quickly
-/// nearer: the map has kinks near an orbit on which a ball barely sticks.
+/// Finds a fixed point of the return map by Newton's method. The derivative is reused while the
+/// iteration converges quickly, because the map has kinks near an orbit on which a ball barely
+/// sticks.
 fn shoot<'a, const N: usize>(
     map: ReturnMap<'a, N>,
     run: &State<N>,
@@ -115,7 +119,7 @@ fn shoot<'a, const N: usize>(
         let start = map.section.state(run, &centre);
         let residual = map.section.difference(&map.follow(&start)?.state, &start);
         let size = residual.amax();
-        // Beyond what is asked for, as far as it goes.
+        // Iterates below the required accuracy as long as the error decreases.
         let at_best = AT_BEST * map.settings.tolerance.relative;
         if size <= at_best || (last <= closure && size > 0.25 * last) {
             let (_, slope) = map.follow_with_slope(&start)?;
@@ -136,9 +140,9 @@ fn shoot<'a, const N: usize>(
     None
 }
 
-/// The same orbit followed once round only. An orbit that closes after six turns may close after
-/// two; and one that draws motions near in a spiral of five turns seems to close after five long
-/// before it is seen to close after one.
+/// Returns the same orbit over its minimal number of turns. An orbit that closes after six turns
+/// may close after two; and an orbit approached in a spiral of five turns appears to close after
+/// five long before it appears to close after one.
 fn in_fewest_turns<const N: usize>(closed: Closed<N>, closure: f64) -> Closed<N> {
     let all = closed.map.turns;
     let once = (1..all).filter(|turns| all.is_multiple_of(*turns)).find_map(|turns| {
@@ -150,9 +154,9 @@ fn in_fewest_turns<const N: usize>(closed: Closed<N>, closure: f64) -> Closed<N>
     once.unwrap_or(closed)
 }
 
-/// Whether the run itself is drawn to the orbit: whether it comes nearer. An orbit with multipliers
-/// inside the unit circle may have a small basin; a ball that slowly swings about its place in the
-/// orbit, sticking at every turn, may never come closer.
+/// Returns whether the run approaches the orbit. An orbit with multipliers inside the unit circle
+/// may have a small basin; and a run in which a ball slowly swings about its place in the orbit,
+/// sticking at every turn, may never approach it.
 fn attracts<const N: usize>(
     closed: &Closed<N>,
     run: &State<N>,
@@ -212,9 +216,10 @@ fn orbit<const N: usize>(
     }
 }
 
-/// Moduli of a matrix's eigenvalues, descending; none where they cannot be found.
+/// Returns the moduli of a matrix's eigenvalues, descending; `None` if they cannot be computed.
 fn moduli(slope: DMatrix<f64>) -> Option<Vec<f64>> {
-    // The decomposition is bounded: of a matrix that is not finite it would never come back.
+    // The number of iterations is bounded: for a matrix that is not finite the decomposition would
+    // not end.
     let eigenvalues = Schur::try_new(slope, f64::EPSILON, 10_000)?.complex_eigenvalues();
     let mut moduli: Vec<f64> = eigenvalues.iter().map(|value| value.norm()).collect();
     moduli.sort_by(|one, other| other.total_cmp(one));

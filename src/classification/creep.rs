@@ -1,31 +1,33 @@
-//! Creep: balls that drift ever slower towards the edge of the equilibrium set without reaching it.
+//! Creep: balls that drift ever more slowly towards the edge of the equilibrium set without
+//! reaching it.
 //!
-//! Near the edge friction is just too small to stop a ball and the pull on it vanishes with the
-//! distance, so that its speed decays like the motion of an overdamped door and is never zero. By
-//! any practical standard the ball is at rest. Seen at one instant, a ball that is about to leave
-//! the set looks the same; so the motion is followed on for a while. What is asked for:
+//! Near the edge friction is just too small to stop a ball, and the net force on it vanishes with
+//! the distance, so that its speed decays like that of an overdamped system and never becomes zero.
+//! For practical purposes the ball is at rest. At one instant, a ball that is about to leave the
+//! set looks the same; the motion is therefore followed for a test period. The criteria are:
 //!
-//! - all balls are slow (1e-6 of the natural frequency, or slower than the band where that is
-//!   wider), now and all along that while;
-//! - the table is at the rest point of where the balls are, and the pull there is at most a hair
-//!   above the friction limit;
-//! - the balls hardly move on, and do not gather speed from the first half of the while to the
+//! - all balls are slow (below 1e-6 of the natural frequency, or below the band if that is wider),
+//!   at the start and throughout the test period;
+//! - the table is at the rest point for the balls' positions, and the tangential force there
+//!   exceeds the friction limit only slightly;
+//! - the balls hardly drift, and do not accelerate from the first half of the test period to the
 //!   second.
 
 use crate::model::{Balancer, State};
 use crate::motion::Motion;
 
-/// How far above the friction limit, relative to it, the pull may be.
+/// Largest excess of the tangential force over the friction limit, relative to the limit.
 const EXCESS: f64 = 1e-3;
-/// How long the motion is followed on, non-dimensional: some thirty periods of the table.
+/// Length of the test period, non-dimensional: about thirty periods of the table.
 const WHILE: f64 = 200.0;
-/// How far a ball may drift in that time, rad.
+/// Largest drift of a ball in the test period, rad.
 const DRIFT: f64 = 1e-3;
-/// How much further in its second half, rad: a table that is not quite still moves the balls on in
-/// small steps, uneven ones. A ball that leaves gains a hundredfold from one half to the next.
+/// Largest increase of the drift in the second half, rad: a table that is not quite at rest moves
+/// the balls in small, uneven steps. A ball that leaves moves a hundred times further in the second
+/// half.
 const UNSTEADY: f64 = 1e-5;
 
-/// Whether all balls of a motion creep.
+/// Returns whether all balls of a motion creep.
 pub fn creeps<const N: usize>(balancer: &Balancer<N>, motion: &Motion<Balancer<N>, N>) -> bool {
     if !motion.all_slow() || !pull_is_small(balancer, motion.state()) {
         return false;
@@ -60,8 +62,8 @@ mod tests {
     use crate::model::{Balancer, Machine, Method, State};
     use crate::motion::{Motion, Settings, Tolerance};
 
-    /// Two balls at rest just outside the equilibrium set: most of them leave, and none of those
-    /// that do may be taken for creeping.
+    /// None of the balls that leave the equilibrium set, released at rest just outside it, counts
+    /// as creeping.
     #[test]
     fn balls_that_leave_do_not_creep() {
         let balancer = Balancer::<2>::new(&Machine::default()).unwrap();

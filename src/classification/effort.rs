@@ -1,26 +1,28 @@
-//! How much computing a run may take before it is given up.
+//! Limits on the computational effort of a run.
 //!
-//! Two limits, and neither looks at a clock: the same run is given up at the same step everywhere. A motion that
-//! takes far more steps per unit of time than any sound one is given up soon, whenever that begins
-//! ([`most_steps_by`]). A motion that goes on well, but for very long, is given up after as many steps as take
-//! [`LONGEST_S`] of computing; after a second, where it cannot be brought to its end within these.
+//! There are two limits, and both count steps, not time, so that a run is given up at the same step
+//! on every machine. A motion with far more steps per unit of time than any well-behaved one is
+//! given up early ([`most_steps_by`]). A well-behaved but very long motion is given up after a
+//! number of steps that corresponds to [`LONGEST_S`] of computing, or to one second if it cannot
+//! reach its end time within that limit.
 
 use crate::model::{Balancer, Machine, Model, Simulation, System};
 use crate::motion::most_steps_by;
 
-/// How long a run may be computed that goes on well, s.
+/// Longest computing time of a run that can reach its end time, s.
 const LONGEST_S: f64 = 300.0;
-/// How long a run is computed that cannot be brought to its end time, s.
+/// Longest computing time of a run that cannot reach its end time, s.
 const IN_VAIN_S: f64 = 1.0;
-/// The most steps that a run may take to look for closed orbits, each time that it looks: those of single
-/// motions, and of neighbours that are carried along.
+/// Maximum number of steps of one search for a closed orbit, counting the steps of the motion and
+/// of displaced motions.
 pub(super) const MOST_STEPS_OF_A_LOOK: u64 = 5_000_000;
-/// How often a run looks for a closed orbit at most.
+/// Maximum number of searches for a closed orbit per run.
 pub(super) const MOST_LOOKS: u32 = 4;
 
-/// A bound of the time that a step takes in a run that is computed alone, s on a core of 2024. One by one, a step
-/// with a neighbour takes 2.3 µs per ball; with one of eight lanes in use and an event in every step it takes up
-/// to 4 µs per ball. A step of a block takes 0.6 µs.
+/// Returns an upper bound of the time per step of a run that is computed alone, s on a core of the
+/// year 2024. In the one-by-one engine, a step with a displacement takes 2.3 µs per ball; in
+/// lockstep with one of eight lanes in use and an event in every step it takes up to 4 µs per ball.
+/// A step of a block takes 0.6 µs.
 pub fn seconds_per_step(model: &Model) -> f64 {
     seconds_per_step_with(model.balls())
 }
@@ -29,13 +31,15 @@ fn seconds_per_step_with(balls: usize) -> f64 {
     if balls == 0 { 1e-6 } else { 4e-6 * balls as f64 }
 }
 
-/// The most steps that any run with so many balls can take in all, whatever its parameters and its end time.
+/// Returns the maximum number of steps of any run with this number of balls, for any parameters and
+/// end time.
 pub fn most_steps_of_any_run(balls: usize) -> u64 {
     let going_on = (LONGEST_S / seconds_per_step_with(balls)) as u64;
     most_steps_by(0.0, 0.0) + going_on + u64::from(MOST_LOOKS) * MOST_STEPS_OF_A_LOOK
 }
 
-/// The most steps, tried or taken, and switches in the motion of a run to the non-dimensional time `end`.
+/// Returns the maximum number of steps (tried or accepted) and switches in the motion of a run
+/// until the non-dimensional time `end`.
 pub(super) fn effort_limit<S: System<N, FREE>, const N: usize, const FREE: usize>(
     system: &S,
     end: f64,
@@ -48,8 +52,8 @@ pub(super) fn effort_limit<S: System<N, FREE>, const N: usize, const FREE: usize
     sound(end).min(sound(0.0).saturating_add(most as u64))
 }
 
-/// The most steps that a run of a model can take in all, also to look for closed orbits; none where the model has
-/// a number of balls that there is no computation for.
+/// Returns the maximum total number of steps of a run of a model, including searches for closed
+/// orbits; `None` for an unsupported number of balls.
 pub fn most_steps_of_a_run(model: &Model, simulation: &Simulation) -> Option<u64> {
     let [_, latest_end_time_s] = simulation.end_times_s();
     let end = latest_end_time_s * model.natural_frequency_rad_s();

@@ -1,24 +1,24 @@
-//! The least and the greatest position of a block, from a time on.
+//! The least and the greatest position of a block after a given time.
 
 use crate::model::{Slider, SliderState};
 use crate::motion::Motion;
 
-/// Extremes from a time on, wherever in a step it lies.
+/// Extremes after a given time, which may lie within a step.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Extremes {
     start: f64,
     range: Option<[f64; 2]>,
 }
 
-/// A step: where the block was at some times in it, its turning points and its end among them.
+/// A step: the block's positions at selected times in it, including its turning points and its end.
 pub(super) struct Passed {
     before: f64,
     points: [Option<(f64, f64)>; 3],
 }
 
 impl Passed {
-    /// The motion's latest step, which began at the time `before`, with the block `stuck` or not:
-    /// it turns back only while it slides.
+    /// Evaluates the motion's latest step, which began at the time `before`, with the block `stuck`
+    /// or not: it turns back only while it slides.
     pub(super) fn of(
         slider: &Slider,
         motion: &mut Motion<Slider, 1, 0>,
@@ -37,17 +37,17 @@ impl Passed {
 }
 
 impl Extremes {
-    /// Extremes from a time on.
+    /// Starts at a time.
     pub(super) fn from(start: f64) -> Self {
         Extremes { start, range: None }
     }
 
-    /// Extremes from a time and position on.
+    /// Starts at a time and position.
     pub(super) fn from_place(start: f64, position: f64) -> Self {
         Extremes { start, range: Some([position; 2]) }
     }
 
-    /// Takes in the motion's latest step.
+    /// Adds the motion's latest step.
     pub(super) fn take_in(&mut self, passed: &Passed, motion: &mut Motion<Slider, 1, 0>) {
         if passed.before < self.start
             && let Some(state) = motion.within_last_step(self.start)
@@ -67,7 +67,7 @@ impl Extremes {
         *high = high.max(position);
     }
 
-    /// Half of the way between them; none where nothing was passed.
+    /// Returns half of the distance between the extremes; `None` if no step was added.
     pub(super) fn amplitude(&self) -> Option<f64> {
         self.range.map(|[low, high]| 0.5 * (high - low))
     }

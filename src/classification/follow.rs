@@ -1,10 +1,10 @@
-//! Follows a run until it ends, and a run that the study extends on to the later end time.
+//! Follows a run until it ends, and continues it to the later end time if the study extends it.
 //!
-//! What comes of a run that is continued is, to the last bit, what comes of the same run with the
-//! later end time from the start. Up to the step that the end time may cut short, nothing but what
-//! is gathered over the last part of the time depends on it. So the whole run is kept as it is
-//! before that step and continued from there, and what depends on an end time is gathered for both,
-//! each from its own start. The limit of effort is the longer run's all along.
+//! A continued run gives bit for bit the outcome of a run with the later end time from the start.
+//! Before the step that the end time may shorten, only the statistics over the last part of the
+//! time depend on the end time. The whole run is therefore saved before that step and continued
+//! from there, and the statistics are collected for both end times, each from its own start. The
+//! effort limit is that of the longer run throughout.
 
 use super::outcome::{Label, Outcome};
 use super::recorder::Recorder;
@@ -12,30 +12,29 @@ use crate::model::{Extend, Simulation};
 
 /// A run in progress.
 pub(super) trait Run: Clone {
-    /// How it came to its end.
+    /// How the run ended.
     type Ending;
 
-    /// Whether the end time may cut the next step short.
+    /// Returns whether the end time may shorten the next step.
     fn reaches_end(&self) -> bool;
 
-    /// Goes on by one step, to the end time at the latest, and says how the run has ended, if it
-    /// has.
+    /// Advances by one step, at most to the end time. Returns the ending if the run has ended.
     fn advance(&mut self) -> Option<Self::Ending>;
 
-    /// Takes the later end time for its own.
+    /// Replaces the end time by the later one.
     fn extend(&mut self);
 
-    /// What is known when it has ended.
+    /// Returns the outcome of the ended run.
     fn outcome(&self, ending: Self::Ending) -> Outcome;
 
-    /// Shows the latest step to a recorder.
+    /// Passes the latest step to a recorder.
     fn show(&mut self, recorder: &mut Recorder);
 
-    /// Tells a recorder that it goes on from here.
+    /// Notifies a recorder that the run continues from its current state.
     fn goes_on(&self, recorder: &mut Recorder);
 }
 
-/// Follows a run until it ends; a recorder, if there is one, sees every step.
+/// Follows a run until it ends; the recorder, if any, receives every step.
 pub(super) fn follow<R: Run>(
     mut run: R,
     extend: Option<Extend>,
@@ -80,7 +79,7 @@ fn show<R: Run>(run: &mut R, recorder: &mut Option<&mut Recorder>) {
     }
 }
 
-/// Whether a run with a label is continued.
+/// Returns whether a run with a label is continued.
 pub(super) fn continues(extend: Extend, label: Label) -> bool {
     match label {
         Label::Undecided => extend.undecided,
@@ -89,8 +88,8 @@ pub(super) fn continues(extend: Extend, label: Label) -> bool {
     }
 }
 
-/// The end time of a run with what is gathered over the last part of the time, and the same for a
-/// later end time that it may be continued to.
+/// The end time of a run with its statistics over the last part of the time, and those of the later
+/// end time to which it may be continued.
 #[derive(Clone, Debug)]
 pub(super) struct Horizons<W> {
     now: Horizon<W>,
@@ -104,8 +103,8 @@ struct Horizon<W> {
 }
 
 impl<W> Horizons<W> {
-    /// The end times of a simulation, where `natural` turns time in s into non-dimensional time;
-    /// `window` makes what is gathered for an end time.
+    /// Returns the end times of a simulation; `natural` converts time in s into non-dimensional
+    /// time, and `window` creates the statistics for an end time.
     pub(super) fn new(simulation: &Simulation, natural: f64, window: impl Fn(f64) -> W) -> Self {
         let horizon = |end_time_s: f64| {
             let end = end_time_s * natural;
@@ -115,37 +114,37 @@ impl<W> Horizons<W> {
         Horizons { now: horizon(now), later: simulation.extend.map(|_| horizon(later)) }
     }
 
-    /// The end time, non-dimensional.
+    /// Returns the end time, non-dimensional.
     pub(super) fn end(&self) -> f64 {
         self.now.end
     }
 
-    /// The latest end time, non-dimensional.
+    /// Returns the latest end time, non-dimensional.
     pub(super) fn latest_end(&self) -> f64 {
         self.later.as_ref().map_or(self.now.end, |later| later.end)
     }
 
-    /// What has been gathered for the end time.
+    /// Returns the statistics for the end time.
     pub(super) fn window(&self) -> &W {
         &self.now.window
     }
 
-    /// The same, to be added to.
+    /// Returns the statistics for the end time, mutably.
     pub(super) fn window_mut(&mut self) -> &mut W {
         &mut self.now.window
     }
 
-    /// What is to be gathered for the later end time, where there is one.
+    /// Returns the statistics for the later end time; `None` without one.
     pub(super) fn later_window(&self) -> Option<&W> {
         self.later.as_ref().map(|later| &later.window)
     }
 
-    /// What is gathered for each end time.
+    /// Returns the statistics for each end time.
     pub(super) fn windows(&mut self) -> impl Iterator<Item = &mut W> {
         std::iter::once(&mut self.now).chain(&mut self.later).map(|horizon| &mut horizon.window)
     }
 
-    /// Takes the later end time for the end time.
+    /// Replaces the end time by the later one.
     pub(super) fn extend(&mut self) {
         if let Some(later) = self.later.take() {
             self.now = later;

@@ -1,8 +1,8 @@
-//! Many runs in lockstep: a lane whose run has ended takes the next one.
+//! Simulation of many runs in lockstep: a lane whose run has ended takes the next run.
 //!
-//! Two groups of lanes go on in turn, one with displacements (for Lyapunov exponents) and one without,
-//! and runs move between them; what a run is like depends neither on its lane nor on its neighbours, so
-//! that the order of the work changes nothing.
+//! Two groups of lanes are advanced alternately, one with displacements (for Lyapunov exponents)
+//! and one without, and runs move between them. A run does not depend on its lane or its
+//! neighbours, so that the order of the work does not affect the results.
 
 use std::collections::VecDeque;
 
@@ -17,22 +17,22 @@ use crate::model::{Ball, Case, Model};
 use crate::motion::lockstep::{Group, Happened, LANES, Room, Saved, advance};
 use crate::motion::{SimdLevel, unwind_if_cancelled};
 
-/// Where runs come from and outcomes go to.
+/// Source of runs and sink of outcomes.
 pub trait Runs {
-    /// The next run to be computed: a number, by which its outcome is told, and its case.
+    /// Returns the next run to compute: its number, which identifies its outcome, and its case.
     fn next(&mut self) -> Option<(u64, Case)>;
 
-    /// A run has ended. Runs end in any order.
+    /// Called when a run has ended. Runs end in any order.
     fn ended(&mut self, number: u64, outcome: Outcome);
 
-    /// What records the run, where there is only one and that is to be recorded.
+    /// Returns the recorder of the run, if there is a single run that is to be recorded.
     fn recorder(&mut self) -> Option<&mut Recorder> {
         None
     }
 }
 
-/// Simulates runs until there are no more, in lockstep where their models allow it (see
-/// [`goes_in_lockstep`]). Each outcome is that of [`super::simulate`], to the last bit.
+/// Simulates runs until there are none left, in lockstep if their models allow it (see
+/// [`goes_in_lockstep`]). Each outcome is bit for bit that of [`super::simulate`].
 pub fn simulate_in_lockstep(level: SimdLevel, runs: &mut dyn Runs) {
     let mut upcoming = runs.next();
     while let Some((number, case)) = upcoming.take() {
@@ -54,14 +54,14 @@ pub fn simulate_in_lockstep(level: SimdLevel, runs: &mut dyn Runs) {
     }
 }
 
-/// How many balls the lanes for a case have; 0 where it is computed by itself.
+/// Returns the number of balls of the lanes for a case; 0 if the case is computed alone.
 fn lanes_for(case: &Case) -> usize {
     let sound = case.model.validate().is_ok() && goes_in_lockstep(&case.model);
     if sound { case.model.balls() } else { 0 }
 }
 
-/// Whether runs of this machine are computed in lockstep: balancers whose friction does not depend on speed, or
-/// in proportion only.
+/// Returns whether runs of this model are computed in lockstep: balancers whose friction is
+/// independent of speed or proportional to it.
 pub fn goes_in_lockstep(model: &Model) -> bool {
     let Model::BallBalancer(machine) = model else { return false };
     let is_linear = |ball: &Ball| machine.friction.is_linear(ball.friction_coefficient);
@@ -95,7 +95,7 @@ fn at<const N: usize>(
 struct Lockstep<'a, S: Simd, const N: usize> {
     simd: S,
     runs: &'a mut dyn Runs,
-    /// The next run, of this number of balls or not.
+    /// The next run, with this number of balls or another.
     upcoming: Option<(u64, Case)>,
     /// Without displacements and with them.
     teams: [Team<S, N>; 2],
@@ -104,7 +104,7 @@ struct Lockstep<'a, S: Simd, const N: usize> {
     recorded: bool,
 }
 
-/// A group of lanes with what is looked for in each.
+/// A group of lanes with the monitors of each run.
 struct Team<S: Simd, const N: usize> {
     group: Box<Group<S, N>>,
     members: [Option<Box<LaneRun<N>>>; LANES],
@@ -137,7 +137,8 @@ impl<'a, S: Simd, const N: usize> Lockstep<'a, S, N> {
         }
     }
 
-    /// Computes runs until there are none with this number of balls; the next one after those.
+    /// Computes runs until none with this number of balls is left. Returns the next run after
+    /// those.
     fn go(mut self) -> Option<(u64, Case)> {
         loop {
             self.fill(0);
@@ -168,7 +169,7 @@ impl<'a, S: Simd, const N: usize> Lockstep<'a, S, N> {
         }
     }
 
-    /// The next run of this number of balls that can be started.
+    /// Returns the next run of this number of balls that can be started.
     fn start_next(&mut self) -> Option<Waiting<N>> {
         loop {
             let (number, case) = self.upcoming.take()?;
@@ -212,7 +213,7 @@ impl<'a, S: Simd, const N: usize> Lockstep<'a, S, N> {
         }
     }
 
-    /// Shows the step that has just been taken to the recorder.
+    /// Passes the latest step to the recorder.
     #[inline(never)]
     fn record(&mut self, team: usize, happened: &Happened) {
         let Team { group, members, .. } = &self.teams[team];
@@ -227,7 +228,7 @@ impl<'a, S: Simd, const N: usize> Lockstep<'a, S, N> {
         }
     }
 
-    /// Does with a run in a lane what is to come next.
+    /// Continues, moves or ends a run in a lane.
     fn goes_on(&mut self, team: usize, lane: usize, number: u64, next: Next<N>) {
         if matches!(next, Next::Stay) {
             return;

@@ -1,8 +1,7 @@
-//! One run of those in lockstep: what is looked for in it, step by step, until its ending is known.
+//! One of the runs in lockstep, with its monitors, step by step until its ending is known.
 //!
-//! The same as for a run by itself (`classification::balancer`). Steps of which nothing is to be told go by
-//! unseen: a run is looked at when a ball has gone round or changed what it does, near rest, and from
-//! times on that it asks for.
+//! The endings are those of a run computed alone (`classification::balancer`). A lane is inspected
+//! only after an event, a section crossing, near rest, or at a requested time.
 
 use fearless_simd::Simd;
 
@@ -18,47 +17,47 @@ use crate::model::{Balancer, Extend, Simulation};
 use crate::motion::lockstep::{Group, Happened, Room, Saved, Trouble};
 use crate::motion::{Failure, Settings};
 
-/// Sizes of a displacement that need not be brought back to 1.
+/// Sizes of a displacement that need no renormalisation.
 const HANDY: std::ops::Range<f64> = 1e-99..1e99;
 
 /// A run in a lane.
 #[derive(Clone, Debug)]
 pub(super) struct LaneRun<const N: usize> {
-    /// The run's number, for whoever asked for it.
+    /// The run's number, which identifies it to the caller.
     pub(super) number: u64,
     balancer: Balancer<N>,
     settings: Settings,
     units: Units,
     extend: Option<Extend>,
     horizons: Horizons<Late<N>>,
-    /// None where limit cycles are not looked for.
+    /// `None` if limit cycles are not sought.
     watch: Option<OrbitWatch<N>>,
     settled: SettledWatch,
     still: bool,
-    /// The run as it was before anything depended on its end time, where it may be continued.
+    /// The saved run before its end time had any effect, if the run may be continued.
     kept: Option<Box<(Saved<N>, LaneRun<N>)>>,
     extended: bool,
 }
 
-/// What becomes of a run after a step.
+/// The action on a run after a step.
 pub(super) enum Next<const N: usize> {
-    /// It stays in its lane.
+    /// The run stays in its lane.
     Stay,
-    /// It goes on where displacements are carried along, or no longer does.
+    /// The run moves to the group with displacements, or back.
     Move,
-    /// It goes on, later, from where it was.
+    /// The run continues later from this saved state.
     Continue(Box<(Saved<N>, LaneRun<N>)>),
-    /// It has ended.
+    /// The run has ended.
     Done(Box<Outcome>),
-    /// It is to be computed by itself.
+    /// The run must be computed alone.
     Fallback,
 }
 
 impl<const N: usize> LaneRun<N> {
-    /// A run at its start.
+    /// Creates a run at its start.
     ///
     /// # Errors
-    /// Where the start state itself cannot be continued.
+    /// If the motion cannot be started from the start state.
     pub(super) fn start(
         number: u64,
         prepared: Prepared<N>,
@@ -82,18 +81,18 @@ impl<const N: usize> LaneRun<N> {
         Ok((saved, run))
     }
 
-    /// Until when it goes on.
+    /// Returns the run's end time.
     pub(super) fn end(&self) -> f64 {
         self.horizons.end()
     }
 
-    /// Whether it goes on where displacements are carried along.
+    /// Returns whether the run needs a displacement at a time.
     pub(super) fn is_displaced(&self, time: f64) -> bool {
         let separation = &self.horizons.window().separation;
         separation.has_begun() && separation.follows(time)
     }
 
-    /// To be called when the run has been put into a lane: it may be at rest already.
+    /// Must be called when the run has been put into a lane: it may be at rest already.
     pub(super) fn begins<S: Simd>(
         mut self: Box<Self>,
         group: &mut Group<S, N>,
@@ -107,7 +106,7 @@ impl<const N: usize> LaneRun<N> {
         (Next::Stay, Some(self))
     }
 
-    /// Shows the start of the run to a recorder.
+    /// Passes the start of the run to a recorder.
     pub(super) fn show_start<S: Simd>(
         &self,
         recorder: &mut Recorder,
@@ -119,7 +118,7 @@ impl<const N: usize> LaneRun<N> {
         }
     }
 
-    /// Shows the latest step to a recorder.
+    /// Passes the latest step to a recorder.
     pub(super) fn show<S: Simd>(
         &self,
         recorder: &mut Recorder,
@@ -133,7 +132,7 @@ impl<const N: usize> LaneRun<N> {
         }
     }
 
-    /// Looks at what has happened in the latest step.
+    /// Evaluates the latest step.
     pub(super) fn look<S: Simd>(
         &mut self,
         group: &mut Group<S, N>,
@@ -186,8 +185,8 @@ impl<const N: usize> LaneRun<N> {
         if self.is_displaced(time) == displaced { Next::Stay } else { Next::Move }
     }
 
-    /// Tells by how much the displacement has grown, when that is due or its size gets out of hand:
-    /// whatever else the run is looked at for changes nothing.
+    /// Records the growth of the displacement when that is due or its size is out of range. Other
+    /// inspections of the run do not affect the result.
     fn separate<S: Simd>(&mut self, group: &mut Group<S, N>, lane: usize, time: f64, asked: bool) {
         if !asked {
             return;
@@ -203,7 +202,7 @@ impl<const N: usize> LaneRun<N> {
         separation.grow(time, displaced.size, displaced.grazed, courses);
     }
 
-    /// The limit cycle that the run has been shown to be on.
+    /// Returns the limit cycle that the run has been shown to be on.
     fn closes<S: Simd>(
         &mut self,
         group: &Group<S, N>,
@@ -222,7 +221,7 @@ impl<const N: usize> LaneRun<N> {
         watch.take_in(&self.balancer, &self.settings, round)
     }
 
-    /// Whether all balls stick and can never break loose again.
+    /// Returns whether all balls stick and can never break loose again.
     fn rests<S: Simd>(&self, group: &Group<S, N>, lane: usize) -> Option<Ending<N>> {
         if !group.all_stick(lane) {
             return None;
@@ -232,8 +231,8 @@ impl<const N: usize> LaneRun<N> {
         certified(&self.balancer, &rest, &state).then_some(Ending::Rest(rest))
     }
 
-    /// Plans when the run is to be looked at next, and keeps it as it is where from the next step on
-    /// anything depends on its end time.
+    /// Schedules the next inspection of the run, and saves the run if its end time may affect the
+    /// next step.
     fn plan<S: Simd>(&mut self, group: &mut Group<S, N>, lane: usize) {
         let Late { means, separation } = self.horizons.window();
         let mut attention = means.start();

@@ -1,22 +1,22 @@
 //! Irregular motion: neighbouring motions separate exponentially.
 //!
 //! A small displacement is carried along the motion by the linearised flow, through stick and slip
-//! ([`crate::motion::Variational`]), and made small again whenever it has grown (G. Benettin, L.
-//! Galgani, A. Giorgilli, J.-M. Strelcyn, Meccanica 15 (1980) 9, doi:10.1007/BF02128236; with
-//! saltation: P. C. Müller, Chaos Solitons Fractals 5 (1995) 1671,
-//! doi:10.1016/0960-0779(94)00170-U). The mean rate of growth over a window at the end of the run is
-//! the largest finite-time Lyapunov exponent. Its doubt comes from the scatter of the rates in
-//! [`BATCHES`] equal parts of the window.
+//! ([`crate::motion::Variational`]), and rescaled whenever it has grown (G. Benettin, L. Galgani,
+//! A. Giorgilli, J.-M. Strelcyn, Meccanica 15 (1980) 9, doi:10.1007/BF02128236; with saltation: P.
+//! C. Müller, Chaos Solitons Fractals 5 (1995) 1671, doi:10.1016/0960-0779(94)00170-U). The mean
+//! rate of growth over a window at the end of the run is the largest finite-time Lyapunov exponent.
+//! Its confidence interval comes from the scatter of the rates in [`BATCHES`] equal parts of the
+//! window.
 //!
-//! A motion counts as irregular where the interval is positive, and in the second half of the window
-//! alone
+//! A motion counts as irregular if the interval is positive, and if in the second half of the
+//! window
 //!
-//! - neighbours have separated by [`SEPARATED`] at least. That keeps out growth that is no more than
-//!   a power of time: a displacement along a family of motions (a ball that rests a little further
-//!   on, whereby the other runs a little faster) grows in proportion to time, for ever; in the second
-//!   half of a window that is a factor of 2, of the third power of time 8;
-//! - the motion has come by often: [`COURSES`] turns of balls and switches at least. That keeps out a
-//!   slow passage by an unstable equilibrium, from which neighbours separate as well, but once.
+//! - neighbours have separated by at least [`SEPARATED`]. This excludes growth by a power of time:
+//!   a displacement along a family of motions (a ball that rests elsewhere, which changes the speed
+//!   of another) grows in proportion to time; in the second half of a window that is a factor of 2,
+//!   and for the third power of time a factor of 8;
+//! - the motion has recurred often: at least [`COURSES`] turns of balls and switches. This excludes
+//!   a slow passage by an unstable equilibrium, where neighbours separate only once.
 
 use super::outcome::LyapunovExponent;
 use crate::model::{State, System};
@@ -24,10 +24,10 @@ use crate::motion::{Motion, Variational};
 
 /// The part of the time at the end of a run over which separation is measured.
 pub(super) const SEPARATION_WINDOW: f64 = 0.75;
-/// Parts of the window.
+/// Number of equal parts of the window.
 const BATCHES: usize = 10;
-/// Parts after which it is given up where neighbours have only drawn together: most motions are
-/// regular, and a displacement costs as much as the motion itself.
+/// Number of parts after which the measurement stops if neighbours have only converged: most
+/// motions are regular, and a displacement costs as much as the motion itself.
 const PILOT: usize = 4;
 /// The two-sided 95 % points of Student's distribution for 4 to 10 parts (3 to 9 degrees of freedom).
 const STUDENT: [f64; BATCHES - PILOT + 1] = [
@@ -39,13 +39,13 @@ const STUDENT: [f64; BATCHES - PILOT + 1] = [
     2.306_004_135_204_166,
     2.262_157_162_798_205,
 ];
-/// By how much neighbours must separate in the second half of the window.
+/// Minimum separation of neighbours in the second half of the window.
 const SEPARATED: f64 = 10.0;
 
-/// How many turns of balls and switches the second half of the window must see.
+/// Minimum number of turns of balls and switches in the second half of the window.
 const COURSES: f64 = 20.0;
 
-/// Measures how fast neighbours of a motion separate from some time on until another.
+/// Measures how fast neighbours of a motion separate between two times.
 #[derive(Clone, Debug)]
 pub(super) struct Separation<const N: usize, const FREE: usize> {
     variation: Variational<N, FREE>,
@@ -53,7 +53,7 @@ pub(super) struct Separation<const N: usize, const FREE: usize> {
     end: f64,
     /// Logarithm of the growth so far.
     growth: f64,
-    /// Where it was at the beginning and at the end of each batch.
+    /// The growth at the start and at the end of each batch.
     marks: Vec<Mark>,
     given_up: bool,
 }
@@ -67,11 +67,12 @@ struct Mark {
 }
 
 impl<const N: usize, const FREE: usize> Separation<N, FREE> {
-    /// To be measured from `start` to `end`.
+    /// Creates a measurement from `start` to `end`.
     pub(super) fn new(start: f64, end: f64) -> Self {
-        // Contacts displaced, all identical: exchanging two of them exchanges the displacements only. Balls
-        // that are exactly side by side it keeps so; that their orbit is unstable, multipliers show.
-        // (Displaced speeds would first carry contacts apart in proportion to time, for long.)
+        // All contacts are displaced equally: exchanging two of them exchanges only the
+        // displacements. Balls that are exactly side by side stay so; the instability of their
+        // orbit shows in the multipliers. (Displaced speeds would separate contacts in proportion
+        // to time for a long period.)
         let displaced = State { beta: [1.0; N], ..State::zero() };
         Separation {
             variation: Variational::new(vec![displaced]),
@@ -83,14 +84,14 @@ impl<const N: usize, const FREE: usize> Separation<N, FREE> {
         }
     }
 
-    /// Takes in the motion's latest step, if it lies in the window.
+    /// Adds the motion's latest step if it lies in the window.
     pub(super) fn follow<S: System<N, FREE>>(&mut self, motion: &Motion<S, N, FREE>) {
         let time = motion.time();
         if time <= self.start || self.given_up {
             return;
         }
         if self.marks.is_empty() {
-            // The first step reaches into the window and is left out.
+            // The first step extends into the window and is excluded.
             self.normalise();
             self.growth = 0.0;
             self.mark(time, courses(motion));
@@ -114,29 +115,31 @@ impl<const N: usize, const FREE: usize> Separation<N, FREE> {
         }
     }
 
-    /// When it begins.
+    /// Returns the start of the window.
     pub(super) fn start(&self) -> f64 {
         self.start
     }
 
-    /// Whether neighbours are followed at a time: it has come, and they have not been given up.
+    /// Returns whether displacements are measured at a time: the window has begun and the
+    /// measurement has not stopped.
     pub(super) fn follows(&self, time: f64) -> bool {
         time > self.start && !self.given_up
     }
 
-    /// Whether it has begun.
+    /// Returns whether the measurement has begun.
     pub(super) fn has_begun(&self) -> bool {
         !self.marks.is_empty()
     }
 
-    /// Begins at the end of the first step that reaches into the window, where a displacement that is
-    /// kept elsewhere has the size 1. `courses` are turns of balls and switches since the start.
+    /// Begins at the end of the first step that extends into the window, where the externally
+    /// stored displacement has the size 1. `courses` counts turns of balls and switches since the
+    /// start.
     pub(super) fn begin(&mut self, time: f64, courses: f64) {
         self.growth = 0.0;
         self.mark(time, courses);
     }
 
-    /// Takes in by how much that displacement has grown since it was last told.
+    /// Adds the growth of the externally stored displacement since the last call.
     pub(super) fn grow(&mut self, time: f64, factor: f64, grazed: bool, courses: f64) {
         self.growth += factor.ln();
         self.variation.grazed |= grazed;
@@ -144,7 +147,7 @@ impl<const N: usize, const FREE: usize> Separation<N, FREE> {
         self.given_up |= !self.growth.is_finite();
     }
 
-    /// When the growth is to be told next.
+    /// Returns when the growth is due next.
     pub(super) fn next_mark(&self) -> f64 {
         (self.start + self.batch() * self.marks.len() as f64).min(self.end)
     }
@@ -164,9 +167,9 @@ impl<const N: usize, const FREE: usize> Separation<N, FREE> {
         self.marks.push(Mark { time, growth: self.growth, courses });
     }
 
-    /// The exponent, here per unit of non-dimensional time, with its interval, and the length of the
-    /// window, shorter where it was given up; none where it could not be measured: a switch was met by
-    /// grazing, or there were too few steps.
+    /// Returns the exponent, here per unit of non-dimensional time, with its interval and the
+    /// length of the window, which is shorter if the measurement stopped early. `None` if it could
+    /// not be measured, because a switch was met by grazing or there were too few steps.
     pub(super) fn exponent(&self) -> Option<LyapunovExponent> {
         let (first, last) = (self.marks.first()?, self.marks.last()?);
         if self.variation.grazed || !last.growth.is_finite() || self.marks.len() <= PILOT {
@@ -190,7 +193,8 @@ impl<const N: usize, const FREE: usize> Separation<N, FREE> {
         })
     }
 
-    /// Whether neighbours separate exponentially, beyond doubt.
+    /// Returns whether neighbours separate exponentially, according to the interval and the
+    /// criteria above.
     pub(super) fn is_irregular(&self) -> bool {
         let Some(exponent) = self.exponent() else { return false };
         let (half, last) = (self.marks[self.marks.len() / 2], self.marks[self.marks.len() - 1]);

@@ -8,7 +8,7 @@
 //! | `equilibrium` | `creep` | all balls are slow and drift, ever slower, at the edge of the equilibrium set |
 //! | `equilibrium` | `settled` | without dry friction: an equilibrium is near, and it is stable by its eigenvalues |
 //! | `limit_cycle` | `closed_orbit` | the orbit closes modulo 2π, its multipliers lie inside the unit circle, resting balls keep a margin |
-//! | `irregular` | `lyapunov` | neighbouring motions separate exponentially, beyond the doubt of the estimate |
+//! | `irregular` | `lyapunov` | neighbouring motions separate exponentially; the confidence interval of the exponent is positive |
 //! | `undecided` | `unstable_orbit` | the orbit closes, but a multiplier lies outside the unit circle |
 //! | `undecided` | `end_time` | none of the above until the end time |
 //! | `failed` | the failure's kind | the motion could not be continued |
@@ -39,8 +39,8 @@ mod settled;
 mod simulate;
 mod window;
 
-/// Raised with every change that gives some case another outcome: what an earlier version has computed is
-/// then not used again. A test pins the outcomes of each version.
+/// Version of the computed outcomes, incremented with every change that alters an outcome; cached
+/// results of other versions are not reused. A test pins the outcomes of each version.
 pub const MODEL_VERSION: u32 = 4;
 
 pub use certificate::{certified, certified_by_closed_form};

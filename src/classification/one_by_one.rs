@@ -6,13 +6,13 @@ use super::outcome::{Evidence, Outcome};
 use super::recorder::Recorder;
 use crate::model::{Case, Machine, Model, Simulation, Start};
 
-/// Simulates a case by itself, with other code than in lockstep: the cross-check of that, and for models
-/// that it does not know. Motions agree within their tolerances.
+/// Simulates a case with the one-by-one engine. It cross-checks the lockstep engine and computes
+/// the models that lockstep does not support. Motions agree within their tolerances.
 pub fn simulate_one_by_one(case: &Case) -> Outcome {
     one_by_one(case, None)
 }
 
-/// The same; a recorder, if there is one, begins anew.
+/// Simulates a case like [`simulate_one_by_one`]; the recorder, if any, is restarted.
 pub(super) fn one_by_one(case: &Case, mut recorder: Option<&mut Recorder>) -> Outcome {
     if let Some(recorder) = &mut recorder {
         recorder.restart();

@@ -1,19 +1,18 @@
 //! Closed orbits: evidence that a run has settled on a limit cycle.
 //!
-//! A running ball goes round the ring, so that an orbit closes only modulo 2π. The section is its
-//! passage through the angle 0; the return map takes the state at one passage to that some turns
-//! later. An orbit is a limit cycle on three counts:
+//! A running ball goes round the ring, so that an orbit closes only modulo 2π. The section is the
+//! ball's passage through the angle 0; the return map takes the state at one passage to that some
+//! turns later. An orbit is a limit cycle by three criteria:
 //!
-//! 1. it closes: from where the run nearly comes back to itself, Newton's method on the return map
-//!    finds an orbit that does within a small multiple of the tolerances, and the run is drawn to
-//!    it;
-//! 2. it is stable: all multipliers of the return map, the eigenvalues of its derivative through all
-//!    switches on the way, lie inside the unit circle;
-//! 3. balls that rest keep a margin all along it. Where such a ball rests does not change from one
-//!    return to the next: those neutral directions (the cycles form a continuous family) are left
-//!    out of the map and counted instead of being mistaken for instability.
+//! 1. it closes: from a near return of the run, Newton's method on the return map finds an orbit
+//!    that closes within a small multiple of the tolerances, and the run is attracted to it;
+//! 2. it is stable: all multipliers, the eigenvalues of the derivative of the return map through
+//!    all switches, lie inside the unit circle;
+//! 3. resting balls keep a friction margin throughout. Where such a ball rests does not change from
+//!    one return to the next: these neutral directions (the cycles form a continuous family) are
+//!    excluded from the map and counted instead of being mistaken for instability.
 //!
-//! One ball at least must go round without stopping; the others may run, rest, or stick and slip.
+//! At least one ball must go round without stopping; the others may run, rest, or stick and slip.
 
 use std::cell::Cell;
 use std::collections::VecDeque;
@@ -25,19 +24,19 @@ use super::section::{Section, wrapped_small};
 use crate::model::{Balancer, State};
 use crate::motion::{Motion, Phase, Settings, Tolerance};
 
-/// The most turns of the running ball after which an orbit may close.
+/// Maximum number of turns of the running ball after which an orbit may close.
 const MOST_TURNS: usize = 12;
-/// How near a return must come to an earlier passage for a closer look, non-dimensional, times the
-/// number of turns: a look at a longer orbit costs more.
+/// Largest distance of a near return from an earlier passage, non-dimensional, times the number of
+/// turns: examining a longer orbit costs more.
 const NEAR: f64 = 1e-3;
-/// Returns in a row that must be near.
+/// Number of successive returns that must be near.
 const NEAR_RETURNS: usize = 3;
-/// Returns in a row that must be near where they do not draw nearer one by one: an orbit may be
-/// approached in a spiral.
+/// Number of successive returns that must be near if they do not approach monotonically: an orbit
+/// may be approached in a spiral.
 const CLOSE_RETURNS: usize = 16;
-/// How nearly an examined orbit must close, however coarse the run's own tolerances: it is computed
-/// to finer ones. As much as the default tolerances ask for. With more, a spiral of some turns that
-/// draws motions near would itself seem to close.
+/// Largest closing error of an examined orbit, for any tolerances of the run, because the orbit is
+/// computed with finer ones. It corresponds to the default tolerances. With a larger error, a
+/// slowly converging spiral would itself count as closed.
 const CLOSED: f64 = 1.01e-6;
 
 fn near(turns: usize) -> f64 {
@@ -50,7 +49,7 @@ struct Passage<const N: usize> {
     time: f64,
     state: State<N>,
     phases: [Phase; N],
-    /// How far it is from the passage `turns` turns earlier.
+    /// Distance from the passage `turns` turns earlier.
     differences: [f64; MOST_TURNS + 1],
 }
 
@@ -58,17 +57,17 @@ struct Passage<const N: usize> {
 pub(super) struct GoneRound<'a, const N: usize> {
     /// The ball.
     pub(super) reference: usize,
-    /// Its direction at the step's end.
+    /// The ball's direction at the step's end.
     pub(super) direction: f64,
     /// Time and state at which it went through the angle 0.
     pub(super) passage: Option<(f64, State<N>)>,
-    /// What the balls did in the step, before a switch at its end.
+    /// The balls' phases in the step, before a switch at its end.
     pub(super) phases: &'a [Phase; N],
-    /// When each ball last changed that.
+    /// When each ball last changed its phase.
     pub(super) last_switches: &'a [f64; N],
 }
 
-/// Watches a motion for a closing orbit.
+/// Detects closing orbits in a motion.
 #[derive(Clone, Debug)]
 pub struct OrbitWatch<const N: usize> {
     closure: f64,
@@ -79,13 +78,13 @@ pub struct OrbitWatch<const N: usize> {
     close_in_a_row: [usize; MOST_TURNS + 1],
     attempts: u32,
     wait_until: f64,
-    /// An unstable closed orbit that the run has come near, and after how many turns it seemed to
-    /// close.
+    /// An unstable closed orbit that the run has approached, and the number of turns after which it
+    /// appeared to close.
     unstable: Option<(usize, Box<Orbit<N>>)>,
 }
 
 impl<const N: usize> OrbitWatch<N> {
-    /// A watch for motions computed with `settings`.
+    /// Creates a watch for motions computed with `settings`.
     pub fn new(settings: &Settings) -> Self {
         let Tolerance { relative, absolute } = settings.tolerance;
         OrbitWatch {
@@ -100,8 +99,8 @@ impl<const N: usize> OrbitWatch<N> {
         }
     }
 
-    /// Looks at the motion's latest step and returns the limit cycle that the run has been shown to
-    /// be on. Most steps show nothing.
+    /// Examines the motion's latest step. Returns the limit cycle that the run has been shown to be
+    /// on, which is `None` after most steps.
     pub fn look(
         &mut self,
         balancer: &Balancer<N>,
@@ -116,8 +115,8 @@ impl<const N: usize> OrbitWatch<N> {
         self.take_in(balancer, settings, round)
     }
 
-    /// The ball that has gone round in a step, if it marks the section, or may; `phases` and `state`
-    /// are those at the step's end, angles not yet brought back into one turn.
+    /// Returns the ball that has gone round in a step, if it marks the section or may do so.
+    /// `phases` and `state` are those at the step's end, with angles not yet reduced to one turn.
     pub(super) fn goes_round(&mut self, phases: &[Phase; N], state: &State<N>) -> Option<usize> {
         let State { beta, beta_dot, .. } = state;
         let has_stopped = |(ball, direction): (usize, f64)| {
@@ -133,8 +132,8 @@ impl<const N: usize> OrbitWatch<N> {
         }
     }
 
-    /// Takes in the latest step of a motion, in which a ball has gone round; the limit cycle that the
-    /// run has been shown to be on.
+    /// Adds the latest step of a motion, in which a ball has gone round. Returns the limit cycle
+    /// that the run has been shown to be on.
     pub(super) fn take_in(
         &mut self,
         balancer: &Balancer<N>,
@@ -154,7 +153,7 @@ impl<const N: usize> OrbitWatch<N> {
             return None;
         }
         self.attempts += 1;
-        // After a look that showed nothing, give the motion time to settle; longer each time.
+        // After an inconclusive examination the motion gets time to settle, longer each time.
         let looked_at = time - self.passages.front()?.time;
         self.wait_until = time + f64::from(1 << self.attempts) * looked_at;
         match self.examine(balancer, settings, reference, turns, last_switches) {
@@ -165,8 +164,8 @@ impl<const N: usize> OrbitWatch<N> {
         None
     }
 
-    /// The orbit, shown to be unstable, on which the run nearly closes at its latest passage: only a
-    /// symmetry, or too little time, has kept it there.
+    /// Returns the unstable orbit on which the run nearly closes at its latest passage: only a
+    /// symmetry, or too little time, has kept the run there.
     pub fn unstable_orbit(&self) -> Option<&Orbit<N>> {
         let (turns, orbit) = self.unstable.as_ref()?;
         let closes = self.passages.back()?.differences[*turns] <= near(*turns);
@@ -181,9 +180,9 @@ impl<const N: usize> OrbitWatch<N> {
         self.unstable = None;
     }
 
-    /// Takes a passage in and returns the least number of turns after which the orbit seems to
-    /// close: some returns in a row are near, and nearer than one such return earlier, or as near
-    /// as the tolerances let them be; or many are near.
+    /// Records a passage. Returns the least number of turns after which the orbit appears to close:
+    /// several successive returns are near, and nearer than an earlier return or as near as the
+    /// tolerances allow; or many are near.
     fn record(&mut self, reference: usize, mut passage: Passage<N>) -> Option<usize> {
         let mut closing = None;
         for turns in 1..=MOST_TURNS.min(self.passages.len()) {
@@ -191,8 +190,8 @@ impl<const N: usize> OrbitWatch<N> {
             let distance = difference(earlier, &passage, reference);
             passage.differences[turns] = distance;
             let before = earlier.differences[turns];
-            // Returns that draw nearer so slowly that the orbit, by their geometric series, is out of
-            // reach show a drift.
+            // If the approach is so slow that the limit of its geometric series is out of reach,
+            // the returns drift.
             let in_reach = distance * distance <= REACH * (before - distance);
             let approaches = distance < before && in_reach || distance <= self.closure;
             let close = earlier.phases == passage.phases && distance <= near(turns);
@@ -214,7 +213,7 @@ impl<const N: usize> OrbitWatch<N> {
         closing
     }
 
-    /// What the orbit is that seems to close after so many turns.
+    /// Examines the orbit that appears to close after this number of turns.
     fn examine(
         &self,
         balancer: &Balancer<N>,
@@ -251,8 +250,8 @@ impl<const N: usize> OrbitWatch<N> {
     }
 }
 
-/// The largest difference of two passages, angles modulo 2π. What is left of the speed of a ball
-/// that sticks does not count.
+/// Returns the largest difference of two passages, angles modulo 2π. The residual speed of a
+/// sticking ball does not count.
 fn difference<const N: usize>(a: &Passage<N>, b: &Passage<N>, reference: usize) -> f64 {
     let phases = &a.phases;
     let (a, b) = (&a.state, &b.state);

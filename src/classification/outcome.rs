@@ -1,4 +1,4 @@
-//! What is known about a run when it has ended.
+//! The outcome of a run: its label, the evidence and the measured quantities.
 
 use serde::{Deserialize, Serialize};
 
@@ -12,7 +12,7 @@ pub enum Label {
     Equilibrium,
     /// A stable periodic motion, closed modulo 2π of the running balls' angles.
     LimitCycle,
-    /// Neighbouring motions separate: no cycle will come of it soon.
+    /// Neighbouring motions separate exponentially.
     Irregular,
     /// Nothing could be shown until the end time.
     Undecided,
@@ -44,26 +44,26 @@ pub enum Evidence {
     RestCertified,
     /// Balls drift ever slower towards the edge of the equilibrium set.
     Creep,
-    /// Without dry friction to hold anything, the motion has come near an equilibrium that is stable.
+    /// Without dry friction, the motion has approached a stable equilibrium.
     Settled,
     /// The orbit closes, is stable, and resting balls keep a margin.
     ClosedOrbit,
     /// The orbit closes but is unstable.
     UnstableOrbit,
-    /// Neighbouring motions separate, beyond the doubt of the estimate.
+    /// Neighbouring motions separate, and the confidence interval of the exponent is positive.
     Lyapunov,
-    /// The end time was reached with nothing shown.
+    /// The end time was reached without any other evidence.
     EndTime,
     /// The motion could not be continued.
     Failure(Failure),
-    /// The run's parameters make no physical sense (a draw from an uncertain parameter).
+    /// The sampled parameters of the run are physically invalid.
     InvalidParameters,
     /// The program itself failed in this run.
     Panic,
 }
 
 impl Evidence {
-    /// Every evidence a table may name, in a fixed order.
+    /// The names of all evidence in tables, in a fixed order.
     pub const NAMES: [&'static str; 13] = [
         "rest_certified",
         "creep",
@@ -125,39 +125,40 @@ pub struct LyapunovExponent {
 /// One run's result. Per-ball values are in the order of the balls.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Outcome {
-    /// Why it ended as it did; the label follows from it.
+    /// The reason for the label.
     pub evidence: Evidence,
-    /// How many balls went round the ring in the last tenth of the time, or in the cycle.
+    /// Number of balls that went round the ring in the last tenth of the time, or in the cycle.
     pub balls_running: Option<u8>,
     /// When the last ball came to rest for good, s.
     pub time_to_rest_s: Option<f64>,
     /// Simulated time at which the run was stopped, s.
     pub end_time_s: Option<f64>,
-    /// Whether it was continued past the study's end time; all else is then as if the later end time
-    /// had been the study's from the start.
+    /// Whether the run was continued past the study's end time; all other values are then those of
+    /// a study with the later end time.
     pub extended: bool,
-    /// Where each contact is at the end: a ball's angle in rad, in [0, 2π); a block's position in m.
+    /// Position of each contact at the end: a ball's angle in rad, in [0, 2π); a block's position
+    /// in m.
     pub position: Option<Vec<f64>>,
     /// Amplitude of the table's vibration, m: at the rest point, or root mean square over the cycle
-    /// or the last tenth of the time. Of a block, half of the way between the extremes of its
+    /// or the last tenth of the time. For a block, half of the distance between the extremes of its
     /// position in that time; 0 at rest.
     pub amplitude_m: Option<f64>,
-    /// The least part of the friction limit that is left to a resting ball: at the rest point, or
-    /// along the cycle. 0 where balls creep: they are on the edge, as far as the run shows.
+    /// The smallest friction margin of a resting ball: at the rest point, or along the cycle. 0 for
+    /// creeping balls, which are on the edge of the set within the accuracy of the run.
     pub friction_margin: Option<f64>,
     /// The cycle's period, s.
     pub period_s: Option<f64>,
     /// Mean speed of each ball relative to the ring in the last tenth of the time or over the
     /// cycle, rad/s; 0 at rest.
     pub mean_speed: Option<Vec<f64>>,
-    /// The cycle that a run with evidence [`Evidence::ClosedOrbit`] is on, or the unstable one that a
-    /// run with evidence [`Evidence::UnstableOrbit`] is near.
+    /// The cycle that a run with evidence [`Evidence::ClosedOrbit`] is on, or the unstable one near
+    /// a run with evidence [`Evidence::UnstableOrbit`].
     pub cycle: Option<Box<Cycle>>,
-    /// How fast neighbouring motions separated, where the run was still moving at its end time.
+    /// Separation rate of neighbouring motions, if the run was still moving at its end time.
     pub lyapunov: Option<LyapunovExponent>,
-    /// What the run has cost.
+    /// The computational effort of the run.
     pub effort: Effort,
-    /// What went wrong, in words.
+    /// Error message.
     pub error: Option<String>,
 }
 
@@ -167,7 +168,8 @@ impl Outcome {
         self.evidence.label()
     }
 
-    /// Whether it is of a system with so many contacts: as many values where there is one for each.
+    /// Returns whether the outcome belongs to a system with this number of contacts: vectors with
+    /// one value per contact have this length.
     pub fn is_of(&self, contacts: usize) -> bool {
         let of_each =
             |values: &Option<Vec<f64>>| values.as_ref().is_none_or(|v| v.len() == contacts);
@@ -175,7 +177,7 @@ impl Outcome {
         of_each(&self.position) && of_each(&self.mean_speed) && cycle
     }
 
-    /// A run of which nothing is known but why it failed.
+    /// Returns the outcome of a failed run, with its evidence and message only.
     pub fn failed(evidence: Evidence, error: String) -> Self {
         Outcome {
             evidence,

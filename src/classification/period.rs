@@ -1,19 +1,19 @@
-//! What happens in one period of a cycle: order of stick and slip, extremes, means, margins.
+//! Properties of one period of a cycle: sequence of stick and slip, extremes, means, margins.
 
 use super::cycle::CyclePhase;
 use super::section::Section;
 use crate::model::{Balancer, State};
 use crate::motion::{Motion, Phase, derivative, forces};
 
-/// Places inside a step at which a resting ball's margin is looked at.
+/// Number of instants inside a step at which a resting ball's margin is evaluated.
 const LOOKS: usize = 8;
 
-/// One period as it goes by.
+/// One period, accumulated step by step.
 pub(super) struct Period<const N: usize> {
     rests: [bool; N],
     time: f64,
     state: State<N>,
-    /// What the balls do, one after another.
+    /// The sequence of phases of the balls.
     pub(super) configurations: Vec<[CyclePhase; N]>,
     /// Least and greatest speed of each ball.
     pub(super) speeds: [[f64; 2]; N],
@@ -23,7 +23,7 @@ pub(super) struct Period<const N: usize> {
     pub(super) peak: f64,
     /// Integral over time of its square.
     pub(super) square_time: f64,
-    /// The least part of the friction limit that is left to a resting ball.
+    /// The smallest friction margin of a resting ball.
     pub(super) margin: f64,
 }
 
@@ -57,8 +57,8 @@ impl<const N: usize> Period<N> {
         period
     }
 
-    /// Takes a step in, of the phases `during` it; where the period ends inside, with time and state
-    /// there.
+    /// Adds a step with the phases `during` it; if the period ends inside the step, with time and
+    /// state there.
     pub(super) fn take_in(
         &mut self,
         balancer: &Balancer<N>,
@@ -85,7 +85,7 @@ impl<const N: usize> Period<N> {
             for speed in turns.into_iter().flatten().chain([state.beta_dot[ball]]) {
                 widen(&mut self.speeds[ball], speed);
             }
-            // It turns back where it stops, mostly at a switch and with it at the step's end.
+            // It turns back where it stops, usually at a switch at the step's end.
             let stops = [1.0, -1.0].map(|sign| {
                 let stop = motion.falls_through_zero(|state| sign * state.beta_dot[ball]);
                 stop.map(|(_, state)| state.beta[ball])
@@ -103,7 +103,7 @@ impl<const N: usize> Period<N> {
                 }
             }
         }
-        // At its end the period is where it began.
+        // At its end the period returns to its start.
         let now = cycle_phases(motion.phases(), &state);
         if !ends && self.configurations.last() != Some(&now) {
             self.configurations.push(now);

@@ -1,19 +1,20 @@
-//! Records the motion of a run while its ending is looked for: from inside the engine that computes it,
-//! so that it is the motion that the run has, and without any effect on it.
+//! Records the motion of a run inside the engine that computes it, so that the recorded motion is
+//! exactly that of the run and is not affected by the recording.
 //!
-//! Whoever computes a run tells the recorder of every step that it takes. A run that is continued to a
-//! later end time is taken up again from where it was before that mattered; so is its record.
+//! The engine passes every step to the recorder. A run that is continued to a later end time
+//! restarts from the state saved before its end time had an effect; the record is rewound to the
+//! same state.
 
 use crate::model::System;
 use crate::motion::{Effort, Instant, Motion, Phase};
 
-/// What is recorded.
+/// The recorded instants.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Instants {
-    /// The start, the end of every step, and in each step so many instants, evenly spaced. At a switch
-    /// there are two: before and after it.
+    /// The start, the end of every step, and evenly spaced instants inside each step. At a switch
+    /// there are two instants: before and after it.
     EveryStep {
-        /// Instants inside of each step.
+        /// Number of instants inside each step.
         inside: u32,
     },
     /// These non-dimensional times, ascending; at a switch, after it.
@@ -27,31 +28,31 @@ pub struct Sample {
     pub time: f64,
     /// How many steps had been taken when it was recorded: 0 at the start.
     pub step: u64,
-    /// Position and velocity `(x, y, ẋ, ẏ)` of the ring's centre, in the frame that turns with the disc;
-    /// none of a block.
+    /// Position and velocity `(x, y, ẋ, ẏ)` of the ring's centre, in the frame that turns with the
+    /// disc; `None` for a block.
     pub table: Option<[f64; 4]>,
-    /// Of each contact.
+    /// One sample per contact.
     pub contacts: Vec<ContactSample>,
 }
 
 /// A contact at an instant, non-dimensional.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactSample {
-    /// Angle of a ball with the turns that it has made since the start, rad; position of a block.
+    /// Angle of a ball including the turns since the start, rad; position of a block.
     pub position: f64,
-    /// Sliding speed: of a ball relative to the ring, of a block relative to what it lies on.
+    /// Sliding speed: of a ball relative to the ring, of a block relative to its support.
     pub speed: f64,
-    /// What it does.
+    /// Its phase.
     pub phase: Phase,
-    /// Friction force, acting against positive speed; in stick, what sticking takes.
+    /// Friction force, acting against positive speed; in stick, the force required to stick.
     pub friction: f64,
-    /// The most that friction can hold: the static coefficient times the normal force.
+    /// Friction limit: the static coefficient times the normal force.
     pub limit: f64,
     /// Normal force.
     pub normal: f64,
 }
 
-/// A contact changes what it does.
+/// A change of a contact's phase.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Switch {
     /// Non-dimensional time.
@@ -69,9 +70,9 @@ pub struct Switch {
 pub struct Recording {
     /// Instants in the order of time.
     pub samples: Vec<Sample>,
-    /// All switches, in the order in which they happened: as many as the run's effort counts.
+    /// All switches in chronological order, as many as counted in the run's effort.
     pub switches: Vec<Switch>,
-    /// Whether there would have been more than the most that the recorder keeps.
+    /// Whether the limit of the recorder was exceeded.
     pub cut_off: bool,
 }
 
@@ -80,7 +81,7 @@ pub struct Recording {
 pub struct Recorder {
     instants: Instants,
     most: usize,
-    /// How far the run has come.
+    /// Time reached by the run.
     time: f64,
     effort: Effort,
     begun: bool,
@@ -88,7 +89,7 @@ pub struct Recorder {
 }
 
 impl Recorder {
-    /// A recorder of these instants that keeps at most so many, and as many switches.
+    /// Creates a recorder of these instants for at most `most` samples and as many switches.
     pub fn new(instants: Instants, most: usize) -> Self {
         Recorder {
             instants,
@@ -100,18 +101,18 @@ impl Recorder {
         }
     }
 
-    /// What has been recorded.
+    /// Returns the recording.
     pub fn finish(self) -> Recording {
         self.recording
     }
 
-    /// Forgets everything: the run is computed anew.
+    /// Discards everything: the run is computed again.
     pub(super) fn restart(&mut self) {
         *self =
             Recorder::new(std::mem::replace(&mut self.instants, Instants::At(vec![])), self.most);
     }
 
-    /// The run goes on from where it was when it had cost `effort`.
+    /// Rewinds to the time at which the run had cost `effort`.
     pub(super) fn rewind(&mut self, time: f64, effort: Effort) {
         let Recording { samples, switches, cut_off } = &mut self.recording;
         samples.truncate(samples.partition_point(|sample| sample.step <= effort.steps));
@@ -120,8 +121,7 @@ impl Recorder {
         (self.time, self.effort) = (time, effort);
     }
 
-    /// Takes in the start of a run, or the step that it has just taken; where that has been taken in
-    /// already, nothing happens.
+    /// Adds the start of a run, or its latest step; a step that was added before is ignored.
     pub(super) fn take_in<S: System<N, FREE>, const N: usize, const FREE: usize>(
         &mut self,
         system: &S,

@@ -1,5 +1,5 @@
 //! The return map of a running ball: from one passage through the section to one some turns later,
-//! through all stick and slip on the way, with its derivative and what is met.
+//! through all stick and slip, with its derivative and the properties of the period.
 //!
 //! The derivative is the linearised flow, corrected at each switch by the saltation matrix
 //! ([`crate::motion::Variational`]), and projected on the section.
@@ -20,28 +20,28 @@ pub(super) struct ReturnMap<'a, const N: usize> {
     pub(super) settings: Settings,
     pub(super) section: Section<N>,
     pub(super) turns: usize,
-    /// Give up after this time.
+    /// Time after which the map is given up.
     pub(super) longest: f64,
-    /// Give up after so many further steps, over all that is followed with this.
+    /// Remaining number of steps, shared by all uses of this map.
     pub(super) steps_left: &'a Cell<u64>,
 }
 
-/// Where the map leads.
+/// The result of the return map.
 pub(super) struct Return<const N: usize> {
-    /// The state there, angles with the turns made on the way.
+    /// The final state, with angles that include the turns made.
     pub(super) state: State<N>,
-    /// How long it took.
+    /// The duration.
     pub(super) time: f64,
 }
 
 impl<const N: usize> ReturnMap<'_, N> {
-    /// One return; `None` where a ball that should rest moves, or the marking ball stops or does not
-    /// come back.
+    /// Returns one return; `None` if a ball that should rest moves, or the marking ball stops or
+    /// does not return.
     pub(super) fn follow(&self, start: &State<N>) -> Option<Return<N>> {
         self.go(start, 0, |_, _, _| {})
     }
 
-    /// One return with the derivative of the map.
+    /// Returns one return with the derivative of the map.
     pub(super) fn follow_with_slope(&self, start: &State<N>) -> Option<(Return<N>, DMatrix<f64>)> {
         let mut variation = Variational::new(self.section.directions());
         let mut columns = Vec::new();
@@ -59,7 +59,7 @@ impl<const N: usize> ReturnMap<'_, N> {
         sound.then_some((end, slope))
     }
 
-    /// One return with what happens on the way.
+    /// Returns one return with the properties of the period.
     pub(super) fn follow_closely(&self, start: &State<N>) -> Option<(Return<N>, Period<N>)> {
         let mut period = Period::new(self.balancer, &self.section, start);
         let end = self.go(start, 0, |motion, phases, end| {
@@ -68,8 +68,8 @@ impl<const N: usize> ReturnMap<'_, N> {
         Some((end, period))
     }
 
-    /// Follows the motion, with so many neighbours; `watch` sees each step, with the phases during it, and the last
-    /// one with time and state of the return in it.
+    /// Follows the motion with this number of displaced motions. `watch` receives each step with
+    /// the phases during it, and for the last step the time and state of the return.
     fn go(
         &self,
         start: &State<N>,
@@ -97,7 +97,8 @@ impl<const N: usize> ReturnMap<'_, N> {
         mut watch: impl FnMut(&mut Motion<'_, Balancer<N>, N>, &[Phase; N], Option<(f64, &State<N>)>),
     ) -> Option<Return<N>> {
         let Section { reference, phases, rests } = self.section;
-        // Angles go on from where the start has them, whatever whole turns the motion takes off.
+        // Angles are relative to those of the start, including the whole turns that the motion
+        // subtracts.
         let taken_off: [f64; N] =
             std::array::from_fn(|ball| start.beta[ball] - motion.unwrapped_angle(ball));
         let mut passed = 0;

@@ -1,8 +1,8 @@
-//! The section that a running ball's passages through the angle 0 mark, and coordinates on it.
+//! The section of a running ball's passages through the angle 0, with coordinates on it.
 //!
-//! They are the table's position and velocity, and of the balls what changes on the way: not the
-//! angle of the ball that marks the section, not the speed of a ball that sticks there, and not the
-//! angle of a ball that rests all along. Such a ball may rest anywhere in an interval; each such
+//! The coordinates are the table's position and velocity and the variables of the balls that vary:
+//! not the angle of the ball that marks the section, the speed of a ball that sticks there, or the
+//! angle of a ball that rests throughout. Such a ball may rest anywhere in an interval; each such
 //! angle is a neutral direction of a continuous family of cycles, with a multiplier of exactly 1.
 
 use nalgebra::DVector;
@@ -15,9 +15,9 @@ use crate::motion::Phase;
 pub(super) struct Section<const N: usize> {
     /// The ball whose passages mark it.
     pub(super) reference: usize,
-    /// What the balls do there.
+    /// The phases of the balls there.
     pub(super) phases: [Phase; N],
-    /// Which balls rest all along the orbit.
+    /// Which balls rest throughout the orbit.
     pub(super) rests: [bool; N],
 }
 
@@ -44,8 +44,8 @@ impl<const N: usize> Section<N> {
         DVector::from_vec(values)
     }
 
-    /// The state with these coordinates; what they leave open is as in `like`, and the marking ball
-    /// is at the angle 0.
+    /// Returns the state with these coordinates; the other variables are those of `like`, and the
+    /// marking ball is at the angle 0.
     pub(super) fn state(&self, like: &State<N>, coordinates: &DVector<f64>) -> State<N> {
         let mut state = *like;
         let mut values = coordinates.iter().copied();
@@ -72,8 +72,8 @@ impl<const N: usize> Section<N> {
         (0..dimension).map(|axis| self.state(&State::zero(), &unit(axis))).collect()
     }
 
-    /// What a displacement of the motion, in a state with this time derivative, is on the section:
-    /// neighbours get there a little earlier or later.
+    /// Returns the projection on the section of a displacement of the motion, in a state with this
+    /// time derivative: neighbours reach the section slightly earlier or later.
     pub(super) fn on_section(&self, displacement: &State<N>, rate: &State<N>) -> DVector<f64> {
         let mut displacement = *displacement;
         let late = displacement.beta[self.reference] / rate.beta[self.reference];
@@ -87,7 +87,8 @@ impl<const N: usize> Section<N> {
     }
 }
 
-/// Whole turns taken off a difference that is small otherwise; anything smaller is left alone.
+/// Subtracts whole turns from a difference that is otherwise small; smaller differences are
+/// unchanged.
 #[inline]
 pub(super) fn wrapped_small(difference: f64) -> f64 {
     if difference.abs() > std::f64::consts::PI { wrapped(difference) } else { difference }

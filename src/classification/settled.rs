@@ -1,40 +1,44 @@
-//! Settled: a motion that has come to an equilibrium which nothing holds but its own stability.
+//! Settled motion: convergence to a stable equilibrium without dry friction.
 //!
-//! Where friction cannot hold a body (viscous drag, a smooth law) a run approaches its equilibrium
-//! for ever; so does a block that slides on a belt at a steady place. Such a run has settled when
+//! If friction cannot hold a body (viscous drag, a smooth law), a run approaches its equilibrium
+//! asymptotically; so does a block that slides on a belt at a constant position. Such a run has
+//! settled if
 //!
-//! - everything is slow, and Newton's method finds an equilibrium, a state whose time derivative is
-//!   zero, within [`NEAR`] of it;
+//! - everything is slow, and Newton's method finds an equilibrium, a state with zero time
+//!   derivative, within [`NEAR`];
 //! - all eigenvalues of the equations linearised there (central differences) lie left of the
-//!   imaginary axis, but for the zeros of a family of equilibria, such as three balls and more that
-//!   balance in many ways: as many as there are ways to displace bodies without any force.
+//!   imaginary axis, except for the zeros of a family of equilibria, as of three or more balls that
+//!   can balance in many positions: one zero for each independent displacement of bodies without
+//!   any force.
 
 use nalgebra::{Complex, DMatrix, DVector, SVD, Schur};
 
 use crate::model::{Friction, Sliding, State, System};
 use crate::motion::{Motion, Phase, derivative};
 
-/// The largest component of the time derivative, non-dimensional, at which a look is worth while.
+/// Largest component of the time derivative, non-dimensional, at which the motion is examined.
 const SLOW: f64 = 1e-6;
-/// How near the equilibrium must be, non-dimensional.
+/// Largest distance of the equilibrium, non-dimensional.
 const NEAR: f64 = 1e-3;
-/// How far Newton's last step may go, non-dimensional.
+/// Largest size of Newton's last step, non-dimensional.
 const THERE: f64 = 1e-6;
 /// Step of the central differences, non-dimensional.
 const DIFFERENCE: f64 = 1e-5;
-/// The same for a speed, over the speed at which its law of friction bends.
+/// Step of the central differences for a speed, over the speed at which its friction law bends.
 const SPEED_DIFFERENCE: f64 = 0.01;
-/// Real parts of eigenvalues up to this, either way, count as zero: the accuracy of the differences.
+/// Eigenvalues with a real part of at most this modulus count as zero: the accuracy of the
+/// differences.
 const NEUTRAL: f64 = 1e-9;
-/// The same for the change of the forces with a displacement over that with the displacement of one
-/// body alone, and the least of the latter, non-dimensional, that differences resolve so far.
+/// Threshold for a family of equilibria: the ratio of the force change by a combined displacement
+/// to that by one body alone counts as zero below it; also the least non-dimensional force change
+/// by one body that the differences resolve.
 const NO_FORCE: f64 = 1e-6;
 const LEAST_FORCE: f64 = 1e-5;
 /// A contact that slides at an equilibrium is at least this fast, so that it will not stick.
 const SLIDES: f64 = 1e-3;
 
-/// Decides when to look, so that looks do not add up: each waits half as long as the run has taken,
-/// or for the end of the run.
+/// Schedules the examinations so that their cost stays bounded: each waits for half of the time
+/// elapsed, or for the end of the run.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct SettledWatch {
     next: f64,
@@ -42,7 +46,8 @@ pub(super) struct SettledWatch {
 }
 
 impl SettledWatch {
-    /// Whether a motion that goes on until `end` has settled; most steps show nothing.
+    /// Returns whether a motion that lasts until `end` has settled; after most steps nothing is
+    /// examined.
     pub(super) fn look<S: System<N, FREE>, const N: usize, const FREE: usize>(
         &mut self,
         system: &S,
@@ -63,13 +68,13 @@ impl SettledWatch {
         has_settled(system, motion).unwrap_or(false)
     }
 
-    /// The time since which everything is slow, where it is.
+    /// Returns the time since which everything is slow, if it is.
     pub(super) fn slow_since(&self) -> Option<f64> {
         self.slow_since
     }
 }
 
-/// Whether every contact slides on without dry friction to stop it, or far from stopping.
+/// Returns whether every contact slides without dry friction or far from stopping.
 fn may_settle<S: System<N, FREE>, const N: usize, const FREE: usize>(
     motion: &Motion<S, N, FREE>,
 ) -> bool {
@@ -80,7 +85,7 @@ fn may_settle<S: System<N, FREE>, const N: usize, const FREE: usize>(
     })
 }
 
-/// Whether a motion is near a stable equilibrium; none where that cannot be computed.
+/// Returns whether a motion is near a stable equilibrium; `None` if that cannot be computed.
 fn has_settled<S: System<N, FREE>, const N: usize, const FREE: usize>(
     system: &S,
     motion: &Motion<S, N, FREE>,
@@ -114,7 +119,7 @@ fn has_settled<S: System<N, FREE>, const N: usize, const FREE: usize>(
     Some(stay.len() <= family && stay.into_iter().all(is_zero))
 }
 
-/// Newton's step: where a family of equilibria leaves the matrix singular, the shortest way there.
+/// Returns Newton's step; for a singular matrix of a family of equilibria, the shortest one.
 fn newton_step(
     mut slope: DMatrix<f64>,
     residual: DVector<f64>,
@@ -133,8 +138,8 @@ fn newton_step(
     Some(step)
 }
 
-/// In how many ways bodies can be displaced without any force; none where some body's displacement
-/// hardly changes the forces, so that differences cannot tell.
+/// Returns the number of independent displacements of bodies without any force; `None` if the
+/// displacement of some body hardly changes the forces, so that differences cannot decide.
 fn family_dimension<const N: usize, const FREE: usize>(slope: &DMatrix<f64>) -> Option<usize> {
     let places = (0..FREE).chain(2 * FREE..2 * FREE + N);
     let columns: Option<Vec<DVector<f64>>> =
@@ -144,7 +149,7 @@ fn family_dimension<const N: usize, const FREE: usize>(slope: &DMatrix<f64>) -> 
     Some(decomposed.singular_values.iter().filter(|value| **value <= NO_FORCE).count())
 }
 
-/// The derivative of the rate by central differences; none where it is not finite.
+/// Returns the derivative of the rate by central differences; `None` if it is not finite.
 fn jacobian(
     rate: impl Fn(&DVector<f64>) -> DVector<f64>,
     at: &DVector<f64>,

@@ -1,4 +1,4 @@
-//! The one arrow of this room: a case goes in, an outcome comes out.
+//! Simulation of a case: the function from a case to its outcome.
 
 use super::in_lockstep::{Runs, simulate_in_lockstep};
 use super::one_by_one::one_by_one;
@@ -7,13 +7,13 @@ use super::recorder::Recorder;
 use crate::model::Case;
 use crate::motion::SimdLevel;
 
-/// Simulates a case until its ending is known. A pure function: equal cases give equal outcomes, here
-/// and among others in [`super::simulate_in_lockstep`].
+/// Simulates a case until its ending is known. This is a pure function: equal cases give equal
+/// outcomes, also in [`super::simulate_in_lockstep`].
 pub fn simulate(case: &Case) -> Outcome {
     single(case, None)
 }
 
-/// The same, to the last bit, with its motion recorded.
+/// Simulates a case like [`simulate`], with bit for bit the same outcome, and records its motion.
 pub fn simulate_recorded(case: &Case, recorder: &mut Recorder) -> Outcome {
     recorder.restart();
     single(case, Some(recorder))

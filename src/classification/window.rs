@@ -1,5 +1,5 @@
-//! Means over the last part of a balancer's run: from the very time at which it begins, wherever in a step that
-//! lies, and with the table's motion inside of steps.
+//! Means over the last part of a balancer's run, from its exact start within a step and with the
+//! table's motion inside of steps.
 
 use crate::model::Balancer;
 use crate::motion::Motion;
@@ -7,9 +7,9 @@ use crate::motion::Motion;
 /// The part of the time at the end of a run over which means are taken.
 pub(super) const WINDOW: f64 = 0.1;
 
-/// Places in a part of a step at which the table's displacement is taken, and their weights: Gauss and
-/// Legendre's rule of order 10. In the longest steps the square of the displacement swings by 5 rad of the
-/// highest frequency in it; the rule is right to 4e-6 of that there, and to 2e-8 in steps of 3 rad.
+/// Nodes and weights of the Gauss-Legendre rule of order 10 for the table's displacement in a part
+/// of a step. In the longest steps the square of the displacement oscillates by 5 rad at its
+/// highest frequency; there the rule is accurate to 4e-6, and to 2e-8 in steps of 3 rad.
 pub(super) const NODES: [f64; 5] = [
     0.046_910_077_030_668_004,
     0.230_765_344_947_158_45,
@@ -25,7 +25,7 @@ const WEIGHTS: [f64; 5] = [
     0.118_463_442_528_094_54,
 ];
 
-/// What is gathered for the means.
+/// Sums for the means.
 #[derive(Clone, Debug)]
 pub(super) struct Window<const N: usize> {
     start: f64,
@@ -41,7 +41,7 @@ struct Opened<const N: usize> {
 
 /// Means from the window's start to now, non-dimensional.
 pub(super) struct Means<const N: usize> {
-    /// How far each ball has turned, rad.
+    /// The angle that each ball has turned, rad.
     pub(super) turned: [f64; N],
     /// Mean speed of each ball.
     pub(super) speed: [f64; N],
@@ -49,30 +49,30 @@ pub(super) struct Means<const N: usize> {
     pub(super) amplitude: f64,
 }
 
-/// A step that has been taken, to be looked into.
+/// A step that has been taken, with access to its interior.
 pub(super) trait Taken<const N: usize> {
-    /// When it began and when it ended.
+    /// Returns the start and the end time of the step.
     fn ends(&self) -> [f64; 2];
 
-    /// The balls' angles at a time after its begin, whole turns included.
+    /// Returns the balls' angles at a time after its start, including whole turns.
     fn angles(&mut self, after: f64) -> [f64; N];
 
-    /// The square of the table's displacement at some times after its begin, over `L`.
+    /// Returns the squares of the table's displacement at several times after its start, over `L`.
     fn squares(&mut self, after: [f64; NODES.len()]) -> [f64; NODES.len()];
 }
 
 impl<const N: usize> Window<N> {
-    /// A window that starts at a time.
+    /// Creates a window that starts at a time.
     pub(super) fn new(start: f64) -> Self {
         Window { start, opened: None }
     }
 
-    /// When it starts.
+    /// Returns the start of the window.
     pub(super) fn start(&self) -> f64 {
         self.start
     }
 
-    /// Takes in what of a step lies in the window.
+    /// Adds the part of a step that lies in the window.
     pub(super) fn take_in(&mut self, mut step: impl Taken<N>) {
         let [began, ended] = step.ends();
         let from = self.start.max(began);
@@ -89,7 +89,7 @@ impl<const N: usize> Window<N> {
         opened.square_time += length * mean;
     }
 
-    /// The means up to now; none where the window has not been reached.
+    /// Returns the means up to now; `None` before the start of the window.
     pub(super) fn means(&self, motion: &Motion<Balancer<N>, N>) -> Option<Means<N>> {
         let opened = self.opened.as_ref()?;
         let span = motion.time() - opened.time;
@@ -134,7 +134,7 @@ mod tests {
 
     /// The rule is exact for polynomials of degree 9, and not for degree 10.
     #[test]
-    fn the_rule_is_gauss_and_legendres() {
+    fn the_rule_is_exact_up_to_degree_9() {
         for degree in 0..=10 {
             let sum: f64 =
                 NODES.iter().zip(WEIGHTS).map(|(node, weight)| weight * node.powi(degree)).sum();

@@ -71,7 +71,7 @@ impl<const N: usize> Balancer<N> {
 }
 
 impl<const N: usize> Balancer<N> {
-    /// The same balancer in another arithmetic.
+    /// Returns this balancer in another arithmetic.
     #[inline]
     pub fn lifted<T: Number>(&self) -> Balancer<N, T> {
         Balancer {
@@ -104,8 +104,8 @@ pub struct State<const N: usize, T = f64, const FREE: usize = 2> {
     pub velocity: [T; FREE],
     /// Angle of each ball from the imbalance, rad; position of a block.
     pub beta: [T; N],
-    /// Sliding speed of each contact: of a ball relative to the ring, of a block relative to what
-    /// it lies on.
+    /// Sliding speed of each contact: of a ball relative to the ring, of a block relative to its
+    /// support.
     pub beta_dot: [T; N],
 }
 

@@ -1,5 +1,5 @@
-//! A block on a spring, on rigid ground or on a moving belt: systems with dry friction whose motion
-//! is known in closed form.
+//! A block on a spring, on rigid ground or on a moving belt: systems with dry friction that have a
+//! closed-form solution.
 //!
 //! `m ẍ = -k x - f_w`, with friction `f_w` against the block's speed relative to what it lies on.
 //! On rigid ground with Coulomb friction (thesis figure 4.2) each half swing is shorter than the
@@ -20,7 +20,7 @@ use super::{
     Contact, Dual, Forces, Friction, FrictionLaw, InvalidParameter, Number, State, System,
 };
 
-/// What a block lies on.
+/// The support of a block.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub enum Ground {
     /// Rigid ground.
@@ -41,11 +41,11 @@ pub struct Block {
     pub stiffness_n_m: f64,
     /// Force that presses the block on the ground, N.
     pub normal_force_n: f64,
-    /// Coefficient of friction; the kinetic one where the law has a static one, too.
+    /// Coefficient of friction; the kinetic one if the law also has a static one.
     pub friction_coefficient: f64,
     /// The law of friction.
     pub friction: FrictionLaw,
-    /// What it lies on.
+    /// The support of the block.
     pub ground: Ground,
 }
 
@@ -62,15 +62,15 @@ impl Block {
         }
     }
 
-    /// The same block on a belt of 0.1 m/s.
+    /// A block like [`Block::on_spring`], on a belt of 0.1 m/s.
     pub fn on_belt() -> Self {
         Block { ground: Ground::Belt { speed_m_s: 0.1 }, ..Block::on_spring() }
     }
 
-    /// Refuses values without physical meaning.
+    /// Checks that all values have a physical meaning.
     ///
     /// # Errors
-    /// The first offending parameter, by the name it has in a study file.
+    /// The first invalid parameter, by the name it has in a study file.
     pub fn validate(&self) -> Result<(), InvalidParameter> {
         positive("mass_kg", self.mass_kg)?;
         positive("stiffness_n_m", self.stiffness_n_m)?;
@@ -88,12 +88,12 @@ impl Block {
         (self.stiffness_n_m / self.mass_kg).sqrt()
     }
 
-    /// The length that counts as 1, `F_n / k`, m.
+    /// The unit of length, `F_n / k`, m.
     pub fn unit_length_m(&self) -> f64 {
         self.normal_force_n / self.stiffness_n_m
     }
 
-    /// Without dimensions.
+    /// Returns the non-dimensional form.
     pub fn slider(&self) -> Slider {
         let natural = self.natural_frequency_rad_s();
         let speed_unit = self.unit_length_m() * natural;
@@ -117,8 +117,7 @@ pub struct Slider {
     pub belt_speed: f64,
 }
 
-/// Where a block is and how fast it slides: its position in `beta`, and in `beta_dot` its speed
-/// relative to what it lies on.
+/// Position (`beta`) and speed relative to the support (`beta_dot`) of a block.
 pub type SliderState = State<1, f64, 0>;
 
 impl Slider {

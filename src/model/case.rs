@@ -1,4 +1,4 @@
-//! One case: everything that decides one run. An outcome is a pure function of this value.
+//! One case: the complete input of one run. An outcome is a pure function of this value.
 
 use serde::Serialize;
 
@@ -48,26 +48,26 @@ pub enum Method {
     Event,
 }
 
-/// Which runs are continued past the end time, and how far: those of which, at the end time, no
-/// ending is known. Equilibria and limit cycles are over, and failures cannot be continued.
+/// Which undecided or irregular runs are continued past the end time, and how far. Equilibria and
+/// limit cycles are final, and failed runs cannot be continued.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Extend {
-    /// The time to which they are continued, over the end time.
+    /// The later end time, as a multiple of the end time.
     pub factor: f64,
-    /// Whether runs are continued of which nothing could be shown.
+    /// Whether undecided runs are continued.
     pub undecided: bool,
-    /// Whether runs are continued that have been shown to be irregular.
+    /// Whether irregular runs are continued.
     pub irregular: bool,
 }
 
-/// Which endings of a run are looked for.
+/// Which endings of a run are detected.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub enum Endings {
     /// Rest, limit cycles and irregular motion.
     #[default]
     All,
-    /// Rest only: what else a run ends in stays undecided, and most of what is computed beside the
-    /// motion is not.
+    /// Rest only: all other runs are undecided, and most computations beside the motion are
+    /// skipped.
     Rest,
 }
 
@@ -79,11 +79,11 @@ pub struct Simulation {
     /// Half width `η` of the band around zero sliding speed, non-dimensional (for a ball, over
     /// `ω_n`).
     pub band: f64,
-    /// When a run that has not ended by itself is stopped, s.
+    /// End time of a run without another ending, s.
     pub end_time_s: f64,
-    /// Which of these runs are continued, to a later time.
+    /// Which runs are continued to a later end time.
     pub extend: Option<Extend>,
-    /// Which endings are looked for.
+    /// Which endings are detected.
     pub endings: Endings,
     /// Relative error allowed per step.
     pub relative_tolerance: f64,
@@ -94,11 +94,11 @@ pub struct Simulation {
 impl Default for Simulation {
     /// The thesis's end time, and tolerances at which fractions no longer change.
     ///
-    /// The thesis's band is lost in the scan but for "a power of ten, smaller values change
-    /// nothing". Final ball angles converge to the exact motion in proportion to the band: against
-    /// an independent event-located integration their 99th percentile is off by 4e-2 rad with
-    /// 1e-4 and by 2e-6 rad with 1e-8 at -160.8103 rad/s. As switches are located, a narrower band
-    /// costs nothing.
+    /// The scan of the thesis does not show its band, except for "a power of ten, smaller values
+    /// change nothing". The distance of the final ball angles from the exact motion is proportional
+    /// to the band: compared with an independent event-located integration, the 99th percentile of
+    /// the error is 4e-2 rad for 1e-4 and 2e-6 rad for 1e-8 at -160.8103 rad/s. Because switches
+    /// are located, a narrower band has no cost.
     fn default() -> Self {
         Simulation {
             method: Method::Switch,
@@ -113,14 +113,15 @@ impl Default for Simulation {
 }
 
 impl Simulation {
-    /// The end time, and that of runs that are continued, s; the same where none are.
+    /// Returns the end time and that of continued runs, s; two equal times if no runs are
+    /// continued.
     pub fn end_times_s(&self) -> [f64; 2] {
         let factor = self.extend.map_or(1.0, |extend| extend.factor);
         [self.end_time_s, factor * self.end_time_s]
     }
 
-    /// The settings of a second computation that should end alike: the other method, with a tenth of
-    /// both tolerances.
+    /// Returns the settings of a second computation that should have the same ending: the other
+    /// method, with a tenth of both tolerances.
     ///
     /// ```
     /// use stickslip::model::{Method, Simulation};
@@ -146,8 +147,8 @@ impl Simulation {
 pub struct Case {
     /// The system with all parameters in SI units.
     pub model: Model,
-    /// Where it starts.
+    /// The start state.
     pub start: Start,
-    /// How it is integrated.
+    /// The settings of the integration.
     pub simulation: Simulation,
 }

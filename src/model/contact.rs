@@ -2,7 +2,7 @@
 
 use super::Number;
 
-/// What friction does to one ball. As numbers, not as cases, so that runs in lockstep can differ.
+/// The friction of one ball, as numbers instead of cases, so that runs in lockstep can differ.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contact<T = f64> {
     /// 1 where the ball may accelerate, 0 where it sticks.
@@ -18,7 +18,7 @@ impl Contact {
     /// A contact that sticks.
     pub const STICK: Contact = Contact { free: 0.0, signed_friction: 0.0, drag: 0.0 };
 
-    /// The same in another arithmetic.
+    /// Returns this contact in another arithmetic.
     #[inline]
     pub fn lifted<T: Number>(self) -> Contact<T> {
         Contact {

@@ -79,7 +79,7 @@ impl Number for Dual {
 }
 
 impl<const N: usize, const FREE: usize> State<N, f64, FREE> {
-    /// This state, moving along a direction.
+    /// Returns this state, moving along a direction.
     pub fn along(&self, direction: &Self) -> State<N, Dual, FREE> {
         let dual = |value: f64, slope: f64| Dual { value, slope };
         State {
@@ -134,7 +134,7 @@ mod tests {
     use super::Dual;
     use crate::model::{Friction, Number, Sliding};
 
-    /// Every operation against central differences.
+    /// Every operation agrees with central differences.
     #[test]
     fn slopes_are_derivatives() {
         fn function<T: Number>(x: T) -> T {

@@ -26,20 +26,22 @@ pub struct Forces<const N: usize, T = f64, const FREE: usize = 2> {
     pub beta_ddot: [T; N],
     /// Normal force on each contact, compression positive.
     pub normal: [T; N],
-    /// Friction force on each contact, acting against positive `β̇`; in stick, what sticking takes.
+    /// Friction force on each contact, acting against positive `β̇`; in stick, the force required
+    /// to stick.
     pub friction: [T; N],
 }
 
 impl<const N: usize, T: Number> Balancer<N, T> {
-    /// Accelerations and forces for given contacts. What small speed the switch model leaves to a
-    /// ball that sticks enters like any other speed: the conditions for stick and for slip then
-    /// meet exactly where one takes over from the other.
+    /// Returns accelerations and forces for given contacts. The residual speed of a sticking ball
+    /// in the switch model enters like any other speed, so that the conditions for stick and for
+    /// slip coincide exactly at a switch.
     #[inline]
     pub fn forces(&self, state: &State<N, T>, contacts: &[Contact<T>; N]) -> Forces<N, T> {
         self.forces_turned(state, contacts, &state.beta.map(T::sin_cos))
     }
 
-    /// The same where sine and cosine of each ball's angle are known.
+    /// Computes accelerations and forces like [`Balancer::forces`], from a known sine and cosine of
+    /// each ball's angle.
     #[inline]
     pub fn forces_turned(
         &self,
@@ -54,8 +56,8 @@ impl<const N: usize, T: Number> Balancer<N, T> {
         let [x_dot, y_dot] = state.velocity;
         let omega = self.speed;
 
-        // Sums over the balls stand apart from the table's own terms, so that exchanging two
-        // balls exchanges the results to the last bit.
+        // Sums over the balls are separate from the table's own terms, so that exchanging two balls
+        // exchanges the results bit for bit.
         let (mut m_xx, mut m_xy, mut m_yx, mut m_yy) = (zero, zero, zero, zero);
         let (mut balls_x, mut balls_y) = (zero, zero);
         let mut sine = [zero; N];
@@ -112,8 +114,8 @@ impl<const N: usize, T: Number> Balancer<N, T> {
         forces
     }
 
-    /// The time derivative of the state. A ball that sticks keeps its angle, and what is left of
-    /// its speed dies out (switch model, thesis section 4.2: `β' = 0`, `(β̇)' = -β̇`).
+    /// Returns the time derivative of the state. A sticking ball keeps its angle, and its residual
+    /// speed decays (switch model, thesis section 4.2: `β' = 0`, `(β̇)' = -β̇`).
     #[inline]
     pub fn derivative(
         &self,

@@ -54,10 +54,10 @@
 use super::balancer::SPHERE_INERTIA;
 use super::{Balancer, Machine};
 
-/// With friction coefficients up to this no machine can fail: `sqrt(56) / 5`, rounded down.
+/// Largest friction coefficient with which no machine can fail: `sqrt(56) / 5`, rounded down.
 pub const SAFE_FRICTION: f64 = 1.4966;
 
-/// Minors up to this count as zero: they are known to rounding only.
+/// Minors up to this size count as zero, because of rounding.
 const ROUNDING: f64 = 1e-12;
 
 /// Whether stick and slip are decided in exactly one way, at all positions and for all forces.
@@ -75,14 +75,14 @@ pub enum ExistenceVerdict {
     NotUnique {
         /// The least principal minor over all positions and sets of balls.
         least_minor: f64,
-        /// The worst position: numbers from 1 of the balls that it takes, each with its angle, rad,
-        /// from the first of them. Half a turn more for any of them is just as bad.
+        /// The worst position: the balls involved, numbered from 1, each with its angle, rad,
+        /// relative to the first of them. Half a turn more for any of them is equally bad.
         position: Vec<(usize, f64)>,
     },
 }
 
 impl ExistenceVerdict {
-    /// The verdict's word in tables.
+    /// Returns the identifier that the tables use.
     pub fn word(&self) -> &'static str {
         match self {
             ExistenceVerdict::Unique { .. } => "unique",
@@ -100,14 +100,14 @@ impl ExistenceVerdict {
 }
 
 impl Machine {
-    /// Whether stick and slip are always decided in exactly one way. For a machine that is valid: all
-    /// sets of balls are gone through, so that their number matters.
+    /// Returns whether stick and slip are always decided in exactly one way. The machine must be
+    /// valid; all sets of balls are enumerated.
     pub fn existence(&self) -> ExistenceVerdict {
         verdict(&self.couplings(1.0))
     }
 
-    /// The part of its friction, alike for all balls, up to which a machine decides stick and slip
-    /// in exactly one way: 1 where it does so as it is.
+    /// Returns the largest common factor on the friction of all balls, at most 1, for which stick
+    /// and slip are decided in exactly one way.
     pub fn unambiguous_friction_fraction(&self) -> f64 {
         let fine = |share: f64| {
             let (least_minor, _) = least_at_worst_position(&self.couplings(share));
@@ -116,8 +116,8 @@ impl Machine {
         if fine(1.0) {
             return 1.0;
         }
-        // More friction only makes it worse, as (Σ g p)² grows more slowly with it than the square
-        // on the other side.
+        // More friction never helps, because (Σ g p)² grows more slowly with it than the square on
+        // the other side.
         let (mut low, mut high) = (0.0, 1.0);
         for _ in 0..40 {
             let middle = 0.5 * (low + high);
@@ -142,17 +142,16 @@ impl<const N: usize> Balancer<N> {
         verdict(&self.couplings())
     }
 
-    /// Whether the simple bound `Σ g (1 + sqrt(1 + μ²)) < 2` shows already that there is always
-    /// exactly one solution. Takes next to no time.
+    /// Returns whether the simple bound `Σ g (1 + sqrt(1 + μ²)) < 2` proves that there is always
+    /// exactly one solution, at negligible cost.
     #[inline]
     pub fn surely_one_solution(&self) -> bool {
         let part = |c: Coupling| c.mass * (1.0 + (1.0 + c.friction * c.friction).sqrt());
         self.couplings().into_iter().map(part).sum::<f64>() < 2.0 - ROUNDING
     }
 
-    /// The least principal minor with the balls at the angles `beta`; where it is positive, stick
-    /// and slip are decided in exactly one way there, whatever the forces. Not a number where an
-    /// angle is not.
+    /// Returns the least principal minor with the balls at the angles `beta`; if it is positive,
+    /// stick and slip are decided in exactly one way there, for any forces. NaN if an angle is NaN.
     pub fn least_minor_at(&self, beta: &[f64; N]) -> f64 {
         let couplings = self.couplings();
         let doubled = beta.map(|angle| libm::sincos(2.0 * angle));
@@ -163,7 +162,7 @@ impl<const N: usize> Balancer<N> {
         least_minor(&couplings, turned).0
     }
 
-    /// Whether stick and slip are decided in exactly one way with the balls at `beta`.
+    /// Returns whether stick and slip are decided in exactly one way with the balls at `beta`.
     pub fn one_solution_at(&self, beta: &[f64; N]) -> bool {
         self.least_minor_at(beta) > ROUNDING
     }
@@ -176,7 +175,7 @@ impl<const N: usize> Balancer<N> {
     }
 }
 
-/// What one ball brings into the minors.
+/// The contribution of one ball to the minors.
 #[derive(Clone, Copy, Debug)]
 struct Coupling {
     /// `g = m / (1 + 4J)`.
@@ -206,10 +205,10 @@ fn least_at_worst_position(couplings: &[Coupling]) -> (f64, usize) {
     least_minor(couplings, |_, p| [(1.0 + p * p).sqrt(), 0.0])
 }
 
-/// The least minor over all sets of balls and corners, and the number of the combination that has
-/// it. `turned` is `(1 + ip) e^{2iβ}` of a ball, from its number and its `p`.
+/// Returns the least minor over all sets of balls and corners, and the index of its combination.
+/// `turned` returns `(1 + ip) e^{2iβ}` of a ball, from its index and its `p`.
 fn least_minor(couplings: &[Coupling], turned: impl Fn(usize, f64) -> [f64; 2]) -> (f64, usize) {
-    let mut least = (1.0, 0); // what any ball alone has
+    let mut least = (1.0, 0); // the minor of any single ball
     for combination in 1..3_usize.pow(couplings.len() as u32) {
         let (mut g, mut w, mut z, mut diagonal) = (0.0, 0.0, [0.0; 2], 1.0);
         for (ball, direction) in chosen(combination, couplings.len()) {
@@ -233,7 +232,8 @@ fn least_minor(couplings: &[Coupling], turned: impl Fn(usize, f64) -> [f64; 2]) 
     least
 }
 
-/// The balls that a combination takes, each with the sign of its `p`: its digits to the base three.
+/// Returns the balls of a combination, each with the sign of its `p`: the combination's ternary
+/// digits.
 fn chosen(combination: usize, balls: usize) -> impl Iterator<Item = (usize, f64)> {
     let digits = (0..balls).scan(combination, |rest, ball| {
         let digit = *rest % 3;

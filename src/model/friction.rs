@@ -1,4 +1,4 @@
-//! Friction laws: how the friction force follows from sliding speed and normal force.
+//! Friction laws: the friction force as a function of sliding speed and normal force.
 //!
 //! Coulomb, with equal coefficients for rest and motion; Stribeck, whose coefficient falls from a
 //! static to a kinetic value with speed (thesis figure 3.3); a smooth law that cannot stick (thesis
@@ -15,8 +15,9 @@ use super::{Contact, InvalidParameter};
 pub enum FrictionLaw {
     /// Dry friction with one coefficient `μ`: in slip `μ f_n`, in stick at most that.
     Coulomb,
-    /// `μ(v) = μ + (μ_s - μ) e^{-|v|/v_s}`: at most `μ_s f_n` in stick, and down to `μ f_n` as the
-    /// speed grows. With `v_s = 0` the coefficient drops at once (static and kinetic friction).
+    /// `μ(v) = μ + (μ_s - μ) e^{-|v|/v_s}`: at most `μ_s f_n` in stick, tending to `μ f_n` with
+    /// growing speed. With `v_s = 0` the coefficient drops immediately (static and kinetic
+    /// friction).
     Stribeck {
         /// `μ_s`, not below the (kinetic) friction coefficient.
         static_friction_coefficient: f64,
@@ -46,7 +47,8 @@ impl FrictionLaw {
         }
     }
 
-    /// Whether bodies can stick: whether the force at rest is any of an interval.
+    /// Returns whether bodies can stick: whether the force at rest can take any value in an
+    /// interval.
     pub fn can_stick(&self) -> bool {
         matches!(self, FrictionLaw::Coulomb | FrictionLaw::Stribeck { .. })
     }
@@ -63,8 +65,8 @@ impl FrictionLaw {
         }
     }
 
-    /// The most friction over normal force, at rest or at any speed, of a contact with this
-    /// (kinetic) coefficient.
+    /// Returns the largest ratio of friction to normal force, at rest or at any speed, of a contact
+    /// with this (kinetic) coefficient.
     pub fn largest_ratio(&self, friction_coefficient: f64) -> f64 {
         match *self {
             FrictionLaw::Coulomb | FrictionLaw::Smooth { .. } => friction_coefficient,
@@ -75,10 +77,11 @@ impl FrictionLaw {
         }
     }
 
-    /// Refuses values without physical meaning, for a contact with this (kinetic) coefficient.
+    /// Checks that all values have a physical meaning, for a contact with this (kinetic)
+    /// coefficient.
     ///
     /// # Errors
-    /// The first offending parameter; `speed_unit` ends the names of speeds, as in a study file.
+    /// The first invalid parameter; `speed_unit` ends the names of speeds, as in a study file.
     pub(super) fn validate(
         &self,
         friction_coefficient: f64,
@@ -110,9 +113,9 @@ impl FrictionLaw {
         }
     }
 
-    /// The non-dimensional friction of a contact of which `coefficient` is the (kinetic)
-    /// coefficient, `speed_unit` the sliding speed that counts as 1 (SI) and `drag_unit` the
-    /// viscous coefficient that counts as 1 (N s/m).
+    /// Returns the non-dimensional friction of a contact with the (kinetic) coefficient
+    /// `coefficient`, the unit of sliding speed `speed_unit` (SI) and the unit of the viscous
+    /// coefficient `drag_unit` (N s/m).
     pub(super) fn contact(&self, coefficient: f64, speed_unit: f64, drag_unit: f64) -> Friction {
         let dry = |limit, sliding| Friction { coefficient, limit, sliding };
         match *self {
@@ -135,9 +138,9 @@ impl FrictionLaw {
 /// Non-dimensional friction of one contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Friction {
-    /// Friction over normal force in fast slip, `μ`; 0 where there is no dry friction.
+    /// Ratio of friction to normal force in fast slip, `μ`; 0 without dry friction.
     pub coefficient: f64,
-    /// The most friction over normal force in stick, `μ_s`; 0 where nothing can stick.
+    /// Largest ratio of friction to normal force in stick, `μ_s`; 0 if the contact cannot stick.
     pub limit: f64,
     /// How friction in slip depends on speed.
     pub sliding: Sliding,
@@ -146,19 +149,19 @@ pub struct Friction {
 /// How friction in slip depends on the non-dimensional sliding speed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Sliding {
-    /// Not at all.
+    /// No dependence.
     Coulomb,
-    /// It falls from the limit to the coefficient.
+    /// The coefficient falls from the limit to the kinetic value.
     Stribeck {
-        /// The speed of the fall; at 0 it is a jump.
+        /// The characteristic speed of the fall; at 0 it is a jump.
         speed: f64,
     },
-    /// It grows from 0 to the coefficient.
+    /// The coefficient grows from 0 to its final value.
     Smooth {
         /// The speed at which half of it is reached.
         speed: f64,
     },
-    /// It is a drag, not in proportion to the normal force.
+    /// Viscous drag, independent of the normal force.
     Viscous {
         /// Drag over speed.
         drag: f64,
@@ -171,7 +174,7 @@ impl Friction {
         Friction { coefficient, limit: coefficient, sliding: Sliding::Coulomb }
     }
 
-    /// The most friction over normal force, at rest or at any speed.
+    /// Returns the largest ratio of friction to normal force, at rest or at any speed.
     #[inline]
     pub fn largest_ratio(&self) -> f64 {
         self.limit.max(self.coefficient)
@@ -188,8 +191,9 @@ impl Friction {
         matches!(self.sliding, Sliding::Coulomb | Sliding::Stribeck { .. })
     }
 
-    /// The largest rate at which friction that grows with speed damps it, non-dimensional, of a
-    /// contact of mass 1 under this normal force: how stiff the equations of motion are.
+    /// Returns the largest damping rate by friction that grows with speed, non-dimensional, for a
+    /// contact of mass 1 under this normal force: a measure of the stiffness of the equations of
+    /// motion.
     pub fn damping_rate(&self, normal: f64) -> f64 {
         match self.sliding {
             Sliding::Coulomb | Sliding::Stribeck { .. } => 0.0,
@@ -200,8 +204,8 @@ impl Friction {
         }
     }
 
-    /// Friction of a contact that moves, or is about to move, in a direction (1 or -1) at a speed.
-    /// A law that cannot stick does not need the direction.
+    /// Returns the friction of a contact that moves, or is about to move, in a direction (1 or -1)
+    /// at a speed. A law that cannot stick ignores the direction.
     #[inline]
     pub fn slip(&self, direction: f64, speed: f64) -> Contact {
         let (signed_friction, drag) = match self.sliding {

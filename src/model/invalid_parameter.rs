@@ -3,14 +3,15 @@
 use thiserror::Error;
 
 /// A value that no machine can have.
+/// An invalid parameter value.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[error("{name} is {found}, but must be {allowed}")]
 pub struct InvalidParameter {
     /// The parameter's name, as in a study file.
     pub name: String,
-    /// What was given.
+    /// The value found.
     pub found: String,
-    /// What would do.
+    /// The allowed values.
     pub allowed: &'static str,
 }
 

@@ -1,4 +1,4 @@
-//! The automatic ball balancer in SI units: what an engineer measures and a study file names.
+//! The automatic ball balancer in SI units, with the parameters of a study file.
 //!
 //! Default values are the thesis's machine (TU Eindhoven, "Modeling and Analysis of an Automatic
 //! Balancing Unit with Dry Friction", table 3.2; the powers of ten that its scan lost are restored
@@ -20,23 +20,24 @@ pub struct Ball {
     /// Diameter, m.
     pub diameter_m: f64,
     /// Coefficient of friction between ball and ring (rolling resistance), dimensionless; the
-    /// kinetic one where the law has a static one, too. Not used by the viscous law.
+    /// kinetic one if the law also has a static one. Not used by the viscous law.
     pub friction_coefficient: f64,
 }
 
 /// How the normal force between ball and ring is derived.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub enum NormalForce {
-    /// The thesis: the rolling constraint is put in before Lagrange's equations are formed, so the
-    /// normal force carries `2 J d ω β̇ - 4 J β̇²` (its equation 3.5).
+    /// The thesis's form: the rolling constraint is substituted before Lagrange's equations are
+    /// formed, so that the normal force contains `2 J d ω β̇ - 4 J β̇²` (its equation 3.5).
     Lagrange,
-    /// Newton's second law for the ball's centre: no such term.
+    /// Newton's second law for the ball's centre, without that term.
     Newton,
 }
 
 /// A machine: table on springs, turning disc with an imbalance, and balls in a ring.
 ///
-/// Any finite number can stand in a field; [`Machine::validate`] says whether the whole makes sense.
+/// Fields may have any finite value; [`Machine::validate`] checks that the machine is physically
+/// valid.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Machine {
     /// Mass of table, motor, ring and disc, without imbalance and balls, kg.
@@ -87,11 +88,12 @@ impl Default for Machine {
 }
 
 impl Machine {
-    /// Refuses values without physical meaning: anything not finite, masses, lengths and stiffness
-    /// that are not positive, negative damping or friction, no ball or more than [`MAX_BALLS`].
+    /// Checks that all values have a physical meaning. Rejected are non-finite values, masses,
+    /// lengths and stiffness that are not positive, negative damping or friction, and fewer than
+    /// one or more than [`MAX_BALLS`] balls.
     ///
     /// # Errors
-    /// The first offending parameter, by the name it has in a study file.
+    /// The first invalid parameter, by the name it has in a study file.
     pub fn validate(&self) -> Result<(), InvalidParameter> {
         let balls = self.balls.len();
         if balls == 0 || balls > MAX_BALLS {
@@ -142,8 +144,8 @@ impl Machine {
     }
 }
 
-/// The name under which one ball's own value of a parameter is swept or drawn:
-/// `ball_mass_kg` of ball 2 is `ball_mass_2_kg`, `friction_coefficient` is `friction_coefficient_2`.
+/// Returns the name of one ball's own value of a parameter: `ball_mass_kg` of ball 2 is
+/// `ball_mass_2_kg`, `friction_coefficient` is `friction_coefficient_2`.
 pub fn ball_parameter_name(general: &str, ball: usize) -> String {
     match general.rsplit_once('_') {
         Some((stem, unit @ ("kg" | "m"))) => format!("{stem}_{ball}_{unit}"),

@@ -1,8 +1,9 @@
 //! The mechanical system: parameters, equations of motion, closed forms.
 //!
-//! [`Model`] is what a study names, in SI units: a [`Machine`] (the ball balancer) or a [`Block`].
-//! [`Balancer`] and [`Slider`] are the same without dimensions, with the equations of motion; what
-//! they have in common is a [`System`]. Nothing here knows how motion is integrated or how a run ends.
+//! [`Model`] is the model of a study, in SI units: a [`Machine`] (the ball balancer) or a
+//! [`Block`]. [`Balancer`] and [`Slider`] are their non-dimensional forms, with the equations of
+//! motion; [`System`] is their common interface. This module does not depend on how motion is
+//! integrated or how a run ends.
 
 mod balancer;
 mod block;

@@ -1,4 +1,4 @@
-//! What a study can be about: one of the mechanical systems, in SI units.
+//! The mechanical systems that a study can simulate, in SI units.
 
 use serde::Serialize;
 
@@ -30,7 +30,7 @@ impl From<Block> for Model {
 pub struct Coordinate {
     /// Name, as in a study file.
     pub name: String,
-    /// Unit; none where the value is non-dimensional.
+    /// Unit; `None` for a non-dimensional value.
     pub unit: Option<&'static str>,
     /// What it means.
     pub meaning: &'static str,
@@ -46,10 +46,10 @@ impl Model {
         }
     }
 
-    /// Refuses values without physical meaning.
+    /// Checks that all values have a physical meaning.
     ///
     /// # Errors
-    /// The first offending parameter, by the name it has in a study file.
+    /// The first invalid parameter, by the name it has in a study file.
     pub fn validate(&self) -> Result<(), InvalidParameter> {
         match self {
             Model::BallBalancer(machine) => machine.validate(),
@@ -57,7 +57,7 @@ impl Model {
         }
     }
 
-    /// The machine, where the model is the ball balancer.
+    /// Returns the machine; `None` if the model is not the ball balancer.
     pub fn ball_balancer(&self) -> Option<&Machine> {
         match self {
             Model::BallBalancer(machine) => Some(machine),
@@ -65,7 +65,7 @@ impl Model {
         }
     }
 
-    /// The machine, to be changed, where the model is the ball balancer.
+    /// Returns the machine mutably; `None` if the model is not the ball balancer.
     pub fn ball_balancer_mut(&mut self) -> Option<&mut Machine> {
         match self {
             Model::BallBalancer(machine) => Some(machine),
@@ -73,7 +73,7 @@ impl Model {
         }
     }
 
-    /// Number of balls; 0 in a model without.
+    /// Returns the number of balls; 0 for a model without balls.
     pub fn balls(&self) -> usize {
         self.ball_balancer().map_or(0, |machine| machine.balls.len())
     }
@@ -91,7 +91,7 @@ impl Model {
         }
     }
 
-    /// The law of friction, to be changed.
+    /// Returns the law of friction, mutably.
     pub fn friction_mut(&mut self) -> &mut FrictionLaw {
         match self {
             Model::BallBalancer(machine) => &mut machine.friction,
@@ -107,7 +107,8 @@ impl Model {
         }
     }
 
-    /// The largest rate at which friction that grows with speed damps a contact, over the natural frequency.
+    /// Returns the largest damping rate of a contact by friction that grows with speed, over the
+    /// natural frequency.
     pub fn damping_rate(&self) -> f64 {
         match self {
             Model::Block(block) => block.slider().friction.damping_rate(1.0),

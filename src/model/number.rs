@@ -1,9 +1,9 @@
-//! The arithmetic that the equations of motion need, so that they are written once for one run
-//! (`f64`) and can be used for several runs in lockstep (a vector of lanes).
+//! The arithmetic of the equations of motion, so that they are written once for one run (`f64`) and
+//! for several runs in lockstep (a vector of lanes).
 
 use std::ops::{Add, Mul, Neg, Sub};
 
-/// A real number, or several side by side that are computed alike.
+/// A real number, or a vector of independent real numbers.
 pub trait Number:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Neg<Output = Self>
 {
@@ -20,8 +20,8 @@ impl Number for f64 {
         value
     }
 
-    /// From a library in plain Rust rather than the platform's, so that the last bit of a result
-    /// does not depend on the operating system.
+    /// Computed by a library in plain Rust rather than the platform's, so that the last bit of a
+    /// result does not depend on the operating system.
     fn sin_cos(self) -> (Self, Self) {
         libm::sincos(self)
     }

@@ -40,8 +40,8 @@ impl<const N: usize> Balancer<N> {
         RestPoint { position: [x, y], normal, friction }
     }
 
-    /// The least friction coefficient, alike for all balls, with which the balls can rest at
-    /// `beta`; infinite where a normal force would have to pull.
+    /// Returns the smallest friction coefficient, equal for all balls, with which the balls can
+    /// rest at `beta`; infinite if a normal force would have to pull.
     pub fn required_friction(&self, beta: &[f64; N]) -> f64 {
         let rest = self.rest_point(beta);
         let ratio = |i: usize| {
@@ -60,9 +60,9 @@ impl<const N: usize> Balancer<N> {
         x.hypot(y)
     }
 
-    /// The largest part of a ball's friction limit that an acceleration of the table by up to
-    /// `disturbance` beyond the rest point can call for, `(|f_w| + a) / (μ (f_n - a))`: at most 1
-    /// means that no ball can break loose.
+    /// Returns the largest ratio of required friction to friction limit, over all balls, if the
+    /// table's acceleration may differ from that at the rest point by up to `disturbance`:
+    /// `(|f_w| + a) / (μ (f_n - a))`. At most 1 means that no ball can break loose.
     pub fn friction_use(&self, rest: &RestPoint<N>, disturbance: f64) -> f64 {
         let used = |i: usize| {
             let limit = self.balls[i].friction.limit * (rest.normal[i] - disturbance);
@@ -78,8 +78,8 @@ impl<const N: usize> Balancer<N> {
         (0..N).map(used).fold(0.0, f64::max)
     }
 
-    /// The part of the friction limit that is left where the balls rest: 1 where nothing pulls at
-    /// any ball, 0 on the edge of the equilibrium set, negative outside.
+    /// Returns the friction margin at rest: 1 if no ball needs friction, 0 on the edge of the
+    /// equilibrium set, negative outside.
     pub fn rest_margin(&self, beta: &[f64; N]) -> f64 {
         1.0 - self.friction_use(&self.rest_point(beta), 0.0)
     }
@@ -93,9 +93,8 @@ impl<const N: usize> Balancer<N> {
         (u[0] * u[0] + u[1] * u[1] + (v[0] * v[0] + v[1] * v[1])).sqrt()
     }
 
-    /// Bound on what the speeds that the switch model has left to sticking balls, and which die out
-    /// as `e^{-t}`, can still do: to each ball's normal force, and as a push on the table (to the
-    /// distance from rest).
+    /// Returns bounds on the effect of the residual speeds of sticking balls in the switch model,
+    /// which decay as `e^{-t}`: on each ball's normal force, and on the table's distance from rest.
     pub fn residual_disturbance(&self, state: &State<N>) -> (f64, f64) {
         let (mut normal, mut push) = (0.0_f64, 0.0);
         for (ball, speed) in self.balls.iter().zip(state.beta_dot.map(f64::abs)) {
@@ -107,8 +106,8 @@ impl<const N: usize> Balancer<N> {
         (normal, push)
     }
 
-    /// Bound on the table's acceleration beyond the rest point for ever after, from the distance
-    /// `R`: `|a_u| ≤ |u| + 2ζ|v| ≤ sqrt(1 + 4ζ²) R`.
+    /// Returns a bound for all later times on the difference of the table's acceleration from that
+    /// at the rest point, from the distance `R`: `|a_u| ≤ |u| + 2ζ|v| ≤ sqrt(1 + 4ζ²) R`.
     pub fn acceleration_bound(&self, distance: f64) -> f64 {
         distance * (1.0 + 4.0 * self.damping_ratio * self.damping_ratio).sqrt()
     }
@@ -134,7 +133,7 @@ mod tests {
         let together = balancer.rest_amplitude(&[0.0, 0.0]) * radius;
         assert!((together - 5.514e-5).abs() < 5e-9, "{together}");
 
-        // The balls' centrifugal forces cancel each other; their mass is still there.
+        // The balls' centrifugal forces cancel; their mass still counts.
         let opposite = balancer.rest_amplitude(&[1.0, 1.0 + std::f64::consts::PI]) * radius;
         assert!((opposite - 2.159e-5).abs() < 5e-9, "{opposite}");
 

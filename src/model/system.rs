@@ -1,18 +1,18 @@
-//! What the computation of motion needs to know of a mechanical system with dry friction.
+//! The interface of a mechanical system with dry friction.
 
 use super::{Balancer, Contact, Dual, Forces, Friction, State};
 
 /// A system with `N` contacts that stick or slip and `FREE` other coordinates, without dimensions.
 pub trait System<const N: usize, const FREE: usize> {
-    /// Whether the contacts' coordinates are angles, the same after a whole turn.
+    /// Whether the contacts' coordinates are angles with a period of one turn.
     const ANGULAR: bool;
 
     /// Accelerations and contact forces in a state, for given contacts.
     fn forces(&self, state: &State<N, f64, FREE>, contacts: &[Contact; N]) -> Forces<N, f64, FREE>;
 
-    /// The time derivative of the state, from the forces in it. A contact that sticks keeps still on
-    /// what it lies on, and what is left of its speed dies out (switch model, thesis section 4.2:
-    /// `β' = 0`, `(β̇)' = -β̇`).
+    /// Returns the time derivative of the state, from the forces in it. A sticking contact rests on
+    /// its support, and its residual speed decays (switch model, thesis section 4.2: `β' = 0`,
+    /// `(β̇)' = -β̇`).
     fn derivative(
         &self,
         state: &State<N, f64, FREE>,
@@ -30,31 +30,32 @@ pub trait System<const N: usize, const FREE: usize> {
     /// The friction of a contact, counted from 0.
     fn friction(&self, contact: usize) -> &Friction;
 
-    /// The longest step within which a friction force can hardly rise and fall back unseen.
+    /// Returns the longest step within which a friction force cannot rise and fall undetected.
     fn longest_step(&self) -> f64;
 
-    /// How fast the motion may change, over the natural frequency: sound motions take steps in proportion to it.
+    /// Returns the rate at which the motion may change, over the natural frequency; the number of
+    /// steps of a well-behaved motion is proportional to it.
     fn pace(&self) -> f64;
 
-    /// The fewest steps per unit of time that its motion is computed in.
+    /// Returns the smallest number of steps per unit of time.
     fn fewest_steps(&self) -> f64 {
         1.0 / self.longest_step()
     }
 
-    /// Whether stick and slip are surely decided in exactly one way in every state, by a test that
-    /// takes next to no time.
+    /// Returns whether a test of negligible cost proves that stick and slip are decided in exactly
+    /// one way in every state.
     fn surely_one_solution(&self) -> bool;
 
-    /// Whether stick and slip are decided in exactly one way in this state, whatever the forces.
+    /// Returns whether stick and slip are decided in exactly one way in this state, for any forces.
     fn one_solution_at(&self, state: &State<N, f64, FREE>) -> bool;
 
-    /// The size of the forces: what their rounding is relative to.
+    /// Returns the size of the forces, to which rounding errors are relative.
     fn force_scale(&self) -> f64;
 }
 
-/// What friction that damps speed at this rate adds to the pace: an explicit method takes some sixth of the rate in
-/// steps per unit of time, far fewer than a pace of so much allows. Beyond a rate of 1e5 a run is too stiff to be
-/// waited for.
+/// Returns the contribution of friction with this damping rate to the pace: the number of steps per
+/// unit of time of an explicit method is about a sixth of the rate, far below the effort limit of
+/// this pace. Above a rate of 1e5 a run is too stiff to compute.
 pub(super) fn stiff_pace(damping_rate: f64) -> f64 {
     1e-3 * damping_rate.min(1e5)
 }
@@ -104,7 +105,7 @@ impl<const N: usize> System<N, 2> for Balancer<N> {
         1.0 + self.speed.abs() + self.damping_ratio + stiff_pace(rates.fold(0.0, f64::max))
     }
 
-    /// An explicit method takes some tenth of the rate at which the table is damped.
+    /// The number of steps of an explicit method is about a tenth of the table's damping rate.
     fn fewest_steps(&self) -> f64 {
         1.0 / self.longest_step() + 0.2 * self.damping_ratio
     }

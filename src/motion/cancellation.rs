@@ -1,9 +1,9 @@
-//! Cancellation: computations that can be given up from outside, between any two integration steps.
+//! Cancellation: computations that can be stopped from outside between two integration steps.
 //!
-//! Integrations are nested: a run whose orbit seems to close integrates its return map, and a run that is slow at
-//! its end time is followed on for a while. A cancelled computation therefore unwinds through all of them to the
-//! place where it was begun, so that no level in between can take what was cut short for a result. A computation
-//! that is not cancelled is the same as without this.
+//! Integrations are nested: a run whose orbit appears to close integrates its return map, and a run
+//! that is slow at its end time is followed for a while. A cancelled computation therefore unwinds
+//! through all of them to its outermost caller, so that no level in between can mistake a partial
+//! computation for a result. Without a cancellation, computations are unaffected.
 
 use std::any::Any;
 use std::cell::RefCell;
@@ -12,7 +12,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 thread_local! {
-    /// What cancels the computation of this thread.
+    /// The cancellation of the computation on this thread.
     static CURRENT: RefCell<Option<Cancellation>> = const { RefCell::new(None) };
 }
 
@@ -20,17 +20,17 @@ thread_local! {
 #[derive(Clone, Debug, Default)]
 pub struct Cancellation(Arc<AtomicBool>);
 
-/// What a cancelled computation unwinds with.
+/// The payload with which a cancelled computation unwinds.
 struct Cancelled;
 
 impl Cancellation {
-    /// Cancels the computations that have been begun under this, and those that will be.
+    /// Cancels all current and future computations under this cancellation.
     pub fn cancel(&self) {
         self.0.store(true, Ordering::Relaxed);
     }
 
-    /// Does `work` on this thread, and gives none where it was cancelled meanwhile. What `work` has changed up to
-    /// then stays changed: it is cancelled between two steps of an integration and nowhere else.
+    /// Runs `work` on this thread and returns its result, or `None` if it was cancelled. Changes
+    /// that `work` made before remain: it is cancelled only between two steps of an integration.
     pub fn unless_cancelled<T>(&self, work: impl FnOnce() -> T) -> Option<T> {
         let before = CURRENT.replace(Some(self.clone()));
         let done = panic::catch_unwind(AssertUnwindSafe(work));
@@ -43,13 +43,13 @@ impl Cancellation {
     }
 }
 
-/// Whether what a computation unwinds with says that it was cancelled; it must then unwind further.
+/// Returns whether a panic payload is that of a cancelled computation, which must unwind further.
 pub fn is_cancelled(payload: &(dyn Any + Send)) -> bool {
     payload.is::<Cancelled>()
 }
 
-/// To be called between steps: unwinds where the computation of this thread has been cancelled. This is no panic,
-/// and no panic hook sees it.
+/// Must be called between steps: unwinds if the computation of this thread has been cancelled. This
+/// is not a panic, and no panic hook is called.
 #[inline]
 pub(crate) fn unwind_if_cancelled() {
     let is_set = |current: &Cancellation| current.0.load(Ordering::Relaxed);

@@ -1,19 +1,19 @@
-//! What each contact does, and how that is settled for several contacts together.
+//! The phase of each contact, and the joint decision for several contacts.
 
 use super::Failure;
 use crate::model::{Contact, Dual, Forces, Friction, State, System};
 
-/// What a ball does (thesis table 4.2), or a block.
+/// The phase of a ball (thesis table 4.2) or a block.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Phase {
     /// It moves, faster than the band, in the direction 1 or -1. In the exact motion, which has no
-    /// band, also from the instant at which it breaks away.
+    /// band, this phase starts when the contact breaks away.
     Slip(f64),
     /// It rests on the ring: friction holds it.
     Stick,
     /// It is in the band but friction does not hold it: it accelerates in the direction 1 or -1.
     Transition(f64),
-    /// Its law has no stick: it moves as the law says, in either direction.
+    /// Its law has no stick: it moves in either direction.
     Free,
 }
 
@@ -42,7 +42,7 @@ impl Phase {
         }
     }
 
-    /// Whether it sticks, or may at any moment.
+    /// Returns whether it sticks, or may stick at any moment.
     pub fn in_band(self) -> bool {
         matches!(self, Phase::Stick | Phase::Transition(_))
     }
@@ -76,8 +76,8 @@ pub fn derivative<S: System<N, FREE>, const N: usize, const FREE: usize>(
     SmoothPhase::new(system, phases).derivative(state)
 }
 
-/// The equations of motion while no contact changes what it does. Friction that does not depend on
-/// speed is looked up once.
+/// The equations of motion between two phase changes. Friction that does not depend on speed is
+/// evaluated once.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SmoothPhase<'a, S, const N: usize, const FREE: usize> {
     system: &'a S,
@@ -141,7 +141,7 @@ impl<'a, S: System<N, FREE>, const N: usize, const FREE: usize> SmoothPhase<'a, 
     }
 }
 
-/// What is left of the friction limit on a contact that sticks, `μ_s f_n - |f_w|`.
+/// Returns the remaining friction of a sticking contact, `μ_s f_n - |f_w|`.
 pub fn stick_reserve<S: System<N, FREE>, const N: usize, const FREE: usize>(
     system: &S,
     forces: &Forces<N, f64, FREE>,
@@ -150,7 +150,7 @@ pub fn stick_reserve<S: System<N, FREE>, const N: usize, const FREE: usize>(
     system.friction(contact).limit * forces.normal[contact] - forces.friction[contact].abs()
 }
 
-/// Refuses forces that are not finite and normal forces that pull.
+/// Returns an error for forces that are not finite and for normal forces that pull.
 pub(super) fn check_forces<const N: usize, const FREE: usize>(
     forces: &Forces<N, f64, FREE>,
 ) -> Result<(), Failure> {

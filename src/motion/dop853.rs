@@ -9,8 +9,7 @@ use super::dop853_tableau::{
 use super::interpolant::Interpolant;
 use crate::model::{Number, State};
 
-/// Errors allowed per step: `absolute + relative · |component|`, angles counting as 1 rad however
-/// often the ball has gone round.
+/// Errors allowed per step: `absolute + relative · |component|`, where angles count as 1 rad.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tolerance {
     /// Relative part.
@@ -65,7 +64,7 @@ impl<const N: usize, T: Number, const FREE: usize> Step<N, T, FREE> {
 }
 
 impl<const N: usize, const FREE: usize> Step<N, f64, FREE> {
-    /// A step that was computed otherwise: nothing is known of stages.
+    /// Returns a step that was computed by another method, without stages.
     pub(super) fn without_stages(
         start: State<N, f64, FREE>,
         end: State<N, f64, FREE>,
@@ -74,9 +73,9 @@ impl<const N: usize, const FREE: usize> Step<N, f64, FREE> {
         Step { start, end, length, stages: [State::zero(); 12] }
     }
 
-    /// Estimated error over what is allowed, root mean square over the components: at most 1 is
-    /// good enough. Not a number where the step left the finite numbers.
-    /// `angular` contacts turn: their angles count as 1 rad in the relative error.
+    /// Returns the ratio of the estimated to the allowed error, root mean square over the
+    /// components: at most 1 is accepted. NaN or infinite if the step left the finite numbers. With
+    /// `angular` the contacts' positions are angles, which count as 1 rad in the relative error.
     pub fn error(&self, tolerance: Tolerance, angular: bool) -> f64 {
         let fifth = combine(ERROR_FIFTH, &self.stages);
         let third = combine(ERROR_THIRD, &self.stages);
@@ -84,7 +83,8 @@ impl<const N: usize, const FREE: usize> Step<N, f64, FREE> {
         let scale = |a: f64, b: f64| 1.0 / (absolute + relative * a.abs().max(b.abs()));
         let angle_scale = 1.0 / (absolute + relative);
         let square = |value: f64| value * value;
-        // Table and balls are summed apart: two balls exchanged give the same sum to the last bit.
+        // Table and balls are summed separately, so that exchanging two balls gives the same sum
+        // bit for bit.
         let (mut fifth_table, mut third_table) = (0.0, 0.0);
         for axis in 0..FREE {
             let position = scale(self.start.position[axis], self.end.position[axis]);

@@ -1,8 +1,8 @@
 //! A motion in progress: smooth phases, joined by switches that are located on the dense output.
 //!
-//! Every smooth phase is integrated with what each contact does kept as it is. The instant at which
-//! a condition of that fails ends the step, and the method (the switch model or its limit) says
-//! what comes next; no step crosses a switch, so that the integrator keeps its order.
+//! Every smooth phase is integrated with the phase of each contact fixed. The step ends at the
+//! instant at which a condition of the phase fails, and the method (the switch model or its limit)
+//! decides the next phase; no step crosses a switch, so that the integrator keeps its order.
 
 use super::cancellation::unwind_if_cancelled;
 use super::contact::{Phase, SmoothPhase, check_forces, derivative};
@@ -13,7 +13,7 @@ use super::settings::{Effort, Settings, most_steps_by};
 use super::{Failure, event_driven, switch_model};
 use crate::model::{Forces, Method, State, System};
 
-/// Slower than this, over `ω_n`, a contact counts as slow; see [`Motion::slow_since`].
+/// Speed, over `ω_n`, below which a contact counts as slow; see [`Motion::slow_since`].
 pub const SLOW: f64 = 1e-6;
 
 /// A motion in progress.
@@ -38,7 +38,7 @@ pub struct Motion<'a, S, const N: usize, const FREE: usize = 2> {
     last: Option<LastStep<N, FREE>>,
 }
 
-/// Where a motion is, to be resumed from there.
+/// The state of a motion, from which it can be resumed.
 #[derive(Clone, Debug)]
 pub(super) struct TrajectoryState<const N: usize, const FREE: usize> {
     pub(super) time: f64,
@@ -51,14 +51,14 @@ pub(super) struct TrajectoryState<const N: usize, const FREE: usize> {
     pub(super) effort: Effort,
 }
 
-/// The shortest step, over the time that has passed, that still moves the clock.
+/// The shortest step, over the elapsed time, that still changes the time.
 pub(super) const SHORTEST: f64 = 1e-14;
 
 impl<'a, S: System<N, FREE>, const N: usize, const FREE: usize> Motion<'a, S, N, FREE> {
-    /// A motion that starts from `state` at time 0.
+    /// Starts a motion from `state` at time 0.
     ///
     /// # Errors
-    /// [`Failure`] where the start state itself cannot be continued.
+    /// [`Failure`] if the motion cannot be continued from the start state.
     pub fn new(
         system: &'a S,
         settings: Settings,
@@ -106,7 +106,7 @@ impl<'a, S: System<N, FREE>, const N: usize, const FREE: usize> Motion<'a, S, N,
         Ok(motion)
     }
 
-    /// A motion that goes on from where it was, with its latest step for looking into.
+    /// Resumes a motion, with its latest step for evaluation.
     pub(super) fn resume(
         system: &'a S,
         settings: Settings,
@@ -167,13 +167,13 @@ impl<'a, S: System<N, FREE>, const N: usize, const FREE: usize> Motion<'a, S, N,
         &self.turns
     }
 
-    /// What each ball does.
+    /// Returns the phase of each ball.
     pub fn phases(&self) -> &[Phase; N] {
         &self.phases
     }
 
-    /// What each ball did in the latest step, before a switch at its end; what it does where there was
-    /// none.
+    /// Returns the phase of each ball in the latest step, before a switch at its end; the current
+    /// phase if there was no step.
     pub fn phases_during_step(&self) -> &[Phase; N] {
         self.last.as_ref().map_or(&self.phases, |last| &last.phases)
     }
@@ -188,18 +188,18 @@ impl<'a, S: System<N, FREE>, const N: usize, const FREE: usize> Motion<'a, S, N,
         &self.forces
     }
 
-    /// When each ball last changed its phase; 0 where it has not.
+    /// Returns when each ball last changed its phase; 0 if it has not.
     pub fn last_switches(&self) -> &[f64; N] {
         &self.last_switches
     }
 
-    /// The last time at which each ball was faster than [`SLOW`], or than the band where that is
-    /// wider; 0 where it never was, and now where it is.
+    /// Returns the last time at which each ball was faster than [`SLOW`], or than the band if that
+    /// is wider: 0 if it never was, and the current time if it is now.
     pub fn slow_since(&self) -> &[f64; N] {
         &self.slow_since
     }
 
-    /// Whether all balls are that slow.
+    /// Returns whether all balls are slow in the sense of [`Motion::slow_since`].
     pub fn all_slow(&self) -> bool {
         self.state.beta_dot.iter().all(|speed| speed.abs() <= self.slow)
     }
@@ -216,33 +216,32 @@ impl<'a, S: System<N, FREE>, const N: usize, const FREE: usize> Motion<'a, S, N,
         self.slow
     }
 
-    /// The latest step; none before the first.
+    /// Returns the latest step; `None` before the first.
     pub(super) fn last_step(&self) -> Option<&LastStep<N, FREE>> {
         self.last.as_ref()
     }
 
-    /// What the motion has cost so far.
+    /// Returns the effort so far.
     pub fn effort(&self) -> Effort {
         self.effort
     }
 
-    /// Whether all balls stick.
+    /// Returns whether all balls stick.
     pub fn all_stick(&self) -> bool {
         self.phases.iter().all(|phase| *phase == Phase::Stick)
     }
 
-    /// Whether [`Motion::advance`] to `until` may cut its next step short. Where it may not, that
-    /// step is, to the last bit, the one to any later time.
+    /// Returns whether [`Motion::advance`] to `until` may shorten its next step. If it may not,
+    /// that step is bit for bit the one to any later time.
     pub fn reaches(&self, until: f64) -> bool {
         self.next_length.min(self.longest) >= until - self.time
     }
 
-    /// Goes on by one step, which ends at the next switch or at time `until` at the latest; where
-    /// that has come already, nothing happens.
-    /// Returns whether a ball changed its phase.
+    /// Advances by one step, which ends at the next switch or at time `until` at the latest. If
+    /// that time has passed, nothing happens. Returns whether a ball changed its phase.
     ///
     /// # Errors
-    /// [`Failure`]; the motion then stands where it last was sound.
+    /// [`Failure`]; the motion then stays at its last valid state.
     pub fn advance(&mut self, until: f64) -> Result<bool, Failure> {
         if until <= self.time {
             self.last = None;
@@ -251,7 +250,7 @@ impl<'a, S: System<N, FREE>, const N: usize, const FREE: usize> Motion<'a, S, N,
         self.wrap_angles();
         let system = self.system;
         let phases = self.phases;
-        // Where this one fails, there is none to look into.
+        // If this step fails, there is no latest step.
         self.last = None;
         let (step, suggestion) = self.sound_step(until)?;
         let phase = SmoothPhase::new(system, &phases);
@@ -270,7 +269,7 @@ impl<'a, S: System<N, FREE>, const N: usize, const FREE: usize> Motion<'a, S, N,
             interpolant: None,
             ended_by: None,
         };
-        // A condition that has failed by rounding only changes nothing; the next one may.
+        // A condition that fails only by rounding changes no phase; the next condition may.
         let (mut switched, mut after) = (None, -1.0);
         while switched.is_none()
             && let Some(first) = last.first_switch(
@@ -304,8 +303,8 @@ impl<'a, S: System<N, FREE>, const N: usize, const FREE: usize> Motion<'a, S, N,
         Ok(switched.unwrap_or(false))
     }
 
-    /// A step within the tolerances, with what contacts do kept as it is, and the length that error
-    /// control suggests for the next.
+    /// Returns a step within the tolerances, with fixed phases, and the length that error control
+    /// suggests for the next step.
     fn sound_step(&mut self, until: f64) -> Result<(Step<N, f64, FREE>, f64), Failure> {
         let phase = SmoothPhase::new(self.system, &self.phases);
         loop {
@@ -340,8 +339,8 @@ impl<'a, S: System<N, FREE>, const N: usize, const FREE: usize> Motion<'a, S, N,
         }
     }
 
-    /// Ends the step at a switch and begins the next phase. Returns whether a ball changed what it
-    /// does, or nothing where the whole step stands as it is.
+    /// Ends the step at a switch and starts the next phase. Returns whether a ball changed its
+    /// phase, or `None` if the whole step remains valid.
     fn switch(
         &mut self,
         last: &mut LastStep<N, FREE>,
@@ -384,8 +383,8 @@ impl<'a, S: System<N, FREE>, const N: usize, const FREE: usize> Motion<'a, S, N,
         Ok(Some(changed))
     }
 
-    /// Where in the latest step a ball went once round, through the angle 0: time and state there,
-    /// if it did.
+    /// Returns time and state at which a ball completed a turn, through the angle 0, in the latest
+    /// step; `None` if it did not.
     pub fn passage(&mut self, ball: usize) -> Option<(f64, State<N, f64, FREE>)> {
         let (start, end) = (self.last.as_ref()?.step.start.beta[ball], self.state.beta[ball]);
         let (mark, sign) = if start < std::f64::consts::TAU && end >= std::f64::consts::TAU {
@@ -398,7 +397,7 @@ impl<'a, S: System<N, FREE>, const N: usize, const FREE: usize> Motion<'a, S, N,
         self.last.as_mut()?.passes(self.system, ball, end, (mark, sign))
     }
 
-    /// The state at a time within the latest step; none at any other time.
+    /// Returns the state at a time within the latest step; `None` for any other time.
     pub fn within_last_step(&mut self, time: f64) -> Option<State<N, f64, FREE>> {
         if time == self.time {
             return Some(self.state);
@@ -409,8 +408,8 @@ impl<'a, S: System<N, FREE>, const N: usize, const FREE: usize> Motion<'a, S, N,
         within.then(|| last.interpolant(self.system).at(theta))
     }
 
-    /// Where in the latest step a function of the state fell from above zero to zero or below: time
-    /// and state there, if it did from the step's start to its end.
+    /// Returns time and state at which a function of the state fell from above zero to zero or
+    /// below in the latest step; `None` if its signs at the two ends show no fall.
     pub fn falls_through_zero(
         &mut self,
         value: impl Fn(&State<N, f64, FREE>) -> f64,
@@ -418,7 +417,7 @@ impl<'a, S: System<N, FREE>, const N: usize, const FREE: usize> Motion<'a, S, N,
         self.last.as_mut()?.falls_through_zero(self.system, &self.state, value)
     }
 
-    /// Brings angles into [0, 2π), counting whole turns apart.
+    /// Reduces angles to [0, 2π), counting whole turns separately.
     fn wrap_angles(&mut self) {
         if !S::ANGULAR {
             return;
@@ -434,7 +433,7 @@ impl<'a, S: System<N, FREE>, const N: usize, const FREE: usize> Motion<'a, S, N,
     }
 }
 
-/// By how much conditions may fail, and what speed counts as slow.
+/// Returns the tolerances of the conditions, and the speed below which a contact counts as slow.
 fn margins<S: System<N, FREE>, const N: usize, const FREE: usize>(
     system: &S,
     settings: &Settings,

@@ -6,18 +6,18 @@
 //! limit can hold it, else it sets off against full friction in the direction in which it then
 //! accelerates.
 //!
-//! What makes such a method fail in practice, and what is done here:
+//! Difficulties of such a method, and their solutions:
 //!
-//! - At break-away `|f_w| = μ f_n` holds to rounding only, so that a plain "stick, else slip" finds
-//!   neither or both. Within rounding ([`TIE`]) the rate of change decides: the force that is about
-//!   to exceed the limit breaks the ball loose, one that is about to fall back does not.
-//! - A ball may move by rounding only and come to rest at the instant at which it set off. It then
-//!   rests, and is let go only when the force exceeds the limit by ten times what the decision
-//!   takes for rounding. Without this, a ball that creeps towards the edge of the equilibrium set,
-//!   its pull ever nearer to the limit, would stop and go for ever.
-//! - Speeds at an event are put to exactly zero, so that a step may begin on an event; a crossing
+//! - At break-away `|f_w| = μ f_n` holds only up to rounding, so that a plain "stick, else slip"
+//!   finds neither or both. Within rounding ([`TIE`]) the rate of change decides: a force that is
+//!   about to exceed the limit breaks the ball loose, one that is about to decrease does not.
+//! - A ball may move only by rounding and come to rest at the instant at which it set off. It then
+//!   rests, and is released only when the force exceeds the limit by ten times the rounding
+//!   tolerance of the decision. Otherwise, a ball that creeps towards the edge of the equilibrium
+//!   set, with the tangential force approaching the limit, would stop and start without end.
+//! - Speeds at an event are set to exactly zero, so that a step may begin on an event; a crossing
 //!   counts only in the direction in which the condition fails.
-//! - All balls that are at rest at the instant decide together, also those whose events fell into
+//! - All balls at rest at the instant are decided jointly, including those whose events fell into
 //!   the same step.
 
 use super::Failure;
@@ -25,21 +25,22 @@ use super::contact::{Phase, derivative, forces, stick_reserve};
 use super::resolve_modes::resolve_modes;
 use crate::model::{Forces, State, System};
 
-/// What counts as rounding in a condition, over the size of the forces.
+/// Rounding tolerance of a condition, over the size of the forces.
 const TIE: f64 = 1e-14;
-/// How much more than that must be missing before a ball at rest is let go.
+/// Multiple of the rounding tolerance by which the condition must fail before a ball at rest is
+/// released.
 const RELEASE: f64 = 10.0;
-/// How far ahead, in time, the rate of change of a condition is looked for.
+/// Time interval for the rate of change of a condition.
 const AHEAD: f64 = 1e-6;
 
-/// The slack of the condition for rest, as a force.
+/// Returns the slack of the condition for rest, as a force.
 pub(super) fn release_slack<S: System<N, FREE>, const N: usize, const FREE: usize>(
     system: &S,
 ) -> f64 {
     RELEASE * TIE * system.force_scale()
 }
 
-/// What a contact does at first, by its speed alone.
+/// Returns the initial phase of a contact, from its speed alone.
 pub(super) fn first_phase(can_stick: bool, speed: f64) -> Phase {
     if !can_stick {
         Phase::Free
@@ -50,11 +51,11 @@ pub(super) fn first_phase(can_stick: bool, speed: f64) -> Phase {
     }
 }
 
-/// Decides for all contacts `at_rest` together whether they stick or which way they set off, and
-/// returns the forces that go with the decision.
+/// Decides jointly for all contacts `at_rest` whether they stick or in which direction they set
+/// off, and returns the corresponding forces.
 ///
 /// # Errors
-/// [`Failure::NoSolution`] where no combination meets all conditions.
+/// [`Failure::NoSolution`] if no combination meets all conditions.
 pub(super) fn decide<S: System<N, FREE>, const N: usize, const FREE: usize>(
     system: &S,
     state: &State<N, f64, FREE>,
@@ -73,7 +74,7 @@ pub(super) fn decide<S: System<N, FREE>, const N: usize, const FREE: usize>(
             }
             Phase::Slip(direction) => {
                 let acceleration = direction * forces.beta_ddot[ball];
-                // Where it neither accelerates nor decelerates but for rounding, rest decides.
+                // If the acceleration is zero up to rounding, the condition for rest decides.
                 let sets_off = acceleration > tie
                     || (acceleration >= -tie && !rests(system, state, phases, ball, tie));
                 (!sets_off).then_some(Phase::Stick)
@@ -82,8 +83,8 @@ pub(super) fn decide<S: System<N, FREE>, const N: usize, const FREE: usize>(
     })
 }
 
-/// Whether a contact would rest if it stuck, the others doing what is assumed of them: by the value
-/// of the condition, and within rounding of zero by its rate of change.
+/// Returns whether a contact would rest if it stuck, with the assumed phases of the others: by the
+/// value of the condition, and within rounding of zero by its rate of change.
 fn rests<S: System<N, FREE>, const N: usize, const FREE: usize>(
     system: &S,
     state: &State<N, f64, FREE>,
@@ -97,7 +98,7 @@ fn rests<S: System<N, FREE>, const N: usize, const FREE: usize>(
     rests_with(system, state, &stuck, ball, (reserve, tie))
 }
 
-/// The same of a contact that sticks, where what is left of its friction limit is known.
+/// Returns whether a contact would rest like [`rests`], given its remaining friction in stick.
 fn rests_with<S: System<N, FREE>, const N: usize, const FREE: usize>(
     system: &S,
     state: &State<N, f64, FREE>,
@@ -113,11 +114,11 @@ fn rests_with<S: System<N, FREE>, const N: usize, const FREE: usize>(
     stick_reserve(system, &forces(system, phases, &ahead), ball) - value >= -tie
 }
 
-/// What comes after an event in this state. `stopped_at_once` is a contact that came to rest at the
-/// very instant at which it had set off: it stays.
+/// Decides the phases after an event in this state. `stopped_at_once` is a contact that came to
+/// rest at the instant at which it had set off; it stays at rest.
 ///
 /// # Errors
-/// [`Failure::NoSolution`] where no combination meets all conditions.
+/// [`Failure::NoSolution`] if no combination meets all conditions.
 pub(super) fn switch<S: System<N, FREE>, const N: usize, const FREE: usize>(
     system: &S,
     state: &mut State<N, f64, FREE>,

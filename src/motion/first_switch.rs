@@ -1,4 +1,4 @@
-//! The step that was computed last, and what ends it early: the condition that fails first.
+//! The latest step, and the condition whose failure ends it early.
 
 use super::contact::{Phase, SmoothPhase};
 use super::dop853::Step;
@@ -7,17 +7,17 @@ use super::interpolant::Interpolant;
 use super::root::{fall_of_smooth, fall_through_zero};
 use crate::model::{Forces, State, System};
 
-/// A step as it was computed, for looking inside.
+/// The latest step with its dense output.
 #[derive(Clone, Debug)]
 pub(super) struct LastStep<const N: usize, const FREE: usize> {
     pub(super) step: Step<N, f64, FREE>,
     pub(super) phases: [Phase; N],
     pub(super) end_derivative: State<N, f64, FREE>,
     pub(super) start_time: f64,
-    /// The part of the step that was used: less than 1 where a switch cut it short.
+    /// The used fraction of the step: less than 1 if a switch shortened it.
     pub(super) used: f64,
     pub(super) interpolant: Option<Interpolant<N, FREE>>,
-    /// The condition whose failure cut it short.
+    /// The condition whose failure shortened the step.
     pub(super) ended_by: Option<Guard>,
 }
 
@@ -30,11 +30,11 @@ pub(super) struct FirstSwitch {
     pub(super) guard: Guard,
 }
 
-/// How far ahead, in time, the rate of change of a condition is looked for.
+/// Time interval for the rate of change of a condition.
 const AHEAD: f64 = 1e-6;
 
 impl<const N: usize, const FREE: usize> LastStep<N, FREE> {
-    /// Dense output over the step, made when first asked for.
+    /// Returns the dense output over the step, computed on first use.
     pub(super) fn interpolant<S: System<N, FREE>>(&mut self, system: &S) -> &Interpolant<N, FREE> {
         let (step, phases) = (&self.step, &self.phases);
         let end_derivative = &self.end_derivative;
@@ -44,8 +44,9 @@ impl<const N: usize, const FREE: usize> LastStep<N, FREE> {
         })
     }
 
-    /// Where a function of the state falls from above zero to zero or below: time and state there,
-    /// if it does from the step's start to `end`, the state where its use ended.
+    /// Returns time and state at which a function of the state falls from above zero to zero or
+    /// below; `None` if it does not fall between the step's start and `end`, the state where the
+    /// used part of the step ended.
     pub(super) fn falls_through_zero<S: System<N, FREE>>(
         &mut self,
         system: &S,
@@ -67,8 +68,9 @@ impl<const N: usize, const FREE: usize> LastStep<N, FREE> {
         Some((start_time + theta * length, interpolant.at(theta)))
     }
 
-    /// Where a contact passes a position in the direction `sign`: time and state there, if it does from the
-    /// step's start to `end`, its position where the use of the step ended.
+    /// Returns time and state at which a contact passes a position in the direction `sign`; `None`
+    /// if it does not between the step's start and `end`, its position where the used part of the
+    /// step ended.
     pub(super) fn passes<S: System<N, FREE>>(
         &mut self,
         system: &S,
@@ -95,8 +97,8 @@ impl<const N: usize, const FREE: usize> LastStep<N, FREE> {
         Some((start_time + theta * length, interpolant.at(theta)))
     }
 
-    /// The condition that fails first, `after` a fraction of the step; none where all hold to its
-    /// end. `start` is where the step starts, with the derivative there.
+    /// Returns the condition that fails first, `after` a fraction of the step; `None` if all hold
+    /// to its end. `start` is the start of the step, with the derivative there.
     pub(super) fn first_switch<S: System<N, FREE>>(
         &mut self,
         system: &S,
@@ -143,7 +145,7 @@ impl<const N: usize, const FREE: usize> LastStep<N, FREE> {
     }
 }
 
-/// The state and the forces a moment later, to first order.
+/// Returns the state and the forces a short time later, to first order.
 fn look_ahead<S: System<N, FREE>, const N: usize, const FREE: usize>(
     phase: &SmoothPhase<S, N, FREE>,
     state: &State<N, f64, FREE>,

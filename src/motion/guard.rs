@@ -1,5 +1,5 @@
-//! What ends a smooth phase: conditions that hold all along it, and the instant at which the
-//! first of them fails.
+//! The conditions that hold during a smooth phase, and the instant at which the first of them
+//! fails.
 
 use super::contact::Phase;
 use super::root::fall_through_zero;
@@ -30,7 +30,7 @@ enum Condition {
 pub(super) type Point<'a, const N: usize, const FREE: usize, T = f64> =
     (&'a State<N, T, FREE>, &'a Forces<N, T, FREE>);
 
-/// By how much conditions may fail before they count as failed.
+/// Tolerances of the conditions.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Margins {
     /// Half width of the band around zero speed; 0 in the exact motion.
@@ -57,7 +57,8 @@ impl Guard {
         })
     }
 
-    /// One condition of a ball in a phase: its first, its second, or that the ring presses on it.
+    /// Returns one condition of a ball in a phase: its first, its second, or that the ring presses
+    /// on it.
     pub(super) fn of(ball: usize, phase: Phase, which: usize) -> Guard {
         let kind = match (phase, which) {
             (Phase::Slip(direction), 0) => Condition::OutOfBand(direction),
@@ -94,8 +95,8 @@ impl Guard {
         }
     }
 
-    /// How fast the condition's value changes along a direction, where that follows from the direction
-    /// alone: a condition on a speed.
+    /// Returns the rate of change of the condition's value along a direction if it follows from the
+    /// direction alone, as for a condition on a speed.
     pub(super) fn slope_along<const N: usize, const FREE: usize>(
         self,
         direction: &State<N, f64, FREE>,
@@ -107,9 +108,9 @@ impl Guard {
         }
     }
 
-    /// Whether the condition may have failed and recovered inside a step of `length`, so that a
-    /// look inside is due. `values`, `forces` and `slopes` (which take some computing) are those at
-    /// the step's two ends.
+    /// Returns whether the condition may have failed and recovered inside a step of `length`, so
+    /// that the interior must be examined. `values`, `forces` and `slopes` (which are expensive)
+    /// are those at the step's two ends.
     pub(super) fn may_dip<S: System<N, FREE>, const N: usize, const FREE: usize>(
         self,
         system: &S,
@@ -132,8 +133,8 @@ impl Guard {
         }
     }
 
-    /// The first instant in the step, as a fraction of it, at which the condition has just
-    /// failed. `value` gives the condition's value at a fraction.
+    /// Returns the first instant in the step, as a fraction of it, at which the condition has just
+    /// failed. `value` returns the condition's value at a fraction.
     pub(super) fn first_failure(
         self,
         (start, end): (f64, f64),
@@ -145,8 +146,8 @@ impl Guard {
             if end >= 0.0 {
                 return None;
             }
-            // Exactly on the boundary, or just beyond it by rounding. If the value rises before it
-            // falls (a ball that leaves the band and comes back), the failure is the fall.
+            // The value is zero, or negative by rounding. If it rises before it falls (a ball that
+            // leaves the band and comes back), the failure is the fall.
             let rise = (1..30).map(|halvings| 0.5_f64.powi(halvings)).find_map(|inside| {
                 let risen = value(inside);
                 (risen > 0.0).then_some((inside, risen))
@@ -158,8 +159,8 @@ impl Guard {
         if end < 0.0 {
             return Some(fall_through_zero(value, (0.0, start), (1.0, end), WIDTH));
         }
-        // Does it dip below zero on the way? The lowest of some points is narrowed in on by
-        // parabolas, until what is left of it is clearly more than the last of them has brought.
+        // Search for a negative minimum: the lowest of several points is refined by parabolas until
+        // the remaining depth clearly exceeds the latest improvement.
         let mut at = |theta: f64| (theta, value(theta));
         let looks = [(0.0, start), at(0.25), at(0.5), at(0.75), (1.0, end)];
         let mut newest = looks.into_iter().find(|(_, value)| *value < 0.0);
@@ -185,23 +186,24 @@ impl Guard {
     }
 }
 
-/// Whether a curve may go below zero in a step, from its lower end and its slopes at both ends: the
-/// deepest that a parabola with one of the two slopes can go, with room to spare for higher terms.
-/// Only a plain hump has no dip.
+/// Returns whether a curve may become negative in a step, from the lower of its end values and its
+/// slopes at both ends: the greatest depth of a parabola with one of the two slopes, with a margin
+/// for higher terms. Only a curve that rises first and falls last has no dip.
 fn reaches_below(least: f64, slopes: [f64; 2], length: f64) -> bool {
     let changes = slopes.map(|slope| slope * length);
     let hump = changes[0] >= 0.0 && changes[1] <= 0.0;
     !hump && least < 0.5 * changes[0].abs().max(changes[1].abs())
 }
 
-/// Where the parabola through three points is lowest, if it opens upwards.
+/// Returns where the parabola through three points is lowest; `None` if it does not open upwards.
 fn vertex([(a, f_a), (b, f_b), (c, f_c)]: [(f64, f64); 3]) -> Option<f64> {
     let (left, right) = ((f_b - f_a) / (b - a), (f_c - f_b) / (c - b));
     let curvature = (right - left) / (c - a);
     (curvature > 0.0).then(|| 0.5 * (a + b - left / curvature))
 }
 
-/// Three of four points: the lowest and its neighbours, or the two next to it at an end.
+/// Returns three of four points: the lowest and its neighbours, or at an end the lowest and the
+/// next two.
 fn around_lowest(points: [(f64, f64); 3], new: (f64, f64)) -> [(f64, f64); 3] {
     let [a, b, c] = points;
     let mut all = [a, b, c, new];

@@ -1,4 +1,4 @@
-//! What a motion is like at an instant of its latest step, with the forces: for recording it.
+//! The state and the forces at an instant of the latest step, for recording.
 
 use super::contact::{Phase, SmoothPhase};
 use super::driver::Motion;
@@ -20,7 +20,7 @@ pub struct Instant<const N: usize, const FREE: usize = 2> {
 }
 
 impl<S: System<N, FREE>, const N: usize, const FREE: usize> Motion<'_, S, N, FREE> {
-    /// Now: where the latest step has ended in a switch, after it.
+    /// Returns the current instant, after a switch at the end of the latest step.
     pub fn now(&self) -> Instant<N, FREE> {
         Instant {
             time: self.time(),
@@ -31,13 +31,15 @@ impl<S: System<N, FREE>, const N: usize, const FREE: usize> Motion<'_, S, N, FRE
         }
     }
 
-    /// Now, but before the switch in which the latest step has ended; none where it has not.
+    /// Returns the current instant before the switch at the end of the latest step; `None` without
+    /// a switch.
     pub fn before_switch(&self) -> Option<Instant<N, FREE>> {
         let phases = self.last_step()?.phases;
         (phases != *self.phases()).then(|| self.instant(self.time(), *self.state(), phases))
     }
 
-    /// At a time within the latest step, from its start to before its end; none at any other time.
+    /// Returns the instant at a time from the start of the latest step until before its end; `None`
+    /// for any other time.
     pub fn inside_last_step(&mut self, time: f64) -> Option<Instant<N, FREE>> {
         let start = self.last_step()?.start_time;
         if time < start || time >= self.time() {
@@ -48,14 +50,14 @@ impl<S: System<N, FREE>, const N: usize, const FREE: usize> Motion<'_, S, N, FRE
         Some(self.instant(time, state, phases))
     }
 
-    /// Angles with the whole turns made since the start, at a time within the latest step; none at any other
-    /// time.
+    /// Returns the angles, including the whole turns since the start, at a time within the latest
+    /// step; `None` for any other time.
     pub fn unwrapped_in_last_step(&mut self, time: f64) -> Option<[f64; N]> {
         let state = self.within_last_step(time)?;
         Some(self.unwrapped(&state))
     }
 
-    /// When the latest step began; none before the first.
+    /// Returns the start time of the latest step; `None` before the first.
     pub fn last_step_began(&self) -> Option<f64> {
         self.last_step().map(|last| last.start_time)
     }

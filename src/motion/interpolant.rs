@@ -1,17 +1,17 @@
-//! Dense output: the state anywhere in a step.
+//! Dense output: the state at any time in a step.
 
 use super::lockstep::TERMS;
 use crate::model::State;
 
-/// The state anywhere in a step.
+/// Dense output of one step.
 #[derive(Clone, Debug)]
 pub struct Interpolant<const N: usize, const FREE: usize = 2>(Form<N, FREE>);
 
 #[derive(Clone, Debug)]
 enum Form<const N: usize, const FREE: usize> {
-    /// As DOP853 has it: products of `θ` and `1 - θ` in turn. Of order 7.
+    /// DOP853's form: products of `θ` and `1 - θ` in turn. Of order 7.
     Dop853 { start: State<N, f64, FREE>, coefficients: [State<N, f64, FREE>; 7] },
-    /// Powers of `θ`: what the step itself was computed with.
+    /// Powers of `θ`, in which the step itself was computed.
     Powers(Box<[State<N, f64, FREE>; TERMS]>),
 }
 
@@ -52,8 +52,8 @@ impl<const N: usize, const FREE: usize> Interpolant<N, FREE> {
         sum
     }
 
-    /// The position of one contact there and its slope over the step, for looking for a place by it
-    /// alone.
+    /// Returns the position of one contact at the fraction `theta` and its slope over the step, for
+    /// locating a position without the other components.
     pub(super) fn position_at(&self, contact: usize, theta: f64) -> (f64, f64) {
         let (mut sum, mut slope) = (0.0, 0.0);
         match &self.0 {

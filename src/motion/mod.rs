@@ -33,7 +33,7 @@ pub use variational::Variational;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-/// Why a motion could not be continued.
+/// The reason why a motion could not be continued.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error, Serialize, Deserialize)]
 pub enum Failure {
     /// A state or force is infinite or not a number.
@@ -46,13 +46,13 @@ pub enum Failure {
         /// The ball, from 1.
         ball: usize,
     },
-    /// Steps and switches reached their limit, or steps became too short to go on.
+    /// The limit of steps and switches was reached, or the step length fell below the minimum.
     #[error("more steps than the limit, or steps too short to go on")]
     StepLimit,
     /// Stick and slip cannot be decided: no combination meets all conditions, or several do.
     #[error("{} all conditions", resolve_modes::combinations_meet(*.solutions))]
     NoSolution {
-        /// How many combinations with different accelerations meet all conditions.
+        /// Number of combinations with different accelerations that meet all conditions.
         solutions: usize,
     },
 }

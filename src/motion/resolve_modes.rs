@@ -7,18 +7,18 @@ use super::Failure;
 use super::contact::{Phase, forces};
 use crate::model::{Forces, State, System};
 
-/// Settles the phases of the contacts that are `open` together (thesis section 4.3, appendix C)
-/// and returns the forces that go with them; the others are left alone. `better` names the phase
-/// that a contact should have instead where the one assumed fails its condition.
+/// Decides the phases of the `open` contacts jointly (thesis section 4.3, appendix C) and returns
+/// the corresponding forces; the other contacts are unchanged. `better` returns the phase that a
+/// contact should have instead if the assumed one fails its condition.
 ///
 /// The conditions are a linear complementarity problem. For light balls its matrix is nearly
-/// diagonal; exchanging all phases that fail their condition at once then settles it in a step or
-/// two. Should it not converge, all `3^k` combinations of `choices` are tried. Where the balls are so
-/// heavy and the friction so large that there may be several solutions, all of them are looked for,
-/// and none is chosen silently ([`crate::model::ExistenceVerdict`]).
+/// diagonal; exchanging all failing phases simultaneously then solves it in one or two iterations.
+/// If this does not converge, all `3^k` combinations of `choices` are tried. If the balls are so
+/// heavy and the friction so large that several solutions may exist, all of them are computed, and
+/// none is chosen silently ([`crate::model::ExistenceVerdict`]).
 ///
 /// # Errors
-/// [`Failure::NoSolution`] where no combination meets all conditions, or several different ones do.
+/// [`Failure::NoSolution`] if no combination meets all conditions, or if several different ones do.
 pub(super) fn resolve_modes<S: System<N, FREE>, const N: usize, const FREE: usize>(
     system: &S,
     state: &State<N, f64, FREE>,
@@ -61,13 +61,13 @@ pub(super) fn resolve_modes<S: System<N, FREE>, const N: usize, const FREE: usiz
 /// motion: on the boundary between stick and transition both hold, to rounding or to the slack.
 const SAME: f64 = 1e-6;
 
-/// Settles like [`super::contact::settle`], by trying all `3^k` combinations of the open contacts.
-/// The phases that they have stay where they are among the solutions.
+/// Decides the phases like [`resolve_modes`], by trying all `3^k` combinations of
+/// the open contacts. The current phases are preferred if they are among the solutions.
 ///
 /// # Errors
-/// [`Failure::NoSolution`] unless all combinations that meet the conditions, with every ball pressed
-/// to the ring, have the same accelerations. Where a normal force would have to pull in all of
-/// them, they are returned as they are: contact is lost.
+/// [`Failure::NoSolution`] unless all combinations that meet the conditions, with every ball
+/// pressed to the ring, have the same accelerations. If all of them need a normal force that pulls,
+/// they are returned unchanged: contact is lost.
 pub(super) fn unique_or_refused<S: System<N, FREE>, const N: usize, const FREE: usize>(
     system: &S,
     state: &State<N, f64, FREE>,
@@ -100,7 +100,7 @@ pub(super) fn unique_or_refused<S: System<N, FREE>, const N: usize, const FREE: 
     Ok(forces)
 }
 
-/// The phases as they are, then every combination for the open contacts.
+/// Returns the current phases, then every combination for the open contacts.
 fn combinations<const N: usize>(
     phases: &[Phase; N],
     open: [bool; N],
@@ -121,7 +121,7 @@ fn combinations<const N: usize>(
     std::iter::once(given).chain(all)
 }
 
-/// Whether two solutions are the same motion.
+/// Returns whether two solutions are the same motion.
 fn same<const N: usize, const FREE: usize>(
     one: &Forces<N, f64, FREE>,
     other: &Forces<N, f64, FREE>,
@@ -131,7 +131,7 @@ fn same<const N: usize, const FREE: usize>(
     pairs().all(|(a, b)| (a - b).abs() <= SAME * scale)
 }
 
-/// How many combinations of stick and slip meet something, as the start of a message.
+/// Returns the number of combinations that meet the conditions as the start of a message.
 pub(super) fn combinations_meet(solutions: usize) -> String {
     match solutions {
         0 => "no combination of stick and slip meets".to_owned(),

@@ -1,9 +1,8 @@
-//! A bracketing root finder: where a function of the time in a step changes from positive to
+//! Bracketing root finders for a function of the time in a step that changes from positive to
 //! negative.
 
 /// Narrows the bracket `(low, high)` with `f(low) > 0 > f(high)` until it is no wider than `width`
-/// and returns its upper end, where the function is negative: what was looked for has just
-/// happened there.
+/// and returns its upper end, at which the function is negative.
 ///
 /// Method ITP: I. F. D. Oliveira, R. H. C. Takahashi, ACM Trans. Math. Softw. 47 (2021) 5,
 /// doi:10.1145/3423597 (never slower than bisection by more than one step, as fast as the secant
@@ -45,8 +44,9 @@ pub fn fall_through_zero(
     high
 }
 
-/// The same for a smooth function with its slope, by Newton's method from a guess, kept inside the bracket: far
-/// fewer evaluations. The place is right to `width`, on either side of zero.
+/// Finds a root like [`fall_through_zero`] for a smooth function with its slope, by Newton's method
+/// from a guess, safeguarded by the bracket, with far fewer evaluations. The root is accurate to
+/// `width`, on either side of zero.
 #[inline(always)]
 pub(super) fn fall_of_smooth(
     f: impl Fn(f64) -> (f64, f64),

@@ -1,11 +1,12 @@
 //! The switch model (thesis sections 4.2 and 4.3, after Leine): a band around zero speed.
 //!
 //! Around zero speed of each ball lies a band `|β̇| ≤ η`. Outside it a ball slips; inside it either
-//! sticks, its angle kept and its speed pushed to the middle of the band, or is in transition,
-//! against full friction. The thesis evaluates that vector field inside a general solver. Here
-//! every smooth phase is integrated with its configuration frozen, the instant at which a condition
-//! of the configuration fails is located on the dense output, and the next configuration is decided
-//! for all balls in the band together; no step crosses a switch, so that the method keeps its order.
+//! sticks, with a constant angle and a speed that tends to the middle of the band, or is in
+//! transition, against full friction. The thesis evaluates that vector field inside a general
+//! solver. Here every smooth phase is integrated with its configuration fixed, the instant at which
+//! a condition of the configuration fails is located on the dense output, and the next
+//! configuration is decided jointly for all balls in the band; no step crosses a switch, so that
+//! the method keeps its order.
 
 use super::Failure;
 use super::contact::{Phase, stick_reserve};
@@ -15,13 +16,14 @@ use crate::model::{Forces, State, System};
 /// Slack of the conditions for stick and transition, as an acceleration over `L ω_n²`: a phase ends
 /// when its condition fails by more than this.
 ///
-/// It keeps a decision that is met only to rounding (the instant of break-away) from being taken
-/// twice, and it sets the pace at which a creeping ball, whose pull hovers at the friction limit,
-/// alternates between stick and transition: the number of switches goes as one over the slack.
-/// Friction limits of a real balancer are some 1e-3, so that this is a millionth of them.
+/// The slack prevents a decision that is met only up to rounding (the instant of break-away) from
+/// being taken twice. It also determines how often a creeping ball, whose tangential force stays
+/// near the friction limit, alternates between stick and transition: the number of switches is
+/// inversely proportional to the slack. Friction limits of a real balancer are about 1e-3, a
+/// million times larger.
 pub const SLACK: f64 = 1e-9;
 
-/// What a contact does at first, by its speed alone.
+/// Returns the initial phase of a contact, from its speed alone.
 pub(super) fn first_phase(can_stick: bool, speed: f64, band: f64) -> Phase {
     if !can_stick {
         Phase::Free
@@ -32,11 +34,11 @@ pub(super) fn first_phase(can_stick: bool, speed: f64, band: f64) -> Phase {
     }
 }
 
-/// Decides stick or transition for all contacts in the band together and returns the forces that
-/// go with the decision. Contacts in slip are left alone.
+/// Decides stick or transition jointly for all contacts in the band and returns the corresponding
+/// forces. Slipping contacts are unchanged.
 ///
 /// # Errors
-/// [`Failure::NoSolution`] where no combination meets all conditions.
+/// [`Failure::NoSolution`] if no combination meets all conditions.
 pub fn decide<S: System<N, FREE>, const N: usize, const FREE: usize>(
     system: &S,
     state: &State<N, f64, FREE>,
@@ -54,10 +56,10 @@ pub fn decide<S: System<N, FREE>, const N: usize, const FREE: usize>(
     })
 }
 
-/// What comes after a switch in this state.
+/// Decides the phases after a switch in this state.
 ///
 /// # Errors
-/// [`Failure::NoSolution`] where no combination meets all conditions.
+/// [`Failure::NoSolution`] if no combination meets all conditions.
 pub(super) fn switch<S: System<N, FREE>, const N: usize, const FREE: usize>(
     system: &S,
     band: f64,

@@ -1,9 +1,9 @@
 //! Neighbouring motions to first order: the linearised flow, through stick and slip.
 //!
-//! In a smooth phase a small displacement follows the linearised equations. Each step that the
-//! motion took is taken once more in dual numbers, so that the displacement is carried by the exact
-//! derivative of the step, of the same order as the step itself. At a switch, which a neighbour meets
-//! a little earlier or later, it jumps by the saltation matrix
+//! In a smooth phase a small displacement follows the linearised equations. Each step of the motion
+//! is repeated in dual numbers, so that the displacement is propagated by the exact derivative of
+//! the step, of the same order as the step itself. At a switch, which a neighbour meets slightly
+//! earlier or later, it jumps by the saltation matrix
 //!
 //! ```text
 //! S = 1 + (f⁺ - f⁻) ∇hᵀ / (∇hᵀ f⁻)
@@ -16,9 +16,9 @@
 //! to rest thereby loses its speed in every direction; where it breaks loose against friction that
 //! does not jump, nothing happens.
 //!
-//! Where several contacts switch at the very same instant (balls side by side by symmetry), what a
-//! neighbour does depends on which of its contacts comes first; the condition that the motion itself
-//! has met first is then taken for all of them.
+//! If several contacts switch at the same instant (balls side by side by symmetry), the motion of a
+//! neighbour depends on which of its contacts comes first; the condition that the motion itself has
+//! met first is then used for all of them.
 
 use super::contact::SmoothPhase;
 use super::dop853::Step;
@@ -26,12 +26,13 @@ use super::driver::Motion;
 use super::guard::{Guard, Margins};
 use crate::model::{Dual, Number, State, System};
 
-/// Conditions that fail slower than this, as a part of the largest rate at which they could, are
-/// grazed: there the neighbours' motions differ by more than first order.
+/// A condition whose rate is below this fraction of the largest possible rate is grazed: there the
+/// neighbours' motions differ by more than first order.
 const GRAZING: f64 = 1e-12;
 
-/// Jumps of the rate of change up to this, over the size of the forces, are none: a ball breaks loose
-/// against friction that does not jump, within the width in which the instant is located.
+/// Jumps of the rate of change up to this, over the size of the forces, count as zero: a ball
+/// breaks loose against friction that does not jump, within the width in which the instant is
+/// located.
 const NO_JUMP: f64 = 1e-8;
 
 /// Small displacements from a motion, each in its own direction.
@@ -39,18 +40,18 @@ const NO_JUMP: f64 = 1e-8;
 pub struct Variational<const N: usize, const FREE: usize = 2> {
     /// The displacements, up to a common small factor.
     pub directions: Vec<State<N, f64, FREE>>,
-    /// Whether a switch was met by grazing only, so that the displacements are not defined.
+    /// Whether a switch was met by grazing, so that the displacements are undefined.
     pub grazed: bool,
 }
 
 impl<const N: usize, const FREE: usize> Variational<N, FREE> {
-    /// Displacements in these directions.
+    /// Creates displacements in these directions.
     pub fn new(directions: Vec<State<N, f64, FREE>>) -> Self {
         Variational { directions, grazed: false }
     }
 
-    /// Carries the displacements over the latest step of the motion, and over the switch at its end
-    /// if there was one. To be called once after each step.
+    /// Propagates the displacements over the latest step of the motion, and over the switch at its
+    /// end if there was one. Must be called once after each step.
     pub fn follow<S: System<N, FREE>>(&mut self, motion: &Motion<S, N, FREE>) {
         let Some(last) = motion.last_step() else { return };
         let system = motion.system();
@@ -70,8 +71,8 @@ impl<const N: usize, const FREE: usize> Variational<N, FREE> {
         );
     }
 
-    /// The displacements at a time within the latest step, which the motion has taken and this has
-    /// not yet followed.
+    /// Returns the displacements at a time within the latest step of the motion, before that step
+    /// has been followed.
     pub fn followed_to<S: System<N, FREE>>(
         &self,
         motion: &Motion<S, N, FREE>,
@@ -85,7 +86,7 @@ impl<const N: usize, const FREE: usize> Variational<N, FREE> {
         there.directions
     }
 
-    /// Carries the displacements over a smooth part of the motion from `start`.
+    /// Propagates the displacements over a smooth part of the motion from `start`.
     fn carry<S: System<N, FREE>>(
         &mut self,
         phase: &SmoothPhase<S, N, FREE>,
@@ -101,9 +102,9 @@ impl<const N: usize, const FREE: usize> Variational<N, FREE> {
     }
 }
 
-/// Takes displacements over a switch at which the phase `before` ended, as this condition of it
-/// failed; `state` and `rate` are those with which the next phase begins. Whether the switch was met by
-/// grazing.
+/// Propagates displacements over a switch at which the phase `before` ended because this condition
+/// failed; `state` and `rate` are those at the start of the next phase. Returns whether the switch
+/// was met by grazing.
 pub(super) fn saltation<S: System<N, FREE>, const N: usize, const FREE: usize>(
     (system, margins): (&S, Margins),
     (before, guard): (&SmoothPhase<S, N, FREE>, Guard),

@@ -1,4 +1,4 @@
-//! Classes of limit cycles: what makes no difference is folded, and nothing else.
+//! Classes of limit cycles: equivalent cycles, and only those, have the same class.
 
 use proptest::prelude::*;
 use stickslip::analysis::{CycleClass, Role, groups_of_identical};
@@ -36,7 +36,7 @@ impl Sample {
         CycleClass::of(&self.machine.clone().into(), &self.outcome()).expect("a cycle")
     }
 
-    /// The same motion with the balls in another order.
+    /// Returns the same motion with the balls in another order.
     fn in_order(&self, order: &[usize]) -> Sample {
         let mut other = self.clone();
         for (place, &ball) in order.iter().enumerate() {
@@ -53,7 +53,7 @@ impl Sample {
         other
     }
 
-    /// The mirror image, of the disc that turns the other way.
+    /// Returns the mirror image, with a disc that turns in the opposite direction.
     fn mirrored(&self) -> Sample {
         let mut other = self.clone();
         other.machine.speed_rad_s = -self.machine.speed_rad_s;
@@ -77,7 +77,7 @@ fn cycle_phase() -> impl Strategy<Value = CyclePhase> {
     prop::sample::select(vec![CyclePhase::Stick, CyclePhase::Forward, CyclePhase::Backward])
 }
 
-/// Balls of two kinds that rest, run, or switch; so few of each that equal classes are common.
+/// Balls of two kinds that rest, run, or switch, with so few options that equal classes are common.
 pub fn sample(most_balls: usize, most_letters: usize) -> impl Strategy<Value = Sample> {
     let parts = (1..=most_balls, 1..=most_letters).prop_flat_map(|(balls, letters)| {
         let switching = (Just(0), -1..=1, prop::collection::vec(cycle_phase(), letters));
@@ -113,7 +113,7 @@ pub fn sample(most_balls: usize, most_letters: usize) -> impl Strategy<Value = S
             cycle: Cycle {
                 turns: parts.iter().map(|part| part.turns).collect(),
                 configurations: (0..letters).map(configuration).collect(),
-                // Each ball's own, so that it can be found again.
+                // A unique value per ball, by which the test identifies it.
                 speed_extremes: parts.iter().map(|part| [-part.angle, part.angle]).collect(),
                 angle_extremes: vec![None; parts.len()],
                 peak_amplitude_m: 1e-4,
@@ -125,7 +125,7 @@ pub fn sample(most_balls: usize, most_letters: usize) -> impl Strategy<Value = S
     })
 }
 
-/// All orders of the numbers below a count.
+/// Returns all orders of the numbers below a count.
 fn orders(count: usize) -> Vec<Vec<usize>> {
     if count == 0 {
         return vec![Vec::new()];
@@ -137,15 +137,15 @@ fn orders(count: usize) -> Vec<Vec<usize>> {
     shorter.iter().flat_map(inserted).collect()
 }
 
-/// Orders in which every ball stands in a place of a ball that is alike.
+/// Returns the orders in which every ball takes the place of an identical ball.
 fn orders_of_alike(balls: &[Ball]) -> Vec<Vec<usize>> {
     let mut orders = orders(balls.len());
     orders.retain(|order| order.iter().enumerate().all(|(i, &ball)| balls[i] == balls[ball]));
     orders
 }
 
-/// What the balls do, one after another in a circle, with each ball's phases kept as they are: of
-/// a ball that runs without stopping its direction is in its turns.
+/// Returns the periodic sequence of phases of all balls; a ball that runs without stopping has its
+/// direction in its turns and no phase.
 fn circle(sample: &Sample) -> Vec<Vec<Option<CyclePhase>>> {
     let configurations = &sample.cycle.configurations;
     let constant = |ball: usize| {
@@ -166,8 +166,9 @@ fn circle(sample: &Sample) -> Vec<Vec<Option<CyclePhase>>> {
     changes.into_iter().map(|step| steps[step].clone()).collect()
 }
 
-/// Whether two samples' cycles are the same by brute force: some order of alike balls, some
-/// beginning and, for discs that turn differently, the mirror image make them equal.
+/// Returns by brute force whether two samples have equivalent cycles: some order of identical
+/// balls, some start of the period and, for opposite directions of the disc, the mirror image make
+/// them equal.
 fn same(a: &Sample, b: &Sample) -> bool {
     let b = if a.machine.speed_rad_s == b.machine.speed_rad_s { b.clone() } else { b.mirrored() };
     if a.machine.balls != b.machine.balls {
@@ -190,7 +191,7 @@ fn same(a: &Sample, b: &Sample) -> bool {
     })
 }
 
-/// The parts of a class's text, as a program would read them.
+/// Parses a class's text.
 fn read(name: &str) -> Vec<Role> {
     let letter = |letter: char| match letter {
         'S' => CyclePhase::Stick,
@@ -212,8 +213,8 @@ fn read(name: &str) -> Vec<Role> {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(512))]
 
-    /// The period begun elsewhere, also amid a phase; alike balls in another order; the mirror
-    /// image. And the class names the balls that take its places.
+    /// Starting the period elsewhere (also within a phase), reordering identical balls, or
+    /// mirroring does not change the class; and the class names the balls in its places.
     #[test]
     fn what_makes_no_difference(
         one in sample(4, 6),
@@ -253,7 +254,7 @@ proptest! {
         }
     }
 
-    /// Two cycles have one class where brute force finds them the same, and nowhere else.
+    /// Two cycles have the same class if and only if they are equivalent by brute force.
     #[test]
     fn what_makes_a_difference(mut one in sample(2, 3), other in sample(2, 3)) {
         prop_assume!(one.machine.balls.len() == other.machine.balls.len());
@@ -266,7 +267,7 @@ proptest! {
     }
 }
 
-/// Random pairs are the same often enough for the property above to mean something.
+/// Random pairs are equivalent often enough for the property above to be meaningful.
 #[test]
 fn brute_force_finds_both() {
     use proptest::strategy::ValueTree;
@@ -333,9 +334,9 @@ fn classes_by_name() {
     assert_eq!((two_rest.name.as_str(), two_rest.balls), ("-1|rest|rest", vec![1, 2, 0]));
 }
 
-/// Of all ways to change signs of x, y, angles and time, turn all angles by π, and exchange x and y,
-/// those that take solutions of the equations of motion to solutions: none but leaving all as it is
-/// at the same speed, and none but the mirror image at the opposite one.
+/// Of all sign changes of x, y, angles and time, combined with a rotation of all angles by π and an
+/// exchange of x and y, only the identity maps solutions of the equations of motion to solutions at
+/// the same speed, and only the mirror image at the opposite speed.
 #[test]
 fn the_mirror_image_is_the_only_symmetry() {
     let machine = |speed_rad_s| Machine { speed_rad_s, ..Machine::default() };
@@ -382,7 +383,8 @@ fn the_mirror_image_is_the_only_symmetry() {
     assert_eq!(found, [identity, mirror]);
 }
 
-/// Runs without a claim have no class, a claim without a cycle or with another machine's `unknown`.
+/// Runs without evidence of a cycle have no class; evidence without cycle data, or with those of
+/// another machine, has the class `unknown`.
 #[test]
 fn unknown_and_none() {
     let model: Model = Machine::default().into();

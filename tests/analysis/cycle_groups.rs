@@ -1,4 +1,4 @@
-//! The limit cycles of a point, collected from constructed outcomes.
+//! Statistics of the limit cycles of a point, from constructed outcomes.
 
 use std::f64::consts::TAU;
 
@@ -22,7 +22,8 @@ fn groups(runs: &[(Case, Outcome)]) -> Vec<CycleGroup> {
     point.detail([16.5; 2]).cycles
 }
 
-/// One ball falls back by some turns per period while the other rests at an angle, at -247.3 rad/s.
+/// Returns a run at -247.3 rad/s in which one ball falls back by some turns per period while the
+/// other rests at an angle.
 fn falls_back(turns: i32, period_s: f64, rests_at: f64, second_rests: bool) -> (Case, Outcome) {
     fn in_order<T>(second_rests: bool, runs: T, rests: T) -> Vec<T> {
         if second_rests { vec![runs, rests] } else { vec![rests, runs] }
@@ -57,7 +58,7 @@ fn falls_back(turns: i32, period_s: f64, rests_at: f64, second_rests: bool) -> (
 }
 
 #[test]
-fn a_class_in_numbers() {
+fn a_class_has_the_statistics_of_its_runs() {
     let failed = Outcome::failed(Evidence::Panic, String::new());
     let bare = Outcome::failed(Evidence::ClosedOrbit, String::new());
     let any = case(Machine::default());
@@ -96,10 +97,10 @@ fn a_class_in_numbers() {
     assert_eq!((unknown.balls_running(), unknown.largest_multiplier()), (None, None));
 }
 
-/// A thousand classes are kept apart, the rest is counted, and which ones are kept does not depend
-/// on the order of runs.
+/// A thousand classes are reported separately and the rest together, independent of the order of
+/// runs.
 #[test]
-fn no_more_than_a_thousand_classes() {
+fn at_most_a_thousand_classes_are_separate() {
     let mut runs: Vec<_> = (1..=1500).map(|turns| falls_back(turns, 0.1, 1.0, true)).collect();
     let forwards = groups(&runs);
     runs.reverse();
@@ -113,9 +114,9 @@ fn no_more_than_a_thousand_classes() {
     assert!(forwards.iter().any(|group| group.class == "-1000|rest"));
 }
 
-/// More runs than periods are kept apart: every tenth of a range, in any order.
+/// With more runs than separately counted periods, the median is accurate in any order.
 #[test]
-fn many_runs_of_a_class() {
+fn the_median_of_many_runs_is_accurate() {
     let mut runs: Vec<_> = (0..5000)
         .map(|i| {
             let fraction = f64::from(i * 7 % 5000) / 4999.0;
@@ -134,7 +135,7 @@ fn many_runs_of_a_class() {
 }
 
 proptest! {
-    /// Whatever the runs, their order does not matter, and every run is counted once.
+    /// The order of runs does not matter, and every run is counted once.
     #[test]
     fn order_of_runs_does_not_matter(
         samples in prop::collection::vec((sample(2, 3), 0.1..0.2_f64), 1..40),

@@ -1,5 +1,5 @@
-//! Equilibria without friction: the thesis's figure 5.1, a numerical search for what the closed
-//! forms might have missed, and the forces that must vanish.
+//! Equilibria without friction: the thesis's figure 5.1, a numerical search for equilibria that the
+//! closed forms could miss, and the forces that must vanish.
 
 use std::f64::consts::{PI, TAU};
 
@@ -10,7 +10,7 @@ use stickslip::analysis::{
 };
 use stickslip::model::{Balancer, Ball, Machine};
 
-/// A drag that the thesis would call arbitrarily high.
+/// A high drag in the sense of the thesis.
 const HIGH: f64 = 1e4;
 
 fn at(machine: &Machine, drag: f64) -> Vec<FrictionlessEquilibrium> {
@@ -37,10 +37,10 @@ fn vanished(machine: &Machine) -> bool {
     (1.0 - w * w).powi(2) <= 4.0 * zeta * zeta * w * w * (ratio * ratio - 1.0)
 }
 
-/// Thesis section 5.1, figure 5.1, appendix D: A1 vanishes in [179, 184] rad/s; below the natural
-/// frequency one A1 is stable, where there is one, above it B1, and never anything else.
+/// A1 vanishes in [179, 184] rad/s; below the natural frequency only one A1 is stable, if it
+/// exists, and above it only B1 (thesis section 5.1, figure 5.1, appendix D).
 #[test]
-fn figure_5_1() {
+fn stability_is_that_of_figure_5_1() {
     for drag in [1e3, HIGH] {
         let mut gone = Vec::new();
         for step in 0..=1500 {
@@ -54,7 +54,7 @@ fn figure_5_1() {
             } else {
                 assert_eq!(kinds, [Kind::A1Plus, Kind::A1Minus, Kind::A2, Kind::B1], "{speed}");
             }
-            // Within 0.01 rad/s of the natural frequency, the drag is never high enough.
+            // Within 0.01 rad/s of the natural frequency, no drag is high enough.
             let above = -speed > machine.natural_frequency_rad_s();
             let expected = match (above, vanished(&machine)) {
                 (true, _) => vec![Kind::B1],
@@ -68,7 +68,8 @@ fn figure_5_1() {
     }
 }
 
-/// Where B1 becomes stable depends on the drag; with high drag it is the natural frequency.
+/// The speed at which B1 becomes stable depends on the drag; for high drag it is the natural
+/// frequency.
 #[test]
 fn b1_becomes_stable_at_the_natural_frequency_with_high_drag() {
     for (drag, unstable, then_stable) in [(1.0, 185.0, 186.0), (HIGH, 181.63, 181.64)] {
@@ -77,7 +78,7 @@ fn b1_becomes_stable_at_the_natural_frequency_with_high_drag() {
     }
 }
 
-/// The direction of rotation mirrors everything.
+/// The equilibria for the opposite direction of rotation are the mirror images.
 #[test]
 fn the_other_direction_is_the_mirror_image() {
     for (one, other) in at(&thesis(-160.0), HIGH).iter().zip(at(&thesis(160.0), HIGH)) {
@@ -123,9 +124,9 @@ fn machines() -> Vec<Machine> {
     speeds.iter().flat_map(|&speed| masses.iter().map(move |m| machine(m, speed))).collect()
 }
 
-/// Where an equilibrium is claimed, no ball is pulled along the ring.
+/// At every equilibrium the tangential force on each ball vanishes.
 #[test]
-fn no_ball_is_pulled() {
+fn tangential_forces_vanish_at_equilibria() {
     for machine in machines() {
         for one in at(&machine, 1.0) {
             let beta = one.beta_rad.clone().unwrap();
@@ -139,7 +140,7 @@ fn no_ball_is_pulled() {
     }
 }
 
-/// Newton's method on the tangential forces, from a grid of starts, with differences for slopes.
+/// Newton's method on the tangential forces, from a start, with finite differences as slopes.
 fn newton(machine: &Machine, start: Vec<f64>) -> Option<Vec<f64>> {
     let n = start.len();
     let mut beta = DVector::from_vec(start);
@@ -169,10 +170,10 @@ fn distance(one: &[f64], other: &[f64]) -> f64 {
     one.iter().zip(other).map(turn).fold(0.0, f64::max)
 }
 
-/// The closed forms are complete: a search from hundreds of starts finds them all and nothing
-/// else but balanced positions of three balls and more, which are families.
+/// The closed forms are complete: a search from hundreds of starts finds all of them, and in
+/// addition only balanced positions of three or more balls, which form families.
 #[test]
-fn a_search_finds_the_same() {
+fn a_numerical_search_finds_the_same_equilibria() {
     for machine in machines() {
         let n = machine.balls.len();
         let form = RestForm::new(&machine).unwrap();
@@ -213,7 +214,7 @@ fn three_balls_balance_in_a_family() {
     assert_eq!(stable(&above), [Kind::B1]);
     let zeros = family.eigenvalues_1_s.iter().filter(|value| value.norm() < 1e-6).count();
     assert_eq!(zeros, 1, "{:?}", family.eigenvalues_1_s);
-    // Along the family stability is the same: the third ball anywhere, the others balance it.
+    // The stability is constant along the family: the third ball anywhere, the others balance it.
     let form = RestForm::new(&Machine { balls: balls.clone(), ..thesis(-216.3772) }).unwrap();
     let slow = RestForm::new(&Machine { balls: balls.clone(), ..thesis(-160.0) }).unwrap();
     for step in 0..48 {
@@ -234,16 +235,16 @@ fn three_balls_balance_in_a_family() {
 }
 
 #[test]
-fn extremes() {
+fn special_machines_have_the_expected_equilibria() {
     let still = at(&thesis(0.0), 1.0);
     assert_eq!((still.len(), still[0].kind), (1, Kind::Everywhere));
     assert_eq!((still[0].family_dimension, still[0].beta_rad.as_ref()), (2, None));
-    // No damping, at resonance: the table can rest only where there is nothing to swing.
+    // Without damping at resonance, the table can rest only if the total imbalance is zero.
     let mut resonant = Machine { damping_n_s_m: 0.0, ..Machine::default() };
     resonant.speed_rad_s = resonant.natural_frequency_rad_s();
     let kinds: Vec<Kind> = at(&resonant, 1.0).iter().map(|one| one.kind).collect();
     assert_eq!(kinds, [Kind::B1]);
-    // Eight balls that all differ: two sides for each, two branches, less what cannot be.
+    // Eight different balls: two sides for each, two branches, minus impossible combinations.
     let ball = |i: u32| Ball { mass_kg: 2.0e-5 * f64::from(i + 1).sqrt(), ..Ball::default() };
     let eight = Machine { balls: (0..8).map(ball).collect(), ..thesis(-100.0) };
     assert_eq!(at(&eight, 1.0).len(), 256 + 1);

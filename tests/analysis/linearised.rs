@@ -1,5 +1,5 @@
-//! The linearised equations against differences of two implementations of the full ones: the
-//! model's, and the Newton-Euler form with a mass matrix, written anew here, with viscous drag.
+//! The linearised equations against finite differences of two implementations of the full ones: the
+//! model's, and an independent Newton-Euler form with a mass matrix and viscous drag.
 
 use nalgebra::{Complex, DMatrix, DVector};
 use stickslip::analysis::{
@@ -9,19 +9,19 @@ use stickslip::model::{Balancer, Ball, Contact, Machine, State};
 
 fn machine(balls: usize, speed_rad_s: f64) -> Machine {
     let ball = |i: usize| Ball { mass_kg: 1.0e-2 * (1.0 + i as f64), ..Ball::default() };
-    // Heavy balls, so that what they do to the table is no small part of the matrix.
+    // Heavy balls, so that their effect on the table is a large part of the matrix.
     Machine { speed_rad_s, balls: (0..balls).map(ball).collect(), ..Machine::default() }
 }
 
-/// Positions (x, y, β...) and velocities in, accelerations out: `M q̈ = ...` from kinetic energy of
-/// points in a turning frame and rolling balls.
+/// Returns accelerations from positions (x, y, β...) and velocities: `M q̈ = ...` from the kinetic
+/// energy of points in a turning frame and rolling balls.
 fn full(form: &RestForm, drag: f64, state: &DVector<f64>) -> DVector<f64> {
     let n = state.len() / 2;
     let (w, zeta) = (form.speed, form.damping_ratio);
     let (position, velocity) = (state.rows(0, n), state.rows(n, n));
     let mut mass = DMatrix::identity(n, n);
     let mut force = DVector::zeros(n);
-    // Coriolis and centrifugal terms of the whole mass at B, springs and dashpots fixed in space.
+    // Coriolis and centrifugal terms of the whole mass at B; springs and dashpots fixed in space.
     let coriolis = |axis: usize| {
         let (other, sign) = if axis == 0 { (1, -1.0) } else { (0, 1.0) };
         sign * 2.0 * w * velocity[other] - w * w * position[axis]
@@ -52,7 +52,7 @@ fn full(form: &RestForm, drag: f64, state: &DVector<f64>) -> DVector<f64> {
     derivative
 }
 
-/// The model's own derivative in the same order, with nothing acting along the ring.
+/// The model's derivative in the same order, without forces along the ring.
 fn of_the_model<const N: usize>(machine: &Machine, state: &DVector<f64>) -> DVector<f64> {
     let balancer = Balancer::<N>::new(machine).unwrap();
     let n = 2 + N;
@@ -116,10 +116,10 @@ fn matrices_are_the_slopes_of_the_full_equations() {
     }
 }
 
-/// With the balls held by an immense drag the table is the damped oscillator of the closed form:
-/// eigenvalues -iω - ζ ± i sqrt(1 - ζ²) and their conjugates.
+/// With the balls held by an immense drag the table is the damped oscillator of the closed form,
+/// with the eigenvalues -iω - ζ ± i sqrt(1 - ζ²) and their conjugates.
 #[test]
-fn balls_that_do_not_move_leave_the_table_alone() {
+fn with_immobile_balls_the_table_is_a_damped_oscillator() {
     let form = RestForm::new(&Machine::default()).unwrap();
     let motions = SmallMotions::about(&form, &[2.0, 4.0], 1e9, 0);
     let frequency = (1.0 - form.damping_ratio * form.damping_ratio).sqrt();
@@ -132,8 +132,8 @@ fn balls_that_do_not_move_leave_the_table_alone() {
     }
 }
 
-/// The left eigenvector of an eigenvalue, by inverse iteration: what it sees of a disturbance grows
-/// with that eigenvalue alone.
+/// Returns the left eigenvector of an eigenvalue, by inverse iteration: its product with a
+/// disturbance grows with that eigenvalue alone.
 fn left_eigenvector(matrix: &DMatrix<f64>, eigenvalue: Complex<f64>) -> DVector<Complex<f64>> {
     let size = matrix.nrows();
     let shift = DMatrix::identity(size, size) * (eigenvalue * 1.000_000_1 + 1e-9);
@@ -143,8 +143,8 @@ fn left_eigenvector(matrix: &DMatrix<f64>, eigenvalue: Complex<f64>) -> DVector<
     vector.normalize()
 }
 
-/// A small disturbance grows or dies out as fast as the first eigenvalue says: the full equations,
-/// integrated by the classical Runge-Kutta method.
+/// A small disturbance in the full equations, integrated by the classical Runge-Kutta method, grows
+/// or decays at the rate of the first eigenvalue.
 #[test]
 fn disturbances_grow_as_fast_as_the_first_eigenvalue() {
     for speed_rad_s in [-160.0, -190.0] {

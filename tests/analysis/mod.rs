@@ -1,4 +1,4 @@
-//! Equilibrium sets and equilibria without friction against closed forms and the thesis; classes of
+//! Equilibrium sets and frictionless equilibria against closed forms and the thesis; classes of
 //! limit cycles.
 
 mod cycle_classes;

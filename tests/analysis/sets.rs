@@ -1,5 +1,5 @@
-//! Equilibrium sets: the thesis's figures 5.2 to 5.5 in numbers, and the fast grid against the
-//! model's own closed forms.
+//! Equilibrium sets: fractions and components of the thesis's figures 5.2 to 5.5, and the fast grid
+//! against the model's closed forms.
 
 use std::convert::Infallible;
 use std::f64::consts::{PI, TAU};
@@ -23,11 +23,11 @@ fn set(machine: &Machine, points: usize) -> EquilibriumSet {
     EquilibriumSet::of(machine, Resolution::Grid(points)).unwrap()
 }
 
-/// Thesis section 5.2.1, figure 5.4 (four subsets "with the symmetry properties" at the lowest
-/// friction, everything at the highest), and figure 5.5 at -191.6372 rad/s. The numbers of components
-/// do not depend on the grid.
+/// The sets have the fractions and components of thesis section 5.2.1, figure 5.4 (four subsets
+/// "with the symmetry properties" at the lowest friction, everything at the highest), and figure
+/// 5.5 at -191.6372 rad/s, on any grid.
 #[test]
-fn fractions_and_parts_of_the_thesis() {
+fn fractions_and_components_are_those_of_the_thesis() {
     for (speed, friction, fraction, torus, exchanged) in [
         (-216.3772, 2.75e-4, 0.0174, 6, 4),
         (-216.3772, 2.75e-3, 0.770, 1, 1),
@@ -47,10 +47,10 @@ fn fractions_and_parts_of_the_thesis() {
     }
 }
 
-/// Thesis section 5.2: the highest amplitude, with both balls at the imbalance, the balanced
-/// position, and cos β = -m_I e / (2 m L).
+/// The highest amplitude is that with both balls at the imbalance, and the balanced position is cos
+/// β = -m_I e / (2 m L) (thesis section 5.2).
 #[test]
-fn amplitudes_and_balance_of_the_thesis() {
+fn amplitudes_and_balance_are_those_of_the_thesis() {
     let machine = machine(-216.3772, 2.75e-3);
     let set = set(&machine, 512);
     let (smallest, largest) = set.amplitude_m.unwrap();
@@ -63,15 +63,15 @@ fn amplitudes_and_balance_of_the_thesis() {
     assert!((beta[0] - cosine.acos()).abs() < 1e-12, "{beta:?}");
     assert!((beta[1] - (TAU - cosine.acos())).abs() < 1e-12, "{beta:?}");
     assert!((beta[0] - 2.270).abs() < 5e-4 && (beta[1] - 4.013).abs() < 5e-4);
-    // Balls opposite each other: they cancel each other, but for their mass.
+    // Balls opposite each other cancel, except for their mass.
     let form = RestForm::new(&machine).unwrap();
     assert!((form.at_rest(&[1.0, 1.0 + PI]).amplitude_m - 2.159e-5).abs() < 5e-9);
 }
 
-/// Every point of the grid against the model's closed forms, which the simulation uses: balls that
-/// differ in everything, both sides of the resonance.
+/// Every grid point agrees with the model's closed forms, which the simulation uses, for different
+/// balls on both sides of the resonance.
 #[test]
-fn every_point_is_what_the_model_says() {
+fn every_grid_point_agrees_with_the_model() {
     for speed_rad_s in [-160.0, 177.0, -216.3772, 500.0] {
         let mut machine = machine(speed_rad_s, 1.5e-3);
         machine.balls[1] =
@@ -101,10 +101,10 @@ fn every_point_is_what_the_model_says() {
     }
 }
 
-/// One ball: the model's own condition on a fine scan of the circle, fraction and extremes; the set is the
-/// same whatever the grid.
+/// Fraction and extremes for one ball agree with the model's condition on a fine scan of the
+/// circle, independent of the grid.
 #[test]
-fn one_ball_against_a_fine_scan() {
+fn the_set_of_one_ball_agrees_with_a_fine_scan() {
     for (speed, friction) in [(-216.3772, 1.0e-3), (-179.2671, 2.75e-3), (-150.0, 1.0e-3)] {
         let mut machine = machine(speed, friction);
         machine.balls.truncate(1);
@@ -140,8 +140,8 @@ fn one_ball_against_a_fine_scan() {
     assert!((set(&machine, 512).fraction - 0.128_98).abs() < 5e-6);
 }
 
-/// One ball: the condition is |q| ≤ μ (1 + p) with q a sine of the angle, so that two arcs, about
-/// the two frictionless equilibria, make up the set, until they meet.
+/// The condition |q| ≤ μ (1 + p), with q a sine of the angle, gives one ball two arcs, about the
+/// two frictionless equilibria, until they meet.
 #[test]
 fn one_ball_has_two_arcs() {
     let mut machine = machine(-216.3772, 1.0e-4);
@@ -149,8 +149,8 @@ fn one_ball_has_two_arcs() {
     let set = set(&machine, 10_000);
     assert_eq!((set.components, set.components_modulo_exchange), (Some(2), Some(2)));
     let form = RestForm::new(&machine).unwrap();
-    // |z| so small that the normal force is 1: |Im(g I e^{-iβ} + g m)| ≤ μ, where `arcs` sees the
-    // sine's range directly.
+    // |z| is so small that the normal force is 1: |Im(g I e^{-iβ} + g m)| ≤ μ, where `arcs`
+    // uses the sine's range directly.
     let (amplitude, offset) =
         ((form.transfer * form.imbalance).norm(), form.transfer.im * form.mass[0]);
     let edge = |value: f64| ((value - offset) / amplitude).clamp(-1.0, 1.0).asin();
@@ -186,7 +186,7 @@ fn balanced_positions_close_the_polygon() {
         let Some(beta) = balance.position() else { continue };
         assert!(beta.iter().all(|beta| (0.0..TAU).contains(beta)), "{beta:?}");
         let left = form.imbalance_at(beta).norm() / form.imbalance;
-        // At a polygon that is just closed, rounding of 1e-16 is an angle of 1e-8.
+        // For a degenerate polygon, a rounding error of 1e-16 is an angle of 1e-8.
         assert!(left < 1e-7, "{masses:?} {left}");
         if let Balance::Family { dimension, .. } = balance {
             assert_eq!(dimension, masses.len() - 2);
@@ -194,8 +194,8 @@ fn balanced_positions_close_the_polygon() {
     }
 }
 
-/// More balls: a third ball almost without mass and with more friction than ever needed changes
-/// nothing in what the first two do, so that the sampled fraction is the grid's.
+/// A third ball of almost no mass and with ample friction does not affect the first two, so that
+/// the sampled fraction agrees with the grid's.
 #[test]
 fn samples_agree_with_the_grid() {
     let two = machine(-216.3772, 2.0e-3);
@@ -206,7 +206,7 @@ fn samples_agree_with_the_grid() {
     assert!((set_fraction(&three).unwrap() - exact).abs() < 0.005);
     let (low, high) = sampled.fraction_interval.unwrap();
     assert!(low < exact && exact < high, "{exact} {low} {high}");
-    // As many independent samples would have 0.0076.
+    // As many independent samples would give 0.0076.
     assert!(high - low < 0.003, "{low} {high}");
     assert_eq!((sampled.components, sampled.components_modulo_exchange), (None, None));
     assert_eq!(sampled.balance.name(), "family");
@@ -215,7 +215,7 @@ fn samples_agree_with_the_grid() {
 }
 
 #[test]
-fn quick_fraction_is_good_to_a_thousandth() {
+fn the_quick_fraction_is_accurate_to_a_thousandth() {
     for (speed, friction) in
         [(-216.3772, 2.75e-4), (-216.3772, 2.75e-3), (-191.6372, 2.75e-3), (-173.1803, 2.75e-3)]
     {
@@ -226,10 +226,10 @@ fn quick_fraction_is_good_to_a_thousandth() {
     }
 }
 
-/// At standstill no force acts; without friction only single positions are left, which no grid
-/// meets; at the resonance of a suspension without damping there is no rest at all.
+/// At standstill every position is in the set; without friction only isolated positions are, which
+/// no grid point meets; at the resonance of an undamped suspension nothing rests.
 #[test]
-fn extremes() {
+fn sets_without_forces_friction_or_damping() {
     let still = set(&machine(0.0, 0.0), 64);
     assert_eq!(
         (still.fraction, still.components, still.amplitude_m),
@@ -237,7 +237,8 @@ fn extremes() {
     );
     let smooth = set(&machine(-216.3772, 0.0), 64);
     assert_eq!((smooth.fraction, smooth.components), (0.0, Some(0)));
-    // The set is then the equilibria without friction, of which the balanced one is the calmest.
+    // The set then consists of the equilibria without friction; the balanced one has the smallest
+    // amplitude.
     let equilibria = frictionless_equilibria(&machine(-216.3772, 0.0), 1.0).unwrap();
     let most = equilibria.iter().map(|one| one.amplitude_m()).fold(0.0, f64::max);
     let (smallest, largest) = smooth.amplitude_m.unwrap();

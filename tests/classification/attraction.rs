@@ -1,5 +1,5 @@
-//! Limit cycles that are claimed attract the run: both methods claim the same, and computed on
-//! without looking for endings, the run passes ever more exactly one period later.
+//! Claimed limit cycles attract the run: both methods claim the same cycles, and the further motion
+//! passes ever more exactly one period later.
 
 use std::path::Path;
 
@@ -25,8 +25,8 @@ fn with(case: &Case, method: Method) -> Case {
     Case { simulation: Simulation { method, ..case.simulation }, ..case.clone() }
 }
 
-/// How far passages are from those one period earlier: in the table's state, in the running ball's
-/// speed, and in time over the period; first and last after the claim.
+/// Returns the differences between passages one period apart, in the table's state, the running
+/// ball's speed, and time over the period, immediately after the claim and at the end.
 fn drawn(case: &Case, outcome: &Outcome) -> ([f64; 2], f64) {
     let machine = case.model.ball_balancer().expect("a balancer");
     let natural = machine.natural_frequency_rad_s();
@@ -42,7 +42,7 @@ fn drawn(case: &Case, outcome: &Outcome) -> ([f64; 2], f64) {
     let end = claimed + 60.0 * natural;
     let mut passages = Vec::new();
     while motion.time() < end {
-        motion.advance(end).expect("goes on");
+        motion.advance(end).expect("continues");
         if motion.time() > claimed - 1.5 * period
             && let Some((time, state)) = motion.passage(runs)
         {

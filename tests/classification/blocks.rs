@@ -1,4 +1,4 @@
-//! Blocks on springs: where and when they stop, their cycles, and when nothing is claimed.
+//! Blocks on springs: place and time of rest, cycles, and motions without a claim.
 
 use crate::model::closed_forms::ClosedForms;
 use stickslip::classification::{CyclePhase, Evidence, Label, Outcome, simulate};
@@ -31,8 +31,9 @@ fn position(outcome: &Outcome) -> Option<f64> {
     outcome.position.as_ref().map(|position| position[0])
 }
 
-/// Thesis figure 4.2, from many starts: place and time of rest, and one switch for each turning
-/// point; the switch model passes through a transition at all but the last, and at a start from rest.
+/// A block stops at the place and time of the closed form (thesis figure 4.2), with one switch for
+/// each turning point; the switch model passes through a transition at all but the last, and at a
+/// start from rest.
 #[test]
 fn a_block_stops_where_and_when_the_closed_form_says() {
     let blocks = [
@@ -52,7 +53,8 @@ fn a_block_stops_where_and_when_the_closed_form_says() {
                 let outcome = run(&block, start, method, 100.0);
                 assert_eq!(outcome.evidence, Evidence::RestCertified, "{start:?}");
                 near(position(&outcome), exact.position_m, 1e-10);
-                // The band is an error in speed: one in time that is the larger the slower it turns.
+                // The band is an error in speed; its error in time grows as the block turns more
+                // slowly.
                 let late = if method == Method::Event { 1e-9 } else { 1e-6 };
                 near(outcome.time_to_rest_s, exact.time_s, late);
                 near(outcome.amplitude_m, 0.0, 0.0);
@@ -73,7 +75,7 @@ fn a_block_stops_where_and_when_the_closed_form_says() {
 
 /// A block at rest inside the rest set, or on its edge, stays there from the first instant.
 #[test]
-fn the_rest_set_is_at_rest() {
+fn blocks_in_the_rest_set_stay_at_rest() {
     for method in METHODS {
         for place in [-0.01, -0.005, 0.0, 0.009_999, 0.01] {
             let outcome = run(&Block::on_spring(), [place, 0.0], method, 10.0);
@@ -86,9 +88,10 @@ fn the_rest_set_is_at_rest() {
     }
 }
 
-/// A turning point exactly on the edge: rounding may add a half swing of no width, not a place.
+/// At a turning point exactly on the edge, rounding may add a half swing of zero width, but does
+/// not change the position.
 #[test]
-fn turning_points_on_the_edge() {
+fn turning_points_on_the_edge_are_final() {
     for (start, swings, end) in [(0.03, 1.0, -0.01), (-0.05, 2.0, -0.01), (0.13, 6.0, 0.01)] {
         for method in METHODS {
             let outcome = run(&Block::on_spring(), [start, 0.0], method, 100.0);
@@ -101,7 +104,7 @@ fn turning_points_on_the_edge() {
     }
 }
 
-/// Leine's stick-slip cycle, from starts on either side of it.
+/// The cycle is Leine's closed-form stick-slip cycle, from starts on either side of it.
 #[test]
 fn a_block_on_a_belt_has_the_cycle_of_the_closed_form() {
     for (fixed, speed_m_s) in [(0.2, 0.1), (0.11, 0.02), (0.5, 1.0), (0.4, 0.003)] {
@@ -113,13 +116,13 @@ fn a_block_on_a_belt_has_the_cycle_of_the_closed_form() {
                 let outcome = run(&block, start, method, 1000.0);
                 assert_eq!(outcome.evidence, Evidence::ClosedOrbit, "{fixed} {start:?}");
                 near(outcome.period_s, exact.period_s, 1e-7 * exact.period_s);
-                // The band times `F_n / k`.
+                // The tolerance is the band times `F_n / k`.
                 near(outcome.amplitude_m, exact.amplitude_m, 1e-9);
                 near(position(&outcome), exact.break_away_m, 1e-8);
                 assert_eq!(outcome.time_to_rest_s, None);
                 let cycle = outcome.cycle.as_ref().expect("known");
                 assert_eq!(cycle.configurations, [[CyclePhase::Backward], [CyclePhase::Stick]]);
-                // It swings back through where the spring balances kinetic friction.
+                // It swings back through the position where the spring balances kinetic friction.
                 let natural = block.natural_frequency_rad_s();
                 let [[least, greatest]] = cycle.speed_extremes[..] else { panic!("one contact") };
                 near(Some(least), -speed_m_s - natural * exact.amplitude_m, 1e-7);
@@ -127,18 +130,17 @@ fn a_block_on_a_belt_has_the_cycle_of_the_closed_form() {
                 near(Some(cycle.peak_amplitude_m), exact.amplitude_m, 1e-9);
                 assert_eq!((&cycle.turns, &cycle.multipliers), (&vec![0], &vec![0.0]));
                 assert_eq!(cycle.neutral_directions, 0);
-                // It is known after two break-aways, long before the end time.
+                // The cycle is known after two break-aways, long before the end time.
                 assert!(outcome.end_time_s.expect("known") < 3.0 * exact.period_s + 10.0);
             }
         }
     }
 }
 
-/// Inside the cycle lie the orbits on which the block slides for good, each as wide as its start:
-/// beside the cycle, and alone where both coefficients are equal. None of them attracts, so that
-/// none is claimed.
+/// Inside the cycle, and alone for equal coefficients, are orbits on which the block slides
+/// permanently, with the amplitude of its start. None of them attracts, so that none is claimed.
 #[test]
-fn a_block_that_slides_for_good_is_undecided() {
+fn a_block_that_slides_permanently_is_undecided() {
     let dropping = Block { friction: drop_at_once(0.2), ..Block::on_belt() };
     for (block, start, radius) in [
         (&dropping, [0.016, 0.0], 0.006),
@@ -157,8 +159,9 @@ fn a_block_that_slides_for_good_is_undecided() {
     }
 }
 
-/// Period, least and greatest position of a cycle under the Stribeck law with a positive speed, by
-/// the classical Runge-Kutta method in tiny steps and bisection: another program than ours.
+/// Returns period, least and greatest position of a cycle under the Stribeck law with a positive
+/// speed, by an independent program: the classical Runge-Kutta method with tiny steps, and
+/// bisection.
 fn stribeck_cycle(fixed: f64, kinetic: f64, speed: f64, belt: f64) -> (f64, f64, f64) {
     let acceleration = |x: f64, v: f64| {
         let ratio = kinetic + (fixed - kinetic) * (-(belt - v).max(0.0) / speed).exp();
@@ -202,7 +205,7 @@ fn stribeck_cycle(fixed: f64, kinetic: f64, speed: f64, belt: f64) -> (f64, f64,
 }
 
 #[test]
-fn friction_that_falls_with_speed_against_another_integration() {
+fn stribeck_cycles_agree_with_an_independent_integration() {
     for (fixed, stribeck_speed, speed_m_s) in
         [(0.2, 0.05, 0.1), (0.3, 0.5, 0.1), (0.15, 0.02, 0.05)]
     {
@@ -218,9 +221,10 @@ fn friction_that_falls_with_speed_against_another_integration() {
     }
 }
 
-/// Viscous friction: the damped oscillation of the closed form, on rigid ground and on a belt.
+/// With viscous friction the motion is the damped oscillation of the closed form, on rigid ground
+/// and on a belt.
 #[test]
-fn viscous_friction_damps() {
+fn viscous_friction_gives_the_damped_oscillation() {
     for ground in [Ground::Fixed, Ground::Belt { speed_m_s: 0.1 }] {
         for drag in [0.0, 0.3, 2.0, 20.0, 100.0] {
             let friction = FrictionLaw::Viscous { viscous_coefficient_n_s_m: drag };
@@ -236,8 +240,8 @@ fn viscous_friction_damps() {
     }
 }
 
-/// The smooth law cannot hold anything (thesis section 3.3.1): a block that Coulomb friction holds
-/// creeps to where the spring is free, as the closed form without inertia says.
+/// A smooth law cannot hold a block (thesis section 3.3.1): a block that Coulomb friction holds
+/// creeps to the position of the relaxed spring, as in the closed form without inertia.
 #[test]
 fn smooth_friction_does_not_hold() {
     for (smoothing_speed, end_time_s) in [(1e-4, 5.0), (1e-4, 20.0), (1e-4, 80.0), (2e-6, 10.0)] {
@@ -256,7 +260,7 @@ fn smooth_friction_does_not_hold() {
     }
 }
 
-/// Values of any size, as a sweep or a draw may have them, end in an outcome.
+/// Parameter values of any size, as in a sweep or a sample, give an outcome.
 #[test]
 fn extreme_values_end_in_an_outcome() {
     let laws = [
@@ -292,8 +296,8 @@ fn extreme_values_end_in_an_outcome() {
     }
 }
 
-/// The extremes of the last tenth of the time, also of a block that hardly swings in it: half of the
-/// range of `0.1 cos(ω t)` from 14.85 s to 16.5 s.
+/// The extremes of the last tenth of the time are correct for a block that hardly moves in it: half
+/// of the range of `0.1 cos(ω t)` from 14.85 s to 16.5 s.
 #[test]
 fn extremes_of_slow_swings() {
     for mass_kg in [0.5, 100.0, 1e4, 1e6] {
@@ -308,7 +312,7 @@ fn extremes_of_slow_swings() {
     }
 }
 
-/// Stopped on the very edge of the interval of rest: certified rest has no negative margin.
+/// Certified rest on the very edge of the interval has no negative margin.
 #[test]
 fn no_margin_is_negative_at_rest() {
     for method in METHODS {

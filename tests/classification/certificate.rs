@@ -1,4 +1,4 @@
-//! The rest certificate: what it certifies never moves again.
+//! The rest certificate: certified balls never move again.
 
 use proptest::prelude::*;
 use stickslip::classification::{certified, certified_by_closed_form};
@@ -17,7 +17,7 @@ fn state(balancer: &Balancer<2>, beta: [f64; 2], far: f64, direction: [f64; 2]) 
     }
 }
 
-/// Integrates on and says whether a ball ever leaves stick.
+/// Returns whether a ball ever leaves stick in the further motion.
 fn ever_moves(balancer: &Balancer<2>, state: State<2>) -> bool {
     let settings = Settings {
         method: Method::Switch,
@@ -34,15 +34,15 @@ fn ever_moves(balancer: &Balancer<2>, state: State<2>) -> bool {
         if motion.time() >= end {
             return false;
         }
-        motion.advance(end).expect("goes on");
+        motion.advance(end).expect("continues");
     }
 }
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(400))]
 
-    /// Certified states, by either certificate, stay at rest; and the closed form certifies at
-    /// least what the bound does.
+    /// States certified by either certificate stay at rest, and the closed form certifies at least
+    /// the states that the bound does.
     #[test]
     fn certified_balls_never_move(
         speed in -400.0..400.0_f64, damping in 0.3..30.0_f64, friction in 1e-3..0.05_f64,
@@ -63,8 +63,8 @@ proptest! {
     }
 }
 
-/// The closed form certifies states that the bound cannot, and refuses states in which a ball
-/// breaks loose: over a scan of amplitudes there are some of each, and it is never wrong.
+/// The closed form certifies states that the bound cannot, and rejects states in which a ball
+/// breaks loose: a scan of amplitudes contains both, without errors.
 #[test]
 fn closed_form_is_sharper_than_the_bound() {
     let balancer = Balancer::<2>::new(&Machine::default()).expect("two balls");

@@ -1,12 +1,12 @@
-//! How errors fall with tolerance and band, against the closed forms of blocks on springs.
+//! Convergence of errors with tolerance and band, against the closed forms of blocks on springs.
 //!
-//! Theory: the error estimate of DOP853 goes as the eighth power of the step, so that steps go as
-//! the eighth root of the tolerance, and the error of a method of order 8 as the tolerance itself
-//! (Hairer, Nørsett, Wanner, Solving Ordinary Differential Equations I, sections II.4 and II.5).
-//! That lasts only if no step crosses a switch. In the switch model the half width of the band is an
-//! error in speed: the time at which a block stops is off in proportion to it, and the place by its
-//! square; on a belt, the rest of the speed that a stuck block still has when it breaks away makes
-//! period and amplitude off in proportion to the band.
+//! Theory: the error estimate of DOP853 is proportional to the eighth power of the step, so that
+//! steps are proportional to the eighth root of the tolerance, and the error of a method of order 8
+//! to the tolerance itself (Hairer, Nørsett, Wanner, Solving Ordinary Differential Equations I,
+//! sections II.4 and II.5). This holds only if no step crosses a switch. In the switch model the
+//! half width of the band is an error in speed: the error of the time at which a block stops is
+//! proportional to it, and that of the position to its square; on a belt, the residual speed of a
+//! sticking block at break-away makes the errors of period and amplitude proportional to the band.
 
 use crate::model::closed_forms::ClosedForms;
 use stickslip::classification::{Evidence, simulate};
@@ -15,9 +15,9 @@ use stickslip::model::{Block, Case, FrictionLaw, Method, Simulation, Start};
 /// The relative errors of one computation.
 #[derive(Clone, Copy, Debug)]
 pub struct Errors {
-    /// Of the place where a block on rigid ground stops, over `μ F_n / k`.
+    /// Of the position at which a block on rigid ground stops, over `μ F_n / k`.
     pub rest_position: f64,
-    /// Of the time when it stops, over `1 / ω_n`.
+    /// Of the time at which it stops, over `1 / ω_n`.
     pub rest_time: f64,
     /// Of the period of a block on a belt.
     pub period: f64,
@@ -25,7 +25,7 @@ pub struct Errors {
     pub amplitude: f64,
 }
 
-/// The errors with this method, relative tolerance per step and band.
+/// Returns the errors with this method, relative tolerance per step and band.
 pub fn errors(method: Method, tolerance: f64, band: f64) -> Errors {
     let simulation = Simulation {
         method,
@@ -61,7 +61,7 @@ pub fn errors(method: Method, tolerance: f64, band: f64) -> Errors {
     }
 }
 
-/// The slope of a straight line through points in a plot with two logarithmic axes.
+/// Returns the slope of a straight line through points in a plot with two logarithmic axes.
 fn order(points: impl Iterator<Item = (f64, f64)>) -> f64 {
     let points: Vec<(f64, f64)> = points.map(|(x, y)| (x.log10(), y.log10())).collect();
     let count = points.len() as f64;
@@ -75,7 +75,7 @@ fn powers_of_ten(range: std::ops::RangeInclusive<i32>) -> impl Iterator<Item = f
     range.map(|power| 10.0_f64.powi(-power))
 }
 
-/// The exact motion: errors in proportion to the tolerance.
+/// In the exact motion, errors are proportional to the tolerance.
 #[test]
 fn event_method_converges_with_the_tolerance() {
     let all: Vec<(f64, Errors)> = powers_of_ten(5..=11)
@@ -89,15 +89,15 @@ fn event_method_converges_with_the_tolerance() {
         order_of(|all| all.amplitude),
     ];
     assert!(orders.iter().all(|order| (0.8..1.4).contains(order)), "{orders:?}");
-    // Error per step, some hundred of them: no more than that many tolerances.
+    // With errors per step, and about a hundred steps, the total is at most a hundred tolerances.
     for (tolerance, all) in all {
         let largest = all.rest_position.max(all.rest_time).max(all.period).max(all.amplitude);
         assert!(largest < 100.0 * tolerance, "{tolerance:e}: {all:?}");
     }
 }
 
-/// The switch model: time, period and amplitude in proportion to the band, the place of rest to its
-/// square, down to the slack of its conditions.
+/// In the switch model, errors of time, period and amplitude are proportional to the band, and
+/// those of the rest position to its square, down to the slack of the conditions.
 #[test]
 fn switch_model_converges_with_the_band() {
     let all: Vec<(f64, Errors)> =

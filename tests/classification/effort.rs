@@ -1,4 +1,4 @@
-//! Runs that can never be brought to their end are given up soon, and say so.
+//! Runs that cannot reach their end are given up early, with a message.
 
 use stickslip::classification::{Evidence, most_steps_of_a_run, seconds_per_step, simulate};
 use stickslip::model::{Ball, Block, Case, FrictionLaw, Machine, Model, Simulation, Start};
@@ -28,8 +28,9 @@ fn hopeless_runs_are_given_up_soon() {
     }
 }
 
-/// Balls as large as a planet: one that comes near to turning about its own contact steps ever more shortly. The run
-/// is given up by the time that it has come to, not by the steps that it might have taken to its end.
+/// With extremely heavy balls, the steps of a ball that nearly turns about its own contact shrink
+/// without bound. The run is given up by the limit for the time reached, not by the limit for its
+/// end time.
 #[test]
 fn a_run_that_hardly_moves_on_is_given_up_soon() {
     let mut machine = Machine::default();

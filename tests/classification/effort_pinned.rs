@@ -1,7 +1,7 @@
-//! What some runs cost, pinned: steps, steps not taken, switches, and how the runs end.
+//! Pinned effort of some runs: steps, rejected steps, switches, and endings.
 //!
-//! Nothing here says that a cost is right. A change of the engine that makes runs dearer or cheaper, or
-//! that ends one of them otherwise, shows in `tests/data/effort.txt`, and so in review. To renew it:
+//! The pins do not assert that an effort is right. A change of the engine that changes the effort
+//! or the ending of a run shows in `tests/data/effort.txt`, and thus in review. To renew it:
 //! `STICKSLIP_PIN_EFFORT=1 cargo test --test tests effort_pinned`, and `git diff tests/data`.
 
 use std::fmt::Write;
@@ -132,7 +132,7 @@ fn efforts_are_those_pinned() {
         return;
     }
     let pinned = std::fs::read_to_string(path).expect("the pinned table");
-    // Without vectors of its own a processor computes everything one by one.
+    // Without vector instructions, all runs are computed one by one.
     let has_lanes = SimdLevel::best().name() != "none";
     let counts = |line: &&str| has_lanes || !line.contains("  lockstep  ");
     let differs = found.lines().filter(counts).ne(pinned.lines().filter(counts));

@@ -1,4 +1,5 @@
-//! Runs that are looked for rest only: those that come to rest are the same, of the others nothing is said.
+//! Runs with rest as the only detected ending: runs that come to rest are unchanged, and all others
+//! are undecided.
 
 use stickslip::classification::{Evidence, Label, Outcome, simulate, simulate_one_by_one};
 use stickslip::model::{
@@ -15,7 +16,7 @@ fn starts(balls: usize) -> impl Iterator<Item = Start> {
     })
 }
 
-/// What comes of a case, and of the same where only rest is looked for.
+/// Returns the outcome of a case, and of the same case with rest as the only detected ending.
 fn both(case: &Case, simulate: impl Fn(&Case) -> Outcome) -> [Outcome; 2] {
     [Endings::All, Endings::Rest].map(|endings| {
         let simulation = Simulation { endings, ..case.simulation };
@@ -23,7 +24,7 @@ fn both(case: &Case, simulate: impl Fn(&Case) -> Outcome) -> [Outcome; 2] {
     })
 }
 
-/// Whether the two agree, and in what label of the first.
+/// Asserts that the two agree, and returns the label of the first.
 #[track_caller]
 fn compare([all, rest]: [Outcome; 2]) -> Label {
     let label = all.label();
@@ -41,7 +42,7 @@ fn compare([all, rest]: [Outcome; 2]) -> Label {
 }
 
 #[test]
-fn balls_come_to_rest_as_they_do_where_all_endings_are_looked_for() {
+fn balls_come_to_rest_as_with_all_endings() {
     let mut seen = [0; 5];
     let extend = Some(Extend { factor: 1.5, undecided: true, irregular: true });
     for (speed_rad_s, balls, friction_coefficient, extend) in [
@@ -71,7 +72,7 @@ fn balls_come_to_rest_as_they_do_where_all_endings_are_looked_for() {
 }
 
 #[test]
-fn blocks_do_so_too() {
+fn blocks_come_to_rest_as_with_all_endings() {
     let drops = FrictionLaw::Stribeck { static_friction_coefficient: 0.2, stribeck_speed: 0.0 };
     let on_belt = Block { friction: drops, ..Block::on_belt() };
     let label_of = |block: Block, start: [f64; 2]| {

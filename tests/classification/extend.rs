@@ -1,4 +1,4 @@
-//! Runs that are continued past the end time: to the last bit as if the later one had been meant.
+//! Continued runs equal runs with the later end time from the start, bit for bit.
 
 use std::path::Path;
 
@@ -10,10 +10,10 @@ use stickslip::motion::Failure;
 use stickslip::study::Study;
 
 const METHODS: [Method; 2] = [Method::Event, Method::Switch];
-/// The first begins its last tenth before the end time.
+/// With the first factor, the last tenth begins before the end time.
 const FACTORS: [f64; 3] = [1.05, 2.0, 4.0];
 
-/// What comes of a case with this end time, extended, and of the same with either end time alone.
+/// The outcome of a continued case, and the outcomes with either end time alone.
 struct Ways {
     extended: Outcome,
     short: Outcome,
@@ -34,7 +34,8 @@ impl Ways {
         }
     }
 
-    /// Whether the run was continued; if so it must be the long run, if not the short one.
+    /// Returns whether the run was continued; it must equal the long run if so, and otherwise the
+    /// short run.
     #[track_caller]
     fn continued(&self) -> bool {
         let continued = self.extended.extended;
@@ -45,8 +46,8 @@ impl Ways {
     }
 }
 
-/// Equal to the last bit, but for the mark of the continued run: numbers are printed so that they
-/// come back as the same bits.
+/// Asserts equality bit for bit, except for the mark of the continued run: numbers are printed so
+/// that they parse to the same bits.
 #[track_caller]
 fn same(found: &Outcome, expected: &Outcome) {
     let found = Outcome { extended: false, ..found.clone() };
@@ -68,8 +69,8 @@ fn cases(model: &str, samples: u32, simulation: Simulation) -> Vec<Case> {
     (0..study.run_count()).map(case).collect()
 }
 
-/// Balls below and above the natural frequency, where runs rest, run irregularly, go on for long and
-/// find limit cycles.
+/// Continued runs of balls equal the longer runs, below and above the natural frequency, where runs
+/// rest, are irregular, remain undecided and find limit cycles.
 #[test]
 fn a_continued_run_of_balls_is_the_longer_run() {
     let mut ends = [0; 5];
@@ -89,11 +90,12 @@ fn a_continued_run_of_balls_is_the_longer_run() {
         }
         assert!(continued >= 20, "{speed}: {continued}");
     }
-    // Continued runs of more than one kind of end, or this shows too little.
+    // The sample must contain continued runs with different endings.
     assert!(ends[Label::Equilibrium as usize] >= 20 && ends[Label::Undecided as usize] >= 20);
 }
 
-/// Runs that find a limit cycle, settle, or fail after the end time; balls that differ, or are more.
+/// Continued runs that find a limit cycle, settle, or fail after the end time equal the longer
+/// runs, also with different or more balls.
 #[test]
 fn a_continued_run_may_end_in_every_way() {
     let mut seen = Vec::new();
@@ -121,8 +123,8 @@ fn a_continued_run_may_end_in_every_way() {
     }
 }
 
-/// Blocks that stop late, find their cycle late, slide for good, and settle late: whatever the end
-/// time is in the course of a swing.
+/// Continued runs of blocks that stop late, find their cycle late, slide permanently, and settle
+/// late equal the longer runs, for end times at any phase of a swing.
 #[test]
 fn a_continued_run_of_a_block_is_the_longer_run() {
     let drops = FrictionLaw::Stribeck { static_friction_coefficient: 0.2, stribeck_speed: 0.0 };
@@ -159,9 +161,9 @@ fn a_continued_run_of_a_block_is_the_longer_run() {
     }
 }
 
-/// End times all along the first steps, the very first among them.
+/// End times at all points of the first steps give the longer run.
 #[test]
-fn end_times_on_steps() {
+fn end_times_may_lie_on_steps() {
     let case = Case {
         model: Machine::default().into(),
         start: Start::of_balancer([0.01, 0.0], &[1.0, 4.0], [0.0, 0.02], &[0.5, -0.3]),
@@ -178,9 +180,9 @@ fn end_times_on_steps() {
     assert!(steps.len() >= 10, "{steps:?}");
 }
 
-/// Only the labels asked for are continued.
+/// Only the requested labels are continued.
 #[test]
-fn other_labels_are_left_as_they_are() {
+fn other_labels_are_not_continued() {
     let model = "{kind: ball_balancer}";
     let simulation = Simulation { end_time_s: 2.0, ..Simulation::default() };
     let mut undecided = 0;
@@ -194,8 +196,8 @@ fn other_labels_are_left_as_they_are() {
     assert!(undecided >= 5, "{undecided}");
 }
 
-/// The longer run is given up within a second, as it could not be brought to its end; a run that is to
-/// be continued to there is given up at the same step, though it could reach its own end time.
+/// The longer run is given up within a second, because it cannot reach its end; a run to be
+/// continued is given up at the same step, even though it could reach its own end time.
 #[test]
 fn the_limit_of_effort_is_that_of_the_longer_run() {
     let undamped = FrictionLaw::Viscous { viscous_coefficient_n_s_m: 0.0 };

@@ -19,7 +19,7 @@ fn distance(a: f64, b: f64) -> f64 {
     turned.min(std::f64::consts::TAU - turned)
 }
 
-/// Table and balls at rest where Coulomb friction holds the balls with half of what it could.
+/// Table and balls at rest, where Coulomb friction holds the balls with half of its limit.
 fn at_rest() -> (Vec<f64>, Start) {
     let balancer = Balancer::<2>::new(&Machine::default()).expect("two balls");
     let beta = (0..1000)
@@ -33,9 +33,9 @@ fn at_rest() -> (Vec<f64>, Start) {
     (beta.to_vec(), Start::of_balancer([x, y], &beta, [0.0; 2], &[0.0; 2]))
 }
 
-/// What the thesis warns of (section 3.3.1): friction that is smoothed cannot hold a ball. Where
-/// Coulomb friction keeps both balls for ever, they creep away with the smooth law, the slower the
-/// steeper it is, on their way to the balancing angles.
+/// Smoothed friction cannot hold a ball (thesis section 3.3.1): from a state in which Coulomb
+/// friction holds both balls, they creep towards the balancing angles, more slowly for steeper
+/// laws.
 #[test]
 fn smooth_friction_lets_resting_balls_creep() {
     let (beta, start) = at_rest();
@@ -52,17 +52,17 @@ fn smooth_friction_lets_resting_balls_creep() {
             let moved = |end: &[f64]| (0..2).map(|i| distance(end[i], beta[i])).fold(0.0, f64::max);
             crept.push(moved(&end));
         }
-        // A ball held with a fraction `s` of the limit creeps with `v_0 tan(π s / 2)`, here with 45 to
-        // 55 %: some 2 hundredths of a radian in 20 s, and with ten times the speed nearly ten times
-        // that, as the pull grows less on the way.
+        // A ball held with a fraction `s` of the limit creeps with `v_0 tan(π s / 2)`, here with 45
+        // to 55 %: about 2 hundredths of a radian in 20 s, and for ten times the speed nearly ten
+        // times that, because the tangential force decreases on the way.
         let fraction = |s: f64| 0.02 * (std::f64::consts::FRAC_PI_2 * s).tan();
         assert!((fraction(0.45)..fraction(0.56)).contains(&crept[0]), "{crept:?}");
         assert!((7.0..10.0).contains(&(crept[1] / crept[0])), "{crept:?}");
     }
 }
 
-/// Without dry friction (thesis section 5.1) the balls balance the table exactly above its natural
-/// frequency, at 2.270 and 4.013 rad from the imbalance, whichever ball goes where.
+/// Without dry friction the balls balance the table exactly above its natural frequency, at 2.270
+/// and 4.013 rad from the imbalance, in either order (thesis section 5.1).
 #[test]
 fn viscous_friction_balances() {
     for normal_force in [NormalForce::Lagrange, NormalForce::Newton] {
@@ -81,8 +81,8 @@ fn viscous_friction_balances() {
     }
 }
 
-/// With a static coefficient above the kinetic one, balls stay where Coulomb friction of the kinetic
-/// one would let them go; with both equal the law is Coulomb's, to the last bit.
+/// With a static coefficient above the kinetic one, balls stay where Coulomb friction with the
+/// kinetic one would release them; with equal coefficients the law is Coulomb's, bit for bit.
 #[test]
 fn static_friction_holds_more() {
     let (_, start) = at_rest();

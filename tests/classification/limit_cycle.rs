@@ -1,4 +1,4 @@
-//! Limit cycles: those that are claimed go on for ever, and the thesis's own are not stable.
+//! Limit cycles: claimed ones persist, and the thesis's are unstable.
 
 use std::path::Path;
 
@@ -8,8 +8,8 @@ use stickslip::model::{Balancer, Case, Machine, Method, Simulation, Start};
 use stickslip::motion::{Motion, Settings, Tolerance};
 use stickslip::study::Study;
 
-/// The start states of thesis table 5.1, with their speeds of the disc and the mean speeds of the
-/// balls; the second ball this far from the first.
+/// The start states of thesis table 5.1, with the speeds of the disc and the mean speeds of the
+/// balls; the second ball is `apart` from the first.
 fn thesis_starts(apart: f64) -> [(f64, f64, Start); 2] {
     let from = |x, y, beta, x_dot, y_dot, beta_dot| {
         Start::of_balancer([x, y], &[beta, beta + apart], [x_dot, y_dot], &[beta_dot; 2])
@@ -20,8 +20,8 @@ fn thesis_starts(apart: f64) -> [(f64, f64, Start); 2] {
     ]
 }
 
-/// Thesis table 5.1 and figure 5.15: balls exactly side by side still run after 55 s, with mean
-/// speeds of 72.3 and 133.5 rad/s. The orbit is closed, and unstable against their separation.
+/// Balls exactly side by side still run after 55 s, with mean speeds of 72.3 and 133.5 rad/s
+/// (thesis table 5.1 and figure 5.15). The orbit is closed, and unstable against their separation.
 #[test]
 fn thesis_orbits_with_balls_side_by_side() {
     for (speed_rad_s, mean_speed, start) in thesis_starts(0.0) {
@@ -41,13 +41,13 @@ fn thesis_orbits_with_balls_side_by_side() {
         let cycle = outcome.cycle.expect("the unstable orbit");
         assert_eq!(cycle.turns, [1, 1]);
         assert!(cycle.multipliers[0] > 1.01, "{:?}", cycle.multipliers);
-        // A complex pair: the separation grows in a spiral. All else dies out.
+        // A complex pair: the separation grows in a spiral. All other disturbances decay.
         assert!((cycle.multipliers[0] - cycle.multipliers[1]).abs() < 1e-9);
         assert!(cycle.multipliers[2] < 0.995, "{:?}", cycle.multipliers);
     }
 }
 
-/// Moved apart by a millionth of a rad, the same balls come to rest.
+/// With a separation of a millionth of a rad, these balls come to rest.
 #[test]
 fn thesis_orbits_break_up() {
     for (speed_rad_s, _, start) in thesis_starts(1e-6) {
@@ -62,10 +62,10 @@ fn thesis_orbits_break_up() {
     }
 }
 
-/// Runs that are labelled as limit cycles, computed on without that evidence to ten times the end
-/// time: none comes to rest, and the running ball keeps the cycle's mean speed.
+/// Runs that are labelled as limit cycles persist: in ten times the end time none comes to rest,
+/// and the running ball keeps the cycle's mean speed.
 #[test]
-fn claimed_cycles_go_on() {
+fn claimed_cycles_persist() {
     let text = "
 schema: 1
 name: cycles
@@ -77,7 +77,7 @@ initial_conditions: {design: {latin_hypercube: {samples: 64}}}
 ";
     let study = Study::parse(Path::new("cycles.yaml"), text.to_owned()).expect("a study");
     let cases: Vec<Case> =
-        (0..study.run_count()).map(|run| study.planned_run(run).case.expect("sound")).collect();
+        (0..study.run_count()).map(|run| study.planned_run(run).case.expect("valid")).collect();
     let claimed: Vec<_> = cases
         .par_iter()
         .map(|case| (case, simulate(case)))
@@ -103,7 +103,7 @@ initial_conditions: {design: {latin_hypercube: {samples: 64}}}
                 let rest = balancer.rest_point(&motion.state().beta);
                 assert!(!certified(&balancer, &rest, motion.state()), "came to rest");
             }
-            motion.advance(end).expect("goes on");
+            motion.advance(end).expect("continues");
             if earlier.is_none() && motion.time() > 0.9 * end {
                 earlier = Some((motion.time(), [0, 1].map(|ball| motion.unwrapped_angle(ball))));
             }
@@ -120,12 +120,12 @@ initial_conditions: {design: {latin_hypercube: {samples: 64}}}
 
 fn cases(text: &str) -> Vec<Case> {
     let study = Study::parse(Path::new("cycles.yaml"), text.to_owned()).expect("a study");
-    (0..study.run_count()).map(|run| study.planned_run(run).case.expect("sound")).collect()
+    (0..study.run_count()).map(|run| study.planned_run(run).case.expect("valid")).collect()
 }
 
-/// At -247.3 rad/s the cycle draws runs near in a spiral of nearly five turns, so that they seem to
-/// close after five turns long before they do after one. Whatever the start, the method, and the
-/// tolerance (with it the steps, that is their place in the period): one turn, one cycle.
+/// At -247.3 rad/s runs approach the cycle in a spiral of nearly five turns, so that they appear to
+/// close after five turns long before they appear to close after one. For any start, method and
+/// tolerance (which changes the steps), the claimed cycle has one turn.
 #[test]
 fn a_period_is_not_taken_for_its_multiple() {
     let text = "
@@ -173,9 +173,10 @@ simulation: {end_time_s: 66}
     }
 }
 
-/// Where the second ball rubs more it rests, anywhere in an interval: such cycles come in a family,
-/// with one neutral direction. It rests for good: not moved by a bit in ten times the time. With
-/// little more friction than holds it, it slips now and then, ever less, until it is where it rests.
+/// A second ball with more friction rests anywhere in an interval: such cycles form a family with
+/// one neutral direction. The ball rests permanently: its position is constant bit for bit in ten
+/// times the time. With slightly more friction than the minimum, it slips occasionally, less and
+/// less often, until it rests.
 #[test]
 fn a_ball_that_rests_beside_a_running_one_rests() {
     for friction in ["2.0e-2", "3.5e-3"] {
@@ -199,7 +200,7 @@ initial_conditions: {{design: {{latin_hypercube: {{samples: 64}}}}}}
     );
     let mut places = Vec::new();
     for case in cases(&text) {
-        // By the same code as the motion below, so that bits can be compared.
+        // Computed by the same engine as the motion below, so that bits can be compared.
         let outcome = simulate_one_by_one(&case);
         let Some(cycle) = outcome.cycle.filter(|_| outcome.evidence == Evidence::ClosedOrbit)
         else {
@@ -220,7 +221,7 @@ initial_conditions: {{design: {{latin_hypercube: {{samples: 64}}}}}}
         let mut motion = Motion::new(&balancer, settings, start).expect("starts");
         let end = 165.0 * machine.natural_frequency_rad_s();
         while motion.time() < end {
-            motion.advance(end).expect("goes on");
+            motion.advance(end).expect("continues");
         }
         assert_eq!(motion.state().beta[1].to_bits(), place.to_bits(), "it has moved");
         places.push(place);

@@ -1,5 +1,5 @@
-//! Runs in lockstep: the same bits in any lane, beside any neighbours and with any vectors, and the same
-//! endings as by themselves.
+//! Runs in lockstep: equal bits in any lane, beside any neighbours and with any vectors, and the
+//! endings of runs computed alone.
 
 use stickslip::classification::{
     Label, Outcome, Runs, simulate, simulate_in_lockstep, simulate_one_by_one,
@@ -9,7 +9,7 @@ use stickslip::motion::SimdLevel;
 
 use crate::cli::support::parse;
 
-/// Cases in some order, and what came of them.
+/// Cases in some order, and their outcomes.
 struct Listed {
     cases: Vec<Case>,
     order: Vec<usize>,
@@ -43,8 +43,8 @@ fn cases(samples: u32, simulation: &str, balls: u32, rest: &str) -> Vec<Case> {
     (0..study.run_count()).map(|run| study.planned_run(run).case.unwrap()).collect()
 }
 
-/// One to eight balls, both methods, several speeds and coefficients, viscous drag, uncertain masses,
-/// some runs continued: whatever lanes can have side by side.
+/// Cases of all kinds side by side: one to eight balls, both methods, several speeds and
+/// coefficients, viscous drag, uncertain masses, some continued.
 fn mixed() -> Vec<Case> {
     let rest = "sweep: [{grid: {speed_rad_s: [-179.2671, -247.3], \
                 friction_coefficient: [2.75e-3, 2.75e-4]}}]\n\
@@ -76,7 +76,7 @@ fn bits_depend_neither_on_lanes_nor_on_neighbours_nor_on_vectors() {
     for level in SimdLevel::all() {
         assert_eq!(in_lockstep(level, &cases, forwards()), best, "{}", level.name());
     }
-    // Another order, other neighbours.
+    // Another order gives other neighbours.
     let shuffled = (0..cases.len()).map(|k| (k * 31 + 7) % cases.len()).collect::<Vec<_>>();
     let mut sorted = shuffled.clone();
     sorted.sort_unstable();
@@ -87,10 +87,10 @@ fn bits_depend_neither_on_lanes_nor_on_neighbours_nor_on_vectors() {
     }
 }
 
-/// Endings, positions and times of runs in lockstep against those by themselves: other code, other
-/// steps, events located otherwise. Where motion is not irregular, they agree.
+/// Endings, positions and times of regular motions in lockstep agree with those of runs computed
+/// alone, which use different code, steps and event location.
 #[test]
-fn endings_are_those_of_runs_by_themselves() {
+fn endings_are_those_of_runs_computed_alone() {
     for method in [Method::Switch, Method::Event] {
         let sweep = "sweep: [{grid: {speed_rad_s: [-160.8103, -173.0, 150.0]}}]\n";
         let of = |balls| cases(6, "{end_time_s: 16.5}", balls, sweep);
@@ -117,10 +117,10 @@ fn endings_are_those_of_runs_by_themselves() {
     }
 }
 
-/// Without dry friction no condition tells that a ball turns back; an orbit on which it does is no cycle
-/// of a running ball, in lockstep as by itself.
+/// Without dry friction no condition detects that a ball turns back; an orbit with a reversal is
+/// not a cycle of a running ball, in lockstep and alone.
 #[test]
-fn balls_that_turn_back_without_a_switch_are_seen() {
+fn reversals_without_a_switch_are_detected() {
     let mut cases = cases(24, "{end_time_s: 16.5, method: event}", 1, "");
     let (mut cycles, mut others) = (0, 0);
     for case in &mut cases {

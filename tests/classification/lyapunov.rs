@@ -1,5 +1,5 @@
-//! Irregular motion: an exponent that is known, exponents by two motions side by side, and motions
-//! that must not be taken for irregular.
+//! Irregular motion: a known exponent, exponents from two neighbouring motions, and regular motions
+//! with slow separation.
 
 use std::path::Path;
 
@@ -11,9 +11,9 @@ use stickslip::model::{Balancer, Case, FrictionLaw, Machine, Method, Simulation,
 use stickslip::motion::{Motion, Phase, Settings, Tolerance};
 use stickslip::study::Study;
 
-/// Balls at rest at an unstable equilibrium, with viscous drag only: neighbours leave it as the
-/// equations linearised there say, an independent formulation (`exp(A t)`). Nothing else happens, so
-/// that it is no irregular motion.
+/// At an unstable equilibrium with viscous drag only, neighbours separate at the rate of the
+/// equations linearised there, an independent formulation (`exp(A t)`). Nothing else happens, so
+/// that the motion is not irregular.
 #[test]
 fn the_exponent_at_an_unstable_equilibrium_is_that_of_the_linearised_equations() {
     let viscous_coefficient_n_s_m = 5e-3;
@@ -28,12 +28,12 @@ fn the_exponent_at_an_unstable_equilibrium_is_that_of_the_linearised_equations()
         let drag = viscous_coefficient_n_s_m / (machine.balls[0].mass_kg * natural);
         for one in frictionless_equilibria(&machine, drag).expect("two balls") {
             let rate = one.eigenvalues_1_s[0].re;
-            // Fast enough to be measured before rounding has grown to something.
+            // Fast enough to be measured before rounding errors have grown.
             if one.stability != Stability::Unstable || rate < 1e-3 * natural {
                 continue;
             }
             let beta = one.beta_rad.expect("isolated");
-            // The displacement is alike for all balls: balls side by side it keeps so.
+            // All balls are displaced equally, which preserves balls side by side.
             if beta[0] == beta[1] {
                 continue;
             }
@@ -78,8 +78,8 @@ fn size<const N: usize>(state: &State<N>) -> f64 {
     all.map(|value| value * value).sum::<f64>().sqrt()
 }
 
-/// The mean rate at which a second motion leaves the first, put back near it time and again, from one time to
-/// another.
+/// Returns the mean rate at which a second motion leaves the first between two times, when it is
+/// repeatedly put back near it.
 fn side_by_side(
     balancer: &Balancer<2>,
     settings: Settings,
@@ -89,7 +89,7 @@ fn side_by_side(
     const NEAR: f64 = 1e-7;
     let mut first = Motion::new(balancer, settings, start).expect("starts");
     while first.time() < begin {
-        first.advance(begin).expect("goes on");
+        first.advance(begin).expect("continues");
     }
     let mut apart = State { beta: [1.0; 2], ..State::zero() };
     let mut growth = 0.0;
@@ -109,10 +109,10 @@ fn side_by_side(
         let displaced = from.beta;
         let placed = first.state().beta;
         while first.time() < until {
-            first.advance(until).expect("goes on");
+            first.advance(until).expect("continues");
         }
         while second.time() < until - begins {
-            second.advance(until - begins).expect("goes on");
+            second.advance(until - begins).expect("continues");
         }
         apart = add(second.state(), -1.0, first.state());
         for ball in 0..2 {
@@ -125,9 +125,9 @@ fn side_by_side(
     growth / (end - begin)
 }
 
-/// At an irregular speed, exponents from the linearised flow and from two motions side by side: the
-/// same over the same window, which begins at the end of a step, while it is short enough for both to be the
-/// same motion.
+/// At an irregular speed, exponents from the linearised flow and from two neighbouring motions
+/// agree over the same window, which begins at the end of a step and is short enough for both
+/// engines to follow the same motion.
 #[test]
 fn exponents_are_those_of_two_motions_side_by_side() {
     let text = "
@@ -142,8 +142,8 @@ simulation: {method: event, end_time_s: 5, tolerance: {relative: 1.0e-12, absolu
     let compared: Vec<(f64, f64)> = (0..study.run_count())
         .into_par_iter()
         .filter_map(|run| {
-            let case = study.planned_run(run).case.expect("sound");
-            // Where neighbours only draw together at first, it is given up before the end.
+            let case = study.planned_run(run).case.expect("valid");
+            // If neighbours only converge at first, the measurement ends early.
             let exponent = simulate(&case).lyapunov.filter(|found| found.window_s > 3.7)?;
             let (exponent, window_s) = (exponent.exponent_1_s, exponent.window_s);
             let machine = case.model.ball_balancer().expect("a balancer");
@@ -165,13 +165,14 @@ simulation: {method: event, end_time_s: 5, tolerance: {relative: 1.0e-12, absolu
     errors.sort_by(f64::total_cmp);
     println!("{compared:.4?}\ndifferences {errors:?}");
     assert!(compared.len() >= 8, "{}", compared.len());
-    // Now and then two neighbours differ by more than first order, at a switch that one of them
-    // hardly meets.
+    // Occasionally two neighbours differ by more than first order, at a switch that one of them
+    // barely meets.
     assert!(errors[errors.len() / 2] < 1e-5 && errors[errors.len() - 2] < 1e-4, "{errors:?}");
 }
 
-/// Runs that still move but do not separate: slow approaches to a cycle, the thesis's orbits with
-/// balls side by side, a ball that ratchets on by a ten-thousandth of a rad per turn of the other.
+/// Motions that still move but do not separate are not irregular: slow approaches to a cycle, the
+/// thesis's orbits with balls side by side, and a ball that advances by a ten-thousandth of a rad
+/// per turn of the other.
 #[test]
 fn motions_that_stay_together_are_not_irregular() {
     let text = "
@@ -185,7 +186,7 @@ initial_conditions: {design: {latin_hypercube: {samples: 64}}}
     let study = Study::parse(Path::new("slow.yaml"), text.to_owned()).expect("a study");
     let moving: Vec<Label> = (0..study.run_count())
         .into_par_iter()
-        .map(|run| simulate(&study.planned_run(run).case.expect("sound")).label())
+        .map(|run| simulate(&study.planned_run(run).case.expect("valid")).label())
         .filter(|label| *label != Label::Equilibrium)
         .collect();
     let irregular = moving.iter().filter(|label| **label == Label::Irregular).count();

@@ -1,4 +1,4 @@
-//! Means over the last tenth of a run, against the recorded motion at 40,001 times of it.
+//! Means over the last tenth of a run, against the recorded motion at 40,001 instants.
 
 use stickslip::classification::{Evidence, simulate_recorded};
 use stickslip::classification::{
@@ -8,7 +8,7 @@ use stickslip::model::Case;
 
 use super::recorder::cases;
 
-/// Times in the last tenth, both of its ends included.
+/// Number of intervals between instants in the last tenth.
 const TIMES: u32 = 40_000;
 
 fn recorded(case: &Case) -> (Outcome, Recording) {
@@ -20,8 +20,8 @@ fn recorded(case: &Case) -> (Outcome, Recording) {
     (outcome, recorder.finish())
 }
 
-/// What the means are of runs that still move: Simpson's rule for the mean square, the way between the two ends
-/// for mean speeds.
+/// The means of runs that still move agree with Simpson's rule for the mean square and the distance
+/// between the two ends for mean speeds.
 #[test]
 fn means_are_of_the_whole_last_tenth() {
     let kinds = [
@@ -73,9 +73,9 @@ fn means_are_of_the_whole_last_tenth() {
     assert!(compared > 12, "{compared}");
 }
 
-/// Runs that are computed by other code have the same means, as far as the motion is the same.
+/// Both engines give equal means for equal motions.
 #[test]
-fn means_of_both_engines() {
+fn both_engines_have_the_same_means() {
     let model = "{kind: ball_balancer, parameters: {speed_rad_s: -216.3772}}";
     let simulation =
         "{end_time_s: 0.7, endings: rest, tolerance: {relative: 1.0e-11, absolute: 1.0e-13}}";

@@ -1,4 +1,4 @@
-//! How runs end: against an independent integration, the thesis's numbers, and themselves.
+//! Endings of runs: against an independent integration, the thesis's numbers, and each other.
 
 mod attraction;
 mod blocks;

@@ -1,9 +1,9 @@
-//! The outcomes that each version of the model stands for, pinned: finished runs on disk are used again as
-//! long as the version is the same, so that no case may have another outcome under the same version.
+//! Pinned outcomes of each version of the model. Finished runs on disk are reused as long as the
+//! version is the same, so that no case may have another outcome under the same version.
 //!
-//! Where a change gives other outcomes on purpose, raise `classification::MODEL_VERSION` and renew the pin:
-//! `STICKSLIP_PIN_OUTCOMES=1 cargo test --test tests model_version`. It holds for every processor that
-//! computes in lockstep.
+//! If a change alters outcomes on purpose, increment `classification::MODEL_VERSION` and renew the
+//! pin: `STICKSLIP_PIN_OUTCOMES=1 cargo test --test tests model_version`. The pin holds for every
+//! processor that computes in lockstep.
 
 use std::fmt::Write;
 use std::path::Path;
@@ -17,7 +17,7 @@ use stickslip::study::Study;
 
 use crate::cli::support::parse;
 
-/// Studies that between them go through every model, friction law, method and ending.
+/// Studies that together cover every model, friction law, method and ending.
 fn studies() -> Vec<(&'static str, Study)> {
     let balancer = |name: &str, model: &str, rest: &str| {
         parse(&format!(
@@ -77,7 +77,7 @@ fn outcomes_are_those_of_the_version() {
             .into_par_iter()
             .map(|run_id| {
                 let record = compute(&study, run_id, simulate);
-                // Debug writes every number so that it is read back exactly.
+                // Debug prints every number so that it parses to the same bits.
                 format!("{:?}\n", record.outcome)
             })
             .collect();

@@ -1,4 +1,4 @@
-//! Floquet multipliers against differences of the return map, made here from whole motions.
+//! Floquet multipliers against finite differences of a return map computed from whole motions.
 
 use std::f64::consts::TAU;
 
@@ -27,14 +27,15 @@ fn state(values: &DVector<f64>) -> State<2> {
     }
 }
 
-/// The state at the next passage of a ball through the angle 0, angles with their turns.
+/// Returns the state at the next passage of a ball through the angle 0, with angles that include
+/// turns.
 fn passage(balancer: &Balancer<2>, start: &State<2>, ball: usize) -> (f64, State<2>) {
     let mut start = *start;
     start.beta = start.beta.map(|beta| beta.rem_euclid(TAU));
     start.beta[ball] = 0.0;
     let mut motion = Motion::new(balancer, FINE, start).expect("starts");
     loop {
-        motion.advance(1e3).expect("goes on");
+        motion.advance(1e3).expect("continues");
         if let Some((time, mut state)) = motion.passage(ball) {
             state.beta = std::array::from_fn(|i| {
                 state.beta[i] + motion.unwrapped_angle(i) - motion.state().beta[i]
@@ -44,14 +45,15 @@ fn passage(balancer: &Balancer<2>, start: &State<2>, ball: usize) -> (f64, State
     }
 }
 
-/// A cycle as it ends after many turns, on the section of its running ball, and its period.
+/// Returns the state on the section of the running ball after many turns of a cycle, and the
+/// period.
 fn settled(balancer: &Balancer<2>, outcome: &Outcome, start: &State<2>) -> (State<2>, usize, f64) {
     let turns = &outcome.cycle.as_ref().expect("a cycle").turns;
     let ball = turns.iter().position(|&turns| turns != 0).expect("a ball runs");
     let mut motion = Motion::new(balancer, FINE, *start).expect("starts");
     let (end, mut last) = (1e5, None);
     while motion.time() < end || last.is_none() {
-        motion.advance(f64::INFINITY).expect("goes on");
+        motion.advance(f64::INFINITY).expect("continues");
         if motion.time() > end {
             last = motion.passage(ball);
         }
@@ -64,7 +66,8 @@ fn settled(balancer: &Balancer<2>, outcome: &Outcome, start: &State<2>) -> (Stat
     (state, ball, period)
 }
 
-/// Moduli of the multipliers by central differences of the return map in the given coordinates.
+/// Returns the moduli of the multipliers by central differences of the return map in the given
+/// coordinates.
 fn by_differences(
     balancer: &Balancer<2>,
     orbit: &State<2>,
@@ -102,7 +105,8 @@ fn case(speed_rad_s: f64, friction: [f64; 2], beta_dot: [f64; 2], method: Method
     }
 }
 
-/// A ball that slips on without stopping beside one that swings, sticks twice a turn, or rests.
+/// The multipliers are those of the return map for a ball that slips without stopping beside one
+/// that swings, sticks twice a turn, or rests.
 #[test]
 fn multipliers_are_those_of_the_return_map() {
     for (speed, friction, configurations, neutral) in [
@@ -123,16 +127,16 @@ fn multipliers_are_those_of_the_return_map() {
         let start = case.start.of_balls().expect("two balls");
         let (orbit, ball, period) = settled(&balancer, &outcome, &start);
         let period_s = outcome.period_s.expect("a period");
-        // With a neutral direction the period depends on where the other ball has come to rest,
-        // which it had at the look.
+        // With a neutral direction the period depends on where the other ball rests.
         assert!(
             (period / natural / period_s - 1.0).abs() < 1e-6,
             "{} {period_s}",
             period / natural
         );
         let mut motion = Motion::new(&balancer, FINE, orbit).expect("starts");
-        motion.advance(1e-3).expect("goes on");
-        // Not the running ball's angle; the other's speed where it moves; its angle always.
+        motion.advance(1e-3).expect("continues");
+        // The running ball's angle is excluded; the other ball's speed is included if it moves, and
+        // its angle always.
         let mut coordinates = vec![0, 1, 2, 3, 6];
         if motion.phases()[1] != Phase::Stick {
             coordinates.push(7);

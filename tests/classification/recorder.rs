@@ -1,4 +1,4 @@
-//! Recorded motions: the run's own, to the last bit, and true to the laws of friction.
+//! Recorded motions equal the run's motion bit for bit, and satisfy the laws of friction.
 
 use std::path::Path;
 
@@ -9,7 +9,7 @@ use stickslip::model::{Balancer, Block, Case, Simulation, Start};
 use stickslip::motion::{Motion, Phase, SLACK, Settings};
 use stickslip::study::Study;
 
-/// The cases of a study with a model, a design and a simulation.
+/// Returns the cases of a study with a model, a design and a simulation.
 pub fn cases(model: &str, samples: u32, simulation: &str) -> Vec<Case> {
     let text = format!(
         "schema: 1\nname: a\nseed: 7\nmodel: {model}\ninitial_conditions: {{design: {{monte_carlo: \
@@ -77,7 +77,7 @@ fn recording_changes_nothing() {
     assert!(extended > 2 && failed > 3 && equilibria > 8, "{extended} {failed} {equilibria}");
 }
 
-/// Every step is there once, from the start to where and when the run ended, and every switch.
+/// Every step is recorded once, from the start to the end of the run, with every switch.
 #[test]
 fn a_record_is_whole() {
     let mut switches = 0;
@@ -116,8 +116,8 @@ fn a_record_is_whole() {
     assert!(switches > 1000, "{switches}");
 }
 
-/// Every contact's switches go on from one another; friction that holds stays within its limit, and
-/// friction in slip is the law's.
+/// Successive switches of every contact are consistent; friction in stick is within its limit, and
+/// friction in slip follows the law.
 #[test]
 fn friction_obeys_its_law() {
     let (mut held, mut slipping) = (0, 0);
@@ -158,7 +158,8 @@ fn friction_obeys_its_law() {
     assert!(held > 10_000 && slipping > 10_000, "{held} {slipping}");
 }
 
-/// The dense output inside of steps of the lanes, against the engine for one run with tighter tolerances.
+/// The dense output inside steps of the lanes agrees with the one-by-one engine at tighter
+/// tolerances.
 #[test]
 fn times_agree_with_the_other_engine() {
     for case in cases("{kind: ball_balancer}", 6, "{end_time_s: 0.3}") {
@@ -198,7 +199,8 @@ fn times_agree_with_the_other_engine() {
     }
 }
 
-/// The first half swing of a block: a cosine about where friction and spring are in balance.
+/// The first half swing of a block is a cosine about the position where friction and spring
+/// balance.
 #[test]
 fn a_block_swings_as_the_closed_form_says() {
     let block = Block::on_spring();

@@ -14,7 +14,8 @@ pub struct Reference {
     pub end_beta: [f64; 2],
 }
 
-/// The runs of the independent program at a speed (its absolute value, as in the file's name).
+/// Returns the runs of the independent program at a speed (its absolute value, as in the file's
+/// name).
 pub fn references(speed: &str) -> Vec<Reference> {
     let path =
         Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("tests/data/reference_{speed}.csv"));
@@ -45,7 +46,7 @@ pub fn references(speed: &str) -> Vec<Reference> {
 
 const METHODS: [Method; 2] = [Method::Switch, Method::Event];
 
-/// The same runs by this program.
+/// Returns the same runs by this program.
 pub fn run_all(speed: &str, references: &[Reference], simulation: Simulation) -> Vec<Outcome> {
     let speed_rad_s = -speed.parse::<f64>().expect("a speed");
     references
@@ -64,13 +65,13 @@ pub fn label_agrees(reference: &Reference, outcome: &Outcome) -> bool {
     (reference.label == "equilibrium") == (outcome.label() == Label::Equilibrium)
 }
 
-/// The distance of two angles, rad.
+/// Returns the distance of two angles, rad.
 pub fn distance(a: f64, b: f64) -> f64 {
     let turn = (a - b).rem_euclid(std::f64::consts::TAU);
     turn.min(std::f64::consts::TAU - turn)
 }
 
-/// The error of each run's final angles, the smallest first.
+/// Returns the error of each run's final angles, in ascending order.
 fn angle_errors(references: &[Reference], outcomes: &[Outcome]) -> Vec<f64> {
     let mut errors: Vec<f64> = references
         .iter()
@@ -85,8 +86,9 @@ fn angle_errors(references: &[Reference], outcomes: &[Outcome]) -> Vec<f64> {
     errors
 }
 
-/// All labels at subcritical speeds; final ball angles to 1e-5 rad in 99 % of the runs, half of
-/// them to 1e-6 rad with the switch model's band of 1e-8 and to 1e-7 rad without a band.
+/// At subcritical speeds all labels agree; final ball angles agree to 1e-5 rad in 99 % of the runs,
+/// and in half of them to 1e-6 rad with the switch model's band of 1e-8 and to 1e-7 rad without a
+/// band.
 #[test]
 fn subcritical_runs_end_at_the_same_place() {
     for speed in ["160.8103", "173.1803", "179.2671"] {
@@ -115,7 +117,8 @@ fn subcritical_runs_end_at_the_same_place() {
     }
 }
 
-/// Labels at 98 % at -216.3772 and 92 % at -191.6372, where motions are irregular.
+/// At -216.3772 and -191.6372 rad/s, where motions are irregular, 98 % and 92 % of the labels
+/// agree.
 #[test]
 fn supercritical_labels_agree() {
     for (speed, percent) in [("216.3772", 98), ("191.6372", 92)] {
@@ -131,8 +134,8 @@ fn supercritical_labels_agree() {
     }
 }
 
-/// The switch model converges to the exact motion in proportion to its band: the median error of the
-/// final angles falls tenfold with the band, over four decades.
+/// The switch model converges to the exact motion in proportion to its band: the median error of
+/// the final angles decreases tenfold with the band, over four decades.
 #[test]
 fn final_angles_converge_with_the_band() {
     let speed = "160.8103";

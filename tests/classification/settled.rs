@@ -1,5 +1,5 @@
-//! Settled: claimed where a run has come to a stable equilibrium without dry friction, and only
-//! there.
+//! Settled runs are claimed if and only if the run has come to a stable equilibrium without dry
+//! friction.
 
 use std::f64::consts::TAU;
 
@@ -16,7 +16,7 @@ fn run(model: impl Into<Model>, start: &Start, end_time_s: f64) -> Outcome {
     simulate(&Case { model: model.into(), start: start.clone(), simulation })
 }
 
-/// With errors far below the speed at which a steep law bends.
+/// Simulates with errors far below the speed at which a steep law bends.
 fn run_finely(model: impl Into<Model>, start: &Start, end_time_s: f64) -> Outcome {
     let simulation = Simulation {
         end_time_s,
@@ -36,7 +36,7 @@ fn viscous(speed_rad_s: f64, balls: usize, viscous_coefficient_n_s_m: f64) -> Ma
     }
 }
 
-/// The equilibria of a machine with viscous friction, which is the drag that their stability is for.
+/// Returns the equilibria of a machine with viscous friction, with the stability for its drag.
 fn equilibria(machine: &Machine) -> Vec<FrictionlessEquilibrium> {
     let FrictionLaw::Viscous { viscous_coefficient_n_s_m: drag } = machine.friction else {
         panic!("another law");
@@ -54,13 +54,14 @@ fn apart(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| distance(*a, *b)).fold(0.0, f64::max)
 }
 
-/// Table and balls at rest at these angles.
+/// Returns a start state with table and balls at rest at these angles.
 fn resting<const N: usize>(machine: &Machine, beta: [f64; N]) -> Start {
     let [x, y] = Balancer::<N>::new(machine).expect("balls").rest_point(&beta).position;
     Start::of_balancer([x, y], &beta, [0.0; 2], &[0.0; N])
 }
 
-/// Where the balls are at a time, computed without looking for endings, and how fast the fastest is.
+/// Returns the positions of the balls at a time in the further motion, and the speed of the fastest
+/// ball.
 fn later<const N: usize>(machine: &Machine, start: &Start, time_s: f64) -> ([f64; N], f64) {
     let balancer = Balancer::<N>::new(machine).expect("balls");
     let settings = Settings::new(&Simulation::default(), u64::MAX);
@@ -68,13 +69,13 @@ fn later<const N: usize>(machine: &Machine, start: &Start, time_s: f64) -> ([f64
     let mut motion = Motion::new(&balancer, settings, state).expect("starts");
     let end = time_s * machine.natural_frequency_rad_s();
     while motion.time() < end {
-        motion.advance(end).expect("goes on");
+        motion.advance(end).expect("continues");
     }
     let speeds = motion.state().beta_dot.map(f64::abs);
     (motion.state().beta, speeds.into_iter().fold(0.0, f64::max))
 }
 
-/// Starts spread over the box.
+/// Returns start states distributed over the box.
 fn start<const N: usize>(k: u32) -> Start {
     let spread = |factor: f64| (f64::from(k + 1) * factor + 0.37).fract();
     let beta: [f64; N] =
@@ -85,8 +86,8 @@ fn start<const N: usize>(k: u32) -> Start {
     Start::of_balancer([table[0], table[1]], &beta, [table[2], table[3]], &beta_dot)
 }
 
-/// Two balls with viscous friction: what is claimed is a stable equilibrium of the closed forms, and
-/// ten times as long after the start the balls are still there, at rest. The other runs are cycles.
+/// Every claim for two balls with viscous friction is a stable equilibrium of the closed forms, and
+/// after ten times the time the balls are still there, at rest. The other runs are cycles.
 #[test]
 fn claims_are_stable_equilibria_and_last() {
     let cases: Vec<(f64, u32)> = [-150.0, -170.0, -216.3772, -260.0, -309.15]
@@ -121,8 +122,8 @@ fn claims_are_stable_equilibria_and_last() {
     assert!((15..30).contains(&claimed), "{claimed} of {}", cases.len());
 }
 
-/// Balls exactly side by side come to an equilibrium above the natural frequency, too, but to one
-/// that any disturbance parts them from.
+/// Above the natural frequency, balls exactly side by side approach an equilibrium from which any
+/// disturbance separates them, so that it is not claimed.
 #[test]
 fn balls_side_by_side_do_not_settle_above_the_natural_frequency() {
     for (speed, settles) in [(-150.0, true), (-216.3772, false), (-309.15, false)] {
@@ -135,8 +136,8 @@ fn balls_side_by_side_do_not_settle_above_the_natural_frequency() {
     }
 }
 
-/// From rest at any equilibrium of the closed forms, and next to it: claimed at once where it is
-/// stable, never where it is not, however short the run.
+/// From rest at and near any equilibrium of the closed forms, stable equilibria are claimed
+/// immediately, and unstable ones never, however short the run.
 #[test]
 fn only_stable_equilibria_are_claimed() {
     let mut seen = [0, 0];
@@ -161,8 +162,8 @@ fn only_stable_equilibria_are_claimed() {
     assert!(seen[0] > 60 && seen[1] > 20, "{seen:?}");
 }
 
-/// A smooth law that is steep lets balls creep so slowly, anywhere, that nothing seems to move: that
-/// is no equilibrium. Blocks likewise.
+/// A steep smooth law lets balls and blocks creep very slowly at any position; such creep is not an
+/// equilibrium.
 #[test]
 fn slow_creep_is_not_settled() {
     let coulomb = Machine::default();
@@ -176,8 +177,8 @@ fn slow_creep_is_not_settled() {
         assert!(apart(&state, &beta) < 1e-3 && fastest < 1e-6, "slow: {fastest}");
         let outcome = run_finely(machine.clone(), &resting(&machine, beta), end);
         assert_eq!(outcome.evidence, Evidence::EndTime, "{smoothing_speed}");
-        // Where there is an equilibrium, and a stable one, it is claimed, unless the way to it is
-        // so slow that its sign is lost in the differences.
+        // A stable equilibrium is claimed, unless the approach is so slow that its sign is below
+        // the accuracy of the differences.
         if smoothing_speed > 1e-5 {
             let balanced = [2.269_8, 4.013_4];
             let outcome = run_finely(machine.clone(), &resting(&machine, balanced), end);
@@ -204,8 +205,8 @@ fn slow_creep_is_not_settled() {
     }
 }
 
-/// Just before the two equilibria with the balls side by side meet and vanish, they are nearer to
-/// each other than what counts as near. Beyond the unstable one, the stable one is not claimed.
+/// Just before the two equilibria with the balls side by side meet and vanish, their distance is
+/// below the search radius. From the far side of the unstable one, the stable one is not claimed.
 #[test]
 fn beyond_a_nearby_unstable_equilibrium_nothing_is_claimed() {
     let together = |speed: f64| {
@@ -239,10 +240,10 @@ fn beyond_a_nearby_unstable_equilibrium_nothing_is_claimed() {
     }
 }
 
-/// From three balls on, balls balance in families of positions: one of them is enough to settle at,
-/// as long as drag stops the balls along the family.
+/// Three or more balls balance in families of positions, and settle at one of them if drag stops
+/// the balls along the family.
 #[test]
-fn families_of_equilibria() {
+fn runs_settle_in_families_of_equilibria() {
     fn check<const N: usize>() {
         let machine = viscous(-309.15, N, 2e-3);
         for k in 0..2 {
@@ -266,13 +267,14 @@ fn families_of_equilibria() {
     check::<4>();
 }
 
-/// Blocks: when they became slow, by the closed form of a damped oscillator; steady sliding on a belt
-/// settles where friction grows with speed and not where it falls.
+/// Blocks settle at the time at which the closed form of a damped oscillator becomes slow; steady
+/// sliding on a belt settles if friction grows with speed, and not if it decreases.
 #[test]
 fn blocks_settle() {
-    // x'' + 2 ζ x' + x = 0 with ζ = 0.05, from 0.1: by e^{-ζ t} slow after 230 units of time. Speed is
-    // looked at once a step, a quarter of a period: one of two looks in a row sees 1/√2 of its peak
-    // or more, so that slow may be seen ln √2 / ζ = 7 units and two steps too early, 1 s in all.
+    // x'' + 2 ζ x' + x = 0 with ζ = 0.05, from 0.1: the amplitude e^{-ζ t} is slow after 230 units
+    // of time. Speed is sampled once a step, a quarter of a period: one of two successive samples
+    // is at least 1/√2 of its peak, so that the detection may be early by ln √2 / ζ = 7 units and
+    // two steps, 1 s in all.
     let damped = FrictionLaw::Viscous { viscous_coefficient_n_s_m: 1.0 };
     let block = Block { friction: damped, ..Block::on_spring() };
     let outcome = run(block.clone(), &Start(vec![0.01, 0.0]), 200.0);
@@ -281,7 +283,7 @@ fn blocks_settle() {
     let found = outcome.time_to_rest_s.expect("settled");
     assert!((slow - 1.0..slow + 0.2).contains(&found), "{found} for {slow}");
     assert!(outcome.end_time_s.unwrap() < 1.6 * slow);
-    // A run that ends soon after that is looked at in the end. Its steps fall elsewhere.
+    // A run that ends soon afterwards is examined at its end. Its steps are different.
     for end in [23.5, 27.0, 31.0, 40.0] {
         let outcome = run(block.clone(), &Start(vec![0.01, 0.0]), end);
         assert_eq!(outcome.evidence, Evidence::Settled, "{end}");

@@ -1,4 +1,4 @@
-//! Two processes that write the same table at the same time, and files of the user beside it.
+//! Concurrent writers of one table, and files of the user beside it.
 
 #![cfg(unix)]
 
@@ -8,7 +8,7 @@ use std::process::{Child, Command};
 use super::evaluate::BALLS;
 use super::support::{AT_ONCE, Ended, Scratch, study_text, table};
 
-/// The temporary names in a directory.
+/// Returns the temporary names in a directory.
 fn temporaries(scratch: &Scratch) -> Vec<String> {
     let names = fs::read_dir(scratch.path(".")).unwrap().map(|entry| entry.unwrap().file_name());
     let names = names.map(|name| name.into_string().unwrap());
@@ -20,8 +20,8 @@ fn signal(child: &Child, name: &str) {
     assert!(sent.success());
 }
 
-/// Starts a program, holds it where it has begun its table, runs a second one to its end, and lets the first one
-/// go on. Both end well, and whenever one has, the table is whole and its own.
+/// Starts a program, suspends it after it has begun its table, runs a second one to its end, and
+/// resumes the first. Both succeed, and after each the table is complete and its own.
 fn both_end_well(scratch: &Scratch, first: &str, second: &str, rows: [usize; 2]) {
     let rows_now = || table(&scratch.path("r.parquet")).num_rows();
     let mut held = scratch.command(first).spawn().unwrap();
@@ -63,7 +63,7 @@ fn two_expansions() {
     both_end_well(&scratch, &command("many.yaml"), &command("few.yaml"), [600_000, 7]);
 }
 
-/// Whatever the user has beside a table, under whatever name, is there afterwards.
+/// Files of the user beside a table are unchanged, whatever their names.
 #[test]
 fn files_of_the_user_are_left_alone() {
     let scratch = Scratch::new();
@@ -80,7 +80,7 @@ fn files_of_the_user_are_left_alone() {
     assert_eq!(after, before);
 }
 
-/// A table that could not be written leaves nothing.
+/// A table that could not be written leaves no file.
 #[test]
 fn nothing_is_left_of_a_table_that_failed() {
     let scratch = Scratch::new();
@@ -91,9 +91,10 @@ fn nothing_is_left_of_a_table_that_failed() {
     assert_eq!(scratch.files(), before);
 }
 
-/// A directory that a process is filling is refused to another one: what it has begun is not mixed with other files.
+/// A directory that a process is filling is refused to another one, so that their files are not
+/// mixed.
 #[test]
-fn a_replay_has_its_directory_alone() {
+fn a_replay_has_exclusive_use_of_its_directory() {
     let scratch = Scratch::new();
     scratch.write("a.yaml", study_text("a", "{monte_carlo: {samples: 3}}", 0.02, ""));
     scratch.well("run a.yaml --out out -q");
@@ -110,7 +111,8 @@ fn a_replay_has_its_directory_alone() {
     assert_eq!(names.len(), 4, "{names:?}");
 }
 
-/// What killed processes have left in a directory of results is cleared away by the next one, and nothing else.
+/// Leftovers of killed processes in a results directory, and nothing else, are removed by the next
+/// process.
 #[test]
 fn leftovers_in_results_do_not_accumulate() {
     let scratch = Scratch::new();
@@ -126,7 +128,7 @@ fn leftovers_in_results_do_not_accumulate() {
         names
     };
     assert_eq!(names("out"), names("alone"));
-    // Other names are the user's: that is no directory of results.
+    // In a directory without results, files with such names are the user's.
     fs::create_dir(scratch.path("other")).unwrap();
     scratch.write("other/runs.parquet.partial", "mine");
     scratch.refused("run a.yaml --out other", &["other: this directory is not empty"]);

@@ -63,7 +63,7 @@ fn check_says_where_only_rest_is_looked_for() {
     }
 }
 
-/// What an optimiser's side needs to know of a study, which many do not have.
+/// `check` lists the variables and responses that an optimiser needs.
 #[test]
 fn check_lists_variables_and_responses() {
     let scratch = Scratch::new();
@@ -181,7 +181,7 @@ fn verify_needs_expectations_and_all_runs() {
     scratch.refused("verify b.yaml --shard 1/2", &["unexpected argument '--shard'"]);
 }
 
-/// The smoke study is what continuous integration verifies.
+/// The smoke study, which continuous integration verifies, meets its expectations.
 #[test]
 fn the_smoke_study_holds() {
     let scratch = Scratch::new();
@@ -190,7 +190,7 @@ fn the_smoke_study_holds() {
     assert_eq!(text.matches("\nmet    ").count(), 6, "{text}");
 }
 
-/// The other small studies hold, too.
+/// The other small studies meet their expectations.
 #[test]
 fn small_shipped_studies_hold() {
     let scratch = Scratch::new();

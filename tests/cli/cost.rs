@@ -1,11 +1,11 @@
-//! What `check` says of the cost, against the steps that runs take.
+//! The cost that `check` predicts, against the steps that runs take.
 
 use serde_json::Value;
 
 use super::support::{Scratch, assert_has, counts, study_text};
 
-/// The steps that all runs of a study have taken, without and with switches, and what `check` says of them: about,
-/// and at most.
+/// Returns the steps of all runs of a study without and with switches, and the estimate and the
+/// limit that `check` prints.
 fn steps(rest: &str, end_time_s: f64, samples: u64) -> [f64; 4] {
     let scratch = Scratch::new();
     let design = format!("{{monte_carlo: {{samples: {samples}}}}}");
@@ -21,9 +21,10 @@ fn steps(rest: &str, end_time_s: f64, samples: u64) -> [f64; 4] {
     [steps, steps + sum("switches"), said("steps"), said("most_steps")]
 }
 
-/// With little damping and a fast disc every ball sticks and slips twice a turn: that alone is most of the steps.
+/// With little damping and a fast disc every ball sticks and slips twice a turn, which accounts for
+/// most of the steps.
 #[test]
-fn weakly_damped_runs_take_as_many_steps_as_said() {
+fn weakly_damped_runs_take_the_predicted_steps() {
     for balls in [1, 2, 4, 8] {
         for (law, samples) in [
             ("coulomb", 8),
@@ -46,7 +47,7 @@ fn weakly_damped_runs_take_as_many_steps_as_said() {
 }
 
 #[test]
-fn no_run_takes_more_steps_than_said() {
+fn no_run_exceeds_the_predicted_limit() {
     for (model, end_time_s) in [
         ("model: {kind: ball_balancer, parameters: {ball_diameter_m: 1.0e9}}\n", 1.0),
         (
@@ -66,7 +67,7 @@ fn no_run_takes_more_steps_than_said() {
     ] {
         let [taken, with_switches, about, most] = steps(model, end_time_s, 4);
         assert!(with_switches <= most, "{model}{with_switches} of {most}");
-        // What is given up goes beyond what is usual, and nothing else.
+        // Only runs that are given up exceed the estimate.
         assert!(taken <= 1.25 * about || model.contains("1.0e9"), "{model}{taken}, about {about}");
     }
 }

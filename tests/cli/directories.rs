@@ -1,4 +1,4 @@
-//! Output directories: filled once, nothing in them ever lost, and only by studies that are theirs.
+//! Output directories: each is filled by one study only, and no file in it is ever lost.
 
 use std::fs;
 
@@ -35,7 +35,7 @@ fn a_study_fills_its_directory_once() {
     let again = scratch.stickslip("run a.yaml --out deep/down --threads 1");
     assert_eq!((again.code, &again.out), (Some(0), &ended.out));
     assert_has(&again.err, &["deep/down already holds all 8 runs of this study: nothing to do"]);
-    // Only what decides the runs counts, not the file's name, form and comments.
+    // Only content that affects the runs counts, not the file's name, layout and comments.
     scratch.write("b.yaml", format!("# another comment\n{}", small("seed:   5\n")));
     assert_eq!(scratch.stickslip("run b.yaml --out deep/down").code, Some(0));
     fs::remove_file(scratch.path("b.yaml")).unwrap();
@@ -95,8 +95,8 @@ fn foreign_files_are_left_alone() {
     );
 }
 
-/// What has the name of a file of results and is not what the program would write stays as it is, whoever
-/// would write there.
+/// A file with the name of a results file that the program would not write identically is not
+/// overwritten by any command.
 #[test]
 fn files_under_our_names_are_left_alone() {
     let scratch = Scratch::new();
@@ -120,21 +120,21 @@ fn files_under_our_names_are_left_alone() {
         }
         fs::remove_dir_all(scratch.path("mine")).unwrap();
     }
-    // The study's own file, into its own directory.
+    // The study's own file, in its own directory.
     fs::create_dir(scratch.path("mine")).unwrap();
     scratch.write("mine/study.yaml", small("seed: 5\n"));
     scratch.refused("run mine/study.yaml --out mine", &["mine: this directory is not empty"]);
-    // What the program would write is nobody's loss.
+    // A file with the content that the program would write may be replaced.
     fs::create_dir(scratch.path("same")).unwrap();
     fs::copy(scratch.path("part/study.yaml"), scratch.path("same/study.yaml")).unwrap();
     scratch.well("run same/study.yaml --out same");
     assert_eq!(scratch.data("same"), scratch.data("part"));
 }
 
-/// What a run leaves that is killed at its very start: the study, or a part of it, unfinished tables, an empty
-/// list of finished runs.
+/// Leftovers of a run that was killed at its start (the study or a part of it, unfinished tables,
+/// an empty list of finished runs) do not prevent the study from continuing.
 #[test]
-fn what_is_left_by_a_kill_at_the_start_is_gone_on_with() {
+fn a_study_continues_after_a_kill_at_its_start() {
     let scratch = Scratch::new();
     scratch.write("a.yaml", small("seed: 5\n"));
     scratch.well("run a.yaml --out whole");
@@ -156,7 +156,7 @@ fn what_is_left_by_a_kill_at_the_start_is_gone_on_with() {
         assert_eq!(scratch.data(&out), scratch.data("whole"), "{name}");
         assert!(!scratch.path(&out).join("earlier").exists(), "{name}");
     }
-    // With finished runs beside it, what may be somebody's is put aside.
+    // With finished runs beside them, files that may be the user's are moved aside.
     fs::create_dir_all(scratch.path("aside/chunks")).unwrap();
     scratch.write("aside/study.yaml", "mine");
     scratch.well("run a.yaml --out aside");
@@ -165,9 +165,9 @@ fn what_is_left_by_a_kill_at_the_start_is_gone_on_with() {
     assert_eq!(aside.unwrap(), "mine");
 }
 
-/// Where results are not complete, too, nothing is replaced that the program has not written.
+/// In incomplete results, too, only files that the program has written are replaced.
 #[test]
-fn unfinished_results_are_gone_on_with_and_nothing_else_is_replaced() {
+fn unfinished_results_continue_and_nothing_else_is_replaced() {
     type Change = (&'static str, fn(Vec<u8>) -> Vec<u8>);
     let changes: [Change; 3] = [
         ("study.yaml", |mut study| {
@@ -200,7 +200,7 @@ fn unfinished_results_are_gone_on_with_and_nothing_else_is_replaced() {
     }
 }
 
-/// An empty path is no directory, and not the current one.
+/// An empty path is not the current directory.
 #[test]
 fn an_empty_path_is_no_directory() {
     let scratch = Scratch::new();
@@ -216,14 +216,15 @@ fn an_empty_path_is_no_directory() {
         assert_has(&said, &["--out <DIR"]);
         assert_eq!(scratch.files(), before, "{command}");
     }
-    // Who calls the library is told the same.
+    // The library returns the same error.
     let study = super::support::parse(&small("seed: 5\n"));
     let error =
         stickslip::table::inspect(std::path::Path::new(""), &study, "1/1", &[]).unwrap_err();
     assert_has(&error.to_string(), &["\"\": cannot be used", "found:   an empty path"]);
 }
 
-/// Tests may run as root, whom no permission stops: a path below a file cannot be made by anyone.
+/// A path below a file cannot be created by any user; tests may run as root, whom no permission
+/// stops.
 #[test]
 fn directories_that_cannot_be_made() {
     let scratch = Scratch::new();

@@ -1,4 +1,4 @@
-//! A study that is edited and run again into its directory: what is unchanged is not computed again.
+//! An edited study in its old directory: unchanged runs are not computed again.
 
 use std::fs;
 
@@ -6,14 +6,14 @@ use super::support::{Scratch, assert_has, study_text};
 
 const DESIGN: &str = "{stratified: {parts_per_axis: 2, samples_per_cell: 1}}";
 
-/// A study over these speeds; `change` edits its text.
+/// Returns a study over these speeds; `change` edits its text.
 fn study(speeds: &str, change: impl Fn(String) -> String) -> String {
     let sweep = format!("sweep: [{{grid: {{speed_rad_s: {speeds}}}}}]\n");
     change(study_text("edited", DESIGN, 0.02, &sweep))
 }
 
-/// Runs a study of 512 runs into `out`, then the edited one, which must use so many of its runs and be the
-/// same as if run alone.
+/// Runs a study of 512 runs into `out`, then the edited one, which must reuse `used` of its runs
+/// and equal an independent computation.
 fn edited(text: String, used: u64, all: u64) {
     let scratch = Scratch::new();
     scratch.write("a.yaml", study("[-160.0, -216.0]", |text| text));
@@ -26,12 +26,12 @@ fn edited(text: String, used: u64, all: u64) {
     assert_has(&ended.err, &["earlier results are now in out/earlier/1", &runs]);
     scratch.well("run a.yaml --out alone");
     assert_eq!(scratch.data("out"), scratch.data("alone"));
-    // Nothing is lost.
+    // No earlier result is lost.
     let earlier: Vec<Vec<u8>> = super::support::DATA_FILES
         .map(|name| fs::read(scratch.path("out/earlier/1").join(name)).unwrap())
         .to_vec();
     assert_eq!(earlier, before);
-    // And the way back costs nothing.
+    // Restoring the old study computes nothing.
     scratch.write("a.yaml", study("[-160.0, -216.0]", |text| text));
     let back = scratch.stickslip("run a.yaml --out out");
     assert_has(&back.err, &["512 runs: 512 were finished before, 0 computed"]);
@@ -62,7 +62,8 @@ fn another_friction_costs_its_points() {
     edited(study("[-160.0, -216.0]", sweep), 512, 1024);
 }
 
-/// An audit computes runs a second time: those that it chooses are not finished without.
+/// An audit computes its selected runs a second time; these runs are not finished without the
+/// audit.
 #[test]
 fn an_audit_costs_what_it_chooses() {
     let scratch = Scratch::new();
@@ -78,7 +79,7 @@ fn an_audit_costs_what_it_chooses() {
     assert!((150..240).contains(&kept), "{kept}");
 }
 
-/// Where no run is the same, nothing is done without being asked for, and what differs is shown.
+/// If no run can be reused, nothing is computed without a request, and the differences are listed.
 #[test]
 fn what_cannot_be_used_again_is_refused_with_the_difference() {
     let scratch = Scratch::new();
@@ -100,7 +101,7 @@ fn what_cannot_be_used_again_is_refused_with_the_difference() {
     assert_eq!(fs::read(scratch.path("out/earlier/1/runs.parquet")).unwrap(), before[0]);
 }
 
-/// An edited study that is interrupted goes on as any other.
+/// An interrupted run of an edited study continues like any other.
 #[test]
 fn an_interrupted_edit_goes_on() {
     let scratch = Scratch::new();
@@ -115,8 +116,8 @@ fn an_interrupted_edit_goes_on() {
     assert_eq!(scratch.data("out"), scratch.data("alone"));
 }
 
-/// A program that is killed while it moves earlier results, after any number of files, and two edits
-/// after that: no table of any of the studies is lost.
+/// If the program is killed while it moves earlier results, after any number of files, and the
+/// study is edited twice afterwards, no table of any of the studies is lost.
 #[test]
 fn earlier_results_survive_a_kill_and_two_edits() {
     let files = [&super::support::DATA_FILES[..], &["manifest.json"]].concat();

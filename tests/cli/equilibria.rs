@@ -1,4 +1,4 @@
-//! `equilibria`: its tables, what it says, and what it refuses.
+//! `equilibria`: its tables, its messages, and its errors.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -30,7 +30,7 @@ fn names(table: &RecordBatch) -> Vec<String> {
     table.schema().fields().iter().map(|field| field.name().clone()).collect()
 }
 
-/// The files below a directory, by their names from it on.
+/// Returns the files below a directory, by their relative paths.
 fn files(scratch: &Scratch, directory: &str) -> BTreeSet<String> {
     let directory = scratch.path(directory);
     let all = scratch.files().into_keys().filter(|path| path.is_file());
@@ -88,8 +88,9 @@ fn tables_agree_with_one_another() {
     assert_eq!(counts(&sets, "components_modulo_exchange"), [1, 1, 4]);
     assert_eq!(numbers(&sets, "fraction_low"), [None; 3]);
 
-    // Row for row: in the set where the margin is not negative, which is where the friction is at
-    // least what the position takes; as many as the fraction says; no amplitude above the largest.
+    // Row by row: a position is in the set if its margin is not negative, which is equivalent to
+    // the friction being at least the required one; the number of such rows agrees with the
+    // fraction; no amplitude exceeds the largest.
     let points = counts(&set, "point_id");
     let inside: Vec<bool> = column(&set, "in_set").as_boolean().iter().flatten().collect();
     let number = |name| -> Vec<f64> { numbers(&set, name).into_iter().flatten().collect() };
@@ -157,7 +158,8 @@ fn frictionless_equilibria_at_points_and_at_speeds_of_their_own() {
     assert_eq!(kinds, BTreeSet::from(["a1_plus", "b1"].map(String::from)));
 }
 
-/// A set of small parts on a coarse grid: the parts are said to be more than were counted.
+/// A set of small components on a coarse grid: the output says that there are more components than
+/// counted.
 #[test]
 fn a_grid_that_is_too_coarse_is_said_to_be() {
     let scratch = scratch();

@@ -1,4 +1,4 @@
-//! `stickslip evaluate`: a table of designs, and requests one by one.
+//! `stickslip evaluate`: a table of designs, and individual requests.
 
 use std::io::{BufRead, BufReader, Write};
 use std::process::{Child, Command, Stdio};
@@ -24,7 +24,7 @@ responses:
   amplitude: {amplitude_mean: {}}
 ";
 
-/// A balancer of one to three balls, not for long.
+/// A balancer of one to three balls, for a short time.
 pub const BALLS: &str = "
 schema: 1
 name: balls
@@ -67,7 +67,7 @@ pub fn server(scratch: &Scratch, arguments: &str) -> Child {
     scratch.command(arguments).stdin(Stdio::piped()).spawn().unwrap()
 }
 
-/// The answers to these lines.
+/// Returns the answers to these lines.
 pub fn ask(scratch: &Scratch, arguments: &str, lines: &[&str]) -> Vec<Value> {
     let mut child = server(scratch, arguments);
     child.stdin.take().unwrap().write_all((lines.join("\n") + "\n").as_bytes()).unwrap();
@@ -76,10 +76,11 @@ pub fn ask(scratch: &Scratch, arguments: &str, lines: &[&str]) -> Vec<Value> {
     ended.out.lines().map(|line| serde_json::from_str(line).unwrap()).collect()
 }
 
-/// With `x_s = μ N / k`, each half swing of `π / ω` takes `2 x_s` off the distance until it is within
-/// `x_s`: at 100 N/m two of them, at 36 N/m one, and at 20 N/m the block never moves.
+/// The stopping time is that of the closed form: with `x_s = μ N / k`, each half swing of `π / ω`
+/// reduces the distance by `2 x_s` until it is within `x_s`; at 100 N/m there are two half swings,
+/// at 36 N/m one, and at 20 N/m the block never moves.
 #[test]
-fn a_block_stops_when_the_closed_form_says() {
+fn a_block_stops_at_the_closed_form_time() {
     let scratch = scratch();
     let requests = [100.0, 36.0, 20.0].map(|k| json!({"id": k, "stiffness_n_m": k}).to_string());
     let requests: Vec<&str> = requests.iter().map(String::as_str).collect();
@@ -96,8 +97,8 @@ fn a_block_stops_when_the_closed_form_says() {
     }
 }
 
-/// A design's runs are those of the study that has its values written in it: the same answers come from
-/// its `runs.parquet`.
+/// A design has the runs of the study with its values written in: its responses follow from that
+/// study's `runs.parquet`.
 #[test]
 fn a_design_is_the_study_with_its_variables_set() {
     let scratch = scratch();
@@ -119,8 +120,8 @@ fn a_design_is_the_study_with_its_variables_set() {
     assert_eq!(found("rest"), by as f64 / 24.0);
 }
 
-/// Any number of threads gives the same bytes, and a table in another order the same rows in that order;
-/// requests give the same numbers as the table.
+/// The bytes do not depend on the number of threads, a reordered table has the same rows in that
+/// order, and requests give the same numbers as the table.
 #[test]
 fn threads_and_order_change_nothing() {
     let scratch = scratch();
@@ -149,7 +150,7 @@ fn threads_and_order_change_nothing() {
     assert_eq!(means, numbers(&one, "mean"));
 }
 
-/// At each point of a sweep a design has a row and an answer of its own.
+/// Each design has a row and an answer at each point of a sweep.
 #[test]
 fn points_of_a_sweep_are_separate() {
     let scratch = scratch();
@@ -159,7 +160,8 @@ fn points_of_a_sweep_are_separate() {
     let points = answers[0]["points"].as_array().unwrap();
     let forces: Vec<&Value> = points.iter().map(|point| &point["normal_force_n"]).collect();
     assert_eq!(forces, [&json!(10.0), &json!(5.0)]);
-    // Half of the friction: 45 mm less four times 10 mm are within 5 mm, on the edge; less two, not.
+    // With half of the friction, 45 mm minus four times 10 mm is within 5 mm, on the edge; minus
+    // two times is not.
     let times: Vec<f64> =
         points.iter().map(|point| point["responses"]["stop"]["value"].as_f64().unwrap()).collect();
     assert!(times[1] > times[0] + 0.5, "{times:?}");
@@ -347,7 +349,7 @@ fn tables_and_studies_that_make_no_sense_are_refused() {
         scratch.write("wrong.yaml", BALLS.replacen(from, to, 1));
         scratch.refused("evaluate wrong.yaml --designs d.csv --out r.parquet", &parts);
     }
-    // A swept parameter's column is one, too.
+    // A swept parameter's column is an error, too.
     let swept = "sweep: [{grid: {damping_n_s_m: [1, 2]}}]\nresponses:\n  damping_n_s_m: median_time_to_rest\n";
     scratch.write("wrong.yaml", BALLS.replacen("responses:\n", swept, 1));
     let parts = ["responses.damping_n_s_m", "another column has this name"];
@@ -357,7 +359,7 @@ fn tables_and_studies_that_make_no_sense_are_refused() {
     scratch.refused("evaluate wrong.yaml --designs -", &["nothing is asked for"]);
 }
 
-/// An optimiser that hangs up, either way, is no error.
+/// A client that closes either stream is not an error.
 #[test]
 fn hanging_up() {
     let scratch = scratch();
@@ -365,7 +367,7 @@ fn hanging_up() {
     let mut input = child.stdin.take().unwrap();
     let mut output = BufReader::new(child.stdout.take().unwrap());
     let mut line = String::new();
-    // It stays up from one request to the next.
+    // The server persists from one request to the next.
     for id in 0..3 {
         writeln!(input, "{{\"id\": {id}, \"stiffness_n_m\": 100}}").unwrap();
         line.clear();
@@ -381,7 +383,7 @@ fn hanging_up() {
     assert_eq!((nothing.status.code(), nothing.stdout.len()), (Some(0), 0));
 }
 
-/// Ctrl-C ends a server that waits, with 130.
+/// Ctrl-C ends a waiting server with exit code 130.
 #[cfg(target_os = "linux")]
 #[test]
 fn an_interrupt() {
@@ -390,7 +392,7 @@ fn an_interrupt() {
     let mut input = child.stdin.take().unwrap();
     let mut output = BufReader::new(child.stdout.take().unwrap());
     writeln!(input, "{{\"id\": 1, \"stiffness_n_m\": 100}}").unwrap();
-    // Its first answer shows that it is up.
+    // The first answer shows that the server is running.
     output.read_line(&mut String::new()).unwrap();
     let kill = format!("kill -INT {}", child.id());
     assert!(Command::new("sh").args(["-c", &kill]).status().unwrap().success());

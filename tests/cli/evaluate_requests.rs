@@ -1,4 +1,4 @@
-//! `stickslip evaluate --designs -`: what optimisers send that is odd, and optimisers that hang up.
+//! `stickslip evaluate --designs -`: malformed requests, and clients that disconnect.
 
 use std::io::{BufRead, BufReader, Write};
 
@@ -7,13 +7,13 @@ use serde_json::{Value, json};
 use super::evaluate::{BALLS, BLOCK, ask, scratch, server};
 use super::support::Ended;
 
-/// The answers to these bytes.
+/// Returns the answers to these bytes.
 fn answers(input: &[u8]) -> Vec<Value> {
     let scratch = scratch();
     let mut child = server(&scratch, "evaluate balls.yaml --designs -");
     let mut stdin = child.stdin.take().unwrap();
     let input = input.to_vec();
-    // From another thread: answers must not be waited for while the pipe is full.
+    // Written by another thread, because the pipe may fill before answers are read.
     let writer = std::thread::spawn(move || stdin.write_all(&input).unwrap());
     let ended = Ended::of(child.wait_with_output().unwrap());
     writer.join().unwrap();
@@ -23,7 +23,7 @@ fn answers(input: &[u8]) -> Vec<Value> {
 
 const RIGHT: &str = r#"{"id": "right", "speed_rad_s": -200, "balls": 1, "material": "steel"}"#;
 
-/// A right request with another speed.
+/// A valid request with another speed.
 fn with_speed(speed: &str) -> String {
     RIGHT.replace("-200", speed)
 }
@@ -70,7 +70,7 @@ fn odd_lines_are_answered_and_the_next_one_is_served() {
     lines.push(RIGHT.replacen('{', "{\"id\": 2, ", 1).into());
     lines.push(RIGHT.replace("\"right\"", &format!("[{}]", "7,".repeat(50_000) + "7")).into());
     lines.push(RIGHT.into());
-    // The byte order mark that some programs begin with; and no end of the last line.
+    // A byte order mark at the start, and a last line without its end.
     let input = [b"\xef\xbb\xbf", RIGHT.as_bytes(), b"\n", &lines.join(&b'\n')].concat();
     let answers = answers(&input);
     assert_eq!(answers.len(), lines.len() + 1);
@@ -102,8 +102,8 @@ fn odd_lines_are_answered_and_the_next_one_is_served() {
     assert_eq!(large["responses"], right["responses"]);
 }
 
-/// Each answer is compared with the nearest other design before it. The block stops after 0.52 s at 36 N/m,
-/// and at 100 N/m after 0.63 s, when its runs have ended.
+/// Each answer is compared with the nearest different design before it. The block stops after 0.52
+/// s at 36 N/m, and at 100 N/m after 0.63 s, when its runs have ended.
 #[test]
 fn discontinuities_among_requests() {
     let scratch = scratch();
@@ -115,7 +115,7 @@ fn discontinuities_among_requests() {
     let found = ask(&scratch, "evaluate step.yaml --designs -", &requests);
     let flags: Vec<&Value> = found.iter().map(|answer| &answer["discontinuous"]).collect();
     assert_eq!(flags, [&json!(null), &json!(false), &json!(true), &json!(false), &json!(false)]);
-    // The table sees the same step, from both sides.
+    // The table reports the same step, from both sides.
     scratch.write("k.csv", "stiffness_n_m\n36\n40\n100\n99\n");
     scratch.well("evaluate step.yaml --designs k.csv --out k.parquet --quiet");
     let rows = super::support::table(&scratch.path("k.parquet"));
@@ -132,7 +132,7 @@ fn discontinuities_among_requests() {
     assert_eq!(points(&found[2]), [json!(true), json!(false)]);
 }
 
-/// What no run supports is null for a reason, also where all runs fail.
+/// A response that no run supports is null with a reason, also if all runs fail.
 #[test]
 fn responses_that_no_run_supports() {
     let scratch = scratch();
@@ -152,8 +152,8 @@ fn responses_that_no_run_supports() {
     }
 }
 
-/// An optimiser may go at any point: before it has asked, within a line, with answers that it has not read,
-/// while its question is in work.
+/// A client may disconnect at any point: before its first request, within a line, with unread
+/// answers, and during a computation.
 #[test]
 fn hanging_up_at_any_point() {
     let scratch = scratch();

@@ -1,4 +1,4 @@
-//! `stickslip evaluate --designs FILE`: Parquet, interruption, failed runs, tables that are no tables.
+//! `stickslip evaluate --designs FILE`: Parquet, interruption, failed runs, invalid tables.
 
 use std::fs;
 use std::sync::Arc;
@@ -9,7 +9,7 @@ use parquet::arrow::ArrowWriter;
 use super::evaluate::{BALLS, DESIGNS, scratch};
 use super::support::{Ended, Scratch, assert_has, counts, table};
 
-/// The designs of `d.csv` as a Parquet file, as pandas would write them.
+/// The designs of `d.csv` as a Parquet file in the form of pandas.
 fn write_parquet(scratch: &Scratch, name: &str) {
     let parts: Vec<Vec<&str>> = DESIGNS.iter().map(|design| design.split(',').collect()).collect();
     let speeds = parts.iter().map(|part| part[0].parse::<f64>().unwrap());
@@ -34,7 +34,7 @@ fn designs_in_a_parquet_file() {
     scratch.well("evaluate balls.yaml --designs d.parquet --out parquet.parquet --quiet");
     let read = |name: &str| fs::read(scratch.path(name)).unwrap();
     assert_eq!(read("csv.parquet"), read("parquet.parquet"));
-    // What is wrong has row and column there, too.
+    // Errors name row and column there, too.
     let batch = RecordBatch::try_from_iter([
         ("speed_rad_s", Arc::new(Float64Array::from(vec![Some(-200.0), None])) as ArrayRef),
         ("balls", Arc::new(Float64Array::from(vec![2.0, 2.5]))),
@@ -49,7 +49,7 @@ fn designs_in_a_parquet_file() {
     scratch.refused("evaluate balls.yaml --designs wrong.parquet --out r.parquet", &parts);
 }
 
-/// Ctrl-C ends it with 130 and leaves nothing behind; the same command begins anew.
+/// Ctrl-C ends it with 130 and leaves no file; the same command starts again.
 #[cfg(target_os = "linux")]
 #[test]
 fn an_interrupt_leaves_nothing_behind() {
@@ -70,9 +70,9 @@ fn an_interrupt_leaves_nothing_behind() {
     }
 }
 
-/// Where runs failed the table is whole, says how many, and the exit code is 3.
+/// With failed runs the table is complete, the message counts them, and the exit code is 3.
 #[test]
-fn failed_runs() {
+fn failed_runs_give_a_complete_table_and_exit_code_3() {
     let scratch = scratch();
     let failing = "uncertain:\n  ball_diameter_m: {normal: {mean: 0.001, std_dev: 0.002}}\n ";
     scratch.write("failing.yaml", BALLS.replace("uncertain:\n ", failing));
@@ -80,7 +80,7 @@ fn failed_runs() {
     assert_eq!((ended.code, ended.err.as_str()), (Some(3), ""));
     let rows = table(&scratch.path("r.parquet"));
     assert_eq!(counts(&rows, "runs"), [24; 5]);
-    // All designs draw alike.
+    // All designs have the same samples.
     let failed = counts(&rows, "failed");
     assert!(failed[0] > 0 && failed[0] < 24 && failed == [failed[0]; 5], "{failed:?}");
 }
@@ -89,7 +89,7 @@ fn failed_runs() {
 fn tables_that_are_no_tables() {
     let scratch = scratch();
     let header = "speed_rad_s,balls,material\n";
-    // A byte order mark, lines of Windows, blanks and comments are none of these.
+    // A byte order mark, Windows line ends, blanks and comments are not errors.
     let odd =
         format!("\u{feff}# designs\r\n{}", DESIGNS.map(|line| format!(" {line}\r\n")).concat());
     scratch.write(

@@ -47,7 +47,7 @@ fn failing_points_are_named_with_position_and_remedy() {
     assert_eq!(named["min_principal_minor"], existence["min_principal_minor"]);
 }
 
-/// Of a huge sweep a part is looked at, and the text says so.
+/// In a huge sweep only a part is checked, and the output says so.
 #[test]
 fn huge_sweeps_stay_quick() {
     let scratch = Scratch::new();
@@ -71,7 +71,7 @@ fn huge_sweeps_stay_quick() {
     println!("{:?}", started.elapsed());
 }
 
-/// A block has one contact, pressed by a given force: nothing is coupled.
+/// A block has one contact with a given normal force, so that the decision is always unique.
 #[test]
 fn a_block_is_decided_in_one_way() {
     let scratch = Scratch::new();

@@ -2,7 +2,7 @@
 
 use super::support::{AT_ONCE, Scratch, counts, numbers, parse, row, study_text, words};
 
-/// Blocks with different columns, words, and draws of which some make no physical sense.
+/// Blocks with different columns, text values, and samples that include physically invalid ones.
 fn study() -> String {
     let rest = "sweep:\n\
                 \x20 - grid: {speed_rad_s: [-160.0, -200.0], normal_force: [lagrange, newton]}\n\
@@ -73,8 +73,8 @@ fn csv_parquet_plan_and_run_agree() {
         let error = planned.case.as_ref().err().map(ToString::to_string);
         invalid += usize::from(error.is_some());
         assert_eq!(line[16], error.unwrap_or_default());
-        // Parquet to Parquet, all columns that both tables have; runs with a message have the
-        // message of their case.
+        // Parquet against Parquet, in all common columns; runs with a message have the message of
+        // their case.
         assert_eq!(row(&cases, index, &["error"]), row(&runs, index, &others));
         if let Some(error) = &errors[index] {
             assert_eq!(run_errors[index].as_ref(), Some(error));
@@ -94,7 +94,8 @@ fn a_shard_has_one_case_of_each_n() {
     let ids = counts(&scratch.table(".", "part"), "run_id");
     assert!(ids.iter().map(|id| id / 7).eq(0..ids.len() as u64), "{ids:?}");
     assert!([214, 215].contains(&ids.len()), "{}", ids.len());
-    // Not always the same place, as a shard would have the same cells of a stratified design.
+    // The position varies; with a constant one a shard would always have the same cells of a
+    // stratified design.
     let places: std::collections::BTreeSet<u64> = ids.iter().map(|id| id % 7).collect();
     assert_eq!(places.len(), 7);
     let text = scratch.well("expand a.yaml --shard 2/7");

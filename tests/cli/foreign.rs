@@ -1,5 +1,5 @@
-//! Text from files never reaches the terminal as it is: escape sequences, marks of direction, megabytes, and
-//! words in commands to paste.
+//! Foreign text is escaped on the terminal: escape sequences, bidirectional marks, megabytes, and
+//! arguments in suggested commands.
 
 use std::fs;
 use std::io::Write;
@@ -14,7 +14,7 @@ use super::evaluate::{BALLS, BLOCK};
 use super::summary::{finished, kill, rewrite};
 use super::support::{AT_ONCE, Ended, Scratch, assert_has, study_text};
 
-/// Sets the title, clears the screen, hides text, turns its direction around; and a line that looks like another
+/// Sets the title, clears the screen, hides text, reverses its direction, and imitates another
 /// message.
 const EVIL: &str = "a\u{1b}]0;title\u{7}\u{1b}[2J\u{9b}8m\u{202e}\r\u{7f}\u{0}\nerror: all is lost";
 
@@ -22,14 +22,14 @@ fn is_acted_on(c: char) -> bool {
     (c.is_control() && c != '\n') || matches!(c, '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
 }
 
-/// That nothing in a text is acted on, and that no line of it is a foreign one.
+/// Asserts that a text contains no control sequence and no foreign line.
 #[track_caller]
 fn assert_harmless(text: &str, what: &str) {
     assert!(!text.chars().any(is_acted_on), "{what}: {text:?}");
     assert!(!text.lines().any(|line| line.starts_with("error: all is lost")), "{what}: {text}");
 }
 
-/// A command that is refused without anything foreign, in a few lines.
+/// Asserts that a command is refused without foreign text, in a few lines.
 #[track_caller]
 fn assert_refused(scratch: &Scratch, command: &str) -> String {
     let ended = scratch.stickslip(command);
@@ -71,7 +71,7 @@ fn texts_of_a_manifest() {
             }
         }
     }
-    // Names of files and labels, and what is no manifest at all.
+    // Names of files and labels, and an invalid manifest.
     for manifest in [
         right
             .to_string()
@@ -87,7 +87,7 @@ fn texts_of_a_manifest() {
     }
 }
 
-/// A shard is two numbers, and a directory one word, in every command to paste.
+/// In every suggested command, a shard is two numbers and a directory is one word.
 #[test]
 fn commands_to_paste() {
     let scratch = Scratch::new();
@@ -116,12 +116,12 @@ fn commands_to_paste() {
     assert_has(&assert_refused(&scratch, "summary a;b"), &["`stickslip resume 'a;b'`"]);
 }
 
-/// A column of texts.
+/// Returns a column of texts.
 fn texts(values: usize, text: &str) -> ArrayRef {
     Arc::new(StringArray::from(vec![text; values]))
 }
 
-/// The batch with a column in the place of another one, or a new one.
+/// Returns the batch with a column replaced or added.
 fn with(batch: &RecordBatch, name: &str, column: ArrayRef) -> RecordBatch {
     let schema = batch.schema();
     let mut fields: Vec<Arc<Field>> = schema.fields().iter().cloned().collect();
@@ -144,7 +144,7 @@ fn names_of_columns_and_texts_in_tables() {
         let batch = with(&batch, "ci_method", texts(batch.num_rows(), EVIL));
         with(&batch, EVIL, texts(batch.num_rows(), EVIL))
     });
-    // Longer than messages and pages show, and not too long for a table.
+    // Longer than messages and pages show, but allowed in a table.
     let long = format!("{EVIL}{}", "x".repeat(10_000));
     rewrite(&scratch, "runs", |batch| with(&batch, "error", texts(batch.num_rows(), &long)));
     for format in ["table", "markdown", "csv", "json"] {
@@ -153,7 +153,7 @@ fn names_of_columns_and_texts_in_tables() {
         assert!(!ended.out.chars().any(is_acted_on), "{format}: {:?}", ended.out);
         assert_harmless(&ended.err, format);
         if format == "json" {
-            // Escaped, it means the same.
+            // The escaped text has the same meaning.
             let document: Value = serde_json::from_str(&ended.out).unwrap();
             assert_eq!(document["points"][0]["ci_method"], EVIL);
         }
@@ -249,12 +249,12 @@ fn requests() {
     let answers: Vec<Value> =
         ended.out.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
     assert_eq!(answers.len(), 3);
-    // An identifier comes back as it was sent.
+    // An identifier is returned unchanged.
     assert!(answers.iter().all(|answer| answer["id"] == EVIL));
     assert_eq!(answers[0].get("error"), None, "{}", answers[0]);
 }
 
-/// What a search keeps, and what tables say of themselves.
+/// The files of a search, and the provenance in tables.
 #[test]
 fn lists_of_files_and_provenance() {
     let scratch = Scratch::new();
@@ -272,7 +272,7 @@ fn lists_of_files_and_provenance() {
     }
     let (scratch, _) = finished();
     let path = scratch.path("out/points.parquet");
-    // Metadata of the same length, so that the file stays one that can be read.
+    // Metadata of the same length, so that the file remains readable.
     let bytes = fs::read(&path).unwrap();
     let hash = scratch.manifest("out")["study_hash"].as_str().unwrap().to_owned();
     let mut other = bytes.clone();

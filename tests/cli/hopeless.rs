@@ -1,4 +1,5 @@
-//! Runs that take very long: a stop reaches into them, and what was given up is computed again to the same bytes.
+//! Very long runs: an interruption takes effect within a run, and abandoned runs are computed again
+//! to the same bytes.
 
 #![cfg(target_os = "linux")]
 
@@ -8,7 +9,7 @@ use std::time::{Duration, Instant};
 use super::interrupt::{catches, send, ticks, wait_until};
 use super::support::{Ended, Scratch, assert_has, counts, study_text, words};
 
-/// Far longer than a run may go on after a stop, which is a second, on any machine.
+/// A generous limit for the one second that a run may continue after an interruption.
 const SOON: Duration = Duration::from_secs(20);
 
 /// A study of a balancer.
@@ -17,8 +18,8 @@ fn balancer(name: &str, model: &str) -> String {
     study_text(name, "{monte_carlo: {samples: 40}}", 1.0, &model)
 }
 
-/// A disc so fast that a run takes millions of steps, and friction so steep at rest that an explicit method takes as
-/// many.
+/// A disc so fast that a run takes millions of steps, and friction so steep at rest that an
+/// explicit method takes as many.
 fn studies() -> [(&'static str, String); 2] {
     [
         ("fast", "parameters: {speed_rad_s: -1.8e6, friction_coefficient: 1.0e-5}"),
@@ -27,7 +28,7 @@ fn studies() -> [(&'static str, String); 2] {
     .map(|(name, model)| (name, balancer(name, model)))
 }
 
-/// Balls as large as a planet: some runs step ever more shortly.
+/// Extremely heavy balls: the steps of some runs shrink without bound, and these runs are given up.
 #[test]
 fn runs_that_hardly_move_on_are_given_up_by_themselves() {
     let scratch = Scratch::new();
@@ -66,7 +67,7 @@ fn a_stop_reaches_into_hopeless_runs() {
     assert!(given_up, "one of the studies has runs that take longer than the grace");
 }
 
-/// Runs that end at once beside runs of seconds, stopped amid the latter.
+/// Runs that end immediately beside runs of seconds, interrupted during the latter.
 #[test]
 fn what_was_given_up_is_computed_again_to_the_same_bytes() {
     let scratch = Scratch::new();
@@ -89,7 +90,7 @@ fn what_was_given_up_is_computed_again_to_the_same_bytes() {
     assert_eq!(scratch.data("out"), scratch.data("whole"));
 }
 
-/// Ctrl-C also ends a server while it computes a long request.
+/// Ctrl-C also ends a server that computes a long request.
 #[test]
 fn ctrl_c_ends_a_server_amid_a_long_request() {
     let scratch = Scratch::new();
@@ -113,14 +114,14 @@ fn ctrl_c_ends_a_server_amid_a_long_request() {
     assert_eq!((ended.code, ended.out.as_str()), (Some(130), ""), "{}", ended.err);
 }
 
-/// A server whose answers nobody reads waits for its reader, but not when it is interrupted.
+/// A server whose answers are not read waits for its client, but can be interrupted.
 #[test]
 fn ctrl_c_ends_a_server_whose_answers_nobody_reads() {
     let scratch = super::evaluate::scratch();
     let mut child = super::evaluate::server(&scratch, "evaluate balls.yaml --designs -");
     let mut stdin = child.stdin.take().unwrap();
     wait_until("the program catches signals", || catches(&child, 2));
-    // More than pipes and buffers hold; it breaks off when the server ends.
+    // More than pipes and buffers hold; writing fails when the server ends.
     let asking =
         std::thread::spawn(
             move || {

@@ -1,4 +1,4 @@
-//! Ctrl-C and SIGTERM: finished runs are kept, and nothing else is claimed.
+//! Ctrl-C and SIGTERM: finished runs are stored, and nothing else is claimed.
 
 #![cfg(target_os = "linux")]
 
@@ -33,20 +33,20 @@ pub fn wait_until(what: &str, holds: impl Fn() -> bool) {
     }
 }
 
-/// A line of /proc/PID/status.
+/// Returns a line of /proc/PID/status.
 fn status(child: &Child, key: &str) -> Option<String> {
     let text = fs::read_to_string(format!("/proc/{}/status", child.id())).ok()?;
     let line = text.lines().find_map(|line| line.strip_prefix(key))?;
     Some(line.trim_start_matches(':').trim().to_owned())
 }
 
-/// Whether a child has a handler for a signal.
+/// Returns whether a child has a handler for a signal.
 pub fn catches(child: &Child, signal: u32) -> bool {
     let mask = status(child, "SigCgt").and_then(|mask| u64::from_str_radix(&mask, 16).ok());
     mask.is_some_and(|mask| mask & (1 << (signal - 1)) != 0)
 }
 
-/// Processor time that a child has used, in ticks of mostly 10 ms.
+/// Returns the processor time of a child, in ticks of usually 10 ms.
 pub fn ticks(child: &Child) -> u64 {
     let text = fs::read_to_string(format!("/proc/{}/stat", child.id())).unwrap_or_default();
     let after_name = text.rsplit(") ").next().unwrap_or_default();
@@ -59,7 +59,7 @@ pub fn send(child: &Child, signal: &str) {
     assert!(Command::new("sh").args(["-c", &kill]).status().unwrap().success());
 }
 
-/// Rows of a table by their places.
+/// Returns the selected rows of a table.
 fn rows(table: &RecordBatch, places: Vec<u64>) -> RecordBatch {
     take_record_batch(table, &UInt64Array::from(places)).unwrap()
 }
@@ -67,7 +67,7 @@ fn rows(table: &RecordBatch, places: Vec<u64>) -> RecordBatch {
 fn stopped_by(signal: &str, number: u32) {
     let scratch = Scratch::new();
     scratch.write("long.yaml", long());
-    // A chunk for each worker turn or so: interruption inside of a chunk and between chunks.
+    // About one chunk per round of workers: interruptions within a chunk and between chunks.
     let child = scratch.command("run long.yaml --out out --threads 2 --chunk 64").spawn().unwrap();
     wait_until("the program catches signals", || catches(&child, number));
     wait_until("some runs are finished", || ticks(&child) >= 50);
@@ -119,7 +119,7 @@ fn stopped_by(signal: &str, number: u32) {
         }
     }
 
-    // The same command goes on: what was finished is there before anything else is.
+    // The same command continues: finished runs are available first.
     let again = scratch.stickslip("run long.yaml --out out --threads 2 --max-seconds 0");
     assert_eq!(again.code, Some(130), "{}", again.err);
     let going_on =
@@ -146,7 +146,7 @@ fn termination_keeps_what_is_finished() {
     stopped_by("TERM", 15);
 }
 
-/// Runs of minutes that nothing ends: the first signal waits a second for them, the second does not.
+/// For runs of minutes, the first signal waits a second, the second does not.
 #[test]
 fn the_second_signal_stops_at_once() {
     let scratch = Scratch::new();
@@ -155,7 +155,7 @@ fn the_second_signal_stops_at_once() {
     let mut child = scratch.command("run slow.yaml --out out --threads 2").spawn().unwrap();
     wait_until("the program catches signals", || catches(&child, 2));
     send(&child, "INT");
-    // The first has arrived when it is no longer pending; it must not end the program.
+    // The first signal has arrived when it is no longer pending; it must not end the program.
     wait_until("the first signal has arrived", || {
         status(&child, "ShdPnd").is_some_and(|mask| mask.bytes().all(|digit| digit == b'0'))
     });

@@ -1,4 +1,4 @@
-//! How long, and how many failures: limits stop a study cleanly, and it goes on without them.
+//! Limits of time and failures end a study cleanly, and it continues without them.
 
 use super::support::{Scratch, assert_has, counts, study_text, words};
 
@@ -63,7 +63,7 @@ fn failures_stop_a_study_that_says_so() {
     }
 }
 
-/// A retry computes the same cases again: with nothing changed, the same rows.
+/// A retry computes the same cases again; without changes it gives the same rows.
 #[test]
 fn a_retry_never_draws_anew() {
     let scratch = Scratch::new();

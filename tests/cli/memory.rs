@@ -8,13 +8,13 @@ use std::time::Duration;
 
 use super::support::{AT_ONCE, Scratch, study_text};
 
-/// The most memory that the program has held at a time, in KiB, over a study of this many runs.
+/// Returns the peak memory of the program, in KiB, over a study of this many runs.
 fn peak_kib(text: &str, runs: u64) -> u64 {
     let scratch = Scratch::new();
     scratch.write("a.yaml", text);
     let mut child = scratch.command("run a.yaml --quiet --out out --threads 2").spawn().unwrap();
     let mut peak = 0;
-    // The mark only rises; looking for it now and then is enough.
+    // The mark only rises; polling it occasionally is enough.
     while child.try_wait().unwrap().is_none() {
         let status = fs::read_to_string(format!("/proc/{}/status", child.id())).unwrap_or_default();
         let mark = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));
@@ -29,7 +29,7 @@ fn peak_kib(text: &str, runs: u64) -> u64 {
     peak
 }
 
-/// Runs that are stopped at once, at this many points with this many runs each.
+/// Runs that stop immediately, at this many points with this many runs each.
 fn stopped_peak_kib(points: u32, runs: u32) -> u64 {
     let speeds: Vec<String> = (0..points).map(|point| format!("-{}", 150 + point)).collect();
     let rest = format!("sweep: [{{grid: {{speed_rad_s: [{}]}}}}]\n", speeds.join(", "));
@@ -37,7 +37,7 @@ fn stopped_peak_kib(points: u32, runs: u32) -> u64 {
     peak_kib(&study_text("a", &design, AT_ONCE, &rest), u64::from(points) * u64::from(runs))
 }
 
-/// Runs at one point that come to rest, each at another time.
+/// Runs at one point that come to rest at different times.
 fn rested_peak_kib(runs: u64) -> u64 {
     let text = format!(
         "schema: 1\nname: a\nseed: 5\nmodel: {{kind: block_on_spring, parameters: {{mass_kg: 1, \
@@ -48,11 +48,11 @@ fn rested_peak_kib(runs: u64) -> u64 {
     peak_kib(&text, runs)
 }
 
-/// What a study may take above one of 10,000 runs: 40 KiB of footer for each row group of 8192 rows, at
-/// most 65,536 different times and amplitudes of a point, and what happens to be in flight at once: two
-/// chunks of records of most of a KiB and a row group of each table, which a short study may be spared
+/// Allowance above a study of 10,000 runs: 40 KiB of footer for each row group of 8192 rows, at
+/// most 65,536 different times and amplitudes of a point, and the data in flight: two chunks of
+/// records of up to 1 KiB and a row group of each table, which a short study may not reach
 /// (measured: 31 to 35 MiB for 10,000 runs, 36 to 45 MiB for 200,000, and no more for 1,000,000).
-/// Anything kept of every run would take far more: a record alone 140 MiB for 190,000 runs.
+/// Storing anything per run would take far more: the records alone take 140 MiB for 190,000 runs.
 const ALLOWED_KIB: u64 = 24 * 1024;
 
 #[test]

@@ -1,4 +1,4 @@
-//! Shards of a study, computed apart and merged: the tables of a single run, byte for byte.
+//! Merged shards of a study give the tables of a single run, byte for byte.
 
 use std::fs;
 
@@ -32,14 +32,14 @@ fn merged_shards_are_the_single_run() {
         assert_eq!(ended.code, Some(0), "{}", ended.err);
         assert_has(&ended.err, &[" 0 computed"]);
         assert_eq!(scratch.data("merged"), scratch.data("whole"), "{number} shards, {rest}");
-        // What has been merged is a directory like any other.
+        // A merged directory is like any other.
         let again = scratch.stickslip("run a.yaml --out merged");
         assert_has(&again.err, &["nothing to do"]);
     }
 }
 
 #[test]
-fn what_does_not_belong_together_is_named() {
+fn incompatible_shards_are_named() {
     let scratch = Scratch::new();
     scratch.write("a.yaml", study(""));
     shards(&scratch, 3);
@@ -80,6 +80,6 @@ fn a_damaged_chunk_of_a_shard_is_computed_again() {
     let said = ["000000.chunk: 7 bytes", "48 were finished before, 48 computed"];
     assert_has(&ended.err, &said);
     assert_eq!(scratch.data("merged"), scratch.data("whole"));
-    // A shard's own directory is not touched by whoever merges it.
+    // Merging does not change a shard's own directory.
     assert!(folder.join("000000.chunk").exists());
 }

@@ -1,8 +1,9 @@
-//! The program opens no network connection: it runs to its end where the kernel kills whoever tries.
+//! The program opens no network connection: it succeeds under a filter that kills any process that
+//! tries.
 //!
-//! A seccomp filter on a thread is inherited by what that thread starts. Unlike a network namespace or a
-//! tracer, it needs no privileges and no tool, in a container neither. `deny.toml` keeps out packages
-//! that are made for networks.
+//! A seccomp filter on a thread is inherited by the processes that the thread starts. Unlike a
+//! network namespace or a tracer, it needs no privileges and no tools, also in a container.
+//! `deny.toml` excludes network packages.
 
 #![cfg(all(target_os = "linux", any(target_arch = "x86_64", target_arch = "aarch64")))]
 
@@ -15,8 +16,8 @@ use seccompiler::{BpfProgram, SeccompAction, SeccompFilter, apply_filter};
 
 use super::support::{AT_ONCE, Scratch, study_text};
 
-/// All ways to a network: sockets of any kind, what is done with them, and the queue of system calls
-/// that no filter sees.
+/// All system calls for networks: creating and using sockets, and io_uring, whose operations no
+/// filter sees.
 const NETWORK: [i64; 10] = [
     libc::SYS_socket,
     libc::SYS_connect,
@@ -30,7 +31,8 @@ const NETWORK: [i64; 10] = [
     libc::SYS_io_uring_setup,
 ];
 
-/// Does something on a thread for which, and for all programs that it starts, these system calls end so.
+/// Runs a closure on a thread with a filter, inherited by child processes, that applies an action
+/// to these system calls.
 fn without<T: Send>(calls: &[i64], action: SeccompAction, work: impl FnOnce() -> T + Send) -> T {
     let rules = calls.iter().map(|call| (*call, Vec::new())).collect();
     let here = std::env::consts::ARCH.try_into().unwrap();
@@ -43,13 +45,13 @@ fn without<T: Send>(calls: &[i64], action: SeccompAction, work: impl FnOnce() ->
     thread::scope(|scope| scope.spawn(filtered).join().unwrap())
 }
 
-/// The program under a filter that kills.
+/// Runs the program under a filter that kills.
 fn killing(scratch: &Scratch, calls: &[i64], arguments: &str) -> Output {
     let run = || scratch.command(arguments).output().unwrap();
     without(calls, SeccompAction::KillProcess, run)
 }
 
-/// Killed by a filter.
+/// Returns whether a process was killed by a filter.
 fn killed(status: ExitStatus) -> bool {
     status.signal() == Some(libc::SIGSYS)
 }
@@ -91,9 +93,9 @@ fn no_command_opens_a_connection() {
     assert_eq!(scratch.manifest("out")["runs_finished"], 20);
 }
 
-/// The filter stops every kind of connection, and reaches into the program.
+/// The filter stops every kind of connection, and applies to the program.
 #[test]
-fn the_filter_works() {
+fn the_filter_kills_connecting_programs() {
     let unlikely = libc::EXDEV;
     let refused = |errors: [Option<std::io::Error>; 4]| {
         errors.map(|error| error.and_then(|error| error.raw_os_error()) == Some(unlikely))
@@ -107,7 +109,7 @@ fn the_filter_works() {
         ])
     });
     assert_eq!(tried, [true; 4]);
-    // Whatever the program surely does.
+    // A system call that the program certainly makes.
     let output = killing(&scratch(), &[libc::SYS_fsync], "run a.yaml --out out");
     assert!(killed(output.status), "{:?}", output.status);
 }

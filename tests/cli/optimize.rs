@@ -1,4 +1,4 @@
-//! `stickslip optimize`: searches with known ends, the same ones again, and what it refuses.
+//! `stickslip optimize`: searches with known optima, reproducibility, and errors.
 
 use std::fs;
 
@@ -6,9 +6,9 @@ use serde_json::Value;
 
 use super::support::{Scratch, numbers, table, words};
 
-/// A block on a spring that starts at rest at 45 mm: after `n` half swings of `π √(m / k)` it stops within
-/// `1 N / k`. The time jumps up with every further half swing; from 30 to 200 N/m it is least, 0.3847 s, just
-/// below 66.67 N/m, where the first one is enough.
+/// A block on a spring that starts at rest at 45 mm: after `n` half swings of `π √(m / k)` it stops
+/// within `1 N / k`. The time jumps up with every further half swing; from 30 to 200 N/m its
+/// minimum is 0.3847 s, just below 66.67 N/m, where one half swing suffices.
 const BLOCK: &str = "
 schema: 1
 name: block
@@ -24,7 +24,7 @@ responses:
   soon: {at_rest_by_s: 5}
 ";
 
-/// Two objectives of a balancer of one or two balls, with everything in it.
+/// Two objectives of a balancer of one or two balls, with variables of all kinds.
 const BALLS: &str = "
 schema: 1
 name: balls
@@ -70,9 +70,10 @@ fn evaluations(scratch: &Scratch, directory: &str) -> Vec<u8> {
     fs::read(scratch.path(directory).join("evaluations.parquet")).unwrap()
 }
 
-/// The least of a function that jumps; and a limit that rules it out, which leaves the next one.
+/// The search finds the minimum of a function with jumps, and with a constraint that excludes it,
+/// the next one.
 #[test]
-fn a_block_with_a_closed_form() {
+fn the_search_finds_the_closed_form_optimum() {
     let scratch = scratch();
     let said = scratch.well("optimize block.yaml --out free --quiet");
     assert!(said.starts_with("best design"), "{said}");
@@ -91,9 +92,10 @@ fn a_block_with_a_closed_form() {
     assert!((0.66..=0.7).contains(&stop) && best["limits_met"] == true, "{best}");
 }
 
-/// Any number of threads, going on after an end, and going on towards more designs: the same bytes.
+/// The bytes do not depend on the number of threads, on interruptions, or on an extension to more
+/// designs.
 #[test]
-fn the_same_search_again() {
+fn a_search_is_reproducible() {
     let scratch = scratch();
     scratch.well("optimize balls.yaml --out one --threads 1 --quiet");
     scratch.well("optimize balls.yaml --out three --threads 3 --quiet");
@@ -115,7 +117,7 @@ fn the_same_search_again() {
     let origins = all("one").2;
     assert_eq!(origins.iter().filter(|origin| *origin == "spread").count(), 12);
     assert_eq!(optimum(&scratch, "again")["best"], optimum(&scratch, "one")["best"]);
-    // The best is reported from runs of its own.
+    // The best design is reported from separate runs.
     let finals = scratch.table("one", "finalists");
     assert_eq!(
         texts(&finals, "role"),
@@ -125,9 +127,9 @@ fn the_same_search_again() {
     assert!(!mean[..4].contains(&mean[4]), "{mean:?}");
 }
 
-/// Two objectives: no design of the front is better than another one in both; sensitivities from runs.
+/// No design of the Pareto front dominates another one, and sensitivities come from runs.
 #[test]
-fn a_pareto_front() {
+fn no_design_of_the_front_dominates_another() {
     let scratch = scratch();
     let block = "optimize:\n  minimize: [mean, most]\n  designs: 8\n  start_designs: 6\n  \
         finalists: 4\n  final_samples: 1\n  sensitivity: {from: runs, samples: 8}\n  \
@@ -158,7 +160,7 @@ fn boolean(table: &arrow::array::RecordBatch, column: &str, row: usize) -> bool 
     table.column_by_name(column).unwrap().as_boolean().value(row)
 }
 
-/// A search that nothing can satisfy says so, by its exit code, too.
+/// A search without feasible designs says so, also by its exit code.
 #[test]
 fn limits_that_no_design_meets() {
     let scratch = scratch();
@@ -170,7 +172,7 @@ fn limits_that_no_design_meets() {
     assert!(ended.out.contains("a limit is not met"), "{}", ended.out);
 }
 
-/// What is wrong is said before anything is computed, or as soon as it is seen.
+/// Errors are reported before anything is computed, or as soon as they are detected.
 #[test]
 fn refusals() {
     let scratch = scratch();
@@ -200,7 +202,7 @@ fn refusals() {
     assert_eq!(ended.code, Some(2));
     assert!(ended.err.contains("`soon` is 1 for all of the 10 designs so far"), "{}", ended.err);
     assert!(scratch.path("constant/evaluations.parquet").exists());
-    // Results of another search are left alone.
+    // Results of another search are not overwritten.
     scratch.well("optimize block.yaml --out there --quiet");
     let text = fs::read_to_string(scratch.path("block.yaml")).unwrap();
     scratch.write("other.yaml", text.replace("from: 30", "from: 40"));
@@ -217,10 +219,10 @@ fn refusals() {
     );
 }
 
-/// What an interrupted first table leaves is no obstacle, nor is a missing one; results of an earlier end go with the
-/// first new design; and a second process is told that there is a first one.
+/// An interrupted or missing first table does not prevent a search; results of an earlier end are
+/// removed with the first new design; and a second process learns of the first one.
 #[test]
-fn a_directory_of_a_search() {
+fn a_search_continues_in_its_directory() {
     let scratch = scratch();
     let left = "here/evaluations.parquet.abc123.stickslip-partial";
     fs::create_dir_all(scratch.path(left).join("table")).unwrap();
@@ -240,9 +242,9 @@ fn a_directory_of_a_search() {
     assert_eq!(optimum(&scratch, "here")["search"]["designs"], 26);
 }
 
-/// A response that has two limits counts once.
+/// A response with two limits counts once.
 #[test]
-fn two_limits_of_a_response() {
+fn a_response_with_two_limits_counts_once() {
     let scratch = scratch();
     let block = "optimize: {minimize: stop, subject_to: {stop: {at_least: 0.4, at_most: 0.9}}, designs: 12}\n";
     scratch.write("both.yaml", format!("{BLOCK}{block}"));
@@ -252,8 +254,9 @@ fn two_limits_of_a_response() {
     assert_eq!(scratch.table("both", "sensitivities").num_rows(), 1);
 }
 
-/// What docs/optimize.md says of the CD-ROM drive, by the study's own runs: the best design has a sixth of the thesis's
-/// machine's 95 % quantile at most, comes to rest more often, and does little; that machine does harm.
+/// The CD-ROM drive of docs/optimize.md, by the study's own runs: the best design's 95 % quantile
+/// is at most a sixth of that of the thesis's machine, it comes to rest more often, and its effect
+/// without imbalance is small, whereas that machine does harm.
 #[test]
 fn the_cd_rom_drive() {
     let scratch = Scratch::new();
@@ -286,9 +289,9 @@ fn the_cd_rom_drive() {
     assert!(thesis.iter().all(|one| *one > 1.3), "{thesis:?}");
 }
 
-/// A few values are tried once each, and then there are no more.
+/// A few discrete values are tried once each, and then the search ends.
 #[test]
-fn no_more_designs() {
+fn an_exhausted_search_space_ends_the_search() {
     let scratch = Scratch::new();
     let choices = "design:\n  spring:\n    choices: {soft: {stiffness_n_m: 50}, firm: {stiffness_n_m: \
         100}, hard: {stiffness_n_m: 150}}\n";

@@ -1,4 +1,5 @@
-//! Whatever is shown was checked: a file with a single other bit is named and refused, wherever the bit is.
+//! Every displayed file is verified: a file with a single changed bit is named and refused,
+//! wherever the bit is.
 
 use std::fs;
 
@@ -8,15 +9,16 @@ use super::evaluate::BLOCK;
 use super::summary::finished;
 use super::support::{Scratch, assert_has};
 
-/// How many places are tried.
+/// Number of tested positions.
 const PLACES: usize = 120;
 
-/// Puts other bits into a file, one at a time, all over it; calls `look` with each, and puts it right again.
+/// Changes bits of a file, one at a time, over its whole length; calls `look` with each, and
+/// restores the file.
 fn with_other_bits(scratch: &Scratch, name: &str, places: usize, look: impl Fn(usize)) {
     let right = fs::read(scratch.path(name)).unwrap();
     let bits = right.len() * 8;
     for sample in 0..places {
-        // Even distances, and a step within them that takes all bits of bytes.
+        // Even distances, with an offset that covers all bits of bytes.
         let bit = (sample * bits / places + sample * 7).min(bits - 1);
         let mut wrong = right.clone();
         wrong[bit / 8] ^= 1 << (bit % 8);
@@ -56,7 +58,7 @@ fn of_results() {
     scratch.well("report out");
 }
 
-/// Numbers of runs in a manifest agree with one another, or it is refused.
+/// Inconsistent numbers of runs in a manifest are refused.
 #[test]
 fn of_a_manifest() {
     let (scratch, _) = finished();
@@ -84,8 +86,8 @@ fn of_a_search() {
             bit,
         );
     });
-    // Another list: either it cannot be read, or it says that the table is another one, or nothing that is
-    // used has changed.
+    // A changed list is either unreadable, reports a different table, or its change affects nothing
+    // that is used.
     let best = fs::read(scratch.path("search/optimum.json")).unwrap();
     with_other_bits(&scratch, "search/files.json", PLACES, |bit| {
         let before = fs::read(scratch.path(name)).unwrap();
@@ -94,14 +96,15 @@ fn of_a_search() {
         assert_eq!(fs::read(scratch.path(name)).unwrap(), before);
         assert_eq!(fs::read(scratch.path("search/optimum.json")).unwrap(), best);
     });
-    // Killed before the next table got its name: the one before is there, and is gone on from.
+    // Killed before the next table got its name: the search continues from the previous one.
     let list = fs::read_to_string(scratch.path("search/files.json")).unwrap();
     let mut list: Value = serde_json::from_str(&list).unwrap();
     list["replaced"] = json!({"evaluations.parquet": list["files"]["evaluations.parquet"]});
     list["files"]["evaluations.parquet"]["sha256"] = "0".repeat(64).into();
     scratch.write("search/files.json", list.to_string());
     scratch.well("optimize block.yaml --out search -q");
-    // Without the list nobody knows; without the table the search begins anew and ends in the same.
+    // Without the list the directory is not recognised; without the table the search starts again
+    // and ends with the same result.
     let evaluations = fs::read(scratch.path(name)).unwrap();
     fs::remove_file(scratch.path("search/files.json")).unwrap();
     scratch.refused("optimize block.yaml --out search", &["nothing says what was written"]);
@@ -109,7 +112,7 @@ fn of_a_search() {
     scratch.well("optimize block.yaml --out search -q");
     assert_eq!(fs::read(scratch.path(name)).unwrap(), evaluations);
     assert_eq!(fs::read(scratch.path("search/optimum.json")).unwrap(), best);
-    // What is not gone on from is made again, and said.
+    // Files that are not reused are made again, with a message.
     scratch.write("search/optimum.json", "{}");
     let ended = scratch.stickslip("optimize block.yaml --out search -q");
     assert_eq!(ended.code, Some(0), "{}", ended.err);

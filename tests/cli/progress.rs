@@ -1,10 +1,10 @@
-//! What is said while runs are computed: lines for people, events for programs.
+//! Progress output while runs are computed: lines for people, events for programs.
 
 use serde_json::Value;
 
 use super::support::{AT_ONCE, Scratch, assert_has, study_text};
 
-/// A study of so many points with eight runs each.
+/// A study with this number of points and eight runs each.
 fn scratch(points: u32) -> Scratch {
     let scratch = Scratch::new();
     let speeds: Vec<String> = (0..points).map(|n| format!("-{}.0", 160 + n)).collect();
@@ -34,7 +34,7 @@ fn events_are_json_line_by_line() {
     let planned = ["study", "runs_planned", "points_planned", "runs_are_at_most"];
     let planned = planned.map(|key| begun[key].clone());
     assert_eq!(planned, ["a".into(), 400.into(), 50.into(), Value::from(false)]);
-    // Every point, in order, with what the report says of it.
+    // Every point, in order, with the values of its report.
     let points: Vec<&Value> = events.iter().filter(|event| event["event"] == "point").collect();
     let reported = report["points"].as_array().unwrap();
     assert_eq!((points.len(), reported.len()), (50, 50));
@@ -52,7 +52,7 @@ fn events_are_json_line_by_line() {
     let times: Vec<f64> = events.iter().map(|event| event["elapsed_s"].as_f64().unwrap()).collect();
     assert!(times[0] == 0.0 && times[times.len() - 1] > 0.0);
 
-    // Without --quiet, messages are there too; they are no objects.
+    // Without --quiet, messages appear too; they are not objects.
     let ended = scratch.stickslip("run a.yaml --out more --progress json --max-seconds 0");
     let (objects, messages): (Vec<&str>, Vec<&str>) =
         ended.err.lines().partition(|line| line.starts_with('{'));
@@ -85,15 +85,15 @@ fn each_of_a_few_points_has_a_line() {
         assert!(!ended.err.contains("point "), "{}", ended.err);
         assert_has(&ended.err, &["24 runs in "]);
     }
-    // What is asked for by name is no noise.
+    // Progress that is requested explicitly is printed.
     let ended = scratch.stickslip("run a.yaml --out asked --progress lines --quiet");
     assert_eq!((ended.err.matches("point ").count(), ended.out.as_str()), (3, ""));
     scratch.refused("run a.yaml --progress dots", &["--progress", "dots", "auto", "json"]);
 }
 
-/// Of many points at most one in a second has a line, and the others are counted.
+/// With many points at most one per second has a line, and the others are counted.
 #[test]
-fn many_points_fraction_lines() {
+fn many_points_share_lines() {
     let scratch = scratch(60);
     let ended = scratch.stickslip("run a.yaml --out out");
     assert_eq!(ended.code, Some(3), "{}", ended.err);

@@ -1,4 +1,4 @@
-//! `replay`: the run behind a row, the same as the row, and what is said where it is not.
+//! `replay`: the run behind a row equals the row, and differences are reported.
 
 use std::fs::{self, File};
 use std::sync::Arc;
@@ -8,8 +8,8 @@ use parquet::arrow::ArrowWriter;
 
 use super::support::{Scratch, assert_has, column, counts, numbers, study_text, words};
 
-/// Studies of all kinds, with the runs to replay: both methods, one ball and three, a law without stick,
-/// audited and continued runs, failures, draws without physical sense, blocks.
+/// Studies of all kinds, with the runs to replay: both methods, one ball and three, a law without
+/// stick, audited and continued runs, failures, physically invalid samples, blocks.
 const STUDIES: [(&str, &str, f64, u64); 8] = [
     (
         "two",
@@ -134,7 +134,7 @@ fn the_tables_of_a_motion() {
     }
 }
 
-/// The table of runs with a column replaced, or without it.
+/// Returns the table of runs with a column replaced or removed.
 fn rewrite(scratch: &Scratch, name: &str, values: Option<ArrayRef>) {
     let path = scratch.path("a/runs.parquet");
     let rows = super::support::table(&path);
@@ -245,7 +245,7 @@ fn what_cannot_be_replayed() {
     scratch.refused("replay a 0", &["computed by another version"]);
 }
 
-/// Results of an interrupted study: a run that is not there yet can be looked at, and is not compared.
+/// In the results of an interrupted study, a missing run can be replayed, without a comparison.
 #[test]
 fn a_run_that_is_not_there_yet() {
     let scratch = Scratch::new();

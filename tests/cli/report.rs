@@ -1,4 +1,4 @@
-//! `stickslip report`: the page says what the tables say, and what it cannot show is refused.
+//! `stickslip report`: the page agrees with the tables, and incomplete or damaged input is refused.
 
 use std::fs;
 
@@ -7,7 +7,7 @@ use serde_json::Value;
 use super::summary::{REST, finished, kill, rewrite, study, without};
 use super::support::{AT_ONCE, Scratch, assert_has, counts, of_older_model, words};
 
-/// What the page's script reads.
+/// Returns the data of the page's script.
 fn data(page: &str) -> Value {
     let (_, rest) = page.split_once("<script type=\"application/json\" id=\"data\">").unwrap();
     serde_json::from_str(rest.split_once("</script>").unwrap().0).unwrap()
@@ -21,14 +21,14 @@ fn figure<'a>(data: &'a Value, id: &str) -> &'a Value {
     data["figures"].as_array().unwrap().iter().find(|figure| figure["id"] == id).unwrap()
 }
 
-/// The numbers of the runs behind the dots of a panel's layer.
+/// Returns the numbers of the runs behind the dots of a panel's layer.
 fn run_ids(panel: &Value, layer: &str) -> Vec<u64> {
     let layers = panel["layers"].as_array().unwrap();
     let named = layers.iter().filter(|one| one["name"] == layer && one["mark"] == "dots");
     named.flat_map(|one| whole(&one["tooltips"]["run_ids"])).collect()
 }
 
-/// Whole numbers, packed or not.
+/// Returns integers, packed or not.
 fn whole(packed: &Value) -> Vec<u64> {
     use base64::Engine;
     let Some(text) = packed["u"].as_str() else {
@@ -75,7 +75,7 @@ fn dots_are_the_runs_of_the_tables() {
             assert_eq!(run_ids(panel, label), expected, "{label}");
         }
     }
-    // The page is a function of the directory, and the directory is left alone.
+    // The page is a function of the directory, which is not changed.
     assert_eq!(scratch.well("report out --out again/b.html"), "again/b.html\n");
     assert_eq!(page(&scratch, "again/b.html"), text);
     scratch.well("run a.yaml --out one --threads 1");
@@ -100,14 +100,14 @@ fn failures_and_flips_are_in_plain_sight() {
         labels.iter().zip(&audited).filter(|(label, other)| other.is_some() && label != other);
     let notable = failed + flips.filter(|(label, _)| label.as_deref() != Some("failed")).count();
     assert_eq!(text.matches("<code>stickslip replay out ").count(), notable);
-    // Words of the study and of errors are text, not markup.
+    // Text of the study and of errors is escaped in the page.
     assert!(!text.contains("<script>alert"));
 }
 
 #[test]
 fn all_kinds_of_studies_have_a_page() {
     let one = "model: {kind: ball_balancer, parameters: {balls: N}}\n";
-    // It sticks and slips, as friction drops when it slides.
+    // It sticks and slips, because friction drops when it slides.
     let belt = "model: {kind: block_on_belt, friction: {stribeck: {static_friction_coefficient: 0.2, \
                 stribeck_speed_m_s: 0}}}\n";
     for (model, figures) in [
@@ -148,7 +148,7 @@ fn a_sweep_over_two_parameters_is_a_map() {
     assert_eq!(panel["layers"][0]["values"].as_array().unwrap().len(), 12);
 }
 
-/// A map for each value of a third parameter, and curves by values where their names would be long.
+/// Each value of a third parameter has its own map, and curves have values instead of long names.
 #[test]
 fn further_parameters_have_maps_of_their_own() {
     let scratch = Scratch::new();
@@ -174,7 +174,7 @@ fn further_parameters_have_maps_of_their_own() {
     assert_eq!(curves, "\u{2212}160, 1e\u{2212}5, lagrange");
 }
 
-/// Failed runs are told where figures cannot show them, and what is computed without draws is called so.
+/// Figures report the failed runs that they cannot show, and label results that are not sampled.
 #[test]
 fn figures_say_what_they_leave_out() {
     let (scratch, _) = finished();
@@ -219,13 +219,13 @@ fn what_cannot_be_shown_is_refused() {
     }
     fs::create_dir(scratch.path("folder")).unwrap();
     scratch.refused("report out --out folder", &["folder", "a directory", "allowed: "]);
-    // What somebody has changed is kept.
+    // A page that was edited is not overwritten.
     let mine = page(&scratch, "out-report.html") + "<!-- my notes -->";
     scratch.write("out-report.html", &mine);
     scratch.refused("report out", &["found:   a report that has been changed since", "allowed: "]);
     assert_eq!(page(&scratch, "out-report.html"), mine);
     fs::remove_file(scratch.path("out-report.html")).unwrap();
-    // A table that lacks a column, and one that is missing.
+    // A table without a column, and a missing table.
     rewrite(&scratch, "time_to_rest", |batch| without(batch, "probability_at_rest"));
     let said =
         ["time_to_rest.parquet: column probability_at_rest: there is no such column", "allowed: "];

@@ -1,4 +1,4 @@
-//! Interrupted studies go on where they were and end in the same bytes.
+//! Interrupted studies continue and end in the same bytes.
 
 use std::fs;
 use std::path::PathBuf;
@@ -7,14 +7,14 @@ use stickslip::classification::MODEL_VERSION;
 
 use super::support::{Scratch, assert_has, of_older_model, study_text};
 
-/// Runs of a tenth of a millisecond or so.
+/// Runs of about a tenth of a millisecond.
 fn study(seed_and_more: &str) -> String {
     let sweep = "sweep: [{grid: {speed_rad_s: [-160.0, -216.0]}}]\n";
     study_text("short", "{monte_carlo: {samples: 300}}", 0.1, sweep)
         .replace("seed: 5\n", seed_and_more)
 }
 
-/// The folder of finished chunks in a directory of results, of which there must be one.
+/// Returns the folder of finished chunks in a results directory, which must be unique.
 #[track_caller]
 fn chunks(scratch: &Scratch, directory: &str) -> PathBuf {
     let folders = fs::read_dir(scratch.path(directory).join("chunks")).unwrap();
@@ -24,12 +24,12 @@ fn chunks(scratch: &Scratch, directory: &str) -> PathBuf {
     folder
 }
 
-/// A study that was stopped before its last chunk, and the whole of it in `whole`.
+/// A study that was interrupted before its last chunk, and the whole of it in `whole`.
 fn stopped() -> Scratch {
     let scratch = Scratch::new();
     scratch.write("a.yaml", study("seed: 5\n"));
     scratch.well("run a.yaml --out whole --chunk 50");
-    // As a kill leaves it: finished chunks, their list, the manifest of the beginning.
+    // As after a kill: finished chunks, their list, the initial manifest.
     scratch.well("run a.yaml --out out --chunk 50 --threads 1");
     let folder = chunks(&scratch, "out");
     let list = fs::read_to_string(folder.join("manifest.jsonl")).unwrap();
@@ -70,7 +70,7 @@ fn finished_runs_are_not_computed_again() {
     }
 }
 
-/// The study is in the directory: its file may be gone, and the table that it names.
+/// The directory suffices: the study file and the table that it names may be missing.
 #[test]
 fn the_directory_is_enough() {
     let scratch = Scratch::new();
@@ -85,8 +85,8 @@ fn the_directory_is_enough() {
     assert_eq!(scratch.data("out"), scratch.data("whole"));
 }
 
-/// Each way in which a chunk or the list may be damaged: its runs are computed again, nothing else is
-/// lost, the damaged file is kept, and the tables are the same.
+/// For each kind of damage to a chunk or the list, the runs of the chunk are computed again,
+/// nothing else is lost, the damaged file is kept, and the tables are the same.
 #[test]
 fn what_is_damaged_is_named_and_computed_again() {
     type Change = (&'static str, fn(&PathBuf));
@@ -146,7 +146,7 @@ fn what_is_damaged_is_named_and_computed_again() {
     }
 }
 
-/// A chunk whose list entry is on disk, but that has not got its name yet, as a crash leaves it.
+/// A chunk that is on the list but does not have its final name, as after a crash, is found.
 #[test]
 fn a_chunk_without_its_name_is_found() {
     let scratch = stopped();
@@ -158,7 +158,7 @@ fn a_chunk_without_its_name_is_found() {
     assert_eq!(scratch.data("out"), scratch.data("whole"));
 }
 
-/// A chunk that holds another run under a number than the study says, with a hash that fits it.
+/// A chunk with another case under one of its run numbers is refused, even if its hash matches.
 #[test]
 fn a_run_of_another_case_is_not_taken() {
     let scratch = stopped();
@@ -194,7 +194,7 @@ fn what_cannot_be_resumed_is_refused() {
     scratch.refused("resume out", &["manifest.json", "damaged", "allowed: "]);
     let damaged = ["out: manifest.json is damaged", "allowed: ", "manifest.json removed"];
     scratch.refused("run a.yaml --out out", &damaged);
-    // What that says is true.
+    // The message is true.
     fs::remove_file(scratch.path("out/manifest.json")).unwrap();
     let ended = scratch.stickslip("run a.yaml --out out");
     assert_has(&ended.err, &["400 were finished before"]);
@@ -209,7 +209,8 @@ fn what_cannot_be_resumed_is_refused() {
     scratch.refused("resume out", &["another version", "version 0 of the model", "allowed: "]);
 }
 
-/// Tables that were changed after a study was complete are made again; the changed ones are kept.
+/// Tables that were changed after a study was complete are made again; the changed ones are moved
+/// aside.
 #[test]
 fn changed_tables_are_made_again() {
     let scratch = Scratch::new();
@@ -227,7 +228,7 @@ fn changed_tables_are_made_again() {
     assert_eq!(fs::read(scratch.path("out/earlier/1/runs.parquet")).unwrap(), before[0][..100]);
 }
 
-/// Runs that another version of the model has computed are not mixed with those of this one.
+/// Runs of another version of the model are not mixed with those of this one.
 #[test]
 fn runs_of_another_version_are_not_used() {
     let scratch = stopped();
@@ -247,7 +248,7 @@ fn runs_of_another_version_are_not_used() {
         ended.err
     );
     assert_eq!(scratch.data("out"), scratch.data("whole"));
-    // They are kept, as is all else.
+    // They are kept, like everything else.
     assert_eq!(fs::read_to_string(list).unwrap().lines().count(), 8 + 12);
     assert!(folder.join("000007.chunk").exists());
 }

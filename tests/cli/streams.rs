@@ -1,4 +1,4 @@
-//! What goes to which stream, and streams that are closed or full.
+//! Output streams, and streams that are closed or full.
 
 use std::fs::OpenOptions;
 use std::io::Read;
@@ -66,7 +66,7 @@ fn quiet_is_silent() {
             "{arguments}"
         );
     }
-    // Data that was asked for is no noise; an error is not kept back.
+    // Requested data are printed; an error is not suppressed.
     let asked: Value =
         serde_json::from_str(&scratch.well("run b.yaml --quiet --json --out other")).unwrap();
     assert_eq!(asked["runs_finished"], 5);

@@ -1,4 +1,4 @@
-//! `stickslip summary`: the points of results as they were printed, and with all that is known of them.
+//! `stickslip summary`: the points of results as printed by `run`, and with all their columns.
 
 use std::fs::{self, File};
 
@@ -14,7 +14,7 @@ use super::support::{
     AT_ONCE, Scratch, assert_has, counts, numbers, of_older_model, study_text, words,
 };
 
-/// Three points with words among their parameters, an audit and failures.
+/// Three points with text parameters, an audit and failures.
 pub const REST: &str = "sweep: [{zip: {speed_rad_s: [-160.0, -200.0, -216.3772], \
                     friction_coefficient: [2.75e-3, 2.75e-5, 1.0e-3], \
                     normal_force: [lagrange, newton, lagrange]}}]\n\
@@ -25,7 +25,7 @@ pub fn study(samples: u32, end_time_s: f64, rest: &str) -> String {
     study_text("short", &format!("{{monte_carlo: {{samples: {samples}}}}}"), end_time_s, rest)
 }
 
-/// A finished study in `out`, and what `run` printed.
+/// Returns a finished study in `out`, and the output of `run`.
 pub fn finished() -> (Scratch, String) {
     let scratch = Scratch::new();
     scratch.write("a.yaml", study(20, 0.5, REST));
@@ -84,7 +84,7 @@ fn a_complete_study_that_is_run_again_shows_its_points() {
     assert_eq!(scratch.stickslip("run a.yaml --out out --quiet").out, "");
 }
 
-/// Blocks have no equilibrium set, and a precision is told of each time.
+/// Blocks have no equilibrium set, and a required precision is reported each time.
 #[test]
 fn other_models_and_a_precision() {
     let scratch = Scratch::new();
@@ -138,7 +138,7 @@ fn csv_and_json_hold_every_column_to_the_last_digit() {
             _ => words(&points, name).into_iter().map(|text| json!(text)).collect(),
         };
         for ((cell, record), line) in cells.iter().zip(&records).zip(&lines) {
-            // Compared as it is written: this reader of JSON may be off in the last digit.
+            // Compared as text: this JSON reader may be off in the last digit.
             let written = format!("\"{name}\":{cell}");
             let rest = line.split_once(&written).map(|(_, rest)| rest);
             assert!(rest.is_some_and(|rest| rest.starts_with([',', '}'])), "{written}\n{line}");
@@ -196,10 +196,10 @@ fn interrupted_results_say_what_is_missing() {
     assert_eq!(text.lines().count(), 3, "no point has a run: {text}");
     let document: Value = serde_json::from_str(&scratch.well("summary out --format json")).unwrap();
     assert_eq!((&document["complete"], &document["points"]), (&json!(false), &json!([])));
-    // A part of a study is called so.
+    // A part of a study is labelled as such.
     scratch.stickslip("run a.yaml --out part --shard 2/3 -q");
     assert_has(&scratch.well("summary part"), &["seed 5, shard 2/3, all 20 runs finished"]);
-    // A part in which there is nothing to do.
+    // A part without any runs.
     scratch.write("b.yaml", study(1, AT_ONCE, ""));
     let titles = ["1/2", "2/2"].map(|shard| {
         scratch.well(&format!("run b.yaml --out {0} --shard {shard}", &shard[..1]));
@@ -214,7 +214,7 @@ fn interrupted_results_say_what_is_missing() {
 fn a_study_whose_runs_have_all_failed() {
     let scratch = Scratch::new();
     let rest = "uncertain: {ball_mass_kg: {normal: {mean: 1.4e-4, std_dev: 1.0}}}\n";
-    // About half of the masses are below zero; with one seed out of a few all of them are.
+    // About half of the masses are negative; for one of the first seeds all of them are.
     let ended = (0..100).find_map(|seed| {
         let text = study(2, AT_ONCE, rest).replace("seed: 5\n", &format!("seed: {seed}\n"));
         scratch.write("a.yaml", text);
@@ -231,7 +231,7 @@ fn a_study_whose_runs_have_all_failed() {
     assert!(text.ends_with(&ended.out));
 }
 
-/// Removes the tables and says so in the manifest, as a kill leaves a directory.
+/// Removes the tables and marks them as missing in the manifest, as after a kill.
 pub fn kill(scratch: &Scratch) {
     let mut manifest = scratch.manifest("out");
     for name in manifest["files"].as_object().unwrap().keys().filter(|name| *name != "study.yaml") {
@@ -252,7 +252,7 @@ fn what_has_no_tables_is_refused() {
     scratch.refused("summary out", &said);
     fs::remove_dir_all(scratch.path("out/chunks")).unwrap();
     scratch.refused("summary out", &["0 of 60 runs finished"]);
-    // What that says is true.
+    // The message is true.
     assert_eq!(scratch.stickslip("resume out").code, Some(3));
     assert!(scratch.well("summary out").ends_with(&printed));
     let other = of_older_model(&scratch.manifest("out").to_string());
@@ -260,7 +260,7 @@ fn what_has_no_tables_is_refused() {
     scratch.refused("summary out", &["another version", "version 0 of the model", "allowed: "]);
 }
 
-/// Writes a table again with other columns, and its size and hash into the manifest.
+/// Rewrites a table with other columns, and updates its size and hash in the manifest.
 pub fn rewrite(scratch: &Scratch, name: &str, change: impl Fn(RecordBatch) -> RecordBatch) {
     let entry = format!("{name}.parquet");
     let path = scratch.path("out").join(&entry);
@@ -276,7 +276,7 @@ pub fn rewrite(scratch: &Scratch, name: &str, change: impl Fn(RecordBatch) -> Re
     scratch.list_again("out", &entry);
 }
 
-/// A table without one of its columns.
+/// Returns a table without one of its columns.
 pub fn without(batch: RecordBatch, name: &str) -> RecordBatch {
     let index = batch.schema().index_of(name).unwrap();
     let kept: Vec<usize> = (0..batch.num_columns()).filter(|other| *other != index).collect();

@@ -1,4 +1,4 @@
-//! A scratch directory, the built program in it, and its tables as record batches.
+//! A scratch directory, the program in it, and its tables as record batches.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Display;
@@ -15,7 +15,7 @@ use stickslip::study::Study;
 use stickslip::table::FileEntry;
 use tempfile::TempDir;
 
-/// The files of an output directory that hold data; their bytes depend on the study alone.
+/// The data files of an output directory; their bytes depend only on the study.
 pub const DATA_FILES: [&str; 7] = [
     "runs.parquet",
     "points.parquet",
@@ -26,13 +26,13 @@ pub const DATA_FILES: [&str; 7] = [
     "study.yaml",
 ];
 
-/// The end time of runs whose course does not matter, s.
+/// End time of runs whose motion does not matter, s.
 pub const AT_ONCE: f64 = 1.0e-5;
 
-/// A directory that goes away with the test.
+/// A directory that is removed at the end of the test.
 pub struct Scratch(TempDir);
 
-/// What a program left behind when it ended.
+/// The result of a finished program.
 #[derive(Debug)]
 pub struct Ended {
     pub code: Option<i32>,
@@ -56,7 +56,7 @@ impl Scratch {
         path
     }
 
-    /// The program with these arguments, separated by blanks, in this directory.
+    /// Returns the program with these arguments, separated by blanks, in this directory.
     pub fn command(&self, arguments: &str) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_stickslip"));
         command.args(arguments.split_whitespace()).current_dir(self.0.path());
@@ -69,7 +69,7 @@ impl Scratch {
         Ended::of(self.command(arguments).output().unwrap())
     }
 
-    /// Runs the program, which must end well; returns its standard output.
+    /// Runs the program, which must succeed, and returns its standard output.
     #[track_caller]
     pub fn well(&self, arguments: &str) -> String {
         let ended = self.stickslip(arguments);
@@ -78,7 +78,7 @@ impl Scratch {
     }
 
     /// Runs the program, which must refuse with exit code 2, print no data, change no file, and
-    /// say all of `parts`.
+    /// mention all of `parts`.
     #[track_caller]
     pub fn refused(&self, arguments: &str, parts: &[&str]) {
         let before = self.files();
@@ -90,7 +90,7 @@ impl Scratch {
         assert_eq!(self.files(), before, "{arguments} has changed files");
     }
 
-    /// Every file below this directory with its content.
+    /// Returns every file below this directory with its content.
     pub fn files(&self) -> BTreeMap<PathBuf, Vec<u8>> {
         let mut files = BTreeMap::new();
         let mut folders = vec![self.0.path().to_owned()];
@@ -109,19 +109,19 @@ impl Scratch {
         files
     }
 
-    /// A table of an output directory.
+    /// Returns a table of an output directory.
     #[track_caller]
     pub fn table(&self, directory: &str, name: &str) -> RecordBatch {
         table(&self.path(directory).join(format!("{name}.parquet")))
     }
 
-    /// The manifest of an output directory.
+    /// Returns the manifest of an output directory.
     pub fn manifest(&self, directory: &str) -> serde_json::Value {
         let text = fs::read_to_string(self.path(directory).join("manifest.json")).unwrap();
         serde_json::from_str(&text).unwrap()
     }
 
-    /// Has the manifest of an output directory say of a file that it is the one that is there.
+    /// Updates the entry of a file in the manifest to its current content.
     pub fn list_again(&self, directory: &str, name: &str) {
         let entry = FileEntry::of(&self.path(directory).join(name), None).unwrap();
         let mut manifest = self.manifest(directory);
@@ -130,7 +130,7 @@ impl Scratch {
         self.write(&format!("{directory}/manifest.json"), manifest.to_string());
     }
 
-    /// The data files of an output directory.
+    /// Returns the data files of an output directory.
     pub fn data(&self, directory: &str) -> Vec<Vec<u8>> {
         DATA_FILES.map(|name| fs::read(self.path(directory).join(name)).unwrap()).to_vec()
     }
@@ -143,14 +143,14 @@ impl Ended {
     }
 }
 
-/// What a program with an older version of the model would have written of itself.
+/// Returns provenance text of an older version of the model.
 pub fn of_older_model(text: &str) -> String {
     let written = format!("\"model_version\":{MODEL_VERSION}");
     assert!(text.contains(&written), "{text}");
     text.replace(&written, "\"model_version\":0")
 }
 
-/// The text of a study: a name, a design, an end time, and lines with all else.
+/// Returns the text of a study: a name, a design, an end time, and further lines.
 pub fn study_text(name: &str, design: &str, end_time_s: f64, rest: &str) -> String {
     let model = if rest.contains("model:") { "" } else { "model: {kind: ball_balancer}\n" };
     format!(
@@ -159,12 +159,12 @@ pub fn study_text(name: &str, design: &str, end_time_s: f64, rest: &str) -> Stri
     )
 }
 
-/// A text as a study.
+/// Parses a study.
 pub fn parse(text: &str) -> Study {
     Study::parse(Path::new("a.yaml"), text.to_owned()).unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// A table as one batch: a Parquet file, or a directory of its parts.
+/// Returns a table as one batch, from a Parquet file or a directory of its parts.
 #[track_caller]
 pub fn table(path: &Path) -> RecordBatch {
     if path.is_dir() {
@@ -180,25 +180,25 @@ pub fn table(path: &Path) -> RecordBatch {
     concat_batches(&schema, &batches).unwrap()
 }
 
-/// A column by its name.
+/// Returns a column by its name.
 #[track_caller]
 pub fn column<'a>(table: &'a RecordBatch, name: &str) -> &'a ArrayRef {
     table.column_by_name(name).unwrap_or_else(|| panic!("no column {name}"))
 }
 
-/// A column of numbers.
+/// Returns a column of numbers.
 #[track_caller]
 pub fn numbers(table: &RecordBatch, name: &str) -> Vec<Option<f64>> {
     column(table, name).as_primitive::<Float64Type>().iter().collect()
 }
 
-/// A column of counts, none missing.
+/// Returns a column of counts without missing values.
 #[track_caller]
 pub fn counts(table: &RecordBatch, name: &str) -> Vec<u64> {
     column(table, name).as_primitive::<UInt64Type>().values().to_vec()
 }
 
-/// A column of text, plain or dictionary-encoded.
+/// Returns a column of text, plain or dictionary-encoded.
 #[track_caller]
 pub fn words(table: &RecordBatch, name: &str) -> Vec<Option<String>> {
     let column = column(table, name);
@@ -213,7 +213,7 @@ pub fn words(table: &RecordBatch, name: &str) -> Vec<Option<String>> {
     strings.collect()
 }
 
-/// One row of a table as text, without the columns named.
+/// Returns one row of a table as text, without the named columns.
 pub fn row(table: &RecordBatch, index: usize, without: &[&str]) -> Vec<(String, String)> {
     let options = arrow::util::display::FormatOptions::default().with_null("null");
     let fields = table.schema();
@@ -230,7 +230,7 @@ pub fn row(table: &RecordBatch, index: usize, without: &[&str]) -> Vec<(String, 
         .collect()
 }
 
-/// Rows as text by a key made of columns, without the columns named.
+/// Returns rows as text by a key made of columns, without the named columns.
 #[track_caller]
 pub fn rows_by_key(
     table: &RecordBatch,
@@ -246,7 +246,7 @@ pub fn rows_by_key(
         .collect()
 }
 
-/// Asserts that a text has every part.
+/// Asserts that a text contains every part.
 #[track_caller]
 pub fn assert_has(text: &str, parts: &[impl Display]) {
     for part in parts {

@@ -1,10 +1,11 @@
-//! Tables beside the study file and elsewhere: the option `--tables` of every command that reads a study.
+//! Tables beside the study file and elsewhere: the option `--tables` of every command that reads a
+//! study.
 
 use std::fs;
 
 use super::support::{AT_ONCE, Scratch, study_text};
 
-/// A study in `studies/` whose table is in `tables/`.
+/// A study in `studies/` with its table in `tables/`.
 fn scratch() -> Scratch {
     let scratch = Scratch::new();
     fs::create_dir(scratch.path("studies")).unwrap();
@@ -47,7 +48,7 @@ fn results_do_not_depend_on_the_option() {
     scratch.write("studies/b.yaml", text.replace("../tables/", ""));
     scratch.well("run studies/b.yaml --out two");
     assert_eq!(scratch.data("one"), scratch.data("two"));
-    // The study that was written beside the results needs no table and no option.
+    // The study file in the results needs no table and no option.
     scratch.well("run one/study.yaml --out three");
     assert_eq!(scratch.data("one"), scratch.data("three"));
 }
@@ -91,7 +92,7 @@ fn special_files_in_place_of_a_manifest_are_not_read() {
     assert!(ended.code == Some(2) && ended.err.contains("not a regular file"), "{}", ended.err);
 }
 
-/// Chunks may be huge, endless, or numbered as highly as numbers go.
+/// Chunks in a list may be huge, endless, or have the highest possible number.
 #[cfg(unix)]
 #[test]
 fn lists_of_chunks_are_not_trusted() {
@@ -112,11 +113,11 @@ fn lists_of_chunks_are_not_trusted() {
         fs::create_dir_all(&folder).unwrap();
         fs::write(folder.join("manifest.jsonl"), list).unwrap();
     };
-    // The highest number of all; the next one would be none.
+    // The highest possible number; the next one would overflow.
     again(line(u64::MAX, 100));
     scratch.well(run);
     assert_eq!(scratch.data("out"), whole);
-    // A chunk that never ends, and one that takes a terabyte of nothing.
+    // A chunk without an end, and one of a terabyte of zeros.
     again(line(7, 0));
     std::os::unix::fs::symlink("/dev/zero", folder.join("000007.chunk")).unwrap();
     scratch.well(run);
@@ -125,7 +126,7 @@ fn lists_of_chunks_are_not_trusted() {
     fs::File::create(folder.join("000007.chunk")).unwrap().set_len(1 << 40).unwrap();
     scratch.well(run);
     assert_eq!(scratch.data("out"), whole);
-    // A list of nothing: not a message per line.
+    // Invalid lines do not cause one message each.
     again("x\n".repeat(100_000));
     let ended = scratch.stickslip(run);
     assert!(ended.code == Some(0) && ended.err.len() < 10_000, "{} bytes", ended.err.len());

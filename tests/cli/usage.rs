@@ -1,4 +1,4 @@
-//! Wrong arguments and studies that cannot be read: exit code 2, one message, nothing written.
+//! Wrong arguments and unreadable studies: exit code 2, one message, nothing written.
 
 use std::fs;
 use std::process::Command;
@@ -12,7 +12,7 @@ fn scratch() -> Scratch {
 }
 
 #[test]
-fn wrong_arguments() {
+fn wrong_arguments_are_refused() {
     let scratch = scratch();
     let whole = "allowed: a whole number from 1";
     let shard = "allowed: K/N with whole numbers 1 ≤ K ≤ N, such as 2/8";
@@ -59,7 +59,8 @@ fn studies_that_cannot_be_read() {
     }
 }
 
-/// Paragraphs of the help fill the width of the terminal: a line ends only where the next word does not fit.
+/// Paragraphs of the help fill the width of the terminal: a line ends only where the next word does
+/// not fit.
 #[test]
 fn help_is_wrapped_once() {
     let mut paragraphs = 0;

@@ -36,7 +36,7 @@ const SERIES: [Series; 3] = [
     },
 ];
 
-/// What the tests in `tests/classification/convergence.rs` assert, as numbers.
+/// The numbers behind the assertions of `tests/classification/convergence.rs`.
 #[test]
 fn table_of_convergence() {
     let mut text =

@@ -1,10 +1,10 @@
-//! Files of the documentation, and numbers in its pages, that are computed: compared with what is checked in,
-//! or written.
+//! Computed files of the documentation and computed numbers in its pages: compared with the
+//! checked-in ones, or written.
 
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
-/// One test at a time rewrites a page.
+/// Tests rewrite pages one at a time.
 static PAGES: Mutex<()> = Mutex::new(());
 
 /// Every computed part of a page.
@@ -43,8 +43,8 @@ fn in_repository(path: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join(path)
 }
 
-/// Compares what a page has between `<!-- computed: NAME -->` and `<!-- /computed -->` with what was computed. With
-/// `STICKSLIP_WRITE_DOCS` set to 1 writes it instead (`scripts/docs`).
+/// Compares the text of a page between `<!-- computed: NAME -->` and `<!-- /computed -->` with the
+/// computed one. With `STICKSLIP_WRITE_DOCS` set to 1, writes it instead (`scripts/docs`).
 #[track_caller]
 pub fn compare_or_write_part(page: &str, name: &str, computed: &str) {
     let known = PARTS.iter().any(|(own, parts)| *own == page && parts.contains(&name));
@@ -86,7 +86,7 @@ pub fn compare_or_write(path: &str, contents: &str) {
     assert!(found == contents, "{path} is out of date at {line}; `scripts/docs` writes it anew");
 }
 
-/// No page has a part that no test computes.
+/// Every computed part of a page is computed by a test.
 #[test]
 fn parts_of_pages_are_computed() {
     let pages = std::fs::read_dir(in_repository("docs"))

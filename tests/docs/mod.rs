@@ -1,4 +1,4 @@
-//! The README and the pages in `docs` say what the program does: their outputs, studies and commands are run.
+//! The README and the pages in `docs` are correct: their outputs, studies and commands are run.
 
 mod convergence;
 pub mod generated;
@@ -26,16 +26,16 @@ fn stickslip(arguments: &[&str]) -> Output {
         .expect("the program starts")
 }
 
-/// The code block that follows a line of a page.
+/// Returns the code block that follows a line of a page.
 fn block_after(page: &str, line: &str) -> String {
     let mut lines = page.lines().skip_while(|text| *text != line).skip(1);
     assert!(lines.next().is_some_and(|fence| fence.starts_with("```")), "a block after {line}");
     lines.take_while(|text| !text.starts_with("```")).map(|text| format!("{text}\n")).collect()
 }
 
-/// The table that the first command prints is the one in the README.
+/// The table in the README is the output of its first command.
 #[test]
-fn output_of_the_first_command() {
+fn the_first_command_prints_the_readme_table() {
     let out = tempfile::tempdir().expect("a folder");
     let folder = out.path().join("results");
     let folder = folder.to_str().expect("a plain name");
@@ -44,7 +44,7 @@ fn output_of_the_first_command() {
     let printed = String::from_utf8_lossy(&output.stdout).into_owned();
     assert_eq!(printed, block_after(README, "<!-- tested: preferred-equilibria -->"));
     named::columns_are_on_pages(&out.path().join("results"));
-    // Numbers that other pages take from this study.
+    // Numbers of this study on other pages.
     let points = table(&out.path().join("results/points.parquet"));
     let irregular = numbers(&points, "speed_rad_s").iter().position(|one| *one == Some(-191.6372));
     let rate = records::escape_rate(&points, irregular.expect("the irregular speed"));
@@ -59,7 +59,7 @@ fn output_of_the_first_command() {
     );
 }
 
-/// How much narrower than Wilson's the intervals of the points with stratified ones are.
+/// Returns how much narrower the stratified intervals of the points are than Wilson's.
 fn stratified_narrower(points: &RecordBatch) -> String {
     let [low, high] = ["ci_low", "ci_high"].map(|name| numbers(points, name));
     let (rests, runs) = (counts(points, "equilibrium_runs"), counts(points, "runs"));
@@ -75,7 +75,7 @@ fn stratified_narrower(points: &RecordBatch) -> String {
     format!("{:.0} to {:.0} %", (100.0 * least).abs(), 100.0 * most)
 }
 
-/// The equilibrium sets of the thesis, as their page shows them.
+/// The page on equilibrium sets has the output for the thesis's sets.
 #[test]
 fn output_of_equilibria() {
     let out = tempfile::tempdir().expect("a folder");
@@ -91,7 +91,7 @@ fn output_of_equilibria() {
     named::columns_are_on_pages(&out.path().join("sets"));
 }
 
-/// The first study of a page.
+/// Returns the first study of a page.
 fn first_study(page: &str) -> (String, stickslip::study::Study) {
     let start = page.find("```yaml\n").expect("a YAML block") + "```yaml\n".len();
     let text = &page[start..];
@@ -101,17 +101,17 @@ fn first_study(page: &str) -> (String, stickslip::study::Study) {
     (text, study)
 }
 
-/// The study of the README is a study, in 20 lines.
+/// The study of the README is valid and has 20 lines.
 #[test]
 fn study_of_the_readme() {
     let (text, study) = first_study(README);
     assert_eq!(text.lines().count(), 20);
     assert_eq!(study.point_count(), 3);
-    // At most, as it asks for a precision.
+    // The maximum number of runs, because the study requires a precision.
     assert_eq!(study.run_count(), 3 * 1024);
 }
 
-/// The annotated study of the page on study files is a study.
+/// The annotated study of the page on study files is valid.
 #[test]
 fn study_of_the_study_file_page() {
     let (_, study) = first_study(STUDY_FILE);
@@ -132,7 +132,7 @@ fn commands_have_help_and_are_in_the_readme() {
     }
 }
 
-/// Every script in bash says what it does with `--help`, and does nothing else then.
+/// Every bash script prints its usage for `--help`, and does nothing else.
 #[cfg(unix)]
 #[test]
 fn scripts_have_help() {
@@ -146,7 +146,7 @@ fn scripts_have_help() {
                 continue;
             }
             let text = std::fs::read_to_string(&path).unwrap_or_default();
-            // That one needs its Python packages to say which peers it knows.
+            // This script needs its Python packages to list the supported peers.
             let needs_packages = path.ends_with("compare/run");
             if needs_packages || !text.starts_with("#!/usr/bin/env bash") {
                 continue;
@@ -169,15 +169,15 @@ fn scripts_have_help() {
     assert!(asked > 10, "{asked} scripts");
 }
 
-/// The README is a first page, not a manual.
+/// The README fits its limit of length.
 #[test]
 fn readme_is_short() {
     assert!(README.len() <= 8192, "README.md has {} bytes", README.len());
 }
 
-/// Files that pages link to are there.
+/// Linked files exist.
 #[test]
-fn links_lead_somewhere() {
+fn linked_files_exist() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let docs = std::fs::read_dir(root.join("docs")).expect("pages");
     let docs = docs.map(|entry| entry.expect("a page").path());

@@ -11,12 +11,13 @@ use crate::cli::support::table;
 const RESULTS: &str = include_str!("../../docs/results.md");
 const LABELS: [&str; 5] = ["equilibrium", "limit_cycle", "irregular", "undecided", "failed"];
 
-/// The number of a ball in a name.
+/// Returns whether a part of a name is the number of a ball.
 fn is_number(part: &str) -> bool {
     part.len() == 1 && part.bytes().all(|byte| byte.is_ascii_digit())
 }
 
-/// A column as pages write it: `K` for the number of a ball, `<label>` for a label.
+/// Returns a column in the notation of the pages: `K` for the number of a ball, `<label>` for a
+/// label.
 fn as_written(column: &str) -> String {
     let parts = column.split('_').map(|part| if is_number(part) { "K" } else { part });
     let name = parts.collect::<Vec<_>>().join("_");
@@ -79,7 +80,7 @@ fn keys_of_study_files_are_on_their_page() {
 }
 
 #[test]
-fn columns_as_pages_write_them() {
+fn columns_have_the_notation_of_the_pages() {
     assert_eq!(as_written("ball_speed_2_rad_s"), "ball_speed_K_rad_s");
     assert_eq!(as_written("limit_cycle_low"), "<label>_low");
     assert_eq!(as_written("equilibrium_fraction"), "equilibrium_fraction");

@@ -1,5 +1,6 @@
-//! Numbers in the documentation that take minutes to compute: stored in `docs/records`, each with the study and the
-//! version of the model that gave them, so that a stale record fails. `scripts/docs --records` computes them anew.
+//! Numbers in the documentation that take minutes to compute: stored in `docs/records`, each with
+//! its study and the version of the model, so that a stale record fails. `scripts/docs --records`
+//! recomputes them.
 
 use std::fs;
 use std::path::Path;
@@ -13,7 +14,7 @@ use stickslip::study::Study;
 use super::generated::compare_or_write_part;
 use crate::cli::support::{numbers, table, words};
 
-/// Runs the program, a release build where `STICKSLIP` names it.
+/// Runs the program; `STICKSLIP` may name a release build.
 fn stickslip(arguments: &[&str]) -> String {
     let program = std::env::var("STICKSLIP");
     let program = program.unwrap_or_else(|_| env!("CARGO_BIN_EXE_stickslip").to_owned());
@@ -27,8 +28,8 @@ fn stickslip(arguments: &[&str]) -> String {
     String::from_utf8(output.stdout).expect("text")
 }
 
-/// The values of a record; with `STICKSLIP_WRITE_RECORDS` set to 1 they are computed, into a directory given, and
-/// stored.
+/// Returns the values of a record; with `STICKSLIP_WRITE_RECORDS` set to 1, computes them in a
+/// directory and stores them.
 fn record(name: &str, study: &str, compute: impl FnOnce(&str) -> Value) -> Value {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let file = root.join("docs/records").join(name).with_extension("json");
@@ -62,14 +63,14 @@ fn number(value: &Value) -> f64 {
     value.as_f64().unwrap_or_else(|| panic!("a number, not {value}"))
 }
 
-/// An estimate in so many digits after the point, such as `0.133 (0.130 to 0.136)`.
+/// Formats an estimate with this number of decimals, such as `0.133 (0.130 to 0.136)`.
 fn estimate(value: &Value, scale: f64, digits: usize) -> String {
     let [value, low, high] = ["value", "low", "high"].map(|key| scale * number(&value[key]));
     format!("{value:.digits$} ({low:.digits$} to {high:.digits$})")
 }
 
-/// The search for the best CD-ROM drive: `optimum.json`, and the mean amplitudes relative to no balls at the three
-/// speeds.
+/// Returns the result of the search for the best CD-ROM drive: `optimum.json`, and the mean
+/// amplitudes relative to no balls at the three speeds.
 fn cd_rom_values(out: &str) -> Value {
     let study = "studies/cd-rom.yaml";
     stickslip(&["optimize", study, "--out", out, "--quiet"]);
@@ -85,8 +86,8 @@ fn cd_rom_values(out: &str) -> Value {
     json!({"optimum": optimum, "relative": relative})
 }
 
-/// What docs/optimize.md says of the CD-ROM drive is what its search gave. The best unit does next to nothing,
-/// and the thesis's machine does harm: the page's words rest on both.
+/// The statements of docs/optimize.md about the CD-ROM drive agree with its search: the best unit
+/// has almost no effect without imbalance, and the thesis's machine does harm.
 #[test]
 fn the_cd_rom_drive() {
     let values = record("cd-rom", "studies/cd-rom.yaml", cd_rom_values);
@@ -151,8 +152,8 @@ fn the_cd_rom_drive() {
     compare_or_write_part(page, "cd-rom-indices-rest", &largest("quiet"));
 }
 
-/// The rate at which irregular motion comes to rest, from 400 runs of 300 s; docs/methods.md sets it beside that of
-/// the thesis's study.
+/// The rate at which irregular motion comes to rest, from 400 runs of 300 s, is that of
+/// docs/methods.md, beside that of the thesis's study.
 #[test]
 fn the_escape_rate() {
     let values = record("escape-rate", "studies/escape-rate.yaml", |out| {
@@ -162,7 +163,7 @@ fn the_escape_rate() {
     compare_or_write_part("docs/methods.md", "escape-rate", &rate_in_words(&values));
 }
 
-/// The escape rate of a point in `points.parquet`.
+/// Returns the escape rate of a point in `points.parquet`.
 pub fn escape_rate(points: &arrow::array::RecordBatch, point: usize) -> Value {
     let of = |name: &str| numbers(points, name)[point];
     json!({
@@ -173,7 +174,7 @@ pub fn escape_rate(points: &arrow::array::RecordBatch, point: usize) -> Value {
     })
 }
 
-/// Such as `0.0029/s (0.0025 to 0.0034)`.
+/// Formats a rate, such as `0.0029/s (0.0025 to 0.0034)`.
 pub fn rate_in_words(rate: &Value) -> String {
     estimate(rate, 1.0, 4).replacen(" (", "/s (", 1)
 }

@@ -1,4 +1,4 @@
-//! The tutorial does what it says, with fewer runs and designs.
+//! The steps of the tutorial work, with fewer runs and designs.
 
 use std::fs;
 
@@ -6,7 +6,7 @@ use crate::cli::support::Scratch;
 
 const TUTORIAL: &str = include_str!("../../docs/tutorial.md");
 
-/// The blocks of code of a language, in their order, with where they begin.
+/// Returns the code blocks of a language in order, with their start lines.
 fn blocks(language: &str) -> Vec<(usize, String)> {
     let mut found = Vec::new();
     let mut inside: Option<(usize, String)> = None;
@@ -41,7 +41,7 @@ fn every_step_of_the_tutorial() {
         for line in text.lines() {
             let arguments = line.strip_prefix("stickslip ").expect("a command of this program");
             let ended = scratch.stickslip(arguments);
-            // With so few runs the limit may not be met in the end.
+            // With so few runs the limit may not be met.
             let allowed = if line.contains("optimize") { vec![0, 4] } else { vec![0] };
             assert!(allowed.contains(&ended.code.unwrap()), "{line}\n{}{}", ended.out, ended.err);
             commands += 1;

@@ -1,5 +1,5 @@
-//! The second computation of audited runs: by which settings, what counts as a flip, and that nothing
-//! else changes.
+//! The second computation of audited runs: its settings, the definition of a flip, and its
+//! independence from all other results.
 
 use std::sync::atomic::AtomicBool;
 
@@ -14,19 +14,19 @@ use crate::cli::support::{
     AT_ONCE, Scratch, assert_has, counts, numbers, parse, row, study_text, words,
 };
 
-/// Speeds at which motions are irregular, and at which all is well.
+/// Speeds with irregular and with regular motions.
 const SPEEDS: &str = "sweep: [{grid: {speed_rad_s: [-191.6372, -160.8103]}}]\n";
 const AUDIT: &str = "audit: {fraction: 0.4}\n";
 const DESIGN: &str = "{monte_carlo: {samples: 60}}";
 
-/// The second computation of every audited run is, field by field, what the study with the other
-/// settings says of that run; the other columns are those of the study without an audit.
+/// The second computation of every audited run agrees, field by field, with the study with the
+/// other settings; the other columns are those of the study without an audit.
 #[test]
 fn audited_runs_are_those_of_the_study_with_the_other_settings() {
     let scratch = Scratch::new();
-    // Coarse, so that motions that are irregular do flip.
+    // Coarse tolerances, so that irregular motions flip.
     let coarse = "tolerance: {relative: 1.0e-3, absolute: 1.0e-5}";
-    // A tenth of those, to the last bit: motions that are irregular tell the difference.
+    // A tenth of those to the last bit, because irregular motions are sensitive to it.
     let fine = "method: event, tolerance: {relative: 1.0e-4, absolute: 1.0000000000000002e-6}";
     let with = |settings: &str| {
         let text = study_text("a", DESIGN, 16.5, SPEEDS);
@@ -54,7 +54,7 @@ fn audited_runs_are_those_of_the_study_with_the_other_settings() {
         assert!(words(&plain, name).iter().all(Option::is_none));
     }
 
-    // The point table counts the same.
+    // The point table has the same counts.
     let labels = words(&audit, "label");
     let (points, without) = (scratch.table("audit", "points"), scratch.table("plain", "points"));
     let columns = [
@@ -86,11 +86,11 @@ fn audited_runs_are_those_of_the_study_with_the_other_settings() {
         let null = |name: &str| absent.contains(&(name.to_owned(), "null".to_owned()));
         assert!(columns.into_iter().all(null), "{absent:?}");
     }
-    assert!(counts(&points, "audit_flips")[0] > 0, "the study shows too little");
+    assert!(counts(&points, "audit_flips")[0] > 0, "the study is too small");
     assert_eq!(counts(&points, "audit_flips")[1], 0);
 }
 
-/// Panics and failures in one of the two computations are flips, and stay within their run.
+/// Panics and failures in one of the two computations are flips and do not affect other runs.
 #[test]
 fn failures_on_one_side_are_flips() {
     let text = study_text("a", "{monte_carlo: {samples: 30}}", AT_ONCE, "audit: {fraction: 1}\n");
@@ -101,7 +101,7 @@ fn failures_on_one_side_are_flips() {
     };
     let mut kept = Kept::default();
     let totals = run_in_memory(&study, &mut kept, &AtomicBool::new(false), |case| {
-        assert!(!fails(case), "as told");
+        assert!(!fails(case), "injected");
         simulate(case)
     })
     .unwrap();
@@ -115,13 +115,13 @@ fn failures_on_one_side_are_flips() {
         flips += u64::from(first != second);
         both += u64::from(first && second);
     }
-    assert!(flips > 5 && both > 2, "{flips} {both}: the study shows too little");
+    assert!(flips > 5 && both > 2, "{flips} {both}: the study is too small");
     let audit = kept.points[0].summary.audit;
     assert_eq!((audit.runs, audit.flips), (30, flips));
     assert_eq!(totals.counts.of(Label::Failed), kept.points[0].summary.counts.of(Label::Failed));
 }
 
-/// A draw without physical sense is audited, too: it fails both times.
+/// A physically invalid sample is audited, too: it fails in both computations.
 #[test]
 fn parameters_without_sense_do_not_flip() {
     let rest = "audit: {fraction: 1}\n\
@@ -153,7 +153,7 @@ fn the_terminal_and_the_json_show_flips_where_there_is_an_audit() {
     let point = &report["points"][0];
     assert_eq!((&point["audited_runs"], &point["audit_flips"]), (&10.into(), &0.into()));
     assert_eq!(point["audit_flip_high"].as_f64(), Some(wilson(0, 10, Z_95).1));
-    // Of no run nothing has been shown.
+    // An audit without runs does not meet an expectation.
     let ended = scratch.stickslip("verify rare.yaml");
     assert_eq!(ended.code, Some(4), "{}", ended.err);
     assert_has(&ended.out, &["NOT MET  point 0 : audit flip rate of no run, expected 0 to 0\n"]);

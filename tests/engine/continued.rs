@@ -1,4 +1,4 @@
-//! Runs that are continued: their rows are those of the study that had the longer end time.
+//! Continued runs: their rows are those of the study with the longer end time.
 
 use arrow::array::AsArray;
 
@@ -9,7 +9,7 @@ const BLOCK: &str = "model:\n  kind: block_on_belt\n\
                      \x20 friction: {stribeck: {static_friction_coefficient: 0.2, \
                      stribeck_speed_m_s: 0.05}}\n";
 
-/// Runs a study to a short end time, continued from there by a factor, and to the long one.
+/// Runs a study to a short end time, with continuation by a factor, and to the long end time.
 fn three_ways(rest: &str, end_time_s: f64, factor: f64) -> Scratch {
     let scratch = Scratch::new();
     let text = |end_time_s| study_text("a", "{latin_hypercube: {samples: 24}}", end_time_s, rest);
@@ -45,8 +45,8 @@ fn rows_are_those_of_the_longer_or_the_shorter_study() {
     }
 }
 
-/// With every run that can be continued, the tables of the points are those of the longer study, to
-/// the byte but for the study that they name; a run that found its cycle late is counted all the same.
+/// If every undecided run is continued, the point tables are those of the longer study, byte for
+/// byte except for the study's identity, including runs that found their cycle late.
 #[test]
 fn points_are_those_of_the_longer_study() {
     let scratch = three_ways(BALLS, 3.0, 2.0);
@@ -56,7 +56,7 @@ fn points_are_those_of_the_longer_study() {
     }
 }
 
-/// Runs with other labels are stopped, and counted as stopped, at the study's own end time.
+/// Runs with other labels are stopped, and censored, at the study's own end time.
 #[test]
 fn the_curve_goes_to_both_end_times() {
     let scratch = three_ways(BALLS, 3.0, 2.0);

@@ -1,12 +1,12 @@
-//! Two balls exchanged in the start state and in the machine give the exchanged result, to the
-//! last digit.
+//! Exchanging two balls in the start state and in the machine exchanges the results, to the last
+//! digit.
 
 use stickslip::classification::simulate;
 use stickslip::engine::compute;
 
 use crate::cli::support::{Scratch, numbers, parse, row, study_text, words};
 
-/// Start states in the default box at which runs come to rest, run on, and slip late.
+/// Returns start states in the default box for runs that come to rest, keep running, and slip late.
 fn starts() -> Vec<[f64; 8]> {
     let source = study_text("a", "{monte_carlo: {samples: 24}}", 5.0, "");
     let study = parse(&source);
@@ -15,7 +15,7 @@ fn starts() -> Vec<[f64; 8]> {
         .collect()
 }
 
-/// Runs a study from a table of starts and returns the directory with its results.
+/// Runs a study from a table of starts and returns the scratch directory with its results.
 fn run(starts: impl Iterator<Item = [f64; 8]>, rest: &str) -> Scratch {
     let scratch = Scratch::new();
     let mut table = "x,y,beta_1,beta_2,x_dot,y_dot,beta_dot_1,beta_dot_2\n".to_owned();
@@ -40,7 +40,7 @@ const OF_ONE_BALL: [&str; 8] = [
     "ball_speed_2_rad_s",
 ];
 
-/// A class of limit cycles with its balls in the opposite order.
+/// Returns a class of limit cycles with its balls in the opposite order.
 fn reversed(class: &str) -> String {
     class.rsplit('|').collect::<Vec<_>>().join("|")
 }
@@ -60,7 +60,7 @@ fn exchanged_gives_exchanged(sweep: &str, rest: &str, exchanged_rest: &str) {
         assert_eq!(exact(numbers(&one, first)), exact(numbers(&other, second)), "{first}");
         assert_eq!(exact(numbers(&one, second)), exact(numbers(&other, first)), "{second}");
     }
-    // Balls that are alike have no order in a class; others have changed places there, too.
+    // Identical balls have no order in a class; different balls have changed places there, too.
     let alike = rest == exchanged_rest;
     let classes = |table| words(table, "cycle_class").into_iter();
     let exchanged_class = |class: String| if alike { class } else { reversed(&class) };
@@ -72,13 +72,13 @@ fn exchanged_gives_exchanged(sweep: &str, rest: &str, exchanged_rest: &str) {
     }
     let labels = words(&one, "label");
     let at_rest = labels.iter().filter(|label| label.as_deref() == Some("equilibrium")).count();
-    assert!(at_rest > 0 && at_rest < labels.len(), "{at_rest}: the study shows too little");
+    assert!(at_rest > 0 && at_rest < labels.len(), "{at_rest}: the study is too small");
 }
 
 const SPEEDS: &str = "sweep: [{grid: {speed_rad_s: [-160.8103, -191.6372, -216.3772]}}]\n";
 
 #[test]
-fn balls_that_are_alike() {
+fn identical_balls_exchange_their_results() {
     exchanged_gives_exchanged(SPEEDS, "", "");
 }
 
@@ -92,7 +92,7 @@ fn balls_that_differ_change_places_in_the_machine_too() {
     exchanged_gives_exchanged(SPEEDS, &balls(light, heavy), &balls(heavy, light));
 }
 
-/// A run that is computed alone is the same run.
+/// A run that is computed alone equals the run in its study.
 #[test]
 fn a_run_alone_is_the_run_in_its_study() {
     let text = study_text("a", "{monte_carlo: {samples: 8}}", 5.0, SPEEDS);

@@ -1,4 +1,4 @@
-//! A run that fails is a row, and nobody else's business.
+//! A failed run is a row and does not affect other runs.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -75,7 +75,7 @@ fn stop_finishes_what_runs_and_begins_nothing() {
     })
     .unwrap();
     assert!(totals.interrupted());
-    // One for each of three threads at most.
+    // At most one for each of the three threads.
     assert!((1..=3).contains(&kept.runs.len()), "{}", kept.runs.len());
     assert_eq!(totals.counts.total(), kept.runs.len() as u64);
     assert_eq!(kept.points.len(), 1);

@@ -1,4 +1,4 @@
-//! Runs and points of a study kept in memory.
+//! An in-memory sink for the runs and points of a study.
 
 use std::sync::atomic::AtomicBool;
 
@@ -9,7 +9,7 @@ use stickslip::model::Case;
 use stickslip::study::Study;
 use stickslip::table::{PointRow, RunRecord};
 
-/// Runs and points as they come; refuses runs where there is no more room.
+/// Runs and points in order of arrival; refuses runs above its capacity.
 #[derive(Default)]
 pub struct Kept {
     pub runs: Vec<RunRecord>,

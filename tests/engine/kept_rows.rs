@@ -1,4 +1,4 @@
-//! A study that grows keeps the rows that it had.
+//! A study that grows has the rows that it had before.
 
 use std::collections::BTreeMap;
 
@@ -13,13 +13,13 @@ fn run(text: &str) -> RecordBatch {
     scratch.table("out", "runs")
 }
 
-/// What names a run whatever the study's size.
+/// Columns that identify a run in studies of any size.
 const KEY: [&str; 3] = ["speed_rad_s", "cell", "replicate"];
-/// Numbers that count through the study and move when it grows.
+/// Columns with numbers that change when the study grows.
 const MOVE: [&str; 2] = ["run_id", "point_id"];
 
-/// Every row of the old table stands in the new one under its key, apart from numbers that move
-/// and columns that are new.
+/// Asserts that every row of the old table is in the new one under its key, apart from renumbered
+/// and new columns.
 fn assert_kept(old: &RecordBatch, new: &RecordBatch) {
     let (old, new) = (rows_by_key(old, &KEY, &MOVE), rows_by_key(new, &KEY, &MOVE));
     assert!(!old.is_empty() && old.len() <= new.len());
@@ -70,8 +70,8 @@ fn with_another_sample() {
     assert_kept(&old, &new);
 }
 
-/// A further uncertain parameter leaves the draws as they were. It changes outcomes, of course,
-/// unless it always gives the value that the parameter has anyway.
+/// A further uncertain parameter does not change the other samples; the outcomes are unchanged if
+/// it always has the parameter's own value.
 #[test]
 fn with_another_uncertain_parameter() {
     let design = "{monte_carlo: {samples: 12}}";

@@ -1,4 +1,4 @@
-//! The engine: which run is computed where changes nothing, and a bad run is a row.
+//! The engine: scheduling does not affect results, and a failed run is a row.
 
 mod audit;
 mod continued;

@@ -1,4 +1,4 @@
-//! Points that are sampled until their fraction of equilibria is known well enough.
+//! Points that are sampled until their equilibrium fraction is known to the required precision.
 
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -30,7 +30,8 @@ fn text(half_width: f64, max_runs: u64, end_time_s: f64) -> String {
         .replace("initial_conditions: {", &format!("initial_conditions: {{box: {{{fixed}}}, "))
 }
 
-/// Comes to rest where the first ball starts in a part of the ring that depends on the speed.
+/// Returns an outcome at rest if the first ball starts in a part of the ring that depends on the
+/// speed.
 fn by_place(case: &Case) -> Outcome {
     let speed = case.model.ball_balancer().expect("a balancer").speed_rad_s;
     let fraction = (-speed - 160.0) / 100.0;
@@ -47,8 +48,8 @@ fn sampled(study: &Study) -> Kept {
     kept
 }
 
-/// The runs of each point are those that the rule asks for when it is applied to their labels, and
-/// their numbers follow one another from the point's first.
+/// The runs of each point are those that the stopping rule requests for their labels, with
+/// consecutive numbers from the point's first.
 #[test]
 fn points_stop_where_the_rule_stops() {
     for (half_width, max_runs) in [(0.2, 10_000), (0.05, 10_000), (0.02, 1000), (0.02, 10)] {
@@ -88,7 +89,7 @@ fn points_stop_where_the_rule_stops() {
     }
 }
 
-/// More runs and a narrower interval add runs behind those that there were, at every point.
+/// More runs and a narrower interval append runs to the existing ones, at every point.
 #[test]
 fn former_runs_are_kept() {
     let runs = |half_width, max_runs| {
@@ -110,11 +111,11 @@ fn former_runs_are_kept() {
             new.len() > old.len()
         });
         let grown = grown.count();
-        assert!(grown > 0 || max_runs == 150, "the study shows too little");
+        assert!(grown > 0 || max_runs == 150, "the study is too small");
     }
 }
 
-/// The parts of a study are its points; together they are the whole.
+/// The shards of a study are its points, and together they are the whole.
 #[test]
 fn shards_together_are_the_whole() {
     let scratch = Scratch::new();
@@ -144,8 +145,8 @@ fn shards_together_are_the_whole() {
     assert_eq!((planned("3-of-5"), planned("5-of-5")), (200, 0));
 }
 
-/// A stop in the second round of the second point: what has finished is kept, the first point is
-/// whole, and no point begins anew.
+/// After an interruption in the second round of the second point, the finished runs are stored, the
+/// first point is complete, and no point starts again.
 #[test]
 fn an_interruption_keeps_what_is_finished() {
     let study = parse(&text(0.06, 150, AT_ONCE));
@@ -169,7 +170,7 @@ fn an_interruption_keeps_what_is_finished() {
         assert!(whole.runs.contains(record));
     }
 
-    // Stopped with the last run of a round: more were to come.
+    // Stopped with the last run of a round, before the next round.
     let stop = AtomicBool::new(false);
     let done = AtomicUsize::new(0);
     let mut kept = Kept::default();
@@ -184,12 +185,12 @@ fn an_interruption_keeps_what_is_finished() {
     assert!(totals.interrupted());
 }
 
-/// What is finished is complete, though there might have been more runs.
+/// Finished tables are complete, even though there could have been more runs.
 #[test]
 fn the_tables_and_the_terminal_say_what_was_reached() {
     let scratch = Scratch::new();
     scratch.write("a.yaml", text(0.1, 50, AT_ONCE));
-    // Nothing rests so soon: 15 runs leave a half width of 0.102, 12 one of 0.121.
+    // No run rests so early: 15 runs give a half width of 0.102, 12 runs one of 0.121.
     let ended = scratch.stickslip("run a.yaml --out out");
     assert_eq!(ended.code, Some(0), "{}", ended.err);
     assert_has(&ended.err, &["fraction known to +-0.1 at 3 of 3 points\n"]);
@@ -201,7 +202,7 @@ fn the_tables_and_the_terminal_say_what_was_reached() {
     assert_eq!(again.code, Some(0));
     assert_has(&again.err, &["out already holds all 76 runs of this study: nothing to do"]);
 
-    // A failure may have been an equilibrium or not: the interval stays wide.
+    // A failed run could have been an equilibrium or not: the interval stays wide.
     let negative = "uncertain: {ball_mass_1_kg: {normal: {mean: 1.4e-4, std_dev: 1.4e-4}}}\n";
     scratch.write("b.yaml", text(0.09, 50, AT_ONCE) + negative);
     let ended = scratch.stickslip("run b.yaml --out failed --json");
@@ -221,7 +222,7 @@ fn the_tables_and_the_terminal_say_what_was_reached() {
     assert_eq!(report["points_not_precise"], 3);
     assert_eq!(report["points"][2]["precision_reached"], false);
 
-    // Without a precision nothing is said.
+    // Without a required precision there is no statement about it.
     scratch.write("c.yaml", study_text("a", "{monte_carlo: {samples: 15}}", AT_ONCE, REST));
     let ended = scratch.stickslip("run c.yaml --out plain");
     assert!(!ended.err.contains("known to"), "{}", ended.err);
@@ -270,7 +271,7 @@ fn words_of(table: &RecordBatch) -> Vec<String> {
     table.schema().fields().iter().map(|field| field.name().clone()).collect()
 }
 
-/// The study with true simulations, too, keeps its rows as it is made more precise.
+/// A simulated study keeps its rows when the required precision increases.
 #[test]
 fn simulated_runs_are_kept() {
     let scratch = Scratch::new();

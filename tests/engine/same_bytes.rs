@@ -1,4 +1,4 @@
-//! The same bytes in every data file, however the runs are spread.
+//! Data files do not depend on the distribution of the work, byte for byte.
 
 use crate::cli::support::{AT_ONCE, DATA_FILES, Scratch, study_text};
 
@@ -19,7 +19,7 @@ fn same_bytes(text: &str, code: i32, ways: &[&str]) {
     }
 }
 
-/// Runs of all lengths: at rest early, late and never, failed ones among them.
+/// Runs of all lengths: at rest early, late and never, with some failures.
 #[test]
 fn for_any_number_of_threads_and_any_chunk() {
     let rest = "sweep: [{grid: {speed_rad_s: [-160.8103, -216.3772]}}]\n\
@@ -41,7 +41,7 @@ fn for_any_number_of_threads_and_any_chunk() {
     );
 }
 
-/// Limit cycles, every run on the same one.
+/// Limit cycles, with every run on the same one.
 #[test]
 fn for_limit_cycles() {
     let model = "model: {kind: block_on_belt, friction: {stribeck: {static_friction_coefficient: \
@@ -60,7 +60,7 @@ fn for_tables_of_many_blocks() {
     same_bytes(&text, 3, &ways);
 }
 
-/// Some runs are continued past the end time, some are over before.
+/// Some runs are continued past the end time, some have ended before.
 #[test]
 fn for_runs_that_are_continued() {
     let text = study_text("a", "{latin_hypercube: {samples: 24}}", 3.0, "");
@@ -72,7 +72,7 @@ fn for_runs_that_are_continued() {
     );
 }
 
-/// How many runs there are depends on how runs end, and not on who computes them.
+/// The number of runs depends on their endings, not on the distribution of the work.
 #[test]
 fn where_runs_decide_how_many_there_are() {
     let rest = "sweep:\n\

@@ -1,4 +1,4 @@
-//! Disks that are full, or not to be written to.
+//! Full disks and directories without write permission.
 
 use std::fs;
 use std::process::{Command, Output};
@@ -6,7 +6,7 @@ use std::process::{Command, Output};
 use super::{finished, halfway, study};
 use crate::cli::support::{Ended, Scratch};
 
-/// Runs a script in which `mount` may be used: file systems of its own, gone when it ends.
+/// Runs a script in a mount namespace of its own, whose file systems vanish when it ends.
 fn with_mounts(scratch: &Scratch, script: &str) -> Output {
     let script = format!("set -e\nstickslip={}\n{script}", env!("CARGO_BIN_EXE_stickslip"));
     let mut command = Command::new("unshare");
@@ -14,8 +14,8 @@ fn with_mounts(scratch: &Scratch, script: &str) -> Output {
     command.current_dir(scratch.path(".")).output().expect("unshare, of util-linux")
 }
 
-/// A disk of 200 kB: the program says that it is full, with what was finished before kept; on a larger one
-/// the study goes on.
+/// On a disk of 200 kB the program reports that it is full and keeps the finished runs; on a larger
+/// one the study continues.
 #[test]
 fn a_full_disk_loses_nothing() {
     let scratch = Scratch::new();
@@ -38,11 +38,11 @@ fn a_full_disk_loses_nothing() {
     assert_eq!(finished(&scratch.path("out"))[..kept.len() - 1], kept[..kept.len() - 1]);
     assert_eq!(scratch.data("out"), scratch.data("whole"));
     let runs_kept = scratch.manifest("out")["runs_kept"].as_u64().unwrap();
-    // The last line on the list may be of a chunk for which there was no room any more.
+    // The last line of the list may belong to a chunk for which there was no space.
     assert!(runs_kept >= (kept.len() as u64 - 1) * 64, "{runs_kept} of {} chunks", kept.len());
 }
 
-/// A directory that cannot be written to, whoever one is.
+/// A directory that cannot be written to is refused, for any user.
 #[test]
 fn a_read_only_directory_is_refused() {
     let scratch = Scratch::new();
@@ -63,7 +63,8 @@ fn a_read_only_directory_is_refused() {
     assert_eq!(scratch.data("out"), scratch.data("whole"));
 }
 
-/// A limit of the size of files is an error with the file's name, not the silent end of the program.
+/// A file size limit is reported as an error with the file's name instead of ending the program
+/// silently.
 #[test]
 fn a_limit_of_the_size_of_files_is_told_with_the_file() {
     let scratch = Scratch::new();

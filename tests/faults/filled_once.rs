@@ -1,5 +1,5 @@
-//! `equilibria` and `replay` are stopped amid their work: the same command goes on in the same directory, and replaces nothing
-//! that it has not written.
+//! `equilibria` and `replay` interrupted midway: the same command completes its directory, and
+//! replaces no file that it has not written.
 
 use std::fs;
 
@@ -28,7 +28,7 @@ fn scratch() -> Scratch {
     scratch
 }
 
-/// The files of a directory and their contents.
+/// Returns the files of a directory with their contents.
 fn files(scratch: &Scratch, directory: &str) -> Vec<(String, Vec<u8>)> {
     let entries = fs::read_dir(scratch.path(directory)).unwrap().map(|entry| entry.unwrap());
     let file = |entry: fs::DirEntry| {
@@ -52,15 +52,15 @@ fn a_command_that_was_stopped_goes_on_in_its_directory() {
         assert!(left.contains(&("unfinished".to_owned(), Vec::new())), "{left:?}");
         scratch.well(&format!("{command} --out out"));
         assert_eq!(files(&scratch, "out"), before, "{command}");
-        // It is filled once.
+        // A complete directory is not filled again.
         let occupied = ["out: this directory is not empty", "allowed: another directory"];
         scratch.refused(&format!("{command} --out out"), &occupied);
-        // Killed when some of the files had their names.
+        // Killed when some of the files had their final names.
         for finished in 0..=names.len() {
             fs::remove_dir_all(scratch.path("out")).unwrap();
             fs::create_dir(scratch.path("out")).unwrap();
             scratch.write("out/unfinished", "");
-            // What a killed process leaves.
+            // A partial file as a killed process leaves it.
             scratch.write(&format!("out/{}.abc123.stickslip-partial", names[0]), "half");
             for name in &names[..finished] {
                 fs::copy(scratch.path(&whole).join(name), scratch.path("out").join(name)).unwrap();
@@ -76,7 +76,7 @@ fn a_command_that_was_stopped_goes_on_in_its_directory() {
 fn nothing_else_is_replaced() {
     let scratch = scratch();
     for (command, names) in COMMANDS {
-        // Not begun by the program, or with something of somebody else's in it.
+        // Directories that the program did not begin, or with a foreign file.
         for others in [
             &["equilibrium_set_summary.parquet"][..],
             &["trajectory.parquet"],
@@ -91,7 +91,7 @@ fn nothing_else_is_replaced() {
         fs::create_dir(scratch.path("out")).unwrap();
         scratch.write("out/unfinished", "years of work");
         scratch.refused(&format!("{command} --out out"), &["out: this directory is not empty"]);
-        // Begun by the program, and a name taken since.
+        // A directory that the program began, with a foreign file under one of its names.
         for name in names {
             fs::remove_dir_all(scratch.path("out")).unwrap();
             fs::create_dir(scratch.path("out")).unwrap();

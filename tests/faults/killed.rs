@@ -1,4 +1,4 @@
-//! `kill -9` at any moment, again and again until the study is finished.
+//! Repeated `kill -9` at arbitrary moments until the study is finished.
 
 use std::process::Child;
 use std::thread::{sleep, yield_now};
@@ -7,10 +7,10 @@ use std::time::Duration;
 use super::{CHUNKS, chunks, finished, stopped_at, study};
 use crate::cli::support::{Scratch, assert_has};
 
-/// At least so many kills.
+/// Minimum number of kills.
 const KILLS: u32 = 50;
 
-/// A fixed sequence that looks like chance (a multiplicative congruential generator).
+/// A fixed pseudo-random sequence (a multiplicative congruential generator).
 struct Chance(u64);
 
 impl Chance {
@@ -20,7 +20,7 @@ impl Chance {
     }
 }
 
-/// Waits until the program has ended by itself or `holds`; whether it has ended.
+/// Waits until the program has ended or `holds`. Returns whether it has ended.
 fn until(child: &mut Child, mut holds: impl FnMut() -> bool) -> bool {
     loop {
         if child.try_wait().unwrap().is_some() {
@@ -33,9 +33,9 @@ fn until(child: &mut Child, mut holds: impl FnMut() -> bool) -> bool {
     }
 }
 
-/// Kills come at any time after the start (also before there is a directory) and at any time after the next
-/// chunk is finished (also while tables are written); every attempt goes on with another number of
-/// threads, by `run` or `resume`.
+/// Kills at any time after the start (also before the directory exists) and after the next chunk is
+/// finished (also while tables are written) lose no finished run; every attempt continues with
+/// another number of threads, by `run` or `resume`.
 #[test]
 fn kills_lose_nothing() {
     let scratch = Scratch::new();
@@ -68,7 +68,7 @@ fn kills_lose_nothing() {
             kills += 1;
         }
         let status = child.wait_with_output().unwrap();
-        // A chunk that was finished once stays so, and none was ever damaged. The last line may be torn.
+        // A finished chunk remains finished and undamaged. The last line may be torn.
         let now = finished(&out);
         assert!(now.len() >= kept.len(), "{} finished chunks became {}", kept.len(), now.len());
         assert_eq!(now[..kept.len()], kept, "finished chunks have changed");
@@ -89,7 +89,7 @@ fn kills_lose_nothing() {
     println!("{kills} kills survived, {} chunks of at least {CHUNKS}, 0 rows lost", kept.len());
 }
 
-/// A merge that ends on a file that is too large: no run of it is computed by `resume`, which names `merge`.
+/// A merge that ends at the file size limit is not computed by `resume`, which refers to `merge`.
 #[test]
 fn a_merge_that_was_stopped_is_merged() {
     let scratch = Scratch::new();
@@ -107,7 +107,7 @@ fn a_merge_that_was_stopped_is_merged() {
     assert_has(&ended.err, &["400 were finished before, 0 computed"]);
     assert_eq!(scratch.data("out"), scratch.data("whole"));
     assert!(scratch.manifest("out")["merging"].is_null());
-    // Who wants the runs computed says so.
+    // With an explicit request the runs are computed.
     stopped_at(&scratch, 16, "merge part1 part2 --out computed");
     stopped_at(&scratch, 16, "run a.yaml --out computed");
     scratch.well("resume computed");

@@ -1,5 +1,5 @@
-//! What may happen to a study on a bad day: no finished run is lost, no row is wrong, the bytes at the end
-//! are the same.
+//! Robustness of studies: no finished run is lost, no row is wrong, and the final bytes are the
+//! same.
 
 #![cfg(target_os = "linux")]
 
@@ -25,20 +25,20 @@ fn study() -> String {
     study_text("bad-day", "{monte_carlo: {samples: 3200}}", 0.05, sweep)
 }
 
-/// The folder of finished chunks of the one study in a directory of results, if there is one.
+/// Returns the chunk folder of the single study in a results directory, if there is one.
 fn chunks(directory: &Path) -> Option<PathBuf> {
     let entries = fs::read_dir(directory.join("chunks")).ok()?;
     entries.map(|entry| entry.unwrap().path()).find(|path| path.is_dir())
 }
 
-/// The finished chunks of a directory of results: the lines of their list.
+/// Returns the finished chunks of a results directory: the lines of their list.
 fn finished(directory: &Path) -> Vec<String> {
     let list = chunks(directory).map(|folder| folder.join("manifest.jsonl"));
     let text = list.and_then(|list| fs::read_to_string(list).ok()).unwrap_or_default();
     text.lines().map(str::to_owned).collect()
 }
 
-/// Runs the program, which the kernel refuses to write more than so many blocks of 512 bytes into a file.
+/// Runs the program with a file size limit of `blocks` blocks of 512 bytes.
 fn stopped_at(scratch: &Scratch, blocks: u32, arguments: &str) {
     let program = env!("CARGO_BIN_EXE_stickslip");
     let script = format!("ulimit -c 0; ulimit -f {blocks}; exec {program} {arguments}");
@@ -49,7 +49,7 @@ fn stopped_at(scratch: &Scratch, blocks: u32, arguments: &str) {
     assert!(said.contains("File too large"), "{arguments}: {said}");
 }
 
-/// A study that was stopped in the middle, in `out`, and the whole of it, in `whole`.
+/// An interrupted study in `out`, and the complete one in `whole`.
 fn halfway(scratch: &Scratch) {
     scratch.write("a.yaml", study());
     scratch.well("run a.yaml --out whole --chunk 64");

@@ -1,4 +1,4 @@
-//! The program itself fails in chosen runs: rows say so, and a later try of them gives what is right.
+//! Panics in selected runs: their rows say so, and a retry gives the correct rows.
 
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
@@ -47,17 +47,17 @@ fn panics_are_rows_that_can_be_tried_again() {
         assert!(failed || run == right);
     }
     assert!((50..200).contains(&panics), "{panics}");
-    // They are finished: nothing is computed again unless asked for.
+    // Runs that panicked are finished: nothing is computed again without a request.
     let again = run_in_memory(&study, &out, false, |_| unreachable!("all runs are finished"));
     assert_eq!(again.runs, first.runs);
-    // And then only they, from the same start states and parameters.
+    // A retry computes only them, from the same start states and parameters.
     let retried = run_in_memory(&study, &out, true, |case| {
         assert!(bad(case), "a run that had not failed");
         simulate(case)
     });
     assert_eq!(retried.runs, whole.runs);
     assert_eq!(retried.points, whole.points);
-    // The better outcome is the one that is kept.
+    // The better outcome is stored.
     let last = run_in_memory(&study, &out, true, |_| unreachable!("no run has failed any more"));
     assert_eq!(last.runs, whole.runs);
 }

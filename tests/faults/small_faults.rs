@@ -1,4 +1,4 @@
-//! Few file handles, a clock that jumps, a byte that changes in any file.
+//! Few file handles, clock changes, single changed bytes.
 
 use std::fs;
 use std::process::Command;
@@ -6,7 +6,7 @@ use std::process::Command;
 use super::{halfway, study};
 use crate::cli::support::{Ended, Scratch};
 
-/// A dozen and a half open files are enough, also to merge more shards than that.
+/// About eighteen open files suffice, also to merge more shards than that.
 #[test]
 fn few_file_handles_are_enough() {
     let scratch = Scratch::new();
@@ -22,7 +22,7 @@ fn few_file_handles_are_enough() {
     let ended = Ended::of(command.output().unwrap());
     assert_eq!(ended.code, Some(0), "{}", ended.err);
     assert_eq!(scratch.data("out"), scratch.data("whole"));
-    // With too few it says so, and has lost nothing.
+    // With too few handles the program reports the error and loses nothing.
     let script = format!("ulimit -n 7; {} resume part7", env!("CARGO_BIN_EXE_stickslip"));
     let mut command = Command::new("sh");
     command.args(["-c", &script]).current_dir(scratch.path("."));
@@ -31,9 +31,9 @@ fn few_file_handles_are_enough() {
     scratch.well("resume part7");
 }
 
-/// Nothing asks what time it is: files from the future, a start in the past or in the future.
+/// Results do not depend on the clock: files from the future, a start in the past or in the future.
 #[test]
-fn clocks_decide_nothing() {
+fn results_do_not_depend_on_the_clock() {
     for (began, stamp) in [(0.0, "1970-01-02"), (4.0e10, "2170-01-01"), (-1.0, "2001-09-09")] {
         let scratch = Scratch::new();
         halfway(&scratch);
@@ -50,9 +50,9 @@ fn clocks_decide_nothing() {
     }
 }
 
-/// One byte of each file of an interrupted study is changed, at the beginning, in the middle and at the end:
-/// either the program refuses and says which file, or it ends in the same bytes. With the file put back, or
-/// by running the study itself, nothing was lost.
+/// With one byte of any file of an interrupted study changed, at the beginning, in the middle or at
+/// the end, the program either refuses and names the file, or ends in the same bytes. Restoring the
+/// file, or running the study itself, recovers everything.
 #[test]
 fn a_changed_byte_is_never_a_wrong_row() {
     let scratch = Scratch::new();

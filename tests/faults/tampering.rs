@@ -1,4 +1,4 @@
-//! Somebody meddles with a directory of results: links and pipes in it, files changed or removed.
+//! Tampering with a results directory: links and pipes in it, changed or removed files.
 
 use std::fs;
 use std::os::unix::fs::symlink;
@@ -15,7 +15,7 @@ fn complete() -> Scratch {
     scratch
 }
 
-/// Nothing outside of the directory is written, whatever links lead there.
+/// No file outside of the directory is written through a link.
 #[test]
 fn links_are_not_written_through() {
     for name in ["manifest.json", "study.yaml", "runs.parquet"] {
@@ -48,8 +48,8 @@ fn links_are_not_written_through() {
     }
 }
 
-/// Nor through links deeper down: in place of a folder of chunks, of the study's own or of another one's, of
-/// their list, or of earlier results that are being moved.
+/// No file is written through links below the directory: in place of a chunk folder of this or
+/// another study, of the chunk list, or of earlier results that are being moved.
 #[test]
 fn links_below_are_not_written_through() {
     let names =
@@ -66,7 +66,7 @@ fn links_below_are_not_written_through() {
             let name = name.replace("OWN", own.file_name().unwrap().to_str().unwrap());
             let path = scratch.path("out").join(&name);
             fs::create_dir_all(path.parent().unwrap()).unwrap();
-            // What was there is where the link leads to, so that nothing is missing.
+            // The contents are moved to the link's target, so that nothing is missing.
             let elsewhere = scratch.path("elsewhere");
             if path.exists() {
                 fs::rename(&path, &elsewhere).unwrap();
@@ -83,7 +83,7 @@ fn links_below_are_not_written_through() {
     }
 }
 
-/// What a link leads to is no chunk and no table, whatever is in it.
+/// The target of a link is not accepted as a chunk or table.
 #[test]
 fn links_are_not_read_through() {
     let scratch = complete();
@@ -100,7 +100,7 @@ fn links_are_not_read_through() {
     assert_has(&ended.err, &told);
     assert_eq!(scratch.data("out"), before);
 
-    // A table of many parts, of a study that was stopped: the link itself is put aside.
+    // In an interrupted study with a table of many parts, the link itself is moved aside.
     let scratch = complete();
     assert_eq!(scratch.stickslip("run a.yaml --out new --max-seconds 0").code, Some(130));
     fs::create_dir(scratch.path("elsewhere")).unwrap();
@@ -112,7 +112,7 @@ fn links_are_not_read_through() {
     assert_eq!(scratch.data("new"), before);
 }
 
-/// Who merges changes nothing in the directory of a shard.
+/// Merging changes nothing in the directory of a shard.
 #[test]
 fn shards_are_only_read() {
     let scratch = complete();
@@ -129,7 +129,7 @@ fn shards_are_only_read() {
     assert_eq!(files(), before);
 }
 
-/// Pipes are not waited for.
+/// Pipes in place of files do not block the program.
 #[test]
 fn pipes_do_not_hang() {
     for name in ["chunks/lock", "manifest.json.abc123.stickslip-partial"] {
@@ -143,8 +143,8 @@ fn pipes_do_not_hang() {
     }
 }
 
-/// Who removes the lock of a running study cannot make it claim tables that another process may have
-/// written.
+/// If the lock of a running study is removed, the study does not claim tables that another process
+/// may have written.
 #[test]
 fn a_lost_lock_is_noticed() {
     let scratch = Scratch::new();
@@ -164,7 +164,8 @@ fn a_lost_lock_is_noticed() {
     assert_eq!(scratch.data("out"), scratch.data("whole"));
 }
 
-/// Tables are known by their content, not by their size; another name of the study is another study.yaml.
+/// Tables are identified by their content, not their size; a study with another name has another
+/// study.yaml.
 #[test]
 fn changed_content_is_made_again() {
     let scratch = complete();
@@ -189,10 +190,10 @@ fn changed_content_is_made_again() {
     assert_eq!(scratch.data("out"), scratch.data("alone"));
 }
 
-/// A shard whose chunks were removed is computed again by whoever merges, but not without a word; and a
-/// damaged chunk never takes the place of one that was put aside before.
+/// A shard whose chunks were removed is computed again by `merge`, with a message; and a damaged
+/// chunk never replaces one that was moved aside before.
 #[test]
-fn removed_chunks_are_told_of() {
+fn removed_chunks_are_reported() {
     let scratch = complete();
     for part in ["1", "2"] {
         scratch.well(&format!("run a.yaml --shard {part}/2 --out part{part}"));

@@ -1,4 +1,4 @@
-//! Two processes on the same directory.
+//! Two processes with the same results directory.
 
 use super::{finished, study};
 use crate::cli::support::Scratch;
@@ -26,7 +26,7 @@ fn the_second_process_is_refused() {
     assert!(first.try_wait().unwrap().is_none());
     first.kill().unwrap();
     first.wait().unwrap();
-    // The lock goes with the process, however it ended.
+    // The lock is released with the process, however it ended.
     let again = scratch.stickslip("resume out --max-seconds 0");
     assert_eq!(again.code, Some(130), "{}", again.err);
 }

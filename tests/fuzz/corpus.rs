@@ -1,4 +1,4 @@
-//! The files from which hostile inputs are made, in `fuzz/corpus`; binary ones are written by this
+//! The seed files of the hostile inputs, in `fuzz/corpus`; the binary ones are written by this
 //! program.
 
 use std::fs;
@@ -16,7 +16,7 @@ fn folder(target: &str) -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("fuzz/corpus").join(target)
 }
 
-/// The files for a target, in the order of their names; for studies, also those that are shipped.
+/// Returns the files for a target, ordered by name; for studies, also the shipped ones.
 pub fn read(target: &str) -> Vec<Vec<u8>> {
     let mut folders = vec![folder(target)];
     if target == "study" {
@@ -30,7 +30,7 @@ pub fn read(target: &str) -> Vec<Vec<u8>> {
     paths.iter().map(|path| fs::read(path).unwrap()).collect()
 }
 
-/// Writes the binary files anew.
+/// Rewrites the binary files.
 pub fn write() {
     let put = |target: &str, name: &str, bytes: Vec<u8>| {
         fs::create_dir_all(folder(target)).unwrap();
@@ -47,7 +47,7 @@ pub fn write() {
     put("finished_runs", "undecided", with(2, &pieces(&chunk).join([255, 255].as_slice())));
 }
 
-/// The outcomes of the runs in a chunk.
+/// Returns the outcomes of the runs in a chunk.
 fn pieces(chunk: &[u8]) -> Vec<Vec<u8>> {
     let mut runs = &chunk[HEAD..];
     let mut pieces = Vec::new();

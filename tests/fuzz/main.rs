@@ -1,16 +1,16 @@
-//! Hostile files: the functions of `targets` on thousands of damaged inputs, each in bounded memory and
-//! time.
+//! Hostile files: the functions of `targets` on thousands of damaged inputs, each in bounded memory
+//! and time.
 //!
-//! A child process works through the inputs, with an allocator that refuses more than a limit; it says
-//! which one is next. Where it dies or takes too long, its parent notes the input, writes it to a file
-//! and lets another child go on behind it.
+//! A child process tests the inputs with a capped allocator, and announces each input. If the child
+//! dies or exceeds the time limit, its parent records the input, writes it to a file and starts
+//! another child with the next one.
 //!
-//! - `cargo test --test fuzz` takes a few seconds. Names select, as elsewhere:
+//! - `cargo test --test fuzz` takes a few seconds. Names select targets:
 //!   `cargo test --test fuzz -- csv_table`.
-//! - `STICKSLIP_FUZZ_RUNS=1000000` tries more inputs for each kind of file,
-//!   `STICKSLIP_FUZZ_SEED=7` other ones.
-//! - `cargo test --test fuzz -- --input study FILE` feeds one file.
-//! - `cargo test --test fuzz -- --write-corpus` writes the binary files of `fuzz/corpus` anew.
+//! - `STICKSLIP_FUZZ_RUNS=1000000` tests more inputs for each kind of file, `STICKSLIP_FUZZ_SEED=7`
+//!   different ones.
+//! - `cargo test --test fuzz -- --input study FILE` tests one file.
+//! - `cargo test --test fuzz -- --write-corpus` rewrites the binary files of `fuzz/corpus`.
 
 mod corpus;
 mod mutate;
@@ -28,22 +28,22 @@ use std::time::Duration;
 use cap::Cap;
 use targets::{TARGETS, target};
 
-/// Counts all memory, and has no more than the limit.
+/// Counts all memory and refuses more than the limit.
 #[global_allocator]
 static ALLOCATOR: Cap<std::alloc::System> = Cap::new(std::alloc::System, usize::MAX);
 
-/// What an input of at most a quarter of a megabyte may take, bytes: a table of a million values, which
-/// such an input can unpack to, takes about half of it.
+/// Memory limit of an input of at most a quarter of a megabyte, bytes: a table of a million values,
+/// to which such an input can unpack, takes about half of it.
 const MEMORY: usize = 1 << 30;
-/// How long an input may take. Far more than it does, for machines that are busy with other things.
+/// Time limit of an input, with a wide margin for busy machines.
 const TIME: Duration = Duration::from_secs(120);
-/// Inputs for each kind of file, and how many of the slow kind.
+/// Number of inputs for each kind of file, and for the slow kind.
 const RUNS: u64 = 3000;
 const SLOW_RUNS: u64 = 60;
 const SLOW: &str = "finished_runs";
-/// What a child says of an input that could be used.
+/// The child's announcement of a usable input.
 const READ: &str = "read";
-/// After so many faults a target has had enough.
+/// Number of faults after which a target is abandoned.
 const MOST_FAULTS: usize = 10;
 
 fn main() -> ExitCode {
@@ -110,7 +110,7 @@ fn parent(words: &[&str]) -> ExitCode {
     if well { ExitCode::SUCCESS } else { ExitCode::FAILURE }
 }
 
-/// What must not go unnoticed: each happens at the second input.
+/// Faults that the parent must notice: each occurs at the second input.
 const BAD: [(&str, fn()); 4] = [
     ("panics", || panic!("as it should")),
     ("overflows", || assert_ne!(deeper(u64::MAX), 1)),
@@ -118,19 +118,20 @@ const BAD: [(&str, fn()); 4] = [
     ("takes time", || thread::sleep(Duration::from_secs(600))),
 ];
 
-/// Calls itself far more often than the stack has room for.
+/// Recurses far deeper than the stack allows.
 fn deeper(times: u64) -> u64 {
     let room = std::hint::black_box([times; 512]);
     if times == 0 { 0 } else { deeper(times - 1).wrapping_add(room[511]) }
 }
 
-/// Whether the parent notices what a bad target does, and at which input.
+/// Returns whether the parent notices the fault of a bad target, and at which input.
 fn caught(name: &str) -> bool {
     let (read, died) = one_child(name, 0, 0, 3, Duration::from_secs(5));
     died.is_some_and(|(number, _)| number == 1) && read == 1
 }
 
-/// Runs children until all inputs have been tried. Returns how many could be used, and what went wrong.
+/// Runs children until all inputs have been tested. Returns the number of usable inputs, and the
+/// faults.
 fn faults(name: &str, seed: u64, end: u64) -> (u64, Vec<String>) {
     let mut faults = Vec::new();
     let (mut first, mut all_read) = (0, 0);
@@ -149,8 +150,8 @@ fn faults(name: &str, seed: u64, end: u64) -> (u64, Vec<String>) {
     (all_read, faults)
 }
 
-/// Runs one child. Returns how many inputs it could use, and the input that it died of, if it did, with
-/// its last words.
+/// Runs one child. Returns the number of usable inputs and, if the child died, the input and its
+/// last output.
 fn one_child(
     name: &str,
     seed: u64,
@@ -198,7 +199,7 @@ fn one_child(
     (read, Some((current, format!("{how}\n{words}"))))
 }
 
-/// Works through inputs and says before each one which it is.
+/// Tests inputs and announces each one.
 fn child(name: &str, seed: u64, numbers: std::ops::Range<u64>) {
     if let Some((_, bad)) = BAD.iter().find(|(other, _)| *other == name) {
         ALLOCATOR.set_limit(ALLOCATOR.allocated() + MEMORY).unwrap();
@@ -213,7 +214,7 @@ fn child(name: &str, seed: u64, numbers: std::ops::Range<u64>) {
         let input = mutate::input(&corpus, seed, number);
         writeln!(output, "{number}").unwrap();
         output.flush().unwrap();
-        // What the process itself holds, such as its arguments and the corpus, is not the input's.
+        // The process's own memory, such as its arguments and the corpus, does not count.
         ALLOCATOR.set_limit(ALLOCATOR.allocated() + MEMORY).unwrap();
         if target(&folder, &input) {
             writeln!(output, "{READ}").unwrap();

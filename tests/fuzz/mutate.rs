@@ -1,13 +1,13 @@
-//! Hostile inputs: files of the corpus, damaged in a few places, and random bytes. Each follows from its
-//! number and the seed.
+//! Hostile inputs: files of the corpus, damaged in a few places, and random bytes. Each is
+//! determined by its number and the seed.
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
-/// The longest input, bytes.
+/// Length of the longest input, bytes.
 const LONGEST: usize = 1 << 18;
 
-/// What is put into texts: numbers at the edges, and what means something in YAML, CSV and JSON.
+/// Pieces of text to insert: extreme numbers, and syntax of YAML, CSV and JSON.
 const PIECES: [&str; 58] = [
     "0",
     "-1",
@@ -69,7 +69,7 @@ const PIECES: [&str; 58] = [
     "\\u0000",
 ];
 
-/// Numbers that are put into binary files.
+/// Numbers to insert into binary files.
 const NUMBERS: [u64; 16] = [
     0,
     1,
@@ -89,11 +89,11 @@ const NUMBERS: [u64; 16] = [
     0x7ff0_0000_0000_0000,
 ];
 
-/// Makes the input of this number.
+/// Returns the input of this number.
 pub fn input(corpus: &[Vec<u8>], seed: u64, number: u64) -> Vec<u8> {
     let mut dice =
         Dice(ChaCha8Rng::seed_from_u64(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ number));
-    // First the corpus as it is.
+    // The undamaged corpus comes first.
     if let Some(whole) = usize::try_from(number).ok().and_then(|number| corpus.get(number)) {
         return whole.clone();
     }
@@ -104,7 +104,7 @@ pub fn input(corpus: &[Vec<u8>], seed: u64, number: u64) -> Vec<u8> {
     let mut bytes = dice.of(corpus).clone();
     let text = std::str::from_utf8(&bytes).is_ok();
     for _ in 0..=dice.below(4) * dice.below(2) {
-        // A text that is damaged anywhere is mostly none any more, and nobody looks further.
+        // A text with random damage is usually invalid UTF-8 and rejected early.
         if text && dice.below(4) > 0 {
             dice.edit(&mut bytes);
         } else {
@@ -126,7 +126,7 @@ impl Dice {
         &items[self.below(items.len())]
     }
 
-    /// A place in the bytes, and another one after it, near most of the time.
+    /// Returns two ordered positions in the bytes, usually near each other.
     fn range(&mut self, bytes: &[u8]) -> std::ops::Range<usize> {
         let start = self.below(bytes.len() + 1);
         let most = if self.below(8) == 0 { bytes.len() } else { 16 };
@@ -138,19 +138,19 @@ impl Dice {
         let range = self.range(bytes);
         let at = range.start;
         match self.below(11) {
-            // A bit flipped, a byte replaced.
+            // A flipped bit, a replaced byte.
             0 | 1 if at < bytes.len() => bytes[at] ^= 1 << self.below(8),
             2 if at < bytes.len() => bytes[at] = self.below(256) as u8,
-            // Cut off, or cut out.
+            // Truncated, or with a part removed.
             3 => bytes.truncate(at),
             4 => drop(bytes.drain(range)),
-            // Something twice, or many times.
+            // A part twice, or many times.
             5 => {
                 let times = 1 + if self.below(8) == 0 { self.below(64) } else { 0 };
                 let piece = bytes[range].repeat(times);
                 drop(bytes.splice(at..at, piece));
             }
-            // A part of another file, or the end of one.
+            // A part of another file, or its end.
             6 => {
                 let other = self.of(corpus);
                 let range = self.range(other);
@@ -162,7 +162,7 @@ impl Dice {
                 bytes.truncate(at);
                 bytes.extend(&other[from..]);
             }
-            // A number at the edges: of one to eight bytes, or as a varint.
+            // An extreme number: of one to eight bytes, or as a varint.
             8 => {
                 let number = self.of(&NUMBERS).to_le_bytes();
                 let width = *self.of(&[1, 2, 4, 8]);
@@ -179,7 +179,7 @@ impl Dice {
                 varint.push(number as u8);
                 drop(bytes.splice(at..(at + 1).min(bytes.len()), varint));
             }
-            // A piece of text instead of some characters.
+            // A piece of text in place of some characters.
             _ => {
                 let piece = self.of(&PIECES).bytes();
                 drop(bytes.splice(range, piece));
@@ -187,12 +187,12 @@ impl Dice {
         }
     }
 
-    /// Damages a text as a text: numbers, words and lines.
+    /// Damages a text in its structure: numbers, words and lines.
     fn edit(&mut self, bytes: &mut Vec<u8>) {
         let number = |byte: u8| byte.is_ascii_digit() || b".-+e".contains(&byte);
         let word = |byte: u8| byte.is_ascii_alphanumeric() || byte == b'_';
         match self.below(8) {
-            // Another number, at the edges or near.
+            // Another number, extreme or nearby.
             0..4 => {
                 let Some(range) = self.run(bytes, number) else { return };
                 let piece = match self.below(3) {
@@ -202,7 +202,7 @@ impl Dice {
                 };
                 drop(bytes.splice(range, piece.into_bytes()));
             }
-            // A word of the same file instead of another.
+            // A word of the same file in place of another.
             4 => {
                 let (Some(range), Some(other)) = (self.run(bytes, word), self.run(bytes, word))
                 else {
@@ -211,7 +211,7 @@ impl Dice {
                 let piece = bytes[other].to_vec();
                 drop(bytes.splice(range, piece));
             }
-            // A line twice, elsewhere, or no more.
+            // A line duplicated, moved, or removed.
             choice => {
                 let mut lines: Vec<Vec<u8>> =
                     bytes.split_inclusive(|byte| *byte == b'\n').map(<[u8]>::to_vec).collect();
@@ -229,7 +229,7 @@ impl Dice {
         }
     }
 
-    /// One of the longest ranges of such bytes.
+    /// Returns one of the longest ranges of such bytes.
     fn run(&mut self, bytes: &[u8], is: impl Fn(u8) -> bool) -> Option<std::ops::Range<usize>> {
         let begins = |at: &usize| is(bytes[*at]) && (*at == 0 || !is(bytes[*at - 1]));
         let starts: Vec<usize> = (0..bytes.len()).filter(begins).collect();

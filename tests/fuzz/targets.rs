@@ -1,6 +1,6 @@
-//! What hostile bytes are fed to, one function per kind of file; the fuzz targets in `fuzz/` are these,
-//! too. Any bytes may be refused, but nothing may panic, take memory or time without bound, or come
-//! back changed.
+//! The test functions for hostile bytes, one per kind of file; the fuzz targets in `fuzz/` also use
+//! them. Any bytes may be refused, but nothing may panic, take unbounded memory or time, or change
+//! in a round trip.
 
 use std::fs;
 use std::path::{Component, Path};
@@ -18,7 +18,7 @@ use stickslip::table::{
     Circumstances, MANIFEST, Manifest, PointRow, Results, ResultsError, RunRecord, VERSION, inspect,
 };
 
-/// Feeds bytes to the program, and says whether it could use them. The folder is empty at first, and the
+/// Processes the bytes and returns whether they were usable. The folder is empty at first, and the
 /// same for all bytes.
 pub type Target = fn(&Path, &[u8]) -> bool;
 
@@ -32,13 +32,13 @@ pub const TARGETS: [(&str, Target); 6] = [
     ("finished_runs", finished_runs),
 ];
 
-/// The function for a kind of file.
+/// Returns the function for a kind of file.
 pub fn target(name: &str) -> Target {
     let found = TARGETS.iter().find(|(other, _)| *other == name);
     found.unwrap_or_else(|| panic!("no kind of file {name:?}")).1
 }
 
-/// Studies with more values than this are not written out and read again.
+/// Studies with longer texts than this are not written and read again.
 const MOST_CHARACTERS: usize = 200_000;
 
 /// A study file.
@@ -81,7 +81,7 @@ fn table(folder: &Path, name: &str, bytes: &[u8]) -> bool {
     read.contains(&true) | designs(&folder.join(name))
 }
 
-/// A table of designs: each can be set.
+/// A table of designs: each can be applied.
 fn designs(file: &Path) -> bool {
     match varied().designs(file) {
         Ok(designs) => {
@@ -98,12 +98,13 @@ fn designs(file: &Path) -> bool {
     }
 }
 
-/// Requests of an optimiser, one per line: each has a design that can be set, or a refusal of bounded length.
+/// Requests of an optimiser, one per line: each has a design that can be applied, or gives an error
+/// of bounded length.
 fn requests(_: &Path, bytes: &[u8]) -> bool {
     let mut well = false;
     for line in bytes.split(|byte| *byte == b'\n') {
         let request = Request::read(varied(), line);
-        // It comes back, and is read as it was.
+        // The identifier survives a round trip.
         let id = serde_json::to_string(&request.id).expect("plain values");
         assert_eq!(serde_json::from_str::<Value>(&id).expect("what was written"), request.id);
         match &request.design {
@@ -121,7 +122,7 @@ fn requests(_: &Path, bytes: &[u8]) -> bool {
     well
 }
 
-/// A study with variables of each kind.
+/// Returns a study with variables of each kind.
 fn varied() -> &'static Study {
     static VARIED: OnceLock<Study> = OnceLock::new();
     VARIED.get_or_init(|| {
@@ -134,7 +135,8 @@ fn varied() -> &'static Study {
     })
 }
 
-/// A study that has been refused names a file; one that has not can be planned and written out.
+/// Checks that the error of a refused study names a file, and that an accepted study can be planned
+/// and written.
 fn check(study: Result<Study, StudyError>, folder: &Path) -> bool {
     let study = match study {
         Ok(study) => study,
@@ -164,7 +166,8 @@ fn check(study: Result<Study, StudyError>, folder: &Path) -> bool {
     true
 }
 
-/// The manifest of a directory of results. `STUDY-HASH` and `VERSION` in it stand for the right ones.
+/// The manifest of a results directory. `STUDY-HASH` and `VERSION` in it stand for the correct
+/// ones.
 fn manifest(folder: &Path, bytes: &[u8]) -> bool {
     let bytes = match std::str::from_utf8(bytes) {
         Ok(text) => {
@@ -190,7 +193,7 @@ fn manifest(folder: &Path, bytes: &[u8]) -> bool {
     well
 }
 
-/// A study of a few runs that are over at once.
+/// Returns a study of a few runs that end immediately.
 fn short() -> &'static Study {
     static SHORT: OnceLock<Study> = OnceLock::new();
     SHORT.get_or_init(|| {
@@ -202,8 +205,8 @@ fn short() -> &'static Study {
     })
 }
 
-/// What lies on disk of finished runs: the first byte says whether the rest is a whole chunk, the list
-/// of chunks, or what a chunk holds of its runs.
+/// Finished runs on disk: the first byte selects whether the rest is a whole chunk, the list of
+/// chunks, or the outcomes in a chunk.
 fn finished_runs(folder: &Path, bytes: &[u8]) -> bool {
     let Some((first, rest)) = bytes.split_first() else { return false };
     match first % 3 {
@@ -220,11 +223,11 @@ fn whole_chunk(bytes: &[u8]) -> bool {
     true
 }
 
-/// Length of what a chunk begins with, and of what comes before each outcome.
+/// Length of a chunk's header and of the header of each outcome.
 pub const HEAD: usize = 16 + 4 + 4 + 64;
 pub const RUN_HEAD: usize = 8 + 16 + 4;
 
-/// The chunk of the short study, as the program writes it.
+/// Returns the chunk of the short study, as the program writes it.
 pub fn genuine(folder: &Path) -> Vec<u8> {
     static GENUINE: OnceLock<Vec<u8>> = OnceLock::new();
     let make = || {
@@ -236,8 +239,8 @@ pub fn genuine(folder: &Path) -> Vec<u8> {
     GENUINE.get_or_init(make).clone()
 }
 
-/// A chunk in which the outcomes of the runs are pieces of these bytes, separated by the byte 255
-/// twice.
+/// Returns a chunk in which the outcomes of the runs are pieces of these bytes, separated by two
+/// bytes 255.
 fn outcomes(chunk: &[u8], bytes: &[u8]) -> Vec<u8> {
     let mut pieces = Vec::new();
     let mut rest = bytes;
@@ -260,12 +263,12 @@ fn outcomes(chunk: &[u8], bytes: &[u8]) -> Vec<u8> {
     made
 }
 
-/// Goes on from this chunk and a list of chunks, the right one if none is given.
+/// Continues from this chunk and a list of chunks, by default the correct one.
 fn computed_from(folder: &Path, chunk: &[u8], list: Option<&[u8]>) -> bool {
     assert!(chunk.len() > HEAD && chunk[20..24] == MODEL_VERSION.to_le_bytes());
     let results = folder.join("results");
     let chunks = results.join(CHUNKS).join(&short().hash()[..16]);
-    // What was there before may be gone already, or never have been.
+    // Ignores a missing directory.
     let _ = fs::remove_dir_all(&results);
     fs::create_dir_all(&chunks).expect("a scratch folder");
     fs::write(chunks.join("000000.chunk"), chunk).expect("a scratch folder");
@@ -288,7 +291,7 @@ fn computed_from(folder: &Path, chunk: &[u8], list: Option<&[u8]>) -> bool {
     run_in_scratch(&results, short()) > 0
 }
 
-/// Runs a study into a directory, from what is there; returns how many runs were there.
+/// Runs a study in a directory with existing results; returns the number of reused runs.
 fn run_in_scratch(directory: &Path, study: &Study) -> u64 {
     let mut store = match Store::open(directory, study) {
         Ok(store) => store,

@@ -1,4 +1,4 @@
-//! The closed forms of blocks on springs against what they follow from.
+//! The closed forms of blocks on springs against their defining equations.
 
 use super::closed_forms::ClosedForms;
 use stickslip::model::{Block, FrictionLaw, Ground};
@@ -11,9 +11,9 @@ fn drop_at_once(static_friction_coefficient: f64) -> FrictionLaw {
     FrictionLaw::Stribeck { static_friction_coefficient, stribeck_speed: 0.0 }
 }
 
-/// Half swings one by one: from 0.0865 m, each 0.02 m shorter than the last, until friction holds.
+/// From 0.0865 m each half swing is 0.02 m shorter than the last, until friction holds.
 #[test]
-fn turning_points_of_a_block_that_is_let_go() {
+fn turning_points_shrink_by_a_constant() {
     let stopping = Block::on_spring().stopping(0.0865, 0.0).expect("dry friction");
     let found: Vec<f64> = stopping.turning_points_m().collect();
     let exact = [0.0865, -0.0665, 0.0465, -0.0265, 0.0065];
@@ -24,10 +24,10 @@ fn turning_points_of_a_block_that_is_let_go() {
     close(stopping.position_m, 0.0065);
 }
 
-/// The energy that friction takes on the way to the first turning point and beyond: from any start,
-/// `½ m v² + ½ k x²` falls by `μ F_n` times the way.
+/// Friction dissipates `μ F_n` times the distance on the way to the first turning point and after
+/// it: `½ m v² + ½ k x²` decreases by that amount from any start.
 #[test]
-fn energy_pays_for_the_way() {
+fn energy_decreases_by_force_times_distance() {
     for mass_kg in [0.7, 1.0] {
         let block = Block { mass_kg, ..Block::on_spring() };
         for (x, v) in [(0.03, 0.9), (0.03, -0.9), (-0.2, 0.1), (0.0, 2.0), (0.09, -0.01)] {
@@ -47,7 +47,7 @@ fn energy_pays_for_the_way() {
     }
 }
 
-/// Exactly on the edge of where friction holds, the block stays: at the start and after half swings.
+/// Exactly on the edge of the rest set the block stays, at the start and after half swings.
 #[test]
 fn the_edge_belongs_to_the_rest_set() {
     let block = Block::on_spring();
@@ -75,9 +75,9 @@ fn static_friction_stops_earlier() {
     close(stopping.position_m, 0.025);
 }
 
-/// Break-away, slip and stick of the cycle fit together: both ends of the slip lie on its circle at
-/// the belt's speed, the belt carries the block from one to the other, and over the period the belt
-/// does the work that friction takes: `∮ f dx = 0`.
+/// Break-away, slip and stick of the cycle are consistent: both ends of the slip lie on its circle
+/// at the belt's speed, the belt carries the block from one to the other, and over the period the
+/// work of the belt equals the dissipation: `∮ f dx = 0`.
 #[test]
 fn the_cycle_closes() {
     for (fixed, speed_m_s) in [(0.2, 0.1), (0.11, 0.02), (0.5, 1.0), (0.4, 0.001)] {
@@ -91,7 +91,7 @@ fn the_cycle_closes() {
         close(cycle.break_away_m, fixed * 0.1);
         close(cycle.break_away_m - cycle.stick_again_m, speed_m_s * cycle.stick_s);
         close(cycle.period_s, cycle.stick_s + cycle.slip_s);
-        // Slip, step by step: the sine from break-away meets the belt's speed again at its end.
+        // Slip, step by step: at its end the sine from break-away has the belt's speed again.
         let x = |t: f64| {
             let (sine, cosine) = (10.0 * t).sin_cos();
             centre + (cycle.break_away_m - centre) * cosine + 0.1 * speed_m_s * sine
@@ -104,7 +104,7 @@ fn the_cycle_closes() {
     }
 }
 
-/// The damped oscillation meets its equation of motion, below, at and above critical damping.
+/// The damped oscillation satisfies its equation of motion, below, at and above critical damping.
 #[test]
 fn damped_oscillation_meets_its_equation() {
     for (drag, ground) in [
@@ -129,7 +129,7 @@ fn damped_oscillation_meets_its_equation() {
     }
 }
 
-/// Creep under the smooth law meets `-k x = μ F_n (2/π) atan(x' / v_0)`.
+/// Creep under the smooth law satisfies `-k x = μ F_n (2/π) atan(x' / v_0)`.
 #[test]
 fn creep_meets_its_equation() {
     let friction = FrictionLaw::Smooth { smoothing_speed: 1e-3 };

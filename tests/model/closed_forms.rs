@@ -1,4 +1,4 @@
-//! What a block on a spring does, in closed form: what the computation of motion is held against.
+//! Closed forms of the motion of a block on a spring, the reference for computed motions.
 //!
 //! With dry friction that does not depend on speed, each phase of slip is a circle in the plane of
 //! position and velocity over `ω_n`, about the place where the spring balances kinetic friction:
@@ -9,31 +9,32 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use stickslip::model::{Block, FrictionLaw, Ground};
 
-/// By how much of a half swing a turning point may miss the edge of the rest set by rounding.
+/// Relative rounding tolerance, in half swings, for a turning point on the edge of the rest set.
 const EDGE: f64 = 1e-12;
 
 /// How a block on rigid ground comes to rest, by [`ClosedForms::stopping`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stopping {
-    /// Where it first stands still, m: it stays, or begins the first whole half swing.
+    /// First turning point, m: the block stays there or begins the first whole half swing.
     pub first_turning_point_m: f64,
     /// Number of whole half swings after that.
     pub half_swings: u64,
-    /// How much shorter each half swing ends than it began, m.
+    /// Difference between the distances at the start and at the end of a half swing, m.
     pub loss_per_half_swing_m: f64,
-    /// When it stops for good, s.
+    /// Time of the final stop, s.
     pub time_s: f64,
-    /// Where it stops, m.
+    /// Position of the final stop, m.
     pub position_m: f64,
 }
 
 impl Stopping {
-    /// All places at which the block stands still, m, the last of them for good.
+    /// Returns all positions at which the block stands still, m; the last one is final.
     pub fn turning_points_m(self) -> impl Iterator<Item = f64> {
         (0..=self.half_swings).map(move |swing| self.turning_point_m(swing))
     }
 
-    /// Where a half swing ends, counted from 1; 0 is the first turning point.
+    /// Returns the position at the end of a half swing, counted from 1; 0 is the first turning
+    /// point.
     fn turning_point_m(self, swing: u64) -> f64 {
         let first = self.first_turning_point_m;
         let left = first.abs() - swing as f64 * self.loss_per_half_swing_m;
@@ -57,11 +58,11 @@ pub struct StickSlipCycle {
     pub stick_again_m: f64,
     /// Its least and its greatest position, m.
     pub extremes_m: [f64; 2],
-    /// Half of the way between them, m.
+    /// Half of the distance between them, m.
     pub amplitude_m: f64,
 }
 
-/// What a block does, where a closed form is known.
+/// Closed-form motions of a block.
 pub trait ClosedForms {
     /// How the block comes to rest on rigid ground (thesis figure 4.2).
     ///
@@ -108,8 +109,8 @@ pub trait ClosedForms {
     fn creep_position_m(&self, position_m: f64, time_s: f64) -> Option<f64>;
 }
 
-/// Static and kinetic friction over spring stiffness, `μ_s F_n / k` and `μ F_n / k`, m, where
-/// friction does not depend on speed otherwise.
+/// Returns static and kinetic friction over spring stiffness, `μ_s F_n / k` and `μ F_n / k`, m;
+/// `None` if the friction otherwise depends on speed.
 fn reaches_m(block: &Block) -> Option<[f64; 2]> {
     let kinetic = block.friction_coefficient;
     let fixed = match block.friction {

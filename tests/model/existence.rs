@@ -1,5 +1,5 @@
-//! Whether stick and slip are decided in one way: the closed form against determinants, search and
-//! brute force.
+//! Uniqueness of the stick-slip decision: the closed form against determinants, search and brute
+//! force.
 
 use nalgebra::{DMatrix, DVector};
 use stickslip::model::{Balancer, Ball, ExistenceVerdict, Machine, SAFE_FRICTION};
@@ -22,8 +22,8 @@ fn positions<const N: usize>(seed: &mut u64) -> [f64; N] {
     std::array::from_fn(|_| 7.0 * uniform(seed))
 }
 
-/// How forces answer to accelerations, from the equations of motion: `f_w = q - A β̈`,
-/// `f_n = n + B β̈`.
+/// Returns the response of the forces to accelerations, from the equations of motion: `f_w = q - A
+/// β̈`, `f_n = n + B β̈`.
 fn answers<const N: usize>(
     balancer: &Balancer<N>,
     beta: &[f64; N],
@@ -79,8 +79,8 @@ fn least_corner<const N: usize>(balancer: &Balancer<N>, beta: &[f64; N]) -> (f64
     all.min_by(|one, other| one.0.total_cmp(&other.0)).unwrap()
 }
 
-/// All solutions of the decision for given `q` and `n`, a ball that the ring does not press being
-/// free of friction: accelerations, each different one once, and whether all contacts are closed.
+/// Returns all solutions of the decision for given `q` and `n`, in which a ball without normal
+/// force is free of friction: the distinct accelerations, and whether all contacts are closed.
 fn solutions<const N: usize>(
     balancer: &Balancer<N>,
     (a, b): &(DMatrix<f64>, DMatrix<f64>),
@@ -138,8 +138,8 @@ fn closed_form_of_the_minors() {
     closed_form_is_the_determinant::<5>(&mut seed);
 }
 
-/// Wherever the minors are positive there is exactly one solution for any forces; wherever one is
-/// not, there are forces with several, by construction.
+/// If all minors are positive there is exactly one solution for any forces; if one is not, there
+/// are forces with several solutions, by construction.
 fn one_solution_where_minors_are_positive<const N: usize>(seed: &mut u64) -> [u32; 2] {
     let mut seen = [0; 2];
     for _ in 0..400 {
@@ -148,7 +148,7 @@ fn one_solution_where_minors_are_positive<const N: usize>(seed: &mut u64) -> [u3
         let answers = answers(&balancer, &beta);
         let (least, corner) = least_corner(&balancer, &beta);
         if least.abs() < 0.02 {
-            continue; // what is nearly undecided takes more digits than brute force has
+            continue; // nearly singular cases need more digits than brute force has
         }
         let one = balancer.one_solution_at(&beta);
         assert_eq!(one, least > 0.0);
@@ -199,7 +199,7 @@ fn brute_force_finds_one_solution_exactly_where_minors_are_positive() {
     assert!(two.into_iter().chain(three).all(|count| count > 30), "{two:?} {three:?}");
 }
 
-/// Two balls: the worst position in closed form is what a scan of all positions finds.
+/// The closed form of the worst position of two balls agrees with a scan of all positions.
 #[test]
 fn worst_position_of_two_balls() {
     let mut seed = 3;
@@ -215,7 +215,7 @@ fn worst_position_of_two_balls() {
     }
 }
 
-/// More balls: no random position is worse, and the named one is as bad as said.
+/// For more balls, no random position is worse than the named one, whose minor is as stated.
 #[test]
 fn worst_position_of_more_balls() {
     let (mut seed, mut failing) = (5, 0);
@@ -240,9 +240,9 @@ fn worst_position_of_more_balls() {
     assert!((50..=200).contains(&failing), "{failing}");
 }
 
-/// Exchanging balls, turning all of them together, and mirroring change nothing.
+/// Exchanging balls, turning all of them together, and mirroring do not change the verdict.
 #[test]
-fn symmetries() {
+fn symmetries_do_not_change_the_verdict() {
     let mut seed = 13;
     for _ in 0..100 {
         let machine = extreme(&mut seed, 3, 5.0);
@@ -264,7 +264,8 @@ fn symmetries() {
     }
 }
 
-/// The thesis's machine is far on the safe side: the question that its section 4.3 leaves open.
+/// The thesis's machine satisfies the condition with a wide margin, which answers the question of
+/// its section 4.3.
 #[test]
 fn the_thesis_machine_has_one_solution() {
     let machine = Machine::default();
@@ -277,7 +278,7 @@ fn the_thesis_machine_has_one_solution() {
 }
 
 /// No machine fails with coefficients below 1.4966, and one ball never fails; just above, the most
-/// extreme machine does.
+/// extreme machine fails.
 #[test]
 fn safe_friction_is_safe_and_sharp() {
     let mut seed = 17;
@@ -299,7 +300,7 @@ fn safe_friction_is_safe_and_sharp() {
     assert_eq!(machine.existence().word(), "not_unique");
 }
 
-/// The fraction of friction that would do is the edge.
+/// The verdict changes at the reported fraction of the friction.
 #[test]
 fn unambiguous_fraction_of_friction() {
     let (mut seed, mut failing) = (19, 0);

@@ -3,7 +3,7 @@
 use super::thesis_matrices::{Configuration, extended_lagrange};
 use stickslip::model::{Balancer, Contact, Friction, Machine, NormalForce, State};
 
-/// A small generator that is nobody else's, so that this test stands alone (xorshift64*).
+/// An independent random generator, so that this test is self-contained (xorshift64*).
 pub(super) fn uniform(seed: &mut u64) -> f64 {
     *seed ^= *seed >> 12;
     *seed ^= *seed << 25;
@@ -18,8 +18,8 @@ fn contact(configuration: Configuration, coefficient: f64) -> Contact {
     }
 }
 
-/// Thesis equations 3.13-3.16 and appendix C: accelerations, normal and friction forces agree to
-/// 1e-12 of the largest force, on 2000 random states and machines, in every configuration.
+/// Accelerations, normal and friction forces agree with thesis equations 3.13-3.16 and appendix C
+/// to 1e-12 of the largest force, on 2000 random states and machines, in every configuration.
 #[test]
 fn same_accelerations_and_forces_in_all_configurations() {
     let mut seed = 5;

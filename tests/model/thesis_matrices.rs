@@ -19,7 +19,8 @@ use nalgebra::{DMatrix, DVector};
 
 use stickslip::model::{Balancer, Forces, State};
 
-/// What one ball does, as in the thesis's table 4.2. Slip and transition share their equations.
+/// The configuration of one ball, as in the thesis's table 4.2. Slip and transition share their
+/// equations.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Configuration {
     /// The ball rests on the ring; its friction force is a constraint force.
@@ -28,7 +29,7 @@ pub enum Configuration {
     Slip(f64),
 }
 
-/// Accelerations and forces of two balls by the thesis's matrices; `None` where a matrix is
+/// Returns accelerations and forces of two balls by the thesis's matrices; `None` if a matrix is
 /// singular.
 pub fn extended_lagrange(
     balancer: &Balancer<2>,

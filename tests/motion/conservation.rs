@@ -1,9 +1,11 @@
-//! Energy in inertial space: what dampers and friction take and what the motor gives add up.
+//! Energy balance in inertial space: the energy change equals the work of dampers, friction and
+//! motor.
 //!
-//! `E` is the kinetic energy of table, imbalance and balls (with their spin) and that of the
-//! springs. The motor keeps the disc's speed by a moment `τ`, the rate of angular momentum about the
-//! ring's centre of all that turns: imbalance and balls. Rolling resistance is a moment `m f_w d/2`
-//! between ball and ring, whose relative speed of turning is `2 β̇ / d`. So, without dimensions,
+//! `E` is the kinetic energy of table, imbalance and balls (with their spin) and the energy of the
+//! springs. The motor maintains the disc's speed by a moment `τ`, the rate of angular momentum
+//! about the ring's centre of all rotating bodies: imbalance and balls. Rolling resistance is a
+//! moment `m f_w d/2` between ball and ring, whose relative angular speed is `2 β̇ / d`. In
+//! non-dimensional form,
 //!
 //! ```text
 //! dE/dt = -2ζ |v|² - Σ m f_w β̇ + ω τ
@@ -37,7 +39,7 @@ fn energy<const N: usize>(machine: &Machine, balancer: &Balancer<N>, state: &Sta
     sum
 }
 
-/// Power of dampers, friction and motor.
+/// Returns the power of dampers, friction and motor.
 fn powers<const N: usize>(
     machine: &Machine,
     balancer: &Balancer<N>,
@@ -62,7 +64,7 @@ fn powers<const N: usize>(
     [-2.0 * balancer.damping_ratio * (v_x * v_x + v_y * v_y), friction, omega * moment]
 }
 
-/// Nodes and weights of Gauss's rule with four points on [0, 1].
+/// Returns nodes and weights of Gauss's rule with four points on [0, 1].
 fn gauss() -> [(f64, f64); 4] {
     let root = 1.2_f64.sqrt();
     let (inner, outer) = (((3.0 - 2.0 * root) / 7.0).sqrt(), ((3.0 + 2.0 * root) / 7.0).sqrt());
@@ -71,7 +73,7 @@ fn gauss() -> [(f64, f64); 4] {
         .map(|(node, weight)| (0.5 + 0.5 * node, weight))
 }
 
-/// What energy has changed by, and the work of dampers, friction and motor along a motion.
+/// Returns the change of energy, and the work of dampers, friction and motor along a motion.
 fn balance<const N: usize>(
     machine: &Machine,
     balancer: &Balancer<N>,
@@ -100,10 +102,11 @@ fn balance<const N: usize>(
                 let power = -forces.friction[ball] * inside.beta_dot[ball];
                 let limit = balancer.balls[ball].friction.limit * forces.normal[ball];
                 match phase {
-                    // At the instant of setting off the speed is zero to rounding.
+                    // At the instant of setting off the speed is zero up to rounding.
                     Phase::Slip(_) => assert!(power <= 1e-18, "{power:e} {phase:?}"),
                     Phase::Stick => assert!(power.abs() <= 1.001 * slowest * limit, "{power:e}"),
-                    // Friction against the acceleration, while the speed turns inside the band.
+                    // Friction opposes the acceleration while the speed changes its sign inside the
+                    // band.
                     _ => assert!(power <= 1.001 * slowest * limit, "{power:e} {phase:?}"),
                 }
             }
@@ -114,7 +117,7 @@ fn balance<const N: usize>(
 }
 
 #[test]
-fn energy_goes_where_work_says() {
+fn energy_changes_by_the_work() {
     let (mut balanced, mut rubbed) = (0, 0);
     for seed in 0..300 {
         let mut sampler = Sampler::new(seed);

@@ -1,4 +1,5 @@
-//! Stick, slip or transition: the decision for all balls in the band together, and its traps.
+//! The joint decision between stick, slip and transition for all balls in the band, and its
+//! difficult cases.
 
 use std::path::Path;
 
@@ -26,8 +27,8 @@ fn settings() -> Settings {
 }
 
 proptest! {
-    /// The conditions of the thesis's appendix C hold for what has been decided: a sticking ball's
-    /// friction is within its limit, a ball in transition accelerates against full friction.
+    /// The decision meets the conditions of the thesis's appendix C: a sticking ball's friction is
+    /// within its limit, and a ball in transition accelerates against full friction.
     #[test]
     fn decided_configurations_meet_their_conditions(
         x in -0.1..0.1, y in -0.1..0.1, x_dot in -0.1..0.1, y_dot in -0.1..0.1,
@@ -54,9 +55,9 @@ proptest! {
     }
 }
 
-/// Trap: a start state exactly on the edge of the band, in both directions.
+/// A start state may be exactly on the edge of the band, in both directions.
 #[test]
-fn start_on_the_edge_of_the_band() {
+fn starts_on_the_edge_of_the_band_are_decided() {
     for speed in [1e-4, -1e-4, 1e-4 + 1e-18] {
         let balancer = balancer::<2>(2.75e-3, 1.0);
         let state = State {
@@ -67,14 +68,13 @@ fn start_on_the_edge_of_the_band() {
         };
         let mut motion = Motion::new(&balancer, settings(), state).expect("starts");
         while motion.time() < 50.0 {
-            motion.advance(50.0).expect("goes on");
+            motion.advance(50.0).expect("continues");
         }
         assert!(motion.effort().switches < 100, "{:?}", motion.effort());
     }
 }
 
-/// Trap: both balls' events in one step. Balls exactly side by side do everything at the same
-/// time and stay side by side to the last bit.
+/// Balls exactly side by side switch in the same step and stay side by side bit for bit.
 #[test]
 fn balls_side_by_side_stay_side_by_side() {
     let balancer = balancer::<2>(2.75e-3, 1.0);
@@ -87,7 +87,7 @@ fn balls_side_by_side_stay_side_by_side() {
         };
         let mut motion = Motion::new(&balancer, settings(), state).expect("starts");
         while motion.time() < 400.0 {
-            motion.advance(400.0).expect("goes on");
+            motion.advance(400.0).expect("continues");
             assert_eq!(motion.state().beta[0].to_bits(), motion.state().beta[1].to_bits());
             assert_eq!(motion.phases()[0], motion.phases()[1]);
         }
@@ -95,9 +95,8 @@ fn balls_side_by_side_stay_side_by_side() {
     }
 }
 
-/// Traps: break-away that is met only to rounding, and immediate re-trigger. Near the edge of the
-/// equilibrium set at -179.2671 rad/s, both balls side by side creep; the number of switches stays
-/// small and time goes on.
+/// Near the edge of the equilibrium set at -179.2671 rad/s, where break-away is met only up to
+/// rounding, both balls side by side creep; the number of switches stays small and time advances.
 #[test]
 fn creep_does_not_chatter() {
     let machine = Machine { speed_rad_s: -179.2671, ..Machine::default() };
@@ -122,7 +121,7 @@ fn creep_does_not_chatter() {
         let state = State { position: rest.position, velocity: [0.0; 2], beta, beta_dot: [0.0; 2] };
         let mut motion = Motion::new(&balancer, settings(), state).expect("starts");
         while motion.time() < 1000.0 {
-            motion.advance(1000.0).expect("goes on");
+            motion.advance(1000.0).expect("continues");
         }
         let effort = motion.effort();
         assert!(effort.switches < 3000 && effort.steps < 10_000, "{offset:e}: {effort:?}");
@@ -131,10 +130,10 @@ fn creep_does_not_chatter() {
     }
 }
 
-/// Trap: a ball that starts exactly on the edge of the band and rises out of it while others switch.
-/// Time must go on; it once stood still until the step limit.
+/// Time advances for a ball that starts exactly on the edge of the band and leaves it while others
+/// switch (a former defect).
 #[test]
-fn rising_from_the_edge_of_the_band() {
+fn time_advances_from_the_edge_of_the_band() {
     let mut stalled = 0;
     for k in 0..400_u32 {
         let balancer = balancer::<4>(2.75e-3, 20.0);
@@ -147,15 +146,14 @@ fn rising_from_the_edge_of_the_band() {
         };
         let mut motion = Motion::new(&balancer, settings(), state).expect("starts");
         while motion.time() < 1.0 && motion.effort().switches < 1000 {
-            motion.advance(1.0).expect("goes on");
+            motion.advance(1.0).expect("continues");
         }
         stalled += i32::from(motion.time() < 1.0);
     }
     assert_eq!(stalled, 0);
 }
 
-/// Two balls that hold nearly all mass, with large friction: where stick and slip are not decided in
-/// one way.
+/// Two balls with nearly all mass and large friction: a machine without a unique decision.
 fn undecided_machine(friction: f64) -> Balancer<2> {
     let mut machine = Machine { table_mass_kg: 0.02, speed_rad_s: -60.0, ..Machine::default() };
     for ball in &mut machine.balls {
@@ -168,7 +166,8 @@ fn at_rest(x: f64, y: f64, beta: [f64; 2]) -> State<2> {
     State { position: [x, y], velocity: [0.0; 2], beta, beta_dot: [0.0; 2] }
 }
 
-/// Accelerations of all combinations that meet the conditions of appendix C, pressed to the ring.
+/// Returns the accelerations of all combinations that meet the conditions of appendix C, pressed to
+/// the ring.
 fn all_solutions(balancer: &Balancer<2>, state: &State<2>) -> Vec<[f64; 2]> {
     let kinds = [Phase::Stick, Phase::Transition(1.0), Phase::Transition(-1.0)];
     let mut found: Vec<[f64; 2]> = Vec::new();
@@ -190,7 +189,7 @@ fn all_solutions(balancer: &Balancer<2>, state: &State<2>) -> Vec<[f64; 2]> {
     found
 }
 
-/// None of several solutions is chosen, and where there is none none is made up.
+/// If several solutions or none exist, the decision is refused.
 #[test]
 fn several_solutions_are_refused() {
     let mut seen = [0_u32; 4];
@@ -221,7 +220,7 @@ fn several_solutions_are_refused() {
 }
 
 /// At the instant of break-away stick and transition both hold, with the same accelerations: that
-/// is one solution, and the phases stay what they were.
+/// counts as one solution, and the phases are unchanged.
 #[test]
 fn break_away_is_not_ambiguous() {
     let balancer = undecided_machine(3.0);
@@ -255,15 +254,16 @@ fn break_away_is_not_ambiguous() {
     assert!(found > 0);
 }
 
-/// The shipped example: most of its runs with large friction end in `no_solution`, none with less.
+/// In the shipped example, most runs with large friction end in `no_solution`, and none with less
+/// friction.
 #[test]
 fn the_example_without_a_unique_solution() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/no-unique-solution.yaml");
-    let study = Study::load(&path).expect("a sound study");
+    let study = Study::load(&path).expect("a valid study");
     let (mut none, mut several) = (0, 0);
     for run in 0..study.run_count() {
         let planned = study.planned_run(run);
-        let outcome = simulate(&planned.case.expect("a sound case"));
+        let outcome = simulate(&planned.case.expect("a valid case"));
         if let Evidence::Failure(Failure::NoSolution { solutions }) = outcome.evidence {
             assert_eq!(planned.point_id, 1, "less friction always has one solution");
             assert_eq!(outcome.evidence.name(), "no_solution");
@@ -276,8 +276,8 @@ fn the_example_without_a_unique_solution() {
     assert!((60..=110).contains(&none) && (25..=65).contains(&several), "{none} {several}");
 }
 
-/// Where the closed form says that there is one solution, a decision never fails: either it is
-/// found, or a contact opens.
+/// If the closed form proves a unique solution, the decision never fails: it is either found, or a
+/// contact opens.
 #[test]
 fn with_one_solution_a_decision_never_fails() {
     let mut opened = 0;

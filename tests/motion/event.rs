@@ -1,4 +1,4 @@
-//! The exact motion: the traps of event-located integration, each by construction.
+//! The exact motion: the difficult cases of event-located integration, each by construction.
 
 use std::f64::consts::TAU;
 use std::path::Path;
@@ -19,8 +19,8 @@ fn tight() -> Settings {
     settings(Method::Event, 1e-12)
 }
 
-/// Trap: at break-away `|f_w| = μ f_n` to rounding. Whether the force is an ulp below or above, it
-/// counts whether it is about to rise or to fall; and all those motions go on alike.
+/// At break-away `|f_w| = μ f_n` holds up to rounding. Whether the force is an ulp below or above,
+/// its rate decides; and all these motions continue alike.
 #[test]
 fn break_away_within_rounding() {
     let balancer = two_balls(-216.3772);
@@ -65,7 +65,7 @@ fn break_away_within_rounding() {
             let speed = direction * motion.state().beta_dot[0];
             assert!(if rate > 0.0 { speed == 0.0 } else { speed > 0.0 }, "{seed}: {speed:e}");
         }
-        // Beyond rounding the value decides, not the rate.
+        // Outside of rounding the value decides, not the rate.
         let phases = [-1e-11, 1e-11].map(|off| {
             let start = at(held + off);
             *Motion::new(&balancer, tight(), start).expect("starts").phases()
@@ -75,7 +75,7 @@ fn break_away_within_rounding() {
     assert!(seen.iter().all(|&count| count > 10), "{seen:?}");
 }
 
-/// Trap: creep that would chatter for ever, balls side by side near the edge of the equilibrium set.
+/// Balls side by side near the edge of the equilibrium set creep without chattering.
 #[test]
 fn creep_does_not_chatter() {
     let balancer = two_balls(-179.2671);
@@ -100,7 +100,7 @@ fn creep_does_not_chatter() {
             let effort = motion.effort();
             assert!(effort.switches < 1000 && effort.steps < 30_000, "{offset:e}: {effort:?}");
             assert_eq!(motion.state().beta[0].to_bits(), motion.state().beta[1].to_bits());
-            // From the other edges they leave for good once they are outside.
+            // From the other edges they leave permanently once they are outside.
             creeping += i32::from((motion.unwrapped_angle(0) - beta[0]).abs() < 1e-2);
         }
     }
@@ -110,11 +110,11 @@ fn creep_does_not_chatter() {
 
 /// The shipped study's creeping runs are labelled as such, after a bounded number of events.
 #[test]
-fn creeping_runs_of_the_shipped_study() {
+fn creeping_runs_of_the_shipped_study_are_labelled() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/preferred-equilibria.yaml");
-    let study = Study::load(&path).expect("a sound study");
+    let study = Study::load(&path).expect("a valid study");
     for run in [2121, 2244, 2250] {
-        let case = study.planned_run(run).case.expect("a sound case");
+        let case = study.planned_run(run).case.expect("a valid case");
         let simulation = Simulation { method: Method::Event, ..case.simulation };
         let outcome = simulate(&Case { simulation, ..case });
         assert_eq!(outcome.evidence, Evidence::Creep, "run {run}");
@@ -122,10 +122,10 @@ fn creeping_runs_of_the_shipped_study() {
     }
 }
 
-/// Trap: a ball that is let go and stops at once. The table's swing is just large enough to pull a
-/// ball loose at its peaks; the less it exceeds that, the less the ball moves.
+/// A table swing just large enough to pull a ball loose at its peaks moves the ball, the less the
+/// smaller the excess, and the ball stops soon.
 #[test]
-fn barely_pulled_loose() {
+fn a_ball_barely_pulled_loose_hardly_moves() {
     let mut tried = 0;
     for seed in 0..30 {
         let mut sampler = Sampler::new(seed);
@@ -144,7 +144,7 @@ fn barely_pulled_loose() {
             let middle = 0.5 * (held + loose);
             if end(middle).effort().switches == 0 { held = middle } else { loose = middle }
         }
-        // The first pull must come on the way, not at the start.
+        // The first pull must come later than the start.
         if end(loose).last_switches().iter().all(|&time| time < 0.1) {
             continue;
         }
@@ -153,7 +153,8 @@ fn barely_pulled_loose() {
             let motion = end(loose * (1.0 + over));
             let way = (0..2).map(|ball| (motion.unwrapped_angle(ball) - beta[ball]).abs());
             let way = way.fold(0.0, f64::max);
-            // Force over the limit for a time that goes as its square root.
+            // The time during which the force exceeds the limit is proportional to the root of the
+            // excess.
             assert!(way < 1e-15 + over, "{seed}: {way:e} for {over:e}");
             assert!(motion.effort().switches < 40, "{seed}: {:?}", motion.effort());
         }
@@ -161,10 +162,10 @@ fn barely_pulled_loose() {
     assert!(tried > 10, "{tried}");
 }
 
-/// Trap: a start exactly on zero speed or a hair beside it. A ball that friction holds stays or stops
-/// at once; one that it does not hold goes the way of the force, whatever way the hair points.
+/// From exactly zero speed or a tiny speed, a ball that friction holds stays or stops immediately;
+/// one that it does not hold follows the force, for either sign of the tiny speed.
 #[test]
-fn starts_beside_zero_speed() {
+fn starts_near_zero_speed_follow_the_force() {
     let balancer = two_balls(-216.3772);
     let (mut stays, mut goes) = (0, 0);
     for seed in 0..200 {
@@ -199,8 +200,8 @@ fn starts_beside_zero_speed() {
     assert!(stays > 50 && goes > 50, "{stays} {goes}");
 }
 
-/// A ball that reverses turns at one instant, without resting; one that sets off sets nothing off
-/// when its speed rises through zero.
+/// A ball that reverses turns at one instant, without resting; when the speed of a ball that sets
+/// off rises through zero, no event occurs.
 #[test]
 fn reversal_is_one_switch() {
     let mut reversed = 0;
@@ -210,7 +211,7 @@ fn reversal_is_one_switch() {
         let mut state = sampler.state(&balancer);
         state.beta_dot = [0.02, -1.0];
         let mut motion = Motion::new(&balancer, tight(), state).expect("starts");
-        while !motion.advance(3.0).expect("goes on") && motion.time() < 3.0 {}
+        while !motion.advance(3.0).expect("continues") && motion.time() < 3.0 {}
         if motion.phases()[0] != Phase::Slip(-1.0) {
             continue;
         }
@@ -218,7 +219,8 @@ fn reversal_is_one_switch() {
         assert_eq!((motion.effort().switches, motion.state().beta_dot[0]), (1, 0.0));
         assert!(motion.forces().beta_ddot[0] < 0.0);
         let time = motion.time();
-        // The next step sets off from speed zero: a condition that rises through zero is none.
+        // The next step starts from speed zero: a condition that rises through zero is not an
+        // event.
         assert_eq!(motion.advance(time + 1e-3), Ok(false));
         assert_eq!((motion.time(), motion.effort().switches), (time + 1e-3, 1));
         assert!(motion.state().beta_dot[0] < 0.0);

@@ -1,11 +1,11 @@
-//! The exact motion as the limit of the switch model, and as independent of where steps end.
+//! The exact motion is the limit of the switch model, and does not depend on the steps.
 
 use stickslip::model::{Balancer, Method, State};
 use stickslip::motion::{Failure, Motion, Settings};
 
 use super::samples::{Sampler, difference, go_on, moved, settings};
 
-/// A motion until a time, unless a ball leaves the ring; any other failure fails the test.
+/// Follows a motion until a time, unless a ball leaves the ring; any other failure fails the test.
 fn follow<'a, const N: usize>(
     balancer: &'a Balancer<N>,
     settings: Settings,
@@ -29,8 +29,9 @@ fn follow<'a, const N: usize>(
     }
 }
 
-/// Thousands of machines and starts: no failure, few switches, and the switch model with a band of
-/// 1e-8 is a band away, times what a motion of a few periods makes of it.
+/// For thousands of machines and starts there is no failure and the number of switches is small.
+/// The distance to the switch model with a band of 1e-8 is the band times the growth of errors over
+/// a few periods.
 fn compare<const N: usize>(seeds: std::ops::Range<u64>) -> Vec<f64> {
     let mut apart = Vec::new();
     for seed in seeds {
@@ -64,7 +65,7 @@ fn fuzz_against_the_switch_model() {
     }
 }
 
-/// The difference to the switch model falls tenfold with the band.
+/// The difference to the switch model decreases tenfold with the band.
 #[test]
 fn switch_model_converges_to_it() {
     let mut falls = 0;
@@ -90,10 +91,11 @@ fn switch_model_converges_to_it() {
     assert!(falls > 30, "{falls}");
 }
 
-/// Cut into 600 pieces, so that no force can rise and fall back unseen inside a step, a motion is the
-/// same. Seed 3798 once was not: a force swung from one friction limit to the other within a step.
+/// A motion does not change if it is divided into 600 pieces, so that no force can rise and fall
+/// undetected inside a step. Seed 3798 is a former defect: a force swung from one friction limit to
+/// the other within a step.
 #[test]
-fn nothing_is_missed_inside_a_step() {
+fn no_event_inside_a_step_is_missed() {
     let mut worst: f64 = 0.0;
     for seed in 0..1500 {
         let mut sampler = Sampler::new(seed);
@@ -109,10 +111,10 @@ fn nothing_is_missed_inside_a_step() {
     println!("worst {worst:e}");
 }
 
-/// A swing that is strong against the friction limit takes the force from one limit to beyond the
-/// other and back between two looks of a coarse step.
+/// A swing that is strong against the friction limit takes the force beyond both limits and back
+/// between two samples of a coarse step.
 #[test]
-fn a_force_between_both_limits_in_one_step() {
+fn a_force_may_cross_both_limits_in_one_step() {
     let mut missed = Vec::new();
     let (mut moves, mut worst) = (0, 0.0_f64);
     for seed in 0..2000 {

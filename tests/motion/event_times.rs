@@ -1,4 +1,4 @@
-//! The exact motion's events: located where they are, whatever the steps around them.
+//! The accuracy of the exact motion's event times, for any steps around them.
 
 use stickslip::model::{Balancer, Contact, Machine, Method, State};
 use stickslip::motion::{Motion, Phase, Step, contacts, fall_through_zero, stick_reserve};
@@ -9,7 +9,8 @@ fn tight() -> stickslip::motion::Settings {
     settings(Method::Event, 1e-13)
 }
 
-/// Break-away of the first ball out of rest, against the closed form of the table's motion.
+/// The break-away of the first ball from rest is located at the time of the closed form of the
+/// table's motion.
 #[test]
 fn break_away_is_located_to_1e_12() {
     let mut located = 0;
@@ -18,7 +19,7 @@ fn break_away_is_located_to_1e_12() {
         let balancer = Balancer::<3>::new(&sampler.machine(3)).expect("three balls");
         let state = State { beta_dot: [0.0; 3], ..sampler.state(&balancer) };
         let rest = balancer.rest_point(&state.beta);
-        // The least reserve of any ball, a long way from zero at first.
+        // The smallest reserve of any ball, far from zero at first.
         let reserve = |time: f64| {
             let then = stuck_table(&balancer, &rest, &state, time);
             let forces = balancer.forces(&then, &[Contact::STICK; 3]);
@@ -34,15 +35,15 @@ fn break_away_is_located_to_1e_12() {
         let (before, after) = (0.005 * f64::from(tick - 1), 0.005 * f64::from(tick));
         let bracket = |time: f64| (time, reserve(time));
         let expected = fall_through_zero(reserve, bracket(before), bracket(after), 1e-15);
-        // At a grazing break-away the time is not known so well, whoever computes it.
+        // At a grazing break-away the time is ill-conditioned.
         let rate = (reserve(expected + 1e-6) - reserve(expected - 1e-6)) / 2e-6;
         if rate > -1e-3 {
             continue;
         }
         let mut motion = Motion::new(&balancer, tight(), state).expect("starts");
-        while !motion.advance(30.0).expect("goes on") {}
+        while !motion.advance(30.0).expect("continues") {}
         let error = motion.time() - expected;
-        // The force's rounding, and the slack that a resting ball has, pass in no time.
+        // The force's rounding error and the slack of a resting ball, as a time.
         let allowed = 1e-12 + 2e-13 * (1.0 + balancer.speed * balancer.speed) / rate.abs();
         assert!(error.abs() < allowed, "{seed}: {error:e} at {expected}, rate {rate:e}");
         located += 1;
@@ -50,7 +51,7 @@ fn break_away_is_located_to_1e_12() {
     assert!(located > 30, "{located}");
 }
 
-/// A ball that stops, against steps of a fixed small length, the last of them cut by bisection.
+/// The time at which a ball stops agrees with a bisection of steps of a fixed small length.
 #[test]
 fn stops_are_located_to_1e_12() {
     let mut located = 0;
@@ -83,7 +84,7 @@ fn stops_are_located_to_1e_12() {
             continue;
         }
         let mut motion = Motion::new(&balancer, tight(), state).expect("starts");
-        while !motion.advance(30.0).expect("goes on") {}
+        while !motion.advance(30.0).expect("continues") {}
         let error = motion.time() - expected;
         assert!(error.abs() < 1e-12 + 1e-14 / rate.abs(), "{seed}: {error:e}, rate {rate:e}");
         assert!(motion.state().beta_dot.contains(&0.0), "exactly at rest or turning");
@@ -92,9 +93,9 @@ fn stops_are_located_to_1e_12() {
     assert!(located > 50, "{located}");
 }
 
-/// Trap: a step that ends exactly on an event, or a float beside it. The motion goes on alike.
+/// Motions with a step that ends exactly on an event, or a float beside it, continue alike.
 #[test]
-fn steps_that_end_on_an_event() {
+fn steps_may_end_on_an_event() {
     let mut events = 0;
     for seed in 0..60 {
         let mut sampler = Sampler::new(seed);
@@ -104,7 +105,7 @@ fn steps_that_end_on_an_event() {
         let straight = moved(&balancer, tight(), state, 6.0);
         let mut motion = Motion::new(&balancer, tight(), state).expect("starts");
         while motion.time() < 5.0 {
-            if !motion.advance(5.0).expect("goes on") {
+            if !motion.advance(5.0).expect("continues") {
                 continue;
             }
             events += 1;
@@ -125,10 +126,10 @@ fn steps_that_end_on_an_event() {
     assert!(events > 50, "{events}");
 }
 
-/// Trap: two balls' events in one step, at the same instant and barely apart, in both orders. The
-/// end depends on how far apart they are, and on nothing else.
+/// For two balls' events in one step, at the same instant and barely apart, in both orders, the
+/// result depends only on the interval between them.
 #[test]
-fn two_events_in_one_step() {
+fn two_events_in_one_step_may_come_in_either_order() {
     let mut switches = 0;
     for seed in 0..160 {
         let mut sampler = Sampler::new(seed);
@@ -158,10 +159,10 @@ fn two_events_in_one_step() {
     assert!(switches > 100, "{switches}");
 }
 
-/// Trap: a ball whose speed touches zero tangentially. Whether it stops for an instant or just does
-/// not, it goes on alike, in a few events.
+/// A ball whose speed touches zero tangentially continues alike whether or not it stops for an
+/// instant, in a few events.
 #[test]
-fn speed_that_touches_zero() {
+fn a_speed_may_touch_zero() {
     let mut touched = 0;
     for seed in 0..300 {
         let mut sampler = Sampler::new(seed);
@@ -181,7 +182,7 @@ fn speed_that_touches_zero() {
             if end(middle).effort().switches > 0 { stops = middle } else { passes = middle }
         }
         let reference = end(passes);
-        // Not a ball that stops just at the end.
+        // Excludes a ball that stops just at the end.
         if end(stops).last_switches()[0] > 1.9 {
             continue;
         }

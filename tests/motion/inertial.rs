@@ -1,5 +1,5 @@
-//! The physics written anew in inertial space: Newton's equations for every body, with contact
-//! forces and rolling as unknowns, no turning frame and no angle from the imbalance.
+//! An independent formulation in inertial space: Newton's equations for every body, with contact
+//! forces and rolling as unknowns, without the turning frame.
 
 use nalgebra::{DMatrix, DVector};
 use stickslip::model::{Balancer, Machine, Method, NormalForce, State};
@@ -18,7 +18,7 @@ struct Inertial {
     imbalance: f64,
 }
 
-/// What the turning frame's state is in space, when the imbalance points in a direction.
+/// Converts a state in the turning frame to space, for a direction of the imbalance.
 fn in_space<const N: usize>(balancer: &Balancer<N>, state: &State<N>, imbalance: f64) -> Inertial {
     let (s, c) = imbalance.sin_cos();
     let turned = |[x, y]: [f64; 2]| [c * x - s * y, s * x + c * y];
@@ -43,7 +43,7 @@ struct Solved {
 
 /// Unknowns: acceleration of the centre (2); for each ball its acceleration (2), normal and
 /// tangential contact force, moment of the rolling resistance, angular acceleration of its spin and
-/// of its position on the ring. `direction`: 1 or -1 in slip, none in stick.
+/// of its position on the ring. `direction`: 1 or -1 in slip, `None` in stick.
 fn newton<const N: usize>(
     machine: &Machine,
     balancer: &Balancer<N>,
@@ -56,7 +56,7 @@ fn newton<const N: usize>(
     let table = machine.table_mass_kg / machine.total_mass_kg();
     let size = 2 + 7 * N;
     let (mut a, mut b) = (DMatrix::<f64>::zeros(size, size), DVector::<f64>::zeros(size));
-    // Table and disc: the imbalance goes round the centre at the disc's speed.
+    // Table and disc: the imbalance turns about the centre at the disc's speed.
     let towards = [state.imbalance.cos(), state.imbalance.sin()];
     for axis in 0..2 {
         a[(axis, axis)] = table + imbalance_mass;
@@ -73,7 +73,7 @@ fn newton<const N: usize>(
         let (outward, along) = ([c, s], [-s, c]);
         let rate = state.rate[ball];
         for axis in 0..2 {
-            // The ring presses inwards and pulls along; the table feels the opposite.
+            // The ring pushes the ball inwards and pulls it along; the table feels the opposite.
             a[(axis, normal)] = -outward[axis];
             a[(axis, tangential)] = along[axis];
             let row = first + axis;
@@ -92,7 +92,7 @@ fn newton<const N: usize>(
         a[(row, spin)] = body.inertia * body.mass * body.diameter * body.diameter;
         a[(row, tangential)] = -0.5 * body.diameter;
         a[(row, moment)] = -1.0;
-        // Rolling: the spin beyond the disc's is -2 / d of the speed along the ring.
+        // Rolling: the spin relative to the disc's is -2 / d times the speed along the ring.
         let row = first + 5;
         a[(row, spin)] = 1.0;
         a[(row, angular)] = 2.0 / body.diameter;
@@ -129,7 +129,7 @@ fn newton<const N: usize>(
     }
 }
 
-/// Accelerations and forces agree, wherever the imbalance points: the turning frame has no say.
+/// Accelerations and forces agree for any direction of the imbalance.
 #[test]
 fn forces_agree_in_every_frame() {
     for seed in 0..1000 {
@@ -186,8 +186,8 @@ fn terms<const N: usize>(balancer: &Balancer<N>, ball: usize) -> BallTerms {
     }
 }
 
-/// A stretch of motion in slip, integrated in space by the classical Runge-Kutta method, ends where
-/// the motion in the turning frame does.
+/// A motion in slip, integrated in space by the classical Runge-Kutta method, ends where the motion
+/// in the turning frame does.
 #[test]
 fn motion_agrees_with_one_integrated_in_space() {
     let machine = Machine { normal_force: NormalForce::Newton, ..Machine::default() };
@@ -246,7 +246,7 @@ fn motion_agrees_with_one_integrated_in_space() {
     }
 }
 
-/// With all balls stuck: the damped oscillator about the rest point, over long times.
+/// With all balls stuck, the table is the damped oscillator about the rest point, over long times.
 #[test]
 fn stuck_balls_follow_the_closed_form() {
     for seed in 0..40 {

@@ -1,4 +1,4 @@
-//! Integration of smooth phases, switches, and the symmetries that every motion has.
+//! Integration of smooth phases, switches, and symmetries of motions.
 
 mod conservation;
 mod cut_steps;

@@ -1,4 +1,4 @@
-//! Machines and states at random, and motions to follow: where several tests here start from.
+//! Random machines and states, and motions from them, for several tests.
 
 use std::f64::consts::TAU;
 
@@ -26,8 +26,8 @@ impl Sampler {
         values[self.between(0.0, values.len() as f64) as usize]
     }
 
-    /// Machines as they may come: speeds below and above resonance, without speed, damping or
-    /// friction, heavy balls, different balls.
+    /// Returns a machine of varied kind: speeds below and above resonance, without speed, damping
+    /// or friction, heavy balls, different balls.
     pub fn machine(&mut self, balls: usize) -> Machine {
         let speeds = [-160.8, -179.2671, -185.55, -191.64, -216.3772, -309.15, 0.0, 100.0, 216.0];
         let mut machine = Machine {
@@ -48,8 +48,8 @@ impl Sampler {
         machine
     }
 
-    /// States as they may come: near the rest point or far from it, balls at rest, hardly moving or
-    /// moving, apart or side by side.
+    /// Returns a state of varied kind: near the rest point or far from it, balls at rest, hardly
+    /// moving or moving, apart or side by side.
     pub fn state<const N: usize>(&mut self, balancer: &Balancer<N>) -> State<N> {
         let far = self.one_of(&[0.05, 0.05, 1e-3, 1e-6]);
         let mut beta: [f64; N] = std::array::from_fn(|_| self.between(0.0, TAU));
@@ -69,13 +69,13 @@ impl Sampler {
     }
 }
 
-/// Tight settings; the band is for the switch model.
+/// Returns tight settings; the band is for the switch model.
 pub fn settings(method: Method, relative: f64) -> Settings {
     let tolerance = Tolerance { relative, absolute: 1e-2 * relative };
     Settings { method, band: 1e-8, tolerance, effort_limit: 200_000 }
 }
 
-/// The motion from a state until a time.
+/// Returns the motion from a state until a time.
 pub fn moved<const N: usize>(
     balancer: &Balancer<N>,
     settings: Settings,
@@ -87,15 +87,15 @@ pub fn moved<const N: usize>(
     motion
 }
 
-/// Goes on until a time; returns what it took.
+/// Advances until a time and returns the effort.
 pub fn go_on<const N: usize>(motion: &mut Motion<Balancer<N>, N>, until: f64) -> Effort {
     while motion.time() < until {
-        motion.advance(until).expect("goes on");
+        motion.advance(until).expect("continues");
     }
     motion.effort()
 }
 
-/// The largest difference between two motions' states.
+/// Returns the largest difference between two motions' states.
 pub fn difference<const N: usize>(
     one: &Motion<Balancer<N>, N>,
     other: &Motion<Balancer<N>, N>,
@@ -108,8 +108,8 @@ pub fn difference<const N: usize>(
     all(one).iter().zip(all(other)).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
 }
 
-/// Where the table is after a time with all balls stuck: the damped oscillator in inertial space
-/// about the rest point (thesis section 5.2), by complex numbers `[re, im]`.
+/// Returns the table's state after a time with all balls stuck: the damped oscillator in inertial
+/// space about the rest point (thesis section 5.2), by complex numbers `[re, im]`.
 pub fn stuck_table<const N: usize>(
     balancer: &Balancer<N>,
     rest: &RestPoint<N>,

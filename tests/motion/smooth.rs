@@ -1,4 +1,4 @@
-//! Smooth phases: order of the method and of its dense output, and a quantity that must not change.
+//! Smooth phases: order of the method and of its dense output, and a conserved quantity.
 
 use stickslip::model::{Balancer, Machine, Method, State};
 use stickslip::motion::{Motion, Settings, Step, Tolerance};
@@ -8,9 +8,9 @@ fn settings(relative: f64) -> Settings {
     Settings { method: Method::Switch, band: 1e-4, tolerance, effort_limit: 10_000_000 }
 }
 
-/// Without friction and damping the Jacobi integral of the system with prescribed rotation,
-/// `h = T_2 - T_0 + V`, is constant. It is written down here from positions and velocities in
-/// inertial space, not from the equations of motion.
+/// Without friction and damping the Jacobi integral of the system with prescribed rotation, `h =
+/// T_2 - T_0 + V`, is constant. It is computed from positions and velocities in inertial space, not
+/// from the equations of motion.
 fn jacobi_integral(machine: &Machine, balancer: &Balancer<2>, state: &State<2>) -> f64 {
     let omega = balancer.speed;
     let [x, y] = state.position;
@@ -40,7 +40,7 @@ fn jacobi_integral_is_constant_without_friction() {
     let mut machine = Machine { damping_n_s_m: 0.0, ..Machine::default() };
     for ball in &mut machine.balls {
         ball.friction_coefficient = 0.0;
-        ball.mass_kg *= 30.0; // so that the balls matter
+        ball.mass_kg *= 30.0; // so that the effect of the balls is large
     }
     let balancer = Balancer::<2>::new(&machine).expect("two balls");
     let start = State {
@@ -52,7 +52,7 @@ fn jacobi_integral_is_constant_without_friction() {
     let before = jacobi_integral(&machine, &balancer, &start);
     let mut motion = Motion::new(&balancer, settings(1e-11), start).expect("starts");
     while motion.time() < 300.0 {
-        motion.advance(300.0).expect("goes on");
+        motion.advance(300.0).expect("continues");
     }
     let after = jacobi_integral(&machine, &balancer, motion.state());
     let moved = motion.unwrapped_angle(0) - 1.0;
@@ -60,8 +60,8 @@ fn jacobi_integral_is_constant_without_friction() {
     assert!((after - before).abs() < 1e-9 * before.abs(), "{before} {after}");
 }
 
-/// Error of the state after one unit of time in `count` equal steps, against very many steps, and
-/// of the dense output in the middle of the first step.
+/// Returns the error of the state after one unit of time in `count` equal steps, against very many
+/// steps, and of the dense output in the middle of the first step.
 fn errors(count: u32) -> (f64, f64) {
     let balancer = Balancer::<2>::new(&Machine::default()).expect("two balls");
     let start = State {
@@ -102,7 +102,7 @@ fn order_eight_and_dense_output_of_order_seven() {
     let order = (coarse / fine).log2();
     let middle_order = (coarse_middle / fine_middle).log2();
     assert!((7.3..9.5).contains(&order), "order {order}, errors {coarse:e} {fine:e}");
-    // The local error of an interpolant of order 7 falls as the eighth power of the step.
+    // The local error of an interpolant of order 7 decreases as the eighth power of the step.
     assert!((7.0..9.5).contains(&middle_order), "order {middle_order}");
     assert!(fine < 1e-7, "{fine:e}");
 }

@@ -1,4 +1,4 @@
-//! What every motion has: exchange of balls, mirror image, whole turns of a ball.
+//! Symmetries of every motion: exchange of balls, mirror image, whole turns of a ball.
 
 use stickslip::classification::{Outcome, simulate};
 use stickslip::model::{Ball, Case, Machine, Method, Simulation, Start};
@@ -30,8 +30,8 @@ fn swapped(mut values: Vec<f64>) -> Vec<f64> {
     values
 }
 
-/// Two balls exchanged in machine and start give the exchanged result, to the last bit, with the
-/// same effort.
+/// Exchanging two balls in machine and start exchanges the results bit for bit, with the same
+/// effort.
 #[test]
 fn exchanged_balls_give_the_exchanged_result() {
     let kinds = METHODS.into_iter().flat_map(|method| [(method, true), (method, false)]);
@@ -64,8 +64,8 @@ fn exchanged_balls_give_the_exchanged_result() {
     }
 }
 
-/// The mirror image: speed, y and all angles with the other sign. Signs are exact, so that the
-/// mirrored run differs only where an angle is wrapped into [0, 2π).
+/// The mirror image (speed, y and all angles with the opposite sign) gives the mirrored motion.
+/// Signs are exact, so that the mirrored run differs only where an angle is reduced to [0, 2π).
 #[test]
 fn mirror_image_gives_the_mirrored_result() {
     for (method, start) in
@@ -84,7 +84,7 @@ fn mirror_image_gives_the_mirrored_result() {
     }
 }
 
-/// A whole turn of a ball more or less changes nothing but rounding.
+/// Adding or subtracting a whole turn of a ball changes the motion only by rounding.
 #[test]
 fn whole_turns_change_nothing() {
     for (method, start) in

@@ -1,4 +1,4 @@
-//! The linearised flow against differences of whole motions, through stick and slip.
+//! The linearised flow against finite differences of whole motions, through stick and slip.
 
 use stickslip::model::{Balancer, FrictionLaw, Machine, Method, Model, State};
 use stickslip::motion::{Motion, Phase, Settings, Tolerance, Variational};
@@ -27,7 +27,7 @@ fn state_of<const N: usize>(values: &[f64]) -> State<N> {
     }
 }
 
-/// Where the motion is at `end`, with whole turns, and the phases on the way.
+/// Returns the state at `end`, with whole turns, and the phases on the way.
 fn flow<const N: usize>(
     balancer: &Balancer<N>,
     settings: Settings,
@@ -38,7 +38,7 @@ fn flow<const N: usize>(
     let mut motion = Motion::new(balancer, settings, start).expect("starts");
     let mut phases = vec![*motion.phases()];
     while motion.time() < end {
-        motion.advance(end).expect("goes on");
+        motion.advance(end).expect("continues");
         watch(&motion);
         if phases.last() != Some(motion.phases()) {
             phases.push(*motion.phases());
@@ -63,7 +63,7 @@ fn compare<const N: usize>(
         from.add_scaled(step, &direction);
         flow(balancer, settings, from, end, |_| {})
     };
-    // The same course of stick and slip on both sides, or there is nothing to compare with.
+    // Both neighbours must have the same sequence of stick and slip for a comparison.
     let step = 1e-6;
     let (low, high) = (shifted(-step), shifted(step));
     if low.1 != phases || high.1 != phases || variation.grazed {
@@ -80,7 +80,8 @@ fn compare<const N: usize>(
     Some((difference / size.max(1.0), phases.len() - 1))
 }
 
-/// Random machines, laws and starts: what the linearised flow carries is what neighbours do.
+/// For random machines, laws and starts, displacements of the linearised flow are those of
+/// neighbouring motions.
 #[test]
 fn carried_displacements_are_those_of_neighbours() {
     let mut sampler = Sampler::new(4);
@@ -99,7 +100,7 @@ fn carried_displacements_are_those_of_neighbours() {
                 FrictionLaw::Viscous { viscous_coefficient_n_s_m: 1e-4 },
             ]);
             machine.balls[1].mass_kg *= 1.5;
-            Model::from(machine.clone()).validate().expect("a sound machine");
+            Model::from(machine.clone()).validate().expect("a valid machine");
             let balancer = Balancer::<2>::new(&machine).expect("two balls");
             let between = |sampler: &mut Sampler, half: f64| sampler.between(-half, half);
             let mut numbers =
@@ -109,7 +110,7 @@ fn carried_displacements_are_those_of_neighbours() {
             start[6..].iter_mut().for_each(|speed| *speed *= 8.0);
             let (start, mut direction) = (state_of(&start), state_of(&direction));
             if method == Method::Event {
-                // Those that rest have no neighbours that move as slowly as they like.
+                // A resting ball has no neighbours with arbitrarily small speed.
                 direction.beta_dot = [0, 1].map(|ball| {
                     if start.beta_dot[ball] == 0.0 { 0.0 } else { direction.beta_dot[ball] }
                 });

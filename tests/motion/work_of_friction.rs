@@ -1,4 +1,5 @@
-//! Friction takes energy, under every law, and dry friction exactly its force times the way.
+//! Friction dissipates energy under every law; constant dry friction dissipates exactly force times
+//! distance.
 
 use stickslip::model::{Balancer, Block, FrictionLaw, Machine, Method, SliderState, State, System};
 use stickslip::motion::{Motion, Settings, Tolerance};
@@ -11,8 +12,9 @@ fn settings(method: Method) -> Settings {
     Settings { method, band: BAND, tolerance, effort_limit: 10_000_000 }
 }
 
-/// Follows a motion; friction force times sliding speed is never below zero, but inside the switch
-/// model's band, where a contact in transition has the friction of its acceleration.
+/// Follows a motion and asserts that friction force times sliding speed is never negative, except
+/// inside the switch model's band, where a contact in transition has the friction of its
+/// acceleration.
 #[track_caller]
 fn follow<S: System<N, FREE>, const N: usize, const FREE: usize>(
     system: &S,
@@ -23,7 +25,7 @@ fn follow<S: System<N, FREE>, const N: usize, const FREE: usize>(
     let mut motion = Motion::new(system, settings(method), start).expect("starts");
     let mut most = 0.0_f64;
     while motion.time() < end {
-        motion.advance(end).expect("goes on");
+        motion.advance(end).expect("continues");
         for contact in 0..N {
             let speed = motion.state().beta_dot[contact];
             let power = motion.forces().friction[contact] * speed;
@@ -62,10 +64,10 @@ fn friction_never_does_positive_work_on_balls() {
     }
 }
 
-/// Where friction is constant, the energy lost is friction times the way: from `(0, 1.7)` without
-/// dimensions to rest at `x`, `½ 1.7² - ½ x² = μ s`.
+/// With constant friction the energy loss is friction times distance: from `(0, 1.7)` in
+/// non-dimensional form to rest at `x`, `½ 1.7² - ½ x² = μ s`.
 #[test]
-fn dry_friction_takes_its_force_times_the_way() {
+fn dry_friction_dissipates_force_times_distance() {
     for method in METHODS {
         let slider = Block::on_spring().slider();
         let start = SliderState { position: [], velocity: [], beta: [0.0], beta_dot: [1.7] };
@@ -78,7 +80,7 @@ fn dry_friction_takes_its_force_times_the_way() {
                 let forth = motion.falls_through_zero(velocity(1.0));
                 forth.or_else(|| motion.falls_through_zero(velocity(-1.0)))
             });
-            let turn = turn.expect("goes on").map_or(before, |(_, state)| state.beta[0]);
+            let turn = turn.expect("continues").map_or(before, |(_, state)| state.beta[0]);
             let SliderState { beta: [x], beta_dot: [v], .. } = *motion.state();
             way += (turn - before).abs() + (x - turn).abs();
             let now = 0.5 * (x * x + v * v);
@@ -90,9 +92,9 @@ fn dry_friction_takes_its_force_times_the_way() {
     }
 }
 
-/// Under the viscous law on rigid ground energy falls at every step, to nothing.
+/// Under the viscous law on rigid ground, energy decreases at every step, to zero.
 #[test]
-fn viscous_friction_takes_all_energy() {
+fn viscous_friction_dissipates_all_energy() {
     let friction = FrictionLaw::Viscous { viscous_coefficient_n_s_m: 1.0 };
     let slider = Block { friction, ..Block::on_spring() }.slider();
     let start = SliderState { position: [], velocity: [], beta: [0.5], beta_dot: [-1.7] };
@@ -100,7 +102,7 @@ fn viscous_friction_takes_all_energy() {
     let mut motion = Motion::new(&slider, settings(Method::Event), start).expect("starts");
     let mut energy = f64::MAX;
     while motion.time() < 400.0 {
-        motion.advance(400.0).expect("goes on");
+        motion.advance(400.0).expect("continues");
         let now = motion.state().beta[0].powi(2) + motion.state().beta_dot[0].powi(2);
         assert!(now <= energy);
         energy = now;

@@ -1,4 +1,4 @@
-//! Chromium: where it is, and one of it for a test, with a profile of its own.
+//! Chromium: its location, and one instance per test with its own profile.
 
 use std::env;
 use std::fs::{self, File};
@@ -23,23 +23,23 @@ const ELSEWHERE: [&str; 2] = [
     "/Applications/Google Chrome.app/Contents/MacOS/Google Chrome",
 ];
 
-/// The descriptors that the browser speaks on are 3 and 4; a shell puts its pipes there.
+/// The browser uses the descriptors 3 and 4; a shell connects its pipes to them.
 const ON_PIPES: &str = r#"exec "$0" "$@" 3<&0 4>&1 0</dev/null 1>&2"#;
 
-/// How long the browser may take to end by itself.
+/// Time limit for the browser to end after its pipes are closed.
 const FAREWELL: Duration = Duration::from_secs(5);
 
-/// A running browser; it ends with this.
+/// A running browser, which ends when this value is dropped.
 pub struct Browser {
     child: Child,
-    /// None when the browser is to end.
+    /// `None` when the browser is to end.
     tools: Option<DevTools>,
-    /// Its profile, and what it says on standard error.
+    /// Its profile, and its standard error.
     folder: TempDir,
 }
 
 impl Browser {
-    /// Starts a browser; none where there is none and none is needed.
+    /// Starts a browser; `None` if there is none and none is required.
     pub fn start() -> Option<Browser> {
         let program = program()?;
         let folder = TempDir::new().unwrap();
@@ -56,11 +56,11 @@ impl Browser {
             "--disable-dev-shm-usage",
             "--disable-gpu",
             "--force-color-profile=srgb",
-            // Nothing leaves this machine, whatever a page asks for.
+            // No request leaves this machine, whatever a page requests.
             "--host-resolver-rules=MAP * ~NOTFOUND",
         ]);
         command.arg(format!("--user-data-dir={}", folder.path().join("profile").display()));
-        // The superuser has no sandbox. Who we are shows in what we make.
+        // Root has no sandbox. The owner of a new directory is the current user.
         if fs::metadata(folder.path()).unwrap().uid() == 0 {
             command.arg("--no-sandbox");
         }
@@ -73,7 +73,7 @@ impl Browser {
         Some(browser)
     }
 
-    /// Calls a method of the protocol; panics with what the browser says where it cannot.
+    /// Calls a method of the protocol; panics with the browser's message on failure.
     #[track_caller]
     pub fn call(&mut self, session: Option<&str>, method: &str, parameters: Value) -> Value {
         let result = self.tools().call(session, method, parameters);
@@ -93,7 +93,7 @@ impl Browser {
     #[track_caller]
     pub fn fail(&self, error: &str) -> ! {
         let said = fs::read_to_string(self.folder.path().join("stderr")).unwrap_or_default();
-        // Of a bus that is not there it complains always.
+        // It always complains about a missing bus.
         let said: Vec<&str> = said.lines().filter(|line| !line.contains("/dbus/")).collect();
         panic!("{error}\nThe browser said:\n{}", said.join("\n"));
     }
@@ -101,12 +101,12 @@ impl Browser {
 
 impl Drop for Browser {
     fn drop(&mut self) {
-        // With its pipes closed it ends, and all its processes with it.
+        // With its pipes closed it ends with all its processes.
         self.tools = None;
         let until = Instant::now() + FAREWELL;
         while matches!(self.child.try_wait(), Ok(None)) {
             if Instant::now() > until {
-                // Its other processes follow the first one.
+                // Its other processes end after the first one.
                 let _ = self.child.kill();
                 let _ = self.child.wait();
                 break;
@@ -116,7 +116,8 @@ impl Drop for Browser {
     }
 }
 
-/// The browser's program. Where there is none: said once, and a failure where tests must not be left out.
+/// Returns the browser's program. A missing browser is reported once, and is a failure if the tests
+/// are required.
 fn program() -> Option<PathBuf> {
     if let Some(path) = env::var_os("STICKSLIP_CHROMIUM") {
         let path = PathBuf::from(path);
@@ -132,7 +133,7 @@ fn program() -> Option<PathBuf> {
         let missing = "tests of pages did not run: there is no Chromium. apt-get install chromium, or \
                        STICKSLIP_CHROMIUM=path";
         assert!(env::var_os("CI").is_none(), "{missing}");
-        // Straight to standard error: what a test prints is not shown where it passes.
+        // Directly to standard error, because the output of a passing test is hidden.
         static ONCE: Once = Once::new();
         ONCE.call_once(|| stderr().write_all(format!("{missing}\n").as_bytes()).unwrap());
     }

@@ -1,4 +1,4 @@
-//! The browser finds what it is to find: a page full of faults, each of which is told.
+//! The browser detects faults: each fault of a test page is reported.
 
 use super::browser::Browser;
 use super::made::Made;
@@ -35,7 +35,7 @@ const FAULTY: &str = r##"<!DOCTYPE html>
 </script></body></html>"##;
 
 #[test]
-fn faults_are_told() {
+fn faults_are_reported() {
     let Some(mut browser) = Browser::start() else { return };
     let made = Made::new();
     let file = made.write("faulty.html", FAULTY);
@@ -60,7 +60,8 @@ fn faults_are_told() {
     let nameless: Vec<String> = page.nameless().into_iter().map(|part| part.role).collect();
     assert_eq!(nameless, ["button", "slider"]);
 
-    // Grey 118 on white is the palest that passes: 4.54 to 1. Half black on white is 3.95 to 1.
+    // Grey 118 on white is the lightest colour that passes: 4.54 to 1. Half black on white is 3.95
+    // to 1.
     let (pale, all) = page.pale();
     let words: Vec<&str> = pale.iter().map(|pale| pale.text.as_str()).collect();
     assert_eq!(words, ["grey", "faint"]);

@@ -1,7 +1,8 @@
-//! The DevTools protocol over a pair of pipes: one JSON object after the other, each with a zero byte
-//! behind it. (<https://chromedevtools.github.io/devtools-protocol/>)
+//! The DevTools protocol over a pair of pipes: JSON objects, each terminated by a zero byte
+//! (<https://chromedevtools.github.io/devtools-protocol/>).
 //!
-//! Pipes need no library and no port, and the browser ends when they are closed, however its user ends.
+//! Pipes need no library and no port, and the browser ends when they are closed, however its user
+//! ends.
 
 use std::io::{BufRead, BufReader, Read, Write};
 use std::process::{ChildStdin, ChildStdout};
@@ -11,7 +12,7 @@ use std::time::{Duration, Instant};
 
 use serde_json::{Value, json};
 
-/// How long an answer may take. Far more than it does, for machines that are busy with other things.
+/// Time limit of an answer, with a wide margin for busy machines.
 pub const TIME: Duration = Duration::from_secs(60);
 
 /// A connection with a browser.
@@ -19,11 +20,11 @@ pub struct DevTools {
     to: ChildStdin,
     from: Receiver<Value>,
     calls: u64,
-    /// What the browser told without having been asked, in order.
+    /// The events that the browser has sent, in order.
     pub events: Vec<Event>,
 }
 
-/// Something that happened.
+/// An event.
 pub struct Event {
     pub method: String,
     pub session: Option<String>,
@@ -34,7 +35,7 @@ impl DevTools {
     pub fn new(to: ChildStdin, from: ChildStdout) -> Self {
         let (sender, receiver) = mpsc::channel();
         thread::spawn(move || {
-            // Ends with the browser, or with whoever listens.
+            // Ends with the browser or with the receiver.
             for message in messages(from) {
                 if sender.send(message).is_err() {
                     break;
@@ -44,10 +45,10 @@ impl DevTools {
         DevTools { to, from: receiver, calls: 0, events: Vec::new() }
     }
 
-    /// Calls a method, of the browser or of a page in it, and waits for its result.
+    /// Calls a method of the browser or of a page in it, and waits for its result.
     ///
     /// # Errors
-    /// What the browser answered instead.
+    /// The browser's answer, if it is not a result.
     pub fn call(
         &mut self,
         session: Option<&str>,
@@ -75,10 +76,10 @@ impl DevTools {
         }
     }
 
-    /// Waits until something has happened.
+    /// Waits for an event.
     ///
     /// # Errors
-    /// When it does not happen in time.
+    /// If it does not occur within the time limit.
     pub fn wait_for(&mut self, what: &str, is: impl Fn(&Event) -> bool) -> Result<(), String> {
         let until = Instant::now() + TIME;
         while !self.events.iter().any(&is) {
@@ -87,7 +88,7 @@ impl DevTools {
         Ok(())
     }
 
-    /// Takes the next message: an answer is returned, an event is noted.
+    /// Receives the next message: an answer is returned, an event is recorded.
     fn next(&mut self, until: Instant) -> Result<Option<Value>, String> {
         let left = until.saturating_duration_since(Instant::now());
         let mut message = self.from.recv_timeout(left).map_err(|error| match error {

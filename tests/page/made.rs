@@ -1,4 +1,4 @@
-//! A folder, and what the program makes in it.
+//! A folder with files that the program creates.
 
 use std::fs::{self, File};
 use std::path::PathBuf;
@@ -8,7 +8,7 @@ use arrow::util::display::{ArrayFormatter, FormatOptions};
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use tempfile::TempDir;
 
-/// A directory that goes away with the test.
+/// A directory that is removed at the end of the test.
 pub struct Made(TempDir);
 
 impl Made {
@@ -27,13 +27,13 @@ impl Made {
         path
     }
 
-    /// The program with these arguments, separated by blanks, which must end well.
+    /// Runs the program with these arguments, separated by blanks, which must succeed.
     #[track_caller]
     pub fn well(&self, arguments: &str) -> String {
         self.ends(arguments, &[0])
     }
 
-    /// The same for a study, of which runs may fail.
+    /// Runs the program for a study in which runs may fail.
     #[track_caller]
     pub fn runs(&self, arguments: &str) -> String {
         self.ends(arguments, &[0, 3])
@@ -52,7 +52,7 @@ impl Made {
         String::from_utf8(output.stdout).unwrap()
     }
 
-    /// A column of a table, as text.
+    /// Returns a column of a table, as text.
     pub fn words(&self, table: &str, column: &str) -> Vec<String> {
         let file = File::open(self.path(table)).unwrap();
         let reader = ParquetRecordBatchReaderBuilder::try_new(file).unwrap().build().unwrap();
@@ -67,7 +67,7 @@ impl Made {
         words
     }
 
-    /// A column of numbers; those that are missing are not a number.
+    /// Returns a column of numbers; missing ones are NaN.
     pub fn numbers(&self, table: &str, column: &str) -> Vec<f64> {
         self.words(table, column).iter().map(|word| word.parse().unwrap_or(f64::NAN)).collect()
     }

@@ -1,18 +1,17 @@
-//! The pages that the program makes, in a real browser: Chromium without a window, driven through its
-//! DevTools protocol.
+//! The program's pages in a real browser: headless Chromium, driven through its DevTools protocol.
 //!
-//! - It is looked for on the path; `STICKSLIP_CHROMIUM=path` names another. Where there is none, the tests
-//!   say so and pass, unless `CI` is set.
-//! - `STICKSLIP_SCREENSHOTS=folder` keeps what is seen and printed, to be looked at.
+//! - The browser is found on the path; `STICKSLIP_CHROMIUM=path` names another. Without a browser,
+//!   the tests say so and pass, unless `CI` is set.
+//! - `STICKSLIP_SCREENSHOTS=folder` stores screenshots and prints for inspection.
 #![cfg(unix)]
 
 /// The browser: found, started, ended.
 mod browser;
-/// What the browser tells of a page that has faults.
+/// Faults of a page that the browser reports.
 mod browser_tells;
-/// Its protocol.
+/// The DevTools protocol.
 mod devtools;
-/// Pages that the program makes.
+/// Pages that the program creates.
 mod made;
 /// A page in the browser.
 mod page;

@@ -1,4 +1,5 @@
-//! A page as its reader has it: seen, clicked at, typed at, printed; and what is wrong with it.
+//! A page from its reader's point of view: displayed, clicked, operated by keys, printed; and its
+//! faults.
 
 use std::env;
 use std::fs;
@@ -13,25 +14,25 @@ use serde_json::{Value, json};
 use super::browser::Browser;
 use super::devtools::{Event, TIME};
 
-/// How a page is looked at.
+/// The settings of a view.
 #[derive(Clone, Copy, Debug)]
 pub struct View {
     pub width: u32,
     pub height: u32,
-    /// What the reader prefers.
+    /// The reader's preferences.
     pub dark: bool,
     pub reduced_motion: bool,
     /// On paper, not on a screen.
     pub print: bool,
 }
 
-/// A laptop by daylight.
+/// A laptop in light mode.
 pub const LAPTOP: View =
     View { width: 1280, height: 720, dark: false, reduced_motion: false, print: false };
-/// The same at night.
+/// A laptop in dark mode.
 pub const DARK: View = View { dark: true, ..LAPTOP };
 
-/// Least contrast of text, where it is not large (WCAG 2.2, 1.4.3).
+/// Minimum contrast of text that is not large (WCAG 2.2, 1.4.3).
 pub const CONTRAST: f64 = 4.5;
 
 /// A page in the browser.
@@ -42,14 +43,14 @@ pub struct Page<'a> {
     address: String,
 }
 
-/// A part of a page, as programs that read it aloud know it.
+/// A part of a page in its accessibility tree.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Accessible {
     pub role: String,
     pub name: String,
 }
 
-/// Text with too little contrast to what is behind it.
+/// Text with too little contrast to its background.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pale {
     pub text: String,
@@ -62,7 +63,7 @@ pub struct Pdf {
 }
 
 impl Pdf {
-    /// How many sheets of paper.
+    /// Returns the number of sheets.
     pub fn sheets(&self) -> usize {
         let text = String::from_utf8_lossy(&self.bytes);
         let of_sheets = text.split("/Type /Page").skip(1).filter(|rest| !rest.starts_with('s'));
@@ -71,7 +72,7 @@ impl Pdf {
 }
 
 impl<'a> Page<'a> {
-    /// Opens a file, and waits until it is there and drawn.
+    /// Opens a file, and waits until it is loaded and drawn.
     #[track_caller]
     pub fn open(browser: &'a mut Browser, file: &Path, view: View) -> Self {
         let file = file.canonicalize().unwrap();
@@ -105,19 +106,20 @@ impl<'a> Page<'a> {
         self.browser.call(Some(&self.session), method, parameters)
     }
 
-    /// Looks at it in another way.
+    /// Changes the view.
     #[track_caller]
     pub fn view(&mut self, view: View) {
         let View { width, height, dark, reduced_motion, print } = view;
         let size =
             json!({"width": width, "height": height, "deviceScaleFactor": 1, "mobile": false});
         self.call("Emulation.setDeviceMetricsOverride", size);
-        // Paper has none.
+        // Paper has no scroll bars.
         self.call("Emulation.setScrollbarsHidden", json!({"hidden": print}));
         let scheme = if dark { "dark" } else { "light" };
         let motion = if reduced_motion { "reduce" } else { "no-preference" };
         let media = json!({
-            // Nothing: what it is. A screen that is emulated stays one when the page is printed.
+            // An empty value restores the default. An emulated screen would remain when the page is
+            // printed.
             "media": if print { "print" } else { "" },
             "features": [
                 {"name": "prefers-color-scheme", "value": scheme},
@@ -127,7 +129,7 @@ impl<'a> Page<'a> {
         self.call("Emulation.setEmulatedMedia", media);
     }
 
-    /// Waits until so many frames have been drawn.
+    /// Waits until this number of frames has been drawn.
     #[track_caller]
     pub fn frames(&mut self, count: u32) {
         self.ask(&format!(
@@ -139,7 +141,7 @@ impl<'a> Page<'a> {
         ));
     }
 
-    /// What an expression comes to, as JSON; a promise is waited for.
+    /// Returns the value of an expression as JSON; awaits a promise.
     #[track_caller]
     pub fn ask(&mut self, expression: &str) -> Value {
         let question = json!({
@@ -152,21 +154,21 @@ impl<'a> Page<'a> {
         answer["result"]["value"].take()
     }
 
-    /// What an expression comes to, which must be a number.
+    /// Returns the value of an expression, which must be a number.
     #[track_caller]
     pub fn number(&mut self, expression: &str) -> f64 {
         let value = self.ask(expression);
         value.as_f64().unwrap_or_else(|| panic!("{expression}: {value}"))
     }
 
-    /// What an expression comes to, which must be a text.
+    /// Returns the value of an expression, which must be a text.
     #[track_caller]
     pub fn text(&mut self, expression: &str) -> String {
         let value = self.ask(expression);
         value.as_str().unwrap_or_else(|| panic!("{expression}: {value}")).to_owned()
     }
 
-    /// Waits until an expression comes to something that holds.
+    /// Waits until an expression is true.
     #[track_caller]
     pub fn wait_until(&mut self, expression: &str) {
         let until = Instant::now() + TIME;
@@ -176,7 +178,7 @@ impl<'a> Page<'a> {
         }
     }
 
-    /// Where the middle of an element is, scrolled to where it can be seen.
+    /// Returns the middle of an element, scrolled into view.
     #[track_caller]
     pub fn middle(&mut self, selector: &str) -> (f64, f64) {
         let place = self.ask(&format!(
@@ -190,13 +192,13 @@ impl<'a> Page<'a> {
         (place[0].as_f64().unwrap(), place[1].as_f64().unwrap())
     }
 
-    /// Moves the mouse, in pixels from the window's left upper corner.
+    /// Moves the mouse, in pixels from the window's upper left corner.
     #[track_caller]
     pub fn move_to(&mut self, (x, y): (f64, f64)) {
         self.call("Input.dispatchMouseEvent", json!({"type": "mouseMoved", "x": x, "y": y}));
     }
 
-    /// Clicks at a place.
+    /// Clicks at a position.
     #[track_caller]
     pub fn click(&mut self, (x, y): (f64, f64)) {
         self.move_to((x, y));
@@ -206,14 +208,14 @@ impl<'a> Page<'a> {
         }
     }
 
-    /// Clicks at an element.
+    /// Clicks an element.
     #[track_caller]
     pub fn click_on(&mut self, selector: &str) {
         let place = self.middle(selector);
         self.click(place);
     }
 
-    /// Presses a key and lets it go; `Shift+` before its name.
+    /// Presses and releases a key; `Shift+` may precede its name.
     #[track_caller]
     pub fn key(&mut self, name: &str) {
         let (modifiers, name) = match name.strip_prefix("Shift+") {
@@ -244,10 +246,10 @@ impl<'a> Page<'a> {
         self.call("Input.dispatchKeyEvent", event("keyUp", ""));
     }
 
-    /// What is wrong with the page so far: warnings, errors, exceptions, and requests of anything that is
-    /// not in it.
+    /// Returns the faults of the page so far: warnings, errors, exceptions, and requests of
+    /// external resources.
     pub fn faults(&mut self) -> Vec<String> {
-        // What has happened before a question is told before its answer.
+        // Events are sent before the answer to a later question.
         self.ask("null");
         let (session, address) = (&self.session, &self.address);
         let events = &self.browser.tools().events;
@@ -255,8 +257,8 @@ impl<'a> Page<'a> {
         own.filter_map(|event| fault(event, address)).collect()
     }
 
-    /// What can be perceived of the page without seeing it: of each part that is not passed over, the role
-    /// and the name.
+    /// Returns role and name of each part of the page in the accessibility tree that is not
+    /// ignored.
     #[track_caller]
     pub fn accessible(&mut self) -> Vec<Accessible> {
         let tree = self.call("Accessibility.getFullAXTree", json!({}));
@@ -270,7 +272,7 @@ impl<'a> Page<'a> {
             .collect()
     }
 
-    /// Controls that have no name.
+    /// Returns the controls without a name.
     #[track_caller]
     pub fn nameless(&mut self) -> Vec<Accessible> {
         const CONTROLS: [&str; 12] = [
@@ -292,7 +294,7 @@ impl<'a> Page<'a> {
         all
     }
 
-    /// Text that is hard to read, and how much of it was looked at.
+    /// Returns the text with too little contrast, and the amount of examined text.
     #[track_caller]
     pub fn pale(&mut self) -> (Vec<Pale>, usize) {
         let found = self.ask(include_str!("contrast.js"));
@@ -304,21 +306,21 @@ impl<'a> Page<'a> {
         (pale.filter(|text| text.ratio < CONTRAST).collect(), texts.len())
     }
 
-    /// Words of charts that lie upon each other, or beyond the edge of their chart.
+    /// Returns labels of charts that overlap each other or the edge of their chart.
     #[track_caller]
     pub fn overlapping(&mut self) -> Vec<String> {
         let found = self.ask(include_str!("overlapping.js"));
         serde_json::from_value(found).unwrap()
     }
 
-    /// Whether there is something beyond the window's right edge.
+    /// Returns whether the page is wider than the window.
     #[track_caller]
     pub fn wider_than_window(&mut self) -> bool {
         self.number("document.documentElement.scrollWidth - document.documentElement.clientWidth")
             > 0.0
     }
 
-    /// Keeps a picture of the whole page, where somebody wants to look at it.
+    /// Stores a screenshot of the whole page if requested.
     #[track_caller]
     pub fn screenshot(&mut self, name: &str) {
         let Some(path) = kept(name, "png") else { return };
@@ -330,7 +332,7 @@ impl<'a> Page<'a> {
         fs::write(path, bytes(&picture)).unwrap();
     }
 
-    /// The page as it is printed, in A4.
+    /// Returns the page as printed, in A4.
     #[track_caller]
     pub fn pdf(&mut self, name: &str) -> Pdf {
         let paper = json!({"paperWidth": 8.27, "paperHeight": 11.69, "preferCSSPageSize": true});
@@ -345,7 +347,7 @@ impl<'a> Page<'a> {
 impl Drop for Page<'_> {
     fn drop(&mut self) {
         let close = json!({"targetId": self.target});
-        // A browser that has gone has no pages.
+        // A browser that has ended has no pages.
         let _ = self.browser.tools().call(None, "Target.closeTarget", close);
     }
 }
@@ -354,14 +356,14 @@ fn bytes(answer: &Value) -> Vec<u8> {
     BASE64_STANDARD.decode(answer["data"].as_str().unwrap()).unwrap()
 }
 
-/// Where pictures go; nowhere where nobody wants them.
+/// Returns the path for a picture; `None` unless pictures are requested.
 pub fn kept(name: &str, kind: &str) -> Option<PathBuf> {
     let folder = PathBuf::from(env::var_os("STICKSLIP_SCREENSHOTS")?);
     fs::create_dir_all(&folder).unwrap();
     Some(folder.join(format!("{name}.{kind}")))
 }
 
-/// What an event says against the page at this address.
+/// Returns the fault of the page at this address that an event reports.
 fn fault(event: &Event, address: &str) -> Option<String> {
     let told = &event.told;
     match event.method.as_str() {
@@ -397,7 +399,7 @@ fn fault(event: &Event, address: &str) -> Option<String> {
     }
 }
 
-/// What an exception says.
+/// Returns the description of an exception.
 fn described(thrown: &Value) -> String {
     let of_value = thrown["exception"]["description"].as_str();
     of_value.or(thrown["text"].as_str()).unwrap_or("something was thrown").to_owned()

@@ -1,4 +1,5 @@
-//! `replay.html`: disc and balls in motion, by mouse and keys, by day and night, and on paper.
+//! `replay.html`: animation of disc and balls, by mouse and keys, in light and dark mode, and on
+//! paper.
 
 use std::path::PathBuf;
 
@@ -6,10 +7,10 @@ use super::browser::Browser;
 use super::made::Made;
 use super::page::{DARK, LAPTOP, Page, View};
 
-/// Whoever asked for less motion: the animation waits to be started.
+/// With reduced motion, the animation does not start by itself.
 const STILL: View = View { reduced_motion: true, ..LAPTOP };
 
-/// A replay of a run of so many balls; under the reader's eyes for seconds.
+/// Creates the replay of a run with this number of balls, of several seconds.
 fn replay(made: &Made, balls: usize) -> PathBuf {
     made.write(
         "a.yaml",
@@ -25,7 +26,7 @@ fn replay(made: &Made, balls: usize) -> PathBuf {
     made.path("a-replay-0/replay.html")
 }
 
-/// Where the balls are in the window, px.
+/// Returns the positions of the balls in the window, px.
 #[track_caller]
 fn places(page: &mut Page<'_>) -> Vec<[f64; 2]> {
     let places = page.ask(
@@ -69,7 +70,7 @@ fn a_replay_has_no_faults() {
 }
 
 #[test]
-fn what_readers_of_all_kinds_are_told() {
+fn a_replay_is_accessible() {
     let Some(mut browser) = Browser::start() else { return };
     let made = Made::new();
     let mut page = browser.open(&replay(&made, 2), STILL);
@@ -92,7 +93,7 @@ fn what_readers_of_all_kinds_are_told() {
         let there = parts.iter().any(|part| part.role == role && part.name == name);
         assert!(there, "no {role} {name:?} in {parts:?}");
     }
-    // Nobody wants to hear the time sixty times a second.
+    // A screen reader must not announce the time sixty times a second.
     assert_eq!(page.text("document.querySelector('output').ariaLive"), "off");
     page.key("End");
     let said = page.text("document.getElementById('time').getAttribute('aria-valuetext')");
@@ -118,7 +119,7 @@ fn balls_move_by_button_keys_and_slider() {
     page.frames(5);
     assert_eq!((page.number("time"), places(&mut page)), (time, stopped));
 
-    // By the space bar, where the focus is on the button and where it is nowhere.
+    // By the space bar, with the focus on the button and without a focus.
     for _ in 0..2 {
         page.key("Space");
         assert_eq!(page.ask("playing"), true);
@@ -127,7 +128,7 @@ fn balls_move_by_button_keys_and_slider() {
         page.ask("document.activeElement.blur()");
     }
 
-    // A frame on and back, a hundred, the start and the end.
+    // A frame forward and back, a hundred, the start and the end.
     page.key("Home");
     assert_eq!((page.number("time"), places(&mut page)), (0.0, start.clone()));
     let frame = page.number("data.seconds / (data.x.length - 1)");
@@ -144,13 +145,13 @@ fn balls_move_by_button_keys_and_slider() {
     page.key("End");
     assert_eq!(page.number("time"), page.number("data.seconds"));
 
-    // With the mouse in the middle of the slider: the middle of the run.
+    // A click on the middle of the slider: the middle of the run.
     page.click_on("#time");
     let fraction = page.number("time / data.seconds");
     assert!((fraction - 0.5).abs() < 0.02, "{fraction}");
     assert_eq!(page.ask("playing"), false);
 
-    // What is drawn is the data: an angle of the first ball, where the table is drawn as it is.
+    // The drawing shows the data: an angle of the first ball, with the table drawn to scale.
     page.ask("byId('magnify').value = '1'; byId('frame').value = 'disc'; go(0); null");
     let centre = page.ask(
         "(() => { const box = document.querySelector('#disc > circle').getBoundingClientRect();
@@ -161,7 +162,7 @@ fn balls_move_by_button_keys_and_slider() {
         (ball[0] - centre[0].as_f64().unwrap(), centre[1].as_f64().unwrap() - ball[1]);
     let off = up.atan2(right) - page.number("data.angles[0][0]");
     assert!(off.sin().abs() < 0.02 && off.cos() > 0.0, "{off} rad");
-    // In space all turns with the disc.
+    // In space everything turns with the disc.
     page.ask("go(0.01); null");
     let turning = places(&mut page);
     page.ask("byId('frame').value = 'space'; draw(); null");
@@ -170,7 +171,7 @@ fn balls_move_by_button_keys_and_slider() {
 }
 
 #[test]
-fn a_replay_on_paper() {
+fn a_replay_can_be_printed() {
     let Some(mut browser) = Browser::start() else { return };
     let made = Made::new();
     let file = replay(&made, 3);

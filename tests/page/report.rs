@@ -1,5 +1,5 @@
-//! The page of `stickslip report`: what it shows is what is in the tables; by mouse and keys, by day and
-//! night, in narrow windows and on paper.
+//! The page of `stickslip report` shows the content of the tables; by mouse and keys, in light and
+//! dark mode, in narrow windows and on paper.
 
 use std::fs;
 use std::path::PathBuf;
@@ -10,7 +10,7 @@ use super::browser::Browser;
 use super::made::Made;
 use super::page::{DARK, LAPTOP, Page, View, kept};
 
-/// Five speeds of the thesis and a tenth of the friction; 8 runs each, of which half are audited.
+/// Five speeds of the thesis and a tenth of the friction; 8 runs each, half of them audited.
 const THESIS: &str = "schema: 1
 name: thesis
 seed: 2003
@@ -54,7 +54,7 @@ initial_conditions: {design: {latin_hypercube: {samples: 8}}}
 simulation: {end_time_s: 5}
 ";
 
-/// The page of a study, whose results lie in a directory of this name.
+/// Returns the page of a study with its results in this directory.
 fn report(made: &Made, study: &str, directory: &str) -> PathBuf {
     made.write("study.yaml", study);
     made.runs(&format!("run study.yaml --out {directory}"));
@@ -62,7 +62,7 @@ fn report(made: &Made, study: &str, directory: &str) -> PathBuf {
     made.path(&format!("{directory}-report.html"))
 }
 
-/// Ids of the figures of a page.
+/// Returns the ids of the figures of a page.
 #[track_caller]
 fn figures(page: &mut Page<'_>) -> Vec<String> {
     let ids = page.ask("[...document.querySelectorAll('figure')].map(figure => figure.id)");
@@ -79,12 +79,12 @@ fn see(page: &mut Page<'_>, id: &str) {
     page.frames(2);
 }
 
-/// The chart of a figure.
+/// Returns the selector of a figure's chart.
 fn chart(id: &str) -> String {
     format!("echarts.getInstanceByDom(document.querySelector('#{id} .chart'))")
 }
 
-/// What is drawn of a series: the coordinates of its dots.
+/// Returns the coordinates of the dots of a series.
 #[track_caller]
 fn dots(page: &mut Page<'_>, id: &str, name: &str) -> Vec<[f64; 2]> {
     let dots = page.ask(&format!(
@@ -95,7 +95,7 @@ fn dots(page: &mut Page<'_>, id: &str, name: &str) -> Vec<[f64; 2]> {
     serde_json::from_value(dots).unwrap()
 }
 
-/// Chooses what a figure shows: with the keyboard's help a reader would do the same.
+/// Selects an option of a figure.
 #[track_caller]
 fn choose(page: &mut Page<'_>, id: &str, which: usize, option: usize) {
     page.ask(&format!(
@@ -108,7 +108,7 @@ fn choose(page: &mut Page<'_>, id: &str, which: usize, option: usize) {
     page.frames(2);
 }
 
-/// All figures: what readers of all kinds need is there, in all windows.
+/// Every figure is accessible in windows of all sizes.
 #[test]
 fn pages_have_no_faults() {
     let Some(mut browser) = Browser::start() else { return };
@@ -144,7 +144,7 @@ fn pages_have_no_faults() {
     }
 }
 
-/// Dots are the runs of the tables, at their places.
+/// Dots are the runs of the tables, at their positions.
 #[test]
 fn figures_show_what_is_in_the_tables() {
     let Some(mut browser) = Browser::start() else { return };
@@ -198,7 +198,7 @@ fn figures_show_what_is_in_the_tables() {
         values.sort_by(|a, b| a[0].total_cmp(&b[0]));
     }
     near(&found, &expected, "fractions");
-    // A curve for each point, that ends at its fraction.
+    // A curve for each point, which ends at its fraction.
     see(&mut page, "time-to-rest");
     let last = page.ask(&format!(
         "{}.getOption().series.filter(series => series.type === 'line')
@@ -223,7 +223,7 @@ fn figures_show_what_is_in_the_tables() {
     assert_eq!(page.faults(), [""; 0]);
 }
 
-/// Where a dot is in the window, px.
+/// Returns the position of a dot in the window, px.
 #[track_caller]
 fn place_of(page: &mut Page<'_>, id: &str, name: &str, index: usize) -> (f64, f64) {
     let place = page.ask(&format!(
@@ -239,7 +239,7 @@ fn place_of(page: &mut Page<'_>, id: &str, name: &str, index: usize) -> (f64, f6
     (place[0].as_f64().unwrap(), place[1].as_f64().unwrap())
 }
 
-/// What the tooltip of a figure says; nothing where there is none.
+/// Returns the text of a figure's tooltip; empty without a tooltip.
 #[track_caller]
 fn tooltip(page: &mut Page<'_>, id: &str) -> String {
     page.text(&format!(
@@ -252,7 +252,7 @@ fn tooltip(page: &mut Page<'_>, id: &str) -> String {
 }
 
 #[test]
-fn a_dot_tells_what_is_known_of_its_run() {
+fn a_dot_has_a_tooltip_about_its_run() {
     let Some(mut browser) = Browser::start() else { return };
     let made = Made::new();
     let mut page = browser.open(&report(&made, THESIS, "r&d"), LAPTOP);
@@ -288,7 +288,7 @@ fn a_dot_tells_what_is_known_of_its_run() {
             let found = number(name);
             assert!((found - expected).abs() < tolerance, "{name}: {found}, not {expected}");
         }
-        // A click keeps it, with a button that copies the command.
+        // A click pins it, with a button that copies the command.
         page.click(place);
         page.wait_until(&format!("document.querySelector('#{id} .picked button')"));
         let kept = page.text(&format!("document.querySelector('#{id} .picked code').textContent"));
@@ -323,7 +323,7 @@ fn a_legend_hides_and_shows() {
             let hidden = page.ask(&state);
             assert!(hidden[0].as_u64() < before[0].as_u64(), "{button}: {before} {hidden}");
             assert_eq!((&before[1], &hidden[1]), (&"true".into(), &"false".into()), "{button}");
-            // The same by keyboard: the focus has stayed where it was.
+            // By keyboard: the focus is unchanged.
             page.key("Enter");
             assert_eq!(page.ask(&state), before, "{button}");
         }
@@ -341,7 +341,7 @@ fn a_keyboard_reaches_everything() {
         see(&mut page, id);
     }
     page.ask("scrollTo({top: 0, behavior: 'instant'})");
-    // From the beginning to the end by Tab: every control, every figure, every table.
+    // By Tab from the beginning to the end: every control, every figure, every table.
     let reach =
         "[...document.querySelectorAll('a[href], button, select, summary, [tabindex=\"0\"]')]
         .filter(part => part.checkVisibility()).length";
@@ -359,7 +359,7 @@ fn a_keyboard_reaches_everything() {
     for id in &figures {
         let there = format!("reached.has(document.querySelector('#{id} .chart'))");
         assert_eq!(page.ask(&there), true, "{id}");
-        // Where the focus is, is seen.
+        // The focus is visible.
         page.ask(&format!("document.querySelector('#{id} .chart').focus()"));
         page.key("Shift+Tab");
         page.key("Tab");
@@ -371,7 +371,7 @@ fn a_keyboard_reaches_everything() {
         );
     }
 
-    // Dot by dot with the arrow keys, told in words.
+    // Dot by dot with the arrow keys, announced in words.
     let id = "preferred-equilibria";
     see(&mut page, id);
     page.ask(&format!("document.querySelector('#{id} .chart').focus()"));
@@ -387,7 +387,7 @@ fn a_keyboard_reaches_everything() {
     assert_eq!(page.faults(), [""; 0]);
 }
 
-/// Every figure has a name, and words that stand for it.
+/// Asserts that every figure has a name and a description.
 #[track_caller]
 fn in_words(page: &mut Page<'_>) {
     for id in figures(page) {
@@ -409,9 +409,9 @@ fn in_words(page: &mut Page<'_>) {
     }
 }
 
-/// What a figure shows is said in words, for whoever does not see it.
+/// Descriptions in words state what figures show.
 #[test]
-fn figures_are_said_in_words() {
+fn figures_are_described_in_words() {
     let Some(mut browser) = Browser::start() else { return };
     let made = Made::new();
     for (name, study) in
@@ -432,17 +432,17 @@ fn figures_are_said_in_words() {
     }
 }
 
-/// Width and height of what is printed on A4 with the browser's margins of a centimetre, px.
+/// Width and height of the printed area of A4 with the browser's margins of a centimetre, px.
 const PAPER: View = View { width: 718, height: 1046, print: true, ..LAPTOP };
 
 #[test]
-fn a_report_on_paper() {
+fn a_report_can_be_printed() {
     let Some(mut browser) = Browser::start() else { return };
     let made = Made::new();
     for (name, study) in [("thesis", THESIS), ("failing", FAILING), ("spring", SPRING)] {
         let file = report(&made, study, name);
         for dark in [false, true] {
-            // Nothing has been scrolled to: all is drawn for the print.
+            // Without scrolling, everything is drawn for the print.
             let mut page = browser.open(&file, View { dark, ..LAPTOP });
             let figures = figures(&mut page);
             let sheets = page.pdf(&format!("report-{name}-{dark}")).sheets();
@@ -488,7 +488,7 @@ fn a_report_on_paper() {
     }
 }
 
-/// What a press of a button saves: the file's name and its content as a URL.
+/// Returns what a button saves: the file's name and its content as a URL.
 #[track_caller]
 fn saved(page: &mut Page<'_>, button: &str) -> (String, String) {
     page.ask(
@@ -534,7 +534,7 @@ fn figures_are_saved() {
         assert!(name.ends_with(".png") && url.starts_with("data:image/png;base64,"), "{name}");
         assert!(url.len() > 20_000, "{id}: {} bytes", url.len());
     }
-    // The page is as it was.
+    // The page is unchanged.
     assert_eq!(page.text("String(document.documentElement.dataset.paper)"), "undefined");
     assert_eq!(page.faults(), [""; 0]);
 }

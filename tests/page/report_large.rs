@@ -1,6 +1,6 @@
-//! The page of a hundred thousand runs: small enough to be mailed, and it answers.
+//! The page of a hundred thousand runs is small enough to be mailed, and responsive.
 //!
-//! How fast is printed, not asserted: `cargo test --test page report_large -- --nocapture`.
+//! Times are printed, not asserted: `cargo test --test page report_large -- --nocapture`.
 
 use std::fs;
 
@@ -19,7 +19,7 @@ initial_conditions: {box: {position_m: [-0.1, 0.1], velocity_m_s: [-1, 1]}, desi
 simulation: {end_time_s: 30}
 ";
 
-/// Times between frames from now on, ms.
+/// Measures the times between frames from now on, ms.
 fn watch(page: &mut Page<'_>) {
     page.ask(
         "(() => {
@@ -31,7 +31,7 @@ fn watch(page: &mut Page<'_>) {
     );
 }
 
-/// Ends the watch: the median of the times, and what 95 % do not exceed, ms.
+/// Ends the measurement: median and 95 % quantile of the times, ms.
 fn watched(page: &mut Page<'_>) -> [f64; 2] {
     page.ask("cancelAnimationFrame(watching)");
     let mut times: Vec<f64> = serde_json::from_value(page.ask("intervals")).unwrap();
@@ -65,7 +65,7 @@ fn a_hundred_thousand_runs() {
     let charts = page.number("document.querySelectorAll('.chart > div').length");
     assert!(charts >= 4.0, "{charts} charts are drawn");
 
-    // The pointer goes across the figure with the most dots.
+    // The pointer crosses the figure with the most dots.
     page.ask(
         "document.getElementById('preferred-equilibria').scrollIntoView({behavior: 'instant'})",
     );
@@ -85,7 +85,7 @@ fn a_hundred_thousand_runs() {
         told += usize::from(tip != Value::Null);
     }
     let hovering = watched(&mut page);
-    assert!(told > 0, "no dot was told");
+    assert!(told > 0, "no tooltip was shown");
     assert_eq!(page.faults(), [""; 0]);
     println!(
         "10^5 runs: {:.1} MB, loaded in {loaded:.0} ms; between frames, median and 95 %: {:.0} and {:.0} ms \

@@ -1,9 +1,9 @@
-//! What the project depends on: licences, versions, sources, nothing for networks, as `deny.toml` says.
+//! Dependencies comply with `deny.toml`: licences, versions, sources, and no network packages.
 //!
-//! The same file is cargo-deny's, which is larger than all that is checked here and would be compiled
-//! longer than the project itself; `scripts/policy` runs it where it is installed. Advisories need its
-//! database and are checked there only. What is built is asked of `cargo tree`, and not of `cargo
-//! metadata`, which lists optional dependencies of dependencies also where nothing turns them on.
+//! `deny.toml` is also the configuration of cargo-deny, which takes longer to compile than this
+//! project; `scripts/policy` runs it if it is installed. Advisories need its database and are
+//! checked only there. The built packages come from `cargo tree`, because `cargo metadata` also
+//! lists optional dependencies that no feature enables.
 
 mod rules;
 
@@ -23,7 +23,7 @@ fn policy() -> Policy {
     Policy::parse(&read("deny.toml"))
 }
 
-/// All packages of `Cargo.lock`.
+/// Returns all packages of `Cargo.lock`.
 fn locked() -> Vec<Locked> {
     #[derive(Deserialize)]
     struct Lock {
@@ -32,9 +32,9 @@ fn locked() -> Vec<Locked> {
     basic_toml::from_str::<Lock>(&read("Cargo.lock")).unwrap().package
 }
 
-/// All packages that are built for the program, its tests and its benches: on this platform or, where
-/// `STICKSLIP_ALL_PLATFORMS` is set and all packages have been fetched, on those of `deny.toml`, and with them
-/// what is built for the Python package.
+/// Returns all packages that are built for the program, its tests and its benches: on this platform
+/// or, if `STICKSLIP_ALL_PLATFORMS` is set and all packages have been fetched, on those of
+/// `deny.toml`, including the Python package.
 fn built() -> BTreeSet<Built> {
     match std::env::var_os("STICKSLIP_ALL_PLATFORMS") {
         None => built_with(&[]),
@@ -56,7 +56,7 @@ fn built_with(target: &[&str]) -> BTreeSet<Built> {
     text.lines().filter(|line| !line.is_empty()).map(package).collect()
 }
 
-/// A line of `cargo tree`: `name v1.2.3 (more)|licence (*)`.
+/// Parses a line of `cargo tree`: `name v1.2.3 (more)|licence (*)`.
 fn package(line: &str) -> Built {
     let (place, license) = line.split_once('|').unwrap();
     let mut words = place.split(' ');
@@ -91,13 +91,13 @@ fn packages_come_from_the_registry() {
 }
 
 #[test]
-fn nothing_is_there_for_networks() {
+fn no_package_is_for_networks() {
     none(&policy().denied(&locked()));
 }
 
-/// The rules find what they are for.
+/// The rules detect violations.
 #[test]
-fn what_breaks_the_rules_is_found() {
+fn violations_of_the_rules_are_found() {
     let built = |line: &str| package(line);
     let locked = |name: &str, version: &str, source: &str| Locked {
         name: name.to_owned(),

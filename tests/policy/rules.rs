@@ -1,11 +1,11 @@
-//! The part of `deny.toml` that needs no database, and what breaks it.
+//! The rules of `deny.toml` that need no database, and their violations.
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use serde::Deserialize;
 use spdx::{Expression, Licensee, ParseMode};
 
-/// `deny.toml`, as far as it is enforced here; the rest is for cargo-deny itself.
+/// The part of `deny.toml` that is enforced here; the rest is for cargo-deny.
 #[derive(Debug, Deserialize)]
 pub struct Policy {
     graph: Graph,
@@ -48,7 +48,7 @@ struct Sources {
     allow_git: Vec<String>,
 }
 
-/// A package that is built, for the program or for its tests.
+/// A package that is built for the program or its tests.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Built {
     pub name: String,
@@ -56,7 +56,7 @@ pub struct Built {
     pub license: String,
 }
 
-/// A package in `Cargo.lock`, for whatever platform.
+/// A package in `Cargo.lock`, for any platform.
 #[derive(Clone, Debug, Deserialize)]
 pub struct Locked {
     pub name: String,
@@ -65,7 +65,8 @@ pub struct Locked {
 }
 
 impl Policy {
-    /// Panics where the file does not deny what is enforced here: the two would not mean the same.
+    /// Panics unless the file denies what is enforced here, because the meanings would differ
+    /// otherwise.
     pub fn parse(text: &str) -> Self {
         let policy: Policy =
             basic_toml::from_str(text).unwrap_or_else(|error| panic!("deny.toml: {error}"));
@@ -80,12 +81,12 @@ impl Policy {
         policy
     }
 
-    /// The platforms that count.
+    /// Returns the supported platforms.
     pub fn targets(&self) -> &[String] {
         &self.graph.targets
     }
 
-    /// Packages whose licence does not let them be used.
+    /// Returns the packages with a licence that is not allowed.
     pub fn licences(&self, built: &BTreeSet<Built>) -> Vec<String> {
         let allowed: Vec<Licensee> = self
             .licenses
@@ -112,7 +113,7 @@ impl Policy {
             .collect()
     }
 
-    /// Packages that are built in several versions without an exception.
+    /// Returns the packages that are built in several versions without an exception.
     pub fn duplicates(&self, built: &BTreeSet<Built>) -> Vec<String> {
         let mut versions: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
         for package in built {
@@ -128,7 +129,7 @@ impl Policy {
             .collect()
     }
 
-    /// Exceptions that nothing needs any more, or that give no reason.
+    /// Returns the exceptions that are no longer needed, or that give no reason.
     pub fn needless(&self, locked: &[Locked]) -> Vec<String> {
         let gone = |one: &&Exception| {
             !locked.iter().any(|package| one.is(&package.name, &package.version))
@@ -140,7 +141,7 @@ impl Policy {
         needless.chain(unexplained.map(|one| format!("{}: without a reason", one.name))).collect()
     }
 
-    /// Packages that are denied, also where they are for other platforms or for tests.
+    /// Returns the denied packages, including those for other platforms or for tests.
     pub fn denied(&self, locked: &[Locked]) -> Vec<String> {
         let why = |package: &Locked| {
             let denied = self.bans.deny.iter().find(|one| one.is(&package.name, &package.version));
@@ -150,7 +151,8 @@ impl Policy {
         locked.iter().filter_map(why).collect()
     }
 
-    /// Packages from elsewhere than the registries that are allowed; without a source: this checkout.
+    /// Returns the packages from registries that are not allowed; a package without a source
+    /// belongs to this checkout.
     pub fn sources(&self, locked: &[Locked]) -> Vec<String> {
         let allowed = |source: &str| {
             let is = |list: &[String], place: &str| list.iter().any(|one| one == place);
@@ -172,7 +174,7 @@ impl Policy {
 }
 
 impl Exception {
-    /// `name` is all versions, `name@version` is one.
+    /// `name` matches all versions, `name@version` one.
     fn is(&self, name: &str, version: &str) -> bool {
         match self.name.split_once('@') {
             Some((own, of)) => own == name && of == version,

@@ -1,4 +1,4 @@
-//! What the figures of a report show, by their marks.
+//! Data of the figures of a report.
 
-/// Where balls come to rest.
+/// Rest positions of the balls.
 mod preferred;

@@ -1,4 +1,4 @@
-//! The thesis's figure 5.7: where the balls of 768 runs come to rest.
+//! The thesis's figure 5.7: the rest positions of the balls of 768 runs.
 
 use std::f64::consts::{PI, TAU};
 
@@ -9,7 +9,7 @@ use stickslip::table::Manifest;
 
 use crate::cli::support::Scratch;
 
-/// The dots of the panel whose title begins so.
+/// Returns the dots of the panel whose title begins with `title`.
 fn dots(figure: &Figure, title: &str) -> Vec<[f64; 2]> {
     let panel = figure.panels.iter().find(|panel| panel.title.starts_with(title)).unwrap();
     let of_runs = panel.layers.iter().find_map(|layer| match &layer.mark {
@@ -22,7 +22,7 @@ fn dots(figure: &Figure, title: &str) -> Vec<[f64; 2]> {
     x.iter().zip(y).map(|(x, y)| [*x, *y]).collect()
 }
 
-/// On the torus.
+/// Returns the distance on the torus.
 fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
     let along = |axis: usize| {
         let away = (a[axis] - b[axis]).rem_euclid(TAU);
@@ -31,9 +31,9 @@ fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
     along(0).hypot(along(1))
 }
 
-/// Dots are densest near the balancing positions (2.27, 4.01) and (4.01, 2.27), thesis section 5.3: with
-/// both orders of the two balls, which are alike, the fullest of all discs of radius 0.8 reaches over one of
-/// them. A second crowd, near (3.2, 5.7), is nearly as dense.
+/// Dots are densest near the balancing positions (2.27, 4.01) and (4.01, 2.27), thesis section 5.3:
+/// with both orders of the identical balls, the disc of radius 0.8 with the most dots contains one
+/// of them. A second cluster, near (3.2, 5.7), is nearly as dense.
 #[test]
 fn dots_are_densest_at_the_balancing_positions() {
     let scratch = Scratch::new();
@@ -56,7 +56,7 @@ fn dots_are_densest_at_the_balancing_positions() {
     let (fullest, most) = grid.map(|c| (c, near(c))).max_by_key(|(_, count)| *count).unwrap();
     let balanced = [[2.27, 4.01], [4.01, 2.27]];
     assert!(balanced.iter().any(|position| distance(*position, fullest) < 0.6), "{fullest:?}");
-    // Were they spread evenly over the 77 % of the square, so many would lie in a disc.
+    // The expected number of dots in a disc for a uniform distribution over the 77 % of the square.
     let even = both.len() as f64 * PI * 0.64 / (0.77 * TAU * TAU);
     assert!(most as f64 > 2.0 * even, "{most} {even}");
     assert!(balanced.iter().all(|position| near(*position) as f64 > 2.0 * even));

@@ -1,4 +1,5 @@
-//! Designs share their start states and draws (common random numbers), and what that is worth.
+//! Designs share their start states and samples (common random numbers), which reduces the error of
+//! differences.
 
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
@@ -11,7 +12,8 @@ fn study(text: &str) -> Study {
     Study::parse(Path::new("a.yaml"), text.to_owned()).unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// A machine with an uncertain imbalance below the critical speed; `box_` is for the start states.
+/// Returns a machine with an uncertain imbalance below the critical speed; `box_` is for the start
+/// states.
 fn balancer(seed: u64, box_: &str, sampling: &str) -> Study {
     study(&format!(
         "
@@ -34,11 +36,11 @@ fn set(study: &Study, stiffness: f64, balls: f64) -> Study {
     study.set(&[DesignValue::Number(stiffness), DesignValue::Number(balls)]).unwrap()
 }
 
-/// Designs with equally many balls start alike and draw alike; with more balls, what they have in common
-/// is equal, in samplings whose draws do not depend on the number of coordinates. (The cells of a
-/// stratified design do.)
+/// Designs with the same number of balls have equal starts and samples; with more balls, the common
+/// coordinates are equal, in designs whose samples do not depend on the number of coordinates. (The
+/// cells of a stratified design do.)
 #[test]
-fn designs_fraction_their_draws() {
+fn designs_share_their_samples() {
     for sampling in
         ["monte_carlo: {samples: 16}", "sobol: {samples: 16}", "latin_hypercube: {samples: 16}"]
     {
@@ -57,7 +59,7 @@ fn designs_fraction_their_draws() {
             assert_eq!([x, y, beta, x_dot, y_dot, beta_dot], [mx, my, mb, mx_dot, my_dot, mb_dot]);
         }
     }
-    // What is not in the study's own box is: the range of a third ball.
+    // Coordinates outside the study's own box have defaults: the range of a third ball.
     let study = balancer(2003, "beta_dot: [-0.5, 0.5]", "monte_carlo: {samples: 64}");
     let again = self::study(&study.resolved_yaml());
     assert_eq!(again.hash(), study.hash());
@@ -68,7 +70,7 @@ fn designs_fraction_their_draws() {
     }
 }
 
-/// The amplitudes of all runs of a design.
+/// Returns the amplitudes of all runs of a design.
 fn amplitudes(study: &Study) -> Vec<f64> {
     let workers = WorkerPool::new(2).unwrap();
     let runs = workers.sample(study, 0, &AtomicBool::new(false), &|_| {}).unwrap();
@@ -81,8 +83,8 @@ fn variance(values: &[f64]) -> f64 {
     values.iter().map(|value| (value - mean) * (value - mean)).sum::<f64>() / (n - 1.0)
 }
 
-/// How many times smaller the standard error of the difference between the mean amplitudes of two
-/// designs, of 1 % less and more stiffness, is with common than with independent draws.
+/// Returns the ratio of the standard errors, with independent and with common samples, of the
+/// difference between the mean amplitudes of two designs with 1 % less and 1 % more stiffness.
 fn reduction(box_: &str) -> f64 {
     let sampling = "monte_carlo: {samples: 256}";
     let [study, independent] = [2003, 2004].map(|seed| balancer(seed, box_, sampling));
@@ -94,11 +96,11 @@ fn reduction(box_: &str) -> f64 {
     (unpaired / variance(&difference)).sqrt()
 }
 
-/// Where a ball hardly moves along the ring before it stops, it stops at nearly the same place in both
-/// designs, and common draws make the standard error of the difference at least five times smaller.
-/// From the default box the ball starts with up to the natural frequency and goes round: where it stops
-/// depends on the start so sensitively that neighbouring designs have little in common but the
-/// imbalance, and common draws help little.
+/// If a ball hardly moves along the ring before it stops, it stops at nearly the same place in both
+/// designs, and common samples reduce the standard error of the difference at least fivefold. From
+/// the default box the ball starts with up to the natural frequency and goes round: its rest
+/// position is so sensitive to the start that neighbouring designs have little in common except the
+/// imbalance, and common samples help little.
 #[test]
 fn differences_between_neighbours_are_known_better() {
     let near = "x: [-0.01, 0.01], y: [-0.01, 0.01], x_dot: [-0.01, 0.01], y_dot: [-0.01, 0.01], \

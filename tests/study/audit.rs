@@ -1,4 +1,4 @@
-//! Which runs are audited: a random fraction, chosen anew at every point, and for good.
+//! The selection of audited runs: a random fraction, independent at every point, and permanent.
 
 use stickslip::study::{Study, json_schema};
 
@@ -17,9 +17,9 @@ fn chosen(study: &Study) -> Vec<u64> {
     (0..study.run_count()).filter(|run| study.planned_run(*run).audited).collect()
 }
 
-/// The number of chosen runs is binomial: five standard deviations, alpha below 1e-6 each.
+/// The number of selected runs is binomial: five standard deviations, alpha below 1e-6 each.
 #[test]
-fn as_many_as_asked_for() {
+fn the_requested_fraction_is_audited() {
     let runs = 20_000;
     for fraction in [0.01, 0.05, 0.5, 0.93] {
         let found = chosen(&audited(fraction, runs, "")).len() as f64;
@@ -31,8 +31,8 @@ fn as_many_as_asked_for() {
     assert!(chosen(&super::with_design("{monte_carlo: {samples: 1000}}", "")).is_empty());
 }
 
-/// Runs that are chosen at both of two points are as many as if the points knew nothing of each
-/// other: five standard deviations, alpha below 1e-6 each.
+/// The number of runs that are selected at both of two points is that of independent selections:
+/// five standard deviations, alpha below 1e-6 each.
 #[test]
 fn points_choose_independently() {
     let samples = 10_000;
@@ -52,7 +52,7 @@ fn points_choose_independently() {
     }
 }
 
-/// Another choice here would be another choice for every study that has an audit.
+/// The selection is pinned: a change would alter every study with an audit.
 #[test]
 fn the_choice_is_pinned() {
     let sweep = "sweep: [{zip: {speed_rad_s: [-160.5, 0], normal_force: [newton, lagrange]}}]\n";
@@ -64,7 +64,8 @@ fn the_choice_is_pinned() {
 
 const PINNED: [u64; 6] = [1, 30, 36, 89, 91, 97];
 
-/// A larger fraction, more samples, further points and further uncertain parameters keep all choices.
+/// A larger fraction, more samples, further points and further uncertain parameters preserve all
+/// selections.
 #[test]
 fn choices_are_kept() {
     let speeds = |list: &str| format!("sweep: [{{grid: {{speed_rad_s: [{list}]}}}}]\n");
@@ -87,7 +88,7 @@ fn count(choices: &[bool]) -> usize {
     choices.iter().filter(|chosen| **chosen).count()
 }
 
-/// Nothing else of a run depends on the audit.
+/// An audit does not affect any other sample.
 #[test]
 fn an_audit_changes_no_draw() {
     let rest = "uncertain: {imbalance_mass_kg: {uniform: {min: 5.0e-5, max: 6.0e-5}}}\n";
@@ -101,7 +102,7 @@ fn an_audit_changes_no_draw() {
 }
 
 #[test]
-fn it_is_part_of_the_resolved_study_and_of_its_hash() {
+fn the_audit_is_part_of_the_resolved_study_and_of_its_hash() {
     let with = audited(0.25, 40, "");
     assert!(
         with.resolved_yaml().contains("\naudit: {fraction: 0.25}\n"),
@@ -116,7 +117,7 @@ fn it_is_part_of_the_resolved_study_and_of_its_hash() {
 }
 
 #[test]
-fn fractions_that_are_none() {
+fn invalid_fractions_are_refused() {
     let text = text_with_design("{sobol: {samples: 4}}");
     for (written, found) in [("0", "0"), ("-0.1", "-0.1"), ("1.01", "1.01")] {
         let error = parse(&format!("{text}audit: {{fraction: {written}}}\n")).unwrap_err();

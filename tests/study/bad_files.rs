@@ -1,4 +1,4 @@
-//! Files that are no studies: each gets one message with its place, and nothing panics.
+//! Invalid study files: each gives one message with its place, and nothing panics.
 
 use std::fmt::Write;
 use std::fs;
@@ -64,7 +64,7 @@ fn alias_bombs_are_refused() {
     refused(&bomb, Some(5), "too many aliases");
 }
 
-/// The nearest name is looked for in time and memory that do not grow with the wrong one.
+/// The search for the nearest name takes time and memory that do not grow with the wrong name.
 #[test]
 fn names_of_megabytes_are_unknown_names() {
     let word = "newton".repeat(4_000_000);

@@ -1,4 +1,4 @@
-//! Wrong tables: file, row and column of each.
+//! Invalid tables: file, row and column of each error.
 
 use std::fs;
 
@@ -52,7 +52,7 @@ fn wrong_cells_are_named_by_row_and_column() {
 }
 
 #[test]
-fn wrong_shapes() {
+fn wrong_shapes_are_refused() {
     refused("speed_rad_s,damping_n_s_m\n1,1\n1\n", Some(3), "row 2", "1 values", "2, one per");
     refused("speed_rad_s\n1,2\n", Some(2), "row 1", "2 values", "1, one per");
     refused("speed_rad_s\n", Some(1), "", "0 rows", "at least one row");
@@ -77,7 +77,7 @@ fn files_that_cannot_be_read_are_reported_at_the_study_s_key() {
 }
 
 #[test]
-fn start_tables() {
+fn start_tables_are_checked() {
     let header = "x,y,beta_1,beta_2,x_dot,y_dot,beta_dot_1,beta_dot_2";
     let starts = |table: String| load("", "{table: table.csv}", table.as_bytes());
     let study = starts(format!("{header}\n1,2,3,4,5,6,7,8\n0,0,0,0,0,0,0,0\n")).unwrap();
@@ -94,7 +94,7 @@ fn start_tables() {
 }
 
 #[test]
-fn tables_inside_the_study() {
+fn inline_tables_are_checked() {
     let design = "{monte_carlo: {samples: 10}}";
     for (table, key) in [
         ("{columns: [speed_rad_s], rows: [[1], [1, 2]]}", "sweep[0].table.rows[1]"),

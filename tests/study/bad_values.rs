@@ -1,8 +1,8 @@
-//! Wrong values in a study: line, key, finding and remedy of each.
+//! Invalid values in a study: line, key, finding and remedy of each.
 
 use super::parse;
 
-/// A right study, one value per line.
+/// A valid study, one value per line.
 const GOOD: &str = "\
 schema: 1
 name: good
@@ -420,7 +420,7 @@ fn extensions() {
     refuse("factor: 2, labels: [irregular, irregular]", second, "irregular", "undecided");
     let huge = GOOD.replace("end_time_s: 16.5", "end_time_s: 1e307\n  extend: {factor: 100}");
     assert_eq!(parse(&huge).unwrap_err().key(), "simulation.extend.factor");
-    // Why these cannot be continued is said.
+    // The message says why these labels cannot be continued.
     let why = |label: &str| {
         let extend = format!("end_time_s: 16.5\n  extend: {{factor: 2, labels: [{label}]}}");
         parse(&GOOD.replace("end_time_s: 16.5", &extend)).unwrap_err().problem().to_owned()

@@ -1,11 +1,11 @@
-//! Keys and values where keys and values belong: a list in the place of any block is refused.
+//! A list in the place of any block of a study is refused.
 
 use serde_json::{Value, json};
 use stickslip::study::json_schema;
 
 use super::parse;
 
-/// Studies that between them have every key of a study file, in JSON, which is YAML.
+/// Studies that together have every key of a study file, in JSON, which is YAML.
 fn studies() -> Vec<Value> {
     let stratified = json!({"stratified": {"parts_per_axis": 2, "samples_per_cell": 3}});
     let monte_carlo = json!({"monte_carlo": {"samples": 4}});
@@ -77,7 +77,7 @@ fn studies() -> Vec<Value> {
     studies
 }
 
-/// Paths of all blocks in a value, each a list of steps.
+/// Returns the paths of all blocks in a value, each a list of steps.
 fn blocks(value: &Value, path: &[String], found: &mut Vec<Vec<String>>) {
     let below = |step: String| [path, &[step]].concat();
     match value {
@@ -110,7 +110,7 @@ fn a_list_in_the_place_of_any_block_is_refused() {
             let block = wrong.pointer_mut(&pointer).unwrap();
             *block = Value::Array(block.as_object().unwrap().values().cloned().collect());
             let error = right(&wrong).err().unwrap_or_else(|| panic!("{name}{pointer}: accepted"));
-            // Keys as messages write them: `sweep[0].grid`.
+            // Keys in the form of messages: `sweep[0].grid`.
             let key = path.iter().fold(String::new(), |key, step| match step.parse::<usize>() {
                 Ok(index) => format!("{key}[{index}]"),
                 Err(_) if key.is_empty() => step.clone(),
@@ -126,7 +126,7 @@ fn a_list_in_the_place_of_any_block_is_refused() {
     assert!(tried > 80, "{tried}");
 }
 
-/// The walk above reaches every key that the schema has at the top.
+/// The walk above reaches every top-level key of the schema.
 #[test]
 fn the_studies_have_every_key_of_the_schema() {
     let studies = studies();

@@ -1,4 +1,4 @@
-//! Sampling designs: their strata by property, their evenness by statistics.
+//! Sampling designs: strata as properties, uniformity by statistics.
 
 use std::collections::HashSet;
 
@@ -19,7 +19,7 @@ fn stratified_has_every_sample_in_its_own_cell() {
 }
 
 #[test]
-fn a_fixed_coordinate_is_not_cut() {
+fn a_fixed_coordinate_is_not_stratified() {
     let text = super::text_with_design("{stratified: {parts_per_axis: 3, samples_per_cell: 2}}");
     let study = study(&format!("{text}  box: {{x: [0.01, 0.01], beta: [1, 1]}}\n"));
     assert_eq!(study.run_count(), 2 * 3_u64.pow(5));
@@ -56,7 +56,7 @@ fn latin_hypercube_orders_of_two_axes_are_unrelated() {
             next += 12.0 * (sample[left] - 0.5) * (sample[right] - 0.5);
             index += 12.0 * (sample[left] - 0.5) * (run as f64 / samples as f64 - 0.5);
         }
-        // Standard deviation of the correlation is 1/sqrt(n); four of them, 16 tests.
+        // The standard deviation of the correlation is 1/sqrt(n); four of them, 16 tests.
         let bound = 4.0 * (samples as f64).sqrt();
         assert!(f64::abs(next) < bound && f64::abs(index) < bound, "{left}: {next}, {index}");
     }
@@ -95,7 +95,7 @@ fn sobol_fills_every_stratum_of_every_axis() {
     let study = with_design(&format!("{{sobol: {{samples: {samples}}}}}"), "");
     let all: Vec<Vec<f64>> = (0..samples).map(|run| fractions(&study, run)).collect();
     for axis in 0..8 {
-        // The small margin is for the way to the box and back.
+        // The small margin covers the transformation to the box and back.
         let strata: HashSet<u64> =
             all.iter().map(|sample| (sample[axis] * 1024.0 + 1.0e-6).floor() as u64).collect();
         assert!(strata.len() >= 1020, "axis {axis}: {} strata", strata.len());

@@ -1,4 +1,4 @@
-//! Draws of uncertain parameters follow their distributions (Kolmogorov-Smirnov, alpha 0.001 for
+//! Samples of uncertain parameters follow their distributions (Kolmogorov-Smirnov, alpha 0.001 for
 //! each test with a fixed seed).
 
 use rand_chacha::ChaCha8Rng;
@@ -19,7 +19,7 @@ fn draws(distribution: &str) -> Vec<f64> {
 }
 
 #[test]
-fn normal() {
+fn normal_samples_follow_their_distribution() {
     let expected = Normal::new(-200.0, 5.0).unwrap();
     assert_follows(draws("{normal: {mean: -200, std_dev: 5}}"), |x| expected.cdf(x), ALPHA);
 }
@@ -48,7 +48,7 @@ fn truncated_normal_in_the_middle_and_in_both_tails() {
 }
 
 #[test]
-fn uniform() {
+fn uniform_samples_follow_their_distribution() {
     assert_follows(draws("{uniform: {min: -3, max: 5}}"), |x| (x + 3.0) / 8.0, ALPHA);
 }
 
@@ -94,8 +94,8 @@ fn draws_of_different_parameters_are_unrelated() {
     assert!(correlation.abs() < 0.04, "{correlation}");
 }
 
-/// The largest distance between two samples' distribution functions stays below its critical
-/// value for alpha 0.001 (two-sample Kolmogorov-Smirnov, asymptotic, 1.95 sqrt(2 / n)).
+/// Asserts that the largest distance between two samples' distribution functions is below its
+/// critical value for alpha 0.001 (two-sample Kolmogorov-Smirnov, asymptotic, 1.95 sqrt(2 / n)).
 fn assert_alike(mut ours: Vec<f64>, mut theirs: Vec<f64>) {
     assert_eq!(ours.len(), theirs.len());
     ours.sort_by(f64::total_cmp);
@@ -106,9 +106,9 @@ fn assert_alike(mut ours: Vec<f64>, mut theirs: Vec<f64>) {
     assert!(largest < 1.95 * (2.0 / ours.len() as f64).sqrt(), "{largest}");
 }
 
-/// Inversion against the samplers of rand_distr, which work by rejection.
+/// Inversion agrees with the samplers of rand_distr, which work by rejection.
 #[test]
-fn like_an_independent_sampler() {
+fn samples_agree_with_an_independent_sampler() {
     let theirs = |distribution: &dyn Fn(&mut ChaCha8Rng) -> f64| {
         let mut generator = ChaCha8Rng::seed_from_u64(1);
         (0..10_000).map(|_| distribution(&mut generator)).collect::<Vec<f64>>()
@@ -130,8 +130,8 @@ fn like_an_independent_sampler() {
     );
 }
 
-/// A factor multiplies what the model, a point of the sweep or a design has set; the draws of the factor are those
-/// of the distribution itself.
+/// A factor multiplies the value from the model, a point of the sweep or a design; the samples of
+/// the factor are those of the distribution itself.
 #[test]
 fn times_multiplies_what_is_set() {
     let plain = draws("{uniform: {min: 0.5, max: 2}}");
@@ -156,7 +156,7 @@ fn times_multiplies_what_is_set() {
 }
 
 #[test]
-fn factors_that_are_none() {
+fn invalid_factors_are_refused() {
     let text = text_with_design("{monte_carlo: {samples: 2}}");
     for (rest, problem) in [
         ("uncertain: {balls: {times: {uniform: {min: 1, max: 2}}}}", "not a parameter"),

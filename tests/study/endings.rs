@@ -1,4 +1,4 @@
-//! `simulation.endings`: which endings are looked for.
+//! `simulation.endings`: the endings that are detected.
 
 use stickslip::model::Endings;
 
@@ -10,7 +10,7 @@ fn with_endings(written: &str, rest: &str) -> String {
 }
 
 #[test]
-fn all_are_looked_for_unless_the_study_says_otherwise() {
+fn all_endings_are_detected_by_default() {
     let default = study(&with_endings("end_time_s: 2.0", ""));
     let all = study(&with_endings("end_time_s: 2.0, endings: all", ""));
     let rest = study(&with_endings("end_time_s: 2.0, endings: rest", ""));
@@ -24,7 +24,7 @@ fn all_are_looked_for_unless_the_study_says_otherwise() {
 }
 
 #[test]
-fn what_is_not_looked_for_is_not_expected() {
+fn endings_that_are_not_detected_cannot_be_expected() {
     for label in ["limit_cycle", "irregular"] {
         let expect = format!("expect: [{{{label}_fraction: [0, 0.1]}}]\n");
         let error = parse(&with_endings("endings: rest", &expect)).unwrap_err();

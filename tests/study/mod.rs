@@ -1,4 +1,4 @@
-//! Study files, sampling and plans, all through the public interface.
+//! Study files, sampling and plans, through the public interface.
 
 use std::path::Path;
 
@@ -22,22 +22,22 @@ mod shipped;
 mod stability;
 mod table_places;
 
-/// Parses a text as if it stood in `a.yaml`.
+/// Parses a text as the content of `a.yaml`.
 fn parse(text: &str) -> Result<Study, StudyError> {
     Study::parse(Path::new("a.yaml"), text.to_owned())
 }
 
-/// A study that must be right.
+/// Parses a valid study.
 fn study(text: &str) -> Study {
     parse(text).unwrap_or_else(|error| panic!("{error}\n{text}"))
 }
 
-/// A study with this design, model defaults, and further lines.
+/// Returns a study with this design, model defaults, and further lines.
 fn with_design(design: &str, rest: &str) -> Study {
     study(&format!("{}{rest}", text_with_design(design)))
 }
 
-/// The text of a study with this design: six lines.
+/// Returns the text of a study with this design: six lines.
 fn text_with_design(design: &str) -> String {
     format!(
         "schema: 1\nname: a\nseed: 5\nmodel: {{kind: ball_balancer}}\n\
@@ -45,17 +45,18 @@ fn text_with_design(design: &str) -> String {
     )
 }
 
-/// The coordinates of a run's start state in the order x, y, beta ..., x_dot, y_dot, beta_dot ...
+/// Returns the coordinates of a run's start state in the order x, y, beta ..., x_dot, y_dot,
+/// beta_dot ...
 fn coordinates(study: &Study, run: u64) -> Vec<f64> {
     study.planned_run(run).start.0
 }
 
-/// The machine at a point.
+/// Returns the machine at a point.
 fn machine_at(study: &Study, point: u64) -> Machine {
     study.point(point).model().ball_balancer().expect("a balancer").clone()
 }
 
-/// Coordinates as fractions of the default box for two balls.
+/// Returns coordinates as fractions of the default box for two balls.
 fn fractions(study: &Study, run: u64) -> Vec<f64> {
     let tau = std::f64::consts::TAU;
     let low = [-0.05, -0.05, 0.0, 0.0, -0.05, -0.05, -1.0, -1.0];
@@ -64,9 +65,9 @@ fn fractions(study: &Study, run: u64) -> Vec<f64> {
     (0..8).map(|axis| (all[axis] - low[axis]) / width[axis]).collect()
 }
 
-/// Largest difference between the empirical distribution and a distribution function
-/// (Kolmogorov-Smirnov), compared with its critical value for a given alpha (asymptotic, good for
-/// hundreds of samples and more).
+/// Compares the largest difference between the empirical distribution and a distribution function
+/// (Kolmogorov-Smirnov) with its critical value for a given alpha (asymptotic, for at least
+/// hundreds of samples).
 fn assert_follows(mut samples: Vec<f64>, cdf: impl Fn(f64) -> f64, alpha: f64) {
     samples.sort_by(f64::total_cmp);
     let count = samples.len() as f64;

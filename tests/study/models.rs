@@ -1,12 +1,12 @@
-//! Blocks and laws of friction in study files: what each model can vary, defaults, round trips, and
-//! what is refused.
+//! Blocks and laws of friction in study files: the parameters of each model, defaults, round trips,
+//! and errors.
 
 use stickslip::model::{Block, FrictionLaw, Ground, Model};
 use stickslip::study::{ParameterValue, Study};
 
 use super::{parse, study};
 
-/// A study of a model with these lines under `model`, from line 5 on.
+/// Returns a study of a model with these lines under `model`, from line 5 on.
 fn text(model: &str, rest: &str) -> String {
     let rest = if rest.contains("initial_conditions") {
         rest.to_owned()
@@ -37,7 +37,7 @@ fn block_at(study: &Study, point: u64) -> Block {
     }
 }
 
-/// Every parameter of a block is swept and drawn by its name, and nothing else changes.
+/// Every parameter of a block can be swept and sampled by its name, without affecting others.
 #[test]
 fn every_parameter_of_a_block_can_be_varied() {
     type Field = fn(&mut Block) -> &mut f64;
@@ -91,11 +91,11 @@ fn every_parameter_of_a_block_can_be_varied() {
         assert!((0.7..0.9).contains(&run.uncertain[0]), "{name}");
         let mut expected = base;
         *field(&mut expected) = run.uncertain[0];
-        assert_eq!(run.case.expect("sound").model, Model::Block(expected), "{name}");
+        assert_eq!(run.case.expect("valid").model, Model::Block(expected), "{name}");
     }
 }
 
-/// The laws' parameters of a ball balancer, its speeds in rad/s.
+/// The parameters of the laws can be varied for a ball balancer, with speeds in rad/s.
 #[test]
 fn laws_of_friction_of_balls_can_be_varied() {
     for (law, name, unit) in [
@@ -121,7 +121,7 @@ fn laws_of_friction_of_balls_can_be_varied() {
     }
 }
 
-/// Each model with each law, written out with every default, is the same study again.
+/// Each model with each law resolves to a complete text that is the same study.
 #[test]
 fn every_model_and_law_resolves_to_itself() {
     for (kind, unit) in
@@ -149,9 +149,10 @@ fn every_model_and_law_resolves_to_itself() {
     }
 }
 
-/// A block starts in m and m/s: at rest, within where full friction would hold it, unless told.
+/// By default a block starts at rest in m and m/s, within the interval that full friction would
+/// hold.
 #[test]
-fn start_box_of_a_block() {
+fn a_block_has_a_default_start_box() {
     let design = "initial_conditions: {design: {grid: {points_per_axis: 2}}}\n";
     let default = study(&text("  kind: block_on_spring\n", design));
     assert_eq!(default.run_count(), 2);
@@ -190,8 +191,8 @@ fn starts_of_a_block_from_a_table() {
     refused(&table("position_m, x_dot"), 8, key, "x_dot", "velocity_m_s");
 }
 
-/// Position and velocity are two dimensions of the Sobol' sequence: of 256 points exactly one lies in
-/// each of 16 x 16 cells.
+/// Position and velocity are two dimensions of the Sobol' sequence: of 256 points exactly one lies
+/// in each of 16 x 16 cells.
 #[test]
 fn sobol_starts_of_a_block_fill_the_plane() {
     let rest = "initial_conditions:\n  box: {position_m: [0, 16], velocity_m_s: [0, 16]}\n  \
@@ -231,7 +232,7 @@ fn parameters_of_other_models_are_refused() {
     refused(&swept, 7, "sweep[0].grid.normal_force", "normal_force", "normal_force_n (did you");
     let ball = text("  kind: ball_balancer\n", "sweep:\n  - grid: {mass_kg: [1]}\n");
     refused(&ball, 7, "sweep[0].grid.mass_kg", "mass_kg", "ball_mass_kg");
-    // A law's own parameters are there with that law only.
+    // A law's own parameters exist with that law only.
     for name in [
         "static_friction_coefficient",
         "stribeck_speed_m_s",
@@ -271,7 +272,7 @@ fn laws_of_friction_are_checked() {
     let law = "stribeck: {static_friction_coefficient: 1, stribeck_speed_m_s: 1}";
     let key = format!("{path}.stribeck.stribeck_speed_m_s");
     refused(&balls(law), 7, &key, "stribeck_speed_m_s", "stribeck_speed_rad_s");
-    // Values without meaning.
+    // Invalid values.
     let law = "stribeck: {static_friction_coefficient: 0.3, stribeck_speed_m_s: -1}";
     refused(&block(law), 7, &key, "-1", "zero or more");
     let key = format!("{path}.smooth.smoothing_speed_m_s");
@@ -283,7 +284,7 @@ fn laws_of_friction_are_checked() {
     refused(&block(law), 7, &key, "0.05", "not below the friction coefficient");
 }
 
-/// A static coefficient below the kinetic one makes no sense, wherever in a sweep the two meet.
+/// A static coefficient below the kinetic one is refused, wherever in a sweep the two meet.
 #[test]
 fn points_without_meaning_are_refused() {
     let model = format!("  kind: block_on_belt\n{STRIBECK}");
@@ -317,7 +318,7 @@ fn points_without_meaning_are_refused() {
     );
     let key = "sweep[0].grid.friction_coefficient_2[1]";
     refused(&balls, 8, key, "friction_coefficient_2 0.004", allowed);
-    // Drawn at random, such a pair is a failed run, not a wrong study.
+    // A sampled pair of this kind is a failed run, not an invalid study.
     let drawn = text(
         &model,
         "sweep: [{grid: {static_friction_coefficient: [0.05, 0.5]}}]\n\
@@ -327,7 +328,8 @@ fn points_without_meaning_are_refused() {
     assert!((3..6).all(|run| drawn.planned_run(run).case.is_ok()));
 }
 
-/// What the law of friction does not use cannot be varied: all points would be the same.
+/// Parameters that the law of friction does not use cannot be varied, because all points would be
+/// equal.
 #[test]
 fn a_viscous_law_has_no_coefficient_to_vary() {
     let model = format!("  kind: block_on_spring\n{VISCOUS}");

@@ -1,4 +1,4 @@
-//! Tables in Parquet files: right ones, wrong ones, and files that claim more than they hold.
+//! Tables in Parquet files: valid ones, invalid ones, and files that claim more than they hold.
 
 use std::fs;
 use std::path::Path;
@@ -19,7 +19,7 @@ use stickslip::study::{DesignValue, Study, StudyError};
 
 use super::text_with_design;
 
-/// A file with these columns.
+/// Returns a file with these columns.
 fn file(properties: WriterProperties, columns: Vec<(&str, ArrayRef)>) -> Vec<u8> {
     let batch = RecordBatch::try_from_iter(columns).unwrap();
     let mut bytes = Vec::new();
@@ -37,7 +37,7 @@ fn numbers(values: impl IntoIterator<Item = f64>) -> ArrayRef {
     Arc::new(Float64Array::from_iter_values(values))
 }
 
-/// A study with a sweep over this table.
+/// Returns a study with a sweep over this table.
 fn sweep(table: &[u8]) -> Result<Study, StudyError> {
     load("sweep: [{table: designs.parquet}]\n", "{monte_carlo: {samples: 10}}", table)
 }
@@ -60,7 +60,7 @@ fn refused(table: &[u8], key: &str, problem: &str, found: &str) {
     assert!(error.allowed().is_some(), "{error}");
 }
 
-/// Every way of writing that is supported gives the same study as the rows written into it.
+/// Every supported encoding gives the same study as the rows written into it.
 #[test]
 fn a_right_table_is_the_same_however_it_is_written() {
     let count = 5000_i32;
@@ -283,7 +283,7 @@ fn wrong_cells_are_named_by_row_and_column() {
         "",
         "-1",
     );
-    // In the second group of rows, rows are counted on.
+    // In the second row group, the row numbers continue.
     let groups = WriterProperties::builder().set_max_row_group_row_count(Some(2)).build();
     let values = Float64Array::from(vec![Some(1.0), Some(2.0), Some(3.0), None]);
     let table = file(groups, vec![("speed_rad_s", Arc::new(values))]);
@@ -314,8 +314,8 @@ fn what_is_not_supported_says_what_is() {
     assert!(error.allowed().unwrap().contains("ZSTD, SNAPPY, GZIP, LZ4_RAW"), "{error}");
 }
 
-/// Not a file of this kind at all, and every file that is cut off or has one byte changed: refused or
-/// read, in no time and with no panic.
+/// A file of another kind, truncated anywhere or with one changed byte, is refused or read, quickly
+/// and without a panic.
 #[test]
 fn damaged_files_are_refused() {
     refused(b"", "", "not a readable Parquet file", "PAR1");
@@ -332,11 +332,11 @@ fn damaged_files_are_refused() {
         wrong[place] ^= 0xff;
         read += u32::from(sweep(&wrong).is_ok());
     }
-    // Names of programs, statistics and the like do not matter.
+    // Names of programs, statistics and similar metadata are ignored.
     assert!(read > 0 && (read as usize) < right.len());
 }
 
-/// Replaces these bytes wherever they are, in a part of a file.
+/// Replaces these bytes everywhere in a part of a file.
 fn replaced(bytes: &[u8], old: &[u8], new: &[u8]) -> Vec<u8> {
     let (mut made, mut rest, mut count) = (Vec::new(), bytes, 0);
     while let Some((first, others)) = rest.split_first() {
@@ -353,19 +353,19 @@ fn replaced(bytes: &[u8], old: &[u8], new: &[u8]) -> Vec<u8> {
     made
 }
 
-/// A file with these pages and this footer.
+/// Returns a file with these pages and this footer.
 fn put_together(pages: &[u8], footer: &[u8]) -> Vec<u8> {
     [pages, footer, &(footer.len() as u32).to_le_bytes(), b"PAR1"].concat()
 }
 
-/// The pages of a file, with what it begins with, and its footer.
+/// Returns the pages of a file, with its magic bytes, and its footer.
 fn taken_apart(file: &[u8]) -> (&[u8], &[u8]) {
     let (rest, tail) = file.split_at(file.len() - 8);
     let length: [u8; 4] = tail[..4].try_into().unwrap();
     rest.split_at(rest.len() - u32::from_le_bytes(length) as usize)
 }
 
-/// In Thrift's compact protocol, the next field as a whole number of 32 or 64 bits: 2, 2^31 - 1, 2^60.
+/// An integer field of 32 or 64 bits in Thrift's compact protocol: 2, 2^31 - 1, 2^60.
 const INT_2: [u8; 2] = [0x15, 4];
 const INT_MOST: [u8; 6] = [0x15, 0xfe, 0xff, 0xff, 0xff, 0x0f];
 const LONG_2: [u8; 2] = [0x16, 4];
@@ -385,7 +385,7 @@ fn more_rows_than_a_study_may_hold_are_refused_before_they_are_read() {
     let table = put_together(pages, &replaced(footer, &LONG_2, &LONG_2_TO_60));
     assert!(table.len() < 1000);
     refused(&table, "", "too many values", "1152921504606846976 rows of 1 columns");
-    // And where they are all there.
+    // Also if all rows are present.
     let table = plain(vec![("speed_rad_s", numbers((0..1_000_001).map(|_| -100.0)))]);
     refused(&table, "", "too many values", "1000001 rows of 1 columns");
 }
@@ -445,14 +445,14 @@ fn dictionaries_that_claim_more_than_their_page_holds_are_refused() {
     refused(&table, "", "not a readable Parquet file", "a dictionary of more values");
 }
 
-/// A footer with this schema, and no rows.
+/// Returns a footer with this schema, and no rows.
 fn footer(schema: &[u8], more: &[u8]) -> Vec<u8> {
     [&[0x15, 2, 0x19], schema, &[0x16, 0, 0x19, 0x0c], more, &[0]].concat()
 }
 
 #[test]
 fn footers_that_take_stack_or_time_are_refused() {
-    // Each column within the one before.
+    // Each column is nested in the previous one.
     let element = [0x48, 1, b'a', 0x15, 2, 0];
     let deep = [[0xfc, 0xa0, 0x8d, 6].as_slice(), &element.repeat(100_000)].concat();
     let table = put_together(b"PAR1", &footer(&deep, &[]));
@@ -473,7 +473,7 @@ fn footers_that_take_stack_or_time_are_refused() {
     let truths = [0x09, 0xc8, 1, 0xf1, 0xff, 0xff, 0xff, 0xff, 7];
     let table = put_together(b"PAR1", &footer(&one, &truths));
     refused(&table, "", "not a readable Parquet file", "footer");
-    // A number where a name should be: some read it as one, some as the other.
+    // A number in the place of a name: parsers may disagree about its type.
     let confused = [0x1c, 0x45, 2, 0x15, 0, 0];
     refused(&put_together(b"PAR1", &footer(&confused, &[])), "", "not a readable", "footer");
 }

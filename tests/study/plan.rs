@@ -69,7 +69,7 @@ fn grids_run_through_their_last_key_first_and_blocks_follow_one_another() {
 }
 
 #[test]
-fn all_points_fraction_their_start_states() {
+fn all_points_share_their_start_states() {
     let study = with_design(SMALL, "sweep: [{grid: {speed_rad_s: [-1, -2]}}]\n");
     for run in 0..4 {
         assert_eq!(study.planned_run(run).start, study.planned_run(run + 4).start);
@@ -88,13 +88,13 @@ fn one_balls_value_is_set_after_that_of_all() {
         machine.balls.iter().map(|ball| ball.friction_coefficient).collect::<Vec<_>>()
     };
     assert_eq!(friction(1), [0.2, 0.5]);
-    // Where a block sweeps only the value of all balls, one ball's column follows it.
+    // If a block sweeps only the value of all balls, one ball's column follows it.
     assert_eq!(friction(2), [0.3, 0.3]);
     assert_eq!(swept_numbers(&study, 2), [0.3, 0.3]);
 }
 
 #[test]
-fn balls_that_differ() {
+fn balls_may_differ() {
     let text = text_with_design(SMALL).replace(
         "{kind: ball_balancer}",
         "{kind: ball_balancer, parameters: {ball_mass_kg: 2, balls: [{}, {mass_kg: 3}, {}]}}",

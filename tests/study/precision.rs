@@ -1,4 +1,5 @@
-//! Runs that are reserved for a precision: which, how many, and what does not change.
+//! Runs that are reserved for a required precision: which, how many, and their independence from
+//! it.
 
 use stickslip::study::{Sampling, Study, json_schema};
 
@@ -20,7 +21,7 @@ fn whole_replicates_are_reserved() {
     assert_eq!(sampling(stratified, 20_000), (768, 256, 19_968));
     assert_eq!(sampling(stratified, 1024), (768, 256, 1024));
     assert_eq!(sampling(stratified, 1023), (768, 256, 768));
-    // What the design names is always run.
+    // The runs of the design are always computed.
     assert_eq!(sampling(stratified, 1), (768, 256, 768));
     assert_eq!(sampling("{monte_carlo: {samples: 300}}", 1000), (300, 300, 900));
     assert_eq!(sampling("{sobol: {samples: 64}}", 1_000_000), (64, 64, 65_536));
@@ -34,10 +35,10 @@ fn whole_replicates_are_reserved() {
     assert_eq!((first, replicate, most), (3, 1, 10));
 }
 
-/// A run's number, start and draws depend on its point and its sample only; the last reserved run can
-/// be planned as well as the first.
+/// A run's number, start and samples depend on its point and its sample only; the last reserved run
+/// can be planned as well as the first.
 #[test]
-fn samples_go_on_where_they_would_have_stopped() {
+fn samples_continue_where_they_would_have_stopped() {
     let uncertain = "uncertain: {imbalance_mass_kg: {uniform: {min: 5.0e-5, max: 6.0e-5}}}\n";
     for (design, more) in [
         ("{stratified: {parts_per_axis: 2, samples_per_cell: 1}}", "samples_per_cell: 4"),
@@ -80,7 +81,7 @@ fn points_follow_one_another_by_what_is_reserved() {
 }
 
 #[test]
-fn it_is_part_of_the_resolved_study_and_of_its_hash() {
+fn the_precision_is_part_of_the_resolved_study_and_of_its_hash() {
     let with = precise("{sobol: {samples: 4}}", 20_000, "");
     let line = "\nprecision: {equilibrium_fraction: 0.02, max_runs: 20000}\n";
     assert!(with.resolved_yaml().contains(line), "{}", with.resolved_yaml());
@@ -102,7 +103,7 @@ fn refused(text: &str, line: usize, key: &str, found: &str, allowed: &str) {
 const PRECISION: &str = "precision: {equilibrium_fraction: 0.02, max_runs: 20000}\n";
 
 #[test]
-fn designs_that_cannot_be_enlarged() {
+fn designs_that_cannot_be_enlarged_are_refused() {
     let allowed = "stratified, monte_carlo or sobol, or no `precision`";
     let table = "{table: {columns: [x, y, beta_1, beta_2, x_dot, y_dot, beta_dot_1, beta_dot_2], \
                  rows: [[0, 0, 0, 0, 0, 0, 0, 0]]}}";
@@ -120,7 +121,7 @@ fn designs_that_cannot_be_enlarged() {
 }
 
 #[test]
-fn values_that_make_no_sense() {
+fn invalid_values_are_refused() {
     let text = |fraction: &str, max_runs: &str, rest: &str| {
         let precision =
             format!("precision: {{equilibrium_fraction: {fraction}, max_runs: {max_runs}}}\n");

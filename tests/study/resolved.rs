@@ -1,4 +1,4 @@
-//! The resolved study file: complete, self-contained, and the same study again.
+//! The resolved study file: complete, self-contained, and equivalent to the original.
 
 use std::fs;
 
@@ -163,7 +163,7 @@ fn the_json_schema_knows_every_key_with_its_unit() {
         assert!(text.contains(part), "{part}");
     }
     assert_eq!(json_schema()["properties"]["schema"]["const"], 1);
-    // What may be left out is not required.
+    // Optional keys are not required by the schema.
     let schema = json_schema();
     let required = |of: &serde_json::Value| {
         let names = of["required"].as_array().cloned().unwrap_or_default();

@@ -1,4 +1,4 @@
-//! The study files that come with the program.
+//! The study files of the project.
 
 use std::path::{Path, PathBuf};
 
@@ -45,7 +45,7 @@ fn the_thesis_study_has_4096_runs_at_six_points() {
             (0..6).filter(|id| expectation.selects(&study, &study.point(*id).swept)).collect();
         assert_eq!(selected, [point as u64]);
     }
-    // The 256 runs with less friction start as the first replicate of the others.
+    // The 256 runs with less friction start like the first replicate of the others.
     for run in 0..256 {
         assert_eq!(study.planned_run(3840 + run).start, study.planned_run(run).start);
     }

@@ -6,7 +6,7 @@ use stickslip::study::Study;
 
 use super::{coordinates, with_design};
 
-/// Checks a run's coordinates against pinned ones. A change here is value-breaking and has to be
+/// Checks a run's coordinates against pinned ones. A change here breaks reproducibility and must be
 /// announced in the changelog.
 #[track_caller]
 fn pinned(design: &str, run: u64, expected: [f64; 8]) {
@@ -118,7 +118,8 @@ fn distributions_keep_their_values() {
     }
 }
 
-/// Every sample of the smaller study is in the larger one under the same cell and replicate.
+/// Asserts that every sample of the smaller study is in the larger one under the same cell and
+/// replicate.
 fn assert_contains(larger: &Study, smaller: &Study, runs: impl Iterator<Item = (u64, u64)>) {
     for (in_larger, in_smaller) in runs {
         let (new, old) = (larger.planned_run(in_larger), smaller.planned_run(in_smaller));
@@ -169,7 +170,8 @@ fn a_further_ball_keeps_the_coordinates_of_the_others() {
         let three = super::study(&text);
         for run in 0..20 {
             let (old, new) = (two.planned_run(run).start, three.planned_run(run).start);
-            // x, y, beta_1, beta_2, x_dot, y_dot, beta_dot_1, beta_dot_2 among those of three balls.
+            // x, y, beta_1, beta_2, x_dot, y_dot, beta_dot_1, beta_dot_2 among those of three
+            // balls.
             assert_eq!(old.0, [0, 1, 2, 3, 5, 6, 7, 8].map(|index: usize| new.0[index]));
         }
     }

@@ -1,4 +1,4 @@
-//! Where tables may lie: in the study file's directory, and in those that the user names.
+//! Allowed locations of tables: the study file's directory, and those that the user names.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -89,14 +89,14 @@ fn directories_after_tables_allow_what_lies_in_them_and_change_nothing_else() {
         let error = place.load(table, &["inside/deeper"]).unwrap_err();
         assert!(error.problem().contains("and of those after --tables"), "{error}");
     }
-    // Allowed is not looked for: a name means the file beside the study, or none.
+    // Allowed directories are not searched: a name means the file beside the study.
     fs::write(place.path("outside/b.csv"), "speed_rad_s\n-1\n").unwrap();
     let error = place.load("b.csv", &["outside"]).unwrap_err();
     assert!(error.problem().contains("No such file"), "{error}");
     fs::write(place.path("outside/a.csv"), "speed_rad_s\n-1\n").unwrap();
     let study = place.load("a.csv", &["outside"]).unwrap();
     assert_eq!(study.resolved_yaml(), inside.resolved_yaml());
-    // A directory that is none.
+    // A path that is not a directory.
     for name in ["nothing", "inside/a.csv"] {
         let error = place.load("a.csv", &[name]).unwrap_err();
         assert!(error.file().ends_with(name), "{error}");
@@ -153,7 +153,7 @@ mod links {
         for table in ["out.csv", "elsewhere/a.csv"] {
             assert!(place.load(table, &["outside"]).is_ok(), "{table}");
         }
-        // A link to itself, and one to nothing.
+        // A link to itself, and a dangling one.
         link(&place, Path::new("loop.csv"), "loop.csv");
         place.refused("loop.csv", "the table cannot be read", "loop.csv");
         link(&place, Path::new("nothing.csv"), "dangling.csv");
@@ -191,7 +191,7 @@ fn tables_of_a_study_are_bounded_together() {
     let error = load(&["a.csv"; 1001]).unwrap_err();
     assert_eq!(error.key(), "sweep[1000].table", "{error}");
     assert!(error.problem().contains("too many tables"), "{error}");
-    // Comments are no values, and still have to be read.
+    // Comments are not values, but must be read.
     let comments = format!("speed_rad_s\n-1\n{}", "#\n".repeat(20_000_000));
     fs::write(place.path("inside/comments.csv"), comments).unwrap();
     let error = load(&["comments.csv", "comments.csv"]).unwrap_err();

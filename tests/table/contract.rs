@@ -1,5 +1,5 @@
-//! Names, order, types, units and meanings of columns. Readers rely on them: a change here breaks
-//! notebooks and has to be announced.
+//! Names, order, types, units and descriptions of columns. Readers rely on them: a change here
+//! breaks user code and must be announced.
 
 use std::collections::BTreeSet;
 
@@ -23,8 +23,8 @@ fn study() -> String {
     study_text("a", "{monte_carlo: {samples: 5}}", AT_ONCE, REST)
 }
 
-/// Name, type and unit of every column; `n` is a number, `l` a list of them, `c` a count, `s` a small
-/// count, `i` a whole number with sign, `b` yes or no, `w` a word out of a few, `t` text.
+/// Returns name, type and unit of every column; `n` is a number, `l` a list of them, `c` a count,
+/// `s` a small count, `i` a signed integer, `b` a boolean, `w` an enumerated word, `t` text.
 pub fn columns(table: &RecordBatch) -> Vec<String> {
     let schema = table.schema();
     let describe = |field: &arrow::datatypes::FieldRef| {
@@ -104,8 +104,9 @@ fn runs() {
     assert_eq!(columns(&scratch.table("out", "runs")), expected);
 }
 
-/// A parameter that is swept and drawn by a factor has two values in a run: the one it was computed with under
-/// its own name, the swept one as the nominal one. A point has the swept one only, under its own name.
+/// A parameter that is swept and sampled by a factor has two columns for runs: the value of the run
+/// under its own name, and the swept one as the nominal one. Points have only the swept one, under
+/// its own name.
 #[test]
 fn a_parameter_that_is_swept_and_drawn() {
     let rest = "sweep: [{grid: {friction_coefficient: [2.0e-3, 4.0e-3]}}]\n\
@@ -255,12 +256,12 @@ fn rest() {
             assert_eq!(numbers(&points, name)[id as usize], first(curve), "{name}");
         }
     }
-    assert!(counts(&points, "equilibrium_runs")[0] > 5, "the study shows too little");
+    assert!(counts(&points, "equilibrium_runs")[0] > 5, "the study is too small");
 }
 
-/// Balls that are alike have no names: an equilibrium is the set of their angles.
+/// Identical balls are interchangeable: their angles are sorted in equilibria.
 #[test]
-fn equilibria_of_balls_that_are_alike_are_sorted() {
+fn equilibria_of_identical_balls_are_sorted() {
     let scratch = results(&study_text("a", "{monte_carlo: {samples: 40}}", 5.0, ""));
     let (runs, equilibria) = (scratch.table("out", "runs"), scratch.table("out", "equilibria"));
     let expected = [
@@ -293,7 +294,7 @@ fn equilibria_of_balls_that_are_alike_are_sorted() {
         assert!(low >= 0.0 && high < std::f64::consts::TAU);
         exchanged += usize::from(first > second);
     }
-    assert!(exchanged > 0, "the study shows too little");
+    assert!(exchanged > 0, "the study is too small");
 }
 
 #[test]
@@ -311,7 +312,7 @@ fn equilibria_of_balls_that_differ_keep_their_places() {
     }
 }
 
-/// Any number of balls has its own columns; three are enough to see the pattern.
+/// Any number of balls has its own columns; three suffice to show the pattern.
 #[test]
 fn columns_of_three_balls() {
     let model = "model: {kind: ball_balancer, parameters: {balls: 3}}\n";

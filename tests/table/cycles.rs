@@ -1,5 +1,5 @@
-//! `cycles.parquet`: columns, the one cycle of a block on a belt, and constructed cycles of balls
-//! through the engine.
+//! `cycles.parquet`: columns, the unique cycle of a block on a belt, and constructed cycles of
+//! balls computed through the engine.
 
 use std::fs;
 use std::path::Path;
@@ -67,7 +67,8 @@ fn columns_of_a_balancer() {
     );
 }
 
-/// One class at each belt speed, all runs on a limit cycle in it, and the period of the closed form.
+/// There is one class at each belt speed with all runs on a limit cycle, and the period of the
+/// closed form.
 #[test]
 fn a_block_on_a_belt_has_one_cycle() {
     let text = include_str!("../../studies/block-on-belt.yaml");
@@ -127,8 +128,9 @@ impl Sink for Tables {
     }
 }
 
-/// A constructed cycle for each case: by its start, one of the balls runs or the other, with a
-/// period and resting angles all its own; sometimes both run, and sometimes nothing is known.
+/// Returns a constructed cycle for each case: depending on its start, one of the balls runs or the
+/// other, with individual period and resting angles; sometimes both run, and sometimes the class is
+/// unknown.
 fn constructed(case: &Case) -> Outcome {
     let start = &case.start.0;
     let (own, other) = (start[2], start[3]);
@@ -200,9 +202,10 @@ fn integers(table: &RecordBatch, name: &str) -> Vec<Option<i32>> {
     column(table, name).as_primitive::<Int32Type>().iter().collect()
 }
 
-/// The same bytes on any number of threads and with any chunk, and what was constructed in them.
+/// The bytes do not depend on the number of threads or the chunk size, and contain the constructed
+/// values.
 #[test]
-fn constructed_cycles_of_balls() {
+fn constructed_cycles_of_balls_are_written() {
     let sweep = "sweep: [{grid: {speed_rad_s: [-247.3, 247.3]}}]\n";
     let study = parse(&study_text("a", "{monte_carlo: {samples: 3000}}", 20.0, sweep));
     let scratch = Scratch::new();
@@ -240,7 +243,7 @@ fn constructed_cycles_of_balls() {
     assert_eq!(value("largest_multiplier"), multipliers[0]);
     let margins = runs.iter().filter_map(|outcome| outcome.friction_margin);
     assert_eq!(value("min_friction_margin"), margins.fold(f64::MAX, f64::min));
-    // Angles all around the circle: the arc leaves out the longest gap between two of them.
+    // Angles all around the circle: the arc excludes the longest gap between two of them.
     let mut angles: Vec<f64> = runs.iter().map(own).collect();
     angles.sort_by(f64::total_cmp);
     let wrapped = angles[0] + std::f64::consts::TAU;

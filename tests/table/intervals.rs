@@ -1,11 +1,11 @@
-//! Intervals of `points.parquet` and of the JSON fit the design, and say how they were made.
+//! The intervals of `points.parquet` and of the JSON fit the design, and their method is named.
 
 use serde_json::Value;
 use stickslip::analysis::{Z_95, wilson};
 
 use crate::cli::support::{Scratch, counts, numbers, study_text, words};
 
-/// The only point of a study with this design: method, ends, equilibria and runs.
+/// Returns the only point of a study with this design: method, ends, equilibria and runs.
 fn point(design: &str, more: &str) -> (String, (f64, f64), u64, u64) {
     let scratch = Scratch::new();
     scratch.write("a.yaml", study_text("a", design, 5.0, ""));
@@ -27,7 +27,8 @@ fn point(design: &str, more: &str) -> (String, (f64, f64), u64, u64) {
     (method, (low, high), equilibria, runs)
 }
 
-/// Two samples or more in every cell; fewer, or none that are cells, give Wilson's interval.
+/// Two or more samples in every cell give a stratified interval; fewer, or a design without cells,
+/// give Wilson's interval.
 #[test]
 fn stratified_designs_have_stratified_intervals() {
     let stratified = |samples: u32| {
@@ -36,9 +37,9 @@ fn stratified_designs_have_stratified_intervals() {
     let (method, (low, high), equilibria, runs) = point(&stratified(2), "");
     assert_eq!((method.as_str(), runs), ("stratified", 512));
     let whole = wilson(equilibria, runs, Z_95);
-    assert!(equilibria > 50 && equilibria < 462, "the study shows too little: {equilibria}");
+    assert!(equilibria > 50 && equilibria < 462, "the study is too small: {equilibria}");
     assert!(whole.0 < low && high < whole.1, "{low} {high}, {whole:?}");
-    // A shard of two has but half of the cells.
+    // A shard of two has only half of the cells.
     for (design, more) in [
         (stratified(1), ""),
         (stratified(2), "--shard 1/2"),

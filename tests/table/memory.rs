@@ -1,4 +1,4 @@
-//! Tables in memory: what is computed there is what is written to files and read again.
+//! Tables in memory equal the tables in files.
 
 use std::fs;
 use std::sync::atomic::AtomicBool;
@@ -27,7 +27,7 @@ impl Sink for InMemory {
     }
 }
 
-/// Names, kinds, units and meanings of the columns, and all values.
+/// Asserts equal names, types, units and descriptions of the columns, and equal values.
 fn assert_same(mine: &MemoryTable, other: &MemoryTable) {
     assert_eq!(mine.schema().fields(), other.schema().fields());
     assert_eq!(mine.rows(), other.rows());
@@ -63,7 +63,7 @@ fn what_is_computed_is_what_is_written() {
         assert!(about.contains(&format!("\"table\":\"{name}\"")), "{about}");
     }
 
-    // Damage is told of, or is in a value that could as well be right; it never is a panic.
+    // Damage is reported, or affects a value that is still valid; it never causes a panic.
     let file = scratch.path("out/runs.parquet");
     let whole = fs::read(&file).unwrap();
     let table = Table::open(&scratch.path("out"), &manifest, "runs").unwrap();

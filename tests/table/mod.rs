@@ -1,4 +1,4 @@
-//! The tables as readers find them.
+//! The tables from the reader's point of view.
 
 mod contract;
 mod cycles;

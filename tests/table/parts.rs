@@ -11,7 +11,7 @@ use sha2::{Digest, Sha256};
 
 use crate::cli::support::{AT_ONCE, Scratch, assert_has, study_text};
 
-/// As many rows as fit into one file, and one more.
+/// One row more than fits into one file.
 const RUNS: u64 = (1 << 19) + 1;
 
 #[test]
@@ -55,7 +55,7 @@ fn a_table_of_more_than_half_a_million_rows_is_a_directory() {
     }
     assert_eq!(next, RUNS);
 
-    // A part is looked after like any other file: one that is lost is made again.
+    // A part is checked like any other file: a missing one is made again.
     assert!(scratch.stickslip("run a.yaml --out out").err.contains("nothing to do"));
     let content = fs::read(scratch.path("out").join(second)).unwrap();
     fs::remove_file(scratch.path("out").join(second)).unwrap();

@@ -21,7 +21,7 @@ fn all(table: &RecordBatch, name: &str) -> Vec<f64> {
     numbers(table, name).into_iter().map(|number| number.expect("a number")).collect()
 }
 
-/// Rows of equilibria by point and bins are what the histogram's rows count.
+/// The histogram's rows count the equilibria by point and bins.
 #[test]
 fn bins_count_the_equilibria() {
     let scratch = results("", "-160.0, -216.0", 100, 8.0);
@@ -57,7 +57,7 @@ fn bins_count_the_equilibria() {
         }
         assert!(key[1] <= key[2]);
     }
-    assert!(seen.len() > 20, "the study shows too little");
+    assert!(seen.len() > 20, "the study is too small");
     let counted: BTreeMap<[u64; 3], u64> =
         key(&histogram).into_iter().zip(counts(&histogram, "runs")).collect();
     assert_eq!(counted, seen);
@@ -73,9 +73,9 @@ fn bins_count_the_equilibria() {
     }
 }
 
-/// Three balls and more: one angle, by identical balls; a block has no ring.
+/// Three or more balls have histograms of one angle, by identical balls; a block has none.
 #[test]
-fn other_numbers_of_balls() {
+fn other_numbers_of_balls_have_their_histograms() {
     let model = "model: {kind: ball_balancer, parameters: {balls: [{mass_kg: 1.4e-4}, \
                  {mass_kg: 1.0e-4}, {mass_kg: 1.4e-4}]}}\n";
     let scratch = results(model, "-160.0", 30, 8.0);
@@ -97,7 +97,7 @@ fn other_numbers_of_balls() {
     let bins = [1, 2, 3].map(|ball| counts(&equilibria, &format!("bin_{ball}")));
     let (ball, bin, runs) =
         (counts(&histogram, "ball"), counts(&histogram, "bin_1"), counts(&histogram, "runs"));
-    assert!(equilibria.num_rows() > 5, "the study shows too little");
+    assert!(equilibria.num_rows() > 5, "the study is too small");
     for row in 0..histogram.num_rows() {
         let alike: &[usize] = if ball[row] == 1 { &[0, 2] } else { &[1] };
         let holds = |run: &usize| alike.iter().any(|&place| bins[place][*run] == bin[row]);

@@ -1,4 +1,5 @@
-//! Where tables come from: in every data file what decides the data, in the manifest the rest.
+//! Provenance: every data file has the input that determines the data, and the manifest has the
+//! rest.
 
 use std::fs;
 use std::fs::File;
@@ -15,7 +16,7 @@ fn text() -> String {
     study_text("a", "{monte_carlo: {samples: 5}}", AT_ONCE, "")
 }
 
-/// The value of the metadata key `stickslip` of a table.
+/// Returns the value of the metadata key `stickslip` of a table.
 fn provenance(scratch: &Scratch, file: &str) -> Value {
     let file = File::open(scratch.path(file)).unwrap();
     let reader = ParquetRecordBatchReaderBuilder::try_new(file).unwrap();
@@ -54,7 +55,7 @@ fn every_table_says_where_it_comes_from() {
         for (key, value) in expected {
             assert_eq!(found[key], value, "{file}: {key}");
         }
-        // The study can be had back from any of its tables.
+        // The study can be recovered from any of its tables.
         let again =
             Study::parse("b.yaml".as_ref(), found["study_yaml"].as_str().unwrap().to_owned());
         assert_eq!(again.unwrap().hash(), study.hash());

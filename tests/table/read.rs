@@ -1,5 +1,4 @@
-//! Tables of results as the program reads them: every kind of column, and files that are not what they
-//! should be.
+//! Tables of results as the program reads them: every type of column, and damaged files.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -16,7 +15,7 @@ use crate::cli::support::{AT_ONCE, Scratch, study_text};
 
 const HASH: &str = "0123456789abcdef";
 
-/// What is in row `n`; every seventh value is missing.
+/// Returns the value in row `n`; every seventh value is missing.
 fn there(n: u64) -> Option<u64> {
     (!n.is_multiple_of(7)).then_some(n)
 }
@@ -61,7 +60,7 @@ fn provenance(format: u32, table: &str, hash: &str) -> String {
     json!({"format": format, "table": table, "study": "s", "study_hash": hash}).to_string()
 }
 
-/// A manifest with these files; all else of it comes from a study that is run.
+/// Returns a manifest with these files; all other entries come from a study that is run.
 fn manifest(files: impl IntoIterator<Item = (String, FileEntry)>) -> Manifest {
     let scratch = Scratch::new();
     scratch.write("a.yaml", study_text("a", "{monte_carlo: {samples: 1}}", AT_ONCE, ""));
@@ -74,7 +73,7 @@ fn manifest(files: impl IntoIterator<Item = (String, FileEntry)>) -> Manifest {
     }
 }
 
-/// A table of these rows under this name, and what a manifest says of it.
+/// Writes a table of these rows under this name, and returns its manifest entry.
 fn write(path: &Path, rows: std::ops::Range<u64>, provenance: &str) -> FileEntry {
     let mut writer = TableWriter::create(path, columns(), provenance).unwrap();
     rows.for_each(|n| writer.push(n).unwrap());
@@ -92,7 +91,7 @@ fn right() -> String {
     provenance(FORMAT, "t", HASH)
 }
 
-/// Reads all of a table and compares every value; returns the number of rows.
+/// Reads a whole table, compares every value, and returns the number of rows.
 #[track_caller]
 fn compare(table: &Table) -> u64 {
     let mut next = 0;
@@ -118,7 +117,7 @@ fn compare(table: &Table) -> u64 {
     next
 }
 
-/// Across batches, groups of rows and files.
+/// Every value of every type is read back across batches, row groups and files.
 #[test]
 fn every_value_of_every_kind_comes_back() {
     for rows in [0, 1, 1024, 1025, 20_000] {
@@ -196,7 +195,7 @@ fn files_that_are_not_those_that_were_written_are_named() {
     refused(open(&manifest), &["not a regular file"]);
 }
 
-/// A manifest that says of a table that it is the file that is there.
+/// Returns a manifest that lists the current file as a table.
 fn listing(path: &Path, manifest: &Manifest) -> Manifest {
     let mut manifest = manifest.clone();
     let entry = manifest.files.get_mut("t.parquet").unwrap();
@@ -204,7 +203,7 @@ fn listing(path: &Path, manifest: &Manifest) -> Manifest {
     manifest
 }
 
-/// Wherever a single bit is another one, the table is refused before anything of it is read.
+/// With any single bit changed, the table is refused before any of it is read.
 #[test]
 fn a_file_with_another_bit_is_refused() {
     let (folder, manifest) = one_table(300, &right());
@@ -223,8 +222,8 @@ fn a_file_with_another_bit_is_refused() {
     assert!(Table::open(folder.path(), &manifest, "t").is_ok());
 }
 
-/// Any byte of a file may be another one, and a foreign manifest may say so: the table is read or refused, and
-/// nothing panics.
+/// With any byte changed and a manifest that lists the changed file, the table is read or refused,
+/// and nothing panics.
 #[test]
 fn damaged_files_are_read_or_refused() {
     let (folder, manifest) = one_table(300, &right());

@@ -1,4 +1,4 @@
-//! The thesis's counts, from the study files themselves. Prints the table that it checks.
+//! The thesis's counts, computed from the study files. Prints the table that it checks.
 
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
@@ -9,7 +9,7 @@ use stickslip::engine::{EngineOptions, Progress, Sink, run_study_with};
 use stickslip::study::Study;
 use stickslip::table::{PointRow, RunRecord};
 
-/// Keeps the points and forgets the runs.
+/// A sink for the points only.
 #[derive(Default)]
 struct Points(Vec<PointRow>);
 
@@ -28,7 +28,7 @@ impl Sink for Points {
 
 fn points(study: &str) -> Vec<PointRow> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies").join(study);
-    let study = Study::load(&path).expect("a sound study");
+    let study = Study::load(&path).expect("a valid study");
     let options = EngineOptions { threads: 2, chunk: 512, ..EngineOptions::default() };
     let progress = Progress::new(study.run_count(), true);
     let mut points = Points::default();
@@ -58,8 +58,8 @@ fn equilibria(point: &PointRow) -> (u64, u64) {
     (point.summary.counts.of(Label::Equilibrium), point.summary.counts.total())
 }
 
-/// Thesis figures 5.7-5.9: 768, 768, 768, 70 and 435 of 768, 61 of 256. Ranges allow for the
-/// reconstructed box and for sampling.
+/// The counts of equilibria are near those of thesis figures 5.7-5.9: 768, 768, 768, 70 and 435 of
+/// 768, 61 of 256. Ranges allow for the reconstructed box and for sampling.
 #[test]
 fn counts_of_preferred_equilibria() {
     let points = points("preferred-equilibria.yaml");
@@ -77,14 +77,13 @@ fn counts_of_preferred_equilibria() {
         assert_eq!(runs, all);
         assert!(range.contains(&found), "{:?}: {found}, expected {range:?}", point.swept);
     }
-    // Half of the runs at -216.3772 rad/s are at rest by the time that the thesis names for it,
-    // give or take.
+    // About half of the runs at -216.3772 rad/s are at rest by the time that the thesis states.
     let median = points[0].summary.time_to_rest_s[1].expect("reached");
     assert!((1.5..4.0).contains(&median), "{median} s");
 }
 
-/// The normal force is a model form that decides the count: with Newton's, 500 to 590 of 768 at
-/// -160.8103 rad/s; with the thesis's, all.
+/// The form of the normal force decides the count: 500 to 590 of 768 at -160.8103 rad/s with
+/// Newton's, all with the thesis's.
 #[test]
 fn normal_force_decides_the_count() {
     let points = points("model-form.yaml");

@@ -1,4 +1,4 @@
-//! Counts of equilibria, time to rest, and how labels differ between methods and tolerances.
+//! Counts of equilibria, time to rest, and differences of labels between methods and tolerances.
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -40,7 +40,7 @@ fn ways() -> [Way; 6] {
     ]
 }
 
-/// The runs of the thesis's study, computed in each way; point by point.
+/// The runs of the thesis's study, computed in each way, by point.
 pub struct ThesisRuns {
     points: Vec<(f64, f64)>,
     machines: Vec<Machine>,
@@ -52,12 +52,12 @@ pub struct ThesisRuns {
 impl ThesisRuns {
     pub fn compute() -> Self {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/preferred-equilibria.yaml");
-        let study = Study::load(&path).expect("a sound study");
+        let study = Study::load(&path).expect("a valid study");
         let points: Vec<_> = (0..study.point_count()).map(|id| study.point(id)).collect();
         let machine = |id: usize| points[id].model().ball_balancer().expect("a balancer");
         let compute = |way: &Way| -> Vec<Vec<Outcome>> {
             let run = |run| {
-                let case = study.planned_run(run).case.expect("a sound case");
+                let case = study.planned_run(run).case.expect("a valid case");
                 simulate(&Case { simulation: way.simulation, ..case })
             };
             let of_point = points.iter().map(|point| {
@@ -67,7 +67,7 @@ impl ThesisRuns {
             of_point.collect()
         };
         let with_newton = |run: u64| {
-            let mut case = study.planned_run(run).case.expect("a sound case");
+            let mut case = study.planned_run(run).case.expect("a valid case");
             case.model.ball_balancer_mut().expect("a balancer").normal_force = NormalForce::Newton;
             simulate(&case).label() == Label::Equilibrium
         };
@@ -84,7 +84,7 @@ impl ThesisRuns {
         }
     }
 
-    /// The machine of each point and its runs, computed in the default way.
+    /// Returns the machine of each point and its runs, computed in the default way.
     pub fn by_default(&self) -> impl Iterator<Item = (&Machine, &[Outcome])> {
         self.machines.iter().zip(self.outcomes[1].iter().map(Vec::as_slice))
     }
@@ -200,7 +200,7 @@ the computation, but the fraction of equilibria does not.
         text
     }
 
-    /// Runs that are at rest in one way only.
+    /// Returns the number of runs that are at rest in one way only.
     fn rest_flips(&self, way: usize, point: usize) -> usize {
         self.flips_by(way, point, |outcome| outcome.label() == Label::Equilibrium)
     }
@@ -215,9 +215,10 @@ the computation, but the fraction of equilibria does not.
         pairs.filter(|(a, b)| what(a) != what(b)).count()
     }
 
-    /// The switch model with the widest band that is used, 1e-4, against the exact motion: at least
-    /// 98 % of the runs are at rest in both or in neither outside the irregular speed and all below the natural frequency, and the fractions lie in each other's
-    /// intervals everywhere. Nor does any other way differ more.
+    /// The switch model with the widest band, 1e-4, agrees with the exact motion: at least 98 % of
+    /// the runs are at rest in both or in neither outside of the irregular speed, and all below the
+    /// natural frequency; and everywhere each fraction lies in the other's interval. No other way
+    /// differs more.
     pub fn must_agree(&self) {
         for (point, (speed, _)) in self.points.iter().enumerate() {
             let runs = self.outcomes[0][point].len();

@@ -1,4 +1,4 @@
-//! How runs end in the long run: at rest, on cycles, irregularly.
+//! Long-term endings of runs: rest, cycles, irregular motion.
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -17,7 +17,7 @@ fn machine(speed_rad_s: f64) -> Machine {
     Machine { speed_rad_s, ..Machine::default() }
 }
 
-/// One replicate of the thesis's start states: 256 runs.
+/// Returns one replicate of the thesis's start states: 256 runs.
 fn replicate(parameters: &str, end_time_s: f64) -> Vec<(Case, Outcome)> {
     let text = format!(
         "schema: 1\nname: replicate\nseed: 2003\n\
@@ -30,7 +30,7 @@ fn replicate(parameters: &str, end_time_s: f64) -> Vec<(Case, Outcome)> {
     (0..study.run_count())
         .into_par_iter()
         .map(|run| {
-            let case = study.planned_run(run).case.expect("a sound case");
+            let case = study.planned_run(run).case.expect("a valid case");
             let outcome = simulate(&case);
             (case, outcome)
         })
@@ -149,7 +149,7 @@ the model excludes.)
     text
 }
 
-/// The cycles found from the thesis's start states, by class.
+/// Returns the cycles found from the thesis's start states, by class.
 pub fn cycles() -> String {
     let mut text = "\
 ## Limit cycles from the thesis's start states
@@ -215,10 +215,10 @@ exception is the last row, where one ball has more friction and rests: its orbit
     text
 }
 
-/// The block on a belt: one class, with the period of the closed form.
+/// Returns the cycles of the block on a belt: one class, with the period of the closed form.
 pub fn block_on_belt() -> String {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/block-on-belt.yaml");
-    let study = Study::load(&path).expect("a sound study");
+    let study = Study::load(&path).expect("a valid study");
     let mut text = "\
 ## A block on a belt
 
@@ -232,7 +232,7 @@ The table compares all runs of the study `block-on-belt` that reach the stick-sl
         let runs = point.first_run..point.first_run + point.sampling.most;
         let ended: Vec<(Case, Outcome)> = runs
             .map(|run| {
-                let case = study.planned_run(run).case.expect("a sound case");
+                let case = study.planned_run(run).case.expect("a valid case");
                 let outcome = simulate(&case);
                 (case, outcome)
             })

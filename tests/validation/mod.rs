@@ -1,4 +1,5 @@
-//! `docs/validation.md`: the thesis against the program, number by number, from real runs.
+//! `docs/validation.md`: comparison of the thesis with the program, number by number, from real
+//! runs.
 
 mod counts;
 mod endings;
@@ -7,7 +8,7 @@ mod preferred;
 
 use crate::docs::generated::compare_or_write;
 
-/// The page is what the runs of today give, and what must hold of it does.
+/// The page agrees with the computed runs, and the required properties hold.
 #[test]
 fn generated_validation_page() {
     let runs = counts::ThesisRuns::compute();

@@ -63,7 +63,7 @@ closer to the thesis's value.
     )
 }
 
-/// The drag on the balls with which stability is judged: high, as in the thesis.
+/// The drag on the balls for the stability: high, as in the thesis.
 const DRAG: f64 = 1e4;
 
 fn kinds_at(speed_rad_s: f64) -> Vec<(FrictionlessKind, Stability)> {
@@ -72,7 +72,8 @@ fn kinds_at(speed_rad_s: f64) -> Vec<(FrictionlessKind, Stability)> {
     found.into_iter().map(|one| (one.kind, one.stability)).collect()
 }
 
-/// Where the equilibria with both balls together vanish and come back, by bisection.
+/// Returns the speeds at which the equilibria with both balls together vanish and reappear, by
+/// bisection.
 fn speeds_without_a1() -> [f64; 2] {
     let together =
         |speed: f64| kinds_at(-speed).iter().any(|(kind, _)| *kind == FrictionlessKind::A1Plus);

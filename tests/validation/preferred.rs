@@ -1,4 +1,4 @@
-//! How near preferred equilibria lie to the equilibria without friction.
+//! Distances of preferred equilibria from the equilibria without friction.
 
 use std::collections::BTreeMap;
 use std::convert::Infallible;
@@ -14,7 +14,7 @@ use stickslip::model::Machine;
 
 use crate::docs::generated::compare_or_write_part;
 
-/// The section, from the machines of the thesis's points and what became of their runs.
+/// Returns the section, from the machines of the thesis's points and the outcomes of their runs.
 pub fn near_frictionless<'a>(points: impl Iterator<Item = (&'a Machine, &'a [Outcome])>) -> String {
     let mut text = "\
 ## Preferred equilibria and the equilibria without friction (thesis section 5.3)
@@ -70,7 +70,7 @@ distance than that, with Wilson's 95 % confidence interval; uniformly distribute
 /// An equilibrium of two identical balls: its kind and their angles.
 type Equilibrium = (FrictionlessKind, [f64; 2]);
 
-/// The equilibria without friction that are stable with a high drag.
+/// Returns the equilibria without friction that are stable with a high drag.
 fn stable_equilibria(machine: &Machine) -> Vec<Equilibrium> {
     let all = frictionless_equilibria(machine, HIGH_DRAG).expect("a machine with balls");
     let stable = all.into_iter().filter(|one| one.stability == Stability::Stable);
@@ -81,7 +81,8 @@ fn stable_equilibria(machine: &Machine) -> Vec<Equilibrium> {
     stable.map(of).collect()
 }
 
-/// The nearest of them, and the root mean square of the angles to it, the balls exchanged where that is less.
+/// Returns the nearest of them, and the root mean square of the angles to it, in the better order
+/// of the balls.
 fn nearest(stable: &[Equilibrium], beta: &[f64]) -> (FrictionlessKind, f64) {
     let turn = |a: f64, b: f64| {
         let away = (a - b).rem_euclid(TAU);
@@ -92,8 +93,9 @@ fn nearest(stable: &[Equilibrium], beta: &[f64]) -> (FrictionlessKind, f64) {
     distances.min_by(|(_, a), (_, b)| a.total_cmp(b)).expect("a stable equilibrium")
 }
 
-/// The median distance of all positions of a fine grid that are in the equilibrium set. It is good to 0.001 rad (the
-/// grid of 2048 × 2048 differs by less), so two printed digits are right.
+/// Returns the median distance of all positions of a fine grid that are in the equilibrium set. It
+/// is accurate to 0.001 rad (the grid of 2048 × 2048 differs by less), so that two printed digits
+/// are right.
 fn by_chance(machine: &Machine, stable: &[Equilibrium]) -> f64 {
     let form = RestForm::new(machine).expect("balls");
     let mut distances = Vec::new();

@@ -1,4 +1,5 @@
-//! One step of all lanes of a group: as long as the series hold, or to the first event; and what follows from it.
+//! One step of all lanes of a group: to the limit of the series or to the first event, with the
+//! decision after it.
 
 use std::f64::consts::TAU;
 
@@ -19,36 +20,36 @@ use crate::motion::driver::SHORTEST;
 use crate::motion::guard::Guard;
 use crate::motion::settings::MOST_AT_ONCE;
 
-/// No component of the rate of change is larger where everything is slow.
+/// Bound on every component of the rate of change if everything is slow.
 const STILL: f64 = 1e-6;
-/// The square of the size beyond which a displacement is to be made small again.
+/// Square of the size above which a displacement must be rescaled.
 const LARGE: f64 = 1e200;
 
-/// What has happened in a step, as bit masks of lanes.
+/// The events of a step, as bit masks of lanes.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Happened {
     /// The lane's step has been taken.
     pub(crate) taken: u64,
-    /// A ball changed what it does, or came to rest.
+    /// A ball changed its phase, or came to rest.
     pub(crate) event: u64,
-    /// A ball has gone through the angle 0.
+    /// A ball passed through the angle 0.
     pub(crate) round: u64,
-    /// The time has come that was asked for, or the end.
+    /// The requested time or the end time was reached.
     pub(crate) attention: u64,
-    /// All balls stick, so near to rest that they may do so for ever.
+    /// All balls stick and are so near to rest that they may stick permanently.
     pub(crate) rest: u64,
     /// Without dry friction: everything is slow.
     pub(crate) still: u64,
-    /// Without dry friction: a ball has turned back, which no condition tells.
+    /// Without dry friction: a ball has turned back, which no condition detects.
     pub(crate) turned: u64,
-    /// The lanes in which events, balls that have gone round and balls that have turned back are told.
+    /// The lanes for which events, completed turns and reversals are reported.
     pub(crate) told: u64,
-    /// A lane that cannot go on.
+    /// Lanes that cannot continue.
     pub(crate) trouble: [Option<Trouble>; LANES],
 }
 
 impl Happened {
-    /// Lanes of which anything is to be told.
+    /// Returns the lanes with anything to report.
     pub(crate) fn any(&self) -> u64 {
         let troubles = self.trouble.iter().enumerate();
         let troubles = troubles.filter(|(_, trouble)| trouble.is_some());
@@ -58,7 +59,7 @@ impl Happened {
     }
 }
 
-/// Takes a step in all lanes of a group. Where `displaced`, a displacement of each is carried along.
+/// Takes a step in all lanes of a group. If `displaced`, a displacement of each lane is propagated.
 pub(crate) fn advance<S: Simd, const N: usize>(
     simd: S,
     group: &mut Group<S, N>,
@@ -109,7 +110,7 @@ fn step<S: Simd, const N: usize>(
         }
     }
     let end = series.at(&g.equations, &g.state, length);
-    // Nought, but for what is infinite or not a number.
+    // Zero, unless a component is infinite or NaN.
     let mut nought = within * c!(0.0);
     for value in end.table.iter().chain(&end.angle).chain(&end.speed) {
         nought = value.mul_add_precise(c!(0.0), nought);
@@ -184,7 +185,7 @@ fn step<S: Simd, const N: usize>(
             happened.trouble[lane] = Some(trouble);
         }
     }
-    // At rest for good?
+    // Detects lanes that may rest permanently.
     let u_x = g.state.table[0] - g.rest[0];
     let u_y = g.state.table[1] - g.rest[1];
     let v_x = g.state.table[2] - g.equations.speed * u_y;
@@ -210,7 +211,7 @@ fn step<S: Simd, const N: usize>(
     happened
 }
 
-/// Where, without dry friction, everything is slow at the step's start.
+/// Reports lanes without dry friction in which everything is slow at the step's start.
 #[inline(always)]
 fn still<S: Simd, const N: usize>(g: &Group<S, N>, series: &Series<S, N>, happened: &mut Happened) {
     let [first, second, third, ..] = &series.terms;
@@ -226,7 +227,7 @@ fn still<S: Simd, const N: usize>(g: &Group<S, N>, series: &Series<S, N>, happen
     happened.still = slow.to_bitmask() & happened.taken & g.sliding;
 }
 
-/// Decides what comes after an event.
+/// Decides the phases after an event.
 #[inline(never)]
 fn switch<S: Simd, const N: usize>(
     g: &mut Group<S, N>,

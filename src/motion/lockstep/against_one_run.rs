@@ -1,4 +1,4 @@
-//! Tests: the series of eight different machines side by side against the equations of one run.
+//! Tests of the series of eight different machines side by side against the equations of one run.
 
 use super::step::within_tolerance;
 use super::tangent::carry;
@@ -8,9 +8,9 @@ use crate::motion::contact::{Phase, SmoothPhase};
 use crate::motion::{Settings, Step, Tolerance};
 use fearless_simd::SimdBase;
 
-/// How long the step is.
+/// Length of the step.
 const LENGTH: f64 = 0.5;
-/// Steps of one run that it is compared with.
+/// Number of steps of one run for comparison.
 const PARTS: u32 = 8;
 
 fn machine(lane: usize, balls: usize) -> Machine {
@@ -33,7 +33,7 @@ fn state<const N: usize>(lane: usize, stuck: impl Fn(usize) -> f64) -> State<N> 
         position: [0.02 * value(0), 0.03 * value(1)],
         velocity: [0.04 * value(2), 0.05 * value(3)],
         beta: std::array::from_fn(|ball| 3.0 + 3.0 * value(4 + ball)),
-        // Every other ball rests, or has what is left of a speed.
+        // Every other ball rests, or has a residual speed.
         beta_dot: std::array::from_fn(|ball| {
             if (ball + lane).is_multiple_of(3) { stuck(ball) } else { 0.4 + 0.3 * value(9 + ball) }
         }),
@@ -56,8 +56,8 @@ fn largest<const N: usize>(state: &State<N>) -> f64 {
     all.fold(0.0, |most: f64, value| most.max(value.abs()))
 }
 
-/// Displacements over the longest steps that a coarse tolerance allows, where the table moves as slowly as it
-/// does after a while, and is displaced as balls displace it, by some part of what they are.
+/// Displacements over the longest steps of a coarse tolerance agree with one run. The table moves
+/// slowly, as after some time, and is displaced in proportion to the balls.
 fn over_longest_steps<const N: usize>() {
     let Some(simd) = SimdLevel::best().avx2() else { return };
     let settings = Settings {
@@ -114,7 +114,7 @@ fn longest_steps() {
 
 fn against_one_run<const N: usize>() {
     let Some(simd) = SimdLevel::best().avx2() else { return };
-    // A wide band: what is left of the speed of a ball that sticks is to be seen.
+    // A wide band, so that the residual speed of a sticking ball is significant.
     let settings = Settings {
         method: Method::Switch,
         band: 1e-3,
@@ -153,7 +153,7 @@ fn against_one_run<const N: usize>() {
         let mut difference = along.slope();
         difference.add_scaled(-1.0, &moved.lane(lane));
         assert!(largest(&difference) < 1e-11, "{difference:?} in lane {lane}");
-        // The same series as one run's dense output has them.
+        // The series agree with one run's dense output.
         let powers = room.series.powers(lane, &saved.state, LENGTH);
         let mut sum = State::zero();
         powers.iter().for_each(|power| sum.add_scaled(1.0, power));

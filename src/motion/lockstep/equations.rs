@@ -1,4 +1,4 @@
-//! The parameters of the equations of motion of a balancer for all lanes at once.
+//! The parameters of the equations of motion of a balancer for all lanes.
 //!
 //! The equations are those of `model::equations`, solved by power series (`series`). Friction is
 //! `p f_n + q β̇`: Coulomb friction and viscous drag.
@@ -9,28 +9,29 @@ use super::Lanes;
 use crate::model::{Balancer, Contact};
 use crate::motion::contact::Phase;
 
-/// What a ball's equation needs, for what it does.
+/// The coefficients of a ball's equation in its current phase.
 #[derive(Clone, Copy)]
 pub(crate) struct Ball<S: Simd> {
     /// m
     pub(super) mass: Lanes<S>,
-    /// 1 where it may move, 0 where it sticks.
+    /// 1 if it may move, 0 if it sticks.
     pub(super) free: Lanes<S>,
-    /// The other way round.
+    /// 0 if it may move, 1 if it sticks.
     pub(super) stuck: Lanes<S>,
-    /// p = ±μ; 0 where it sticks.
+    /// p = ±μ; 0 if it sticks.
     pub(super) friction: Lanes<S>,
     pub(super) minus_friction: Lanes<S>,
     /// m / (1 + p²)
     pub(super) turned: Lanes<S>,
-    /// 1 / (1 + 4 J) over that where it may accelerate, else 0.
+    /// 1 / (1 + 4 J) over `turned` if it may accelerate, else 0.
     pub(super) drawing: Lanes<S>,
-    /// What presses it on the ring at its speed β̇ but for the table's acceleration: `ω² + these times β̇
-    /// and β̇²`, the rolling term among them.
+    /// The normal force at the speed β̇ without the table's acceleration is `ω² + pressed[0] β̇ +
+    /// pressed[1] β̇²`, including the rolling term.
     pub(super) pressed: [Lanes<S>; 2],
-    /// The least of that at any speed.
+    /// The least of that normal force at any speed.
     pub(super) least_pressed: Lanes<S>,
-    /// What holds it back but for that, over 1 + 4 J: these times 1, β̇ and β̇², of `p pressed + q β̇`.
+    /// The resistance without the table's acceleration, `p pressed + q β̇`, over 1 + 4 J:
+    /// coefficients of 1, β̇ and β̇².
     pub(super) held: [Lanes<S>; 3],
 }
 
@@ -53,7 +54,7 @@ pub(crate) struct Equations<S: Simd, const N: usize> {
 }
 
 impl<S: Simd, const N: usize> Equations<S, N> {
-    /// Zero in all lanes: what no run is computed with.
+    /// Zero in all lanes; never used for a run.
     pub(super) fn blank(simd: S) -> Self {
         let zero = Lanes::splat(simd, 0.0);
         let ball = Ball {
@@ -81,7 +82,8 @@ impl<S: Simd, const N: usize> Equations<S, N> {
         }
     }
 
-    /// Sets the machine of a lane, but for what depends on what its balls do.
+    /// Sets the machine of a lane, except for the coefficients that depend on the phases of its
+    /// balls.
     pub(super) fn set_machine(&mut self, lane: usize, balancer: &Balancer<N>) {
         let speed = balancer.speed;
         let damping = 2.0 * balancer.damping_ratio;
@@ -103,7 +105,7 @@ impl<S: Simd, const N: usize> Equations<S, N> {
         }
     }
 
-    /// Sets what depends on what the balls of a lane do.
+    /// Sets the coefficients that depend on the phases of a lane's balls.
     pub(super) fn set_phases(&mut self, lane: usize, balancer: &Balancer<N>, phases: &[Phase; N]) {
         let speed = balancer.speed;
         for ((of_ball, ball), phase) in self.balls.iter_mut().zip(&balancer.balls).zip(phases) {

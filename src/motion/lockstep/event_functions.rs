@@ -1,4 +1,4 @@
-//! The conditions that hold while a phase lasts, as power series over a step. The same as in
+//! The conditions of the phases as power series over a step, with the same numbering as in
 //! `motion::guard`:
 //!
 //! | | first | second | third |
@@ -8,8 +8,8 @@
 //! | transition | in the band | accelerating in its direction | pressed |
 //! | free | | | pressed |
 //!
-//! In all lanes at once it is shown that none fails, where that is plain; the other lanes, one step in five,
-//! are looked at one by one (`first_failure`).
+//! For all lanes it is first shown which conditions obviously hold; the remaining lanes, in one
+//! step out of five, are examined one at a time (`first_failure`).
 
 use fearless_simd::{Simd, prelude::*};
 
@@ -20,13 +20,13 @@ use super::series::{Series, decay};
 use super::terms::ORDER;
 use crate::motion::Phase;
 
-/// What the conditions of a ball depend on.
+/// The coefficients of a ball's conditions.
 #[derive(Clone, Copy)]
 pub(super) struct Watched<S: Simd> {
     /// The first condition of a ball that does not stick is `sign β̇ + offset`.
     pub(super) sign: Lanes<S>,
     pub(super) offset: Lanes<S>,
-    /// 1 where it sticks, else 0.
+    /// 1 if it sticks, else 0.
     pub(super) stuck: Lanes<S>,
     /// Static coefficient of friction.
     pub(super) limit: Lanes<S>,
@@ -35,7 +35,7 @@ pub(super) struct Watched<S: Simd> {
 }
 
 impl<S: Simd> Watched<S> {
-    /// Nothing can fail.
+    /// Conditions that cannot fail.
     pub(super) fn nothing(simd: S) -> Self {
         let zero = Lanes::splat(simd, 0.0);
         Watched {
@@ -47,11 +47,11 @@ impl<S: Simd> Watched<S> {
         }
     }
 
-    /// Sets what is watched in a lane. All conditions count as failed where they are below zero by `aim`.
+    /// Sets the conditions of a lane. A condition counts as failed if it is negative by `aim`.
     pub(super) fn set(&mut self, lane: usize, phase: Phase, [band, slack, aim]: [f64; 3]) {
         let (sign, offset, stuck) = match phase {
             Phase::Slip(direction) => (direction, aim - band, 0.0),
-            // In the band for moments only: always looked at.
+            // A ball is in the band only briefly: always examined.
             Phase::Transition(direction) => (-direction, -1.0, 0.0),
             Phase::Stick => (0.0, 1.0, 1.0),
             Phase::Free => (0.0, 1.0, 0.0),
@@ -63,33 +63,34 @@ impl<S: Simd> Watched<S> {
     }
 }
 
-/// Lanes, as bit masks, that have to be looked at, and what is known of the conditions in them.
+/// Lanes, as bit masks, that must be examined, with bounds for their conditions.
 pub(super) struct Doubts<S: Simd, const N: usize> {
     /// A condition of the ball may fail.
     pub(super) of_balls: [u64; N],
     /// A ball may leave the ring.
     pub(super) loose: u64,
-    /// That a ball that slips goes on.
+    /// Bounds of the condition that a slipping ball continues to slip.
     pub(super) slips: [Curve<S>; N],
-    /// That a ball that sticks is held, against a forward and against a backward force.
+    /// Bounds of the conditions that a sticking ball is held against a forward and against a
+    /// backward force.
     pub(super) held: [[Curve<S>; 2]; N],
 }
 
 impl<S: Simd, const N: usize> Doubts<S, N> {
-    /// None.
+    /// No doubts.
     pub(super) fn none(simd: S) -> Self {
         let blank = Curve::zero(simd);
         Doubts { of_balls: [0; N], loose: 0, slips: [blank; N], held: [[blank; 2]; N] }
     }
 
-    /// Lanes in which anything may happen.
+    /// Returns the lanes in which any condition may fail.
     pub(super) fn any(&self) -> u64 {
         self.of_balls.iter().fold(self.loose, |any, of_ball| any | of_ball)
     }
 }
 
-/// Values and slopes of a polynomial at both ends of a step, times its length, and a bound of its fourth
-/// derivative times the fourth power of that.
+/// Values of a polynomial at both ends of a step, its slopes there times the step's length, and a
+/// bound of its fourth derivative times the fourth power of the length.
 #[derive(Clone, Copy)]
 pub(super) struct Curve<S: Simd> {
     values: [Lanes<S>; 2],
@@ -104,7 +105,7 @@ impl<S: Simd> Curve<S> {
         Curve { values: [zero; 2], changes: [zero; 2], bound: zero }
     }
 
-    /// The same of one lane.
+    /// Returns the bounds of one lane.
     #[inline(always)]
     pub(super) fn outline(&self, lane: usize) -> Bounds {
         let end = |which: usize| PolynomialPoint {
@@ -115,8 +116,8 @@ impl<S: Simd> Curve<S> {
         Bounds { ends: [end(0), end(1)], fourth_derivative: self.bound[lane] }
     }
 
-    /// Where it plainly stays above zero: no coefficient of its Bernstein form of degree four is negative
-    /// (`locate`).
+    /// Returns where it is certainly positive: no coefficient of its Bernstein form of degree four
+    /// is negative (`root_isolation`).
     #[inline(always)]
     fn holds(&self) -> fearless_simd::mask64x8<S> {
         let simd = self.bound.simd;
@@ -131,7 +132,7 @@ impl<S: Simd> Curve<S> {
     }
 }
 
-/// Notes where a condition may fail in a step of this length.
+/// Reports where a condition may fail in a step of this length.
 #[inline(always)]
 pub(super) fn look_over<S: Simd, const N: usize>(
     series: &Series<S, N>,
@@ -151,7 +152,7 @@ pub(super) fn look_over<S: Simd, const N: usize>(
         sticks |= watched.stuck.simd_gt(zero);
     }
     let pull = Pull::over(series, length, sticks.any_true());
-    // The table pulls a ball off with no more than this.
+    // Bound of the table's pull on a ball.
     let most = |[x, y]: [Lanes<S>; 2]| number(2.0) * (x.abs() + y.abs());
     let pulls = [most(first.pull), most(pull.end)];
     for i in 0..N {
@@ -181,8 +182,8 @@ pub(super) fn look_over<S: Simd, const N: usize>(
         let ball = &equations.balls[i];
         let mut pressed = ball.least_pressed.simd_gt(pulls[0].max(pulls[1]));
         if !pressed.all_true() {
-            // How it is pressed is a parabola in its speed. On one side of the bottom, and not so near that
-            // it may have been there on the way, the ends tell.
+            // The normal force is a parabola in the ball's speed. On one side of its minimum, and
+            // not so near that the ball may have passed it, the ends decide.
             let mut plain = length.simd_eq(length);
             let mut steepness = [zero; 2];
             for at in 0..2 {
@@ -218,7 +219,7 @@ struct Pull<S: Simd> {
 }
 
 impl<S: Simd> Pull<S> {
-    /// At the end of a step; what is not its value only where asked for.
+    /// Evaluates the pull at the end of a step; other than its value only if `whole`.
     #[inline(always)]
     fn over<const N: usize>(series: &Series<S, N>, length: Lanes<S>, whole: bool) -> Self {
         let zero = Lanes::splat(length.simd, 0.0);
@@ -248,8 +249,8 @@ impl<S: Simd> Pull<S> {
     }
 }
 
-/// What is left of friction for a ball that sticks, against a forward and against a backward force: the
-/// table's acceleration turned.
+/// Returns the remaining friction of a sticking ball, against a forward and against a backward
+/// force: the rotated acceleration of the table.
 #[inline(always)]
 fn held<S: Simd, const N: usize>(
     series: &Series<S, N>,
@@ -262,7 +263,7 @@ fn held<S: Simd, const N: usize>(
     let [first, second, ..] = &series.terms;
     let [c, s] = series.solver.trigonometry[i];
     let Watched { limit, slack, .. } = watched[i];
-    // What is left of its speed presses it on the ring, too, and dies out.
+    // The residual speed also affects the normal force, and decays.
     let left = series.solver.residual[i];
     let mut pressed = [number(0.0); 5];
     if !left.simd_eq(number(0.0)).all_true() {

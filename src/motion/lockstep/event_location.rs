@@ -1,4 +1,4 @@
-//! What ends a step of one lane: the condition that fails first (`conditions`), located on the series.
+//! The condition that fails first in a step of one lane, located on the series.
 
 use fearless_simd::Simd;
 
@@ -10,17 +10,17 @@ use super::series::Series;
 use super::terms::ORDER;
 use crate::motion::Phase;
 
-/// What ends a step of a lane.
+/// The end of a step of a lane.
 pub(super) enum Ends {
     /// Nothing.
     Nothing,
     /// A ball's condition with this number fails, at this part of the step.
     At(f64, (usize, usize)),
-    /// A condition does not hold from the start on.
+    /// A condition fails from the start.
     AtOnce,
 }
 
-/// What ends a step of one lane.
+/// Returns the end of a step of one lane.
 #[inline(never)]
 pub(super) fn first_failure<S: Simd, const N: usize>(
     series: &Series<S, N>,
@@ -29,7 +29,7 @@ pub(super) fn first_failure<S: Simd, const N: usize>(
     length: f64,
     doubts: &Doubts<S, N>,
 ) -> Ends {
-    // In here the fused multiply-add is an instruction.
+    // The fused multiply-add is an instruction in this closure.
     series.terms[0].table[0].simd.vectorize(
         #[inline(always)]
         || first_of_all(series, own, lane, length, doubts),
@@ -89,7 +89,7 @@ fn first_of_all<S: Simd, const N: usize>(
 }
 
 impl Ends {
-    /// The first of this and of what becomes of another condition.
+    /// Returns the earlier one of this end and the failure of another condition.
     #[inline(always)]
     fn or(&mut self, condition: &Polynomial, outline: &Bounds, which: (usize, usize)) {
         match (condition.first_fall(outline), &self) {
@@ -111,8 +111,8 @@ fn polynomial(length: f64, offset: f64, of: impl Fn(usize) -> f64) -> Polynomial
     Polynomial { coefficients, length }
 }
 
-/// The series of what is left of friction for a ball that sticks, against a force in this direction: μ times
-/// the normal force less what sticking takes.
+/// Returns the series of the remaining friction of a sticking ball against a force in this
+/// direction: μ times the normal force minus the force required to stick.
 #[inline(always)]
 fn held<S: Simd, const N: usize>(
     series: &Series<S, N>,
@@ -137,7 +137,7 @@ fn held<S: Simd, const N: usize>(
     }
 }
 
-/// What presses a ball on the ring but for the table's acceleration.
+/// Returns the normal force on a ball without the table's acceleration.
 #[inline(always)]
 fn pressed<S: Simd, const N: usize>(
     series: &Series<S, N>,
@@ -150,7 +150,7 @@ fn pressed<S: Simd, const N: usize>(
     let speed = own.balancer.speed;
     let of_ball = &series.terms[k].balls[ball];
     let constant = if k == 0 { speed * speed } else { 0.0 };
-    // Either the one or the other is zero.
+    // One of the two is zero.
     let left = series.solver.residual[ball][lane];
     let linear = of_ball.speed[lane] + DYING[k][0] * left;
     let quadratic = of_ball.squared[lane] + DYING[k][1] * (left * left);
@@ -159,7 +159,7 @@ fn pressed<S: Simd, const N: usize>(
             + (1.0 - parameters.rolling_quadratic) * quadratic)
 }
 
-/// The series of the normal force on a ball of a lane.
+/// Returns the series of the normal force on a ball of a lane.
 #[inline(never)]
 fn normal_force<S: Simd, const N: usize>(
     series: &Series<S, N>,
@@ -196,8 +196,9 @@ mod tests {
 
     const PLACES: u32 = 400;
 
-    /// Balls that turn about as fast as the disc, but backwards, are hardly pressed on the ring: where one
-    /// leaves it within a step, as the forces of one run at many places have it, that is seen, and no later.
+    /// Balls that turn about as fast as the disc, but backwards, have a normal force near zero: a
+    /// ball that leaves the ring within a step, according to the forces of one run at many
+    /// instants, is detected, and not too late.
     #[test]
     fn balls_that_leave_the_ring_are_seen() {
         let Some(simd) = SimdLevel::best().avx2() else { return };
@@ -206,8 +207,8 @@ mod tests {
             normal_force: NormalForce::Newton,
             ..Machine::default()
         };
-        // With so much drag a ball that runs backwards faster than the disc is slowed down to its speed within
-        // a step, however little the table moves.
+        // The large drag slows a ball that runs backwards faster than the disc to the disc's speed
+        // within a step, even for a small motion of the table.
         let of_critical_drag = machine.balls[0].mass_kg * machine.natural_frequency_rad_s();
         let dragged = Machine {
             friction: FrictionLaw::Viscous { viscous_coefficient_n_s_m: of_critical_drag },
@@ -242,7 +243,7 @@ mod tests {
                         -balancer.speed * (1.0 + 0.6 * value(lane, 7)),
                     ],
                 };
-                // Some are not pressed on the ring to begin with.
+                // Some have no positive normal force at the start.
                 if let Ok(saved) = Saved::start(&balancer, settings, start) {
                     group.put(lane, &saved, 10.0);
                 }

@@ -1,4 +1,4 @@
-//! Eight lanes: what is in vectors of each run.
+//! Eight lanes: the vectorised part of the runs.
 
 use fearless_simd::{Simd, prelude::*};
 
@@ -15,10 +15,10 @@ use crate::motion::interpolant::Interpolant;
 use crate::motion::settings::MOST_PER_TIME;
 use crate::motion::{Effort, Step};
 
-/// How much longer than one by one steps may be: 5 over the highest frequency of the table in the turning
-/// frame, `1 + |ω|`. In longer steps the tolerance would hold, as what is wrong of it shows in the next one,
-/// but of a displacement no tolerance is kept, and the powers of it that are taken (`displacement`) are right
-/// up to here. Hardly a step is as long as that.
+/// Ratio of the longest step to that of a run computed alone: 5 over the highest frequency of the
+/// table in the turning frame, `1 + |ω|`. The tolerance would allow longer steps, because errors
+/// become visible in the next step, but displacements are not subject to the tolerance, and the
+/// terms of their series (`tangent`) are accurate up to this length. Hardly any step is as long.
 const LONGEST: f64 = 5.0 / std::f64::consts::FRAC_PI_2;
 
 /// Eight lanes, some of them empty.
@@ -37,29 +37,29 @@ pub(crate) struct Group<S: Simd, const N: usize> {
     pub(super) slow_since: [Lanes<S>; N],
     pub(super) rest: [Lanes<S>; 2],
     pub(super) rest_radius_squared: Lanes<S>,
-    /// Steps taken.
+    /// Number of steps taken.
     pub(super) taken: Lanes<S>,
     pub(super) most: Lanes<S>,
-    /// Steps allowed per unit of time.
+    /// Number of steps allowed per unit of time.
     pub(super) most_per_time: Lanes<S>,
     pub(super) displacement: Flow<S, N>,
     pub(super) lanes: [Option<Lane<N>>; LANES],
-    /// Bit masks: lanes with a run, with a ball that cannot stick.
+    /// Bit masks: lanes with a run, and lanes with a ball that cannot stick.
     pub(super) alive: u64,
     pub(super) sliding: u64,
-    /// Of which turns and switches are told.
+    /// Lanes for which turns and switches are reported.
     pub(super) told: u64,
-    /// Before the latest step.
+    /// The state before the latest step.
     pub(super) before: Flow<S, N>,
     pub(super) time_before: Lanes<S>,
 }
 
-/// Room to take a step in; what of it the latest step has left.
+/// Work space of a step, with the results of the latest step.
 pub(crate) struct Room<S: Simd, const N: usize> {
     pub(super) series: Series<S, N>,
     pub(super) displaced: Series<S, N>,
     pub(super) doubts: Doubts<S, N>,
-    /// The step's end, angles not yet brought back into one turn.
+    /// The step's end, with angles not yet reduced to one turn.
     pub(super) end: Flow<S, N>,
     pub(super) length: Lanes<S>,
 }
@@ -109,18 +109,18 @@ impl<S: Simd, const N: usize> Group<S, N> {
         }
     }
 
-    /// An empty lane, if there is one.
+    /// Returns an empty lane, or `None` if all lanes have a run.
     pub(crate) fn empty_lane(&self) -> Option<usize> {
         let lane = (!self.alive).trailing_zeros() as usize;
         (lane < LANES).then_some(lane)
     }
 
-    /// How many lanes have a run.
+    /// Returns the number of lanes with a run.
     pub(crate) fn runs(&self) -> u32 {
         self.alive.count_ones()
     }
 
-    /// Puts a run into a lane, to go on until a time at the latest.
+    /// Puts a run into a lane, until a time at the latest.
     pub(crate) fn put(&mut self, lane: usize, saved: &Saved<N>, until: f64) {
         let Saved { lane: own, .. } = saved;
         let balancer = &own.balancer;
@@ -152,7 +152,7 @@ impl<S: Simd, const N: usize> Group<S, N> {
         self.set_rest(lane);
     }
 
-    /// Sets what the equations and the conditions of a lane need of its phases.
+    /// Sets the coefficients of equations and conditions that depend on the phases of a lane.
     fn set_phases(&mut self, lane: usize, phases: &[Phase; N]) {
         let Some(own) = &mut self.lanes[lane] else { return };
         own.phases = *phases;
@@ -175,7 +175,7 @@ impl<S: Simd, const N: usize> Group<S, N> {
         }
     }
 
-    /// Begins a phase in a lane.
+    /// Starts a phase in a lane.
     pub(super) fn enter(&mut self, lane: usize, state: &State<N>, phases: &[Phase; N]) {
         self.state.set_lane(lane, state);
         self.set_phases(lane, phases);
@@ -189,7 +189,7 @@ impl<S: Simd, const N: usize> Group<S, N> {
         self.alive &= !bit;
         self.sliding &= !bit;
         self.lanes[lane] = None;
-        // The lane takes steps of no length until it has a run again.
+        // The lane takes steps of length 0 until it has a run again.
         self.until[lane] = self.time[lane];
         self.rest_radius_squared[lane] = -1.0;
         self.attention[lane] = f64::INFINITY;
@@ -222,35 +222,36 @@ impl<S: Simd, const N: usize> Group<S, N> {
         self.time_before[lane]
     }
 
-    /// Asks that a lane be reported from a time on, after each step.
+    /// Requests that a lane be reported after each step from a time on.
     pub(crate) fn set_attention(&mut self, lane: usize, from: f64) {
         self.attention[lane] = from;
     }
 
-    /// Sets whether it is told when a ball of a lane goes round or changes what it does.
+    /// Sets whether turns and switches of a lane are reported.
     pub(crate) fn set_told(&mut self, lane: usize, told: bool) {
         let bit = 1 << lane;
         self.told = self.told & !bit | if told { bit } else { 0 };
     }
 
-    /// Whether the next step of a lane may be cut short by a time.
+    /// Returns whether a time may shorten the next step of a lane.
     pub(crate) fn reaches(&self, lane: usize, time: f64) -> bool {
         self.longest[lane] >= time - self.time[lane]
     }
 
-    /// The longest step that a lane may ever take.
+    /// Returns the length of the longest possible step of a lane.
     pub(crate) fn longest(&self, lane: usize) -> f64 {
         let own = self.lanes[lane].as_ref();
         own.map_or(f64::INFINITY, |own| LONGEST * own.balancer.longest_step())
     }
 
-    /// What the run in a lane has cost.
+    /// Returns the effort of the run in a lane.
     pub(super) fn effort(&self, lane: usize) -> Effort {
         let own = self.lanes[lane].as_ref();
         own.map_or_else(Effort::default, |own| own.effort(self.taken[lane]))
     }
 
-    /// Turns of balls, both ways, and switches since the start of the run.
+    /// Returns the number of turns of balls, in both directions, and switches since the start of
+    /// the run.
     pub(crate) fn courses(&self, lane: usize) -> f64 {
         let angle = |ball: usize| {
             self.turns[ball][lane] + self.state.angle[ball][lane] / std::f64::consts::TAU
@@ -270,19 +271,19 @@ impl<S: Simd, const N: usize> Group<S, N> {
         self.lanes[lane].as_ref().is_some_and(all)
     }
 
-    /// What the balls of a lane did in its latest step, before an event at its end.
+    /// Returns the phases of a lane's balls in its latest step, before an event at its end.
     pub(crate) fn phases_during_step(&self, lane: usize, had_event: bool) -> Option<&[Phase; N]> {
         let own = self.lanes[lane].as_ref()?;
         Some(if had_event { &own.during } else { &own.phases })
     }
 
-    /// When each ball of a lane last changed what it does.
+    /// Returns when each ball of a lane last changed its phase.
     pub(crate) fn last_switches(&self, lane: usize) -> Option<&[f64; N]> {
         self.lanes[lane].as_ref().map(|own| &own.last_switches)
     }
 
-    /// What the balls of a lane do after its latest step, and the state then, angles not yet brought
-    /// back into one turn.
+    /// Returns the phases of a lane's balls after its latest step, and the state at its end with
+    /// angles not yet reduced to one turn.
     pub(crate) fn at_end_of_step(
         &self,
         room: &Room<S, N>,
@@ -307,7 +308,7 @@ impl<S: Simd, const N: usize> Group<S, N> {
         })
     }
 
-    /// The motion in a lane, to be gone on with by itself.
+    /// Returns the motion in a lane, to be continued alone.
     pub(crate) fn motion<'a>(
         &self,
         lane: usize,
@@ -317,8 +318,8 @@ impl<S: Simd, const N: usize> Group<S, N> {
         Some(Motion::resume(balancer, own.settings, self.trajectory_state(lane)?, None))
     }
 
-    /// The motion in a lane with its latest step, angles not yet brought back into one turn; for looking
-    /// into that step.
+    /// Returns the motion in a lane with its latest step for evaluation, with angles not yet
+    /// reduced to one turn.
     pub(crate) fn motion_with_step<'a>(
         &self,
         room: &Room<S, N>,

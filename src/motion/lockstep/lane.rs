@@ -1,4 +1,4 @@
-//! One run of those in lockstep: what of it is not in vectors, and all of it when it is taken out.
+//! One of the runs in lockstep: its scalar part, and the complete run outside of a lane.
 
 use super::root_isolation::width;
 use crate::model::{Balancer, RestPoint, State, System};
@@ -7,19 +7,19 @@ use crate::motion::driver::Motion;
 use crate::motion::guard::Margins;
 use crate::motion::{Effort, Failure, Settings};
 
-/// What of a run is dealt with by itself.
+/// The scalar part of a run.
 #[derive(Clone, Debug)]
 pub(crate) struct Lane<const N: usize> {
     pub(crate) balancer: Balancer<N>,
     pub(crate) settings: Settings,
     pub(super) margins: Margins,
-    /// Whether stick and slip are decided in one way only, wherever the balls are.
+    /// Whether stick and slip have a unique decision for all positions of the balls.
     pub(super) surely_one_solution: bool,
     pub(super) slow: f64,
-    /// How closely events are located.
+    /// Width within which events are located.
     pub(super) width: f64,
     pub(super) phases: [Phase; N],
-    /// What the balls did in the latest step, if an event has ended it.
+    /// The phases of the balls in the latest step, if an event has ended it.
     pub(super) during: [Phase; N],
     pub(super) last_switches: [f64; N],
     pub(super) switches: u64,
@@ -28,18 +28,18 @@ pub(crate) struct Lane<const N: usize> {
 }
 
 impl<const N: usize> Lane<N> {
-    /// What the run has cost in so many steps.
+    /// Returns the effort of the run for this number of steps.
     pub(super) fn effort(&self, taken: f64) -> Effort {
         Effort { steps: taken as u64, rejected_steps: 0, switches: self.switches }
     }
 }
 
-/// Why a run cannot go on in lockstep.
+/// The reason why a run cannot continue in lockstep.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Trouble {
-    /// It cannot go on at all.
+    /// It cannot continue at all.
     Failure(Failure),
-    /// An event could not be located: it is computed by itself instead, from its start.
+    /// An event could not be located: the run is computed alone from its start.
     Fallback,
 }
 
@@ -49,7 +49,7 @@ impl From<Failure> for Trouble {
     }
 }
 
-/// A run taken out of its lane, to be put into any lane again.
+/// A run taken out of its lane, which can be put into any lane.
 #[derive(Clone, Debug)]
 pub(crate) struct Saved<const N: usize> {
     pub(super) lane: Lane<N>,
@@ -63,10 +63,10 @@ pub(crate) struct Saved<const N: usize> {
 }
 
 impl<const N: usize> Saved<N> {
-    /// A run at its start.
+    /// Creates a run at its start.
     ///
     /// # Errors
-    /// [`Failure`] where the start state itself cannot be continued.
+    /// [`Failure`] if the motion cannot be continued from the start state.
     pub(crate) fn start(
         balancer: &Balancer<N>,
         settings: Settings,
@@ -103,19 +103,19 @@ impl<const N: usize> Saved<N> {
 }
 
 impl<const N: usize> Saved<N> {
-    /// Its time.
+    /// Returns the time.
     pub(crate) fn time(&self) -> f64 {
         self.time
     }
 
-    /// What it has cost.
+    /// Returns the effort so far.
     pub(crate) fn effort(&self) -> Effort {
         self.lane.effort(self.taken)
     }
 }
 
-/// The square of the distance from rest below which, but for what speeds the switch model has left to
-/// balls that stick, no ball can break loose; negative where none.
+/// Returns the square of the distance from rest below which no ball can break loose, apart from the
+/// residual speeds of sticking balls in the switch model; negative if there is no such distance.
 pub(super) fn rest_radius_squared<const N: usize>(
     balancer: &Balancer<N>,
     rest: &RestPoint<N>,
@@ -128,7 +128,7 @@ pub(super) fn rest_radius_squared<const N: usize>(
     if least < 0.0 || least.is_nan() {
         return -1.0;
     }
-    // A little more, so that rounding leaves the decision to the certificate itself.
+    // Slightly larger, so that rounding leaves the decision to the certificate itself.
     let radius = least / balancer.acceleration_bound(1.0) * (1.0 + 1e-9);
     radius * radius
 }

@@ -1,14 +1,14 @@
 //! Motions in lockstep: eight runs side by side in the lanes of SIMD vectors.
 //!
-//! Each lane has its own parameters, time, step and phases. From the states in all eight the motion is
-//! expanded into power series (`series`); these tell how far they hold (`step`) and where a ball first
-//! changes what it does (`conditions`, `locate`). Each lane then goes as far as that: no step is tried in
-//! vain, none goes beyond an event, and nothing needs to leave the vectors but what is rare (locating an
-//! event, deciding stick and slip there, endings), which is done lane by lane.
+//! Each lane has its own parameters, time, step and phases. From the states in all lanes the motion
+//! is expanded into power series (`series`). The series determine how far they are accurate
+//! (`step`) and where a ball first changes its phase (`event_functions`, `event_location`). Each
+//! lane then advances to that point: no step is rejected, no step crosses an event, and only rare
+//! work (locating an event, deciding stick and slip there, endings) is done lane by lane.
 //!
-//! What a lane computes depends on its own values only: no operation mixes lanes, and all of them are
-//! correctly rounded (`+ - * /`, square root, fused multiply-add). So a run is the same to the last bit
-//! in any lane, beside any neighbours, and in vectors of any width.
+//! A lane depends only on its own values: no operation mixes lanes, and all operations are
+//! correctly rounded (`+ - * /`, square root, fused multiply-add). A run is therefore the same bit
+//! for bit in any lane, beside any neighbours, and in vectors of any width.
 
 mod advance;
 #[cfg(all(test, target_arch = "x86_64"))]
@@ -65,7 +65,7 @@ impl<S: fearless_simd::Simd, const N: usize> Flow<S, N> {
         Flow { table: [zero; 4], angle: [zero; N], speed: [zero; N] }
     }
 
-    /// One run's.
+    /// Returns one run's components.
     pub(crate) fn lane(&self, lane: usize) -> crate::model::State<N> {
         let [x, y, x_dot, y_dot] = self.table.each_ref().map(|of_all| of_all[lane]);
         crate::model::State {
@@ -76,7 +76,7 @@ impl<S: fearless_simd::Simd, const N: usize> Flow<S, N> {
         }
     }
 
-    /// Sets one run's.
+    /// Sets one run's components.
     pub(crate) fn set_lane(&mut self, lane: usize, state: &crate::model::State<N>) {
         for axis in 0..2 {
             self.table[axis][lane] = state.position[axis];

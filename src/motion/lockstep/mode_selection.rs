@@ -1,16 +1,16 @@
-//! What comes after an event in a lane: stick and slip decided as for a run by itself, with what is the same
-//! in all that is tried worked out once.
+//! The decision between stick and slip after an event in a lane, as for a run computed alone, with
+//! the common parts of all candidate configurations computed once.
 
 use super::lane::Lane;
 use crate::model::{Balancer, Contact, Dual, Forces, Friction, Method, State, System};
 use crate::motion::Failure;
 use crate::motion::contact::Phase;
 
-/// A balancer whose balls are where they are.
+/// A balancer with fixed angles of its balls.
 pub(super) struct InPlace<'a, const N: usize> {
     balancer: &'a Balancer<N>,
     beta: [f64; N],
-    /// Sine and cosine of these angles.
+    /// Sine and cosine of the angles.
     turned: [(f64, f64); N],
     surely_one_solution: bool,
 }
@@ -83,7 +83,7 @@ impl<const N: usize> System<N, 2> for InPlace<'_, N> {
     }
 }
 
-/// What comes after an event, by the run's method.
+/// Returns the phases after an event, by the run's method.
 pub(super) fn next_phases<const N: usize>(
     lane: &Lane<N>,
     system: &InPlace<N>,

@@ -1,5 +1,5 @@
-//! From the lower coefficients of all series to the next: the products of series, and the linear equations
-//! for the accelerations (`series`).
+//! The recurrence from the lower coefficients of all series to the next: products of series, and
+//! the linear equations for the accelerations (`series`).
 
 use fearless_simd::{Simd, prelude::*};
 
@@ -29,7 +29,7 @@ pub(super) const DYING: [[f64; 2]; TERMS] = {
     all
 };
 
-/// What of an order follows from the lower ones, of one ball.
+/// The sums of products of lower orders, for one ball.
 #[derive(Clone, Copy)]
 pub(super) struct Sums<S: Simd> {
     /// Of Σ β̇_j U_{k+1-j}, U being the direction.
@@ -40,17 +40,18 @@ pub(super) struct Sums<S: Simd> {
     pub(super) squared: Lanes<S>,
 }
 
-/// What the equations have at order 0 only.
+/// The constants that enter the equations at order 0 only.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum Constants {
-    /// The imbalance and what holds a ball at no speed.
+    /// The imbalance and the resistance at speed 0.
     Whole,
     /// None: the equations for displacements.
     None,
 }
 
-/// Coefficient `k + 1` of the speeds of one series times the directions of another, and coefficient `k` of
-/// its pull times them, but for what has one of the factors at order 0 of the directions.
+/// Computes coefficient `k + 1` of the products of the speeds of one series and the directions of
+/// another, and coefficient `k` of the products of its pull and the directions, without the terms
+/// that have the directions at order 0.
 #[inline(always)]
 pub(super) fn products<S: Simd, const N: usize>(
     of: &[Term<S, N>; TERMS],
@@ -62,7 +63,7 @@ pub(super) fn products<S: Simd, const N: usize>(
     let mut sums = [nothing; N];
     let mut along = [zero; N];
     let mut across = [zero; N];
-    // What has been computed last comes last: nothing waits for it.
+    // The latest results are used last, to avoid waiting for them.
     let mut before = [[zero; 2]; N];
     for (before, ball) in before.iter_mut().zip(&with[k].balls) {
         *before = ball.direction;
@@ -105,7 +106,7 @@ pub(super) fn products<S: Simd, const N: usize>(
     sums
 }
 
-/// What is the same for all orders of a series.
+/// The constants of all orders of a series.
 pub(super) struct Solving<'a, S: Simd, const N: usize> {
     pub(super) solver: &'a Solver<S, N>,
     /// Directions at the start.
@@ -113,7 +114,8 @@ pub(super) struct Solving<'a, S: Simd, const N: usize> {
     pub(super) residual: Option<&'a ResidualForce<S>>,
 }
 
-/// Solves the equations for coefficient `k` of the accelerations, and enters what follows from it.
+/// Solves the equations for coefficient `k` of the accelerations, and stores the dependent
+/// coefficients.
 #[inline(always)]
 pub(super) fn solve<S: Simd, const N: usize>(
     terms: &mut [Term<S, N>; TERMS],
@@ -133,7 +135,7 @@ pub(super) fn solve<S: Simd, const N: usize>(
     let whole = constants == Constants::Whole && k == 0;
     let [x, y] = now.table;
     let [x_dot, y_dot] = [next.table[0] * factor, next.table[1] * factor];
-    // No zero with a sign, which what is left of speeds in other lanes would change.
+    // Avoids a signed zero, which residual speeds in other lanes would change.
     let zero = number(0.0);
     let mut force_x = equations.drag_speed.mul_add_precise(y, zero - x);
     let mut force_y = equations.minus_drag_speed.mul_add_precise(x, zero - y);
@@ -161,12 +163,12 @@ pub(super) fn solve<S: Simd, const N: usize>(
             held += ball.held[0];
         }
         own[i] = ball.drawing.mul_add_precise(drawn, -held);
-        // -(ë + 2iω ė - ω² e) but for what the acceleration itself brings, times 1 + ip.
+        // -(ë + 2iω ė - ω² e) without the contribution of the acceleration itself, times 1 + ip.
         let real = equations.double_speed.mul_add_precise(c_next, turning[0]);
         let imaginary = equations.double_speed.mul_add_precise(s_next, turning[1]);
         let around_x = factor.mul_add_precise(imaginary, equations.speed_squared * c);
         let around_y = minus.mul_add_precise(real, equations.speed_squared * s);
-        // The same times 1 only, with what the acceleration brings.
+        // The sum times 1 only, with the contribution of the acceleration.
         let [along, across] = solver.reaction[i];
         let of_ball_x = ball.friction.mul_add_precise(around_y, around_x);
         let of_ball_x = along.mul_add_precise(own[i], of_ball_x);

@@ -1,39 +1,39 @@
-//! Where in a step a condition fails first: the first fall through zero of a polynomial.
+//! Root isolation in a step: the first fall of a polynomial through zero.
 //!
-//! A part of the step is compared with the cubic that has the polynomial's values and slopes at its ends:
-//! they differ by no more than `M t² (1 - t)² / 24` over a part of length 1, where `M` bounds the fourth
-//! derivative. In Bernstein's form of degree four that changes the middle coefficient only, and where no
-//! coefficient is below zero the polynomial is not, either; where they change their sign once, it falls
-//! through zero once. Parts of which neither can be said are halved.
+//! A part of the step is compared with the cubic that has the polynomial's values and slopes at its
+//! ends: the two differ by at most `M t² (1 - t)² / 24` over a part of length 1, where `M` bounds
+//! the fourth derivative. In the Bernstein form of degree four this affects only the middle
+//! coefficient. If no coefficient is negative, the polynomial is not negative; if the coefficients
+//! change their sign once, it falls through zero once. Parts with neither property are halved.
 
 use super::terms::ORDER;
 
-/// An event is located where its condition is below zero by half of this: a part of the relative tolerance,
-/// within these bounds. So it has failed for certain, and one that is met to rounding only is not met
-/// twice.
+/// An event is located where its condition is negative by half of this width, a fraction of the
+/// relative tolerance within these bounds. The condition has then certainly failed, and one that is
+/// met only up to rounding is not met twice.
 const WIDTH_OVER_TOLERANCE: f64 = 1e-3;
 const WIDTHS: (f64, f64) = (1e-12, 1e-9);
 
-/// The width within which events are located.
+/// Returns the width within which events are located.
 pub(super) fn width(relative_tolerance: f64) -> f64 {
     (WIDTH_OVER_TOLERANCE * relative_tolerance).clamp(WIDTHS.0, WIDTHS.1)
 }
 
-/// Parts no longer than this are not halved.
+/// Length of the shortest part that is halved.
 const SHORTEST_PART: f64 = 1e-9;
 
-/// What is left after a step of this part of a step in Halley's method, its third power, is less than the
-/// smallest width.
+/// Size of the last step of Halley's method, as a fraction of the step: the remaining error, its
+/// third power, is below the smallest width.
 const LAST: f64 = 1e-5;
 
-/// What becomes of a condition in a step.
+/// The fate of a condition in a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum ConditionFate {
     /// It holds to the end.
     Holds,
-    /// It first fails at this part of the step.
+    /// It first fails at this fraction of the step.
     Fails(f64),
-    /// It does not hold from the start on.
+    /// It fails from the start.
     FailsAtOnce,
 }
 
@@ -52,15 +52,15 @@ pub(super) struct PolynomialPoint {
     pub(super) slope: f64,
 }
 
-/// What is known of a polynomial without looking at its coefficients: its ends, and a bound of its fourth
-/// derivative, with the step's length as the unit of time.
+/// Bounds of a polynomial without its coefficients: its ends, and a bound of its fourth derivative,
+/// with the step's length as the unit of time.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Bounds {
     pub(super) ends: [PolynomialPoint; 2],
     pub(super) fourth_derivative: f64,
 }
 
-/// `k (k - 1) (k - 2) (k - 3)`: what the power `k` brings into the fourth derivative.
+/// `k (k - 1) (k - 2) (k - 3)`: the factor of power `k` in the fourth derivative.
 pub(super) const FOURTH: [f64; ORDER + 1] = {
     let mut all = [0.0; ORDER + 1];
     let mut k = 4;
@@ -72,7 +72,7 @@ pub(super) const FOURTH: [f64; ORDER + 1] = {
 };
 
 impl Bounds {
-    /// Whether the condition plainly holds all along.
+    /// Returns whether the condition certainly holds throughout.
     #[inline(always)]
     pub(super) fn holds(&self) -> bool {
         let [low, high] = self.ends;
@@ -81,14 +81,15 @@ impl Bounds {
 }
 
 impl Polynomial {
-    /// Value and slope.
+    /// Returns value and slope at a fraction of the step.
     #[inline(always)]
     fn place(&self, at: f64) -> PolynomialPoint {
         self.bend(at).0
     }
 
-    /// Value and slope, and half of the second derivative. To be inlined where the processor's fused
-    /// multiply-add is at hand; even and odd powers apart, so that neither waits for the other.
+    /// Returns value, slope and half of the second derivative. Must be inlined where the
+    /// processor's fused multiply-add is available; even and odd powers are separate, so that they
+    /// are computed in parallel.
     #[inline(always)]
     fn bend(&self, at: f64) -> (PolynomialPoint, f64) {
         let time = at * self.length;
@@ -124,12 +125,12 @@ impl Polynomial {
         Bounds { ends: [start, self.place(1.0)], fourth_derivative: bound * (square * square) }
     }
 
-    /// Where it first falls below zero.
+    /// Returns where it first becomes negative.
     #[inline(always)]
     pub(super) fn first_fall(&self, outline: &Bounds) -> ConditionFate {
         let Bounds { ends: [mut low, end], fourth_derivative: bound } = *outline;
         if low.value <= 0.0 {
-            // Beyond the boundary by rounding: if it rises, the fall comes after.
+            // Negative by rounding: if it rises, the fall comes later.
             let risen = (1..30).map(|halvings| self.place(0.5_f64.powi(halvings)));
             match risen.into_iter().find(|place| place.value > 0.0) {
                 Some(place) => low = place,
@@ -156,8 +157,8 @@ impl Polynomial {
         }
     }
 
-    /// The fall between two places, by Halley's method kept between them; from where the curve by their
-    /// values and slopes falls.
+    /// Returns the fall between two points by Halley's method, safeguarded by the bracket, starting
+    /// from the fall of the cubic through their values and slopes.
     #[inline(always)]
     fn fall(&self, low: PolynomialPoint, high: PolynomialPoint) -> f64 {
         const MOST: u32 = 60;
@@ -174,7 +175,7 @@ impl Polynomial {
             // x = f / (f' - f'' f / (2 f')), without a second division.
             let PolynomialPoint { value, slope, .. } = place;
             let halley = at - value * slope / slope.mul_add(slope, -(bend * value));
-            // What is left is of the third power of this.
+            // The remaining error is of third order in this difference.
             if (halley - at).abs() <= LAST && slope < 0.0 {
                 return halley.clamp(least, most);
             }
@@ -184,12 +185,12 @@ impl Polynomial {
     }
 }
 
-/// Where between two places, from 0 to 1, the value falls through zero: a guess.
+/// Estimates where between two points, from 0 to 1, the value falls through zero.
 #[inline(always)]
 pub(super) fn guess(low: PolynomialPoint, high: PolynomialPoint) -> f64 {
     let length = high.at - low.at;
     let (fall, slopes) = (low.value - high.value, [length * low.slope, length * high.slope]);
-    // The place as the cubic of the value by both ends.
+    // The position as the inverse cubic of the value, from both ends.
     let part = low.value / fall;
     let left = 1.0 - part;
     let bent = part * left * (part / slopes[1] - left / slopes[0]) * fall;
@@ -200,7 +201,7 @@ pub(super) fn guess(low: PolynomialPoint, high: PolynomialPoint) -> f64 {
     fall_of_cubic(low, high)
 }
 
-/// Where between two places, from 0 to 1, their cubic falls: a guess.
+/// Estimates where between two points, from 0 to 1, their cubic falls through zero.
 #[inline(always)]
 fn fall_of_cubic(low: PolynomialPoint, high: PolynomialPoint) -> f64 {
     let length = high.at - low.at;
@@ -208,13 +209,13 @@ fn fall_of_cubic(low: PolynomialPoint, high: PolynomialPoint) -> f64 {
     let rise = high.value - low.value;
     let last = b + length * high.slope - 2.0 * rise;
     let square = rise - b - last;
-    // Where it rises first, from the other end.
+    // If it rises first, start from the other end.
     let mut at = if b > 0.0 { 1.0 } else { a / -rise };
     for _ in 0..3 {
         let value = last.mul_add(at, square).mul_add(at, b).mul_add(at, a);
         let slope = (3.0 * last).mul_add(at, 2.0 * square).mul_add(at, b);
         let newton = at - value / slope;
-        // Not a number, or beyond the ends: the chord has to do.
+        // If it is NaN or outside, use the chord.
         if !(newton > 0.0 && newton < 1.0) {
             break;
         }
@@ -229,7 +230,7 @@ enum Part {
     Open,
 }
 
-/// What is known of the part between two places, at the first of which the condition holds.
+/// Returns the bounds for the part between two points; the condition holds at the first of them.
 fn part(low: PolynomialPoint, high: PolynomialPoint, fourth_derivative: f64) -> Part {
     let length = high.at - low.at;
     let third = length / 3.0;
@@ -245,7 +246,7 @@ fn part(low: PolynomialPoint, high: PolynomialPoint, fourth_derivative: f64) -> 
     if high.value >= 0.0 {
         return Part::Open;
     }
-    // One change of sign, whatever the middle is within its doubt.
+    // One change of sign for any value of the middle coefficient within its bounds.
     let falls = |middle: f64| {
         let signs = [second >= 0.0, middle >= 0.0, fourth >= 0.0];
         signs.windows(2).all(|pair| pair[0] || !pair[1])
@@ -287,11 +288,11 @@ mod tests {
         let sine = |k: usize| [0.0, 1.0, 0.0, -1.0][k % 4] * 4.0_f64.powi(k as i32);
         let hump = polynomial(|k| sine(k) + if k == 0 { 1e-12 } else { 0.0 });
         assert!((at(first_fall(hump)) - std::f64::consts::FRAC_PI_4).abs() < 1e-5);
-        // The same from just below.
+        // The same sine from just below zero.
         let hump = polynomial(|k| sine(k) - if k == 0 { 1e-12 } else { 0.0 });
         assert!((at(first_fall(hump)) - std::f64::consts::FRAC_PI_4).abs() < 1e-5);
 
-        // A dip between two places at which all is well, and one that does not reach zero.
+        // A dip between two points with positive values, and one that does not reach zero.
         let dip = |over: f64| {
             let dip = [0.16 + over, -0.8, 2.0];
             polynomial(move |k| dip.get(k).copied().unwrap_or(0.0))
@@ -305,12 +306,13 @@ mod tests {
         let wave = polynomial(|k| wave(k) - if k == 0 { 0.2 } else { 0.0 });
         assert!((at(first_fall(wave)) - libm::acos(0.2) / 6.0).abs() < 1e-6);
 
-        // Beyond the boundary and on the way out.
+        // Negative by rounding, and decreasing.
         let out = polynomial(|k| [-1e-15, -0.1].get(k).copied().unwrap_or(0.0));
         assert_eq!(first_fall(out), ConditionFate::FailsAtOnce);
     }
 
-    /// Against looking at very many places, for polynomials with all their coefficients drawn.
+    /// For polynomials with random coefficients, the first fall agrees with a scan of very many
+    /// points.
     #[test]
     fn first_falls_are_first() {
         let mut seed = 1_u64;
@@ -327,7 +329,7 @@ mod tests {
                 *coefficient = draw() * 0.7_f64.powi(k as i32);
             }
             coefficients[0] = 0.2 * coefficients[0].abs() + 1e-12;
-            // The same in units of time other than the step.
+            // The same polynomial in units of time other than the step.
             let length = [1.0, 0.37][round % 2];
             let mut scaled = coefficients;
             for (k, coefficient) in scaled.iter_mut().enumerate() {
@@ -344,7 +346,7 @@ mod tests {
                     assert!(t <= below && found.value.abs() < 1e-14, "{t} {below} {found:?}");
                     assert!(t > below - 1.0 / 3999.0 || polynomial.place(t + 1e-7).value < 0.0);
                 }
-                // A dip between two places.
+                // A dip between two points of the scan.
                 (ConditionFate::Fails(t), None) => {
                     assert!(polynomial.place(t + 1e-6).value < 0.0, "{t}");
                 }

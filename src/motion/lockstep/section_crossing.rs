@@ -11,8 +11,8 @@ use crate::model::State;
 use crate::motion::root::fall_of_smooth;
 
 impl<S: Simd, const N: usize> Group<S, N> {
-    /// Where in the latest step of a lane a ball went once round, through the angle 0: time and state
-    /// there, if it did. The same as `Motion::passage`.
+    /// Returns time and state at which a ball completed a turn, through the angle 0, in the latest
+    /// step of a lane; `None` if it did not. Corresponds to `Motion::passage`.
     #[inline(never)]
     pub(crate) fn passage(
         &self,
@@ -34,7 +34,7 @@ impl<S: Simd, const N: usize> Group<S, N> {
         let slope = |speed: f64| -sign * (speed * length);
         let last = room.end.speed[ball][lane];
         let series = &room.series;
-        // In here the fused multiply-add is an instruction.
+        // The fused multiply-add is an instruction in this closure.
         let (part, state) = self.time.simd.vectorize(
             #[inline(always)]
             || {
@@ -67,7 +67,7 @@ impl<S: Simd, const N: usize> Group<S, N> {
     }
 }
 
-/// What a ball turns in a time, and its speed then.
+/// Returns the angle that a ball turns in a time, and its speed then.
 #[inline(always)]
 fn turned(speeds: &[f64; TERMS - 1], time: f64) -> (f64, f64) {
     let (mut speed, mut turned) = (0.0_f64, 0.0_f64);
@@ -78,7 +78,7 @@ fn turned(speeds: &[f64; TERMS - 1], time: f64) -> (f64, f64) {
     (turned * time, speed)
 }
 
-/// The state in one lane a time after the start of its step.
+/// Returns the state in one lane at a time after the start of its step.
 #[inline(always)]
 pub(super) fn state_at<S: Simd, const N: usize>(
     series: &Series<S, N>,

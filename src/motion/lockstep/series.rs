@@ -12,13 +12,13 @@
 //! β̈ = (u·a - held) / (1 + 4J)                        u = s + p c, p c - s: (1 + ip) e, turned
 //! ```
 //!
-//! where `held` is a polynomial of degree two in `β̇`. Coefficient `k` of `a` and of all `β̈` enter each
-//! other's equations with the factors that they have in the start state: the 2×2 system for the table is
-//! solved by the same inverse for every `k`. In place of `e` its *direction* `U = m (1 + ip) e / (1 + p²)`
-//! is kept, as the products with it are what takes the time.
+//! where `held` is a polynomial of degree two in `β̇`. The equations for coefficient `k` of `a` and
+//! of all `β̈` are coupled by factors of the start state: the 2×2 system for the table has the same
+//! inverse for every `k`. Instead of `e`, its *direction* `U = m (1 + ip) e / (1 + p²)` is stored,
+//! because the products with it dominate the cost.
 //!
-//! In the switch model a ball that sticks may have a speed, up to the width of the band, that dies out as
-//! `exp(-t)`. It is kept apart from the series.
+//! In the switch model a sticking ball may have a residual speed, up to the width of the band, that
+//! decays as `exp(-t)`. It is treated separately from the series.
 
 use fearless_simd::{Simd, prelude::*};
 
@@ -29,18 +29,19 @@ use super::trigonometry::sin_cos;
 use super::{Flow, Lanes};
 use crate::model::State;
 
-/// What powers beyond those of the series come to, over the first of them.
+/// The sums of the powers above those of the series, over the first of them.
 pub(super) struct Higher<S: Simd, const N: usize> {
-    /// Of the table's position, from the power `TERMS` on, and the slope of that.
+    /// For the table's position, from the power `TERMS` on, and the slope of that.
     pub(super) position: [Lanes<S>; 2],
     pub(super) slope: [Lanes<S>; 2],
-    /// Of the balls' speeds, from the power `ORDER + 1` on, and of their angles, from the next one on.
+    /// For the balls' speeds, from the power `ORDER + 1` on, and for their angles, from the next
+    /// one on.
     pub(super) speed: [Lanes<S>; N],
     pub(super) angle: [Lanes<S>; N],
 }
 
 impl<S: Simd, const N: usize> Higher<S, N> {
-    /// Nothing.
+    /// No higher powers.
     #[inline(always)]
     pub(super) fn none(simd: S) -> Self {
         let zero = Lanes::splat(simd, 0.0);
@@ -52,7 +53,7 @@ impl<S: Simd, const N: usize> Higher<S, N> {
 pub(super) struct Series<S: Simd, const N: usize> {
     pub(super) terms: [Term<S, N>; TERMS],
     pub(super) solver: Solver<S, N>,
-    /// None where no ball that sticks has a speed.
+    /// `None` if no sticking ball has a residual speed.
     pub(super) residual: Option<ResidualForce<S>>,
 }
 
@@ -89,8 +90,8 @@ impl<S: Simd, const N: usize> Series<S, N> {
         let [x, y, x_dot, y_dot] = start.table;
         first.table = [x, y];
         second.table = [x_dot, y_dot];
-        // Sums over the balls stand apart from the table's own terms and are not fused, so that two
-        // balls exchanged give the same to the last bit.
+        // Sums over the balls are separate from the table's own terms and are not fused, so that
+        // exchanging two balls gives the same results bit for bit.
         let (mut m_xx, mut m_xy, mut m_yx, mut m_yy) = (zero, zero, zero, zero);
         let mut residual = [[zero; 2]; 2];
         for i in 0..N {
@@ -135,8 +136,9 @@ impl<S: Simd, const N: usize> Series<S, N> {
         self.solver.inverse = [d * inverse, m_xy * inverse, -(m_yx * inverse), a * inverse];
     }
 
-    /// Coefficient `k` of the accelerations and what follows from it. One function for all orders: the
-    /// loops in it are short enough as they are, and written out they would not fit the caches.
+    /// Computes coefficient `k` of the accelerations and the dependent coefficients. One function
+    /// serves all orders: its loops are short enough, and unrolled over the orders they would not
+    /// fit the caches.
     #[inline(never)]
     fn order(&mut self, equations: &Equations<S, N>, k: usize) {
         equations.speed.simd.vectorize(
@@ -200,7 +202,7 @@ impl<S: Simd, const N: usize> Series<S, N> {
         self.at_with(equations, start, time, ORDER, Higher::none(time.simd))
     }
 
-    /// The state a time later, with higher powers as well.
+    /// Returns the state a time later, including higher powers.
     #[inline(always)]
     pub(super) fn at_with(
         &self,
@@ -248,7 +250,7 @@ impl<S: Simd, const N: usize> Series<S, N> {
 }
 
 impl<S: Simd, const N: usize> Series<S, N> {
-    /// The state in one lane as a series in the part of a step of this length that has passed.
+    /// Returns the state in one lane as a series in the elapsed fraction of a step of this length.
     pub(super) fn powers(
         &self,
         lane: usize,
@@ -282,7 +284,7 @@ impl<S: Simd, const N: usize> Series<S, N> {
     }
 }
 
-/// `exp(-time)`, for times from 0 to some 100.
+/// Returns `exp(-time)`, for times from 0 to about 100.
 #[inline(always)]
 pub(super) fn decay<S: Simd>(time: Lanes<S>) -> Lanes<S> {
     const HALVINGS: i32 = 6;

@@ -1,18 +1,18 @@
-//! Which vector instructions are used: found when the program runs.
+//! The vector instruction set, detected at run time.
 
 use fearless_simd::Level;
 
-/// The vector instructions that runs in lockstep are computed with. Results do not depend on it.
+/// The vector instructions of the lockstep engine. Results do not depend on them.
 #[derive(Clone, Copy, Debug)]
 pub struct SimdLevel(Level);
 
 impl SimdLevel {
-    /// The best that this processor has.
+    /// Returns the best level of this processor.
     pub fn best() -> Self {
         SimdLevel(Level::new())
     }
 
-    /// All that this processor has, the best first; for comparing them.
+    /// Returns all levels of this processor, the best first, for comparison.
     pub fn all() -> Vec<Self> {
         let best = Self::best();
         let mut levels = vec![best];
@@ -23,8 +23,8 @@ impl SimdLevel {
         levels
     }
 
-    /// Its name: `avx512`, `avx2`, `neon`; `none` where the processor lacks what lockstep needs, a
-    /// fused multiply-add in vectors. Runs are then computed one by one.
+    /// Returns the name: `avx512`, `avx2`, `neon`; `none` if the processor lacks a vectorised fused
+    /// multiply-add, which lockstep requires. Runs are then computed one at a time.
     pub fn name(self) -> &'static str {
         match self.0 {
             #[cfg(target_arch = "x86_64")]
@@ -37,7 +37,7 @@ impl SimdLevel {
         }
     }
 
-    /// The instructions with vectors of eight numbers, where they are at hand.
+    /// Returns the instructions with vectors of eight numbers, if available.
     #[cfg(target_arch = "x86_64")]
     pub(crate) fn avx512(self) -> Option<fearless_simd::Avx512> {
         match self.0 {
@@ -46,13 +46,13 @@ impl SimdLevel {
         }
     }
 
-    /// The instructions with vectors of four numbers, where they are at hand.
+    /// Returns the instructions with vectors of four numbers, if available.
     #[cfg(target_arch = "x86_64")]
     pub(crate) fn avx2(self) -> Option<fearless_simd::Avx2> {
         self.0.as_avx2()
     }
 
-    /// The instructions with vectors of two numbers, where they are at hand.
+    /// Returns the instructions with vectors of two numbers, if available.
     #[cfg(target_arch = "aarch64")]
     pub(crate) fn neon(self) -> Option<fearless_simd::Neon> {
         self.0.as_neon()

@@ -1,7 +1,8 @@
-//! How long a step may be, from what the series have last.
+//! The length of a step, from the last coefficients of the series.
 //!
-//! The part of a step's end that the last two coefficients of the speeds' series make stays below the
-//! tolerance: as series like these shrink from term to term, what is cut off is smaller still.
+//! The contribution of the last two coefficients of the speeds' series at the step's end is kept
+//! below the tolerance; because such series decrease from term to term, the truncated part is
+//! smaller still.
 
 use fearless_simd::{Simd, prelude::*};
 
@@ -9,11 +10,11 @@ use super::Lanes;
 use super::series::Series;
 use super::terms::ORDER;
 
-/// The last coefficients may make this part of the tolerance. With it errors are those of DOP853 at the same
-/// tolerance (`benches/README.md`).
+/// Fraction of the tolerance that the last coefficients may contribute. With it, errors are those
+/// of DOP853 at the same tolerance (`benches/README.md`).
 const SAFETY: f64 = 0.1;
 
-/// The longest step within the tolerance; `before` is what it was in the step before.
+/// Returns the longest step within the tolerance; `before` is that of the previous step.
 #[inline(always)]
 pub(super) fn within_tolerance<S: Simd, const N: usize>(
     series: &Series<S, N>,
@@ -27,7 +28,7 @@ pub(super) fn within_tolerance<S: Simd, const N: usize>(
     let second = Lanes::splat(simd, ORDER as f64);
     let mut last = Lanes::splat(simd, 0.0);
     let mut last_but_one = last;
-    // The table's two velocities count by the larger of them.
+    // The larger of the table's two velocities counts.
     let table = |k: usize| terms[k].table[0].abs().max(terms[k].table[1].abs());
     for i in 0..=N {
         let (size, ultimate, penultimate) = if i == N {
@@ -40,22 +41,23 @@ pub(super) fn within_tolerance<S: Simd, const N: usize>(
         last = last.max(ultimate * scale);
         last_but_one = last_but_one.max(penultimate * scale);
     }
-    // The last but one has a power of time less: the one that the step before had.
+    // The last but one lacks one power of time: that of the previous step is used.
     let most = last.max(last_but_one * reciprocal(before));
     inverse_sixteenth_root(most * Lanes::splat(simd, 1.0 / SAFETY))
 }
 
-/// `1/x` of positive numbers, to 13 %, of which a sixteenth root leaves less than one: the exponent by
-/// integers. A division takes many times as long.
+/// Returns `1/x` of positive numbers to 13 % by integer arithmetic on the exponent; the sixteenth
+/// root reduces the error to below 1 %. A division takes many times as long.
 #[inline(always)]
 fn reciprocal<S: Simd>(x: Lanes<S>) -> Lanes<S> {
-    /// Twice the bits of 1, less what makes errors to both sides alike.
+    /// Twice the bits of 1, minus a correction that balances the errors.
     const TWICE: u64 = 0x7fde_6238_22fc_16e6;
     let bits: fearless_simd::u64x8<S> = x.bitcast();
     (fearless_simd::u64x8::splat(x.simd, TWICE) - bits).bitcast()
 }
 
-/// `x^(-1/16)` of positive numbers, to 2 %: the exponent by integers, its last fourth by square roots.
+/// Returns `x^(-1/16)` of positive numbers to 2 %: integer arithmetic on the exponent, and square
+/// roots for its last quarter.
 #[inline(always)]
 fn inverse_sixteenth_root<S: Simd>(x: Lanes<S>) -> Lanes<S> {
     /// Five fourths of the bits of 1.

@@ -1,11 +1,12 @@
-//! Powers of a displacement beyond those of its series (`displacement`), at next to no cost.
+//! Powers of a displacement above those of its series (`tangent`), at negligible cost.
 //!
-//! The highest frequency in a displacement is the table's in the turning frame, `1 + |ω|`: it has all but died
-//! out of the motion, whose steps are as long as the slower rest allows, but every switch excites it in a
-//! displacement anew, and cut off at the power 14 it would grow from step to step. So what makes it up is
-//! taken further: the table's own equations, linear with constant coefficients, and how the table draws the
-//! balls where they are at the start of the step and their drag holds them. What is left out is what balls of
-//! some ten-thousandth of the table's mass give back to it, and that they move.
+//! The highest frequency in a displacement is that of the table in the turning frame, `1 + |ω|`. In
+//! the motion itself it has decayed, and steps are as long as the slower motion allows; but every
+//! switch excites it anew in a displacement, and truncated at the power 14 it would grow from step
+//! to step. Its contribution is therefore continued to higher powers: the table's own equations,
+//! linear with constant coefficients, and the table's effect on the balls at their angles at the
+//! start of the step, with their drag. Neglected are the reaction on the table of balls with about
+//! a ten-thousandth of its mass, and the motion of the balls within the step.
 
 use fearless_simd::{Simd, prelude::*};
 
@@ -14,7 +15,7 @@ use super::equations::Equations;
 use super::series::{Higher, Series};
 use super::tangent::LINEAR;
 
-/// How many powers are taken: up to `5^25 / 25!`, a fiftieth of a millionth, in the longest step.
+/// Number of additional powers: the last one is `5^25 / 25!`, 2e-8, in the longest step.
 const BEYOND: usize = 10;
 
 /// k!
@@ -29,7 +30,7 @@ const FACTORIALS: [f64; LINEAR + BEYOND + 2] = {
 };
 
 impl<S: Simd, const N: usize> Series<S, N> {
-    /// The powers of a displacement beyond those of its series, for steps of this length.
+    /// Returns the powers of a displacement above those of its series, for steps of this length.
     #[inline(always)]
     pub(super) fn beyond(
         &self,
@@ -39,7 +40,7 @@ impl<S: Simd, const N: usize> Series<S, N> {
     ) -> Higher<S, N> {
         let number = |value: f64| Lanes::splat(length.simd, value);
         let [a, b, c, d] = self.solver.inverse;
-        // z̈ = pulled by the place and by the speed, and by the turning frame.
+        // z̈ from position, velocity and the turning frame.
         let Equations { minus_drag, drag_speed, minus_drag_speed, .. } = *equations;
         let by_place = [
             b.mul_add_precise(minus_drag_speed, -a),

@@ -1,5 +1,5 @@
-//! Small displacements from the motions in lockstep: carried along by the linearised flow in vectors,
-//! and over switches by the saltation matrix (`motion::variation`) one by one.
+//! Small displacements from the motions in lockstep: propagated by the linearised flow in vectors,
+//! and over switches by the saltation matrix (`motion::variational`) one at a time.
 
 use fearless_simd::{Simd, prelude::*};
 
@@ -17,7 +17,7 @@ use crate::motion::variational::saltation;
 pub(super) const LINEAR: usize = 14;
 
 impl<S: Simd, const N: usize> Series<S, N> {
-    /// Expands a displacement from the motion that has been expanded: the same equations to first order.
+    /// Expands a displacement from the expanded motion: the same equations to first order.
     #[inline(always)]
     pub(super) fn expand_displacement(
         &self,
@@ -46,7 +46,7 @@ impl<S: Simd, const N: usize> Series<S, N> {
                 -own.mul_add_precise(turned[1], speed * imaginary),
                 own.mul_add_precise(turned[0], speed * real),
             ];
-            // What is left of the speed of a ball that sticks: (2ω r + r²) e, to first order.
+            // The residual speed of a sticking ball: (2ω r + r²) e, to first order.
             let [c, s] = self.solver.trigonometry[i];
             let left = self.solver.residual[i];
             let displaced_left = start.speed[i] - speed;
@@ -101,7 +101,7 @@ impl<S: Simd, const N: usize> Series<S, N> {
     }
 }
 
-/// Carries displacements over a step of this length, in all lanes; `displaced` is room to work in.
+/// Propagates displacements over a step of this length, in all lanes; `displaced` is work space.
 #[inline(always)]
 pub(super) fn carry<S: Simd, const N: usize>(
     series: &Series<S, N>,
@@ -115,17 +115,17 @@ pub(super) fn carry<S: Simd, const N: usize>(
     displaced.at_with(equations, displacement, length, LINEAR, higher)
 }
 
-/// What is known of a lane's displacement.
+/// The displacement of a lane.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Displaced {
     /// Its size.
     pub(crate) size: f64,
-    /// Whether it met a switch by grazing, and is not defined since.
+    /// Whether it met a switch by grazing and is undefined since.
     pub(crate) grazed: bool,
 }
 
 impl<S: Simd, const N: usize> Group<S, N> {
-    /// Displaces the balls of a lane, all identical, by a displacement of size 1.
+    /// Displaces all balls of a lane equally, by a displacement of size 1.
     pub(crate) fn displace(&mut self, lane: usize) {
         let displaced = State { beta: [1.0 / (N as f64).sqrt(); N], ..State::zero() };
         self.displacement.set_lane(lane, &displaced);
@@ -144,7 +144,7 @@ impl<S: Simd, const N: usize> Group<S, N> {
         Displaced { size, grazed }
     }
 
-    /// Brings the displacement of a lane back to the size 1.
+    /// Rescales the displacement of a lane to the size 1.
     pub(crate) fn normalise(&mut self, lane: usize, size: f64) {
         let mut unit = State::zero();
         unit.add_scaled(1.0 / size, &self.displacement.lane(lane));
@@ -152,8 +152,9 @@ impl<S: Simd, const N: usize> Group<S, N> {
     }
 }
 
-/// Takes a lane's displacement over a switch, at which a condition of the phase before has failed; `state` and
-/// `rate` are those with which the next phase begins. Whether it was met by grazing.
+/// Propagates a lane's displacement over a switch at which a condition of the previous phase
+/// failed; `state` and `rate` are those at the start of the next phase. Returns whether the switch
+/// was met by grazing.
 pub(super) fn over_switch<S: Simd, const N: usize>(
     displacement: &mut Flow<S, N>,
     lane: usize,

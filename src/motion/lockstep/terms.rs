@@ -9,7 +9,7 @@ pub(super) const ORDER: usize = 16;
 /// Coefficients of the series of positions.
 pub(crate) const TERMS: usize = ORDER + 2;
 
-/// The coefficients of one power of time that are of one ball.
+/// The coefficients of one power of time for one ball.
 #[derive(Clone, Copy)]
 pub(super) struct BallTerm<S: Simd> {
     /// Speed.
@@ -30,20 +30,21 @@ pub(super) struct Term<S: Simd, const N: usize> {
     pub(super) balls: [BallTerm<S>; N],
 }
 
-/// What solves the equations of a power of time for the accelerations.
+/// Solver of the equations of a power of time for the accelerations.
 #[derive(Clone, Copy)]
 pub(super) struct Solver<S: Simd, const N: usize> {
     /// The inverse of the table's 2×2 system: first row, second row.
     pub(super) inverse: [Lanes<S>; 4],
-    /// How a ball's acceleration pushes the table: m s and -m c.
+    /// Reaction of a ball's acceleration on the table: m s and -m c.
     pub(super) reaction: [[Lanes<S>; 2]; N],
-    /// How the table's acceleration enters a ball's.
+    /// Effect of the table's acceleration on a ball's.
     pub(super) drawn: [[Lanes<S>; 2]; N],
     /// Cosine and sine of the angles at the start.
     pub(super) trigonometry: [[Lanes<S>; 2]; N],
-    /// What is left of the speeds of balls that stick, at the start.
+    /// The residual speeds of sticking balls at the start.
     pub(super) residual: [Lanes<S>; N],
 }
 
-/// What the residual speeds add to the force on the table, as they die out: times exp(-t), times exp(-2t).
+/// The contribution of residual speeds to the force on the table: coefficients of exp(-t) and of
+/// exp(-2t).
 pub(super) type ResidualForce<S> = [[Lanes<S>; 2]; 2];

@@ -1,15 +1,15 @@
 //! Sine and cosine of the angles in all lanes.
 //!
 //! Reduction to [-π/4, π/4] by two parts of π/2 (Cody and Waite; exact to 2^-107 |x| with fused
-//! multiply-add), then the polynomials of FDLIBM (`k_sin.c`, `k_cos.c`). For |x| up to 1e5; error below
-//! 1.5 units in the last place. Every operation is exact to rounding and per lane, so that the
-//! result does not depend on the machine or on other lanes.
+//! multiply-add), then the polynomials of FDLIBM (`k_sin.c`, `k_cos.c`). For |x| up to 1e5; error
+//! below 1.5 units in the last place. Every operation is correctly rounded and independent for each
+//! lane, so that the result does not depend on the machine or on other lanes.
 
 use fearless_simd::{Simd, f64x8, prelude::*};
 
 const TWO_OVER_PI: f64 = std::f64::consts::FRAC_2_PI;
 const HALF_PI_HIGH: f64 = std::f64::consts::FRAC_PI_2;
-/// What is left of π/2 beyond its double.
+/// Remainder of π/2 after its double.
 const HALF_PI_LOW: f64 = 6.123_233_995_736_766e-17;
 /// Adding and subtracting this rounds to an integer, and leaves it in the lowest bits.
 const ROUNDER: f64 = 6_755_399_441_055_744.0; // 1.5 · 2^52
@@ -68,7 +68,7 @@ pub(super) fn sin_cos<S: Simd>(angle: f64x8<S>) -> (f64x8<S>, f64x8<S>) {
     (flip(sine, sign_of_sine), flip(cosine, sign_of_cosine))
 }
 
-/// Changes the sign where the highest bit is set.
+/// Changes the sign where the highest bit of `sign` is set.
 #[inline(always)]
 fn flip<S: Simd>(value: f64x8<S>, sign: fearless_simd::u64x8<S>) -> f64x8<S> {
     let bits: fearless_simd::u64x8<S> = value.bitcast();
@@ -81,7 +81,8 @@ mod tests {
     use super::sin_cos;
     use fearless_simd::prelude::*;
 
-    /// Against the library's, within two units in the last place, up to angles of a long run.
+    /// Results agree with the library's within two units in the last place, up to the angles of a
+    /// long run.
     #[test]
     fn sines_and_cosines() {
         let Some(simd) = SimdLevel::best().avx2() else { return };

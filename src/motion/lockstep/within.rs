@@ -1,4 +1,4 @@
-//! What a lane was like inside its latest step, from the step's series.
+//! States of a lane inside its latest step, from the step's series.
 
 use std::f64::consts::TAU;
 
@@ -8,8 +8,8 @@ use super::section_crossing::state_at;
 use super::{Group, Room};
 
 impl<S: Simd, const N: usize> Group<S, N> {
-    /// The angles of the balls of a lane a time after the begin of its latest step, with the whole turns made
-    /// since the start.
+    /// Returns the angles of a lane's balls at a time after the start of its latest step, including
+    /// the whole turns since the start.
     #[inline(never)]
     pub(crate) fn angles_within(&self, room: &Room<S, N>, lane: usize, after: f64) -> [f64; N] {
         let start = self.before.lane(lane);
@@ -25,7 +25,8 @@ impl<S: Simd, const N: usize> Group<S, N> {
         })
     }
 
-    /// The squares of the table's displacement in a lane at some times after the begin of its latest step.
+    /// Returns the squares of the table's displacement in a lane at several times after the start
+    /// of its latest step.
     #[inline(never)]
     pub(crate) fn squares_within<const P: usize>(
         &self,
@@ -33,7 +34,7 @@ impl<S: Simd, const N: usize> Group<S, N> {
         lane: usize,
         after: [f64; P],
     ) -> [f64; P] {
-        // In here the fused multiply-add is an instruction.
+        // The fused multiply-add is an instruction in this closure.
         self.time.simd.vectorize(
             #[inline(always)]
             || {
