@@ -126,7 +126,7 @@ struct Findings {
 impl Findings {
     fn check(&mut self, study: &Study, point: &PointRow) {
         for expectation in study.expectations() {
-            if !expectation.selects(study, &point.swept) {
+            if !expectation.selects(study.swept(), &point.swept) {
                 continue;
             }
             for (name, range) in &expectation.fractions {

@@ -1,101 +1,11 @@
 //! The JSON Schema of a study file, generated from its types, for editors.
 
-use schemars::{JsonSchema, Schema, SchemaGenerator, generate::SchemaSettings, json_schema};
-use serde_json::{Map, Value};
+use schemars::generate::SchemaSettings;
+use serde_json::Value;
 
-use super::file::study_file::{DistributionFile, StudyFile};
-use super::file::values::{Entry, Listed, Range};
-use super::plan::parameter::Parameter;
-use super::resolve::extend::EXTENDED_LABELS;
-use super::sampling::initial_box::axis_names;
-use crate::model::{Ball, Block, FrictionLaw, MAX_BALLS, Machine, Model};
+use super::file::study_file::StudyFile;
 
 /// Returns the JSON Schema (draft 2020-12) of a study file, with units in the descriptions.
 pub fn json_schema() -> Value {
     SchemaSettings::draft2020_12().into_generator().into_root_schema_for::<StudyFile>().to_value()
-}
-
-/// Returns the schema of lists of values by parameter.
-pub(in crate::study) fn swept(generator: &mut SchemaGenerator) -> Schema {
-    per_parameter(generator.subschema_for::<Listed>(), &all_parameters())
-}
-
-/// Returns the schema of one value by parameter.
-pub(in crate::study) fn selector(generator: &mut SchemaGenerator) -> Schema {
-    per_parameter(generator.subschema_for::<Entry>(), &all_parameters())
-}
-
-/// Returns the schema of distributions by numeric parameter.
-pub(in crate::study) fn uncertain(generator: &mut SchemaGenerator) -> Schema {
-    let mut parameters = all_parameters();
-    parameters.retain(|parameter| parameter.is_number());
-    per_parameter(generator.subschema_for::<DistributionFile>(), &parameters)
-}
-
-/// Returns the schema of ranges by start coordinate.
-pub(in crate::study) fn start_box(generator: &mut SchemaGenerator) -> Schema {
-    let range = <Range as JsonSchema>::json_schema(generator);
-    let general = ["beta", "beta_dot"].map(str::to_owned);
-    let models = all_models();
-    let names = general.into_iter().chain(models.iter().flat_map(axis_names));
-    let properties: Map<String, Value> =
-        names.map(|name| (name, range.clone().to_value())).collect();
-    json_schema!({ "type": "object", "properties": properties, "additionalProperties": false })
-}
-
-/// Returns the schema of the labels of runs that can be continued.
-pub(in crate::study) fn extended_labels(_: &mut SchemaGenerator) -> Schema {
-    json_schema!({
-        "type": "array", "items": { "enum": EXTENDED_LABELS }, "minItems": 1, "uniqueItems": true
-    })
-}
-
-/// Returns one model of every kind and every friction law, with the largest number of balls.
-fn all_models() -> Vec<Model> {
-    let laws = [
-        FrictionLaw::Coulomb,
-        FrictionLaw::Stribeck { static_friction_coefficient: 1.0, stribeck_speed: 0.0 },
-        FrictionLaw::Smooth { smoothing_speed: 1.0 },
-        FrictionLaw::Viscous { viscous_coefficient_n_s_m: 0.0 },
-    ];
-    let kinds = [
-        Model::BallBalancer(Machine {
-            balls: vec![Ball::default(); MAX_BALLS],
-            ..Machine::default()
-        }),
-        Model::Block(Block::on_spring()),
-        Model::Block(Block::on_belt()),
-    ];
-    let with = |model: &Model, law: FrictionLaw| {
-        let mut model = model.clone();
-        *model.friction_mut() = law;
-        model
-    };
-    kinds.iter().flat_map(|model| laws.map(|law| with(model, law))).collect()
-}
-
-/// Returns every parameter of any model, without repeated names.
-fn all_parameters() -> Vec<Parameter> {
-    let mut parameters: Vec<Parameter> = Vec::new();
-    for parameter in all_models().iter().flat_map(Parameter::all) {
-        if !parameters.iter().any(|known| known.name() == parameter.name()) {
-            parameters.push(parameter);
-        }
-    }
-    parameters
-}
-
-fn per_parameter(value: Schema, parameters: &[Parameter]) -> Schema {
-    let properties: Map<String, Value> = parameters
-        .iter()
-        .map(|parameter| {
-            let mut property = value.clone().to_value();
-            if let Value::Object(fields) = &mut property {
-                let meaning = format!("{}, {}.", parameter.meaning(), parameter.unit());
-                fields.insert("description".to_owned(), Value::String(meaning));
-            }
-            (parameter.name(), property)
-        })
-        .collect();
-    json_schema!({ "type": "object", "properties": properties, "additionalProperties": false })
 }

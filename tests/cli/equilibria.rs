@@ -42,7 +42,7 @@ fn files(scratch: &Scratch, directory: &str) -> BTreeSet<String> {
 fn tables_agree_with_one_another() {
     let scratch = scratch();
     let text = scratch.well("equilibria a.yaml --grid 128 --out out");
-    let header = "point  speed_rad_s  normal_force  friction_coefficient   fraction  parts";
+    let header = "point  speed_rad_s  normal_force  friction_coefficient  fraction  components";
     assert_has(&text, &[header, "a1_plus", "b1", "0 .. 5.514e-5", "6                4"]);
     assert_eq!(text.lines().count(), 4);
     let expected = [

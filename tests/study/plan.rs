@@ -172,7 +172,7 @@ expect:
     let [first, second] = study.expectations() else { panic!() };
     let selected = |expectation: &stickslip::study::Expectation| {
         (0..4)
-            .filter(|id| expectation.selects(&study, &study.point(*id).swept))
+            .filter(|id| expectation.selects(study.swept(), &study.point(*id).swept))
             .collect::<Vec<u64>>()
     };
     assert_eq!((selected(first), selected(second)), (vec![3], vec![0, 1, 2, 3]));

@@ -41,8 +41,9 @@ fn the_thesis_study_has_4096_runs_at_six_points() {
     assert_eq!(*study.model(), stickslip::model::Machine::default().into());
     assert_eq!(*study.simulation(), stickslip::model::Simulation::default());
     for (point, expectation) in study.expectations().iter().enumerate() {
-        let selected: Vec<u64> =
-            (0..6).filter(|id| expectation.selects(&study, &study.point(*id).swept)).collect();
+        let selected: Vec<u64> = (0..6)
+            .filter(|id| expectation.selects(study.swept(), &study.point(*id).swept))
+            .collect();
         assert_eq!(selected, [point as u64]);
     }
     // The 256 runs with less friction start like the first replicate of the others.

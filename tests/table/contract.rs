@@ -196,7 +196,7 @@ fn points() {
         "audit_flip_high n 1",
         "amplitude_without_balls_m n m",
         "set_fraction n 1",
-        "solution w -",
+        "uniqueness w -",
         "min_principal_minor n 1",
     ];
     let points = scratch.table("out", "points");

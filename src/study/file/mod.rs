@@ -1,11 +1,14 @@
 //! The study file as it is written: YAML with places, its types, the tables it names, and its text with all defaults.
 
+pub mod balls;
 pub(in crate::study) mod decode;
+pub mod distribution_file;
 pub(in crate::study) mod key_path;
 pub mod optimize_file;
 pub(in crate::study) mod read_file;
 pub(in crate::study) mod resolved_yaml;
 pub mod response_file;
+pub(in crate::study) mod schema_parts;
 pub mod study_file;
 pub(in crate::study) mod table_folders;
 pub(in crate::study) mod table_input;

@@ -5,10 +5,12 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::study::file::balls::Balls;
+use crate::study::file::distribution_file::DistributionFile;
 use crate::study::file::optimize_file::OptimizeFile;
 use crate::study::file::response_file::{ResponseFile, VariableFile};
-use crate::study::file::values::{Balls, Count, Entry, Listed, Named, Range, Table};
-use crate::study::schema;
+use crate::study::file::schema_parts as schema;
+use crate::study::file::values::{Count, Entry, Listed, Named, Range, Table};
 
 /// A stickslip study: a model, the points of a sweep, and the sampling of start states.
 #[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
@@ -222,25 +224,6 @@ pub struct ParametersFile {
     pub belt_speed_m_s: Option<f64>,
 }
 
-/// One ball; values that are absent are those of all balls.
-#[derive(Clone, Debug, Default, Deserialize, JsonSchema, PartialEq, Serialize)]
-#[serde(deny_unknown_fields)]
-pub struct BallFile {
-    /// Mass, kg, above 0; the default is `ball_mass_kg`.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("exclusiveMinimum" = 0))]
-    pub mass_kg: Option<f64>,
-    /// Diameter, m, above 0; the default is `ball_diameter_m`.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("exclusiveMinimum" = 0))]
-    pub diameter_m: Option<f64>,
-    /// Coefficient of friction between ball and ring, dimensionless, at least 0; the default is
-    /// `friction_coefficient`.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("minimum" = 0))]
-    pub friction_coefficient: Option<f64>,
-}
-
 /// A block of points: exactly one of `grid`, `zip` and `table`.
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[serde(deny_unknown_fields)]
@@ -261,67 +244,6 @@ pub struct BlockFile {
     /// Sampling design of this block; the default is `initial_conditions.design`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub design: Option<DesignFile>,
-}
-
-/// A distribution of a parameter, in the unit of the parameter.
-#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
-#[serde(rename_all = "snake_case", deny_unknown_fields)]
-pub enum DistributionFile {
-    /// Normal distribution; a physically impossible draw, such as a negative mass, makes a failed
-    /// run.
-    Normal {
-        /// Mean.
-        mean: f64,
-        /// Standard deviation, above 0.
-        std_dev: f64,
-    },
-    /// Normal distribution, truncated at both ends.
-    TruncatedNormal {
-        /// Mean before truncation.
-        mean: f64,
-        /// Standard deviation before truncation, above 0.
-        std_dev: f64,
-        /// Smallest value.
-        min: f64,
-        /// Largest value, above `min`.
-        max: f64,
-    },
-    /// Log-normal distribution, given by mean and standard deviation of the parameter itself, not
-    /// of its logarithm.
-    Lognormal {
-        /// Mean of the parameter, above 0.
-        mean: f64,
-        /// Standard deviation of the parameter, above 0.
-        std_dev: f64,
-    },
-    /// Uniform distribution.
-    Uniform {
-        /// Smallest value.
-        min: f64,
-        /// Largest value, above `min`.
-        max: f64,
-    },
-    /// Triangular distribution.
-    Triangular {
-        /// Smallest value.
-        min: f64,
-        /// Most likely value, from `min` to `max`.
-        mode: f64,
-        /// Largest value, above `min`.
-        max: f64,
-    },
-    /// One of several values.
-    Choice {
-        /// The values.
-        values: Vec<f64>,
-        /// Weights of the values, at least 0, on any scale; by default, all values are equally
-        /// likely.
-        #[serde(skip_serializing_if = "Option::is_none")]
-        weights: Option<Vec<f64>>,
-    },
-    /// The nominal value, which may come from the model, a sweep or a design, multiplied by a
-    /// random factor from one of the other distributions.
-    Times(Box<DistributionFile>),
 }
 
 /// Start states: a box of coordinates and how it is sampled.

@@ -12,8 +12,10 @@ use std::path::{Component, Path, PathBuf};
 
 use crate::study::error::{Fault, StudyError, shorten};
 use crate::study::file::read_file::{read_bytes, unreadable};
-use crate::study::file::table_input::MAX_VALUES;
 use crate::study::file::yaml_tree::MAX_FILE_BYTES;
+
+/// The most values that all sweeps and tables of a study may hold together.
+pub(crate) const MAX_VALUES: usize = 1_000_000;
 
 /// The most tables that a study may read from files.
 const MAX_FILES: usize = 1000;

@@ -5,12 +5,9 @@ use std::path::{Path, PathBuf};
 
 use crate::study::error::{Fault, Locate, Location, StudyError, list_names, shorten};
 use crate::study::file::key_path::KeyPath;
-use crate::study::file::table_folders::TableFolders;
+use crate::study::file::table_folders::{MAX_VALUES, TableFolders};
 use crate::study::file::values::{Entry, InlineTable, Table};
 use crate::tabular::{Cell, Cells, Limits, Refusal, check_name, ragged};
-
-/// The most values that all sweeps and tables of a study may hold together.
-pub(crate) const MAX_VALUES: usize = 1_000_000;
 
 /// A table with columns whose names are known to be allowed, each once.
 pub(crate) struct Rows {

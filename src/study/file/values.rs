@@ -9,8 +9,6 @@ use serde::de::{Deserializer, Error, MapAccess, SeqAccess, Unexpected, Visitor};
 use serde::ser::{SerializeMap, Serializer};
 use serde::{Deserialize, Serialize};
 
-use crate::study::file::study_file::BallFile;
-
 /// The largest number of runs, samples or points of a study.
 pub(crate) const MAX_COUNT: u64 = 1_000_000_000_000_000;
 
@@ -218,59 +216,6 @@ impl JsonSchema for Entry {
 
 /// The values of a swept parameter.
 pub type Listed = Vec<Entry>;
-
-/// The number of balls, or the individual balls.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-#[serde(untagged)]
-pub enum Balls {
-    /// The number of balls, all identical.
-    Number(u64),
-    /// One entry per ball.
-    Each(Vec<BallFile>),
-}
-
-impl<'de> Deserialize<'de> for Balls {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct BallsVisitor;
-        impl<'de> Visitor<'de> for BallsVisitor {
-            type Value = Balls;
-
-            fn expecting(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-                out.write_str("a number of balls from 1 to 8, or a list with one entry per ball")
-            }
-
-            fn visit_u64<E>(self, value: u64) -> Result<Balls, E> {
-                Ok(Balls::Number(value))
-            }
-
-            fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Balls, A::Error> {
-                let mut balls = Vec::new();
-                while let Some(ball) = list.next_element()? {
-                    balls.push(ball);
-                }
-                Ok(Balls::Each(balls))
-            }
-        }
-        deserializer.deserialize_any(BallsVisitor)
-    }
-}
-
-impl JsonSchema for Balls {
-    fn schema_name() -> Cow<'static, str> {
-        "Balls".into()
-    }
-
-    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
-        let ball = generator.subschema_for::<BallFile>();
-        json_schema!({
-            "description": "Number of balls, or a list with one entry per ball.",
-            "anyOf": [
-                { "type": "integer", "minimum": 1, "maximum": 8 },
-                { "type": "array", "items": ball, "minItems": 1, "maxItems": 8 }
-            ]
-        })
-    }
-}
 
 /// A table: the path of a CSV or Parquet file relative to the study file, or inline columns and
 /// rows.

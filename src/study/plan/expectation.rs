@@ -1,7 +1,6 @@
 //! Expectations of a study about its own results.
 
-use crate::study::plan::parameter::ParameterValue;
-use crate::study::plan::planned_study::Study;
+use crate::study::plan::parameter::{ParameterValue, VariedParameter};
 
 /// Expected ranges of the fractions of runs per label and of the audit's flip rate. They apply to
 /// every point that the selector matches.
@@ -18,11 +17,11 @@ pub struct Expectation {
 }
 
 impl Expectation {
-    /// Returns whether this expectation selects a point with these swept values, which are in the
-    /// order of [`Study::swept`].
-    pub fn selects(&self, study: &Study, swept: &[ParameterValue]) -> bool {
+    /// Returns whether this expectation selects a point with these swept values, one for each column, in the
+    /// order of `Study::swept`.
+    pub fn selects(&self, columns: &[VariedParameter], swept: &[ParameterValue]) -> bool {
         self.point.iter().all(|(name, wanted)| {
-            let column = study.swept().iter().position(|column| column.name == *name);
+            let column = columns.iter().position(|column| column.name == *name);
             column.and_then(|column| swept.get(column)).is_some_and(|value| same(value, wanted))
         })
     }

@@ -302,7 +302,7 @@ impl Study {
     pub(in crate::study) fn has_point(&self, expectation: &Expectation) -> bool {
         self.blocks.iter().any(|block| match block.listing {
             Listing::Rows => (block.first_point..block.first_point + block.points)
-                .any(|point| expectation.selects(self, &self.point(point).swept)),
+                .any(|point| expectation.selects(&self.swept, &self.point(point).swept)),
             Listing::Grid => {
                 let first = self.point(block.first_point);
                 let columns = self.swept_parameters.iter().zip(&self.swept).zip(&first.swept);

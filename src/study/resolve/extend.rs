@@ -3,11 +3,9 @@
 use crate::model::Extend;
 use crate::study::error::{Fault, Locate, StudyError, list_names, shorten};
 use crate::study::file::key_path::KeyPath;
+use crate::study::file::schema_parts::EXTENDED_LABELS;
 use crate::study::file::study_file::ExtendFile;
 use crate::study::file::yaml_tree::describe_number;
-
-/// The labels of runs that can be continued.
-pub(crate) const EXTENDED_LABELS: [&str; 2] = ["undecided", "irregular"];
 
 /// The largest ratio of the later end time to the end time.
 const LARGEST_FACTOR: f64 = 1000.0;

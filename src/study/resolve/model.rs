@@ -2,11 +2,9 @@
 
 use crate::model::{Ball, Block, Ground, MAX_BALLS, Machine, Model, NormalForce};
 use crate::study::error::{Fault, Locate, StudyError};
+use crate::study::file::balls::{BallFile, Balls};
 use crate::study::file::key_path::KeyPath;
-use crate::study::file::study_file::{
-    BallFile, ModelFile, ModelKind, NormalForceKind, ParametersFile,
-};
-use crate::study::file::values::Balls;
+use crate::study::file::study_file::{ModelFile, ModelKind, NormalForceKind, ParametersFile};
 use crate::study::file::yaml_tree::describe_number;
 use crate::study::plan::parameter::{Parameter, ParameterValue};
 use crate::study::resolve::friction::{check_friction, friction_to_file, resolve_friction};

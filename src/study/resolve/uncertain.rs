@@ -1,8 +1,8 @@
 //! Resolution of uncertain parameters.
 
 use crate::study::error::{Fault, Locate, StudyError};
+use crate::study::file::distribution_file::DistributionFile;
 use crate::study::file::key_path::KeyPath;
-use crate::study::file::study_file::DistributionFile;
 use crate::study::file::values::Named;
 use crate::study::file::yaml_tree::describe_number;
 use crate::study::plan::parameter::{Parameter, ParameterValue};

@@ -4,16 +4,16 @@
 use std::path::{Path, PathBuf};
 
 use crate::study::error::{Fault, Locate, StudyError, shorten};
+use crate::study::file::balls::Balls;
 use crate::study::file::decode::decode;
+use crate::study::file::distribution_file::DistributionFile;
 use crate::study::file::key_path::KeyPath;
 use crate::study::file::read_file::read_text;
 use crate::study::file::resolved_yaml::ResolvedFile;
-use crate::study::file::study_file::{
-    BlockFile, DesignFile, DistributionFile, InitialConditionsFile, StudyFile,
-};
+use crate::study::file::study_file::{BlockFile, DesignFile, InitialConditionsFile, StudyFile};
+use crate::study::file::table_folders::MAX_VALUES;
 use crate::study::file::table_folders::TableFolders;
-use crate::study::file::table_input::MAX_VALUES;
-use crate::study::file::values::{Balls, Named, Range};
+use crate::study::file::values::{Named, Range};
 use crate::study::file::yaml_tree::{Content, Source};
 use crate::study::plan::audit::Audit;
 use crate::study::plan::parameter::{Parameter, VariedParameter};
