@@ -6,8 +6,8 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Component, Path, PathBuf};
 
-use super::manifest::FileEntry;
-use super::read::TableError;
+use super::file_entry::FileEntry;
+use super::table_error::TableError;
 use crate::foreign::is_acted_on;
 use crate::tabular::Fault;
 

@@ -2,7 +2,7 @@
 
 use super::column::Column;
 use super::points::PointRow;
-use super::runs::swept_columns;
+use super::runs::{class_meaning, swept_columns};
 use crate::analysis::{CycleGroup, CycleRange, CycleRole};
 use crate::study::{ParameterValue, Study};
 
@@ -105,20 +105,6 @@ pub fn cycle_columns(study: &Study) -> Vec<Column<CycleRow>> {
         ),
     ]);
     columns
-}
-
-/// Returns the meaning of the text of a class.
-pub(super) fn class_meaning(balls: usize) -> String {
-    let parts = if balls > 0 {
-        "for each ball, joined by |: rest, or turns per period (negative against the rotation of \
-         the disc) and, after a colon, the sequence of its phases: S stick, F forward slip, B \
-         backward slip (the n-th letters of all balls are simultaneous); identical balls are not \
-         ordered"
-    } else {
-        "0, a colon and the sequence of the block's phases: S stick, F forward slip on the belt, B \
-         backward slip"
-    };
-    format!("class of the limit cycle: {parts}; unknown if the orbit is only known to close")
 }
 
 fn range_columns(

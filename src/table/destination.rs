@@ -5,7 +5,8 @@ use std::fs;
 use std::io;
 use std::path::{Component, Path, PathBuf};
 
-use super::manifest::{FileEntry, MANIFEST, Manifest, read_regular};
+use super::file_entry::{FileEntry, read_regular};
+use super::manifest::{MANIFEST, Manifest};
 use super::provenance::{FORMAT, VERSION};
 use super::results::{DATA_FILES, ResultsError, STUDY};
 use super::temporary::will_become;

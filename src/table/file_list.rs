@@ -11,9 +11,9 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use super::checked::{Listed, is_file_name};
-use super::manifest::{FileEntry, read_regular};
+use super::file_entry::{FileEntry, read_regular};
 use super::provenance::FORMAT;
-use super::read::TableError;
+use super::table_error::TableError;
 use super::temporary::{write_atomically, write_once};
 use crate::foreign::shorten;
 use crate::tabular::Fault;

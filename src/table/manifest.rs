@@ -1,17 +1,16 @@
 //! `manifest.json`: the content of an output directory, and when, where and how it was made.
 
 use std::collections::BTreeMap;
-use std::fs;
-use std::io::{self, Read};
+use std::io;
 use std::path::Path;
+use std::time::{SystemTime, UNIX_EPOCH};
 
 use serde::{Deserialize, Serialize};
-use sha2::{Digest, Sha256};
 
 use super::checked::{Listed, is_file_name};
+use super::file_entry::{FileEntry, read_regular};
 use super::provenance::{COMMIT, FORMAT, VERSION};
-use super::read::TableError;
-use super::results::{Circumstances, RUNS};
+use super::table_error::TableError;
 use super::temporary::write_atomically;
 use crate::analysis::LabelCounts;
 use crate::classification::{Label, MODEL_VERSION};
@@ -20,12 +19,54 @@ use crate::study::Study;
 
 /// Name of the manifest in an output directory.
 pub const MANIFEST: &str = "manifest.json";
+/// Name of the table of runs.
+pub(super) const RUNS: &str = "runs.parquet";
 
 /// The largest manifest that is read, in bytes.
 const MAX_BYTES: u64 = 4 * 1024 * 1024;
 
 /// The largest number of characters of a text in a manifest.
 const LONGEST_TEXT: usize = 256;
+
+/// Facts about an execution of the program.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Circumstances {
+    /// Part of the study, as `K/N`.
+    pub shard: String,
+    /// Planned runs of this part; with a precision, the largest number.
+    pub runs_planned: u64,
+    /// Finished runs that were reused from disk.
+    pub runs_kept: u64,
+    /// Whether all required runs have finished.
+    pub complete: bool,
+    /// Start time, in seconds since 1970-01-01 UTC.
+    pub started_unix_s: f64,
+    /// Duration, s.
+    pub wall_s: f64,
+    /// Number of worker threads.
+    pub threads: usize,
+    /// Directories of the shards that are merged; empty if runs are computed.
+    pub merging: Vec<String>,
+}
+
+impl Circumstances {
+    /// Returns the circumstances of a part of a study that is about to start.
+    pub fn begin(shard: String, runs_planned: u64) -> Self {
+        // A clock before 1970 is wrong.
+        let started = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
+        let started_unix_s = started.as_secs_f64();
+        Circumstances {
+            shard,
+            runs_planned,
+            runs_kept: 0,
+            complete: false,
+            started_unix_s,
+            wall_s: 0.0,
+            threads: 0,
+            merging: Vec::new(),
+        }
+    }
+}
 
 /// The manifest. No other file contains times or the host.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -71,61 +112,6 @@ pub struct Manifest {
     pub host: String,
     /// The data files; for a table that is a directory, each of its parts.
     pub files: BTreeMap<String, FileEntry>,
-}
-
-/// A data file in the manifest.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct FileEntry {
-    /// Number of rows; `None` for a file that is not a table.
-    pub rows: Option<u64>,
-    /// Size in bytes.
-    pub bytes: u64,
-    /// SHA-256 hash of the content, in hexadecimal.
-    pub sha256: String,
-}
-
-impl FileEntry {
-    /// Creates the entry of a file on disk.
-    ///
-    /// # Errors
-    /// Returns an error if the file cannot be read.
-    pub fn of(path: &Path, rows: Option<u64>) -> io::Result<Self> {
-        let mut hasher = HashWriter { hasher: Sha256::new(), bytes: 0 };
-        io::copy(&mut fs::File::open(path)?, &mut hasher)?;
-        Ok(FileEntry { rows, bytes: hasher.bytes, sha256: hexadecimal(&hasher.hasher.finalize()) })
-    }
-
-    /// Creates the entry of a file that has this content and is not a table.
-    pub(super) fn of_content(content: &[u8]) -> Self {
-        let sha256 = hexadecimal(&Sha256::digest(content));
-        FileEntry { rows: None, bytes: content.len() as u64, sha256 }
-    }
-
-    /// Returns whether two files have the same content.
-    pub(super) fn has_content_of(&self, other: &Self) -> bool {
-        (self.bytes, &self.sha256) == (other.bytes, &other.sha256)
-    }
-}
-
-fn hexadecimal(digest: &[u8]) -> String {
-    digest.iter().map(|byte| format!("{byte:02x}")).collect()
-}
-
-struct HashWriter {
-    hasher: Sha256,
-    bytes: u64,
-}
-
-impl io::Write for HashWriter {
-    fn write(&mut self, content: &[u8]) -> io::Result<usize> {
-        self.hasher.update(content);
-        self.bytes += content.len() as u64;
-        Ok(content.len())
-    }
-
-    fn flush(&mut self) -> io::Result<()> {
-        Ok(())
-    }
 }
 
 impl Manifest {
@@ -257,22 +243,4 @@ impl Manifest {
         let text = serde_json::to_string_pretty(self).map_err(io::Error::other)? + "\n";
         write_atomically(&directory.join(MANIFEST), text.as_bytes())
     }
-}
-
-/// Reads a regular file of at most `most` bytes.
-///
-/// # Errors
-/// Returns an error if the file is not regular (for example, a link), is larger, or cannot be read.
-pub(crate) fn read_regular(path: &Path, most: u64) -> io::Result<Vec<u8>> {
-    // Checked before opening: opening a named pipe would wait for a writer, and a link may lead
-    // anywhere.
-    if !fs::symlink_metadata(path)?.is_file() {
-        return Err(io::Error::other("not a regular file"));
-    }
-    let mut bytes = Vec::new();
-    fs::File::open(path)?.take(most + 1).read_to_end(&mut bytes)?;
-    if bytes.len() as u64 > most {
-        return Err(io::Error::other(format!("larger than {most} bytes")));
-    }
-    Ok(bytes)
 }

@@ -8,7 +8,8 @@ use arrow_schema::{Schema, SchemaRef};
 use arrow_select::concat::concat_batches;
 
 use super::memory::MemoryTable;
-use super::read::{Table, TableError};
+use super::read::Table;
+use super::table_error::TableError;
 use crate::tabular::Fault;
 
 /// Rows of a batch.

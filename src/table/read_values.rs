@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use super::read::TableError;
+use super::table_error::TableError;
 use crate::tabular::{Fault, Kind, Values};
 
 /// Some rows.

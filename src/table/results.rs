@@ -3,7 +3,6 @@
 use std::collections::BTreeMap;
 use std::io;
 use std::path::{Path, PathBuf};
-use std::time::{SystemTime, UNIX_EPOCH};
 
 use thiserror::Error;
 
@@ -11,7 +10,8 @@ use super::cycles::{CycleRow, cycle_columns};
 use super::directory::make_directory;
 use super::equilibria::{EquilibriumRow, equilibrium_columns};
 use super::equilibrium_histogram::{HistogramRow, histogram_columns};
-use super::manifest::{FileEntry, MANIFEST, Manifest};
+use super::file_entry::FileEntry;
+use super::manifest::{Circumstances, MANIFEST, Manifest, RUNS};
 use super::points::{PointRow, point_columns};
 use super::provenance::provenance;
 use super::record::RunRecord;
@@ -54,46 +54,6 @@ pub enum ResultsError {
     Write(#[from] WriteError),
 }
 
-/// Facts about an execution of the program.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Circumstances {
-    /// Part of the study, as `K/N`.
-    pub shard: String,
-    /// Planned runs of this part; with a precision, the largest number.
-    pub runs_planned: u64,
-    /// Finished runs that were reused from disk.
-    pub runs_kept: u64,
-    /// Whether all required runs have finished.
-    pub complete: bool,
-    /// Start time, in seconds since 1970-01-01 UTC.
-    pub started_unix_s: f64,
-    /// Duration, s.
-    pub wall_s: f64,
-    /// Number of worker threads.
-    pub threads: usize,
-    /// Directories of the shards that are merged; empty if runs are computed.
-    pub merging: Vec<String>,
-}
-
-impl Circumstances {
-    /// Returns the circumstances of a part of a study that is about to start.
-    pub fn begin(shard: String, runs_planned: u64) -> Self {
-        // A clock before 1970 is wrong.
-        let started = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
-        let started_unix_s = started.as_secs_f64();
-        Circumstances {
-            shard,
-            runs_planned,
-            runs_kept: 0,
-            complete: false,
-            started_unix_s,
-            wall_s: 0.0,
-            threads: 0,
-            merging: Vec::new(),
-        }
-    }
-}
-
 /// The tables of a study, open for writing.
 pub struct Results {
     directory: PathBuf,
@@ -109,7 +69,6 @@ pub struct Results {
 /// The data files of an output directory.
 pub(super) const DATA_FILES: [&str; 7] = [RUNS, POINTS, REST, CYCLES, EQUILIBRIA, HISTOGRAM, STUDY];
 
-pub(super) const RUNS: &str = "runs.parquet";
 const POINTS: &str = "points.parquet";
 const REST: &str = "time_to_rest.parquet";
 const CYCLES: &str = "cycles.parquet";

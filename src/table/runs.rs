@@ -1,7 +1,6 @@
 //! `runs.parquet`: one row per run, including failed runs; and the columns of planned runs.
 
 use super::column::{Column, NON_DIMENSIONAL};
-use super::cycles::class_meaning;
 use super::record::RunRecord;
 use crate::analysis::CycleClass;
 use crate::classification::{Evidence, LyapunovExponent};
@@ -309,4 +308,18 @@ fn amplitude_meaning(study: &Study) -> &'static str {
         "half the distance between the extreme positions of the block over the cycle or the last \
          tenth of the time; 0 at rest"
     }
+}
+
+/// Returns the meaning of the text of a class.
+pub(super) fn class_meaning(balls: usize) -> String {
+    let parts = if balls > 0 {
+        "for each ball, joined by |: rest, or turns per period (negative against the rotation of \
+         the disc) and, after a colon, the sequence of its phases: S stick, F forward slip, B \
+         backward slip (the n-th letters of all balls are simultaneous); identical balls are not \
+         ordered"
+    } else {
+        "0, a colon and the sequence of the block's phases: S stick, F forward slip on the belt, B \
+         backward slip"
+    };
+    format!("class of the limit cycle: {parts}; unknown if the orbit is only known to close")
 }

@@ -10,7 +10,7 @@ use std::io;
 use std::path::Path;
 
 use super::directory::sync_directory;
-use super::manifest::read_regular;
+use super::file_entry::read_regular;
 use tempfile::{Builder, NamedTempFile, TempDir};
 
 /// The extension of all temporary names.

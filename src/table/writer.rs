@@ -14,7 +14,7 @@ use parquet::file::properties::WriterProperties;
 use thiserror::Error;
 
 use super::column::{Column, batch, schema};
-use super::manifest::FileEntry;
+use super::file_entry::FileEntry;
 use super::staging::{Staging, part_name};
 use super::temporary::taken;
 

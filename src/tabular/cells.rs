@@ -1,13 +1,9 @@
 //! Tables as rows of cells, numbers and texts: what a study takes, from CSV, Parquet and Arrow alike.
 
-use std::path::Path;
-
 use arrow_array::{ArrayRef, RecordBatch, RecordBatchReader};
 use arrow_schema::{ArrowError, DataType, Schema};
 
-use super::csv;
 use super::error::{Fault, Refusal};
-use super::parquet::ParquetFile;
 use super::values::{Kind, Values};
 use crate::foreign::shorten;
 
@@ -67,53 +63,7 @@ impl Limits<'_> {
     }
 }
 
-/// The formats of files.
-#[derive(Clone, Copy)]
-enum Format {
-    Csv,
-    Parquet,
-}
-
-/// Whether a file is read, by the ending of its name.
-fn format(path: &Path) -> Option<Format> {
-    let extension = path.extension()?.to_str()?;
-    let is = |name: &str| extension.eq_ignore_ascii_case(name);
-    if is("csv") { Some(Format::Csv) } else { is("parquet").then_some(Format::Parquet) }
-}
-
-/// What is wrong with the name of a file that is not read.
-pub(crate) fn check_name(path: &Path, allowed: &str) -> Result<(), Fault> {
-    let found = shorten(&path.to_string_lossy());
-    let problem = "neither a CSV nor a Parquet file by its name";
-    format(path).map(drop).ok_or_else(|| Fault::new(problem, found, allowed))
-}
-
 impl Cells {
-    /// Reads the table in a file's bytes, in the format that its name says.
-    ///
-    /// # Errors
-    /// What is wrong, and where.
-    pub fn read(path: &Path, bytes: Vec<u8>, limits: &Limits<'_>) -> Result<Cells, Refusal> {
-        match format(path) {
-            Some(Format::Parquet) => Self::of_parquet(bytes, limits),
-            _ => csv::read(bytes, limits),
-        }
-    }
-
-    fn of_parquet(bytes: Vec<u8>, limits: &Limits<'_>) -> Result<Cells, Refusal> {
-        let file = ParquetFile::in_memory(bytes)?;
-        let mut cells = Self::of_schema(file.schema(), limits)?;
-        let (rows, columns) = (file.rows(), cells.columns.len());
-        if rows.saturating_mul(columns.max(1) as u64) > limits.values as u64 {
-            return Err(too_many_values(format!("{rows} rows of {columns} columns"), limits).into());
-        }
-        let all: Vec<usize> = (0..columns).collect();
-        for batch in file.batches(&all, file.schema())? {
-            cells.push(&batch?)?;
-        }
-        Ok(cells)
-    }
-
     /// Reads an Arrow table.
     ///
     /// # Errors
@@ -151,7 +101,7 @@ impl Cells {
         }
         match rows.iter().position(|row| row.len() != columns.len()) {
             Some(row) => {
-                let fault = csv::ragged(rows[row].len(), columns.len());
+                let fault = ragged(rows[row].len(), columns.len());
                 Err(Refusal { row: Some(row), ..fault.into() })
             }
             None => Ok(Cells { columns, rows, lines: None }),
@@ -162,7 +112,7 @@ impl Cells {
     ///
     /// # Errors
     /// A column of a wrong name, or neither of numbers nor of text.
-    fn of_schema(schema: &Schema, limits: &Limits<'_>) -> Result<Cells, Refusal> {
+    pub(super) fn of_schema(schema: &Schema, limits: &Limits<'_>) -> Result<Cells, Refusal> {
         let columns: Vec<String> =
             schema.fields().iter().map(|field| field.name().clone()).collect();
         limits.check_columns(&columns)?;
@@ -179,7 +129,7 @@ impl Cells {
     ///
     /// # Errors
     /// A text that is too long.
-    fn push(&mut self, batch: &RecordBatch) -> Result<(), Refusal> {
+    pub(super) fn push(&mut self, batch: &RecordBatch) -> Result<(), Refusal> {
         let columns = self.columns.iter().zip(batch.columns());
         let mut columns = columns
             .map(|(name, column)| {
@@ -229,4 +179,9 @@ fn wrong_type(column: &str, kind: &DataType) -> Refusal {
 pub(super) fn too_many_values(found: String, limits: &Limits<'_>) -> Fault {
     let allowed = format!("at most {} in all tables of a study", limits.values);
     Fault::new("too many values", found, allowed)
+}
+
+/// A row with more or fewer values than there are columns.
+pub(crate) fn ragged(found: usize, columns: usize) -> Fault {
+    Fault::new("a ragged row", format!("{found} values"), format!("{columns}, one per column"))
 }

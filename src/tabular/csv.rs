@@ -2,7 +2,7 @@
 
 use csv::{Position, ReaderBuilder, Trim};
 
-use super::cells::{Cell, Cells, Limits, too_many_values};
+use super::cells::{Cell, Cells, Limits, ragged, too_many_values};
 use super::error::{Fault, Refusal};
 use crate::foreign::shorten;
 
@@ -48,11 +48,6 @@ pub(super) fn read(bytes: Vec<u8>, limits: &Limits<'_>) -> Result<Cells, Refusal
         return Err(fault.into());
     }
     Ok(Cells { columns, rows, lines: Some(lines) })
-}
-
-/// A row with more or fewer values than there are columns.
-pub(crate) fn ragged(found: usize, columns: usize) -> Fault {
-    Fault::new("a ragged row", format!("{found} values"), format!("{columns}, one per column"))
 }
 
 /// Bytes as text.

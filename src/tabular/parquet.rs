@@ -6,7 +6,6 @@
 //! the rest.
 
 use std::fs::File;
-use std::panic::{self, AssertUnwindSafe};
 use std::sync::Arc;
 
 use arrow_array::RecordBatch;
@@ -21,6 +20,7 @@ use parquet::errors::Result as ParquetResult;
 use parquet::file::metadata::{KeyValue, ParquetMetaData, RowGroupMetaData};
 
 use super::error::Fault;
+use super::guard::guarded;
 use super::pages::Chunks;
 use super::source::{Place, Source};
 use super::values::Kind;
@@ -39,17 +39,6 @@ const UNPACKED: u64 = 64 * 1024 * 1024;
 pub(crate) struct ParquetFile {
     source: Arc<Source>,
     schema: SchemaRef,
-}
-
-/// Calls the Parquet library, which has assertions that damaged files fail, such as a value that refers
-/// to a dictionary's entry that is not there. What `call` changes must not be used after a fault.
-///
-/// # Errors
-/// A fault where the library panics.
-pub(super) fn guarded<T>(call: impl FnOnce() -> T) -> Result<T, Fault> {
-    // Nothing that is used later outlives the unwinding.
-    panic::catch_unwind(AssertUnwindSafe(call))
-        .map_err(|_| Fault::damaged("contents that the Parquet library stumbles over"))
 }
 
 /// What the library says, in our words.

@@ -1,0 +1,81 @@
+//! A file on a list of files: its rows, its size and its hash.
+
+use std::fs;
+use std::io::{self, Read};
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
+
+/// A data file in the manifest.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct FileEntry {
+    /// Number of rows; `None` for a file that is not a table.
+    pub rows: Option<u64>,
+    /// Size in bytes.
+    pub bytes: u64,
+    /// SHA-256 hash of the content, in hexadecimal.
+    pub sha256: String,
+}
+
+impl FileEntry {
+    /// Creates the entry of a file on disk.
+    ///
+    /// # Errors
+    /// Returns an error if the file cannot be read.
+    pub fn of(path: &Path, rows: Option<u64>) -> io::Result<Self> {
+        let mut hasher = HashWriter { hasher: Sha256::new(), bytes: 0 };
+        io::copy(&mut fs::File::open(path)?, &mut hasher)?;
+        Ok(FileEntry { rows, bytes: hasher.bytes, sha256: hexadecimal(&hasher.hasher.finalize()) })
+    }
+
+    /// Creates the entry of a file that has this content and is not a table.
+    pub(super) fn of_content(content: &[u8]) -> Self {
+        let sha256 = hexadecimal(&Sha256::digest(content));
+        FileEntry { rows: None, bytes: content.len() as u64, sha256 }
+    }
+
+    /// Returns whether two files have the same content.
+    pub(super) fn has_content_of(&self, other: &Self) -> bool {
+        (self.bytes, &self.sha256) == (other.bytes, &other.sha256)
+    }
+}
+
+fn hexadecimal(digest: &[u8]) -> String {
+    digest.iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+struct HashWriter {
+    hasher: Sha256,
+    bytes: u64,
+}
+
+impl io::Write for HashWriter {
+    fn write(&mut self, content: &[u8]) -> io::Result<usize> {
+        self.hasher.update(content);
+        self.bytes += content.len() as u64;
+        Ok(content.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+/// Reads a regular file of at most `most` bytes.
+///
+/// # Errors
+/// Returns an error if the file is not regular (for example, a link), is larger, or cannot be read.
+pub(crate) fn read_regular(path: &Path, most: u64) -> io::Result<Vec<u8>> {
+    // Checked before opening: opening a named pipe would wait for a writer, and a link may lead
+    // anywhere.
+    if !fs::symlink_metadata(path)?.is_file() {
+        return Err(io::Error::other("not a regular file"));
+    }
+    let mut bytes = Vec::new();
+    fs::File::open(path)?.take(most + 1).read_to_end(&mut bytes)?;
+    if bytes.len() as u64 > most {
+        return Err(io::Error::other(format!("larger than {most} bytes")));
+    }
+    Ok(bytes)
+}

@@ -1,0 +1,57 @@
+//! The table in a file's bytes, in the format that the name of the file says.
+
+use std::path::Path;
+
+use super::cells::{Cells, Limits, too_many_values};
+use super::csv;
+use super::error::{Fault, Refusal};
+use super::parquet::ParquetFile;
+use crate::foreign::shorten;
+
+/// The formats of files.
+#[derive(Clone, Copy)]
+enum Format {
+    Csv,
+    Parquet,
+}
+
+/// Whether a file is read, by the ending of its name.
+fn format(path: &Path) -> Option<Format> {
+    let extension = path.extension()?.to_str()?;
+    let is = |name: &str| extension.eq_ignore_ascii_case(name);
+    if is("csv") { Some(Format::Csv) } else { is("parquet").then_some(Format::Parquet) }
+}
+
+/// What is wrong with the name of a file that is not read.
+pub(crate) fn check_name(path: &Path, allowed: &str) -> Result<(), Fault> {
+    let found = shorten(&path.to_string_lossy());
+    let problem = "neither a CSV nor a Parquet file by its name";
+    format(path).map(drop).ok_or_else(|| Fault::new(problem, found, allowed))
+}
+
+impl Cells {
+    /// Reads the table in a file's bytes, in the format that its name says.
+    ///
+    /// # Errors
+    /// What is wrong, and where.
+    pub fn read(path: &Path, bytes: Vec<u8>, limits: &Limits<'_>) -> Result<Cells, Refusal> {
+        match format(path) {
+            Some(Format::Parquet) => Self::of_parquet(bytes, limits),
+            _ => csv::read(bytes, limits),
+        }
+    }
+
+    fn of_parquet(bytes: Vec<u8>, limits: &Limits<'_>) -> Result<Cells, Refusal> {
+        let file = ParquetFile::in_memory(bytes)?;
+        let mut cells = Self::of_schema(file.schema(), limits)?;
+        let (rows, columns) = (file.rows(), cells.columns.len());
+        if rows.saturating_mul(columns.max(1) as u64) > limits.values as u64 {
+            return Err(too_many_values(format!("{rows} rows of {columns} columns"), limits).into());
+        }
+        let all: Vec<usize> = (0..columns).collect();
+        for batch in file.batches(&all, file.schema())? {
+            cells.push(&batch?)?;
+        }
+        Ok(cells)
+    }
+}
