@@ -78,7 +78,7 @@ fn stopped_by(signal: &str, number: u32) {
     let table = scratch.table("out", "runs");
     let finished = table.num_rows() as u64;
     assert!(finished > 10, "{finished}");
-    let message = format!("interrupted after {finished} of 4000000 runs; what is finished is kept");
+    let message = format!("interrupted after {finished} of 4000000 runs; finished runs are saved");
     assert!(ended.err.contains(&message), "{}", ended.err);
     let manifest = scratch.manifest("out");
     assert_eq!(manifest["complete"], false);

@@ -193,7 +193,7 @@ fn refusals() {
         scratch.refused("optimize bad.yaml --out bad", parts);
     }
     scratch.write("none.yaml", BLOCK);
-    scratch.refused("optimize none.yaml", &["nothing is looked for", "optimize: {minimize"]);
+    scratch.refused("optimize none.yaml", &["`optimize` is missing", "optimize: {minimize"]);
     // All designs are at rest by 5 s.
     scratch.write("constant.yaml", format!("{BLOCK}optimize: {{maximize: soon, designs: 12}}\n"));
     let ended = scratch.stickslip("optimize constant.yaml --out constant --quiet");

@@ -206,15 +206,15 @@ fn results_that_are_not_complete_say_how_much_is_missing() {
 #[test]
 fn what_cannot_be_shown_is_refused() {
     let (scratch, _) = finished();
-    scratch.refused("report nowhere", &["nowhere: this directory holds no study", "allowed: "]);
+    scratch.refused("report nowhere", &["nowhere: this directory holds no results", "allowed: "]);
     scratch.refused("report a.yaml", &["a.yaml", "allowed: "]);
     // Only a page is replaced by a page.
     scratch.well("report out");
     scratch.well("report out");
     scratch
-        .refused("report out --out a.yaml", &["a.yaml", "would replace", "found: ", "allowed: "]);
+        .refused("report out --out a.yaml", &["a.yaml", "would overwrite", "found: ", "allowed: "]);
     for inside in ["out", "out/new.html", "out/chunks", "out/a/b.html"] {
-        let said = ["lies in the directory that is shown", "found: ", "allowed: "];
+        let said = ["lies in the directory of results", "found: ", "allowed: "];
         scratch.refused(&format!("report out --out {inside}"), &said);
     }
     fs::create_dir(scratch.path("folder")).unwrap();

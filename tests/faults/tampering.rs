@@ -125,7 +125,7 @@ fn shards_are_only_read() {
     };
     let before = files();
     let ended = scratch.stickslip("merge part --out merged");
-    assert_has(&ended.err, &["80 were finished before, 0 computed"]);
+    assert_has(&ended.err, &["80 finished earlier, 0 computed"]);
     assert_eq!(files(), before);
 }
 
