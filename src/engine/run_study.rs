@@ -1,7 +1,8 @@
-//! A study computed from end to end: batches of runs go over the cores, and finished runs go to the sink in order.
+//! Computes a study: workers compute batches of runs, and the sink receives finished runs in order.
 //!
-//! A batch is a set of runs that are computed without asking in between whether more are needed; a study without
-//! a precision has one. Parts of a batch bound the memory: while one is computed, the one before is written.
+//! A batch is a set of runs that are computed without deciding in between whether more are needed; a study without
+//! a precision has one batch. Batches are computed in parts, which bound the memory: the sink receives one part
+//! while the next one is computed.
 
 use std::collections::HashMap;
 use std::sync::atomic::{AtomicBool, AtomicU64};
@@ -26,25 +27,25 @@ use crate::motion::{Cancellation, SimdLevel};
 use crate::study::Study;
 use crate::table::{PointRow, RunRecord};
 
-/// How a study is computed. None of it changes a result.
+/// How a study is computed. No option changes a result.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct EngineOptions {
-    /// Worker threads; at least one is used.
+    /// Number of worker threads; at least one is used.
     pub threads: usize,
-    /// Runs computed before they are handed on, and kept in one file; at least one.
+    /// Number of runs in one part of a batch and in one chunk file; at least one.
     pub chunk: usize,
     /// The part of the study to compute.
     pub shard: Shard,
-    /// When to begin no further run; those in progress are given up a second later.
+    /// When to begin no further run; runs in progress are abandoned a second later.
     pub deadline: Option<Instant>,
-    /// How many runs may fail before no further run is begun; any number if none.
+    /// The number of failed runs after which no further run begins; no limit if `None`.
     pub most_failed: Option<u64>,
-    /// Whether finished runs that failed are computed again, from the same case.
+    /// Whether failed runs are computed again, from the same case.
     pub retry_failed: bool,
 }
 
 impl Default for EngineOptions {
-    /// The whole study on one thread, to its end.
+    /// Returns options for the whole study on one thread, without limits.
     fn default() -> Self {
         let (deadline, most_failed, retry_failed) = (None, None, false);
         EngineOptions {
@@ -58,66 +59,67 @@ impl Default for EngineOptions {
     }
 }
 
-/// Takes in runs and points, in the order of the study.
+/// Receives runs and points in the order of the study.
 pub trait Sink: Send {
-    /// What can go wrong.
+    /// The error of the sink.
     type Error: Send;
 
-    /// A run has finished. Runs come in ascending order of their numbers.
+    /// Receives a finished run. Runs arrive in ascending order of their numbers.
     ///
     /// # Errors
-    /// Stops the study.
+    /// An error stops the study.
     fn run(&mut self, record: RunRecord) -> Result<(), Self::Error>;
 
-    /// All runs of a point have finished, or those that will; `detail` goes into tables of its own.
+    /// Receives a point whose runs have finished, all of them or those before an interruption; `detail` holds the
+    /// rows of other tables.
     ///
     /// # Errors
-    /// Stops the study.
+    /// An error stops the study.
     fn point(&mut self, point: PointRow, detail: PointDetail) -> Result<(), Self::Error>;
 }
 
-/// Why a study could not be computed.
+/// The reason why a study could not be computed.
 #[derive(Debug, Error)]
 pub enum EngineError<E> {
     /// The worker threads could not be started.
     #[error("cannot start the worker threads: {0}")]
     Threads(#[from] rayon::ThreadPoolBuildError),
-    /// The sink refused.
+    /// The sink returned an error.
     #[error("{0}")]
     Sink(E),
-    /// Finished runs could not be kept.
+    /// Finished runs could not be stored.
     #[error(transparent)]
     Store(StoreError),
 }
 
-/// What the engine has done.
+/// The result of a computation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RunTotals {
     /// Finished runs per label.
     pub counts: LabelCounts,
-    /// Why it was cut short, if it was.
+    /// Why the computation stopped early, if it did.
     pub stopped: Option<StopReason>,
-    /// How many of the finished runs did not have to be computed.
+    /// Number of finished runs that did not have to be computed.
     pub kept: u64,
-    /// How many runs had begun and were given up; nothing of them is kept.
+    /// Number of runs that had begun and were abandoned without a result.
     pub given_up: u64,
 }
 
 impl RunTotals {
-    /// Whether it was cut short.
+    /// Whether the computation stopped early.
     pub fn interrupted(&self) -> bool {
         self.stopped.is_some()
     }
 }
 
-/// Computes the runs of a study's shard in lockstep and hands runs and points to `sink`. Runs that are in
-/// `store` are not computed; all others go there.
+/// Computes the runs of a study's shard in lockstep and passes runs and points to `sink`. Runs that `store` holds
+/// are not computed; all others are stored there.
 ///
-/// When `stop` becomes true, runs in progress are finished, or given up where that takes longer than a second;
-/// all finished runs are handed on, and the engine returns. A panic in a run is that run's failure and nobody else's.
+/// When `stop` becomes true, runs in progress are finished or, after a second, abandoned; the sink receives all
+/// finished runs, and the function returns. A panic in a run makes that run fail and leaves all others unchanged.
 ///
 /// # Errors
-/// Where threads cannot be started, the sink refuses or the store cannot be written.
+/// Returns an error if the worker threads cannot be started, if the sink returns one, or if a chunk cannot be written.
 pub fn run_study<S: Sink>(
     study: &Study,
     options: EngineOptions,
@@ -131,10 +133,10 @@ pub fn run_study<S: Sink>(
     run.run(&InLockstep(SimdLevel::best()), store, sink)
 }
 
-/// The same with a function that simulates one case.
+/// Computes a study like [`run_study`], but simulates each case with the given function.
 ///
 /// # Errors
-/// As for [`run_study`].
+/// Returns the errors of [`run_study`].
 pub fn run_study_with<S: Sink>(
     study: &Study,
     options: EngineOptions,
@@ -149,7 +151,7 @@ pub fn run_study_with<S: Sink>(
     run.run(&OneByOne(simulate), store, sink)
 }
 
-/// A study on its way.
+/// The computation of a study.
 struct StudyRun<'a> {
     study: &'a Study,
     options: EngineOptions,
@@ -157,7 +159,7 @@ struct StudyRun<'a> {
     progress: &'a Progress,
 }
 
-/// What is needed of a store while runs are computed.
+/// The parts of a store that the computation uses.
 struct StoreReader<'a> {
     chunk_index: &'a mut ChunkIndex,
     result_cache: &'a ResultCache,
@@ -193,7 +195,7 @@ impl StudyRun<'_> {
                 scope.spawn(move || write_chunks(appender, &finished, chunk, stop_condition));
             let reading = Some(StoreReader { chunk_index, result_cache, new_results });
             let tally = self.compute_all(cancellation, engine, reading, sink);
-            // It has nothing to panic about; if it does, that is a failure of the program.
+            // The writer is not expected to panic; a panic is a fault of the program.
             keeping
                 .join()
                 .unwrap_or_else(|panic| std::panic::resume_unwind(panic))
@@ -278,7 +280,7 @@ impl StudyRun<'_> {
     }
 }
 
-/// Hands runs to the sink and collects them point by point.
+/// Passes runs to the sink and collects them point by point.
 struct Intake<'a, S> {
     study: &'a Study,
     sink: &'a mut S,
@@ -287,7 +289,7 @@ struct Intake<'a, S> {
 }
 
 impl<S: Sink> Intake<'_, S> {
-    /// What is known of the point whose runs came last.
+    /// Returns the runs of the last point so far.
     fn so_far(&self) -> Option<&PointAccumulator> {
         self.point.as_ref().map(|(_, runs)| runs)
     }

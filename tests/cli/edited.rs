@@ -23,7 +23,7 @@ fn edited(text: String, used: u64, all: u64) {
     let ended = scratch.stickslip("run a.yaml --out out");
     assert_eq!(ended.code, Some(0), "{}", ended.err);
     let runs = format!("{all} runs: {used} finished earlier, {} computed", all - used);
-    assert_has(&ended.err, &["earlier results are now in out/earlier/1", &runs]);
+    assert_has(&ended.err, &["earlier results moved to out/earlier/1", &runs]);
     scratch.well("run a.yaml --out alone");
     assert_eq!(scratch.data("out"), scratch.data("alone"));
     // Nothing is lost.
@@ -88,7 +88,7 @@ fn what_cannot_be_used_again_is_refused_with_the_difference() {
     let other = |text: String| text.replace("seed: 5", "seed: 6").replace("2e-2", "3e-2");
     scratch.write("b.yaml", study("[-160.0]", other));
     let refused = [
-        "out: this directory holds the results of another study, of which no run can be used",
+        "out: this directory holds the results of another study, of which no run can be reused",
         "study edited; it differs in\n    seed: 5 -> 6\n",
         "simulation.end_time_s: 0.02 -> 0.03",
         "allowed: another directory, with --out DIR; or --recompute",
