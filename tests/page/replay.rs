@@ -85,7 +85,7 @@ fn what_readers_of_all_kinds_are_told() {
         ("button", "Play"),
         ("slider", "Time"),
         ("combobox", "Speed"),
-        ("combobox", "Seen"),
+        ("combobox", "View"),
         ("combobox", "Table's displacement ×"),
         ("list", "Balls"),
     ] {
