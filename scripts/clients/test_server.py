@@ -60,7 +60,7 @@ class TestServer(Clients):
         nothing = self.write("nothing.yaml", BLOCK.split("responses:")[0])
         with (
             Server(nothing) as server,
-            self.assertRaisesRegex(StickslipError, "nothing is asked for"),
+            self.assertRaisesRegex(StickslipError, "`responses` is missing"),
         ):
             server.ask({})
         with self.assertRaisesRegex(StickslipError, "set STICKSLIP"):
