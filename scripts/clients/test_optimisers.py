@@ -94,7 +94,7 @@ class TestPymoo(Clients):
             1,
         )
         text = self.client("pymoo", self.balancer, *arguments, code=1)
-        self.assertIn("no design keeps the constraints", text)
+        self.assertIn("no design meets the constraints", text)
 
     def test_an_interrupt_leaves_nothing_behind(self):
         command = [
