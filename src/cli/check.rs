@@ -106,7 +106,7 @@ pub fn check(arguments: &CheckArguments) -> Result<End, CliError> {
     };
     let only = match study.simulation().endings {
         Endings::All => "",
-        Endings::Rest => ", looked for rest only",
+        Endings::Rest => ", detects rest only",
     };
     let audit = study.audit().map_or_else(String::new, |audit| {
         let method = method_name(study.simulation().counter_check().method);

@@ -15,13 +15,13 @@ use crate::responses::{Neighbours, Refusal, Request, respond, to_json};
 use crate::study::Study;
 
 /// The longest request line, in bytes.
-const LONGEST: usize = 1 << 20;
+const MAX_LINE_BYTES: usize = 1 << 20;
 /// How often a waiting thread checks for an interruption.
-const LOOK: Duration = Duration::from_millis(50);
+const POLL_INTERVAL: Duration = Duration::from_millis(50);
 
 const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
 
-/// A line of standard input; `None` if it is longer than `LONGEST`.
+/// A line of standard input; `None` if it is longer than `MAX_LINE_BYTES`.
 type Line = Option<Vec<u8>>;
 
 /// Answers requests until the input ends, the output is closed, or `stop` becomes true.
@@ -37,14 +37,14 @@ pub fn serve(study: &Study, workers: &WorkerPool, stop: &AtomicBool) -> Result<E
         if stop.load(Ordering::Relaxed) {
             return Ok(End::Interrupted);
         }
-        let line = match lines.recv_timeout(LOOK) {
+        let line = match lines.recv_timeout(POLL_INTERVAL) {
             Ok(line) => line?,
             Err(RecvTimeoutError::Timeout) => continue,
             Err(RecvTimeoutError::Disconnected) => return Ok(End::Well),
         };
         let request = match line {
             Some(line) => Request::read(study, &line),
-            None => Request { id: json!(null), design: Err(Refusal::too_long(LONGEST)) },
+            None => Request { id: json!(null), design: Err(Refusal::too_long(MAX_LINE_BYTES)) },
         };
         let answer = match &request.design {
             Err(refusal) => json!({"id": request.id, "error": refusal.to_json()}),
@@ -106,7 +106,7 @@ impl Writer {
         let ended = || io::Error::other("the writer thread has ended");
         self.texts.send(text).map_err(|_| ended())?;
         loop {
-            match self.written.recv_timeout(LOOK) {
+            match self.written.recv_timeout(POLL_INTERVAL) {
                 Ok(written) => return written.map(Some),
                 Err(RecvTimeoutError::Timeout) if stop.load(Ordering::Relaxed) => return Ok(None),
                 Err(RecvTimeoutError::Timeout) => {}
@@ -143,15 +143,15 @@ fn lines() -> Receiver<io::Result<Line>> {
 /// Returns the next line; `None` at the end of the input.
 fn next_line(input: &mut impl BufRead) -> io::Result<Option<Line>> {
     let mut line = Vec::new();
-    if input.by_ref().take(LONGEST as u64 + 1).read_until(b'\n', &mut line)? == 0 {
+    if input.by_ref().take(MAX_LINE_BYTES as u64 + 1).read_until(b'\n', &mut line)? == 0 {
         return Ok(None);
     }
-    if line.len() <= LONGEST {
+    if line.len() <= MAX_LINE_BYTES {
         return Ok(Some(Some(line)));
     }
     while line.last() != Some(&b'\n') {
         line.clear();
-        if input.by_ref().take(LONGEST as u64).read_until(b'\n', &mut line)? == 0 {
+        if input.by_ref().take(MAX_LINE_BYTES as u64).read_until(b'\n', &mut line)? == 0 {
             break;
         }
     }
@@ -160,18 +160,22 @@ fn next_line(input: &mut impl BufRead) -> io::Result<Option<Line>> {
 
 #[cfg(test)]
 mod tests {
-    use super::{LONGEST, next_line};
+    use super::{MAX_LINE_BYTES, next_line};
 
     #[test]
     fn long_lines_are_passed_over() {
-        let text =
-            [vec![b'a'; LONGEST - 1], b"\n".to_vec(), vec![b'b'; 3 * LONGEST], b"\nlast".to_vec()];
+        let text = [
+            vec![b'a'; MAX_LINE_BYTES - 1],
+            b"\n".to_vec(),
+            vec![b'b'; 3 * MAX_LINE_BYTES],
+            b"\nlast".to_vec(),
+        ];
         let text = text.concat();
         let mut input = text.as_slice();
         let mut lengths = Vec::new();
         while let Some(line) = next_line(&mut input).unwrap() {
             lengths.push(line.map(|line| line.len()));
         }
-        assert_eq!(lengths, [Some(LONGEST), None, Some(4)]);
+        assert_eq!(lengths, [Some(MAX_LINE_BYTES), None, Some(4)]);
     }
 }

@@ -112,12 +112,12 @@ impl Existence {
         }
         if self.not_unique > 0 && self.looked_at < self.points {
             text += &format!(
-                "  looked at {} of {} points, spread over the sweep\n",
+                "  checked {} of {} points, evenly spread over the sweep\n",
                 self.looked_at, self.points
             );
         }
         if self.uncertain {
-            text += "  the draws of uncertain parameters are not looked at, and can differ\n";
+            text += "  the random draws of uncertain parameters are not checked and can differ\n";
         }
         text
     }

@@ -120,13 +120,15 @@ pub fn optimize(arguments: &OptimizeArguments) -> Result<End, CliError> {
                 "{file}: `optimize`: {problem}\n  allowed: {allowed}"
             )));
         }
-        SearchEnd::NoMoreDesigns => tell("all designs have been evaluated".to_owned()),
+        SearchEnd::NoMoreDesigns => tell("all possible designs have been evaluated".to_owned()),
         SearchEnd::Finished => {}
     }
     let instead = evaluations.iter().filter(|one| one.origin == Origin::Instead).count();
     if instead > 0 {
         let all = evaluations.len();
-        tell(format!("{instead} of {all} designs drawn: the surrogates proposed no new design"));
+        tell(format!(
+            "{instead} of {all} designs are space-filling: the surrogates proposed no new design"
+        ));
     }
     if stop.load(Ordering::Relaxed) {
         return Ok(interrupted(&directory));

@@ -8,7 +8,7 @@ use super::stop::StopCondition;
 use super::store::{ChunkAppender, NewResult, StoreError};
 
 /// The longest time before a finished run is written.
-const LONGEST: Duration = Duration::from_secs(3);
+const MAX_WAIT: Duration = Duration::from_secs(3);
 /// The largest number of runs that wait for the disk; above it workers wait, too.
 const WAITING: usize = 16_384;
 
@@ -17,7 +17,7 @@ pub(super) fn new_results() -> (SyncSender<NewResult>, Receiver<NewResult>) {
     sync_channel(WAITING)
 }
 
-/// Writes the received runs until all senders are gone: one chunk per `chunk` runs, or earlier when `LONGEST` has
+/// Writes the received runs until all senders are gone: one chunk per `chunk` runs, or earlier when `MAX_WAIT` has
 /// passed.
 ///
 /// # Errors
@@ -39,7 +39,7 @@ pub(super) fn write_chunks(
             });
             match finished.recv_timeout(left) {
                 Ok(run) => {
-                    due = due.or_else(|| Instant::now().checked_add(LONGEST));
+                    due = due.or_else(|| Instant::now().checked_add(MAX_WAIT));
                     runs.push(run);
                 }
                 Err(RecvTimeoutError::Timeout) => break,

@@ -9,7 +9,7 @@ use crate::motion::Cancellation;
 /// The time that runs in progress have to finish when a study stops, before they are cancelled.
 pub(super) const GRACE: Duration = Duration::from_secs(1);
 /// The interval between two checks of the grace period.
-const LOOK: Duration = Duration::from_millis(20);
+const POLL_INTERVAL: Duration = Duration::from_millis(20);
 
 /// Runs `work` under a cancellation, which a separate thread triggers as soon as `is_over` returns true.
 pub(super) fn with_patience<T>(
@@ -21,7 +21,7 @@ pub(super) fn with_patience<T>(
         let (working, done) = channel::<()>();
         let to_cancel = cancellation.clone();
         let watch = move || {
-            while done.recv_timeout(LOOK) == Err(RecvTimeoutError::Timeout) {
+            while done.recv_timeout(POLL_INTERVAL) == Err(RecvTimeoutError::Timeout) {
                 if is_over() {
                     to_cancel.cancel();
                     return;

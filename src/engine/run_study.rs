@@ -191,12 +191,12 @@ impl StudyRun<'_> {
         let (new_results, finished) = new_results();
         let (stop_condition, chunk) = (&self.stop_condition, self.options.chunk);
         thread::scope(|scope| {
-            let keeping =
+            let writer =
                 scope.spawn(move || write_chunks(appender, &finished, chunk, stop_condition));
             let reading = Some(StoreReader { chunk_index, result_cache, new_results });
             let tally = self.compute_all(cancellation, engine, reading, sink);
             // The writer is not expected to panic; a panic is a fault of the program.
-            keeping
+            writer
                 .join()
                 .unwrap_or_else(|panic| std::panic::resume_unwind(panic))
                 .map_err(EngineError::Store)?;
@@ -258,9 +258,9 @@ impl StudyRun<'_> {
                 };
                 let waiting = std::mem::take(&mut finished);
                 let compute = || pool.compute(cancellation, engine, &batch);
-                let (records, handed_on) =
+                let (records, passed_on) =
                     pool.install(|| rayon::join(compute, || intake.take_all(waiting)));
-                handed_on.map_err(EngineError::Sink)?;
+                passed_on.map_err(EngineError::Sink)?;
                 finished = records;
             }
             intake.take_all(finished).map_err(EngineError::Sink)?;

@@ -77,7 +77,7 @@ impl<'a> Worker<'a> {
     }
 
     /// Takes a run from disk if it is stored with everything that its plan requires; otherwise returns the plan.
-    fn take_kept(&mut self, planned: PlannedRun) -> Option<PlannedRun> {
+    fn take_stored(&mut self, planned: PlannedRun) -> Option<PlannedRun> {
         let Some(disk) = &self.disk else { return Some(planned) };
         let key = self.key(&planned);
         let found = disk.found.get(&planned.run_id).filter(|found| found.key == key);
@@ -117,7 +117,7 @@ impl<'a> Worker<'a> {
     }
 
     /// Adds a result of a run, and finishes the run when all its results are present.
-    fn take_in(&mut self, place: u64, open: Open) {
+    fn add_result(&mut self, place: u64, open: Open) {
         let Open { planned, outcome, again } = open;
         let complete = !planned.audited || again.is_some();
         let (Some(outcome), true) = (&outcome, complete) else {
@@ -145,7 +145,7 @@ impl Runs for Worker<'_> {
             let run_id = *self.batch.run_ids.get(usize::try_from(place).ok()?)?;
             let mut planned = self.batch.study.planned_run(run_id);
             planned.audited &= self.batch.audits;
-            let Some(planned) = self.take_kept(planned) else { continue };
+            let Some(planned) = self.take_stored(planned) else { continue };
             if self.batch.stop_condition.now() {
                 continue;
             }
@@ -163,7 +163,7 @@ impl Runs for Worker<'_> {
                     let evidence = Evidence::InvalidParameters;
                     let outcome = Some(Outcome::failed(evidence, invalid.to_string()));
                     let again = planned.audited.then_some(evidence);
-                    self.take_in(place, Open { planned, outcome, again });
+                    self.add_result(place, Open { planned, outcome, again });
                 }
             }
         }
@@ -177,6 +177,6 @@ impl Runs for Worker<'_> {
         } else {
             open.again = Some(outcome.evidence);
         }
-        self.take_in(place, open);
+        self.add_result(place, open);
     }
 }

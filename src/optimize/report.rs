@@ -42,10 +42,10 @@ pub fn optimum_json(
         "study_hash": study.hash(),
         "search": {
             "ended": match end {
-                SearchEnd::Finished => "all designs have been looked at",
-                SearchEnd::NoMoreDesigns => "there are no more designs",
-                SearchEnd::Stopped => "it was stopped",
-                SearchEnd::Constant(_) => "an objective does not change",
+                SearchEnd::Finished => "all requested designs have been evaluated",
+                SearchEnd::NoMoreDesigns => "all possible designs have been evaluated",
+                SearchEnd::Stopped => "stopped",
+                SearchEnd::Constant(_) => "an objective is constant",
             },
             "designs": evaluations.len(),
         },

@@ -28,7 +28,7 @@ const LARGEST_CHUNK: u64 = 1 << 30;
 /// Upper bound of chunk numbers.
 const MOST_CHUNKS: u64 = 1 << 48;
 /// The number of damaged lines of a list that are reported one by one.
-const MOST_TOLD: usize = 10;
+const MOST_REPORTED: usize = 10;
 
 /// A finished chunk in the list.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -100,7 +100,7 @@ impl Folder {
                 }
                 _ => {
                     damaged += 1;
-                    if damaged <= MOST_TOLD {
+                    if damaged <= MOST_REPORTED {
                         say(&format!(
                             "{}: line {} is damaged: the runs of its chunk are computed again",
                             shown_path(&list),
@@ -110,7 +110,7 @@ impl Folder {
                 }
             }
         }
-        if damaged > MOST_TOLD {
+        if damaged > MOST_REPORTED {
             say(&format!("{}: {damaged} damaged lines in total", shown_path(&list)));
         }
         let next = Self::next_number(&path, &listed);

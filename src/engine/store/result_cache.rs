@@ -9,7 +9,7 @@ use super::record::CaseKey;
 use crate::engine::say;
 
 /// Number of chunks in memory.
-const KEPT: usize = 32;
+const CACHED_CHUNKS: usize = 32;
 
 /// An index of finished runs by case; it takes about forty bytes per run.
 #[derive(Debug, Default)]
@@ -64,7 +64,7 @@ impl ResultCache {
         let (folder, listed) = self.chunks.get(usize::try_from(place).ok()?)?;
         // The chunk was valid when it was indexed; if it no longer is, its runs are computed.
         let chunk = Arc::new(self.folders[*folder].read(listed).ok()?);
-        if kept.len() == KEPT {
+        if kept.len() == CACHED_CHUNKS {
             kept.pop_front();
         }
         kept.push_back((place, Arc::clone(&chunk)));

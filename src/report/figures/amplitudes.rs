@@ -11,7 +11,7 @@ const MOST_STEPS: usize = 300;
 pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
     let balls = data.study.model().balls() > 0;
     let mut curves = Vec::new();
-    let mut told = Vec::new();
+    let mut sentences = Vec::new();
     for point in data.details() {
         let over = match (balls, point.without_balls_m) {
             (true, Some(without)) if without > 0.0 => without,
@@ -40,14 +40,14 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
         }
         if balls {
             let calmer = values.partition_point(|value| *value < 1.0) as f64 / count as f64;
-            told.push(format!(
+            sentences.push(format!(
                 "{}: {:.1} % of the runs vibrate less than without balls",
                 point.title,
                 100.0 * calmer
             ));
         } else if let Some(median) = values.get((count - 1) / 2) {
             let median = significant(*median);
-            told.push(format!(
+            sentences.push(format!(
                 "{}: half of the runs have an amplitude of {median} m or less",
                 point.title
             ));
@@ -103,7 +103,7 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
             data.left_out(),
             data.curve_names(),
         ),
-        alternative: told.join("; "),
+        alternative: sentences.join("; "),
         one_at_a_time: panels.len() > 1,
         panels,
     })
