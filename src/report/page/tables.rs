@@ -102,7 +102,7 @@ pub fn warnings(body: &mut Html, directory: &Path, data: &ReportData<'_>) {
         audited => format!("{flips} of {audited} audited runs changed their label"),
     };
     body.line(&format!(
-        "<p>Doubt: {undecided} of {finished} runs are undecided, {failed} failed, {audit}.</p>"
+        "<p>Diagnostics: {undecided} of {finished} runs are undecided, {failed} failed, {audit}.</p>"
     ));
 }
 
