@@ -13,7 +13,7 @@ Examples:
   stickslip report results/night                    writes results/night-report.html
   stickslip report results/night --out night.html
 
-Writes one HTML file that needs no network; open it in a browser or mail it. The page states what was run and \
+Writes one HTML file that needs no network; open it in a browser or mail it. The page lists what was run and the \
 missing, failed and undecided runs, and shows the table of points and figures: where the balls come to rest on the \
 equilibrium set, endings over the sweep, time to rest, residual amplitude, basins of attraction, limit cycles, \
 failures and diagnostics. Each dot shows the results of its run and the command that replays it. The command \
