@@ -1,11 +1,10 @@
 #!/usr/bin/env python3
-"""Open the tables of a study with pandas, Polars and DuckDB and check that all three read the same.
+"""Opens the tables of a study with pandas, Polars and DuckDB and checks that all three read the same values.
 
     pip install pandas pyarrow polars duckdb
     python scripts/open-tables.py results/preferred-equilibria
 
-Prints one line for each reader. Ends with exit code 1 where they differ or one cannot read a table,
-2 where there are no tables.
+Prints one line per reader. Exit code 1 if they differ or one cannot read a table, 2 if there are no tables.
 """
 
 import math
@@ -20,7 +19,7 @@ TABLES = ("runs", "points", "time_to_rest", "cycles", "equilibria")
 
 
 def with_pandas(directory):
-    """What pandas (with pyarrow) finds."""
+    """Returns the values read by pandas (with pyarrow)."""
     tables = (pandas.read_parquet(directory / f"{name}.parquet") for name in TABLES)
     runs, points, rest, cycles, equilibria = tables
     labels = runs["label"].value_counts()
@@ -37,7 +36,7 @@ def with_pandas(directory):
 
 
 def with_polars(directory):
-    """What Polars finds."""
+    """Returns the values read by Polars."""
     tables = (polars.read_parquet(directory / f"{name}.parquet") for name in TABLES)
     runs, points, rest, cycles, equilibria = tables
     labels = runs.group_by("label").len()
@@ -54,7 +53,7 @@ def with_polars(directory):
 
 
 def with_duckdb(directory):
-    """What DuckDB finds."""
+    """Returns the values read by DuckDB."""
     connection = duckdb.connect()
 
     def ask(table, columns, rest=""):
@@ -84,7 +83,7 @@ READERS = {
 
 
 def same(left, right):
-    """Equal; numbers that are summed in another order agree to nine digits."""
+    """Returns whether values are equal; sums may differ after nine digits."""
     if isinstance(left, float) or isinstance(right, float):
         return math.isclose(left, right, rel_tol=1e-9, abs_tol=1e-300)
     return left == right
@@ -98,7 +97,7 @@ def main(arguments):
     directory = Path(arguments[0])
     missing = [name for name in TABLES if not (directory / f"{name}.parquet").exists()]
     if missing:
-        print(f"{directory}: holds no {missing[0]}.parquet", file=sys.stderr)
+        print(f"{directory}: {missing[0]}.parquet is missing", file=sys.stderr)
         return 2
     first = None
     differences = 0
@@ -111,7 +110,7 @@ def main(arguments):
         for what, value in found.items():
             if not same(first[what], value):
                 differences += 1
-                print(f"  {what}: {value}, but {first[what]} above", file=sys.stderr)
+                print(f"  {what}: {value}; the first reader has {first[what]}", file=sys.stderr)
     return 1 if differences else 0
 
 

@@ -16,19 +16,19 @@ LINK = re.compile(r"\[([^\[\]]*)\]\(([^)\s]+)\)")
 
 
 def repository_path(place):
-    """The path in the repository of a path on the site."""
+    """Returns the path in the repository of a path on the site."""
     if place == "index.md":
         return "README.md"
     return place if os.path.exists(os.path.join(ROOT, place)) else f"docs/{place}"
 
 
 def site_path(path):
-    """The path on the site of a path in the repository."""
+    """Returns the path on the site of a path in the repository."""
     return "index.md" if path == "README.md" else path.removeprefix("docs/")
 
 
 def target(page, link):
-    """The path in the repository that a link on a page leads to, and its anchor; None for other links."""
+    """Returns the path in the repository that a link on a page leads to, and its anchor; None for other links."""
     path, _, anchor = link.partition("#")
     if not path or ":" in path or path.startswith("/"):
         return None
@@ -39,7 +39,7 @@ def target(page, link):
 
 
 def pages_of(nav):
-    """All pages of the navigation."""
+    """Returns all pages of the navigation."""
     for entry in nav:
         for value in entry.values():
             yield from [value] if isinstance(value, str) else pages_of(value)
@@ -80,5 +80,5 @@ def on_page_markdown(markdown, page, config, files):
 
 
 def on_page_content(html, page, config, files):
-    # A table in Markdown needs `\|` for a bar in code.
+    # A table in Markdown escapes a vertical bar in code as `\|`.
     return re.sub(r"<td><code>[^<]*</code>", lambda match: match[0].replace(r"\|", "|"), html)

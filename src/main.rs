@@ -1,4 +1,4 @@
-//! The `stickslip` program: arguments in, exit code out. All else is the library.
+//! The `stickslip` program: calls the command line of the library.
 
 use std::process::ExitCode;
 

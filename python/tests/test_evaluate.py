@@ -194,7 +194,7 @@ def test_designs_that_are_none(study, designs):
 
 
 def test_studies_without_designs_or_responses():
-    for key, text in [("responses", "nothing is asked for"), ("design", "nothing is varied")]:
+    for key, text in [("responses", "`responses` is missing"), ("design", "`design` is missing")]:
         lines = [line for line in SMALL.splitlines() if not line.startswith(f"{key}:")]
         study = stickslip.Study.from_text("\n".join(lines))
         with pytest.raises(stickslip.StudyError, match=text):

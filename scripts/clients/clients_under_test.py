@@ -1,4 +1,4 @@
-"""What the tests of the clients share; `scripts/clients/test` runs them."""
+"""Fixtures that the tests of the clients share; `scripts/clients/test` runs the tests."""
 
 import json
 import math
@@ -13,7 +13,7 @@ from pathlib import Path
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
 
-# A block on a spring that is released 45 mm away, with a stop in closed form.
+# A block on a spring that is released 45 mm from the origin; its time of rest has a closed form.
 BLOCK = """
 schema: 1
 name: block
@@ -30,7 +30,7 @@ responses: {stop: median_time_to_rest, amplitude: {amplitude_mean: {}}}
 
 
 def stop_s(stiffness_n_m, friction_coefficient, mass_kg):
-    """When the block stops: each half swing takes two half widths of the interval of rest off."""
+    """Returns when the block stops: each half swing shortens the amplitude by two half widths of the rest interval."""
     half_width_m = friction_coefficient * 10.0 / stiffness_n_m
     half_swings = max(0, math.ceil((0.045 / half_width_m - 1) / 2))
     return half_swings * math.pi * math.sqrt(mass_kg / stiffness_n_m)
@@ -41,7 +41,7 @@ class Clients(unittest.TestCase):
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
         self.folder = Path(folder.name)
-        # Fewer runs of each design.
+        # Fewer runs per design.
         text = (ROOT / "studies/design.yaml").read_text()
         self.assertEqual(text.count("samples: 64"), 1)
         self.balancer = self.write("design.yaml", text.replace("samples: 64", "samples: 16"))
@@ -53,14 +53,14 @@ class Clients(unittest.TestCase):
         return str(path)
 
     def client(self, name, *arguments, code=0):
-        """What a client prints; where it should fail, on standard error."""
+        """Returns the output of a client; its standard error if the client should fail."""
         command = [sys.executable, HERE / name, *map(str, arguments)]
         done = subprocess.run(command, cwd=self.folder, capture_output=True, text=True)
         self.assertEqual(done.returncode, code, done.stdout + done.stderr)
         return done.stderr if code else done.stdout
 
     def evaluate(self, study, design):
-        """The program's own answer to a design as the clients print it."""
+        """Returns the program's answer to a design in the format of the clients."""
         command = [os.environ["STICKSLIP"], "evaluate", study, "--designs", "-"]
         done = subprocess.run(
             command, input=design + "\n", capture_output=True, text=True, check=True
@@ -68,7 +68,7 @@ class Clients(unittest.TestCase):
         return json.loads(done.stdout)["responses"]
 
     def found(self, text, study):
-        """Design and values that a client printed; they must be what the program says."""
+        """Returns the design and the values that a client printed, and compares them with the program's."""
         design = re.search("^design: (.*)$", text, re.MULTILINE)[1]
         values = {
             name: float(value) for name, value in re.findall(r"^  (\w+): (\S+)", text, re.MULTILINE)

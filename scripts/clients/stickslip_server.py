@@ -1,11 +1,10 @@
-"""A `stickslip evaluate STUDY --designs -` that is kept up and asked design by design.
+"""Runs `stickslip evaluate STUDY --designs -` as a server and sends it one design after another.
 
     with Server("studies/design.yaml") as server:
         answer = server.ask({"speed_rad_s": -216, "balls": 2, "material": "steel"})
         print(answer["responses"]["vibration"]["value"])
 
-The program is the one that the variable STICKSLIP names, or `stickslip` on the path. Needs Python
-3.9 and nothing else.
+The program is the file in the variable STICKSLIP, or `stickslip` on the path. Needs only Python 3.9.
 """
 
 import contextlib
@@ -18,20 +17,20 @@ from dataclasses import dataclass
 
 
 class StickslipError(Exception):
-    """The program could not be started or asked; the text is its own."""
+    """The program could not be started or did not answer; the text is its message."""
 
 
 class Refused(StickslipError):
-    """A design that the study does not allow; the text says which variable, and what is allowed."""
+    """The study does not allow a design; the text names the variable and what is allowed."""
 
 
 class Missing(StickslipError):
-    """The runs of a design do not say what a response is; the text has the reason."""
+    """A response has no value; the text has the reason."""
 
 
 @dataclass(frozen=True)
 class Variable:
-    """A variable of the study's `design`: a range, or names to choose from."""
+    """A variable of the study's `design`: a range, or a list of choices."""
 
     name: str
     unit: str = None  # "1" where it has none, None of choices
@@ -42,7 +41,7 @@ class Variable:
 
 
 class Server:
-    """The program with one study. Ctrl-C and errors end it; the next question starts it again."""
+    """The program with one study. Ctrl-C and errors end it; the next request starts it again."""
 
     def __init__(self, study, program=None):
         self.study = str(study)
@@ -55,10 +54,10 @@ class Server:
         self.responses = {entry["name"]: entry["unit"] for entry in about["responses"]}
 
     def ask(self, design):
-        """The answer to a design, values by names, as docs/evaluate.md has it; raises `Refused`."""
+        """Returns the answer to a design, given as values by names, as docs/evaluate.md describes it; raises `Refused`."""
         try:
             self._start()
-            # Numbers of NumPy know how to become Python's own.
+            # NumPy numbers convert themselves to Python numbers.
             line = json.dumps(design, default=lambda number: number.item())
             self._process.stdin.write(line + "\n")
             self._process.stdin.flush()
@@ -66,10 +65,10 @@ class Server:
             if not answer.endswith("\n"):
                 raise BrokenPipeError
         except BrokenPipeError:
-            # It has ended, and has said why.
-            raise StickslipError(self._end() or "stickslip ended without a word") from None
+            # The program has ended with a message.
+            raise StickslipError(self._end() or "stickslip ended without a message") from None
         except BaseException:
-            # What it says next would be the answer to this question.
+            # A late answer must not be taken for that of the next request.
             self._end()
             raise
         answer = json.loads(answer)
@@ -78,7 +77,7 @@ class Server:
         return answer
 
     def values(self, design, names):
-        """The values of these responses; raises `Missing` where there is none, `Refused`."""
+        """Returns the values of these responses; raises `Missing` if one has no value, and `Refused`."""
         answer = self.ask(design)
         if "points" in answer:
             raise StickslipError(f"{self.study}: has a `sweep`, and a design a value at each point")
@@ -125,7 +124,7 @@ class Server:
         self.close()
 
     def _about(self):
-        """What the program knows of the study."""
+        """Returns what `stickslip check` reports on the study."""
         command = [self.program, "check", self.study, "--json"]
         done = subprocess.run(command, capture_output=True, text=True)
         if done.returncode != 0:
@@ -141,12 +140,12 @@ class Server:
                 stdout=subprocess.PIPE,
                 stderr=self._said,
                 text=True,
-                # Ctrl-C is for this program, which may have an optimiser that wants to end well.
+                # Ctrl-C must reach only this process, whose optimiser may want to end cleanly.
                 start_new_session=True,
             )
 
     def _end(self):
-        """Ends the program, which keeps nothing; what it has said on standard error."""
+        """Ends the program and returns its messages on standard error."""
         process, self._process = self._process, None
         if process is None:
             return ""
@@ -161,7 +160,7 @@ class Server:
 
 
 def assignments(texts):
-    """What a command line says as NAME=VALUE, as numbers where they are such."""
+    """Parses a NAME=VALUE argument; values that are numbers become numbers."""
     values = {}
     for text in texts:
         name, equals, value = text.partition("=")
@@ -175,7 +174,7 @@ def assignments(texts):
 
 
 def print_answer(server, design):
-    """Prints a design as a request and what is answered."""
+    """Prints a design as a request, and its answer."""
     print("design:", json.dumps(design, default=lambda number: number.item()))
     for name, entry in server.ask(design)["responses"].items():
         value, unit = entry["value"], server.responses[name].replace("1", "")
@@ -198,7 +197,7 @@ def _variable(entry):
 
 
 def _sentence(error, design):
-    """An error of an answer in one line."""
+    """Returns an error of an answer in one line."""
     subject = f"{error['variable']}: " if "variable" in error else ""
     found = f"found {error['found']}, allowed {error['allowed']}"
     return f"{subject}{error['problem']}: {found} (design {design})"

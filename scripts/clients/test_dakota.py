@@ -14,7 +14,7 @@ class TestDakota(Clients):
     STUDY = DAKOTA / "study.yaml"
 
     def answer(self, text, study=None):
-        """The results file for a parameters file, and what is said."""
+        """Returns the results file for a parameters file, and the output."""
         self.write("params.in", text)
         command = [sys.executable, HERE / "dakota", study or self.STUDY, "params.in", "results.out"]
         done = subprocess.run(command, cwd=self.folder, capture_output=True, text=True)
@@ -25,7 +25,7 @@ class TestDakota(Clients):
         return (self.folder / "results.out").read_text(), done.stderr
 
     def pairs(self, text):
-        """Values by descriptor, each line as Dakota reads it."""
+        """Returns values by descriptor, parsing each line as Dakota does."""
         return {name: float(value) for value, name in (line.split() for line in text.splitlines())}
 
     def test_recorded_pairs(self):

@@ -1,4 +1,4 @@
-"""Runs the examples of docs/clients.md, as they are written."""
+"""Runs the examples of docs/clients.md unchanged."""
 
 import os
 import re
@@ -18,7 +18,7 @@ class TestDocs(Clients):
         self.blocks = re.findall(r"```(\w+)\n(.*?)```", page, re.DOTALL)
 
     def run_block(self, command, text):
-        """Runs an example with this Python's packages; what it prints."""
+        """Runs an example with this Python's packages; returns its output."""
         here = str(Path(sys.executable).parent)
         python_path = str(ROOT / "scripts/clients")
         environment = os.environ | {

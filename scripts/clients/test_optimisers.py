@@ -32,7 +32,7 @@ class TestOpenMDAO(Clients):
         self.assertAlmostEqual(values["vibration"], second, delta=1e-5 * second)
         self.assertGreaterEqual(values["quiet"], 0.7)
         self.assertTrue((self.folder / "experiment.sql").exists())
-        # The same seed asks for the same designs.
+        # Equal seeds give equal designs.
         self.assertEqual(self.client("openmdao", *arguments), text)
 
     def test_choices_are_refused(self):
@@ -61,7 +61,7 @@ class TestPymoo(Clients):
         self.assertIn(design["balls"], (1, 2, 3))
         self.assertIn(design["material"], ("steel", "ceramic"))
         self.assertGreaterEqual(values["quiet"], 0.8)
-        # Not worse than any of the designs by hand that keep the constraint.
+        # At least as good as all designs of the table that meet the constraint.
         lines = (ROOT / "studies/designs.csv").read_text().splitlines()
         others = list(csv.DictReader(line for line in lines if not line.startswith("#")))
         self.assertEqual(len(others), 8)
@@ -94,7 +94,7 @@ class TestPymoo(Clients):
             1,
         )
         text = self.client("pymoo", self.balancer, *arguments, code=1)
-        self.assertIn("no design keeps the constraints", text)
+        self.assertIn("no design meets the constraints", text)
 
     def test_an_interrupt_leaves_nothing_behind(self):
         command = [

@@ -1,4 +1,4 @@
-"""Tests of the module that asks the program, on reduced studies."""
+"""Tests of the module stickslip_server, on reduced studies."""
 
 import signal
 
@@ -42,7 +42,7 @@ class TestServer(Clients):
                 StickslipError, "stopp: not a response of .*: stop, amplitude"
             ):
                 server.values(design, ["stopp"])
-            # All of this by one process.
+            # All of this uses one process.
             self.assertIs(server._process, process)
         self.assertEqual(process.returncode, 0)
 
@@ -60,7 +60,7 @@ class TestServer(Clients):
         nothing = self.write("nothing.yaml", BLOCK.split("responses:")[0])
         with (
             Server(nothing) as server,
-            self.assertRaisesRegex(StickslipError, "nothing is asked for"),
+            self.assertRaisesRegex(StickslipError, "`responses` is missing"),
         ):
             server.ask({})
         with self.assertRaisesRegex(StickslipError, "set STICKSLIP"):
@@ -77,7 +77,7 @@ class TestServer(Clients):
             self.assertEqual(server.ask(design), first)
 
     def test_an_interrupted_question_is_forgotten(self):
-        # A question of minutes, interrupted; the next one has its own answer.
+        # Interrupts a request of minutes; the next request must get its own answer.
         slow = (ROOT / "studies/design.yaml").read_text().replace("samples: 64", "samples: 1000000")
         with Server(self.write("slow.yaml", slow)) as server:
             design = {"speed_rad_s": -216, "balls": 2, "material": "steel"}

@@ -1,4 +1,4 @@
-"""The cases of a work: machine and start states, as the program itself expands the study."""
+"""The cases of a work: machine and start states, expanded from the study by the program."""
 
 import csv
 import io
@@ -30,8 +30,8 @@ class Work:
 def prepare(stickslip, study, runs, folder):
     """Writes the cases of `runs` runs of a study into a folder, as a study and as numbers.
 
-    Fewer runs than the study has are every n-th of them; more are more samples of each cell.
-    """
+        With fewer runs than the study these are every n-th of them; with more, each cell has more samples.
+        """
     text = yaml.safe_load(Path(study).read_text())
     design = text["initial_conditions"]["design"]["stratified"]
     cells = design["parts_per_axis"] ** len(COORDINATES)
@@ -76,7 +76,7 @@ def with_states(text, states, study):
 
 
 def expanded(stickslip, study):
-    """Start states as the program writes them: decimals that give back the same numbers."""
+    """Returns start states in the program's notation, whose decimals give exactly the same numbers."""
     written = subprocess.run(
         [stickslip, "expand", study], check=True, capture_output=True, text=True
     ).stdout
@@ -85,7 +85,7 @@ def expanded(stickslip, study):
 
 
 def resolve(stickslip, study, folder):
-    """The study with all defaults filled in, which the program writes beside its results."""
+    """Returns the study with all defaults, which the program writes to its results."""
     results = folder / f"{study.stem}-resolved"
     command = [stickslip, "run", study, "--quiet", "--out", results]
     subprocess.run(command, check=True)
@@ -93,12 +93,12 @@ def resolve(stickslip, study, folder):
 
 
 def without_dimensions(model):
-    """The machine without dimensions (lengths over L, times times omega_n, masses over all masses):
-    speed, damping ratio, imbalance, ball mass, diameter, inertia, friction coefficient, viscous
-    drag, rolling term (1 or 0); and the natural frequency in rad/s."""
+    """Returns the dimensionless machine (lengths over L, times times omega_n, masses over the total mass): speed,
+        damping ratio, imbalance, ball mass, diameter, inertia, friction coefficient, viscous drag, rolling term (1 or
+        0); and the natural frequency in rad/s."""
     given = {name: value for name, value in model["parameters"].items()}
     if given["balls"] != 2:
-        raise SystemExit("compare: the peers are written for two balls alike")
+        raise SystemExit("compare: the peers support two identical balls only")
     total = given["table_mass_kg"] + given["imbalance_mass_kg"] + 2 * given["ball_mass_kg"]
     natural = math.sqrt(given["stiffness_n_m"] / total)
     radius = given["ring_radius_m"]

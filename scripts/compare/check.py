@@ -1,12 +1,11 @@
-"""Is a peer's right-hand side right? Held against one linear system for all accelerations and forces
-at once, from which nothing has been eliminated by hand (thesis section 3.5; the peers solve for the
-balls first)."""
+"""Checks a peer's right-hand side against one linear system for all accelerations and forces, without elimination
+by hand (thesis section 3.5; the peers solve for the balls first)."""
 
 import numpy as np
 
 
 def points(smooth, count=200):
-    """Random states, each with what both balls do."""
+    """Returns random states, each with the phases of both balls."""
     random = np.random.default_rng(1)
     spread = np.array([0.05, 0.05, 9.0, 9.0, 0.05, 0.05, 1.0, 1.0])
     states = random.uniform(-spread, spread, (count, 8))
@@ -15,10 +14,10 @@ def points(smooth, count=200):
 
 
 def expected(point, parameters):
-    """Time derivative, normal and friction forces at a point."""
+    """Returns time derivative, normal and friction forces at a point."""
     omega, zeta, imbalance, mass, diameter, inertia, mu, drag, rolling = parameters
     x, y, b1, b2, x_dot, y_dot, v1, v2 = point[:8]
-    # Unknowns: x_ddot, y_ddot, and of each ball beta_ddot, normal force, friction force.
+    # Unknowns: x_ddot, y_ddot, and for each ball beta_ddot, normal force, friction force.
     matrix, right = np.zeros((8, 8)), np.zeros(8)
     turning_x = -2 * omega * y_dot - omega**2 * x
     turning_y = 2 * omega * x_dot - omega**2 * y
@@ -31,7 +30,7 @@ def expected(point, parameters):
         matrix[0, 2 + i], matrix[1, 2 + i] = -mass * s, mass * c
         right[0] += mass * c * w**2
         right[1] += mass * s * w**2
-        # Along the ring, across it, and the law of friction.
+        # Along the ring, across the ring, and the friction law.
         along, across, law = 2 + i, 4 + i, 6 + i
         matrix[along, [0, 1, 2 + i, friction]] = -s, c, 1 + 4 * inertia, 1.0
         right[along] = s * turning_x - c * turning_y
@@ -49,7 +48,7 @@ def expected(point, parameters):
 
 
 def worst_difference(peer, work, folder):
-    """The largest difference of any component at any of the random states."""
+    """Returns the largest difference of any component at any of the random states."""
     head = work.cases.read_text().split("\n", 1)[0].split()
     parameters = [float(value) for value in head[:9]]
     some = points(work.smooth)

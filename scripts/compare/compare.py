@@ -32,7 +32,7 @@ EXAMPLES = """examples:
   scripts/compare/run --works w1 --json table.json
   PYTHON=.venv/bin/python scripts/compare/run          with the packages of a virtual environment
 """
-# The program as it is filed, by the exact motion, and with no more than what the peers do.
+# The program with its default settings, with the exact motion, and with only the work that the peers do.
 SAME_WORK = "stickslip-same-work"
 OWN = {
     SAME_WORK: ("stickslip, event, rest only", {"method": "event", "endings": "rest"}),
@@ -40,9 +40,9 @@ OWN = {
     "stickslip": ("stickslip", {}),
 }
 OWN_SMOOTH = {"stickslip": OWN["stickslip"]}
-# A tool that takes longer than this for all runs of a work is not asked again, s.
+# A tool that takes longer than this for all runs of a work runs only once, s.
 SLOW = 20.0
-# The right-hand sides of all tools agree to this.
+# Agreement of the right-hand sides of all tools.
 ROUNDING = 1e-12
 
 
@@ -81,7 +81,7 @@ def say(text):
 
 
 def available(names, folder):
-    """Commands of the peers that can be started; of the others, says what is missing."""
+    """Returns the commands of the available peers, and prints what the others lack."""
     commands = {}
     for name in names:
         absent = TOOLS[name].missing()
@@ -97,7 +97,7 @@ def available(names, folder):
 
 
 def started(commands, work, folder):
-    """The peers at work, with right-hand sides that have been checked."""
+    """Starts the peers and checks their right-hand sides."""
     peers = {}
     for name, command in commands.items():
         peer = Peer(TOOLS[name], command, work)
@@ -114,7 +114,7 @@ def started(commands, work, folder):
 
 
 def compared(work, commands, given, folder):
-    """Rows of the table of one work."""
+    """Returns the rows of the table of one work."""
     engines = {
         name: Engine(given.stickslip, work, folder, title, settings)
         for name, (title, settings) in (OWN_SMOOTH if work.smooth else OWN).items()

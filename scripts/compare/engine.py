@@ -1,4 +1,4 @@
-"""The program itself: what a run costs it and what comes out."""
+"""The program itself: cost and results of its runs."""
 
 import os
 import shutil
@@ -10,14 +10,14 @@ from pyarrow import parquet
 
 
 class Engine:
-    """The program at work on one work, with some settings of the simulation."""
+    """The program on one work, with some settings of the simulation."""
 
     def __init__(self, stickslip, work, folder, title, settings):
         self.stickslip, self.work, self.folder = stickslip, work, folder
         self.title, self.settings = title, settings
 
     def study(self, source, relative, absolute):
-        """A study of the work with this tolerance."""
+        """Returns a study of the work with this tolerance."""
         text = yaml.safe_load(source.read_text())
         text["simulation"]["tolerance"] = {"relative": relative, "absolute": absolute}
         text["simulation"] |= self.settings
@@ -27,7 +27,7 @@ class Engine:
         return path
 
     def run(self, relative, absolute):
-        """Endings from the tables that the program writes, and CPU time per run."""
+        """Returns endings from the tables of the program, and CPU time per run."""
         study = self.study(self.work.study, relative, absolute)
         one = self.study(self.work.one, relative, absolute)
         out = self.folder / f"{study.stem}-out"
@@ -46,17 +46,17 @@ class Engine:
         }
 
     def cpu_s_per_run(self, study, one):
-        """CPU time (user and system) of the whole program on one thread, less that with one run."""
+        """Returns the CPU time (user and system) of the program on one thread, less that with a single run."""
         command = [self.stickslip, "verify", "--threads", "1", "--quiet"]
         whole, single = cpu_s([*command, study]), cpu_s([*command, one])
         return (whole - single) / (self.work.runs - 1)
 
     def close(self):
-        """Nothing stays open."""
+        """Does nothing; there is no process to end."""
 
 
 def cpu_s(command):
-    """CPU time of a command, user and system, s."""
+    """Returns the CPU time of a command, user and system, s."""
     process = subprocess.Popen(command)
     _, status, usage = os.wait4(process.pid, 0)
     process.returncode = os.waitstatus_to_exitcode(status)

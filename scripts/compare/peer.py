@@ -1,4 +1,4 @@
-"""The peers: what each needs, how it is started, how it is asked."""
+"""The peers: their packages, how they are started, and how they are called."""
 
 import importlib.util
 import json
@@ -22,7 +22,7 @@ class PeerFailed(Exception):
 
 @dataclass
 class Tool:
-    """A tool to compare with: its program in `peers/` and what has to be installed for it."""
+    """A peer: its program in `peers/` and the packages that it needs."""
 
     source: str
     title: str
@@ -33,7 +33,7 @@ class Tool:
     libraries: list = field(default_factory=list)
 
     def missing(self):
-        """Names of packages to install."""
+        """Returns the names of the packages to install."""
         absent = [name for name in self.python if importlib.util.find_spec(name) is None]
         if self.header:
             if shutil.which("g++") is None:
@@ -49,7 +49,7 @@ class Tool:
         return absent
 
     def command(self, folder):
-        """The command that starts it, compiled into `folder` where it has to be."""
+        """Returns the command that starts the peer, compiled into `folder` if needed."""
         if not self.header:
             return [sys.executable, HERE / self.source]
         program = folder / Path(self.source).stem
@@ -81,7 +81,7 @@ TOOLS = {
 
 
 class Peer:
-    """A tool at work on the cases of one work: a process that answers lines."""
+    """A running peer on the cases of one work: a process that answers lines."""
 
     def __init__(self, tool, command, work):
         self.title, self.runs = tool.title, work.runs
@@ -102,7 +102,7 @@ class Peer:
             self.process.stdin.write(line + "\n")
             self.process.stdin.flush()
         except BrokenPipeError:
-            pass  # it has stopped: there will be no answer either
+            pass  # it has stopped, and the missing answer is reported below
         answer = self.process.stdout.readline()
         if not answer:
             said = self.errors.read_text().strip().split("\n")
@@ -110,7 +110,7 @@ class Peer:
         return json.loads(answer)
 
     def run(self, relative, absolute):
-        """All runs with this tolerance; seconds of CPU time per run in `cpu_s`."""
+        """Returns the results of all runs with this tolerance; `cpu_s` is the CPU time per run in seconds."""
         result = self.ask(f"run {relative!r} {absolute!r}")
         result["cpu_s"] /= self.runs
         return result

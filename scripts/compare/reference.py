@@ -1,18 +1,18 @@
-"""What a work really comes to, by tight tolerances, and how far a tool is from it."""
+"""The reference results of a work, computed with tight tolerances, and the errors of a tool relative to it."""
 
 import numpy as np
 from engine import Engine
 from peer import TOOLS, Peer
 
-# Of the final state of smooth motion, in any component of any run.
+# Allowed error of the final state of smooth motion, in any component of any run.
 ERROR_ALLOWED = 1e-8
-# Half decades from here on, coarser while the error is allowed, or finer until it is.
+# The search for the tolerance starts here and moves by half decades, coarser or finer.
 FIRST_GUESS = -9.0
 
 
 class Reference:
-    """Endings computed with a tight tolerance by the first of two peers that can be had. Where there
-    is friction, the program's exact motion with a tight tolerance is held against them."""
+    """Computes endings with a tight tolerance by the first available of two peers. With friction, compares them
+        with the program's exact motion at a tight tolerance."""
 
     def __init__(self, work, stickslip, folder):
         self.smooth = work.smooth
@@ -35,8 +35,8 @@ class Reference:
             self.about += f"; {differ} labels differ from stickslip's by event at 1e-10"
 
     def errors(self, result):
-        """Labels that differ and the errors of ball angles at rest; or the largest error of a final
-        state, of the ball angles alone where a tool does not give the rest."""
+        """Returns the number of different labels and the errors of ball angles at rest; for smooth motion the largest
+            error of a final state, of the ball angles alone if a tool lacks the other components."""
         difference = np.array(result["state"]) - self.state
         turn = 2.0 * np.pi
         difference[:, 2:4] = (difference[:, 2:4] + np.pi) % turn - np.pi
@@ -52,8 +52,8 @@ class Reference:
 
 
 def ladder(tool, work, reference):
-    """The tolerance to use and a result with it: with friction the study's, and in smooth motion the
-    coarsest, by half decades, with which the final states are as near as is asked for."""
+    """Returns the tolerance to use and a result with it: with friction that of the study; for smooth motion the
+        coarsest one, in half decades, that reaches the required accuracy of the final states."""
     if not work.smooth:
         return work.relative, tool.run(work.relative, work.absolute)
     found, exponent, step = None, FIRST_GUESS, 0.5

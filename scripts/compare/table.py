@@ -1,4 +1,4 @@
-"""The comparison as a table in Markdown."""
+"""Prints the comparison as a table in Markdown."""
 
 
 def number(value, form):
@@ -6,7 +6,7 @@ def number(value, form):
 
 
 def print_table(table):
-    """One work: a row per tool, the slowest last."""
+    """Prints one work: a row per tool, the slowest last."""
     smooth = any("largest_error" in row for row in table["rows"].values())
     print(f"\n{table['work'].upper()}: {table['runs']} runs. Reference: {table['reference']}.\n")
     errors = ["largest error"] if smooth else ["labels that differ", "median error of angles, rad"]

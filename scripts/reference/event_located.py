@@ -5,7 +5,7 @@
 with Dry Friction". Everything below is non-dimensional as in its appendix B.6:
 lengths over L, time times omega_n = sqrt(k/M), ball forces over m_i omega_n^2 L.
 
-What is computed is the exact (Filippov) motion under Coulomb friction, that is the
+Computes the exact (Filippov) motion under Coulomb friction, that is the
 limit of the thesis's switch model (4.2, 4.3) for a band width eta -> 0:
 
 * Within a phase every ball either slips with a fixed sign or sticks with a ball
@@ -64,7 +64,7 @@ DIM = 8  # unknowns of the linear system, and components of the state
 
 # --- Numerical choices ------------------------------------------------------------------
 H_MAX = 0.25  # the fastest motion has an angular frequency of about 2.2
-SAMPLES = 8  # points per step at which events are looked for
+SAMPLES = 8  # evaluations of the event functions per step
 EVENT_TIME_TOL = 1e-13  # width of the final bracket
 # A ball at rest breaks away where |f_w| - mu f_n exceeds this: about 1000 roundings of
 # the force, so that just after a break-away `slip` is consistent and `stick` is not.
@@ -266,7 +266,7 @@ def step(y, k, h, sig, p, a, b, tmp, out, rtol, atol):
 
 @nb.njit
 def dense(y, y1, k, h, theta, out):
-    """Dense output at the fraction theta of the step y -> y1."""
+    """Returns the dense output at the fraction theta of the step y -> y1."""
     t1 = 1.0 - theta
     for j in range(DIM):
         dif = y1[j] - y[j]
@@ -465,7 +465,7 @@ def run(start, p, t_end, rtol, atol, end_state, info):
             if not saved:
                 end_state[:] = y
                 saved = True
-            # A run at rest at the end is followed until it is known whether it stays.
+            # A run at rest at the end time is continued until it is known whether it stays at rest.
             if fast >= CREEP_SPEED or t > t_end + 1e4:
                 return MOVING, math.nan
             t_stop = t + 1.0
@@ -563,7 +563,7 @@ def run(start, p, t_end, rtol, atol, end_state, info):
             mid = 0.5 * (lo + hi)
             if secant and g_lo < 0.0:
                 mid = lo + (hi - lo) * g_lo / (g_lo - g_hi)
-                # Aim a little past the root so that the bracket closes from above.
+                # Aims slightly past the root so that the bracket closes from above.
                 mid = min(mid + 0.3 * EVENT_TIME_TOL / h, hi - 0.01 * (hi - lo))
                 if mid <= lo:
                     mid = 0.5 * (lo + hi)
@@ -601,7 +601,7 @@ def run(start, p, t_end, rtol, atol, end_state, info):
             stalled = 0
         t_event = t
         if stalled > 20:
-            # Rounding alone drives the phases here: hold the resting balls for a moment.
+            # Only rounding determines the phases here: hold the resting balls for a moment.
             info[2] += 1
             stalled = 0
             for i in range(N):
@@ -676,7 +676,7 @@ def write(path, starts, outcome, rest, ends):
 
 def main():
     ap = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    ap.add_argument("--out", help="folder for the CSV files; none written without it")
+    ap.add_argument("--out", help="folder for the CSV files; without it no files are written")
     ap.add_argument("--speeds", type=float, nargs="+", default=list(SPEEDS), help="rad/s")
     ap.add_argument("--mu", type=float, default=MU)
     ap.add_argument("--normal-force", choices=("lagrange", "newton"), default="lagrange")

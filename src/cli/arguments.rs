@@ -1,4 +1,4 @@
-//! Arguments that several commands have in common.
+//! Command-line arguments that several commands share.
 
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
@@ -9,75 +9,75 @@ use clap::{Args, ValueEnum};
 use crate::engine::{EngineOptions, Shard, Show};
 use crate::study::{Study, StudyError};
 
-/// The study file.
+/// The study file argument, with the directories in which its tables may lie.
 #[derive(Clone, Debug, Args)]
 pub struct StudyArgument {
     /// Study file, YAML (`stickslip schema` describes it)
     #[arg(value_name = "STUDY")]
     pub study: PathBuf,
 
-    /// Directory in which tables of the study may lie as well as beside the study file; may be repeated
+    /// Allow tables of the study in this directory, too; may be repeated
     ///
-    /// Without it, a `table:` that leads out of the study file's directory is refused. It allows files
-    /// and finds none: paths of tables stay relative to the study file, and results the same.
+    /// A `table:` path that leads out of the study file's directory is an error unless its directory is named
+    /// here. Grants access only; paths stay relative to the study file.
     #[arg(long, value_name = "DIR")]
     tables: Vec<PathBuf>,
 }
 
 impl StudyArgument {
-    /// Reads the study and the tables that it names.
+    /// Reads the study file and the tables that it names.
     ///
     /// # Errors
-    /// The first thing that is wrong, with its place.
+    /// Returns the first error in the study or its tables, with its place.
     pub fn load(&self) -> Result<Study, StudyError> {
         Study::load_with_tables(&self.study, &self.tables)
     }
 }
 
-/// The part of a study.
+/// The argument `--shard`.
 #[derive(Clone, Debug, Args)]
 pub struct ShardArgument {
-    /// Compute part K of N of the runs only
+    /// Compute only part K of N
     ///
-    /// One of each N runs, so that parts cost about the same. In a study with `precision`, one of each N
-    /// points with all its runs: a part of a point's runs could not decide how many it needs.
+    /// A part has every Nth run, so that all parts cost about the same. In a study with `precision` it has
+    /// every Nth point with all runs of the point, because the number of runs depends on all of them.
     #[arg(long, value_name = "K/N", default_value = "1/1")]
     pub shard: Shard,
 }
 
-/// How the runs are computed. None of it changes a result.
+/// Arguments of the computation. No value here changes a result.
 #[derive(Clone, Debug, Args)]
 pub struct EngineArguments {
     /// Worker threads [default: one per core]
     #[arg(long, value_name = "N", value_parser = threads, allow_negative_numbers = true)]
     threads: Option<NonZeroUsize>,
 
-    /// Runs computed before they are handed to the tables and put on disk; bounds the memory
+    /// Number of runs computed before they are written to disk and to the tables; bounds the memory
     #[arg(long, value_name = "RUNS", default_value = "1024", value_parser = positive)]
     #[arg(allow_negative_numbers = true)]
     chunk: NonZeroUsize,
 
-    /// Stop after so many seconds; exit code 130, and the same command goes on
+    /// Stop after this many seconds with exit code 130; the same command continues the study
     ///
-    /// Runs in progress have one more second; those that take longer are given up and computed anew when the
-    /// study goes on. So this should be many times what a run takes.
+    /// Runs in progress get one more second. Runs that take longer are abandoned and computed again when the
+    /// study continues, so choose a time much longer than one run.
     #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
     max_seconds: Option<Duration>,
 
-    /// What to do when runs fail: continue; stop at the first; or stop when more than N have failed
+    /// Whether to stop when runs fail: continue, stop at the first, or stop after more than N failed runs
     #[arg(long, value_name = "stop|continue|limit=N", default_value = "continue")]
     #[arg(value_parser = on_failure, hide_possible_values = true)]
     on_failure: OnFailure,
 
-    /// The same as --on-failure limit=N
+    /// Short form of --on-failure limit=N
     #[arg(long, value_name = "N", conflicts_with = "on_failure")]
     max_failed: Option<u64>,
 
-    /// Compute finished runs that failed again, each from the same start state and parameters
+    /// Compute failed runs again, each from the same start state and parameters
     #[arg(long)]
     pub retry_failed: bool,
 
-    /// No progress and no table on the terminal
+    /// Print neither progress nor a table
     #[arg(long, short)]
     pub quiet: bool,
 
@@ -87,16 +87,16 @@ pub struct EngineArguments {
 
     /// How progress is shown on standard error
     ///
-    /// auto: a bar where it is a terminal, lines elsewhere, nothing with --quiet. Bar and lines tell of each
-    /// finished point as well, of more than 40 points at most once a second. json: one object per line,
-    /// whose `event` is begun, progress (once a second), point (each one) or ended, with `elapsed_s`
-    /// since the start; with --quiet nothing else is there, without it lines of other messages do
+    /// auto: a bar on a terminal, lines elsewhere, nothing with --quiet. Bar and lines also report each
+    /// finished point, but with more than 40 points at most one per second. json: one object per line, whose
+    /// `event` is begun, progress (once a second), point (each one) or ended, with `elapsed_s` since the
+    /// start. With --quiet standard error holds only these objects; without it, lines of other messages do
     /// not begin with a brace.
     #[arg(long, value_name = "HOW", value_enum, default_value = "auto")]
     progress: ProgressChoice,
 }
 
-/// How progress is shown.
+/// The values of `--progress`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum ProgressChoice {
     Auto,
@@ -106,12 +106,12 @@ enum ProgressChoice {
     None,
 }
 
-/// How many runs may fail; any number if none.
+/// The number of runs that may fail; any number if `None`.
 #[derive(Clone, Copy, Debug)]
 struct OnFailure(Option<u64>);
 
 impl EngineArguments {
-    /// How progress is shown; what is asked for by name is shown with `--quiet`, too.
+    /// Returns how progress is shown. A display that is named explicitly is shown with `--quiet`, too.
     pub fn show(&self) -> Show {
         match self.progress {
             ProgressChoice::Auto if self.quiet => Show::Nothing,
@@ -123,7 +123,7 @@ impl EngineArguments {
         }
     }
 
-    /// As the engine takes them; time counts from now.
+    /// Returns the engine's options; the time limit starts now.
     pub fn options(&self, shard: Shard) -> EngineOptions {
         let cores = || std::thread::available_parallelism().unwrap_or(NonZeroUsize::MIN);
         EngineOptions {
@@ -137,7 +137,7 @@ impl EngineArguments {
     }
 }
 
-/// A time span.
+/// Parses a time span in seconds.
 fn seconds(text: &str) -> Result<Duration, String> {
     let seconds = text.parse().ok().and_then(|number| Duration::try_from_secs_f64(number).ok());
     seconds.ok_or_else(|| format!("found {text:?}, allowed: a number of seconds, from 0 to 1e19"))
@@ -154,13 +154,13 @@ fn on_failure(text: &str) -> Result<OnFailure, String> {
     }
 }
 
-/// More threads than any machine has cores would only take memory.
+/// The largest number of threads: more than any machine has cores, and only a waste of memory above.
 const MOST_THREADS: usize = 1024;
 
-/// A number of worker threads.
+/// Parses a number of worker threads.
 ///
 /// # Errors
-/// What was found and what is allowed.
+/// Returns what was found and what is allowed.
 pub fn threads(text: &str) -> Result<NonZeroUsize, String> {
     let threads = text.parse().ok().filter(|threads: &NonZeroUsize| threads.get() <= MOST_THREADS);
     threads

@@ -1,4 +1,4 @@
-//! `stickslip check`: is a study right, how large is it, what will it cost? Computes nothing.
+//! `stickslip check`: validates a study and prints its size and estimated cost, without computing it.
 
 use clap::Args;
 use serde_json::{Value, json};
@@ -17,26 +17,26 @@ Examples:
   stickslip check study.yaml --json
   stickslip check study.yaml --existence";
 
-/// Check a study file and say what it would compute; nothing is computed
+/// Check a study file and print what it would compute and what that costs; computes nothing
 #[derive(Clone, Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct CheckArguments {
     #[command(flatten)]
     study: StudyArgument,
 
-    /// Also say at which points stick and slip are always decided in exactly one way
+    /// Also print at which points of the sweep the stick-slip decision is unique
     #[arg(long)]
     existence: bool,
 
-    /// Print as JSON
+    /// Print the result as JSON
     #[arg(long)]
     json: bool,
 }
 
-/// Checks the study.
+/// Checks the study and prints its plan.
 ///
 /// # Errors
-/// Where it cannot be used.
+/// Returns an error if the study or one of its tables is invalid.
 pub fn check(arguments: &CheckArguments) -> Result<End, CliError> {
     let study = arguments.study.load()?;
     let names = |columns: &[VariedParameter]| -> Vec<String> {
@@ -106,7 +106,7 @@ pub fn check(arguments: &CheckArguments) -> Result<End, CliError> {
     };
     let only = match study.simulation().endings {
         Endings::All => "",
-        Endings::Rest => ", looked for rest only",
+        Endings::Rest => ", detects rest only",
     };
     let audit = study.audit().map_or_else(String::new, |audit| {
         let method = method_name(study.simulation().counter_check().method);
@@ -152,7 +152,7 @@ pub fn check(arguments: &CheckArguments) -> Result<End, CliError> {
     Ok(End::Well)
 }
 
-/// What an optimiser's side needs to know of a variable.
+/// Returns what an optimiser needs to know of a variable.
 fn variable(variable: &Variable) -> Value {
     let mut about = json!({"name": variable.name()});
     if let Some(unit) = variable.unit() {
@@ -173,7 +173,7 @@ fn response(response: &Response) -> Value {
     json!({"name": response.name, "unit": response.unit(), "meaning": response.meaning()})
 }
 
-/// The labels of runs that are continued.
+/// Returns the names of the labels whose runs are continued.
 fn labels(extend: Extend) -> &'static str {
     match (extend.undecided, extend.irregular) {
         (true, true) => "undecided and irregular",
@@ -203,7 +203,7 @@ fn at_most(seconds: f64) -> String {
     duration(seconds).map_or_else(|| "no bound below 100 years".to_owned(), words)
 }
 
-/// A duration in words; none beyond a hundred years.
+/// Returns a duration in words; `None` above a hundred years.
 fn duration(seconds: f64) -> Option<String> {
     Some(match seconds {
         s if s < 1.0 => "a second".to_owned(),

@@ -1,4 +1,4 @@
-//! `stickslip completions`: completions for the shell.
+//! `stickslip completions`: prints completion scripts for shells.
 
 use clap::Args;
 use clap_complete::{Shell, generate};
@@ -8,11 +8,11 @@ use super::output::print;
 
 const EXAMPLES: &str = "\
 Examples:
-  stickslip completions bash > ~/.local/fraction/bash-completion/completions/stickslip
+  stickslip completions bash > ~/.local/share/bash-completion/completions/stickslip
   stickslip completions zsh > ~/.zfunc/_stickslip
   stickslip completions fish > ~/.config/fish/completions/stickslip.fish";
 
-/// Print completions for a shell
+/// Print a completion script for a shell
 #[derive(Clone, Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct CompletionsArguments {
@@ -24,7 +24,7 @@ pub struct CompletionsArguments {
 /// Prints the completions.
 ///
 /// # Errors
-/// Where standard output cannot be written to.
+/// Returns an error if standard output cannot be written to.
 pub fn completions(arguments: &CompletionsArguments) -> Result<End, CliError> {
     let mut script = Vec::new();
     generate(arguments.shell, &mut super::definition(), "stickslip", &mut script);

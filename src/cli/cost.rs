@@ -1,4 +1,4 @@
-//! What a study will cost: about, where no run ends early, and at most, where runs go on until they are given up.
+//! The cost of a study: an estimate for runs that do not end early, and an upper bound.
 
 use crate::classification::{
     goes_in_lockstep, most_steps_of_a_run, most_steps_of_any_run, seconds_per_step,
@@ -6,28 +6,28 @@ use crate::classification::{
 use crate::model::{Model, Simulation};
 use crate::study::Study;
 
-/// Points that are looked at, at most; of more they are a sample.
+/// The largest number of points that are evaluated; larger sweeps are sampled.
 const MOST_POINTS: u64 = 10_000;
 
-/// What a study costs, all its runs together; audited runs are computed twice.
+/// The cost of all runs of a study; audited runs count twice.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Cost {
-    /// Steps if no run ended before the latest end time, about.
+    /// Estimated number of steps if no run ended before its latest end time.
     pub(super) steps: f64,
-    /// Seconds on one core for these.
+    /// Seconds on one core for `steps`.
     pub(super) core_seconds: f64,
-    /// A bound of the steps, which no run exceeds before it is given up.
+    /// Upper bound of the number of steps, from the step limit of each run.
     pub(super) most_steps: f64,
-    /// Seconds on one core for these.
+    /// Seconds on one core for `most_steps`.
     pub(super) most_core_seconds: f64,
 }
 
 impl Cost {
-    /// What a study costs.
+    /// Estimates the cost of a study.
     pub(super) fn of(study: &Study) -> Cost {
         let points = study.point_count();
         let stride = points.div_ceil(MOST_POINTS).max(1);
-        // What is drawn anew for each run, and what has not been looked at, may be anything.
+        // Uncertain parameters and points outside the sample are unknown.
         let all_known = study.uncertain().is_empty() && stride == 1;
         let (mut cost, mut runs) = (Cost::default(), 0.0);
         for number in (0..points).step_by(usize::try_from(stride).unwrap_or(usize::MAX)) {
@@ -44,11 +44,11 @@ impl Cost {
         }
     }
 
-    /// Adds so many runs of a model, whose parameters are those of the runs where they are `known`.
+    /// Adds `runs` runs of a model; `known` says that all of them have exactly its parameters.
     fn add(&mut self, study: &Study, model: &Model, runs: u64, known: bool) {
         let simulation = study.simulation();
-        // A run in lockstep of which an event cannot be located is computed once more, by itself; and what is
-        // continued to a later end time goes on from some time before the first one.
+        // A lockstep run whose event cannot be located is computed a second time on its own, and a run that is
+        // continued to a later end time restarts before the first end time.
         let lockstep = if goes_in_lockstep(model) { 2.0 } else { 1.0 };
         let times = if simulation.extend.is_some() { 2.0 * lockstep } else { lockstep };
         let of_a_run = |simulation: &Simulation| {
@@ -60,7 +60,7 @@ impl Cost {
         let [mut steps, mut most_steps] = of_a_run(simulation);
         if let Some(audit) = study.audit() {
             let [again, most_again] = of_a_run(&simulation.counter_check());
-            // By chance all of them may be audited.
+            // In the worst case all runs are audited.
             (steps, most_steps) = (steps + audit.fraction * again, most_steps + most_again);
         }
         let [steps, most_steps] = [steps, most_steps].map(|one| one * runs as f64);
@@ -72,11 +72,11 @@ impl Cost {
     }
 }
 
-/// An estimate of the steps of a run that lasts until its latest end time. The estimate assumes that every ball sticks
-/// twice and slips twice in each turn, as balls do where the damping is weak.
+/// Estimates the steps of a run that lasts until its latest end time. The estimate assumes that every ball sticks
+/// twice and slips twice per turn, as balls do where the damping is weak.
 ///
-/// At a relative tolerance of 1e-8; power series, of order 16, take more by the sixteenth root of a stricter one,
-/// DOP853 by the eighth.
+/// The constants hold at a relative tolerance of 1e-8. At a stricter tolerance power series of order 16 take more
+/// steps by the sixteenth root of the ratio, DOP853 by the eighth root.
 fn steps_to_the_end(model: &Model, simulation: &Simulation) -> f64 {
     let natural = model.natural_frequency_rad_s();
     let [_, latest_end_time_s] = simulation.end_times_s();
@@ -91,7 +91,7 @@ fn steps_to_the_end(model: &Model, simulation: &Simulation) -> f64 {
     latest_end_time_s * natural * steps.max(model.damping_rate() / STABLE)
 }
 
-/// Seconds that a step takes beside others, on a core of 2024 with vectors of four numbers.
+/// Seconds per step on a core of 2024 with vectors of four numbers, when all lanes are busy.
 fn usual_seconds_per_step(model: &Model) -> f64 {
     let balls = model.balls() as f64;
     if goes_in_lockstep(model) {
@@ -103,6 +103,6 @@ fn usual_seconds_per_step(model: &Model) -> f64 {
     }
 }
 
-/// A step of the integrator times the rate of damping that it can still follow: the length of the
-/// stability region of a Runge-Kutta method of order 8 on the negative real axis, about.
+/// The largest product of step and damping rate at which the integrator is stable: about the length of the
+/// stability region of a Runge-Kutta method of order 8 on the negative real axis.
 const STABLE: f64 = 6.0;

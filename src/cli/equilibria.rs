@@ -1,4 +1,4 @@
-//! `stickslip equilibria`: where the balls can rest, from closed forms and without simulation.
+//! `stickslip equilibria`: computes equilibrium sets in closed form, without simulation.
 
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
@@ -33,14 +33,16 @@ Examples:
   stickslip equilibria study.yaml --speeds -150:-300:151     the thesis's figure 5.1 as a table
   stickslip equilibria three-balls.yaml --samples 262144
 
-The directory holds equilibrium_positions.parquet (a row per ball position: amplitude, the friction that it takes, \
-margin), equilibrium_set_summary.parquet (a row per point of the sweep: fraction of all positions, separate parts, \
+Computes where the balls can rest, in closed form, without simulation. The directory holds \
+equilibrium_positions.parquet (a row per ball position: amplitude, required friction, margin), \
+equilibrium_set_summary.parquet (a row per point of the sweep: fraction of all positions, connected components, \
 amplitudes, balance), frictionless_equilibria.parquet (equilibria without dry friction and their stability) and \
-files.json (the hash of each file). \
-A table of more than 524,288 rows, such as equilibrium_positions.parquet of three points on the grid of 512 x 512, is a \
-directory of that name, with files of as many rows each. \
-Whatever ends it, the same command goes on in the same directory; nothing else is ever written over. \
-Nothing is simulated. At a speed of 0 no force acts, and every position is an equilibrium.";
+files.json (the hash of each file). A table of more than 524,288 rows is a directory of that name, with files of \
+524,288 rows each.
+
+After an interruption the same command continues in the same directory; it overwrites no other file. At a \
+speed of 0 no force acts, and every position is an equilibrium. Read the tables with any Parquet reader; \
+`stickslip run` computes which of the equilibria a machine comes to rest at.";
 
 /// Compute equilibrium sets, and equilibria without friction, in closed form
 #[derive(Clone, Debug, Args)]
@@ -53,26 +55,26 @@ pub struct EquilibriaArguments {
     #[arg(long, short, value_name = "DIR")]
     out: Option<PathBuf>,
 
-    /// One ball or two: points of the grid per axis, at 2π k/G [default: 512]
+    /// One or two balls: grid points per axis, at 2π k/G [default: 512]
     #[arg(long, value_name = "G", value_parser = grid, allow_negative_numbers = true)]
     grid: Option<usize>,
 
-    /// Three balls or more: quasi-random samples, a power of two [default: 65536]
+    /// Three or more balls: number of quasi-random samples, a power of two [default: 65536]
     #[arg(long, value_name = "SAMPLES", value_parser = samples, allow_negative_numbers = true)]
     samples: Option<u32>,
 
-    /// Frictionless equilibria of the study's machine, before its sweep, at COUNT speeds from FROM
-    /// to TO [rad/s] instead of at the sweep's points
+    /// Compute the frictionless equilibria of the study's machine, without its sweep, at COUNT speeds
+    /// from FROM to TO [rad/s] instead of at the points of the sweep
     #[arg(long, value_name = "FROM:TO:COUNT", allow_hyphen_values = true)]
     speeds: Option<Speeds>,
 
-    /// Viscous drag on the balls for the stability of frictionless equilibria, over ball mass and
-    /// natural frequency; high, as in the thesis, so that stability does not depend on it
+    /// Viscous drag on the balls, over ball mass and natural frequency, for the stability of
+    /// frictionless equilibria; so high by default, as in the thesis, that stability does not depend on it
     #[arg(long, value_name = "C", default_value = "1e4", value_parser = ball_damping)]
     #[arg(allow_negative_numbers = true)]
     ball_damping: f64,
 
-    /// Leave out equilibrium_positions.parquet, the large table
+    /// Do not write equilibrium_positions.parquet, the large table
     #[arg(long)]
     no_set: bool,
 
@@ -80,7 +82,7 @@ pub struct EquilibriaArguments {
     #[arg(long, value_name = "N", value_parser = threads, allow_negative_numbers = true)]
     threads: Option<NonZeroUsize>,
 
-    /// No table and no messages on the terminal
+    /// Print neither table nor messages
     #[arg(long, short)]
     quiet: bool,
 
@@ -89,7 +91,7 @@ pub struct EquilibriaArguments {
     json: bool,
 }
 
-/// Most rows of `equilibrium_positions.parquet`.
+/// The largest number of rows of `equilibrium_positions.parquet`.
 const MOST_ROWS: u64 = 1 << 30;
 fn grid(text: &str) -> Result<usize, String> {
     let points = text.parse().ok().filter(|points| *points >= FEWEST_GRID_POINTS);
@@ -116,7 +118,8 @@ fn ball_damping(text: &str) -> Result<f64, String> {
 /// Computes the sets and writes their tables.
 ///
 /// # Errors
-/// Where the study, the options or the output directory cannot be used, or a table not be written.
+/// Returns an error if the study, the options or the output directory cannot be used, or if a table cannot be
+/// written.
 pub fn equilibria(arguments: &EquilibriaArguments) -> Result<End, CliError> {
     let study = arguments.study.load()?;
     check_model(&study)?;
@@ -151,8 +154,8 @@ pub fn equilibria(arguments: &EquilibriaArguments) -> Result<End, CliError> {
         say(&format!("{points} equilibrium {sets} in {seconds:.1} s"));
         if report.too_coarse() > 0 {
             say(&format!(
-                "warning: at {} of them parts of the set are smaller than the grid's spacing and not \
-                 all counted (column unresolved_equilibria); --grid can be finer",
+                "warning: at {} of them the set has components smaller than the grid's spacing, which are not \
+                 all counted (column unresolved_equilibria); choose a finer --grid",
                 report.too_coarse()
             ));
         }
@@ -161,8 +164,8 @@ pub fn equilibria(arguments: &EquilibriaArguments) -> Result<End, CliError> {
     Ok(End::Well)
 }
 
-/// Only the ball balancer has a set to look at: a block on a spring rests anywhere in
-/// `|x| ≤ μ F_n / k`, and on a belt nowhere.
+/// Returns an error for studies without balls: a block on a spring rests anywhere in `|x| ≤ μ F_n / k`, and on a
+/// moving belt nowhere.
 fn check_model(study: &Study) -> Result<(), CliError> {
     if study.model().balls() > 0 {
         return Ok(());
@@ -175,7 +178,7 @@ fn check_model(study: &Study) -> Result<(), CliError> {
     )))
 }
 
-/// How finely the sets are looked at, if that fits the study.
+/// Returns the resolution of the sets, or an error if it does not fit the study.
 fn resolution(arguments: &EquilibriaArguments, study: &Study) -> Result<Resolution, CliError> {
     let balls = study.model().balls();
     let refused = |option: &str, found: &str, allowed: &str| {
@@ -200,7 +203,7 @@ fn resolution(arguments: &EquilibriaArguments, study: &Study) -> Result<Resoluti
     Ok(resolution)
 }
 
-/// What decides the tables beside the study.
+/// Returns the options that determine the tables besides the study.
 fn options(arguments: &EquilibriaArguments, resolution: Resolution) -> serde_json::Value {
     let (grid, samples) = match resolution {
         Resolution::Grid(points) => (Some(points), None),

@@ -1,4 +1,4 @@
-//! What `stickslip equilibria` says on the terminal, or as JSON.
+//! The result of `stickslip equilibria` as text and as JSON.
 
 use std::path::Path;
 
@@ -9,7 +9,7 @@ use crate::analysis::{FrictionlessEquilibrium, FrictionlessKind, Stability};
 use crate::study::{ParameterValue, Study};
 use crate::table::SetSummaryRow;
 
-/// The result, as far as it is shown.
+/// The part of the result that is printed.
 pub struct Report {
     study: String,
     names: Vec<String>,
@@ -21,17 +21,17 @@ pub struct Report {
     too_coarse: u64,
 }
 
-/// How often equilibria of one kind were found.
+/// Counts of the equilibria of one kind.
 #[derive(Clone, Copy, Default)]
 struct Kind {
     found: u64,
     stable: u64,
-    /// The least and the largest speed at which one is stable, rad/s.
+    /// The smallest and the largest speed at which an equilibrium of this kind is stable, rad/s.
     stable_rad_s: Option<(f64, f64)>,
 }
 
 impl Report {
-    /// An empty report; `keep_all` keeps points that would not be printed.
+    /// Creates an empty report; with `keep_all` it stores every point, not only the printed ones.
     pub fn new(study: &Study, keep_all: bool, own_speeds: bool) -> Self {
         Report {
             study: study.name().to_owned(),
@@ -45,7 +45,7 @@ impl Report {
         }
     }
 
-    /// Adds a point of the sweep with its frictionless equilibria, if they are computed there.
+    /// Adds a point of the sweep with its frictionless equilibria, if they are computed at the points.
     pub fn push_point(&mut self, row: &SetSummaryRow, frictionless: &[FrictionlessEquilibrium]) {
         self.too_coarse += u64::from(row.set.unseen > Some(0));
         if !self.keep_all && self.points.len() >= MOST_LINES {
@@ -69,12 +69,12 @@ impl Report {
         }
     }
 
-    /// Points of the sweep at which the grid does not see all components of the set.
+    /// Returns the number of points at which the grid does not resolve all components of the set.
     pub fn too_coarse(&self) -> u64 {
         self.too_coarse
     }
 
-    /// As text: the points, and the frictionless equilibria at speeds of their own.
+    /// Returns the report as text: the points, and the frictionless equilibria of `--speeds`.
     pub fn text(&self) -> String {
         let sampled = self.points.iter().any(|(row, _)| row.set.fraction_interval.is_some());
         let mut header = vec!["point".to_owned()];
@@ -139,7 +139,7 @@ impl Report {
         aligned(&lines)
     }
 
-    /// As JSON.
+    /// Returns the report as JSON.
     pub fn json(&self, options: &Value, directory: &Path) -> Value {
         let point = |(row, stable): &(SetSummaryRow, Vec<&str>)| {
             let SetSummaryRow { point, set, positions } = row;

@@ -1,4 +1,4 @@
-//! `stickslip evaluate`: responses of designs, for optimisers.
+//! `stickslip evaluate`: computes responses of designs for optimisers.
 
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
@@ -23,26 +23,28 @@ Examples:
   stickslip evaluate studies/design.yaml --designs designs.csv --out responses.parquet
   echo '{\"id\": 1, \"balls\": 2, \"material\": \"steel\"}' | stickslip evaluate studies/design.yaml --designs -
 
-The study names variables under `design` and what is asked for under `responses`. A design is the study \
-with these set: it has the study's sampling and uncertain parameters, and at each point of its sweep a row \
-or answer of its own. All designs fraction start states and draws, so that differences between designs are \
-known better than the designs. `audit` and `expect` are left out.
+Computes the responses of each design. A design sets the variables that the study lists under `design`; \
+`responses` lists what is computed. Sampling and uncertain parameters are those of the study, and each point of \
+its sweep has its own row or answer. All designs share start states and draws, so that differences between \
+designs are more precise than their values. `audit` and `expect` are ignored.
 
-With - it answers one JSON object per line of standard input with one per line, in order, until its input \
-ends or nobody reads its answers any more. What is wrong with a request is its answer.";
+With --out the responses go to a Parquet file with a row per design and point. With --designs - the command is \
+a server: it reads one JSON object per line from standard input and answers each with one line, in order, \
+until its input ends or its output is closed. The answer to an invalid request is an object with `error`. \
+`stickslip optimize` searches for the best design with the same responses.";
 
-/// Responses of designs, for optimisers: a table of them, or requests one by one
+/// Compute responses of designs for optimisers, from a table or from requests on standard input
 #[derive(Clone, Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct EvaluateArguments {
     #[command(flatten)]
     study: StudyArgument,
 
-    /// Table of designs, CSV or Parquet, a column for each variable; - for requests on standard input
+    /// Table of designs, CSV or Parquet, with a column per variable; - for requests on standard input
     #[arg(long, value_name = "FILE")]
     designs: PathBuf,
 
-    /// Parquet file to write; not with --designs -
+    /// Parquet file to write; required unless --designs is -
     #[arg(long, short, value_name = "FILE")]
     out: Option<PathBuf>,
 
@@ -50,7 +52,7 @@ pub struct EvaluateArguments {
     #[arg(long, value_name = "N", value_parser = threads, allow_negative_numbers = true)]
     threads: Option<NonZeroUsize>,
 
-    /// No progress on the terminal
+    /// Print no progress
     #[arg(long, short)]
     quiet: bool,
 }
@@ -58,7 +60,7 @@ pub struct EvaluateArguments {
 /// Evaluates designs.
 ///
 /// # Errors
-/// Where study or table cannot be used, the file exists, or it cannot be written.
+/// Returns an error if the study or the table cannot be used, if the output file exists, or if it cannot be written.
 pub fn evaluate(arguments: &EvaluateArguments) -> Result<End, CliError> {
     let study = arguments.study.load()?;
     check(arguments, &study)?;
@@ -69,7 +71,7 @@ pub fn evaluate(arguments: &EvaluateArguments) -> Result<End, CliError> {
     };
     let stop = || {
         stop_on_signals().unwrap_or_else(|error| {
-            say(&format!("warning: Ctrl-C will not be clean: {error}"));
+            say(&format!("warning: cannot handle Ctrl-C: {error}"));
             Arc::new(AtomicBool::new(false))
         })
     };
@@ -98,7 +100,9 @@ pub fn evaluate(arguments: &EvaluateArguments) -> Result<End, CliError> {
             if !arguments.quiet {
                 say(&format!("responses of {} designs in {}", designs.len(), out.display()));
                 if designs.len() > MOST_DESIGNS {
-                    say(&format!("more than {MOST_DESIGNS} designs: `discontinuous` is left out"));
+                    say(&format!(
+                        "more than {MOST_DESIGNS} designs: `discontinuous` is not computed"
+                    ));
                 }
             }
             Ok(if failed > 0 { End::RunsFailed } else { End::Well })
@@ -106,7 +110,7 @@ pub fn evaluate(arguments: &EvaluateArguments) -> Result<End, CliError> {
     }
 }
 
-/// What study and arguments must have together.
+/// Checks the combination of study and arguments.
 fn check(arguments: &EvaluateArguments, study: &Study) -> Result<(), CliError> {
     let usage = |text: String| Err(CliError::Usage(text));
     check_answerable(study, &arguments.study.study).map_err(CliError::Usage)?;
@@ -127,7 +131,7 @@ fn check(arguments: &EvaluateArguments, study: &Study) -> Result<(), CliError> {
     }
 }
 
-/// The answers for all designs, in order; none where `stop` became true.
+/// Returns the answers for all designs, in order; `None` if `stop` became true.
 fn compute(
     study: &Study,
     designs: &[Vec<DesignValue>],

@@ -1,4 +1,4 @@
-//! `stickslip evaluate --designs -`: requests on standard input, answers on standard output.
+//! `stickslip evaluate --designs -`: answers requests on standard input on standard output.
 
 use std::io::{self, BufRead, Read};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -14,20 +14,20 @@ use crate::engine::WorkerPool;
 use crate::responses::{Neighbours, Refusal, Request, respond, to_json};
 use crate::study::Study;
 
-/// The longest line that is read, bytes.
-const LONGEST: usize = 1 << 20;
-/// How often an idle server looks whether it was interrupted.
-const LOOK: Duration = Duration::from_millis(50);
+/// The longest request line, in bytes.
+const MAX_LINE_BYTES: usize = 1 << 20;
+/// How often a waiting thread checks for an interruption.
+const POLL_INTERVAL: Duration = Duration::from_millis(50);
 
 const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
 
-/// A line of standard input; none of it where it is too long.
+/// A line of standard input; `None` if it is longer than `MAX_LINE_BYTES`.
 type Line = Option<Vec<u8>>;
 
-/// Answers requests until there are no more, or nobody reads the answers, or `stop` becomes true.
+/// Answers requests until the input ends, the output is closed, or `stop` becomes true.
 ///
 /// # Errors
-/// Where standard input cannot be read or standard output not be written.
+/// Returns an error if standard input cannot be read or standard output cannot be written.
 pub fn serve(study: &Study, workers: &WorkerPool, stop: &AtomicBool) -> Result<End, CliError> {
     let lines = lines();
     let writer = Writer::start();
@@ -37,14 +37,14 @@ pub fn serve(study: &Study, workers: &WorkerPool, stop: &AtomicBool) -> Result<E
         if stop.load(Ordering::Relaxed) {
             return Ok(End::Interrupted);
         }
-        let line = match lines.recv_timeout(LOOK) {
+        let line = match lines.recv_timeout(POLL_INTERVAL) {
             Ok(line) => line?,
             Err(RecvTimeoutError::Timeout) => continue,
             Err(RecvTimeoutError::Disconnected) => return Ok(End::Well),
         };
         let request = match line {
             Some(line) => Request::read(study, &line),
-            None => Request { id: json!(null), design: Err(Refusal::too_long(LONGEST)) },
+            None => Request { id: json!(null), design: Err(Refusal::too_long(MAX_LINE_BYTES)) },
         };
         let answer = match &request.design {
             Err(refusal) => json!({"id": request.id, "error": refusal.to_json()}),
@@ -79,8 +79,8 @@ pub fn serve(study: &Study, workers: &WorkerPool, stop: &AtomicBool) -> Result<E
     }
 }
 
-/// Writes answers to standard output in a thread of its own: one that waits for its reader sees no signal, and may
-/// wait for ever. It is left behind when the server ends.
+/// Writes answers to standard output from a separate thread, because a blocking write does not see signals. The
+/// thread is abandoned when the server ends.
 struct Writer {
     texts: SyncSender<String>,
     written: Receiver<io::Result<Reader>>,
@@ -92,7 +92,7 @@ impl Writer {
         let (tell, written) = sync_channel(1);
         thread::spawn(move || {
             for text in to_write {
-                // Where nobody listens any more, the server has ended.
+                // A closed channel means that the server has ended.
                 if tell.send(print_json(&text)).is_err() {
                     return;
                 }
@@ -101,12 +101,12 @@ impl Writer {
         Writer { texts, written }
     }
 
-    /// Writes a text, all of it, and tells whether it is read; none where `stop` becomes true before.
+    /// Writes a whole text and returns whether the reader still reads; `None` if `stop` becomes true first.
     fn write(&self, text: String, stop: &AtomicBool) -> io::Result<Option<Reader>> {
-        let ended = || io::Error::other("the thread that writes has ended");
+        let ended = || io::Error::other("the writer thread has ended");
         self.texts.send(text).map_err(|_| ended())?;
         loop {
-            match self.written.recv_timeout(LOOK) {
+            match self.written.recv_timeout(POLL_INTERVAL) {
                 Ok(written) => return written.map(Some),
                 Err(RecvTimeoutError::Timeout) if stop.load(Ordering::Relaxed) => return Ok(None),
                 Err(RecvTimeoutError::Timeout) => {}
@@ -116,7 +116,7 @@ impl Writer {
     }
 }
 
-/// The lines of standard input, read in a thread of their own: one that waits for input sees no signal.
+/// Reads the lines of standard input in a separate thread, because a blocking read does not see signals.
 fn lines() -> Receiver<io::Result<Line>> {
     let (sender, receiver) = sync_channel(16);
     thread::spawn(move || {
@@ -125,13 +125,13 @@ fn lines() -> Receiver<io::Result<Line>> {
         loop {
             let Some(mut line) = next_line(&mut input).transpose() else { return };
             if let (true, Ok(Some(text))) = (std::mem::take(&mut first), &mut line) {
-                // What shells of Windows begin a pipe with; JSON has no place for it.
+                // Windows shells begin a pipe with a byte order mark, which JSON does not allow.
                 if text.starts_with(BYTE_ORDER_MARK) {
                     text.drain(..BYTE_ORDER_MARK.len());
                 }
             }
             let broken = line.is_err();
-            // Where nobody takes it any more, the server has ended.
+            // A closed channel means that the server has ended.
             if sender.send(line).is_err() || broken {
                 return;
             }
@@ -140,18 +140,18 @@ fn lines() -> Receiver<io::Result<Line>> {
     receiver
 }
 
-/// The next line; none at the end.
+/// Returns the next line; `None` at the end of the input.
 fn next_line(input: &mut impl BufRead) -> io::Result<Option<Line>> {
     let mut line = Vec::new();
-    if input.by_ref().take(LONGEST as u64 + 1).read_until(b'\n', &mut line)? == 0 {
+    if input.by_ref().take(MAX_LINE_BYTES as u64 + 1).read_until(b'\n', &mut line)? == 0 {
         return Ok(None);
     }
-    if line.len() <= LONGEST {
+    if line.len() <= MAX_LINE_BYTES {
         return Ok(Some(Some(line)));
     }
     while line.last() != Some(&b'\n') {
         line.clear();
-        if input.by_ref().take(LONGEST as u64).read_until(b'\n', &mut line)? == 0 {
+        if input.by_ref().take(MAX_LINE_BYTES as u64).read_until(b'\n', &mut line)? == 0 {
             break;
         }
     }
@@ -160,18 +160,22 @@ fn next_line(input: &mut impl BufRead) -> io::Result<Option<Line>> {
 
 #[cfg(test)]
 mod tests {
-    use super::{LONGEST, next_line};
+    use super::{MAX_LINE_BYTES, next_line};
 
     #[test]
     fn long_lines_are_passed_over() {
-        let text =
-            [vec![b'a'; LONGEST - 1], b"\n".to_vec(), vec![b'b'; 3 * LONGEST], b"\nlast".to_vec()];
+        let text = [
+            vec![b'a'; MAX_LINE_BYTES - 1],
+            b"\n".to_vec(),
+            vec![b'b'; 3 * MAX_LINE_BYTES],
+            b"\nlast".to_vec(),
+        ];
         let text = text.concat();
         let mut input = text.as_slice();
         let mut lengths = Vec::new();
         while let Some(line) = next_line(&mut input).unwrap() {
             lengths.push(line.map(|line| line.len()));
         }
-        assert_eq!(lengths, [Some(LONGEST), None, Some(4)]);
+        assert_eq!(lengths, [Some(MAX_LINE_BYTES), None, Some(4)]);
     }
 }

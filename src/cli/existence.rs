@@ -1,19 +1,18 @@
-//! `stickslip check --existence`: at which points of the sweep stick and slip are always decided in
-//! exactly one way.
+//! `stickslip check --existence`: finds the points of the sweep at which the stick-slip decision is unique.
 
 use serde_json::{Value, json};
 
 use crate::model::{ExistenceVerdict, SAFE_FRICTION};
 use crate::study::{ParameterValue, Point, Study};
 
-/// Most points that are looked at, over `3^N` for `N` balls; of more, so many spread over the sweep.
+/// The largest number of points times `3^N` for `N` balls; larger sweeps are sampled evenly.
 const MOST_WORK: u64 = 65_610_000;
-/// Most points that are looked at, however few balls there are.
+/// The largest number of points for any number of balls.
 const MOST_POINTS: u64 = 1_000_000;
-/// Most points that are named.
+/// The largest number of points that are listed.
 const MOST_NAMED: usize = 20;
 
-/// A point at which stick and slip are not always decided in one way.
+/// A point at which the stick-slip decision is not always unique.
 struct Failing {
     point_id: u64,
     swept: Vec<(String, ParameterValue)>,
@@ -22,21 +21,21 @@ struct Failing {
     friction_fraction: f64,
 }
 
-/// What has been found over the sweep.
+/// The verdicts over the sweep.
 pub(super) struct Existence {
     points: u64,
     looked_at: u64,
-    /// The least principal minor of all and the point that has it.
+    /// The smallest principal minor, and the point that has it.
     least: (f64, u64),
     not_unique: u64,
-    /// The first of them.
+    /// The first points that are not unique.
     named: Vec<Failing>,
-    /// Whether the runs' machines differ from their point's.
+    /// Whether the parameters of the runs differ from those of their point.
     uncertain: bool,
 }
 
 impl Existence {
-    /// Looks at the points of a study.
+    /// Checks the points of a study.
     pub(super) fn of(study: &Study) -> Self {
         let points = study.point_count();
         let work = 3_u64.saturating_pow(study.model().balls() as u32);
@@ -57,7 +56,7 @@ impl Existence {
 
     fn add(&mut self, study: &Study, point: &Point) {
         let Some(machine) = point.model().ball_balancer() else {
-            // A single contact whose normal force is given: nothing is coupled.
+            // A single contact with a given normal force is uncoupled.
             self.least = if self.least.0 > 1.0 { (1.0, point.point_id) } else { self.least };
             return;
         };
@@ -80,7 +79,7 @@ impl Existence {
         }
     }
 
-    /// As lines of text.
+    /// Returns the verdicts as lines of text.
     pub(super) fn text(&self) -> String {
         let place = match (self.looked_at == self.points, self.points) {
             (true, 1) => "at the only point".to_owned(),
@@ -113,17 +112,17 @@ impl Existence {
         }
         if self.not_unique > 0 && self.looked_at < self.points {
             text += &format!(
-                "  looked at {} of {} points, spread over the sweep\n",
+                "  checked {} of {} points, evenly spread over the sweep\n",
                 self.looked_at, self.points
             );
         }
         if self.uncertain {
-            text += "  the draws of uncertain parameters are not looked at, and can differ\n";
+            text += "  the random draws of uncertain parameters are not checked and can differ\n";
         }
         text
     }
 
-    /// As JSON.
+    /// Returns the verdicts as JSON.
     pub(super) fn json(&self) -> Value {
         json!({
             "points": self.points,
@@ -137,9 +136,9 @@ impl Existence {
     }
 }
 
-/// The point to look at as number `index` out of `looked_at`: one out of each of so many equal parts
-/// of the sweep, its place in the part following the golden ratio, so that a sweep's own periods
-/// are not met. All points where there are no more.
+/// Returns the point to check as number `index` out of `looked_at`. The sweep is divided into `looked_at` equal
+/// parts with one point each, whose place within the part follows the golden ratio and so avoids the sweep's
+/// own periods. If `looked_at` equals `points`, every point is checked.
 fn spread(index: u64, looked_at: u64, points: u64) -> u64 {
     let mark = |k: u64| (u128::from(k) * u128::from(points) / u128::from(looked_at)) as u64;
     let (from, to) = (mark(index), mark(index + 1));

@@ -1,4 +1,4 @@
-//! How a command ends, and the exit code for it.
+//! The ways a command ends, and their exit codes.
 
 use std::io;
 use std::process::ExitCode;
@@ -9,25 +9,25 @@ use crate::engine::{EngineError, OutputDirError, StoreError};
 use crate::study::StudyError;
 use crate::table::{ResultsError, TableError, WriteError};
 
-/// A command that did what it was asked for.
+/// The end of a command that did its work.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum End {
-    /// All well.
+    /// Success.
     Well,
     /// Finished, but some runs failed.
     RunsFailed,
-    /// Not finished: more runs failed than may.
+    /// Stopped because more runs failed than `--on-failure` allows.
     TooManyFailed,
     /// An expectation of the study is not met.
     ExpectationNotMet,
-    /// A run computed again is not what its row says.
+    /// A replayed run differs from its row.
     NotReproduced,
-    /// Interrupted; everything finished is kept.
+    /// Interrupted; all finished runs are on disk.
     Interrupted,
 }
 
 impl End {
-    /// The exit code.
+    /// Returns the exit code.
     pub fn code(self) -> ExitCode {
         ExitCode::from(match self {
             End::Well => 0,
@@ -40,22 +40,22 @@ impl End {
     }
 }
 
-/// A command that could not do what it was asked for.
+/// An error that kept a command from its work.
 #[derive(Debug, Error)]
 pub enum CliError {
-    /// The study cannot be used.
+    /// The study is invalid.
     #[error(transparent)]
     Study(#[from] StudyError),
-    /// The arguments do not fit the study.
+    /// The arguments are invalid or do not fit the study.
     #[error("{0}")]
     Usage(String),
-    /// The output directory cannot be used, or a table not be written.
+    /// The output directory cannot be used, or a table cannot be written.
     #[error(transparent)]
     Results(#[from] ResultsError),
     /// A table cannot be read.
     #[error(transparent)]
     Table(#[from] TableError),
-    /// Finished runs cannot be kept or read.
+    /// Finished runs cannot be stored or read.
     #[error(transparent)]
     Store(#[from] StoreError),
     /// A table cannot be written.
@@ -89,7 +89,7 @@ impl From<EngineError<ResultsError>> for CliError {
 }
 
 impl CliError {
-    /// The exit code: 2 where the user can mend it in the study or on the command line.
+    /// Returns the exit code: 2 if the user can fix the cause in the study or on the command line, otherwise 1.
     pub fn code(&self) -> ExitCode {
         ExitCode::from(match self {
             CliError::Study(_) | CliError::Usage(_) | CliError::Table(_) => 2,

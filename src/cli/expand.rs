@@ -18,33 +18,34 @@ const EXAMPLES: &str = "\
 Examples:
   stickslip expand study.yaml | head
   stickslip expand study.yaml --out cases.parquet
-  stickslip expand study.yaml --shard 1/1000        every thousandth case";
+  stickslip expand study.yaml --shard 1/1000        one case in a thousand";
 
-/// Write the cases of a study (parameters and start states) without computing them; with `precision`,
-/// all that may be computed
+/// Write the cases of a study (parameters and start states) without computing them
+///
+/// In a study with `precision` these are all cases that may be computed. `stickslip run` computes them.
 #[derive(Clone, Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct ExpandArguments {
     #[command(flatten)]
     study: StudyArgument,
 
-    /// Parquet file to write, above 524,288 cases a directory of files; without it the cases go to
+    /// Parquet file to write, or a directory of files above 524,288 cases; without --out the cases go to
     /// standard output as CSV
     #[arg(long, short, value_name = "FILE")]
     out: Option<PathBuf>,
 
-    /// Part K of N of the runs only; of the points, in a study with `precision`
+    /// Only part K of N of the runs; in a study with `precision`, of the points
     #[arg(long, value_name = "K/N", default_value = "1/1")]
     shard: Shard,
 }
 
-/// Rows per piece of CSV.
+/// Rows per batch of CSV output.
 const PIECE: usize = 1024;
 
 /// Writes the cases.
 ///
 /// # Errors
-/// Where the study cannot be used, the file exists, or it cannot be written.
+/// Returns an error if the study cannot be used, if the output file exists, or if it cannot be written.
 pub fn expand(arguments: &ExpandArguments) -> Result<End, CliError> {
     let study = arguments.study.load()?;
     let mut columns = planned_columns::<PlannedRun>(&study, |planned| planned);

@@ -1,9 +1,9 @@
-//! An output directory that one command fills once: `equilibria`, `replay`.
+//! An output directory that one command, `equilibria` or `replay`, fills once.
 //!
-//! While it is being filled there is an empty file `unfinished` in it, the first that is made and the last
-//! that is removed, which the process has locked. Where it was left behind, the command was killed, and the
-//! same command goes on: files that are finished stay, which it checks to the byte, the others are written
-//! anew. `files.json` lists all of them with their hashes.
+//! An empty file `unfinished`, which the process locks, marks a directory that is being filled: it is the first
+//! file created and the last one removed. If it remains, the command was killed, and the same command continues:
+//! it verifies finished files by their hashes and writes the others anew. `files.json` lists all files with their
+//! hashes.
 
 use std::fs;
 use std::io;
@@ -17,23 +17,23 @@ use crate::table::{
     sync_directory,
 };
 
-/// The file that says that a directory is being filled.
+/// The file that marks a directory that is being filled.
 const UNFINISHED: &str = "unfinished";
 
-/// A directory that is being filled, ours alone as long as this value lives.
+/// A directory that is being filled, locked for this process as long as the value lives.
 pub struct FilledOnce {
-    /// The files that it will hold.
+    /// The files of the finished directory.
     pub list: FileList,
     directory: PathBuf,
     lock: Lock,
 }
 
 impl FilledOnce {
-    /// Refuses a directory that holds anything but what the same command, which writes these `files`, has left
-    /// there when it was killed. Changes nothing.
+    /// Checks that a directory is empty, missing, or left unfinished by the same command, which writes these `files`.
+    /// Changes nothing.
     ///
     /// # Errors
-    /// Where there is something else, or where it cannot be read.
+    /// Returns an error if the directory holds anything else or cannot be read.
     pub fn inspect(directory: &Path, files: &[&str]) -> Result<(), ResultsError> {
         check_path(directory)?;
         let unusable = |cause| ResultsError::Unusable { path: directory.to_owned(), cause };
@@ -42,7 +42,7 @@ impl FilledOnce {
             Err(error) if error.kind() == io::ErrorKind::NotFound => Vec::new(),
             Err(error) => return Err(unusable(error)),
         };
-        // With anything in it, it is not the file that says so.
+        // A marker with content belongs to someone else.
         let unfinished = fs::symlink_metadata(directory.join(UNFINISHED))
             .is_ok_and(|found| found.is_file() && found.len() == 0);
         let own = |name: &str| {
@@ -66,31 +66,32 @@ impl FilledOnce {
         })
     }
 
-    /// Makes the directory, if need be, and begins to fill it, or goes on.
+    /// Creates the directory if needed and locks it for filling.
     ///
     /// # Errors
-    /// As for [`FilledOnce::inspect`]; where another process fills it, or where it cannot be written to.
+    /// Returns the errors of [`FilledOnce::inspect`], and an error if another process fills the directory or it cannot
+    /// be written to.
     pub fn open(directory: &Path, files: &[&str]) -> Result<Self, CliError> {
         Self::inspect(directory, files)?;
         let begun = directory.join(UNFINISHED).exists();
         let unusable = |cause| ResultsError::Unusable { path: directory.to_owned(), cause };
         make_directory(directory).map_err(unusable)?;
         let lock = Lock::take(directory.join(UNFINISHED), directory)?;
-        // In the meantime another process may have filled it.
+        // Another process may have filled it before this one got the lock.
         lock.check()?;
         Self::inspect(directory, if begun { files } else { &[] })?;
         sync_directory(directory).map_err(unusable)?;
         clear_temporaries(directory, files).map_err(unusable)?;
         clear_temporaries(directory, &[FILES]).map_err(unusable)?;
-        // A list that was begun is written anew; what is none is not ours.
+        // An unfinished list is written anew; an invalid one belongs to someone else.
         FileList::read(directory)?;
         Ok(FilledOnce { list: FileList::default(), directory: directory.to_owned(), lock })
     }
 
-    /// All files are there.
+    /// Marks the directory as complete.
     ///
     /// # Errors
-    /// Where the directory was taken away from this process, or cannot be written to.
+    /// Returns an error if another process took the lock, or if the directory cannot be written to.
     pub fn finish(self) -> Result<(), CliError> {
         let FilledOnce { directory, lock, .. } = self;
         lock.check()?;

@@ -1,4 +1,4 @@
-//! `stickslip merge`: the results of all shards of a study as the tables of the whole.
+//! `stickslip merge`: merges the results of all shards of a study into the tables of the whole study.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -19,13 +19,14 @@ Examples:
   stickslip run study.yaml --shard 2/2 --out results/part-2
   stickslip merge results/part-1 results/part-2 --out results/whole
 
-The tables are those of a single run, byte for byte. No shard may be missing, there twice or \
-unfinished; all must be of the same study and the same version of the program. Nothing is computed, but \
-for runs whose chunk is damaged, which is named.";
+Reads the finished runs of all shards and writes the tables of the whole study, byte for byte those of a single \
+run. Every shard must be there exactly once and finished, and all must be of the same study and program version. \
+Only runs of a damaged chunk are computed again; a warning names the chunk. Afterwards `stickslip summary` and \
+`stickslip report` show the result.";
 
-/// The most runs at a time: more would take more memory than it saves reading.
+/// The largest number of runs per batch; larger batches take more memory without faster reading.
 const MOST_AT_A_TIME: usize = 1 << 17;
-/// Runs at a time for each shard: a chunk.
+/// Runs per batch and shard: the size of a chunk.
 const AT_A_TIME: usize = 1024;
 
 /// Merge the results of all shards of a study
@@ -36,7 +37,7 @@ pub struct MergeArguments {
     #[arg(value_name = "PART", required = true)]
     parts: Vec<PathBuf>,
 
-    /// Directory for the results of the whole [default: results/<name of the study>]
+    /// Directory for the merged results [default: results/<name of the study>]
     #[arg(long, short, value_name = "DIR")]
     out: Option<PathBuf>,
 
@@ -47,8 +48,8 @@ pub struct MergeArguments {
 /// Merges the shards.
 ///
 /// # Errors
-/// Where a shard is missing, there twice, unfinished or of another study; where a directory cannot be
-/// used.
+/// Returns an error if a shard is missing, given twice, unfinished or of another study, or if a directory cannot
+/// be used.
 pub fn merge(arguments: &MergeArguments) -> Result<End, CliError> {
     let study = whole(&arguments.parts)?;
     let directory =
@@ -66,7 +67,7 @@ pub fn merge(arguments: &MergeArguments) -> Result<End, CliError> {
     carry_out(&study, &output_dir, options, &arguments.engine)
 }
 
-/// The study of which these are all shards, each once and finished.
+/// Returns the study of the shards if each of them is given exactly once and is finished.
 fn whole(parts: &[PathBuf]) -> Result<Study, CliError> {
     let refuse = |part: &Path, reason: String, allowed: &str| {
         Err(CliError::Usage(format!("{}: {reason}\n  allowed: {allowed}", part.display())))
@@ -88,7 +89,8 @@ fn whole(parts: &[PathBuf]) -> Result<Study, CliError> {
             let place = place.display();
             if study.hash() != other.hash() || text != *other_text {
                 let differs = crate::study::difference(other, &study).join("\n    ");
-                let reason = format!("another study than in {place}; it differs in\n    {differs}");
+                let reason =
+                    format!("a different study than in {place}; it differs in\n    {differs}");
                 return refuse(part, reason, "shards of one study");
             }
             if shard.parts() != whole.parts() {
@@ -97,12 +99,12 @@ fn whole(parts: &[PathBuf]) -> Result<Study, CliError> {
             }
         }
         if let Some((_, twice)) = places.iter().find(|(number, _)| *number == shard.part()) {
-            let reason = format!("shard {shard} is in {}, too", twice.display());
+            let reason = format!("shard {shard} is also in {}", twice.display());
             return refuse(part, reason, "each shard once");
         }
         if !manifest.complete {
             let reason = format!(
-                "shard {shard} is not finished: {} of {} runs when it was last stopped",
+                "shard {shard} is not finished: {} of {} runs",
                 manifest.runs_finished, manifest.runs_planned
             );
             let allowed = format!("finished shards; `stickslip resume {}`", shell_word(part));
@@ -121,7 +123,7 @@ fn whole(parts: &[PathBuf]) -> Result<Study, CliError> {
         .collect();
     if !missing.is_empty() {
         return Err(CliError::Usage(format!(
-            "shards are missing: {} of {} are there\n  found:   no directory of {}\n  allowed: the \
+            "shards are missing: {} of {} given\n  found:   no directory of {}\n  allowed: the \
              directories of all shards",
             places.len(),
             shard.parts(),

@@ -1,4 +1,4 @@
-//! The command line: one file per command, and one place where ends turn into exit codes.
+//! The command line: one file per command; this file dispatches to them and turns ends into exit codes.
 
 mod arguments;
 mod check;
@@ -42,19 +42,19 @@ use crate::engine::{say, survive_file_size_limit};
 
 const EXAMPLES: &str = "\
 Examples:
-  stickslip check studies/preferred-equilibria.yaml     is the study right, what will it cost?
-  stickslip run studies/preferred-equilibria.yaml       run it; tables in results/<study>
+  stickslip check studies/preferred-equilibria.yaml     check the study and its cost
+  stickslip run studies/preferred-equilibria.yaml       compute it; tables in results/<study>
   stickslip run study.yaml --out results/night --threads 8
-  stickslip resume results/night                        go on after an interruption
+  stickslip resume results/night                        continue after an interruption
   stickslip replay results/night 17                     the motion of one run
-  stickslip summary results/night                       the table that run prints, once more
-  stickslip report results/night                        a page of figures, to look at and to mail
-  stickslip verify studies/smoke.yaml                   run it and check what it expects
+  stickslip summary results/night                       print the table of results
+  stickslip report results/night                        write a page of figures
+  stickslip verify studies/smoke.yaml                   compute it and check its expectations
 
 Exit codes:
-  0  all well                         3    some runs failed
+  0  success                          3    some runs failed
   1  could not run, or replay differs 4    verify: an expectation is not met
-  2  wrong usage, study or directory  130  interrupted or out of time; what is finished is kept";
+  2  wrong usage, study or directory  130  interrupted or out of time; finished runs are saved";
 
 /// Parallel parameter studies and Monte Carlo for mechanical systems with dry friction.
 #[derive(Debug, Parser)]
@@ -82,12 +82,12 @@ enum Command {
     Completions(completions::CompletionsArguments),
 }
 
-/// Reads the arguments of the process, does what they say, and returns the exit code.
+/// Parses the arguments of the process, runs the command, and returns the exit code.
 pub fn main() -> ExitCode {
     if let Err(error) = survive_file_size_limit() {
-        say(&format!("warning: a limit of the size of files may end the program: {error}"));
+        say(&format!("warning: the file size limit may end the program: {error}"));
     }
-    // clap prints help and wrong usage itself, with exit codes 0 and 2.
+    // clap itself prints help and usage errors, with exit codes 0 and 2.
     let result = match Cli::parse().command {
         Command::Run(arguments) => run::run(&arguments),
         Command::Resume(arguments) => resume::resume(&arguments),
@@ -113,7 +113,7 @@ pub fn main() -> ExitCode {
     }
 }
 
-/// The command line's definition, for completions and for tests of the help texts.
+/// Returns the definition of the command line, for completions and for tests of the help texts.
 pub fn definition() -> clap::Command {
     <Cli as clap::CommandFactory>::command()
 }

@@ -1,4 +1,4 @@
-//! `stickslip optimize`: looks for the design that does best.
+//! `stickslip optimize`: searches for the best design.
 
 use std::fs;
 use std::io;
@@ -34,25 +34,25 @@ Examples:
   stickslip optimize studies/design.yaml
   stickslip optimize studies/design.yaml --out results/quiet --threads 8
 
-The study names variables under `design`, what is asked for under `responses`, and what is to be small or \
-large under `optimize`, with limits to other responses. The search looks at one design after another, first \
-spread over all ranges and choices, then chosen by surrogates, with a line for each; the same study and seed \
-give the same designs on any number of threads. The best are looked at again with other runs, so that no \
-luck is reported.
+Searches for the design with the best objectives. The study lists variables under `design`, responses under \
+`responses`, and under `optimize` the responses to minimize or maximize, with limits to others. The search \
+evaluates one design at a time and prints a line for each: first designs spread over all ranges and choices, \
+then designs chosen by surrogate models. The same study and seed give the same designs on any number of threads. \
+The best designs are evaluated again with independent runs, so that the reported values have no selection bias.
 
-DIR holds evaluations.parquet (every design), finalists.parquet, pareto.parquet of two objectives, \
-sensitivities.parquet (Sobol' indices), surrogates.json, optimum.json, and files.json with the hash of each. \
-Started again with the same DIR it goes on where it was, also towards more designs, if evaluations.parquet is \
-the file that was written.";
+DIR holds evaluations.parquet (every design), finalists.parquet, pareto.parquet (with two objectives), \
+sensitivities.parquet (Sobol' indices), surrogates.json, optimum.json, and files.json (the hash of each file). \
+The same command with the same DIR continues the search, also with a larger number of designs, unless \
+evaluations.parquet has been changed. `stickslip evaluate` computes further designs.";
 
-/// Look for the design that does best, by surrogates
+/// Search for the best design with surrogate models
 #[derive(Clone, Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct OptimizeArguments {
     #[command(flatten)]
     study: StudyArgument,
 
-    /// Directory for the results [default: optimum/ and the study's name]
+    /// Directory for the results [default: optimum/<name of the study>]
     #[arg(long, short, value_name = "DIR")]
     out: Option<PathBuf>,
 
@@ -60,23 +60,23 @@ pub struct OptimizeArguments {
     #[arg(long, value_name = "N", value_parser = threads, allow_negative_numbers = true)]
     threads: Option<NonZeroUsize>,
 
-    /// No progress on the terminal
+    /// Print no progress
     #[arg(long, short)]
     quiet: bool,
 }
 
-/// Looks for the best design.
+/// Searches for the best design.
 ///
 /// # Errors
-/// Where the study cannot be used or says not what is looked for, the directory holds something else or a
-/// table cannot be written, and where an objective does not depend on the design.
+/// Returns an error if the study cannot be used or has no `optimize`, if the directory holds anything else, if a
+/// table cannot be written, or if an objective does not depend on the design.
 pub fn optimize(arguments: &OptimizeArguments) -> Result<End, CliError> {
     let study = arguments.study.load()?;
     let file = arguments.study.study.display();
     let Some(optimization) = study.optimization() else {
-        let allowed = "`optimize` in the study, such as optimize: {minimize: vibration}";
+        let allowed = "an objective in the study, such as optimize: {minimize: vibration}";
         return Err(CliError::Usage(format!(
-            "{file}: nothing is looked for\n  allowed: {allowed}"
+            "{file}: `optimize` is missing\n  allowed: {allowed}"
         )));
     };
     check_answerable(&study, &arguments.study.study).map_err(CliError::Usage)?;
@@ -86,13 +86,13 @@ pub fn optimize(arguments: &OptimizeArguments) -> Result<End, CliError> {
     let mut evaluations =
         read_evaluations(&study, &directory).map_err(|error| CliError::Usage(error.to_string()))?;
     for name in &search_directory.changed {
-        say(&format!("{name} has been changed since it was written: it is made again"));
+        say(&format!("{name} has been changed since it was written; writing it anew"));
     }
     let cores = || std::thread::available_parallelism().unwrap_or(NonZeroUsize::MIN);
     let workers = WorkerPool::new(arguments.threads.unwrap_or_else(cores).get());
     let workers = workers.map_err(CliError::Threads)?;
     let stop = stop_on_signals().unwrap_or_else(|error| {
-        say(&format!("warning: Ctrl-C will not be clean: {error}"));
+        say(&format!("warning: cannot handle Ctrl-C: {error}"));
         Arc::new(AtomicBool::new(false))
     });
     let what = Search { study: &study, optimization, workers: &workers, stop: &stop };
@@ -104,7 +104,7 @@ pub fn optimize(arguments: &OptimizeArguments) -> Result<End, CliError> {
     };
     if !evaluations.is_empty() {
         let designs = evaluations.len();
-        tell(format!("goes on after {designs} designs in {}", directory.display()));
+        tell(format!("continuing after {designs} designs in {}", directory.display()));
     }
     let end = search(&what, &mut evaluations, &|_| {}, |evaluations| {
         search_directory.remove_ends();
@@ -120,12 +120,15 @@ pub fn optimize(arguments: &OptimizeArguments) -> Result<End, CliError> {
                 "{file}: `optimize`: {problem}\n  allowed: {allowed}"
             )));
         }
-        SearchEnd::NoMoreDesigns => tell("there are no more designs".to_owned()),
+        SearchEnd::NoMoreDesigns => tell("all possible designs have been evaluated".to_owned()),
         SearchEnd::Finished => {}
     }
     let instead = evaluations.iter().filter(|one| one.origin == Origin::Instead).count();
     if instead > 0 {
-        tell(format!("surrogates gave no new design for {instead} of {}", evaluations.len()));
+        let all = evaluations.len();
+        tell(format!(
+            "{instead} of {all} designs are space-filling: the surrogates proposed no new design"
+        ));
     }
     if stop.load(Ordering::Relaxed) {
         return Ok(interrupted(&directory));
@@ -146,12 +149,15 @@ pub fn optimize(arguments: &OptimizeArguments) -> Result<End, CliError> {
     let summary = optimum_json(&what, &end, &evaluations, &finals, &sensitivities);
     search_directory.write_json("optimum.json", &summary)?;
     print(&result_in_words(&what, &finals))?;
-    tell(format!("results are in {}", directory.display()));
+    tell(format!("results in {}", directory.display()));
     Ok(how_it_ends(&evaluations, &finals))
 }
 
 fn interrupted(directory: &Path) -> End {
-    say(&format!("interrupted; started again with --out {} it goes on", shell_word(directory)));
+    say(&format!(
+        "interrupted; run the same command with --out {} to continue",
+        shell_word(directory)
+    ));
     End::Interrupted
 }
 
@@ -167,13 +173,13 @@ fn how_it_ends(evaluations: &[Evaluation], finals: &Finals) -> End {
     match failed.sum::<u64>() {
         0 => End::Well,
         failed => {
-            say(&format!("{failed} runs failed; amplitudes and times leave them out"));
+            say(&format!("{failed} runs failed; amplitudes and times exclude them"));
             End::RunsFailed
         }
     }
 }
 
-/// Runs that Sobol' indices need.
+/// Returns the number of runs for the Sobol' indices.
 fn sensitivity_runs(what: &Search) -> u64 {
     let Search { study, optimization, .. } = what;
     match optimization.sensitivity_from {
@@ -185,7 +191,7 @@ fn sensitivity_runs(what: &Search) -> u64 {
     }
 }
 
-/// Does something that takes so many runs at most, and shows how far it is.
+/// Does work of at most `runs` runs and shows its progress.
 fn with_progress<T>(
     what: &Search,
     runs: u64,
@@ -203,18 +209,18 @@ fn with_progress<T>(
     done
 }
 
-/// The directory of a search.
+/// The output directory of a search.
 struct SearchDirectory<'a> {
     study: &'a Study,
     optimization: &'a Optimization,
     directory: &'a Path,
     list: FileList,
-    /// Files that are not those that were written.
+    /// Names of the files that differ from what was written.
     changed: Vec<String>,
     _lock: Lock,
 }
 
-/// What a search writes, each also under temporary names while it is being written.
+/// The files that a search writes, also under temporary names while they are incomplete.
 const OWN: [&str; 8] = [
     "evaluations.parquet",
     "finalists.parquet",
@@ -227,8 +233,8 @@ const OWN: [&str; 8] = [
 ];
 
 impl<'a> SearchDirectory<'a> {
-    /// The directory, made if need be, for this process alone; one that holds anything but files of a search is
-    /// refused.
+    /// Opens the directory, creates it if needed, and locks it for this process. Returns an error if it holds anything
+    /// but files of a search.
     fn new(
         study: &'a Study,
         optimization: &'a Optimization,
@@ -263,11 +269,11 @@ impl<'a> SearchDirectory<'a> {
         Ok(SearchDirectory { study, optimization, directory, list, changed, _lock: lock })
     }
 
-    /// Removes what an earlier end of the search says: there are more designs now.
+    /// Removes the results of an earlier end of the search, because there are more designs now.
     fn remove_ends(&mut self) {
         let kept = ["evaluations.parquet", FILES, "lock"];
         for name in OWN.iter().filter(|name| !kept.contains(name)) {
-            // What is not there need not be removed, and what cannot be is written over in the end.
+            // A missing file needs no removal, and one that cannot be removed is overwritten at the end.
             let _ = fs::remove_file(self.directory.join(name));
             self.list.forget(name);
         }

@@ -1,30 +1,30 @@
-//! Standard output: data only, and a reader that has seen enough is no error.
+//! Standard output: data only; a reader that stops reading is not an error.
 
 use std::io::{self, Write};
 
 use crate::foreign::{harmless, harmless_json};
 
-/// Whether anyone still reads standard output.
+/// Whether standard output still has a reader.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Reader {
-    /// It took the text.
+    /// The reader took the text.
     Reading,
-    /// It has gone (`| head`): nothing more is owed.
+    /// The reader has closed its end, as `| head` does; further output is pointless.
     Gone,
 }
 
-/// Writes text to standard output, without what a terminal acts on.
+/// Writes text to standard output, without terminal control characters.
 ///
 /// # Errors
-/// Where it cannot be written, and not because its reader has gone.
+/// Returns an error if standard output cannot be written to, except when its reader has gone.
 pub fn print(text: &str) -> io::Result<Reader> {
     write(&harmless(text))
 }
 
-/// Writes JSON to standard output; what a terminal acts on is escaped and means the same.
+/// Writes JSON to standard output, with terminal control characters escaped.
 ///
 /// # Errors
-/// Where it cannot be written, and not because its reader has gone.
+/// Returns an error if standard output cannot be written to, except when its reader has gone.
 pub fn print_json(json: &str) -> io::Result<Reader> {
     write(&harmless_json(json))
 }

@@ -1,4 +1,4 @@
-//! One point as the terminal shows it: from its runs, or from a row of `points.parquet`.
+//! One printed point of the sweep, from its runs or from a row of `points.parquet`.
 
 use serde_json::{Value, json};
 
@@ -7,7 +7,7 @@ use crate::classification::Label;
 use crate::study::{ParameterKind, ParameterValue, Study};
 use crate::table::{Batch, Kind, PointRow, TableError};
 
-/// What is shown of a point.
+/// The printed values of a point.
 #[derive(Clone, Debug)]
 pub struct PointLine {
     /// Number of the point, from 0.
@@ -18,22 +18,22 @@ pub struct PointLine {
     pub runs: u64,
     /// Runs per label, in the order of [`Label::ALL`].
     pub label_runs: [u64; 5],
-    /// Fraction of equilibria.
+    /// Fraction of runs that end at an equilibrium.
     pub equilibrium_fraction: f64,
-    /// Its 95 % interval.
+    /// 95 % confidence interval of `equilibrium_fraction`.
     pub interval: (f64, f64),
-    /// How that was made.
+    /// Method of the confidence interval.
     pub ci_method: String,
     /// Median time to rest, s.
     pub time_to_rest_p50_s: Option<f64>,
-    /// Flips.
+    /// Results of the audit.
     pub audit: AuditCounts,
-    /// Fraction of positions that are equilibria.
+    /// Fraction of ball positions that are equilibria.
     pub set_fraction: Option<f64>,
 }
 
 impl PointLine {
-    /// Of a point whose runs have finished.
+    /// Returns the line of a point whose runs have finished.
     pub fn of(row: &PointRow) -> Self {
         let PointRow { point_id, swept, summary, set_fraction, .. } = row;
         let swept = swept.iter().map(|value| match value {
@@ -54,7 +54,7 @@ impl PointLine {
         }
     }
 
-    /// The columns of `points.parquet` that say it.
+    /// Returns the columns of `points.parquet` that [`Self::read`] needs.
     pub fn columns(study: &Study) -> Vec<(String, Kind)> {
         let mut columns = vec![("point_id".to_owned(), Kind::Count)];
         columns.extend(study.swept().iter().map(|column| {
@@ -76,16 +76,16 @@ impl PointLine {
         columns
     }
 
-    /// The points of some rows of `points.parquet`, read with [`Self::columns`].
+    /// Returns the points of some rows of `points.parquet`, read with [`Self::columns`].
     ///
     /// # Errors
-    /// Where a column is not there.
+    /// Returns an error if a column is missing.
     pub fn read(study: &Study, batch: &Batch) -> Result<Vec<Self>, TableError> {
         let number = |name: &str, row: usize| {
             let values = batch.numbers(name)?;
             Ok::<_, TableError>(values.get(row).copied().flatten())
         };
-        // What is missing is a count of a kind of runs that there are none of.
+        // A missing count belongs to a kind of run that did not occur.
         let count = |name: &str, row: usize| {
             let values = batch.counts(name)?;
             Ok::<_, TableError>(values.get(row).copied().flatten().unwrap_or(0))
@@ -129,7 +129,7 @@ impl PointLine {
         (0..batch.rows).map(line).collect()
     }
 
-    /// Runs with this label.
+    /// Returns the number of runs with this label.
     pub fn label_runs(&self, label: Label) -> u64 {
         Label::ALL
             .iter()

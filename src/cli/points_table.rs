@@ -1,4 +1,4 @@
-//! The result of a study as a table on the terminal, in Markdown, or as JSON.
+//! The table of points on the terminal, in Markdown and as JSON.
 
 use serde_json::{Value, json};
 
@@ -8,10 +8,10 @@ use crate::classification::Label;
 use crate::study::{Precision, Study};
 use crate::table::{Kind, Table, TableError};
 
-/// Most points that are printed if nothing else is asked for; the rest is in `points.parquet`.
+/// The number of points that are printed by default; the others are in `points.parquet`.
 pub const MOST_LINES: usize = 40;
 
-/// Points as shown.
+/// The points of a result, of which the first `most` are stored and the others counted.
 #[derive(Clone, Debug)]
 pub struct PointsTable {
     names: Vec<String>,
@@ -25,7 +25,7 @@ pub struct PointsTable {
 }
 
 impl PointsTable {
-    /// An empty table for a study, of so many points at most; others are counted.
+    /// Creates an empty table that stores at most `most` points.
     pub fn new(study: &Study, most: usize) -> Self {
         let names = study.swept().iter().map(|column| column.name.clone()).collect();
         PointsTable {
@@ -40,10 +40,10 @@ impl PointsTable {
         }
     }
 
-    /// The table of a study's `points.parquet`.
+    /// Reads the table of a study's `points.parquet`.
     ///
     /// # Errors
-    /// Where that cannot be read.
+    /// Returns an error if the table cannot be read.
     pub fn read(study: &Study, table: &Table, most: usize) -> Result<Self, TableError> {
         let mut points = Self::new(study, most);
         let columns = PointLine::columns(study);
@@ -55,7 +55,7 @@ impl PointsTable {
         Ok(points)
     }
 
-    /// A point in a line of words.
+    /// Returns a point as one line of text.
     pub fn sentence(&self, line: &PointLine) -> String {
         let names = self.names.iter().zip(&line.swept);
         let place: String = names.map(|(name, (text, _))| format!(" {name}={text}")).collect();
@@ -83,7 +83,7 @@ impl PointsTable {
         }
     }
 
-    /// How many runs of all points flipped, in a study with an audit.
+    /// Returns the audit counts of all points, in a study with an audit.
     pub fn flips(&self) -> Option<AuditCounts> {
         self.audit.then_some(self.flips)
     }
@@ -93,12 +93,12 @@ impl PointsTable {
         Some(is_narrow(line.interval, widest))
     }
 
-    /// How many points are not known as precisely as the study asks for.
+    /// Returns the number of points at which the requested precision was not reached.
     pub fn not_precise(&self) -> u64 {
         self.not_precise
     }
 
-    /// What has come of the precision that the study asks for, if it does.
+    /// Returns a line on the precision that the study asks for; `None` if it asks for none.
     pub fn precision_line(&self) -> Option<String> {
         let Precision { equilibrium_fraction, max_runs } = self.precision?;
         let (points, not) = (self.points, self.not_precise);
@@ -109,12 +109,12 @@ impl PointsTable {
         ))
     }
 
-    /// The table as text, numbers aligned to the right.
+    /// Returns the table as text, aligned to the right.
     pub fn text(&self) -> String {
         aligned(&self.lines()) + &self.more_line("")
     }
 
-    /// The table in Markdown.
+    /// Returns the table in Markdown.
     pub fn markdown(&self) -> String {
         let lines = self.lines();
         let line = |cells: &[String]| {
@@ -129,7 +129,7 @@ impl PointsTable {
         text + &self.more_line("\n")
     }
 
-    /// What is not shown.
+    /// Returns a line with the number of points that are not printed; empty if all are.
     fn more_line(&self, before: &str) -> String {
         match self.points - self.rows.len() as u64 {
             0 => String::new(),
@@ -137,7 +137,7 @@ impl PointsTable {
         }
     }
 
-    /// The header and the points, cell by cell.
+    /// Returns the cells of the header and of the points.
     fn lines(&self) -> Vec<Vec<String>> {
         let mut header: Vec<String> = vec!["point".to_owned()];
         header.extend(self.names.iter().cloned());
@@ -173,12 +173,12 @@ impl PointsTable {
         lines
     }
 
-    /// The table as JSON.
+    /// Returns the table as JSON.
     pub fn json(&self) -> Value {
         self.rows.iter().map(|row| self.point_json(row)).collect()
     }
 
-    /// A point as JSON.
+    /// Returns a point as JSON.
     pub fn point_json(&self, row: &PointLine) -> Value {
         let mut object = serde_json::Map::new();
         object.insert("point_id".to_owned(), json!(row.point_id));
@@ -211,7 +211,7 @@ impl PointsTable {
     }
 }
 
-/// Lines of cells as text, each column as wide as its widest cell.
+/// Returns lines of cells as text, with each column as wide as its widest cell.
 pub fn aligned(lines: &[Vec<String>]) -> String {
     let columns = lines.first().map_or(0, Vec::len);
     let width = |column: usize| {

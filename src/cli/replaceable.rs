@@ -1,7 +1,6 @@
-//! Files that a report writes, and may write again: those that an earlier one has written and nobody has
-//! changed since.
+//! Report files, which a report may replace if an earlier report wrote them and nobody has changed them since.
 //!
-//! A page ends with a comment that has the hash of what precedes it.
+//! A page ends with a comment that holds the hash of the text before it.
 
 use std::fs::{self, File};
 use std::io::{self, Read};
@@ -12,11 +11,11 @@ use sha2::{Digest, Sha256};
 use super::exit::CliError;
 use crate::table::{ResultsError, write_atomically};
 
-/// The largest file that may be one of this program's.
+/// The largest size of a report, in bytes.
 const MOST_BYTES: u64 = 64 << 20;
 const SEAL: &str = "<!-- stickslip, SHA-256 of what precedes: ";
 
-/// A text in HTML with its hash at the end.
+/// Returns an HTML text with its hash appended.
 pub fn sealed(text: &str) -> String {
     let end = if text.ends_with('\n') { "" } else { "\n" };
     let text = format!("{text}{end}");
@@ -34,11 +33,10 @@ fn hash(text: &str) -> String {
     Sha256::digest(text.as_bytes()).iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
-/// Writes a file of a report in the place of an earlier one, whole or not at all; several that do so at
-/// once do not disturb each other.
+/// Writes a report file atomically in place of an earlier one. Concurrent writers do not disturb each other.
 ///
 /// # Errors
-/// Where it cannot be written.
+/// Returns an error if the file cannot be written.
 pub fn replace(path: &Path, content: &[u8]) -> Result<(), CliError> {
     let written = || {
         if let Some(parent) = path.parent().filter(|parent| !parent.as_os_str().is_empty()) {
@@ -48,28 +46,28 @@ pub fn replace(path: &Path, content: &[u8]) -> Result<(), CliError> {
     };
     written().map_err(|error| {
         CliError::Usage(format!(
-            "{}: cannot be written\n  found:   {error}\n  allowed: a path that can be written; --out names \
-             one",
+            "{}: cannot be written\n  found:   {error}\n  allowed: a path that can be written to, with --out \
+             FILE",
             path.display()
         ))
     })
 }
 
-/// Refuses an output in the directory whose results are shown.
+/// Checks that an output lies outside the directory of results.
 ///
 /// # Errors
-/// Where it would lie in there.
+/// Returns an error if the output lies inside `directory`.
 pub fn outside(directory: &Path, out: &Path) -> Result<(), CliError> {
     let Ok(directory) = fs::canonicalize(directory) else { return Ok(()) };
-    // What is there already of the way to it.
+    // The longest existing part of the path.
     let there = out.ancestors().find_map(|part| {
         let part = if part.as_os_str().is_empty() { Path::new(".") } else { part };
         fs::canonicalize(part).ok()
     });
     if there.is_some_and(|there| there.starts_with(&directory)) {
         return Err(CliError::Usage(format!(
-            "{}: lies in the directory that is shown\n  found:   an output in {}\n  allowed: another place: in \
-             there is only what the study makes",
+            "{}: lies in the directory of results\n  found:   an output in {}\n  allowed: another place; that \
+             directory holds only files of the study",
             out.display(),
             directory.display()
         )));
@@ -77,12 +75,12 @@ pub fn outside(directory: &Path, out: &Path) -> Result<(), CliError> {
     Ok(())
 }
 
-/// A name beside a directory: its own with something added.
+/// Returns the path next to a directory whose name is the directory's name followed by `added`.
 ///
 /// # Errors
-/// Where the directory has no name, as `/`.
+/// Returns an error if the directory has no name, as `/`.
 pub fn beside(directory: &Path, added: &str) -> Result<PathBuf, CliError> {
-    // `.` and `..` have a name once they are resolved.
+    // `.` and `..` have names only after resolution.
     let named = match directory.file_name() {
         Some(_) => directory.to_owned(),
         None => fs::canonicalize(directory)
@@ -90,17 +88,19 @@ pub fn beside(directory: &Path, added: &str) -> Result<PathBuf, CliError> {
     };
     let Some(name) = named.file_name() else {
         let found = directory.display();
-        return Err(CliError::Usage(format!("{found}: name the output with --out")));
+        return Err(CliError::Usage(format!(
+            "{found}: this directory has no name; name the output with --out"
+        )));
     };
     let mut name = name.to_owned();
     name.push(added);
     Ok(named.with_file_name(name))
 }
 
-/// Refuses to replace a file unless `own` knows it as one of this program, and its hash is right.
+/// Checks that a file does not exist, or that `own` recognises it as a report and its hash is right.
 ///
 /// # Errors
-/// Where something else is in the way.
+/// Returns an error if anything else has this path.
 pub fn replaceable(file: &Path, own: impl Fn(&[u8]) -> bool) -> Result<(), CliError> {
     let unusable = |cause| ResultsError::Unusable { path: file.to_owned(), cause };
     let found = match fs::symlink_metadata(file) {
@@ -113,8 +113,8 @@ pub fn replaceable(file: &Path, own: impl Fn(&[u8]) -> bool) -> Result<(), CliEr
                 .map_err(unusable)?;
             match (own(&content), is_sealed(&content)) {
                 (true, true) => return Ok(()),
-                (true, false) => "a report that has been changed since".to_owned(),
-                (false, _) => "a file that `stickslip report` has not written".to_owned(),
+                (true, false) => "a report that has been changed since it was written".to_owned(),
+                (false, _) => "a file that `stickslip report` did not write".to_owned(),
             }
         }
         Ok(found) if found.is_dir() => "a directory".to_owned(),
@@ -122,10 +122,9 @@ pub fn replaceable(file: &Path, own: impl Fn(&[u8]) -> bool) -> Result<(), CliEr
     };
     Err(ResultsError::Occupied {
         path: file.to_owned(),
-        reason: "this would replace something else".to_owned(),
+        reason: "this would overwrite a foreign file".to_owned(),
         found,
-        allowed: "a new name, or what `stickslip report` has written before; --out names one"
-            .to_owned(),
+        allowed: "a new path or an unchanged report, with --out FILE".to_owned(),
     }
     .into())
 }

@@ -1,4 +1,4 @@
-//! `stickslip replay`: the run behind a row.
+//! `stickslip replay`: computes one run again with its motion.
 
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -28,17 +28,16 @@ Examples:
   stickslip replay results/night 17 --times 0:5:2001 --out figure-3
   stickslip replay results/night 17 | head
 
-The run is computed again, by the engine that computed it, and compared with its row in runs.parquet: \
-all columns, to the last bit. What differs (on another kind of processor, perhaps) is shown, and the exit \
-code is 1. trajectory.parquet has the motion: table, angles, speeds, what each ball does, friction and \
-its limit; switches.parquet, and standard output, each change between stick and slip; replay.html, for \
-any browser, disc and balls as they move. The Python package's `stickslip-figures` draws the motion from \
-these tables, for papers.";
+Computes the run again with the same engine and compares it with its row in runs.parquet: all columns, to the \
+last bit. Differences, such as from another kind of processor, are printed, and the exit code is then 1. Writes \
+trajectory.parquet (angle and speed of table and balls, phase, friction and friction limit of each ball), \
+switches.parquet (each change between stick and slip, also on standard output) and replay.html (an animation \
+for any browser). The Python package's `stickslip-figures` draws figures for papers from these tables.";
 
-/// The most characters of what went wrong in a run.
+/// The number of characters of a run's error message that are printed.
 const LONGEST_ERROR: usize = 400;
 
-/// Compute one run of a study's results again, and write its motion
+/// Compute one run of a study again and write its motion
 #[derive(Clone, Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct ReplayArguments {
@@ -52,21 +51,18 @@ pub struct ReplayArguments {
 
     /// Directory for the motion; never overwritten [default: DIR-replay-RUN_ID]
     ///
-    /// Beside the results and not in them: what is in DIR is what the study makes, and its manifest names
-    /// all of it.
+    /// It may not lie in DIR, whose manifest names all files of the study.
     #[arg(long, short, value_name = "DIR2")]
     out: Option<PathBuf>,
 
-    /// The motion at N times from FROM to TO, both included, in s; the animation shows that part of it
+    /// Write the motion at N times from FROM to TO, both included, in s; the animation shows this interval
     #[arg(long, value_name = "FROM:TO:N", conflicts_with = "every_step")]
     #[arg(allow_hyphen_values = true)]
     times: Option<Times>,
 
-    /// The motion at the end of every integration step, and just before and after each switch; the
-    /// default
+    /// Write the motion at the end of every integration step, and before and after each switch; the default
     ///
-    /// What was computed, and no aliasing: steps are as short as the motion needs, evenly spaced times may
-    /// miss what happens between them.
+    /// Steps are as short as the motion needs; evenly spaced times may miss events between them.
     #[arg(long)]
     every_step: bool,
 
@@ -77,13 +73,13 @@ pub struct ReplayArguments {
 
 const TRAJECTORY: &str = "trajectory.parquet";
 const SWITCHES: &str = "switches.parquet";
-/// All that may be written.
+/// All files that a replay may write.
 const OWN: [&str; 3] = [TRAJECTORY, SWITCHES, ANIMATION];
 
 /// Computes the run again and writes its motion.
 ///
 /// # Errors
-/// Where the directory holds no results or not of this run, or a table cannot be written.
+/// Returns an error if the directory holds no results or not this run, or if a table cannot be written.
 pub fn replay(arguments: &ReplayArguments) -> Result<End, CliError> {
     let ReplayArguments { directory, run_id, .. } = arguments;
     let (study, manifest) = results_study(directory)?;
@@ -95,7 +91,7 @@ pub fn replay(arguments: &ReplayArguments) -> Result<End, CliError> {
     if recording.cut_off {
         return Err(CliError::Usage(format!(
             "the motion of run {run_id} is too long\n  found:   more than {MOST_TIMES} steps, or switches\n  \
-             allowed: fewer; a part of it with --times FROM:TO:N"
+             allowed: fewer; choose an interval with --times FROM:TO:N"
         )));
     }
     let differences = match &stored {
@@ -122,7 +118,7 @@ pub fn replay(arguments: &ReplayArguments) -> Result<End, CliError> {
     Ok(if same { End::Well } else { End::NotReproduced })
 }
 
-/// The row of a run; none in results that are not complete.
+/// Returns the row of a run; `None` if the results are incomplete and lack it.
 fn stored_run(
     directory: &Path,
     study: &Study,
@@ -156,12 +152,12 @@ fn stored_run(
     Ok(stored)
 }
 
-/// The directory for the motion, where none is named.
+/// Returns the default directory for the motion.
 fn beside(directory: &Path, run_id: u64) -> Result<PathBuf, ResultsError> {
     let unusable = |cause| ResultsError::Unusable { path: directory.to_owned(), cause };
     let named = match directory.file_name() {
         Some(_) => directory.to_owned(),
-        // `.` and `..` get their names.
+        // `.` and `..` have names only after resolution.
         None => directory.canonicalize().map_err(unusable)?,
     };
     let mut name = named.file_name().unwrap_or_default().to_owned();
@@ -182,7 +178,7 @@ fn write(
         "run_id": arguments.run_id,
         "times": times.as_ref().map(|times| json!([times.first(), times.last(), times.len()])),
     });
-    // Parameters without physical sense have no units either: the table is empty then.
+    // Invalid parameters have no units; the table is then empty.
     let model = record.planned.case.as_ref().map_or(study.model(), |case| &case.model);
     table(out, list, study, "trajectory", &options, trajectory_columns(model), &recording.samples)?;
     table(out, list, study, "switches", &options, switch_columns(model), &recording.switches)
@@ -206,21 +202,21 @@ fn table<R: Clone>(
     Ok(())
 }
 
-/// What is told of a replay.
+/// The messages and the printed output of a replay.
 struct Report<'a> {
     directory: &'a Path,
     out: &'a Path,
     study: &'a Study,
     record: RunRecord,
     recording: Recording,
-    /// None where there is no row to compare with.
+    /// The differences from the stored row; `None` if there is no stored row.
     differences: Option<Vec<Difference>>,
-    /// What has been written.
+    /// The written files.
     files: Vec<&'static str>,
 }
 
 impl Report<'_> {
-    /// The messages, on standard error; `unfinished` are results without a row of this run.
+    /// Prints the messages to standard error; `unfinished` is the manifest of results without a row of this run.
     fn say(&self, times: Option<Times>, columns: usize, unfinished: Option<&Manifest>) {
         let Report { directory, out, record, recording, differences, files, .. } = self;
         let run_id = record.planned.run_id;
@@ -233,23 +229,21 @@ impl Report<'_> {
         }
         if let Some(Manifest { runs_finished, runs_planned, .. }) = unfinished {
             say(&format!(
-                "warning: nothing to compare it with: {} has {runs_finished} of {runs_planned} runs, and \
-                 no row of this one",
+                "warning: not compared, because {} has {runs_finished} of {runs_planned} runs and no row of \
+                 this one",
                 directory.display()
             ));
         }
         match differences.as_deref() {
-            Some([]) => {
-                say(&format!("the same as its row in all {columns} columns, to the last bit"))
-            }
+            Some([]) => say(&format!("equal to its row in all {columns} columns, to the last bit")),
             Some(differences) => {
                 say(&format!(
-                    "NOT the same as its row, in {} of {columns} columns:",
+                    "NOT equal to its row in {} of {columns} columns:",
                     differences.len()
                 ));
                 for Difference { column, stored, replayed } in differences {
                     let [stored, replayed] = [stored, replayed].map(|value| shorten(value));
-                    say(&format!("  {column}: {stored} in the row, {replayed} now"));
+                    say(&format!("  {column}: {stored} stored, {replayed} computed"));
                 }
             }
             None => {}
@@ -257,16 +251,16 @@ impl Report<'_> {
         let asked = times.map_or(0, |times| times.values().count());
         let rows = recording.samples.len();
         if rows < asked {
-            say(&format!("{rows} of {asked} times: the others are after the end of the run"));
+            say(&format!("{rows} of {asked} times; the others lie after the end of the run"));
         }
         let model = record.planned.case.as_ref().map_or(self.study.model(), |case| &case.model);
         if model.balls() > 0 && !files.contains(&ANIMATION) {
-            say("no animation: there is no motion to be seen in this time");
+            say("no animation: nothing moves in this interval");
         }
         say(&format!("motion in {}", out.display()));
     }
 
-    /// The switches as a table.
+    /// Returns the switches as a table.
     fn text(&self) -> String {
         let Report { study, record, recording, .. } = self;
         let model = record.planned.case.as_ref().map_or(study.model(), |case| &case.model);
@@ -277,7 +271,7 @@ impl Report<'_> {
         for Switch { time, contact, before, after } in &recording.switches {
             let newtons = |force| units.newtons(*contact, force).unwrap_or(f64::NAN);
             let ball = if model.balls() > 0 { format!("{}", contact + 1) } else { "-".to_owned() };
-            // Writing into a string cannot fail.
+            // Writing to a string cannot fail.
             let _ = writeln!(
                 text,
                 "{:>14.9}  {ball:>4}  {:<19}  {:<19}  {:>13.6e}  {:>16.6e}  {:>12.6e}",

@@ -9,14 +9,14 @@ use crate::report::{animation, frames, time_text};
 use crate::study::Study;
 use crate::table::{FileList, ResultsError, RunRecord};
 
-/// The animation's file.
+/// Name of the animation's file.
 pub const ANIMATION: &str = "replay.html";
 
-/// Draws the balls of a run in motion, or in the part of it that `times` begin and end. Returns whether
-/// there is an animation: there is none of a block, and none of a run that did not begin to move.
+/// Writes an animation of a run, or of the interval of `times`. Returns `false` without a file if the model has no
+/// balls or if the run did not start.
 ///
 /// # Errors
-/// Where the file cannot be written.
+/// Returns an error if the file cannot be written.
 pub fn animate(
     out: &Path,
     list: &mut FileList,

@@ -2,7 +2,7 @@
 
 use std::str::FromStr;
 
-/// Times at equal distances.
+/// Equally spaced times.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Times {
     from_s: f64,
@@ -10,20 +10,20 @@ pub struct Times {
     count: u32,
 }
 
-/// Most times: as many rows as a replay may have.
+/// The largest number of times, and of rows of a replay.
 pub const MOST_TIMES: u32 = 1_000_000;
 
 impl Times {
-    /// The first and the last, s.
+    /// Returns the first and the last time, s.
     pub fn ends(&self) -> [f64; 2] {
         [self.from_s, self.to_s]
     }
 
-    /// All times, s, ascending.
+    /// Returns all times, s, ascending.
     pub fn values(&self) -> impl Iterator<Item = f64> + use<> {
         let Times { from_s, to_s, count } = *self;
         let last = f64::from(count.max(2) - 1);
-        // The ends exactly as they were given.
+        // The ends are exactly the given numbers.
         (0..count).map(f64::from).map(move |index| match index {
             0.0 => from_s,
             index if index == last => to_s,

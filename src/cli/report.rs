@@ -1,4 +1,4 @@
-//! `stickslip report`: results to look at, as one HTML page.
+//! `stickslip report`: writes results as one HTML page with figures.
 
 use std::path::PathBuf;
 
@@ -13,14 +13,14 @@ Examples:
   stickslip report results/night                    writes results/night-report.html
   stickslip report results/night --out night.html
 
-The page is one file that needs no network: open it in a browser, or mail it. It says what was run and \
-what is missing or in doubt, has the table of points, and figures: where the balls come to rest over the \
-equilibrium set, how runs end over the sweep, time to rest, residual amplitude, which start states end \
-where, limit cycles, failures and doubt. What is known of a run is at its dot, with the command that \
-replays it. Nothing is computed again, and nothing in the directory is changed. Each figure can be saved \
-as SVG or PNG; figures for papers are drawn from the tables by the Python package's `stickslip-figures`.";
+Writes one HTML file that needs no network; open it in a browser or mail it. The page lists what was run and the \
+missing, failed and undecided runs, and shows the table of points and figures: where the balls come to rest on the \
+equilibrium set, endings over the sweep, time to rest, residual amplitude, basins of attraction, limit cycles, \
+failures and diagnostics. Each dot shows the results of its run and the command that replays it. The command \
+computes nothing and changes nothing in the directory. The page saves each figure as SVG or PNG; the Python \
+package's `stickslip-figures` draws figures for papers from the tables.";
 
-/// Write an HTML page with figures of the results of a directory
+/// Write an HTML page with figures of a directory of results
 #[derive(Clone, Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct ReportArguments {
@@ -28,7 +28,7 @@ pub struct ReportArguments {
     #[arg(value_name = "DIR")]
     directory: PathBuf,
 
-    /// The page; only an earlier page is replaced [default: DIR-report.html]
+    /// The page; only an unchanged earlier page is overwritten [default: DIR-report.html]
     #[arg(short, long, value_name = "FILE")]
     out: Option<PathBuf>,
 }
@@ -36,7 +36,7 @@ pub struct ReportArguments {
 /// Writes the report and prints its path.
 ///
 /// # Errors
-/// Where the directory holds no results that can be read, or the page cannot be written.
+/// Returns an error if the directory holds no readable results, or if the page cannot be written.
 pub fn report(arguments: &ReportArguments) -> Result<End, CliError> {
     let file = report_page::write(&arguments.directory, arguments.out.as_deref())?;
     print(&format!("{}\n", file.display()))?;

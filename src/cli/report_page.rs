@@ -1,4 +1,4 @@
-//! The page of a report: from a directory of results to a file.
+//! The page of a report, from a directory of results to a file.
 
 use std::path::{Path, PathBuf};
 
@@ -10,21 +10,21 @@ use crate::foreign::{shell_word, shown_path};
 use crate::report::{Budget, OWN, ReportData, ResultTables, of_results, page};
 use crate::table::manifest_of;
 
-/// A page that can be mailed; of larger results less is shown.
+/// The largest page, in bytes, small enough to mail; pages of larger results show less detail.
 const MOST_BYTES: usize = 4_900_000;
 
 /// Writes the page of a directory of results and returns its path.
 ///
 /// # Errors
-/// Where the directory holds no results that can be read, or the page cannot be written.
+/// Returns an error if the directory holds no readable results, or if the page cannot be written.
 pub fn write(directory: &Path, out: Option<&Path>) -> Result<PathBuf, CliError> {
     let of_figures = ["frictionless_equilibria.parquet", "trajectory.parquet"];
     if manifest_of(directory)?.is_none()
         && let Some(found) = of_figures.iter().find(|name| directory.join(name).exists())
     {
         return Err(CliError::Usage(format!(
-            "{0}: no page is made of this\n  found:   {found}, but no manifest.json\n  allowed: results of \
-             `stickslip run`; the Python package's `stickslip-figures {1}` draws this",
+            "{0}: not results of `stickslip run`\n  found:   {found}, but no manifest.json\n  allowed: results of \
+             `stickslip run`; the Python package's `stickslip-figures {1}` draws these tables",
             shown_path(directory),
             shell_word(directory)
         )));

@@ -1,4 +1,4 @@
-//! The study whose results a directory holds.
+//! The study of a directory of results.
 
 use std::path::Path;
 
@@ -10,22 +10,21 @@ use crate::table::{Manifest, ResultsError, VERSION, manifest_of};
 
 const STUDY: &str = "study.yaml";
 
-/// The study and the manifest of a directory with results, finished or not, to be shown: the study is the file
-/// that was written.
+/// Returns the study and the manifest of a directory of results, finished or not, whose study file is unchanged.
 ///
 /// # Errors
-/// Where there are none, where they are another version's, or where the study has been edited since.
+/// Returns an error if there are no results, if another version computed them, or if the study file was edited.
 pub fn results_study(directory: &Path) -> Result<(Study, Manifest), CliError> {
     let (study, manifest) = begun_study(directory)?;
     manifest.check_file(directory, STUDY)?;
     Ok((study, manifest))
 }
 
-/// The study and the manifest of a directory with results to go on with; all that does not decide the runs may have been
-/// edited since.
+/// Returns the study and the manifest of a directory of results to be continued. Parts of the study that do not
+/// affect the runs may have been edited.
 ///
 /// # Errors
-/// Where there are none, where they are another version's, or where other runs are planned.
+/// Returns an error if there are no results, if another version computed them, or if the study has other runs.
 pub fn begun_study(directory: &Path) -> Result<(Study, Manifest), CliError> {
     let occupied = |reason: &str, found: String, allowed: String| ResultsError::Occupied {
         path: directory.to_owned(),
@@ -34,9 +33,9 @@ pub fn begun_study(directory: &Path) -> Result<(Study, Manifest), CliError> {
         allowed,
     };
     let Some(manifest) = manifest_of(directory)? else {
-        let reason = "this directory holds no study";
+        let reason = "this directory holds no results";
         let found = "no manifest.json".to_owned();
-        let allowed = "a directory that `stickslip run` has begun to fill";
+        let allowed = "a directory that `stickslip run` has written to";
         return Err(occupied(reason, found, allowed.to_owned()).into());
     };
     if manifest.model_version != MODEL_VERSION {
@@ -45,7 +44,7 @@ pub fn begun_study(directory: &Path) -> Result<(Study, Manifest), CliError> {
             manifest.version, manifest.model_version,
         );
         let allowed = format!(
-            "that version of the program; or all anew, with `stickslip run {} --out DIR`",
+            "that version of the program; or `stickslip run {} --out DIR`, which computes all runs",
             shell_word(&directory.join(STUDY))
         );
         let reason = "these runs were computed by another version";
@@ -55,8 +54,8 @@ pub fn begun_study(directory: &Path) -> Result<(Study, Manifest), CliError> {
     if study.hash() != manifest.study_hash {
         let found = format!("a study.yaml whose runs are not those of study {}", manifest.study);
         let allowed = format!(
-            "the study.yaml that was written; or `stickslip run {} --out {}{}`, which \
-             computes what is new in it",
+            "the original study.yaml; or `stickslip run {} --out {}{}`, which \
+             computes the new runs",
             shell_word(&directory.join(STUDY)),
             shell_word(directory),
             match manifest.shard.as_str() {
@@ -64,7 +63,7 @@ pub fn begun_study(directory: &Path) -> Result<(Study, Manifest), CliError> {
                 shard => format!(" --shard {shard}"),
             }
         );
-        return Err(occupied("the study has been edited since", found, allowed).into());
+        return Err(occupied("the study has been edited since the run", found, allowed).into());
     }
     Ok((study, manifest))
 }

@@ -1,4 +1,4 @@
-//! `stickslip resume`: goes on with a study that was interrupted.
+//! `stickslip resume`: continues an interrupted study.
 
 use std::path::{Path, PathBuf};
 
@@ -16,11 +16,12 @@ Examples:
   stickslip resume results/night
   stickslip resume results/night --threads 8 --max-seconds 3600
 
-The directory holds the study and the finished runs: no other file is needed. Runs that are finished are \
-not computed again, and the tables end in the same bytes as if nothing had come in between. Chunks of \
-finished runs that are damaged are named, put aside, and their runs computed again.";
+Computes the missing runs of the study in DIR and writes its tables there; no other file is needed. Finished \
+runs are not computed again, and the tables are byte for byte those of an uninterrupted run. Damaged chunks of \
+finished runs are reported and set aside, and their runs are computed again. Afterwards `stickslip summary` and \
+`stickslip report` show the result.";
 
-/// Go on with an interrupted study where it was
+/// Continue an interrupted study
 #[derive(Clone, Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct ResumeArguments {
@@ -32,10 +33,10 @@ pub struct ResumeArguments {
     engine: EngineArguments,
 }
 
-/// Goes on with a study.
+/// Continues a study.
 ///
 /// # Errors
-/// Where the directory holds no study or cannot be used, or a table cannot be written.
+/// Returns an error if the directory holds no study or cannot be used, or if a table cannot be written.
 pub fn resume(arguments: &ResumeArguments) -> Result<End, CliError> {
     let directory = &arguments.directory;
     let (study, manifest) = begun_study(directory)?;
@@ -55,10 +56,10 @@ pub fn resume(arguments: &ResumeArguments) -> Result<End, CliError> {
     carry_out(&study, &output_dir, options, &arguments.engine)
 }
 
-/// The most directories of a merge that are named.
+/// The number of directories of a merge that an error message names.
 const MOST_NAMED: usize = 20;
 
-/// Refuses a merge that was interrupted: the runs that it has not come to are finished, elsewhere.
+/// Returns an error for an interrupted merge, whose missing runs lie in other directories.
 fn refuse_merge(directory: &Path, manifest: &Manifest) -> Result<(), ResultsError> {
     let parts = &manifest.merging;
     if parts.is_empty() {
@@ -70,11 +71,11 @@ fn refuse_merge(directory: &Path, manifest: &Manifest) -> Result<(), ResultsErro
     let more = if parts.len() > MOST_NAMED { " ..." } else { "" };
     Err(ResultsError::Occupied {
         path: directory.to_owned(),
-        reason: "these results were being merged, not computed".to_owned(),
-        found: format!("an unfinished merge of {} directories", parts.len()),
+        reason: "this directory holds an unfinished merge".to_owned(),
+        found: format!("a merge of {} directories", parts.len()),
         allowed: format!(
-            "`stickslip merge {}{more} --out {out}`, which goes on; or `stickslip run {out}/study.yaml \
-             --out {out}`, which computes the runs that are missing",
+            "`stickslip merge {}{more} --out {out}`, which continues it; or `stickslip run {out}/study.yaml \
+             --out {out}`, which computes the missing runs",
             named.join(" ")
         ),
     })

@@ -21,35 +21,36 @@ Examples:
   stickslip run study.yaml --out results/night --threads 8
   stickslip run study.yaml --shard 2/4 --out results/part-2     (see merge)
 
-The directory holds runs.parquet (a row per run), points.parquet (a row per point of the sweep), \
-time_to_rest.parquet (the probability of being at rest over time, per point), equilibria.parquet (where runs \
-came to rest), equilibrium_histogram.parquet (how often in which part of the ring), cycles.parquet (the limit cycles \
-by class, per point), study.yaml (with all defaults filled in), manifest.json, and in chunks/ the \
-finished runs, which are written as they come. A table of more than 524,288 rows is a directory of that \
-name, with files of as many rows each: part-00000.parquet and so on.
+Computes all runs of the study. DIR holds runs.parquet (a row per run), points.parquet (a row per point of the \
+sweep), time_to_rest.parquet (per point, the probability of rest over time), equilibria.parquet (where the runs \
+came to rest), equilibrium_histogram.parquet (how often in which part of the ring), cycles.parquet (per point, \
+the limit cycles by class), study.yaml (with all defaults), manifest.json, and chunks/ with the finished runs, \
+which are written during the computation. A table of more than 524,288 rows is a directory of that name, with \
+files of 524,288 rows each: part-00000.parquet and so on.
 
-Whatever ends it (Ctrl-C, a kill, a power cut, a full disk), the same command goes on where it was and \
-ends in the same bytes. Ctrl-C waits a second for the runs in progress, gives up those that take longer, \
-keeps what is finished and exits with 130; a second Ctrl-C stops at once. A study that has been edited may be run into the directory of its \
-results: only runs that are new are computed; the tables before go to earlier/.";
+After any interruption (Ctrl-C, a kill, a power cut, a full disk) the same command continues and writes the same \
+bytes as an uninterrupted run. Ctrl-C waits one second for runs in progress, abandons those that take longer, \
+saves all finished runs and exits with 130; a second Ctrl-C stops immediately. An edited study may be run into \
+the directory of its results: only new runs are computed, and the old tables move to earlier/. Afterwards \
+`stickslip summary` and `stickslip report` show the results.";
 
-/// Run a study: thousands of simulations, their endings as Parquet tables
+/// Compute a study and write its results as Parquet tables
 #[derive(Clone, Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct RunArguments {
     #[command(flatten)]
     study: StudyArgument,
 
-    /// Directory for the results; nothing in it is ever deleted [default: results/<name of the study>]
+    /// Directory for the results; no file in it is deleted [default: results/<name of the study>]
     #[arg(long, short, value_name = "DIR")]
     out: Option<PathBuf>,
 
     #[command(flatten)]
     shard: ShardArgument,
 
-    /// Run into a directory with the results of another study of which no run can be used again
+    /// Run into a directory with results of another study even if none of its runs can be used
     ///
-    /// What is there is moved to earlier/. Without this the difference is shown and nothing is done.
+    /// The old results move to earlier/. Without this option the command prints the difference and does nothing.
     #[arg(long)]
     recompute: bool,
 
@@ -57,10 +58,10 @@ pub struct RunArguments {
     engine: EngineArguments,
 }
 
-/// Runs the study.
+/// Computes the study.
 ///
 /// # Errors
-/// Where the study or the output directory cannot be used, or a table not be written.
+/// Returns an error if the study or the output directory cannot be used, or if a table cannot be written.
 pub fn run(arguments: &RunArguments) -> Result<End, CliError> {
     let study = arguments.study.load()?;
     let directory =
@@ -77,10 +78,10 @@ pub fn run(arguments: &RunArguments) -> Result<End, CliError> {
     carry_out(&study, &output_dir, options, &arguments.engine)
 }
 
-/// Runs a study in its place.
+/// Computes a study in its output directory.
 ///
 /// # Errors
-/// Where the output directory cannot be used, or a table or finished runs not be written.
+/// Returns an error if the output directory cannot be used, or if a table or finished runs cannot be written.
 pub fn carry_out(
     study: &Study,
     output_dir: &OutputDir<'_>,
@@ -109,7 +110,7 @@ pub fn carry_out(
     Ok(ran.end())
 }
 
-/// Says that there is nothing to do, and shows what there is.
+/// Reports that all runs are finished, and prints their table.
 fn complete(
     study: &Study,
     path: &Path,

@@ -1,4 +1,4 @@
-//! Computes a study with progress, and says on the terminal what came out.
+//! Computes a study with progress and prints its result.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -23,15 +23,15 @@ use crate::table::{Circumstances, PointRow, ResultsError, RunRecord};
 
 /// A study that has been computed.
 pub struct Ran {
-    /// What has been done.
+    /// The counts of runs, and why the computation stopped.
     pub totals: RunTotals,
-    /// For the manifest.
+    /// The facts for the manifest.
     pub circumstances: Circumstances,
     table: PointsTable,
 }
 
 impl Ran {
-    /// How it ended.
+    /// Returns how the command ends.
     pub fn end(&self) -> End {
         match self.totals.stopped {
             Some(StopReason::Asked | StopReason::Time) => End::Interrupted,
@@ -41,10 +41,10 @@ impl Ran {
         }
     }
 
-    /// Says on the terminal what came out; `expectations` is added to the JSON.
+    /// Prints the result; `expectations` is added to the JSON.
     ///
     /// # Errors
-    /// Where standard output cannot be written to.
+    /// Returns an error if standard output cannot be written to.
     pub fn report(
         &self,
         study: &Study,
@@ -101,7 +101,7 @@ impl Ran {
         if kept == 0 {
             format!("{runs} runs {speed}")
         } else {
-            format!("{runs} runs: {kept} were finished before, {computed} computed {speed}")
+            format!("{runs} runs: {kept} finished earlier, {computed} computed {speed}")
         }
     }
 
@@ -109,29 +109,31 @@ impl Ran {
         let failed = self.totals.counts.of(Label::Failed);
         let too_many =
             format!("stopped: {failed} runs have failed, more than --on-failure allows,");
-        let (cause, goes_on) = match self.totals.stopped? {
-            StopReason::Asked => ("interrupted", "the same command goes on"),
-            StopReason::Time => ("out of time (--max-seconds)", "the same command goes on"),
-            StopReason::Failures => (too_many.as_str(), "with --on-failure continue it goes on"),
+        let (cause, continuation) = match self.totals.stopped? {
+            StopReason::Asked => ("interrupted", "the same command continues"),
+            StopReason::Time => ("out of time (--max-seconds)", "the same command continues"),
+            StopReason::Failures => {
+                (too_many.as_str(), "--on-failure continue computes the others")
+            }
         };
         let runs = self.totals.counts.total();
         let planned = self.circumstances.runs_planned;
         let bound = if study.precision().is_some() { "at most " } else { "" };
         let given_up = match self.totals.given_up {
             0 => String::new(),
-            1 => "; 1 run in progress was given up".to_owned(),
-            more => format!("; {more} runs in progress were given up"),
+            1 => "; 1 run in progress was abandoned".to_owned(),
+            more => format!("; {more} runs in progress were abandoned"),
         };
         Some(format!(
-            "{cause} after {runs} of {bound}{planned} runs{given_up}; what is finished is kept, and {goes_on}"
+            "{cause} after {runs} of {bound}{planned} runs{given_up}; finished runs are saved; {continuation}"
         ))
     }
 }
 
-/// A point and what goes into its own tables.
+/// A point, and its rows of other tables.
 pub type PointWithDetail<'a> = (&'a PointRow, PointDetail);
 
-/// Hands runs and points to a function and collects the points for the terminal.
+/// Passes runs and points to a function and collects the points that are printed.
 struct Collector<'a, F> {
     take: F,
     table: PointsTable,
@@ -157,10 +159,10 @@ where
     }
 }
 
-/// Computes a study with progress; `take` gets each run and each point.
+/// Computes a study with progress; `take` receives each run and each point.
 ///
 /// # Errors
-/// Where threads cannot be started, `take` refuses, or finished runs cannot be kept.
+/// Returns an error if the worker threads cannot be started, if `take` returns one, or if a chunk cannot be written.
 pub fn run_on_engine(
     study: &Study,
     options: EngineOptions,
@@ -170,10 +172,10 @@ pub fn run_on_engine(
 ) -> Result<Ran, CliError> {
     let runs_planned = options.shard.most_runs(study);
     let stop = stop_on_signals().unwrap_or_else(|error| {
-        say(&format!("warning: Ctrl-C will not be clean: {error}"));
+        say(&format!("warning: cannot handle Ctrl-C: {error}"));
         Arc::new(AtomicBool::new(false))
     });
-    // A clock before 1970 is a clock that is wrong: the manifest then says 0.
+    // A clock before 1970 is wrong; the manifest then holds 0.
     let started = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
     let planned = Planned {
         study: study.name(),

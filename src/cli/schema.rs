@@ -1,4 +1,4 @@
-//! `stickslip schema`: the JSON Schema of study files.
+//! `stickslip schema`: prints the JSON Schema of study files.
 
 use clap::Args;
 
@@ -22,7 +22,7 @@ pub struct SchemaArguments {}
 /// Prints the schema.
 ///
 /// # Errors
-/// Where standard output cannot be written to.
+/// Returns an error if standard output cannot be written to.
 pub fn schema(_: &SchemaArguments) -> Result<End, CliError> {
     print_json(&format!("{:#}\n", json_schema()))?;
     Ok(End::Well)

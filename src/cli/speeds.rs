@@ -2,7 +2,7 @@
 
 use std::str::FromStr;
 
-/// Speeds at equal distances, in the order in which they were asked for.
+/// Equally spaced speeds, in the given order.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Speeds {
     from_rad_s: f64,
@@ -10,20 +10,20 @@ pub struct Speeds {
     count: u32,
 }
 
-/// Most speeds of a range.
+/// The largest number of speeds in a range.
 const MOST_SPEEDS: u32 = 100_000;
 
 impl Speeds {
-    /// Number of speeds.
+    /// Returns the number of speeds.
     pub fn count(&self) -> u32 {
         self.count
     }
 
-    /// All speeds, rad/s.
+    /// Returns all speeds, rad/s.
     pub fn values(&self) -> impl Iterator<Item = f64> + use<> {
         let Speeds { from_rad_s, to_rad_s, count } = *self;
         let last = f64::from(count.max(2) - 1);
-        // The ends exactly as they were given.
+        // The ends are exactly the given numbers.
         (0..count)
             .map(f64::from)
             .map(move |index| (from_rad_s * (last - index) + to_rad_s * index) / last)

@@ -1,4 +1,4 @@
-//! `stickslip summary`: the points of results, as `run` prints them or with all that is known of them.
+//! `stickslip summary`: prints the points of a directory of results.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -23,12 +23,12 @@ Examples:
   stickslip summary results/night --format markdown     (for an issue)
   stickslip summary results/night --format csv > points.csv
 
-A first line says what was run: study, version, seed, how many runs, how many failed and, of an \
-audit, how many flipped; with csv it goes to standard error. table and markdown have the columns that \
-`run` prints; csv and json have all columns of points.parquet in full precision. Nothing is computed, \
-and nothing in the directory is changed. Of interrupted results it says how much is missing.";
+The first line states what was run: study, version, seed, number of runs, failed runs, audit flips, and what \
+is missing from interrupted results; with csv it goes to standard error. table and markdown have the columns \
+that `run` prints; csv and json have all columns of points.parquet in full precision. The command computes \
+nothing and changes nothing in the directory. `stickslip report` draws the same results.";
 
-/// Print the results of a directory: a line per point
+/// Print the results of a directory, one line per point
 #[derive(Clone, Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct SummaryArguments {
@@ -36,11 +36,11 @@ pub struct SummaryArguments {
     #[arg(value_name = "DIR")]
     directory: PathBuf,
 
-    /// What to print
+    /// Output format
     #[arg(long, value_name = "FORMAT", value_enum, default_value = "table")]
     format: Format,
 
-    /// How many points, from the first on [default: 40 in table and markdown, all in csv and json]
+    /// Number of points, from the first [default: 40 in table and markdown, all in csv and json]
     #[arg(long, value_name = "all|N", value_parser = points, allow_negative_numbers = true)]
     points: Option<usize>,
 }
@@ -51,9 +51,9 @@ enum Format {
     Table,
     /// Comma-separated, all columns of points.parquet
     Csv,
-    /// One document, all columns of points.parquet
+    /// One JSON document, all columns of points.parquet
     Json,
-    /// A table to paste into an issue
+    /// Markdown table, to paste into an issue
     Markdown,
 }
 
@@ -65,7 +65,7 @@ fn points(text: &str) -> Result<usize, String> {
 /// Prints the summary of a directory of results.
 ///
 /// # Errors
-/// Where the directory holds no results, has no tables yet, or one of them cannot be read.
+/// Returns an error if the directory holds no results or no tables yet, or if a table cannot be read.
 pub fn summary(arguments: &SummaryArguments) -> Result<End, CliError> {
     let directory = &arguments.directory;
     let (study, manifest) = results_study(directory)?;
@@ -96,7 +96,7 @@ pub fn summary(arguments: &SummaryArguments) -> Result<End, CliError> {
     Ok(End::Well)
 }
 
-/// What was run, in a line.
+/// Returns the first line of the summary.
 fn title(study: &Study, manifest: &Manifest, points: &PointsTable, directory: &Path) -> String {
     let Manifest { version, runs_planned, runs_finished, .. } = manifest;
     let mut parts = vec![format!("{}: stickslip {version}, seed {}", study.name(), study.seed())];
@@ -110,7 +110,7 @@ fn title(study: &Study, manifest: &Manifest, points: &PointsTable, directory: &P
             let bound = if study.precision().is_some() { "at most " } else { "" };
             format!(
                 "{runs_finished} of {bound}{runs_planned} runs finished, {bound}{missing} are missing \
-                 (`stickslip resume {}` goes on)",
+                 (`stickslip resume {}` continues)",
                 shell_word(directory)
             )
         }
@@ -126,7 +126,7 @@ fn failed(manifest: &Manifest) -> u64 {
     manifest.labels.get(Label::Failed.name()).copied().unwrap_or(0)
 }
 
-/// What was run, as JSON.
+/// Returns the facts of the first line as JSON.
 fn facts(study: &Study, manifest: &Manifest, points: &PointsTable) -> Value {
     let mut facts = json!({
         "study": study.name(),
@@ -151,7 +151,7 @@ fn facts(study: &Study, manifest: &Manifest, points: &PointsTable) -> Value {
     facts
 }
 
-/// Results that have no tables: how far they are.
+/// Returns the error for results without tables, with the number of finished runs.
 pub fn no_tables(
     directory: &Path,
     study: &Study,
@@ -161,15 +161,15 @@ pub fn no_tables(
     let bound = if study.precision().is_some() { "at most " } else { "" };
     Ok(CliError::Usage(format!(
         "{0}: there are no tables yet: this study is being run, or was killed\n  found:   {listed} of \
-         {bound}{1} runs finished, in chunks/\n  allowed: results whose tables are written; if nothing is \
-         running there, `stickslip resume {2}` goes on",
+         {bound}{1} runs finished, in chunks/\n  allowed: results with tables; if no process is \
+         computing this study, `stickslip resume {2}` continues it",
         shown_path(directory),
         manifest.runs_planned,
         shell_word(directory),
     )))
 }
 
-/// Prints the rows of a table from the first on, at most so many, batch by batch.
+/// Prints the first `most` rows of a table, batch by batch.
 fn print_rows(
     table: &Table,
     most: usize,
@@ -216,10 +216,10 @@ fn print_csv(table: &Table, most: usize) -> Result<(), CliError> {
     Ok(())
 }
 
-/// One document, written point by point.
+/// Prints one JSON document, point by point.
 fn print_document(facts: &Value, table: &Table, most: usize) -> Result<(), CliError> {
     let head = format!("{facts:#}");
-    // An object that is not empty ends in a line break and a brace.
+    // Pretty-printed non-empty objects end in a line break and a brace.
     let head = head.trim_end_matches(['\n', '}']);
     if print_json(&format!("{head},\n  \"points\": ["))? == Reader::Gone {
         return Ok(());

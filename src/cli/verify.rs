@@ -1,4 +1,4 @@
-//! `stickslip verify`: runs a study and checks what it expects.
+//! `stickslip verify`: computes a study and checks its expectations.
 
 use std::path::PathBuf;
 
@@ -19,17 +19,18 @@ Examples:
   stickslip verify studies/smoke.yaml
   stickslip verify studies/smoke.yaml --threads 2 --out results/smoke
 
-Each entry under `expect` in the study is a line: met or NOT MET; with --json, an entry of the list \
-`expectations`. With --quiet the exit code says it all: 4 if one is not met.";
+Computes the study and prints one line per entry under `expect`, met or NOT MET; with --json, one entry of the \
+list `expectations`. The exit code is 4 if an expectation is not met. With --out the tables are written as by \
+`stickslip run`; `stickslip replay` then shows single runs.";
 
-/// Run a study and check the fractions that it expects
+/// Compute a study and check its expectations
 #[derive(Clone, Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct VerifyArguments {
     #[command(flatten)]
     study: StudyArgument,
 
-    /// Also write the tables into this directory
+    /// Also write the tables to this directory
     #[arg(long, short, value_name = "DIR")]
     out: Option<PathBuf>,
 
@@ -37,15 +38,15 @@ pub struct VerifyArguments {
     engine: EngineArguments,
 }
 
-/// Runs the study and checks its expectations.
+/// Computes the study and checks its expectations.
 ///
 /// # Errors
-/// As for `run`, and where the study expects nothing or only a part of it would be run.
+/// Returns the errors of `run`, and an error if the study has no `expect`.
 pub fn verify(arguments: &VerifyArguments) -> Result<End, CliError> {
     let study = arguments.study.load()?;
     if study.expectations().is_empty() {
         return Err(CliError::Usage(format!(
-            "{}: `expect`: missing key\n  found:   a study that expects nothing\n  allowed: a list \
+            "{}: `expect`: missing key\n  found:   a study without expectations\n  allowed: a list \
              such as expect: [{{point: {{speed_rad_s: -160.0}}, equilibrium_fraction: [0.9, 1.0]}}]",
             arguments.study.study.display()
         )));
@@ -65,7 +66,7 @@ pub fn verify(arguments: &VerifyArguments) -> Result<End, CliError> {
                 Ready::Complete(_) => {
                     let message = format!(
                         "{}: holds results of this study already\n  allowed: another directory, or \
-                         none to verify without tables",
+                         no --out, to verify without tables",
                         directory.display()
                     );
                     return Err(CliError::Usage(message));
@@ -115,7 +116,7 @@ pub fn verify(arguments: &VerifyArguments) -> Result<End, CliError> {
     })
 }
 
-/// What has been found of the expectations so far.
+/// The checks so far.
 #[derive(Default)]
 struct Findings {
     lines: String,
@@ -145,8 +146,8 @@ impl Findings {
         }
     }
 
-    /// Takes in one fraction and its expected range, which a fraction of no runs does not meet; `keys` go
-    /// into the JSON.
+    /// Adds one fraction and its expected range; `None`, the fraction of no runs, does not meet it. `keys` go into the
+    /// JSON.
     fn add(
         &mut self,
         study: &Study,

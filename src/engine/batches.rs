@@ -1,4 +1,4 @@
-//! Batches: runs that are computed without asking in between whether more are needed.
+//! Batches: sets of runs that are computed without deciding in between whether more are needed.
 
 use super::Shard;
 use crate::analysis::{PointAccumulator, StoppingRule};
@@ -8,20 +8,20 @@ use crate::study::{Point, Study};
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct RunBatch {
     which: Which,
-    /// How many they are.
+    /// Number of runs.
     pub runs: u64,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Which {
-    /// Those of a shard.
+    /// The runs of a shard.
     Of(Shard),
-    /// Those that follow one another from this one.
+    /// Consecutive runs from this number.
     From(u64),
 }
 
 impl RunBatch {
-    /// The number of a run of the batch, counted from zero.
+    /// Returns the number of the run with this index in the batch.
     pub fn run_id(&self, index: u64) -> u64 {
         match self.which {
             Which::Of(shard) => shard.number(index),
@@ -30,30 +30,30 @@ impl RunBatch {
     }
 }
 
-/// The batches of a shard: a single one with all its runs; or, where the study has a precision, as many
-/// of each of its points as that takes, one point after another.
+/// The batches of a shard: one batch with all its runs, or, in a study with a precision, as many batches per point
+/// as the precision takes, point by point.
 pub(super) struct Batches<'a> {
     study: &'a Study,
     shard: Shard,
-    /// How many of its points (or batches) have begun.
+    /// Number of points (or batches) that have begun.
     begun: u64,
-    /// The point that is sampled and how many of its runs are in batches so far.
+    /// The point that is being sampled, and the number of its runs in batches so far.
     point: Option<(Point, u64)>,
     most: u64,
 }
 
 impl<'a> Batches<'a> {
-    /// The batches of a shard of a study.
+    /// Creates the batches of a study's shard.
     pub fn new(study: &'a Study, shard: Shard) -> Self {
         Batches { study, shard, begun: 0, point: None, most: shard.most_runs(study) }
     }
 
-    /// The most runs that all batches together can have, as far as is known by now.
+    /// Returns an upper bound of the number of runs of all batches, from what is known so far.
     pub fn most_runs(&self) -> u64 {
         self.most
     }
 
-    /// The next batch, if there is one; `so_far` has all runs of the last batch's point.
+    /// Returns the next batch, if any; `so_far` holds all runs of the point of the last batch.
     pub fn next(&mut self, so_far: Option<&PointAccumulator>) -> Option<RunBatch> {
         let Some(precision) = self.study.precision() else {
             let batch = RunBatch { which: Which::Of(self.shard), runs: self.most };

@@ -1,5 +1,5 @@
-//! Finished runs on their way to the disk: collected for a few seconds, then written as a chunk by a
-//! thread of its own, so that no worker waits for the disk.
+//! Writes finished runs to disk: collects them for a few seconds and writes them as a chunk from a separate
+//! thread, so that no worker waits for the disk.
 
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
 use std::time::{Duration, Instant};
@@ -7,21 +7,21 @@ use std::time::{Duration, Instant};
 use super::stop::StopCondition;
 use super::store::{ChunkAppender, NewResult, StoreError};
 
-/// How long a finished run waits at most before it is written.
-const LONGEST: Duration = Duration::from_secs(3);
-/// Runs that may wait for the disk; then workers wait, too.
+/// The longest time before a finished run is written.
+const MAX_WAIT: Duration = Duration::from_secs(3);
+/// The largest number of runs that wait for the disk; above it workers wait, too.
 const WAITING: usize = 16_384;
 
-/// Where workers put finished runs, and where they are taken from.
+/// Creates the channel from the workers to the writer.
 pub(super) fn new_results() -> (SyncSender<NewResult>, Receiver<NewResult>) {
     sync_channel(WAITING)
 }
 
-/// Writes what comes, so many runs in a chunk if that does not take too long, until nobody is left who
-/// could send.
+/// Writes the received runs until all senders are gone: one chunk per `chunk` runs, or earlier when `MAX_WAIT` has
+/// passed.
 ///
 /// # Errors
-/// Where a chunk cannot be written; the study is then broken off.
+/// Returns an error if a chunk cannot be written; the study then stops.
 pub(super) fn write_chunks(
     appender: &mut ChunkAppender,
     finished: &Receiver<NewResult>,
@@ -39,7 +39,7 @@ pub(super) fn write_chunks(
             });
             match finished.recv_timeout(left) {
                 Ok(run) => {
-                    due = due.or_else(|| Instant::now().checked_add(LONGEST));
+                    due = due.or_else(|| Instant::now().checked_add(MAX_WAIT));
                     runs.push(run);
                 }
                 Err(RecvTimeoutError::Timeout) => break,

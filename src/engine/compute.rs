@@ -1,4 +1,4 @@
-//! What computes runs: by themselves, or many in lockstep; whatever happens in one of them.
+//! Engines that compute runs one at a time or in lockstep and turn a panic into the failure of one run.
 
 use std::any::Any;
 use std::cell::Cell;
@@ -17,12 +17,12 @@ thread_local! {
     static IN_A_RUN: Cell<bool> = const { Cell::new(false) };
 }
 
-/// Computes runs until there are no more. A panic is one run's failure and nobody else's.
+/// Computes runs until there are no more. A panic makes one run fail and leaves all others unchanged.
 pub(super) trait Engine: Sync {
     fn compute(&self, runs: &mut dyn Runs);
 }
 
-/// Runs by themselves, one after another.
+/// Computes runs one at a time.
 pub(super) struct OneByOne<F>(pub(super) F);
 
 impl<F: Fn(&Case) -> Outcome + Sync> Engine for OneByOne<F> {
@@ -35,7 +35,7 @@ impl<F: Fn(&Case) -> Outcome + Sync> Engine for OneByOne<F> {
     }
 }
 
-/// Runs in lockstep.
+/// Computes runs in lockstep.
 pub(super) struct InLockstep(pub(super) SimdLevel);
 
 impl Engine for InLockstep {
@@ -44,19 +44,19 @@ impl Engine for InLockstep {
     }
 }
 
-/// Computes runs with `all`. Where that panics, one of the runs in progress is to blame: each of them is
-/// computed `alone`, which shows which one, and gives the others the outcome that they would have had.
+/// Computes runs with `all`. If that panics, each run in progress is computed again with `alone`: the run that
+/// caused the panic fails, and the others get the outcome that they would have had without it.
 fn together(runs: &mut dyn Runs, all: impl Fn(&mut dyn Runs), alone: impl Fn(&Case) -> Outcome) {
     quieten_panics_in_runs();
     let mut tracked = Tracked { runs, begun: HashMap::new() };
     loop {
         IN_A_RUN.set(true);
-        // What outlives the unwinding are cases and outcomes, plain values, each whole or absent.
+        // Only cases and outcomes survive the unwinding: plain values, each complete or absent.
         let computed = panic::catch_unwind(AssertUnwindSafe(|| all(&mut tracked)));
         IN_A_RUN.set(false);
         let Err(payload) = computed else { return };
         if tracked.begun.is_empty() || is_cancelled(payload.as_ref()) {
-            // No run is to blame, and nothing would be different the next time; or all are given up.
+            // No run caused the panic, so a retry would panic again; or all runs are cancelled.
             panic::resume_unwind(payload);
         }
         let mut begun: Vec<(u64, Case)> = tracked.begun.drain().collect();
@@ -68,7 +68,7 @@ fn together(runs: &mut dyn Runs, all: impl Fn(&mut dyn Runs), alone: impl Fn(&Ca
     }
 }
 
-/// Keeps the cases of runs in progress.
+/// Records the cases of runs in progress.
 struct Tracked<'a> {
     runs: &'a mut dyn Runs,
     begun: HashMap<u64, Case>,
@@ -87,8 +87,8 @@ impl Runs for Tracked<'_> {
     }
 }
 
-/// Plans and simulates one run, an audited one twice.
-/// Parameters without physical sense and panics are outcomes, not ends of the program.
+/// Plans and simulates one run, and simulates an audited run a second time. Invalid parameters and panics become
+/// outcomes of the run.
 pub fn compute(study: &Study, run_id: u64, simulate: impl Fn(&Case) -> Outcome) -> RunRecord {
     quieten_panics_in_runs();
     let planned = study.planned_run(run_id);
@@ -108,10 +108,10 @@ pub fn compute(study: &Study, run_id: u64, simulate: impl Fn(&Case) -> Outcome) 
     RunRecord { planned, outcome, audit: again }
 }
 
-/// Simulates a case; a panic is its outcome.
+/// Simulates a case and returns a panic as its outcome.
 fn guarded(case: &Case, simulate: &impl Fn(&Case) -> Outcome) -> Outcome {
     IN_A_RUN.set(true);
-    // Nothing outlives a run that unwinds: case and outcome are plain values.
+    // Case and outcome are plain values that an unwinding run cannot leave inconsistent.
     let result = panic::catch_unwind(AssertUnwindSafe(|| simulate(case)));
     IN_A_RUN.set(false);
     match result {
@@ -127,7 +127,8 @@ fn panic_message(payload: &(dyn Any + Send)) -> String {
     format!("the program failed in this run: {}", text.unwrap_or_else(|| "no message".to_owned()))
 }
 
-/// A panic in a run goes into its row; it should not also tear the progress bar.
+/// Installs a panic hook that is silent for panics in runs: their message goes into the run's row and must not
+/// disturb the progress bar.
 fn quieten_panics_in_runs() {
     static INSTALL: Once = Once::new();
     INSTALL.call_once(|| {
@@ -140,11 +141,11 @@ fn quieten_panics_in_runs() {
     });
 }
 
-/// How many calls of [`quietly`] are going on.
+/// Number of calls of [`quietly`] in progress.
 static QUIET: AtomicUsize = AtomicUsize::new(0);
 
-/// Does what may panic in a library, on any thread; none where it has. Nobody is told: meanwhile other
-/// panics are not told of, either. What `work` is given must not be used any more where it panics.
+/// Runs `work`, which may panic in a library on any thread, and returns `None` if it panics. Suppresses all panic
+/// messages meanwhile. After a panic the caller must not use what it gave to `work`.
 pub fn quietly<T>(work: impl FnOnce() -> T) -> Option<T> {
     quieten_panics_in_runs();
     QUIET.fetch_add(1, Ordering::Relaxed);
@@ -159,7 +160,7 @@ mod tests {
     use crate::classification::{Evidence, Outcome, Runs};
     use crate::model::{Case, Machine, Simulation, Start};
 
-    /// Twenty cases that are told apart by where they start.
+    /// Twenty cases with different start states.
     struct Twenty {
         next: u64,
         ended: Vec<(u64, Outcome)>,
@@ -189,8 +190,8 @@ mod tests {
         sound(case)
     }
 
-    /// Three runs side by side, of which two are bad: every run ends once, the bad ones in a panic, all
-    /// others as they would have without them.
+    /// Of each batch of three runs some panic: every run ends once, the bad ones with a panic, all others with the
+    /// outcome that they have without the bad ones.
     #[test]
     fn a_panic_is_nobody_elses() {
         let three_at_once = |runs: &mut dyn Runs| loop {

@@ -1,7 +1,6 @@
-//! The engine: runs spread over the cores, their files, progress, interruption, resume and shards.
+//! The engine: computes runs on all cores, stores them, shows progress, and handles interruption, resume and shards.
 //!
-//! Which run is computed where and when changes nothing in its result: a run is a pure function of the study and
-//! its number.
+//! The order and place of computation do not affect results: a run is a pure function of the study and its number.
 
 mod batches;
 mod chunk_writer;

@@ -4,25 +4,25 @@ use std::time::Instant;
 
 use super::Shard;
 
-/// How a study is computed. None of it changes a result.
+/// How a study is computed. No option changes a result.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct EngineOptions {
-    /// Worker threads; at least one is used.
+    /// Number of worker threads; at least one is used.
     pub threads: usize,
-    /// Runs computed before they are handed on, and kept in one file; at least one.
+    /// Number of runs in one part of a batch and in one chunk file; at least one.
     pub chunk: usize,
     /// The part of the study to compute.
     pub shard: Shard,
-    /// When to begin no further run; those in progress are given up a second later.
+    /// When to begin no further run; runs in progress are abandoned a second later.
     pub deadline: Option<Instant>,
-    /// How many runs may fail before no further run is begun; any number if none.
+    /// The number of failed runs after which no further run begins; no limit if `None`.
     pub most_failed: Option<u64>,
-    /// Whether finished runs that failed are computed again, from the same case.
+    /// Whether failed runs are computed again, from the same case.
     pub retry_failed: bool,
 }
 
 impl Default for EngineOptions {
-    /// The whole study on one thread, to its end.
+    /// Returns options for the whole study on one thread, without limits.
     fn default() -> Self {
         let (deadline, most_failed, retry_failed) = (None, None, false);
         EngineOptions {

@@ -1,4 +1,4 @@
-//! An output directory made ready for a study: what is there is gone on with, used again, or refused.
+//! Prepares an output directory for a study: continues, reuses or refuses what it holds.
 
 use std::mem::discriminant;
 use std::path::{Path, PathBuf};
@@ -13,51 +13,51 @@ use crate::table::{
     manifest_of, put_aside,
 };
 
-/// Lines of a difference that are shown.
+/// The number of differences that an error message lists.
 const MOST_LINES: usize = 12;
 
-/// Why a directory cannot be made ready.
+/// The reason why a directory cannot be prepared.
 #[derive(Debug, Error)]
 pub enum OutputDirError {
-    /// It holds something else, or it cannot be made or written to.
+    /// It holds other files, or it cannot be created or written to.
     #[error(transparent)]
     Results(#[from] ResultsError),
-    /// What is on disk of finished runs cannot be used.
+    /// The finished runs on disk cannot be used.
     #[error(transparent)]
     Store(#[from] StoreError),
 }
 
-/// What a study is to be run in.
+/// An output directory and how to use it.
 pub struct OutputDir<'a> {
     /// The directory.
     pub directory: &'a Path,
-    /// The part of the study.
+    /// The part of the study that goes into it.
     pub shard: Shard,
-    /// Whether finished runs that failed are computed again.
+    /// Whether failed runs are computed again.
     pub retry_failed: bool,
-    /// Whether a study goes into a directory of whose finished runs it can use none.
+    /// Whether to use a directory of another study even if none of its runs can be reused.
     pub recompute: bool,
-    /// Directories of the study's shards, whose runs are used.
+    /// Directories of the study's shards, whose runs are reused.
     pub shards: &'a [PathBuf],
-    /// No words but warnings.
+    /// Whether to print only warnings.
     pub quiet: bool,
 }
 
-/// A directory that is ready.
+/// A prepared directory.
 pub enum Ready {
-    /// There is nothing to do: all results are there.
+    /// All results exist already.
     Complete(Box<Manifest>),
     /// The study can be computed.
     Open(Box<Store>, Box<Results>),
 }
 
 impl OutputDir<'_> {
-    /// Makes the directory ready for a study.
+    /// Prepares the directory for a study.
     ///
     /// # Errors
-    /// Where its files are not results, are another shard's or those of a study that shares no run with
-    /// this one; where another process writes there; where it cannot be written to. Nothing is
-    /// changed then.
+    /// Returns an error, and changes nothing, if the directory holds files that are not results, results of another
+    /// shard, or results of a study that shares no run with this one, if another process writes to it, or if it cannot
+    /// be written to.
     pub fn prepare(&self, study: &Study) -> Result<Ready, OutputDirError> {
         let shard = self.shard.to_string();
         let found = inspect(self.directory, study, &shard, &[CHUNKS, EARLIER])?;
@@ -80,7 +80,7 @@ impl OutputDir<'_> {
             }
             Destination::Another(manifest) => (self.reopen(study, manifest)?, true),
         };
-        // Until now another process may have written here: what it has left is looked at anew.
+        // Another process may have written here before the lock was taken, so the directory is inspected again.
         let locked = inspect(self.directory, study, &shard, &[CHUNKS, EARLIER])?;
         if discriminant(&locked) != discriminant(&found) {
             drop(store);
@@ -89,10 +89,10 @@ impl OutputDir<'_> {
         if let Destination::Changed(manifest, difference) = &found {
             let problem = match manifest.complete {
                 true => "these results have been changed since they were written",
-                false => "there is something in the way of these results",
+                false => "another file has the name of a result",
             };
             tell(format!(
-                "{directory}: {problem}: {difference}; they are made again from the finished runs"
+                "{directory}: {problem}: {difference}; writing them anew from the finished runs"
             ));
         }
         for part in self.shards {
@@ -100,7 +100,7 @@ impl OutputDir<'_> {
             let finished = manifest_of(part)?.map_or(0, |manifest| manifest.runs_finished);
             if listed < finished {
                 say(&format!(
-                    "{}: only {listed} of its {finished} finished runs are on the list in {CHUNKS}/: the \
+                    "{}: only {listed} of its {finished} finished runs are listed in {CHUNKS}/: the \
                      others are computed again",
                     part.display()
                 ));
@@ -113,13 +113,13 @@ impl OutputDir<'_> {
         };
         if unfinished && self.shards.is_empty() {
             tell(format!(
-                "{directory}: going on with this study, of which up to {} runs are finished",
+                "{directory}: continuing this study, of which up to {} runs are finished",
                 store.listed_runs(),
             ));
         }
         if put_them_aside {
             let place = put_aside(self.directory)?;
-            tell(format!("earlier results are now in {}", place.display()));
+            tell(format!("earlier results moved to {}", place.display()));
         } else {
             close_earlier(self.directory)?;
         }
@@ -133,12 +133,12 @@ impl OutputDir<'_> {
         Ok(Ready::Open(Box::new(store), Box::new(results)))
     }
 
-    /// The directories that are merged, for the manifest.
+    /// Returns the directories that are merged, for the manifest.
     pub fn merging(&self) -> Vec<String> {
         self.shards.iter().map(|part| part.display().to_string()).collect()
     }
 
-    /// Opens the store of a directory with results of another study, if this one can use any of its runs.
+    /// Opens the store of a directory with results of another study if this study can reuse any of its runs.
     fn reopen(&self, study: &Study, manifest: &Manifest) -> Result<Store, OutputDirError> {
         let store = match self.directory.join(CHUNKS).is_dir() || self.recompute {
             true => Some(Store::open(self.directory, study)?),
@@ -167,7 +167,7 @@ impl OutputDir<'_> {
         }
         match Study::load(&self.directory.join("study.yaml")) {
             Ok(before) => lines.extend(difference(&before, study)),
-            Err(_) => lines.push("its study.yaml cannot be read any more".to_owned()),
+            Err(_) => lines.push("its study.yaml can no longer be read".to_owned()),
         }
         let more = lines.len().saturating_sub(MOST_LINES);
         lines.truncate(MOST_LINES);
@@ -177,7 +177,7 @@ impl OutputDir<'_> {
         ResultsError::Occupied {
             path: self.directory.to_owned(),
             reason:
-                "this directory holds the results of another study, of which no run can be used"
+                "this directory holds the results of another study, of which no run can be reused"
                     .to_owned(),
             found: format!("study {}; it differs in\n    {}", manifest.study, lines.join("\n    ")),
             allowed: match self.shards {

@@ -1,4 +1,4 @@
-//! How long runs in progress are waited for when they are to stop.
+//! The grace period of runs in progress when a study stops.
 
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::thread;
@@ -6,13 +6,12 @@ use std::time::Duration;
 
 use crate::motion::Cancellation;
 
-/// How long runs in progress may go on when a study stops; they are then given up.
+/// The time that runs in progress have to finish when a study stops, before they are cancelled.
 pub(super) const GRACE: Duration = Duration::from_secs(1);
-/// How often it is asked whether patience is over.
-const LOOK: Duration = Duration::from_millis(20);
+/// The interval between two checks of the grace period.
+const POLL_INTERVAL: Duration = Duration::from_millis(20);
 
-/// Does `work` under a cancellation that is cancelled as soon as `is_over` says so, which a thread of its own asks
-/// now and then until `work` is done.
+/// Runs `work` under a cancellation, which a separate thread triggers as soon as `is_over` returns true.
 pub(super) fn with_patience<T>(
     mut is_over: impl FnMut() -> bool + Send,
     work: impl FnOnce(&Cancellation) -> T,
@@ -22,14 +21,14 @@ pub(super) fn with_patience<T>(
         let (working, done) = channel::<()>();
         let to_cancel = cancellation.clone();
         let watch = move || {
-            while done.recv_timeout(LOOK) == Err(RecvTimeoutError::Timeout) {
+            while done.recv_timeout(POLL_INTERVAL) == Err(RecvTimeoutError::Timeout) {
                 if is_over() {
                     to_cancel.cancel();
                     return;
                 }
             }
         };
-        // Where no thread can be had, runs in progress are finished.
+        // Without a watching thread, runs in progress finish normally.
         let _watching = thread::Builder::new().spawn_scoped(scope, watch);
         let result = work(&cancellation);
         drop(working);

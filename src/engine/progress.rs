@@ -1,7 +1,6 @@
-//! Progress while runs are computed: how many, how fast, until when, and how they end so far. All of it
-//! goes to stderr.
+//! Progress of a computation on standard error: number of runs, rate, remaining time, and endings so far.
 //!
-//! Workers count each run in a few atomic numbers; what is said is put together when it is due.
+//! Workers update a few atomic counters; text is produced only when a line is due.
 
 use std::io::{self, IsTerminal, Write};
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -18,38 +17,38 @@ use crate::foreign::{harmless, harmless_json};
 /// How progress is shown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Show {
-    /// A bar, where stderr is a terminal.
+    /// A bar, if standard error is a terminal.
     Bar,
-    /// A line now and then.
+    /// A line every ten seconds.
     Lines,
-    /// An event now and then, as a line of JSON.
+    /// An event every second, as a line of JSON.
     Json,
     /// Nothing.
     Nothing,
 }
 
 impl Show {
-    /// A bar on a terminal, lines elsewhere.
+    /// Returns a bar on a terminal, lines elsewhere.
     pub fn auto() -> Self {
         if io::stderr().is_terminal() { Show::Bar } else { Show::Lines }
     }
 
-    /// How long it is from one line to the next, s.
+    /// Returns the seconds between two lines.
     fn every(self) -> u64 {
         if self == Show::Json { 1 } else { 10 }
     }
 }
 
-/// What is about to be computed.
+/// The planned computation.
 #[derive(Clone, Copy, Debug)]
 pub struct Planned<'a> {
     /// Name of the study.
     pub study: &'a str,
-    /// Its runs.
+    /// Number of runs.
     pub runs: u64,
-    /// Whether it may be fewer.
+    /// Whether `runs` is an upper bound.
     pub at_most: bool,
-    /// Its points.
+    /// Number of points.
     pub points: u64,
 }
 
@@ -64,32 +63,32 @@ pub struct Progress {
 struct Counts {
     started: Instant,
     planned: AtomicU64,
-    /// What stands before the number of planned runs and before the time left.
+    /// Words before the number of planned runs and the remaining time.
     bound: &'static str,
     runs: AtomicU64,
     equilibria: AtomicU64,
     failed: AtomicU64,
-    /// Runs that were finished before.
+    /// Runs that were already on disk.
     found: AtomicU64,
-    /// Seconds after which the next line is due.
+    /// Seconds since the start at which the next line is due.
     next_line: AtomicU64,
 }
 
-/// Lines about points: of many points not every one has a line.
+/// State of the lines about points, which are rate-limited when there are many points.
 struct PointLines {
-    /// Whether there are so many.
+    /// Whether the lines are rate-limited.
     many: bool,
-    /// When the last line was written.
+    /// Time of the last line.
     last: Option<Instant>,
     left_out: u64,
 }
 
-/// Up to so many points, each has its line.
+/// The largest number of points that each get a line.
 const FEW_POINTS: u64 = 40;
-/// Of more points, lines are at least so far apart.
+/// The least time between lines of more points.
 const LINES_APART: Duration = Duration::from_secs(1);
 
-/// The counts of an instant.
+/// A snapshot of the counters.
 #[derive(Clone, Copy)]
 struct Now {
     elapsed_s: f64,
@@ -103,7 +102,7 @@ struct Now {
 impl Counts {
     fn now(&self) -> Now {
         let read = |count: &AtomicU64| count.load(Ordering::Relaxed);
-        // What is a part is read before the whole, so that it is never larger.
+        // Parts are read before the total, so that no part exceeds it.
         let (equilibria, failed) = (read(&self.equilibria), read(&self.failed));
         let (found, runs) = (read(&self.found), read(&self.runs));
         let elapsed_s = self.started.elapsed().as_secs_f64();
@@ -112,18 +111,18 @@ impl Counts {
 }
 
 impl Now {
-    /// Runs per second that were computed, not found.
+    /// Returns the rate of computed runs per second, without those that were on disk.
     fn rate(&self) -> f64 {
         self.runs.saturating_sub(self.found) as f64 / self.elapsed_s.max(1e-9)
     }
 
-    /// Seconds left; where nothing has been computed yet, nothing is known.
+    /// Returns the estimated remaining seconds; `None` if nothing has been computed yet.
     fn left_s(&self) -> Option<f64> {
         let left = self.planned.saturating_sub(self.runs) as f64 / self.rate();
         Duration::try_from_secs_f64(left).ok().map(|left| left.as_secs_f64())
     }
 
-    /// The fraction of equilibria with its 95 % interval.
+    /// Returns the fraction of equilibria with its 95 % interval.
     fn fraction(&self) -> Option<(f64, (f64, f64))> {
         let fraction = self.equilibria as f64 / self.runs as f64;
         let ends = wilson_with_failures(self.equilibria, self.failed, self.runs, Z_95);
@@ -137,7 +136,7 @@ impl Now {
         )
     }
 
-    /// Failures, after a separator, if there are any.
+    /// Returns the number of failed runs after a separator; empty if there are none.
     fn failed_text(&self, separator: &str) -> String {
         if self.failed > 0 { format!("{separator}{} failed", self.failed) } else { String::new() }
     }
@@ -160,31 +159,30 @@ impl Now {
     }
 }
 
-/// Writes a message to standard error, without what a terminal acts on. Where nobody can read it any more (a
-/// terminal that was closed, a reader that has gone) it is lost, and the runs are not: `eprintln` would end the
-/// program.
+/// Writes a message to standard error, without terminal control characters. Ignores write errors, such as from a
+/// closed terminal, so that the computation continues; `eprintln` would panic.
 pub fn say(message: &str) {
     write_line(&harmless(message).replace('\t', " "));
 }
 
-/// Writes an event for programs to standard error.
+/// Writes a JSON event to standard error.
 fn say_json(event: &Value) {
     write_line(&harmless_json(&event.to_string()));
 }
 
 fn write_line(line: &str) {
-    // One write, so that lines of several threads do not mix.
+    // A single write keeps the lines of several threads apart.
     let _ = io::stderr().lock().write_all(format!("{line}\n").as_bytes());
 }
 
 impl Progress {
-    /// Progress over so many runs of one point, shown as fits where stderr leads.
+    /// Starts progress over `planned` runs of one point, shown as standard error allows.
     pub fn new(planned: u64, quiet: bool) -> Self {
         let planned = Planned { study: "", runs: planned, at_most: false, points: 1 };
         Self::begin(planned, if quiet { Show::Nothing } else { Show::auto() })
     }
 
-    /// Progress over what is planned, beginning now.
+    /// Starts progress over the planned computation.
     pub fn begin(planned: Planned<'_>, show: Show) -> Self {
         let Planned { study, runs, at_most, points } = planned;
         let counts = Arc::new(Counts {
@@ -216,14 +214,14 @@ impl Progress {
         Progress { show, bar, counts, points: Mutex::new(points) }
     }
 
-    /// Corrects the number of planned runs.
+    /// Sets the number of planned runs.
     pub fn expect(&self, planned: u64) {
         if self.counts.planned.swap(planned, Ordering::Relaxed) != planned {
             self.bar.set_length(planned);
         }
     }
 
-    /// Counts a run that was finished before.
+    /// Counts a run that was already on disk.
     pub fn found(&self, label: Label) {
         self.counts.found.fetch_add(1, Ordering::Relaxed);
         self.finished(label);
@@ -272,7 +270,7 @@ impl Progress {
         ));
     }
 
-    /// Tells of a point whose runs have all finished: `text` is a line for people, `facts` are for an event.
+    /// Reports a point whose runs have all finished: `text` is a line of text, `facts` are the fields of an event.
     pub fn point(&self, text: impl FnOnce() -> String, facts: impl FnOnce() -> Value) {
         match self.show {
             Show::Nothing => {}
@@ -285,7 +283,7 @@ impl Progress {
                 say_json(&event);
             }
             Show::Bar | Show::Lines => {
-                // What a panic elsewhere leaves of it is of use still.
+                // Counters and times stay usable after a panic of another thread.
                 let mut lines = self.points.lock().unwrap_or_else(PoisonError::into_inner);
                 let now = Instant::now();
                 let soon = lines.last.is_some_and(|last| now.duration_since(last) < LINES_APART);
@@ -296,14 +294,14 @@ impl Progress {
                 lines.last = Some(now);
                 let before = match std::mem::take(&mut lines.left_out) {
                     0 => String::new(),
-                    left_out => format!(" ({left_out} before it left out)"),
+                    left_out => format!(" ({left_out} earlier points not shown)"),
                 };
                 self.line(&format!("{}{before}", text()));
             }
         }
     }
 
-    /// Writes a line, above the bar where there is one.
+    /// Writes a line, above the bar if there is one.
     fn line(&self, line: &str) {
         match self.show {
             Show::Bar => self.bar.println(harmless(line)),
@@ -311,17 +309,17 @@ impl Progress {
         }
     }
 
-    /// Takes the bar away and returns how long it all took.
+    /// Removes the bar and returns the elapsed time.
     pub fn close(&self) -> Duration {
         let left_out = self.points.lock().unwrap_or_else(PoisonError::into_inner).left_out;
         if left_out > 0 {
-            self.line(&format!("{left_out} more points have finished"));
+            self.line(&format!("{left_out} more points finished"));
         }
         self.bar.finish_and_clear();
         self.counts.started.elapsed()
     }
 
-    /// Tells programs that all is over: of all planned runs, or because it was `interrupted`.
+    /// Writes the final event: all planned runs have finished, or the computation was `interrupted`.
     pub fn ended(&self, interrupted: bool) {
         if self.show == Show::Json {
             let mut event = self.counts.now().event("ended");
@@ -342,7 +340,7 @@ fn bar(planned: u64, at_most: bool, counts: &Arc<Counts>) -> ProgressBar {
     let key = |text: fn(Now) -> String| {
         let counts = Arc::clone(counts);
         move |_: &ProgressState, out: &mut dyn std::fmt::Write| {
-            // Nobody can do anything about a bar that cannot be drawn.
+            // A bar that cannot be drawn is ignored.
             let _ = out.write_str(&text(counts.now()));
         }
     };
@@ -358,9 +356,9 @@ fn bar(planned: u64, at_most: bool, counts: &Arc<Counts>) -> ProgressBar {
     bar
 }
 
-/// A time as people say it.
+/// Returns a time in words.
 fn time_text(seconds: Option<f64>) -> String {
-    // A cast from a floating point number saturates.
+    // A cast from a floating-point number saturates.
     match seconds.map(|seconds| seconds.ceil() as u64) {
         None => "?".to_owned(),
         Some(seconds @ 0..120) => format!("{seconds} s"),
@@ -392,7 +390,7 @@ mod tests {
         let ends = (wilson(150, 300, Z_95).0, wilson(180, 300, Z_95).1);
         assert_eq!(failed.fraction(), Some((0.5, ends)));
         assert_eq!(failed.failed_text(", "), ", 30 failed");
-        // Nothing is known before the first run, nor how long while all were found.
+        // Before the first computed run the rate and the remaining time are unknown.
         let begun = Now { runs: 0, found: 0, equilibria: 0, ..now };
         assert_eq!(
             (begun.fraction(), begun.left_s(), begun.fraction_text()),

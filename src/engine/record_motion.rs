@@ -1,4 +1,4 @@
-//! One run computed with its motion.
+//! Computes one run and records its motion.
 
 use std::cell::RefCell;
 
@@ -8,8 +8,8 @@ use crate::model::Case;
 use crate::study::Study;
 use crate::table::RunRecord;
 
-/// Computes a run with its motion, and what else its row has. The motion is that at these times, s and
-/// ascending, or at every step; at most so many instants, and as many switches, are kept.
+/// Computes a run and returns its row and its motion, at the given times (ascending, in s) or at every step. At most
+/// `most` instants and as many switches are recorded.
 ///
 /// # Panics
 /// If `run_id` is not below [`Study::run_count`].
@@ -20,7 +20,7 @@ pub fn record(
     most: usize,
 ) -> (RunRecord, Recording) {
     let natural = |case: &Case| case.model.natural_frequency_rad_s();
-    // An audited run is simulated twice; the first time is the run itself.
+    // An audited run is simulated twice; only the first simulation is recorded.
     let recorder: RefCell<Option<Recorder>> = RefCell::new(None);
     let simulated = |case: &Case| {
         if recorder.borrow().is_some() {

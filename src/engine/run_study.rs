@@ -1,7 +1,8 @@
-//! A study computed from end to end: batches of runs go over the cores, and finished runs go to the sink in order.
+//! Computes a study: workers compute batches of runs, and the sink receives finished runs in order.
 //!
-//! A batch is a set of runs that are computed without asking in between whether more are needed; a study without
-//! a precision has one. Parts of a batch bound the memory: while one is computed, the one before is written.
+//! A batch is a set of runs that are computed without deciding in between whether more are needed; a study without
+//! a precision has one batch. Batches are computed in parts, which bound the memory: the sink receives one part
+//! while the next one is computed.
 
 use std::collections::HashMap;
 use std::sync::atomic::{AtomicBool, AtomicU64};
@@ -25,66 +26,67 @@ use crate::motion::{Cancellation, SimdLevel};
 use crate::study::Study;
 use crate::table::{PointRow, RunRecord};
 
-/// Takes in runs and points, in the order of the study.
+/// Receives runs and points in the order of the study.
 pub trait Sink: Send {
-    /// What can go wrong.
+    /// The error of the sink.
     type Error: Send;
 
-    /// A run has finished. Runs come in ascending order of their numbers.
+    /// Receives a finished run. Runs arrive in ascending order of their numbers.
     ///
     /// # Errors
-    /// Stops the study.
+    /// An error stops the study.
     fn run(&mut self, record: RunRecord) -> Result<(), Self::Error>;
 
-    /// All runs of a point have finished, or those that will; `detail` goes into tables of its own.
+    /// Receives a point whose runs have finished, all of them or those before an interruption; `detail` holds the
+    /// rows of other tables.
     ///
     /// # Errors
-    /// Stops the study.
+    /// An error stops the study.
     fn point(&mut self, point: PointRow, detail: PointDetail) -> Result<(), Self::Error>;
 }
 
-/// Why a study could not be computed.
+/// The reason why a study could not be computed.
 #[derive(Debug, Error)]
 pub enum EngineError<E> {
     /// The worker threads could not be started.
     #[error("cannot start the worker threads: {0}")]
     Threads(#[from] rayon::ThreadPoolBuildError),
-    /// The sink refused.
+    /// The sink returned an error.
     #[error("{0}")]
     Sink(E),
-    /// Finished runs could not be kept.
+    /// Finished runs could not be stored.
     #[error(transparent)]
     Store(StoreError),
 }
 
-/// What the engine has done.
+/// The result of a computation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RunTotals {
     /// Finished runs per label.
     pub counts: LabelCounts,
-    /// Why it was cut short, if it was.
+    /// Why the computation stopped early, if it did.
     pub stopped: Option<StopReason>,
-    /// How many of the finished runs did not have to be computed.
+    /// Number of finished runs that did not have to be computed.
     pub kept: u64,
-    /// How many runs had begun and were given up; nothing of them is kept.
+    /// Number of runs that had begun and were abandoned without a result.
     pub given_up: u64,
 }
 
 impl RunTotals {
-    /// Whether it was cut short.
+    /// Whether the computation stopped early.
     pub fn interrupted(&self) -> bool {
         self.stopped.is_some()
     }
 }
 
-/// Computes the runs of a study's shard in lockstep and hands runs and points to `sink`. Runs that are in
-/// `store` are not computed; all others go there.
+/// Computes the runs of a study's shard in lockstep and passes runs and points to `sink`. Runs that `store` holds
+/// are not computed; all others are stored there.
 ///
-/// When `stop` becomes true, runs in progress are finished, or given up where that takes longer than a second;
-/// all finished runs are handed on, and the engine returns. A panic in a run is that run's failure and nobody else's.
+/// When `stop` becomes true, runs in progress are finished or, after a second, abandoned; the sink receives all
+/// finished runs, and the function returns. A panic in a run makes that run fail and leaves all others unchanged.
 ///
 /// # Errors
-/// Where threads cannot be started, the sink refuses or the store cannot be written.
+/// Returns an error if the worker threads cannot be started, if the sink returns one, or if a chunk cannot be written.
 pub fn run_study<S: Sink>(
     study: &Study,
     options: EngineOptions,
@@ -98,10 +100,10 @@ pub fn run_study<S: Sink>(
     run.run(&InLockstep(SimdLevel::best()), store, sink)
 }
 
-/// The same with a function that simulates one case.
+/// Computes a study like [`run_study`], but simulates each case with the given function.
 ///
 /// # Errors
-/// As for [`run_study`].
+/// Returns the errors of [`run_study`].
 pub fn run_study_with<S: Sink>(
     study: &Study,
     options: EngineOptions,
@@ -116,7 +118,7 @@ pub fn run_study_with<S: Sink>(
     run.run(&OneByOne(simulate), store, sink)
 }
 
-/// A study on its way.
+/// The computation of a study.
 struct StudyRun<'a> {
     study: &'a Study,
     options: EngineOptions,
@@ -124,7 +126,7 @@ struct StudyRun<'a> {
     progress: &'a Progress,
 }
 
-/// What is needed of a store while runs are computed.
+/// The parts of a store that the computation uses.
 struct StoreReader<'a> {
     chunk_index: &'a mut ChunkIndex,
     result_cache: &'a ResultCache,
@@ -156,12 +158,12 @@ impl StudyRun<'_> {
         let (new_results, finished) = new_results();
         let (stop_condition, chunk) = (&self.stop_condition, self.options.chunk);
         thread::scope(|scope| {
-            let keeping =
+            let writer =
                 scope.spawn(move || write_chunks(appender, &finished, chunk, stop_condition));
             let reading = Some(StoreReader { chunk_index, result_cache, new_results });
             let tally = self.compute_all(cancellation, engine, reading, sink);
-            // It has nothing to panic about; if it does, that is a failure of the program.
-            keeping
+            // The writer is not expected to panic; a panic is a fault of the program.
+            writer
                 .join()
                 .unwrap_or_else(|panic| std::panic::resume_unwind(panic))
                 .map_err(EngineError::Store)?;
@@ -223,9 +225,9 @@ impl StudyRun<'_> {
                 };
                 let waiting = std::mem::take(&mut finished);
                 let compute = || pool.compute(cancellation, engine, &batch);
-                let (records, handed_on) =
+                let (records, passed_on) =
                     pool.install(|| rayon::join(compute, || intake.take_all(waiting)));
-                handed_on.map_err(EngineError::Sink)?;
+                passed_on.map_err(EngineError::Sink)?;
                 finished = records;
             }
             intake.take_all(finished).map_err(EngineError::Sink)?;
@@ -245,7 +247,7 @@ impl StudyRun<'_> {
     }
 }
 
-/// Hands runs to the sink and collects them point by point.
+/// Passes runs to the sink and collects them point by point.
 struct Intake<'a, S> {
     study: &'a Study,
     sink: &'a mut S,
@@ -254,7 +256,7 @@ struct Intake<'a, S> {
 }
 
 impl<S: Sink> Intake<'_, S> {
-    /// What is known of the point whose runs came last.
+    /// Returns the runs of the last point so far.
     fn so_far(&self) -> Option<&PointAccumulator> {
         self.point.as_ref().map(|(_, runs)| runs)
     }

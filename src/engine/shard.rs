@@ -1,5 +1,5 @@
-//! A part of a study: one run of each `N`, so that parts cost about the same; or one point of each `N`,
-//! where all runs of a point are needed to decide how many there should be.
+//! Shards: parts of a study with about equal cost. A shard has one of every `N` runs or, in a study with a precision,
+//! one of every `N` points with all their runs.
 
 use std::fmt;
 use std::ops::Range;
@@ -9,19 +9,17 @@ use thiserror::Error;
 
 use crate::study::{Sampling, Study};
 
-/// Part `K` of `N`: of every `N` runs that follow one another one, in a study with a precision of every
-/// `N` points.
+/// Part `K` of `N`: one of every `N` consecutive runs or, in a study with a precision, one of every `N` points.
 ///
-/// Which one it is differs from one such block to the next, by a fixed rule that looks like chance:
-/// were it always the same, parts would have the same cells of a stratified design again and again, whose
-/// runs may take longer than others.
+/// A fixed pseudo-random rule selects the run within each block of `N`. With a fixed place a shard could hold the
+/// same cells of a stratified design again and again, whose runs may take longer than others.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Shard {
     part: u64,
     parts: u64,
 }
 
-/// A shard that does not exist.
+/// An invalid shard.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error("found {0:?}, allowed: K/N with whole numbers 1 ≤ K ≤ N, such as 2/8")]
 pub struct ShardError(String);
@@ -30,37 +28,37 @@ impl Shard {
     /// The whole study.
     pub const WHOLE: Shard = Shard { part: 1, parts: 1 };
 
-    /// How many of so many runs, or points, it has.
+    /// Returns how many of `all` runs, or points, the shard has.
     pub fn fraction(self, all: u64) -> u64 {
         let blocks = all / self.parts;
         blocks + u64::from(self.place_in(blocks) < all % self.parts)
     }
 
-    /// The number of its run, or point, `index`; `index` below [`Shard::fraction`].
+    /// Returns the number of the shard's run, or point, with this index below [`Shard::fraction`].
     pub fn number(self, index: u64) -> u64 {
         index * self.parts + self.place_in(index)
     }
 
-    /// Its place in a block.
+    /// Returns the shard's place in a block.
     fn place_in(self, block: u64) -> u64 {
         let turn = mixed(block) % self.parts;
-        // Both are below the number of parts, which may be anything: no sum of them.
+        // Both numbers may be close to the largest integer, so their sum could overflow.
         let before = self.part - 1;
         let room = self.parts - turn;
         if before < room { before + turn } else { before - room }
     }
 
-    /// Which part it is, from 1.
+    /// Returns the number of the part, from 1.
     pub fn part(self) -> u64 {
         self.part
     }
 
-    /// How many parts there are.
+    /// Returns the number of parts.
     pub fn parts(self) -> u64 {
         self.parts
     }
 
-    /// How many runs of a study it has; with a precision, the most.
+    /// Returns the number of runs of the shard; an upper bound for studies with a precision.
     pub fn most_runs(self, study: &Study) -> u64 {
         if study.precision().is_none() {
             return self.fraction(study.run_count());
@@ -71,12 +69,12 @@ impl Shard {
         study.stretches().map(of_stretch).sum()
     }
 
-    /// The numbers of all these runs, in ascending order.
+    /// Returns the numbers of all runs of the shard, in ascending order.
     pub fn run_ids(self, study: &Study) -> impl Iterator<Item = u64> {
         self.run_ids_with(study, |sampling| sampling.most)
     }
 
-    /// The numbers of those runs that are computed in any case, in ascending order.
+    /// Returns the numbers of the runs that are computed in any case, in ascending order.
     pub fn first_run_ids(self, study: &Study) -> impl Iterator<Item = u64> {
         self.run_ids_with(study, |sampling| sampling.first)
     }
@@ -99,8 +97,8 @@ impl Shard {
     }
 }
 
-/// A number as good as drawn by chance, the same for the same number (SplitMix64's finaliser, G. L. Steele,
-/// D. Lea and C. H. Flood, OOPSLA 2014, doi:10.1145/2660193.2660195).
+/// Returns a pseudo-random number that depends only on `number` (SplitMix64's finaliser, G. L. Steele, D. Lea and
+/// C. H. Flood, OOPSLA 2014, doi:10.1145/2660193.2660195).
 fn mixed(number: u64) -> u64 {
     let mut bits = number.wrapping_add(0x9e37_79b9_7f4a_7c15);
     bits = (bits ^ (bits >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);

@@ -1,4 +1,4 @@
-//! When a study stops before all its runs are finished.
+//! The conditions under which a study stops before all its runs have finished.
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::Instant;
@@ -6,19 +6,19 @@ use std::time::Instant;
 use super::EngineOptions;
 use super::patience::GRACE;
 
-/// Why a study stopped before all its runs were finished. Runs in progress were finished, or given up after a
-/// second.
+/// Why a study stopped before all its runs were finished. Runs in progress were finished or, after a second,
+/// abandoned.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StopReason {
-    /// It was asked to: Ctrl-C, or a signal to terminate.
+    /// Ctrl-C or a termination signal.
     Asked,
-    /// The time that it may take was over.
+    /// The time limit.
     Time,
-    /// More runs failed than may.
+    /// More failed runs than allowed.
     Failures,
 }
 
-/// Says when to begin no further run, and when to give up those in progress.
+/// Decides when to begin no further run, and when to abandon runs in progress.
 pub(super) struct StopCondition<'a> {
     asked: &'a AtomicBool,
     deadline: Option<Instant>,
@@ -47,23 +47,23 @@ impl<'a> StopCondition<'a> {
         self.failed.fetch_add(1, Ordering::Relaxed);
     }
 
-    /// Nothing can be kept any more: going on would be in vain.
+    /// Stops the study because finished runs can no longer be stored.
     pub(super) fn break_off(&self) {
         self.broken.store(true, Ordering::Relaxed);
     }
 
-    /// Whether to compute no further run.
+    /// Whether to begin no further run.
     pub(super) fn now(&self) -> bool {
         self.broken.load(Ordering::Relaxed) || self.reason().is_some()
     }
 
-    /// Whether not even to go on with runs that are on disk, which takes no time worth the name.
+    /// Whether to stop reading runs from disk, too.
     pub(super) fn at_once(&self) -> bool {
         self.broken.load(Ordering::Relaxed) || self.asked.load(Ordering::Relaxed)
     }
 
-    /// Whether to give up runs in progress, where `stopped` is when this first had a reason to stop; to be asked
-    /// again and again. What cannot be kept is not waited for.
+    /// Whether to abandon runs in progress. Must be called repeatedly; `stopped` stores the time of the first reason to
+    /// stop. Runs that cannot be stored are abandoned immediately.
     pub(super) fn gives_up(&self, stopped: &mut Option<Instant>) -> bool {
         if self.reason().is_some() {
             stopped.get_or_insert_with(Instant::now);
@@ -72,17 +72,17 @@ impl<'a> StopCondition<'a> {
         waited || self.broken.load(Ordering::Relaxed)
     }
 
-    /// Counts runs that had begun and were given up.
+    /// Counts runs that had begun and were abandoned.
     pub(super) fn gave_up(&self, runs: u64) {
         self.given_up.fetch_add(runs, Ordering::Relaxed);
     }
 
-    /// How many runs were given up.
+    /// Returns the number of abandoned runs.
     pub(super) fn given_up(&self) -> u64 {
         self.given_up.load(Ordering::Relaxed)
     }
 
-    /// Why to stop.
+    /// Returns the reason to stop, if any.
     pub(super) fn reason(&self) -> Option<StopReason> {
         let failed = self.failed.load(Ordering::Relaxed);
         if self.asked.load(Ordering::Relaxed) {

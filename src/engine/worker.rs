@@ -1,4 +1,4 @@
-//! The runs of one worker: taken from what is left of a batch, planned, and finished.
+//! The runs of one worker: taken from the shared queue, planned, and finished.
 
 use std::collections::{HashMap, VecDeque};
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -11,50 +11,50 @@ use crate::model::Case;
 use crate::study::{PlannedRun, Study};
 use crate::table::RunRecord;
 
-/// A batch of runs that workers share.
+/// A batch of runs that the workers share.
 pub(super) struct RunQueue<'a> {
     pub(super) study: &'a Study,
-    /// The numbers of its runs, ascending.
+    /// Numbers of the runs, ascending.
     pub(super) run_ids: Vec<u64>,
-    /// How many of its runs have been begun.
+    /// Number of runs that have begun.
     pub(super) begun: AtomicU64,
     pub(super) stop_condition: &'a StopCondition<'a>,
     /// Whether audited runs are computed a second time.
     pub(super) audits: bool,
-    /// Is called for each run that has been computed.
+    /// Called for each computed run.
     pub(super) finished: &'a (dyn Fn(Label) + Sync),
     pub(super) disk: Option<Storage<'a>>,
 }
 
-/// What is known of finished runs, and where new ones go.
+/// The finished runs on disk, and the channel for new ones.
 #[derive(Clone)]
 pub(super) struct Storage<'a> {
-    /// Runs of this study, by number.
+    /// Finished runs of this study, by number.
     pub(super) found: &'a HashMap<u64, StoredResult>,
-    /// Is called for each run that need not be computed.
+    /// Called for each run that need not be computed.
     pub(super) taken: &'a (dyn Fn(Label) + Sync),
-    /// Runs of other studies, by case.
+    /// Finished runs of other studies, by case.
     pub(super) result_cache: &'a ResultCache,
-    /// Whether runs that failed are computed again.
+    /// Whether failed runs are computed again.
     pub(super) retry_failed: bool,
-    /// Takes runs that are not in the output directory.
+    /// Channel for runs that are not in the output directory.
     pub(super) new_results: SyncSender<NewResult>,
-    /// How many runs did not have to be computed.
+    /// Number of runs that did not have to be computed.
     pub(super) kept: &'a AtomicU64,
 }
 
-/// What one worker does of a batch.
+/// The part of a batch that one worker computes.
 pub(super) struct Worker<'a> {
     batch: &'a RunQueue<'a>,
     disk: Option<Storage<'a>>,
-    /// Second computations of audited runs that are still to be begun.
+    /// Second computations of audited runs that have not begun.
     again: VecDeque<(u64, Case)>,
     open: HashMap<u64, Open>,
     /// Finished runs, in any order.
     pub(super) finished: Vec<RunRecord>,
 }
 
-/// A run of which something is still to come.
+/// A run whose result is incomplete.
 struct Open {
     planned: PlannedRun,
     outcome: Option<Outcome>,
@@ -67,7 +67,7 @@ impl<'a> Worker<'a> {
         Worker { batch, disk, again: VecDeque::new(), open: HashMap::new(), finished: Vec::new() }
     }
 
-    /// How many of its runs have begun and not been finished.
+    /// Returns the number of runs that have begun and not finished.
     pub(super) fn in_progress(&self) -> u64 {
         self.open.len() as u64
     }
@@ -76,8 +76,8 @@ impl<'a> Worker<'a> {
         CaseKey::of(planned)
     }
 
-    /// Takes a run from disk if it is there, with all that its plan asks for; gives it back if not.
-    fn take_kept(&mut self, planned: PlannedRun) -> Option<PlannedRun> {
+    /// Takes a run from disk if it is stored with everything that its plan requires; otherwise returns the plan.
+    fn take_stored(&mut self, planned: PlannedRun) -> Option<PlannedRun> {
         let Some(disk) = &self.disk else { return Some(planned) };
         let key = self.key(&planned);
         let found = disk.found.get(&planned.run_id).filter(|found| found.key == key);
@@ -99,7 +99,7 @@ impl<'a> Worker<'a> {
         None
     }
 
-    /// Hands a finished run on; to the disk, too, where there is a key.
+    /// Adds a finished run to the result and, if it has a key, sends it to the disk.
     fn finish(&mut self, record: RunRecord, key: Option<CaseKey>) {
         if record.outcome.label() == Label::Failed {
             self.batch.stop_condition.failed();
@@ -110,14 +110,14 @@ impl<'a> Worker<'a> {
                 key,
                 content: StoredOutcome::encode(&record),
             };
-            // Where nobody takes it any more, the disk has failed, which is told of at the end.
+            // A closed channel means that the disk failed, which is reported at the end.
             let _ = disk.new_results.send(fresh);
         }
         self.finished.push(record);
     }
 
-    /// Takes in what is known of a run; it is finished when all of it is.
-    fn take_in(&mut self, place: u64, open: Open) {
+    /// Adds a result of a run, and finishes the run when all its results are present.
+    fn add_result(&mut self, place: u64, open: Open) {
         let Open { planned, outcome, again } = open;
         let complete = !planned.audited || again.is_some();
         let (Some(outcome), true) = (&outcome, complete) else {
@@ -131,7 +131,7 @@ impl<'a> Worker<'a> {
     }
 }
 
-/// Of each place in the batch there are two numbers: the run itself and its second computation.
+/// Each place in the batch has two numbers: one for the run and one for its second computation.
 impl Runs for Worker<'_> {
     fn next(&mut self) -> Option<(u64, Case)> {
         if let Some(again) = self.again.pop_front() {
@@ -145,7 +145,7 @@ impl Runs for Worker<'_> {
             let run_id = *self.batch.run_ids.get(usize::try_from(place).ok()?)?;
             let mut planned = self.batch.study.planned_run(run_id);
             planned.audited &= self.batch.audits;
-            let Some(planned) = self.take_kept(planned) else { continue };
+            let Some(planned) = self.take_stored(planned) else { continue };
             if self.batch.stop_condition.now() {
                 continue;
             }
@@ -163,7 +163,7 @@ impl Runs for Worker<'_> {
                     let evidence = Evidence::InvalidParameters;
                     let outcome = Some(Outcome::failed(evidence, invalid.to_string()));
                     let again = planned.audited.then_some(evidence);
-                    self.take_in(place, Open { planned, outcome, again });
+                    self.add_result(place, Open { planned, outcome, again });
                 }
             }
         }
@@ -177,6 +177,6 @@ impl Runs for Worker<'_> {
         } else {
             open.again = Some(outcome.evidence);
         }
-        self.take_in(place, open);
+        self.add_result(place, open);
     }
 }

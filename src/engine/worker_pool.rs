@@ -1,4 +1,4 @@
-//! Worker threads that share queues of runs.
+//! A pool of worker threads that share queues of runs.
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
@@ -14,31 +14,31 @@ use crate::motion::{Cancellation, SimdLevel};
 use crate::study::Study;
 use crate::table::RunRecord;
 
-/// Worker threads.
+/// A pool of worker threads.
 pub struct WorkerPool {
     pool: rayon::ThreadPool,
     threads: usize,
 }
 
 impl WorkerPool {
-    /// So many threads; at least one.
+    /// Starts a pool of `threads` threads; at least one.
     ///
     /// # Errors
-    /// Where the operating system refuses.
+    /// Returns an error if the operating system cannot start the threads.
     pub fn new(threads: usize) -> Result<WorkerPool, rayon::ThreadPoolBuildError> {
         let threads = threads.max(1);
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
         Ok(WorkerPool { pool, threads })
     }
 
-    /// Does something on these threads, where rayon divides it.
+    /// Runs `work` on the pool, where rayon distributes it.
     pub fn install<T: Send>(&self, work: impl FnOnce() -> T + Send) -> T {
         self.pool.install(work)
     }
 
-    /// Computes the first sample of a point in lockstep, each run once, and returns the runs in the order of
-    /// their numbers. `finished` is called for each run. Returns none where `stop` becomes true before all runs
-    /// have finished; runs in progress are then given up at once.
+    /// Computes the first sample of a point in lockstep, each run once, and returns the runs in the order of their
+    /// numbers. Calls `finished` for each run. Returns `None` if `stop` becomes true before all runs have finished;
+    /// runs in progress are then abandoned immediately.
     pub fn sample(
         &self,
         study: &Study,
@@ -68,7 +68,7 @@ impl WorkerPool {
         (runs.len() == count).then_some(runs)
     }
 
-    /// The finished runs of a batch, in the order of their numbers; to be called on these threads.
+    /// Computes a batch and returns its finished runs in the order of their numbers; must be called on this pool.
     pub(super) fn compute(
         &self,
         cancellation: &Cancellation,

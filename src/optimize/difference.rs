@@ -1,10 +1,10 @@
-//! Intervals of a difference and of a ratio of two estimates from independent samples, recovered from their
-//! own ones.
+//! Intervals of the difference and the ratio of two estimates from independent samples, recovered from the intervals
+//! of the estimates.
 
 use crate::responses::Estimate;
 
-/// `one - other` (G. Y. Zou, A. Donner, Stat. Med. 27 (2008) 1693, doi:10.1002/sim.3095). Its standard error
-/// is that of independent samples.
+/// Estimates `one - other` (G. Y. Zou, A. Donner, Stat. Med. 27 (2008) 1693, doi:10.1002/sim.3095). The standard
+/// error is that of independent samples.
 pub fn difference(one: &Estimate, other: &Estimate) -> Estimate {
     let Some((x, y)) = one.value.zip(other.value) else { return unknown(one, other) };
     let root = |a: f64, b: f64| (a * a + b * b).sqrt();
@@ -20,8 +20,8 @@ pub fn difference(one: &Estimate, other: &Estimate) -> Estimate {
     }
 }
 
-/// `one / other` of positive quantities (A. Donner, G. Y. Zou, Stat. Methods Med. Res. 21 (2012) 347,
-/// doi:10.1177/0962280210383082); unknown where their intervals reach zero. Its standard error is that of
+/// Estimates `one / other` of positive quantities (A. Donner, G. Y. Zou, Stat. Methods Med. Res. 21 (2012) 347,
+/// doi:10.1177/0962280210383082); unknown if one of their intervals reaches zero. The standard error is that of
 /// independent samples, to first order.
 pub fn ratio(one: &Estimate, other: &Estimate) -> Estimate {
     let Some((x, y)) = one.value.zip(other.value) else { return unknown(one, other) };
@@ -41,7 +41,7 @@ pub fn ratio(one: &Estimate, other: &Estimate) -> Estimate {
         let (a, b) = (a / x, b / y);
         x / y * (a * a + b * b).sqrt()
     });
-    Estimate::within(x / y, error, [low, high], "too wide an interval of what it is compared with")
+    Estimate::within(x / y, error, [low, high], "the interval of the compared design is too wide")
 }
 
 fn unknown(one: &Estimate, other: &Estimate) -> Estimate {
@@ -69,7 +69,7 @@ mod tests {
         assert!((found.high.unwrap() - 0.1926).abs() < 2e-4, "{found:?}");
     }
 
-    /// With intervals that are symmetric it is Fieller's theorem.
+    /// With symmetric intervals the result is Fieller's theorem.
     #[test]
     fn ratio_is_fiellers() {
         let (x, y, a, b): (f64, f64, f64, f64) = (3.0, 2.0, 0.4, 0.3);
@@ -81,8 +81,8 @@ mod tests {
         assert_eq!(ratio(&estimate(1.0, 0.0, 2.0), &estimate(1.0, 0.5, 2.0)).value, None);
     }
 
-    /// Of 2000 pairs of samples 95 % of the intervals hold the true difference and ratio; fewer than 93.6 %
-    /// are less likely than 0.3 %.
+    /// Of 2000 pairs of samples 95 % of the intervals contain the true difference and ratio; fewer than 93.6 % have a
+    /// probability below 0.3 %.
     #[test]
     fn coverage() {
         let mut state = 9_u64;

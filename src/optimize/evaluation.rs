@@ -1,18 +1,18 @@
-//! A design of a search with its responses.
+//! An evaluated design of a search.
 
 use crate::responses::Answer;
 use crate::study::DesignValue;
 
-/// Why a design was looked at.
+/// Why a design was evaluated.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 pub enum Origin {
-    /// It is the one that the best is compared with.
+    /// The design that the best one is compared with.
     CompareWith,
-    /// It is one of those spread over all ranges and choices.
+    /// A space-filling design over all ranges and choices.
     OrderStatistics,
-    /// Surrogates chose it.
+    /// A design that the surrogates proposed.
     Surrogates,
-    /// Surrogates chose none, or one that had been looked at: the next of those spread.
+    /// The next space-filling design, because the surrogates proposed none or a repeated one.
     Instead,
 }
 
@@ -20,7 +20,7 @@ impl Origin {
     const ALL: [Origin; 4] =
         [Origin::CompareWith, Origin::OrderStatistics, Origin::Surrogates, Origin::Instead];
 
-    /// The name in tables.
+    /// Returns the name in tables.
     pub fn name(self) -> &'static str {
         match self {
             Origin::CompareWith => "compare_with",
@@ -30,7 +30,7 @@ impl Origin {
         }
     }
 
-    /// The one of this name.
+    /// Returns the origin with this name.
     pub fn named(name: &str) -> Option<Origin> {
         Origin::ALL.into_iter().find(|origin| origin.name() == name)
     }
@@ -39,7 +39,7 @@ impl Origin {
 /// A design with its responses at every point of the sweep.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Evaluation {
-    /// Why it was looked at.
+    /// Why the design was evaluated.
     pub origin: Origin,
     /// One value per variable of the study.
     pub values: Vec<DesignValue>,

@@ -1,6 +1,6 @@
-//! `evaluations.parquet`: the designs of a search with their responses, written and read again.
+//! `evaluations.parquet`: writes and reads the designs of a search with their responses.
 //!
-//! It is what a search goes on from: all that it does next is a function of it and of the study.
+//! A search continues from this table: all its further steps are a function of the table and of the study.
 
 use std::borrow::Cow;
 use std::path::Path;
@@ -17,22 +17,22 @@ use crate::study::{DesignValue, Study};
 use crate::table::column::Column;
 use crate::table::{Batch, Kind, Table, TableError};
 
-/// The columns of `evaluations.parquet`: one row per design and point of the sweep.
+/// Returns the columns of `evaluations.parquet`: one row per design and point of the sweep.
 pub fn evaluation_columns(study: &Study) -> Vec<Column<(Origin, Answer)>> {
     let mut columns = answer_columns(study, |row: &(Origin, Answer)| &row.1);
     columns.insert(
         1,
         Column::word(
             "origin",
-            "why the design was looked at: compare_with, spread over all ranges and choices, chosen by \
-             surrogates, or spread_instead of a design that they did not give",
+            "why the design was evaluated: compare_with, spread over all ranges and choices, chosen by \
+             surrogates, or spread_instead if the surrogates proposed no new design",
             |row: &(Origin, Answer)| row.0.name(),
         ),
     );
     columns
 }
 
-/// What of a study decides each next design: how many there are to be, and what comes after them, does not.
+/// Returns the parts of a study that determine the next design. The number of designs and the finals do not.
 pub fn search_facts(study: &Study) -> Value {
     let file = study.resolved_file();
     let mut optimize = file["optimize"].clone();
@@ -46,21 +46,21 @@ pub fn search_facts(study: &Study) -> Value {
     json!({"design": file["design"], "responses": file["responses"], "optimize": optimize})
 }
 
-/// Why earlier evaluations cannot be gone on from.
+/// The reason why a search cannot continue from earlier evaluations.
 #[derive(Debug, Error)]
 pub enum EvaluationsError {
     /// The table cannot be read.
     #[error(transparent)]
     Table(#[from] TableError),
-    /// It is of another study or search, or its rows are not such as a search writes.
+    /// The table is of another study or search, or has invalid rows.
     #[error("{0}")]
     Other(String),
 }
 
-/// The evaluations in a directory, in their order; none where it has no such table.
+/// Reads the evaluations in a directory, in their order; empty if it has no such table.
 ///
 /// # Errors
-/// Where the table cannot be read or is of another study or search.
+/// Returns an error if the table cannot be read or is of another study or search.
 pub fn read_evaluations(
     study: &Study,
     directory: &Path,
@@ -70,8 +70,7 @@ pub fn read_evaluations(
         return Ok(Vec::new());
     }
     let (table, about) = Table::of_itself(directory, "evaluations").map_err(|mut error| {
-        error.allowed +=
-            "; or this table removed: the search then begins anew, with the same designs";
+        error.allowed += "; or remove this table to begin the search anew, with the same designs";
         error
     })?;
     let other = |what: &str| {
@@ -99,7 +98,7 @@ pub fn read_evaluations(
         for index in 0..batch.rows {
             let row = read_row(study, &batch, index).ok_or_else(|| {
                 EvaluationsError::Other(format!(
-                    "{}: row {} is none that a search writes\n  allowed: the table as it was written, or \
+                    "{}: row {} is not a row of a search\n  allowed: the unchanged table, or \
                      another directory with --out",
                     path.display(),
                     batch.first_row + index as u64 + 1
@@ -110,14 +109,14 @@ pub fn read_evaluations(
     }
     gathered(study, rows).ok_or_else(|| {
         EvaluationsError::Other(format!(
-            "{}: designs that are not complete\n  allowed: the table as it was written, or another directory \
+            "{}: incomplete designs\n  allowed: the unchanged table, or another directory \
              with --out",
             path.display()
         ))
     })
 }
 
-/// Rows of the same design together; none where they are not those of whole designs in order.
+/// Groups the rows of each design; returns `None` if they are not complete designs in order.
 fn gathered(study: &Study, rows: Vec<(Origin, Answer)>) -> Option<Vec<Evaluation>> {
     let mut evaluations: Vec<Evaluation> = Vec::new();
     let points = study.point_count();
@@ -137,7 +136,7 @@ fn gathered(study: &Study, rows: Vec<(Origin, Answer)>) -> Option<Vec<Evaluation
     complete.then_some(evaluations)
 }
 
-/// More runs than a design has.
+/// More runs than any design has.
 const MOST_RUNS: u64 = 1 << 60;
 const PARTS: [&str; 4] = ["", "_standard_error", "_low", "_high"];
 

@@ -1,9 +1,9 @@
-//! The end of a search: other runs, and more of them, for its best designs.
+//! The finals of a search: its best designs are evaluated again with other and more runs.
 //!
-//! Among many designs that are about as good the search takes for the best the one whose runs happened to end
-//! well. So a few of the best are looked at with runs of their own, the best of these is chosen, and what
-//! is reported of it comes from runs that had no part in choosing it. What it is compared with has others
-//! again, so that both are independent.
+//! Among many similar designs, the one with the best estimate has it partly by chance. Therefore a few of the best
+//! designs are evaluated with new runs, the best of these is chosen, and its reported responses come from further
+//! runs that had no part in the choice. The design that it is compared with has runs of its own, so that both
+//! estimates are independent.
 
 use super::evaluation::Evaluation;
 use super::goal::{Goal, values};
@@ -14,21 +14,21 @@ use crate::classification::Label;
 use crate::responses::{Answer, Estimate, respond};
 use crate::study::{DesignValue, Study};
 
-/// What a design is in the end.
+/// The role of a design in the finals.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 pub enum Role {
-    /// One of the best of the search, from which the best was chosen.
+    /// One of the best designs of the search, from which the best one is chosen.
     Finalist,
-    /// The best.
+    /// The best design.
     Best,
-    /// Of the search's Pareto front.
+    /// A design on the Pareto front of the search.
     Pareto,
-    /// The one to compare with.
+    /// The design that the best one is compared with.
     CompareWith,
 }
 
 impl Role {
-    /// The name in tables.
+    /// Returns the name in tables.
     pub fn name(self) -> &'static str {
         match self {
             Role::Finalist => "finalist",
@@ -42,9 +42,9 @@ impl Role {
 /// A design with the responses of its final runs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Final {
-    /// What it is.
+    /// The role of the design.
     pub role: Role,
-    /// Its number in the search; none of one that the search did not look at.
+    /// Its number in the search; `None` if the search did not evaluate it.
     pub design: Option<u64>,
     /// One value per variable.
     pub values: Vec<DesignValue>,
@@ -52,27 +52,27 @@ pub struct Final {
     pub answers: Vec<Answer>,
     /// One estimate per quantity of the goal.
     pub estimates: Vec<Estimate>,
-    /// Whether all limits are met, by the values of these runs.
+    /// Whether the values of these runs meet all limits.
     pub met: bool,
-    /// Of two objectives: whether it is on the front by these runs, too.
+    /// With two objectives: whether the design is on the front of the final runs, too.
     pub on_front: Option<bool>,
 }
 
-/// All designs that were looked at in the end.
+/// All designs of the finals.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Finals {
-    /// In the order in which they were looked at.
+    /// In the order of their evaluation.
     pub all: Vec<Final>,
 }
 
 impl Finals {
-    /// The one of a role.
+    /// Returns the first design with this role.
     pub fn of(&self, role: Role) -> Option<&Final> {
         self.all.iter().find(|one| one.role == role)
     }
 }
 
-/// Looks at the best designs again; `finished` is told of each run. None where the search was stopped.
+/// Evaluates the best designs again and calls `finished` for each run. Returns `None` if the search was stopped.
 pub fn finals(
     search: &Search,
     evaluations: &[Evaluation],
@@ -116,7 +116,7 @@ pub fn finals(
     Some(Finals { all })
 }
 
-/// How many runs that takes, at most.
+/// Returns an upper bound of the number of runs of the finals.
 pub fn final_runs(search: &Search) -> u64 {
     let Search { study, optimization, .. } = *search;
     let designs = optimization.finalists + 2;
@@ -124,12 +124,12 @@ pub fn final_runs(search: &Search) -> u64 {
     designs.saturating_mul(samples(search)).saturating_mul(most)
 }
 
-/// Samples of the study's size that a design has in the end: one where another seed gives the same runs.
+/// Returns the number of samples of the study's size per design; one if another seed gives the same runs.
 fn samples(search: &Search) -> u64 {
     if search.study.is_random() { search.optimization.final_samples } else { 1 }
 }
 
-/// The responses of a design in runs that belong to its role alone.
+/// Computes the responses of a design in runs that belong to its role alone.
 fn again(
     search: &Search,
     role: Role,
@@ -144,7 +144,7 @@ fn again(
         Role::CompareWith => "optimize compare_with",
     };
     let with = |number| {
-        // This study has been read and this design been set: with another seed both can be as well.
+        // The study has been read and the design set before, so both are valid with another seed, too.
         let other = study.with_seed(study.derived_seed(purpose, number)).ok()?;
         other.set(values).ok()
     };
@@ -153,8 +153,8 @@ fn again(
     respond(workers, &sets, study.responses(), asked, stop, finished)
 }
 
-/// The designs that are looked at again: the best by rank, or the Pareto front of those that meet the
-/// limits, thinned out evenly along its first objective.
+/// Returns the designs of the finals: the best by rank, or the Pareto front of those that meet the limits, thinned
+/// out evenly along its first objective.
 fn candidates(search: &Search, goal: &Goal, evaluations: &[Evaluation]) -> Vec<usize> {
     let all = all_values(goal, evaluations);
     let most = search.optimization.finalists as usize;
@@ -184,7 +184,7 @@ fn candidates(search: &Search, goal: &Goal, evaluations: &[Evaluation]) -> Vec<u
     (0..most).map(|place| front[place * (front.len() - 1) / (most - 1)]).collect()
 }
 
-/// The first of the best ranks.
+/// Returns the index of the best rank, the first one among equals.
 pub(super) fn best(ranks: impl Iterator<Item = (u8, f64)>) -> Option<usize> {
     ranks.enumerate().min_by(|one, other| by_rank(one.1, other.1)).map(|(index, _)| index)
 }

@@ -1,4 +1,4 @@
-//! What a search looks for, in numbers: costs that are to be small and excesses that may not be positive.
+//! The goal of a search in numbers: costs to be minimized, and excesses over limits.
 
 use super::over_points::over_points;
 use crate::responses::{Answer, Estimate};
@@ -7,9 +7,9 @@ use crate::study::{Limit, Objective, Optimization, OverPoints, Study};
 /// A response over all points of the sweep.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 pub struct Quantity {
-    /// Its number among the study's responses.
+    /// Index among the study's responses.
     pub response: usize,
-    /// Which of several points is the worst: that of the largest value, or of the smallest.
+    /// Whether the worst of several points is the one with the largest value; otherwise with the smallest.
     pub larger_is_worse: bool,
 }
 
@@ -18,16 +18,16 @@ pub struct Quantity {
 pub struct Goal {
     quantities: Vec<Quantity>,
     over_points: OverPoints,
-    /// Each with its quantity.
+    /// The objectives, each with the index of its quantity.
     objectives: Vec<(usize, Objective)>,
-    /// Each with its quantity.
+    /// The limits, each with the index of its quantity.
     limits: Vec<(usize, Limit)>,
 }
 
 impl Goal {
-    /// The goal of a study.
+    /// Returns the goal of a study.
     pub fn new(study: &Study, optimization: &Optimization) -> Goal {
-        // Of one point, and of a mean, there is no worst one: each response counts once.
+        // With one point, or with the mean over points, each response is one quantity.
         let one = study.point_count() == 1 || optimization.over_points == OverPoints::Mean;
         let mut quantities: Vec<Quantity> = Vec::new();
         let mut place = |response, larger_is_worse| {
@@ -45,12 +45,12 @@ impl Goal {
         Goal { quantities, over_points: optimization.over_points, objectives, limits }
     }
 
-    /// The responses that count, those of objectives first.
+    /// Returns the quantities, those of objectives first.
     pub fn quantities(&self) -> &[Quantity] {
         &self.quantities
     }
 
-    /// Whether large values of a quantity are the bad ones, by its first use.
+    /// Whether large values of a quantity are bad, by its first use.
     pub(super) fn large_is_bad(&self, place: usize) -> bool {
         let objective = self.objectives.iter().find(|(own, _)| *own == place);
         let limit = self.limits.iter().find(|(own, _)| *own == place);
@@ -61,17 +61,17 @@ impl Goal {
         }
     }
 
-    /// The objectives, each with the number of its quantity.
+    /// Returns the objectives, each with the index of its quantity.
     pub fn objectives(&self) -> &[(usize, Objective)] {
         &self.objectives
     }
 
-    /// The limits, each with the number of its quantity.
+    /// Returns the limits, each with the index of its quantity.
     pub fn limits(&self) -> &[(usize, Limit)] {
         &self.limits
     }
 
-    /// One estimate per quantity of a design with these answers.
+    /// Returns one estimate per quantity of a design with these answers.
     pub fn estimates(&self, answers: &[Answer]) -> Vec<Estimate> {
         let of = |quantity: &Quantity| {
             let estimates = answers.iter().filter_map(|one| one.estimates.get(quantity.response));
@@ -81,7 +81,7 @@ impl Goal {
         self.quantities.iter().map(of).collect()
     }
 
-    /// One number per objective that is to be small; none where it is not known.
+    /// Returns one cost per objective, to be minimized; `None` if it is unknown.
     pub fn costs(&self, values: &[Option<f64>]) -> Vec<Option<f64>> {
         let cost = |(place, objective): &(usize, Objective)| {
             let value = values.get(*place).copied().flatten()?;
@@ -90,7 +90,7 @@ impl Goal {
         self.objectives.iter().map(cost).collect()
     }
 
-    /// One number per limit that may not be positive; none where it is not known.
+    /// Returns one excess per limit, positive if the limit is exceeded; `None` if it is unknown.
     pub fn excesses(&self, values: &[Option<f64>]) -> Vec<Option<f64>> {
         let excess = |(place, limit): &(usize, Limit)| {
             let value = values.get(*place).copied().flatten()?;
@@ -99,13 +99,13 @@ impl Goal {
         self.limits.iter().map(excess).collect()
     }
 
-    /// Whether all limits are met; not where something of them is unknown.
+    /// Whether all limits are met; false if a value is unknown.
     pub fn is_met(&self, values: &[Option<f64>]) -> bool {
         self.excesses(values).iter().all(|excess| excess.is_some_and(|excess| excess <= 0.0))
     }
 
-    /// How designs of one objective are ordered: those that meet all limits first, by their cost; then the
-    /// others by their largest excess over the limit's own size; then those of which something is unknown.
+    /// Returns the rank of a design with one objective: first designs that meet all limits, by their cost; then the
+    /// others, by their largest excess relative to the limit; then those with unknown values.
     pub fn rank(&self, values: &[Option<f64>]) -> (u8, f64) {
         let cost = self.costs(values).first().copied().flatten();
         let sizes = self.limits.iter().map(|(_, limit)| match limit.value.abs() {
@@ -120,7 +120,7 @@ impl Goal {
     }
 }
 
-/// The values of estimates.
+/// Returns the values of estimates.
 pub(super) fn values(estimates: &[Estimate]) -> Vec<Option<f64>> {
     estimates.iter().map(|estimate| estimate.value).collect()
 }

@@ -1,10 +1,10 @@
 //! Sequential approximate optimisation: surrogates of a few designs choose the next one.
 //!
-//! A search begins with designs spread over all ranges and choices, which sees discontinuities that
-//! steps from a single design would not. From then on surrogates of all objectives and limits choose each
-//! design (egobox). Design number `k` is a function of the study and of the designs before it, so that
-//! a search can be interrupted and go on, and threads change nothing. What the search saw of its best
-//! design is luck in part: in the end other runs, more of them, decide and are reported.
+//! A search begins with space-filling designs over all ranges and choices, which reveal discontinuities that steps
+//! from a single design would miss. Then surrogates of all objectives and limits choose each design (egobox). Design
+//! number `k` is a function of the study and of the designs before it, so that an interrupted search can continue and
+//! the number of threads does not matter. The estimate of the best design is biased by the selection; therefore its
+//! reported responses come from other and more runs.
 
 mod difference;
 mod evaluation;

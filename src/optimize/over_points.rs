@@ -1,14 +1,14 @@
-//! One estimate out of those at the points of a sweep.
+//! Combines the estimates at the points of a sweep into one.
 
 use crate::responses::Estimate;
 use crate::study::OverPoints;
 
-/// The worst estimate or the mean; unknown where one of them is.
+/// Returns the worst estimate or the mean; unknown if one of the estimates is.
 ///
-/// The worst one of several is known at least as well as said here: its upper end is above the largest
-/// value wherever that value's own is, and its lower end misses it in at most the sum of the points'
-/// 2.5 % (the other way round where small values are worse). Points fraction start states and draws, so
-/// that their errors go together: the standard error of the mean is at most the mean of theirs.
+/// The interval of the worst estimate is conservative: its upper end is above the largest value if that value's own
+/// upper end is, and its lower end fails with at most the sum of the points' 2.5 % (vice versa if small values are
+/// worse). Points share start states and draws, so that their errors are correlated: the standard error of the mean
+/// is at most the mean of theirs.
 pub(super) fn over_points(
     estimates: &[&Estimate],
     how: OverPoints,
@@ -47,7 +47,7 @@ pub(super) fn over_points(
             let extreme = |ends: Vec<f64>| {
                 ends.into_iter().reduce(if larger_is_worse { f64::max } else { f64::min })
             };
-            // An end without bound is beyond all others on its own side, and no bound on the other.
+            // A missing end is infinite on its own side.
             let (low, high) = if larger_is_worse {
                 (extreme(lows().flatten().collect()), all(highs().collect()).and_then(extreme))
             } else {

@@ -1,8 +1,8 @@
-//! Designs that no other one is better than in all objectives.
+//! The Pareto front: designs that no other design dominates.
 
-/// The numbers of the designs of the Pareto front, in their order: those whose costs are all known and that
-/// no other such design is at least as good as in every objective and better in one. Of equal designs the
-/// first is taken.
+/// Returns the indices of the designs on the Pareto front, in ascending order: those whose costs are all known and that
+/// no other such design dominates, that is, equals or beats in every objective and beats in one. Of equal designs
+/// the first one is taken.
 pub fn pareto_front(costs: &[Option<Vec<f64>>]) -> Vec<usize> {
     let beats = |(other, theirs): (usize, &Vec<f64>), (own, mine): (usize, &Vec<f64>)| {
         let pairs = || theirs.iter().zip(mine);

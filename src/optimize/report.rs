@@ -1,4 +1,4 @@
-//! What came out of a search, as JSON and in words.
+//! The result of a search, as JSON and in words.
 
 use std::fmt::Write;
 
@@ -14,7 +14,7 @@ use crate::classification::Label;
 use crate::responses::Estimate;
 use crate::study::{DesignValue, Study};
 
-/// `optimum.json`.
+/// Returns the contents of `optimum.json`.
 pub fn optimum_json(
     search: &Search,
     end: &SearchEnd,
@@ -42,10 +42,10 @@ pub fn optimum_json(
         "study_hash": study.hash(),
         "search": {
             "ended": match end {
-                SearchEnd::Finished => "all designs have been looked at",
-                SearchEnd::NoMoreDesigns => "there are no more designs",
-                SearchEnd::Stopped => "it was stopped",
-                SearchEnd::Constant(_) => "an objective does not change",
+                SearchEnd::Finished => "all requested designs have been evaluated",
+                SearchEnd::NoMoreDesigns => "all possible designs have been evaluated",
+                SearchEnd::Stopped => "stopped",
+                SearchEnd::Constant(_) => "an objective is constant",
             },
             "designs": evaluations.len(),
         },
@@ -117,7 +117,7 @@ fn estimate_json(estimate: &Estimate) -> Value {
     })
 }
 
-/// A number in four digits.
+/// Returns a number with four significant digits.
 pub(crate) fn short(number: f64) -> String {
     let size = number.abs();
     if number == 0.0 || (1e-3..1e5).contains(&size) {
@@ -127,7 +127,7 @@ pub(crate) fn short(number: f64) -> String {
     format!("{number:.3e}")
 }
 
-/// An estimate in words, such as `2.310e-6 m (2.100e-6 to 2.500e-6)`.
+/// Returns an estimate in words, such as `2.310e-6 m (2.100e-6 to 2.500e-6)`.
 pub(crate) fn in_words(estimate: &Estimate, unit: &str) -> String {
     let Some(value) = estimate.value else {
         let reason = estimate.reason.as_deref().unwrap_or("not known");
@@ -138,7 +138,7 @@ pub(crate) fn in_words(estimate: &Estimate, unit: &str) -> String {
     format!("{}{unit} ({} to {})", short(value), end(estimate.low), end(estimate.high))
 }
 
-/// Design values in words.
+/// Returns design values in words.
 pub(crate) fn design_in_words(study: &Study, values: &[DesignValue]) -> String {
     let each = study.variables().iter().zip(values);
     let each = each
@@ -146,7 +146,7 @@ pub(crate) fn design_in_words(study: &Study, values: &[DesignValue]) -> String {
     each.collect::<Vec<_>>().join(", ")
 }
 
-/// The line about the last design of a search.
+/// Returns the progress line about the last design of a search.
 pub fn search_line(search: &Search, evaluations: &[Evaluation]) -> String {
     let Search { study, optimization, .. } = *search;
     let goal = Goal::new(study, optimization);
@@ -168,7 +168,7 @@ pub fn search_line(search: &Search, evaluations: &[Evaluation]) -> String {
             let value = goal.objectives().first().and_then(|(place, _)| all[index][*place]);
             let value = value.map_or_else(|| "no value".to_owned(), short);
             let what = if grade == 0 { "best so far" } else { "limits not met yet; nearest" };
-            // Writing to a string does not fail.
+            // Writing to a string cannot fail.
             let _ = write!(line, "; {what}: {value} (design {index})");
         }
     }
@@ -183,7 +183,7 @@ fn estimates_in_words(study: &Study, goal: &Goal, estimates: &[Estimate]) -> Str
     each.collect::<Vec<_>>().join(", ")
 }
 
-/// What came out, for people.
+/// Returns the result as text.
 pub fn result_in_words(search: &Search, finals: &Finals) -> String {
     let Search { study, optimization, .. } = *search;
     let goal = Goal::new(study, optimization);

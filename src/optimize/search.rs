@@ -1,4 +1,4 @@
-//! The search: one design after another.
+//! The search, one design after another.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -11,39 +11,39 @@ use crate::engine::WorkerPool;
 use crate::responses::respond;
 use crate::study::{DesignValue, Optimization, Study};
 
-/// How many designs are passed over, as they have been looked at, before there are taken to be no more.
+/// The number of repeated designs after which the search assumes that there are no others.
 const MOST_PASSED_OVER: u32 = 10_000;
 
-/// A search: what is looked for, and with what.
+/// A search: the study, its goal and the workers.
 pub struct Search<'a> {
     /// The study.
     pub study: &'a Study,
-    /// What it looks for.
+    /// The goal of the search.
     pub optimization: &'a Optimization,
-    /// Who computes the runs.
+    /// The workers that compute the runs.
     pub workers: &'a WorkerPool,
-    /// Becomes true where it is to stop.
+    /// Stops the search when it becomes true.
     pub stop: &'a AtomicBool,
 }
 
 /// How a search ended.
 #[derive(Clone, Debug, Eq, PartialEq)]
 pub enum SearchEnd {
-    /// All designs that were asked for have been looked at.
+    /// All requested designs have been evaluated.
     Finished,
-    /// There are no more designs than those that have been looked at.
+    /// There are no designs that have not been evaluated.
     NoMoreDesigns,
-    /// It was stopped; what is complete is kept.
+    /// The search was stopped; complete evaluations are saved.
     Stopped,
-    /// An objective is the same for all designs of the start, or unknown for all: what is wrong.
+    /// An objective has the same value, or none, for all designs of the start; holds the error message.
     Constant(String),
 }
 
-/// Goes on with a search until it ends; `evaluations` are those before. Each new one is told to `observe`,
-/// as the last of all; `finished` is told of each run.
+/// Continues a search until it ends; `evaluations` holds the earlier evaluations. Calls `observe` after each new
+/// evaluation with all of them, and `finished` for each run.
 ///
 /// # Errors
-/// Those of `observe`.
+/// Returns the errors of `observe`.
 pub fn search<E>(
     search: &Search,
     evaluations: &mut Vec<Evaluation>,
@@ -72,15 +72,15 @@ pub fn search<E>(
     Ok(SearchEnd::Finished)
 }
 
-/// The design that comes next, and the study with it set.
+/// The next design, and the study with its values.
 struct Next {
     origin: Origin,
     values: Vec<DesignValue>,
     set: Study,
 }
 
-/// The design that comes after these, a function of study and designs; none where there is no other.
-/// Values that make no sense together are no design.
+/// Returns the design after these, a function of study and designs; `None` if there is no other. Skips designs with
+/// inconsistent values.
 fn next_design(
     study: &Study,
     optimization: &Optimization,
@@ -108,12 +108,12 @@ fn next_design(
         }
         origin = Origin::Instead;
     }
-    // A scramble of its own, apart from that of start states.
+    // A scramble that is independent of that of start states.
     let seed = study.derived_seed("optimize spread", 0) as u32;
     (0..MOST_PASSED_OVER).find_map(|index| new(origin, space.spread(index, seed)))
 }
 
-/// What is wrong where an objective does not depend on the design.
+/// Returns an error message if an objective does not depend on the design.
 fn constant(study: &Study, goal: &Goal, evaluations: &[Evaluation]) -> Option<String> {
     let all = all_values(goal, evaluations);
     goal.objectives().iter().find_map(|(place, objective)| {

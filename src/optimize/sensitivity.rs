@@ -1,4 +1,4 @@
-//! How much of each response's variance over all designs each variable explains.
+//! The fraction of each response's variance over all designs that each variable explains.
 
 use super::evaluation::Evaluation;
 use super::goal::Goal;
@@ -18,13 +18,13 @@ pub struct Sensitivity {
     pub response: String,
     /// The variable's name.
     pub variable: String,
-    /// Where responses were taken from.
+    /// Source of the responses.
     pub from: SensitivityFrom,
     /// Base samples.
     pub samples: u64,
-    /// The indices, where there are any.
+    /// The indices, if they exist.
     pub indices: Option<Indices>,
-    /// Why they, or their intervals, are missing.
+    /// Why indices or intervals are missing.
     pub reason: Option<String>,
 }
 
@@ -32,8 +32,8 @@ pub struct Sensitivity {
 const SURROGATE: &str =
     "no interval: the surrogate's own error is not known; sensitivity: {from: runs} gives one";
 
-/// The indices of all variables for all responses that count, over all ranges and choices with equal fractions.
-/// `finished` is told of each run, if runs are needed; none where the search was stopped.
+/// Returns the indices of all variables for all responses of the goal, over all ranges and choices with equal
+/// weights. Calls `finished` for each run, if runs are needed; returns `None` if the search was stopped.
 pub fn sensitivities(
     search: &Search,
     evaluations: &[Evaluation],
@@ -42,7 +42,7 @@ pub fn sensitivities(
     let Search { study, optimization, workers, .. } = *search;
     let (space, goal) = (Space::new(study), Goal::new(study, optimization));
     let variables = study.variables();
-    // The study says how many of both there are at most.
+    // The study file bounds both numbers.
     let count = |number: u64| u32::try_from(number).unwrap_or(u32::MAX);
     let seed = study.derived_seed("optimize sensitivities", 0);
     let samples = count(optimization.sensitivity_samples);
@@ -87,7 +87,7 @@ pub fn sensitivities(
     Some(rows)
 }
 
-/// A surrogate for each response that counts, with its number among the responses; what is wrong where there is
+/// Returns a surrogate for each response of the goal, with the index of the response; or the reason why there is
 /// none.
 pub fn surrogates(
     search: &Search,

@@ -1,6 +1,6 @@
 //! Sobol' indices by the pick-freeze design.
 //!
-//! Two independent samples `A` and `B` of places, and for each variable `A` with that variable from `B`:
+//! Two independent samples `A` and `B`, and for each variable `A` with that variable taken from `B`:
 //! first-order indices by Saltelli et al. (Comput. Phys. Commun. 181 (2010) 259, table 2 (b),
 //! doi:10.1016/j.cpc.2009.09.018), total ones by Jansen (Comput. Phys. Commun. 117 (1999) 35,
 //! doi:10.1016/S0010-4655(98)00154-4). Intervals are percentiles of a bootstrap over the base samples
@@ -13,21 +13,21 @@ use rand_chacha::rand_core::{Rng, SeedableRng};
 /// Bootstrap samples.
 const RESAMPLES: usize = 1000;
 
-/// Indices of a variable, with their 95 % intervals where the values come from runs.
+/// Indices of a variable, with 95 % intervals if the values come from runs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Indices {
     /// The fraction of the variance that the variable alone explains.
     pub first_order: f64,
     /// Its interval.
     pub first_order_interval: Option<[f64; 2]>,
-    /// The fraction of the variance that is left while all other variables are known.
+    /// The fraction of the variance that remains if all other variables are known.
     pub total: f64,
     /// Its interval.
     pub total_interval: Option<[f64; 2]>,
 }
 
-/// The places of the pick-freeze design in the unit cube of so many variables: `A`, `B`, then `A` with each
-/// variable from `B` in turn, `samples` of each.
+/// Returns the sample of the pick-freeze design in the unit cube: `A`, `B`, then `A` with each variable from `B` in
+/// turn, `samples` of each.
 pub(super) fn places(samples: u32, variables: u32, seed: u32) -> Vec<Vec<f64>> {
     let sample = |first: u32| {
         move |index: u32| -> Vec<f64> {
@@ -49,12 +49,12 @@ pub(super) fn places(samples: u32, variables: u32, seed: u32) -> Vec<Vec<f64>> {
     all
 }
 
-/// The indices of each variable from values at the places of the design, in its order; with their intervals
-/// where there is a seed for the bootstrap. Of a surrogate's values the bootstrap would give the error of the
-/// pick-freeze design alone, not the surrogate's own, which is the larger one.
+/// Returns the indices of each variable from values at the places of the design, in its order; with intervals if
+/// there is a seed for the bootstrap. For values of a surrogate the bootstrap would give the error of the pick-freeze
+/// design alone, not the larger error of the surrogate.
 ///
 /// # Errors
-/// Where there are not so many values, or they are all equal.
+/// Returns an error if the number of values is wrong, or if all values are equal.
 pub fn sobol_indices(
     values: &[f64],
     variables: usize,
@@ -95,14 +95,14 @@ pub fn sobol_indices(
     Ok((0..variables).map(estimate).collect())
 }
 
-/// Base samples drawn anew from all of them, many times.
+/// Returns bootstrap resamples of the base samples.
 fn resamples(samples: usize, seed: u64) -> Vec<Vec<usize>> {
     let mut generator = ChaCha8Rng::seed_from_u64(seed);
     let mut draw = |_| (generator.next_u64() % samples as u64) as usize;
     (0..RESAMPLES).map(|_| (0..samples).map(&mut draw).collect()).collect()
 }
 
-/// First-order and total index of a variable from chosen base samples; none where nothing varies in them.
+/// Returns first-order and total index of a variable from chosen base samples; `None` if the values do not vary.
 fn indices(parts: &[&[f64]], variable: usize, chosen: &[usize]) -> Option<[f64; 2]> {
     let (a, b, mixed) = (parts.first()?, parts.get(1)?, parts.get(2 + variable)?);
     let count = chosen.len() as f64;
@@ -122,8 +122,8 @@ mod tests {
 
     use super::{places, sobol_indices};
 
-    /// Ishigami and Homma's function, of which all indices are known (Saltelli et al., Global Sensitivity
-    /// Analysis. The Primer, Wiley 2008, section 4.6; a = 7, b = 0.1).
+    /// Ishigami and Homma's function, whose indices are known (Saltelli et al., Global Sensitivity Analysis. The Primer,
+    /// Wiley 2008, section 4.6; a = 7, b = 0.1).
     #[test]
     fn ishigami() {
         let function = |place: &Vec<f64>| {
@@ -147,8 +147,8 @@ mod tests {
         }
     }
 
-    /// The bootstrap's intervals hold the true first-order index of a sum in most of 200 independent
-    /// designs: 95 % would be 190, fewer than 172 would be less likely than 1e-9.
+    /// The bootstrap's intervals contain the true first-order index of a sum in most of 200 independent designs: 95 %
+    /// would be 190; fewer than 172 would have a probability below 1e-9.
     #[test]
     fn intervals_hold() {
         let weights = [1.0, 2.0, 0.5];

@@ -1,10 +1,10 @@
-//! The ranges and choices of a study's variables, as places for designs.
+//! The space of designs: ranges and choices of a study's variables as a unit cube.
 
 use egobox_ego::XType;
 
 use crate::study::{DesignValue, Study, Values, Variable};
 
-/// Significant digits of the numbers that a search tries.
+/// Significant digits of the numbers that a search evaluates.
 const DIGITS: usize = 6;
 
 /// All designs of a study.
@@ -18,29 +18,29 @@ impl<'a> Space<'a> {
         Space { variables: study.variables() }
     }
 
-    /// How many variables there are.
+    /// Returns the number of variables.
     pub fn dimensions(&self) -> usize {
         self.variables.len()
     }
 
-    /// The design at a place in the unit cube: each range from its first to its last value, whole numbers
-    /// and choices with equal fractions. Numbers have six digits.
+    /// Returns the design at a place in the unit cube: each range from its first to its last value, whole numbers and
+    /// choices with equal shares. Numbers have six significant digits.
     pub fn at(&self, place: &[f64]) -> Vec<DesignValue> {
         let value =
             |(variable, fraction): (&Variable, &f64)| value_at(variable.values(), *fraction);
         self.variables.iter().zip(place).map(value).collect()
     }
 
-    /// Design number `index` of those spread over the space: a scrambled Sobol' point.
+    /// Returns space-filling design number `index`: a scrambled Sobol' point.
     pub fn spread(&self, index: u32, seed: u32) -> Vec<DesignValue> {
         let coordinate = |dimension| f64::from(sobol_burley::sample(index, dimension, seed));
-        // One dimension per variable: there are fewer of these than Sobol' dimensions.
+        // One dimension per variable, fewer than Sobol' dimensions.
         let dimensions = u32::try_from(self.dimensions()).unwrap_or(u32::MAX);
         let place: Vec<f64> = (0..dimensions).map(coordinate).collect();
         self.at(&place)
     }
 
-    /// The variables as the optimiser knows them: numbers on a scale from 0 to 1.
+    /// Returns the variables as the optimiser defines them: numbers on a scale from 0 to 1.
     pub fn types(&self) -> Vec<XType> {
         let of = |variable: &Variable| match variable.values() {
             Values::Numbers(..) => XType::Float(0.0, 1.0),
@@ -50,7 +50,7 @@ impl<'a> Space<'a> {
         self.varied().map(|(_, variable)| of(variable)).collect()
     }
 
-    /// A design as the optimiser knows it.
+    /// Returns a design as a row of the optimiser.
     pub fn row(&self, design: &[DesignValue]) -> Vec<f64> {
         let of =
             |(index, variable): (usize, &Variable)| match (design.get(index), variable.values()) {
@@ -64,7 +64,7 @@ impl<'a> Space<'a> {
         self.varied().map(of).collect()
     }
 
-    /// The design that the optimiser means.
+    /// Returns the design of a row of the optimiser.
     pub fn design(&self, row: &[f64]) -> Vec<DesignValue> {
         let mut design = self.at(&vec![0.0; self.dimensions()]);
         for ((index, variable), number) in self.varied().zip(row) {
@@ -81,7 +81,7 @@ impl<'a> Space<'a> {
         design
     }
 
-    /// A design in coordinates for a surrogate: ranges 1 wide, a coordinate for each choice.
+    /// Returns a design in coordinates for a surrogate: ranges of length 1, and one coordinate per choice.
     pub fn coordinates(&self, design: &[DesignValue]) -> Vec<f64> {
         let of = |(index, variable): (usize, &Variable)| {
             design.get(index).map_or_else(Vec::new, |value| variable.scaled(*value))
@@ -89,7 +89,7 @@ impl<'a> Space<'a> {
         self.varied().flat_map(of).collect()
     }
 
-    /// The variables that have more than one value, with their numbers.
+    /// Returns the variables with more than one value, with their indices.
     fn varied(&self) -> impl Iterator<Item = (usize, &'a Variable)> {
         let varied = |(_, variable): &(usize, &Variable)| match variable.values() {
             Values::Numbers(from, to) => from < to,
@@ -100,7 +100,7 @@ impl<'a> Space<'a> {
     }
 }
 
-/// A few balls: never near the largest of these numbers.
+/// Converts a number; numbers of balls are far below the limit of `i32`.
 fn whole(number: u64) -> i32 {
     i32::try_from(number).unwrap_or(i32::MAX)
 }
@@ -117,9 +117,9 @@ fn value_at(values: Values, fraction: f64) -> DesignValue {
     }
 }
 
-/// The number with a few significant digits.
+/// Rounds a number to `DIGITS` significant digits.
 fn rounded(number: f64) -> f64 {
-    // What a number is written as can be read.
+    // A formatted number can always be parsed.
     format!("{number:.*e}", DIGITS - 1).parse().unwrap_or(number)
 }
 

@@ -1,4 +1,4 @@
-//! The design that surrogates would try next.
+//! Proposes the next design from surrogates.
 
 use egobox_ego::{CorrelationSpec, EgorServiceBuilder};
 
@@ -10,21 +10,21 @@ use crate::engine::quietly;
 use crate::responses::Estimate;
 use crate::study::DesignValue;
 
-/// Starting points of the search for the next design, half of egobox's own number: the search is as good, and
-/// at 125 designs it takes a third of the time.
+/// Number of starting points of the search for the next design: half of egobox's default. The result is as good, and
+/// the search takes a third of the time at 125 designs.
 const STARTS: usize = 10;
-/// Starting points of the search for the widths of a kernel.
+/// Number of starting points of the search for the kernel's length scales.
 const FIT_STARTS: usize = 4;
 
 /// One quantity of all designs of a search.
 pub(super) struct TrainingValues {
-    /// Values, the worst of the others in place of unknown ones.
+    /// Values; unknown ones are replaced by the worst known value.
     pub values: Vec<f64>,
-    /// The variance of a usual value.
+    /// Typical variance of a value.
     pub noise: f64,
 }
 
-/// The values of quantity `place`; none where no design has a value of it.
+/// Returns the values of quantity `place`; `None` if no design has a value of it.
 pub(super) fn training_values(
     goal: &Goal,
     place: usize,
@@ -46,11 +46,11 @@ pub(super) fn training_values(
     })
 }
 
-/// The design to try next, after these; none where there is no such.
+/// Returns the design to evaluate next, after these; `None` if there is none.
 ///
-/// Responses are smoothed first: what the optimiser is told lies on a surrogate that knows of noise, and its
-/// own surrogates pass through all that they are told (re-interpolation; A. I. J. Forrester, A. J. Keane,
-/// N. W. Bressloff, AIAA J. 44 (2006) 2331, doi:10.2514/1.20068).
+/// Responses are smoothed first: the optimiser receives the predictions of a surrogate that models the noise, and its
+/// own surrogates interpolate these (re-interpolation; A. I. J. Forrester, A. J. Keane, N. W. Bressloff, AIAA J. 44
+/// (2006) 2331, doi:10.2514/1.20068).
 pub(super) fn suggest(
     space: Space,
     goal: &Goal,
@@ -91,12 +91,12 @@ pub(super) fn suggest(
         let found = optimiser.suggest(&table(&rows).ok()?, &table(&scaled(&told)).ok()?);
         found.rows().into_iter().next().map(|row| row.to_vec())
     };
-    // What the library is given is not used any more where it panics.
+    // After a panic the optimiser is not used again.
     let row = quietly(ask)??;
     row.iter().all(|number| number.is_finite()).then(|| space.design(&row))
 }
 
-/// Columns over their own spread: their signs stay, and so do their orders.
+/// Divides columns by their spread, which preserves signs and order.
 fn scaled(rows: &[Vec<f64>]) -> Vec<Vec<f64>> {
     let mut rows = rows.to_vec();
     let width = rows.first().map_or(0, Vec::len);
@@ -112,7 +112,7 @@ fn scaled(rows: &[Vec<f64>]) -> Vec<Vec<f64>> {
     rows
 }
 
-/// The values of estimates, by design.
+/// Returns the values of estimates, by design.
 pub(super) fn all_values(goal: &Goal, evaluations: &[Evaluation]) -> Vec<Vec<Option<f64>>> {
     evaluations.iter().map(|one| values(&goal.estimates(&one.answers))).collect()
 }

@@ -1,9 +1,8 @@
 //! A smooth approximation of a response between designs.
 //!
-//! A Gaussian process with a Matérn 5/2 kernel (egobox), whose inducing points are the designs
-//! themselves: that is the full process, with noise. The noise is estimated, at most as large as the
-//! responses' own standard errors say: designs fraction start states and draws, so that a part of these
-//! errors is common to all designs and no noise between them.
+//! A Gaussian process with a Matérn 5/2 kernel (egobox) whose inducing points are the designs themselves, which gives
+//! the full process with noise. The noise is estimated, bounded by the responses' own standard errors: designs share
+//! start states and draws, so that a part of these errors is common to all designs and is not noise between them.
 
 use egobox_gp::correlation_models::Matern52Corr;
 use egobox_gp::{Inducings, ParamTuning, SgpParams, SparseGaussianProcess, SparseMethod};
@@ -14,9 +13,9 @@ use serde_json::{Value, json};
 
 use crate::engine::quietly;
 
-/// Least noise, over the variance of the values: what keeps matrices regular.
+/// Least noise relative to the variance of the values, which keeps matrices regular.
 const LEAST_NOISE: f64 = 1e-8;
-/// Starting points of the search for the kernel's widths.
+/// Number of starting points of the search for the kernel's length scales.
 const STARTS: usize = 2;
 
 /// An approximation of a response.
@@ -30,7 +29,7 @@ impl Surrogate {
     /// Fits the values at places, with at most this variance of noise.
     ///
     /// # Errors
-    /// What is wrong, in a few words: values that are all equal, or that the library does not fit.
+    /// Returns the reason if all values are equal, or if the library cannot fit them.
     pub fn fit(places: &[Vec<f64>], values: &[f64], noise: f64, seed: u64) -> Result<Self, String> {
         let count = values.len() as f64;
         let mean = values.iter().sum::<f64>() / count;
@@ -54,16 +53,16 @@ impl Surrogate {
                 .seed(Some(seed))
                 .fit(&Dataset::new(x.clone(), y))
         };
-        // What the library is given is not used any more where it panics.
+        // After a panic the library's objects are not used again.
         let process = quietly(fit).ok_or_else(|| "the fit failed".to_owned())?;
         let process = process.map_err(|error| format!("the fit failed: {error}"))?;
         Ok(Surrogate { process, mean, scale })
     }
 
-    /// The approximation at places.
+    /// Returns the approximation at places.
     ///
     /// # Errors
-    /// Where the places are not such as it was fitted at.
+    /// Returns an error if a place has another dimension than the fitted ones, or if a value is not finite.
     pub fn predict(&self, places: &[Vec<f64>]) -> Result<Vec<f64>, String> {
         let predicted = self.process.predict(&table(places)?).map_err(|error| error.to_string())?;
         let values: Vec<f64> = predicted.iter().map(|one| self.mean + self.scale * one).collect();
@@ -73,18 +72,18 @@ impl Surrogate {
         Err("values that are not finite".to_owned())
     }
 
-    /// The standard deviation of the noise, in the response's unit.
+    /// Returns the standard deviation of the noise, in the response's unit.
     pub fn noise(&self) -> f64 {
         self.scale * self.process.noise_variance().sqrt()
     }
 
-    /// Everything that it consists of.
+    /// Returns the complete state of the surrogate.
     pub fn state(&self) -> Value {
         json!({
             "mean": self.mean,
             "scale": self.scale,
             "noise": self.noise(),
-            // Numbers and lists of them: that can always be written.
+            // Serializing numbers and lists cannot fail.
             "process": serde_json::to_value(&self.process).unwrap_or(Value::Null),
         })
     }
@@ -100,7 +99,7 @@ pub(super) fn table(rows: &[Vec<f64>]) -> Result<Array2<f64>, String> {
 mod tests {
     use super::Surrogate;
 
-    /// A smooth function is found again between noisy values of it, and the noise with it.
+    /// The fit recovers a smooth function and the noise from noisy values.
     #[test]
     fn noise_is_told_from_the_function() {
         let function = |x: f64| (4.0 * x).sin();

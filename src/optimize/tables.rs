@@ -1,4 +1,4 @@
-//! `finalists.parquet`, `pareto.parquet` and `sensitivities.parquet`.
+//! Columns of `finalists.parquet`, `pareto.parquet` and `sensitivities.parquet`.
 
 use super::finals::{Final, Role};
 use super::goal::Goal;
@@ -8,8 +8,8 @@ use crate::responses::columns::{answer_columns, estimate_columns, variable_colum
 use crate::study::{Optimization, Study};
 use crate::table::column::Column;
 
-/// The columns of `finalists.parquet`: one row per design that was looked at again and point of the sweep.
-/// `design` is null of one that the search did not look at.
+/// Returns the columns of `finalists.parquet`: one row per design of the finals and point of the sweep. `design` is
+/// null if the search did not evaluate the design.
 pub fn final_columns(study: &Study) -> Vec<Column<(Role, Answer)>> {
     let mut columns = answer_columns(study, |row: &(Role, Answer)| &row.1);
     columns.insert(
@@ -24,8 +24,8 @@ pub fn final_columns(study: &Study) -> Vec<Column<(Role, Answer)>> {
     columns
 }
 
-/// The columns of `pareto.parquet`: one row per design of the search's Pareto front, with what its final
-/// runs say over all points of the sweep.
+/// Returns the columns of `pareto.parquet`: one row per design of the search's Pareto front, with the estimates of its
+/// final runs over all points of the sweep.
 pub fn pareto_columns(study: &Study, optimization: &Optimization) -> Vec<Column<Final>> {
     let mut columns =
         vec![Column::count("design", "number of the design in the search", |row: &Final| {
@@ -35,7 +35,7 @@ pub fn pareto_columns(study: &Study, optimization: &Optimization) -> Vec<Column<
     for (place, quantity) in Goal::new(study, optimization).quantities().iter().enumerate() {
         let Some(response) = study.responses().get(quantity.response) else { continue };
         let (name, unit) = (&response.name, response.unit());
-        // The same response counts twice where different points are its worst.
+        // A response has several quantities if different points are its worst.
         if !columns.iter().any(|column| column.name() == name) {
             let meaning = format!("{} over all points", response.meaning());
             columns.extend(estimate_columns(name, unit, &meaning, move |row: &Final| {
@@ -46,13 +46,13 @@ pub fn pareto_columns(study: &Study, optimization: &Optimization) -> Vec<Column<
     columns.push(Column::truth("met", "whether all limits are met", |row: &Final| Some(row.met)));
     columns.push(Column::truth(
         "on_front",
-        "whether it is on the Pareto front by these runs, too",
+        "whether it is also on the Pareto front of these runs",
         |row: &Final| row.on_front,
     ));
     columns
 }
 
-/// The columns of `sensitivities.parquet`: one row per response and variable.
+/// Returns the columns of `sensitivities.parquet`: one row per response and variable.
 pub fn sensitivity_columns() -> Vec<Column<Sensitivity>> {
     let number = |name: &str, meaning: &str, of: fn(&super::Indices) -> Option<f64>| {
         Column::number(name, "1", meaning, move |row: &Sensitivity| {
@@ -83,7 +83,7 @@ pub fn sensitivity_columns() -> Vec<Column<Sensitivity>> {
         }),
         number(
             "total",
-            "fraction of the variance that is left while all others are known",
+            "fraction of the variance that remains if all other variables are known",
             |one| Some(one.total),
         ),
         number("total_low", "lower end of its 95 % interval, null from surrogates", |one| {

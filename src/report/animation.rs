@@ -1,4 +1,4 @@
-//! `replay.html`: disc, ring and balls in motion, in one file that needs no network.
+//! `replay.html`: an animation of disc, ring and balls in one file that needs no network.
 
 use serde_json::json;
 
@@ -7,16 +7,16 @@ use crate::model::{Machine, Model};
 use crate::motion::Phase;
 use crate::table::Units;
 
-/// The page: markup, style and script; the data take the place of a mark.
+/// Markup, style and script of the page, with marks for title and data.
 const PAGE: &str = include_str!("animation.html");
 const DATA: &str = "/*data*/null";
 const TITLE: &str = "<!--title-->";
 
-/// Frames for each turn of the disc, and most of them.
+/// Frames per turn of the disc.
 const FRAMES_PER_TURN: f64 = 24.0;
 const FRAMES: (f64, f64) = (200.0, 20_000.0);
 
-/// How many frames show a motion of so many seconds; none of a model that has no balls.
+/// Returns the number of frames of a motion of this length; `None` for a model without balls.
 pub fn frames(model: &Model, seconds: f64) -> Option<u32> {
     let machine = model.ball_balancer()?;
     let rate = machine.speed_rad_s.abs() + machine.natural_frequency_rad_s();
@@ -24,7 +24,7 @@ pub fn frames(model: &Model, seconds: f64) -> Option<u32> {
     Some(frames.clamp(FRAMES.0, FRAMES.1) as u32)
 }
 
-/// The animation of a balancer from samples at times of equal distance; `title` goes above it.
+/// Returns the animation of a balancer from equally spaced samples; `title` is the heading.
 pub fn animation(machine: &Machine, samples: &[Sample], title: &str) -> String {
     let model = Model::from(machine.clone());
     let units = Units::of(&model);
@@ -34,7 +34,7 @@ pub fn animation(machine: &Machine, samples: &[Sample], title: &str) -> String {
     };
     let balls = machine.balls.len();
     let of_table = |axis: usize| -> Vec<f64> {
-        // Hundred thousandths of the ring's radius are far below what a screen shows.
+        // Rounded to 1e-5 of the ring's radius, far below a screen pixel.
         samples.iter().map(|sample| rounded(sample.table.map_or(0.0, |t| t[axis]), 6)).collect()
     };
     let angles: Vec<Vec<f64>> = (0..balls)
@@ -63,11 +63,11 @@ pub fn animation(machine: &Machine, samples: &[Sample], title: &str) -> String {
         "sticks": sticks,
     });
     let escaped = title.replace('&', "&amp;").replace('<', "&lt;");
-    // No text of the data can end the script: they are numbers and digits.
+    // The data are numbers, which cannot end the script element.
     PAGE.replace(TITLE, &escaped).replacen(DATA, &data.to_string(), 1)
 }
 
-/// A time, given in s, as text with its unit and four digits after the point.
+/// Returns a time, given in s, as text with its unit and four decimals.
 pub fn time_text(time_s: f64) -> String {
     let (unit, factor) = match 5.0 * time_s {
         span if time_s <= 0.0 || span >= 0.5 => ("s", 1.0),

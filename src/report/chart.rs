@@ -1,84 +1,84 @@
-//! What a figure shows, before it is drawn: panels with axes, and marks at coordinates.
+//! The contents of a figure before it is drawn: panels with axes, and marks at coordinates.
 //!
-//! Figures are made from tables here and drawn by the page's script. Tests ask for marks and coordinates,
-//! not for pixels.
+//! Rust code builds figures from tables, and the page's script draws them. Tests check marks and coordinates, not
+//! pixels.
 
 use serde::Serialize;
 
-/// A figure: one panel or several, with the words that go with them.
+/// A figure: one or more panels with their texts.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Figure {
-    /// Short and stable, for file names and links, as `time-to-rest`.
+    /// Short stable identifier for file names and links, as `time-to-rest`.
     pub id: String,
-    /// What it is, in a line.
+    /// Title, one line.
     pub title: String,
-    /// How to read it, and whether anything was left out.
+    /// How to read the figure, and what it omits.
     pub caption: String,
-    /// What a reader who does not see it has to know.
+    /// Text alternative for readers who do not see the figure.
     pub alternative: String,
-    /// Its panels, in reading order.
+    /// Panels in reading order.
     pub panels: Vec<Panel>,
-    /// Whether the page shows one panel at a time, to be chosen by its title.
+    /// Whether the page shows one panel at a time, selected by its title.
     pub one_at_a_time: bool,
 }
 
-/// A pair of axes and what is drawn between them.
+/// A pair of axes and the layers between them.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Panel {
-    /// Which point; empty where the figure's title says it.
+    /// The point; empty if the figure's title names it.
     pub title: String,
-    /// Which part of what is known there; empty where there is one only.
+    /// The part of the data; empty if there is only one.
     pub part: String,
     /// The abscissa.
     pub x: Axis,
     /// The ordinate.
     pub y: Axis,
-    /// What the colours of cells and rasters mean.
+    /// Meaning of the colours of cells and rasters.
     pub scale: Option<ColourScale>,
-    /// What is drawn, the undermost first. Layers of one name share an entry in the legend.
+    /// Layers from bottom to top. Layers with equal names share a legend entry.
     pub layers: Vec<Layer>,
 }
 
 /// An axis.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Axis {
-    /// What it measures, as `speed`.
+    /// Quantity, as `speed`.
     pub name: String,
-    /// Its unit, as `rad/s`; empty for a pure number.
+    /// Unit, as `rad/s`; empty for a dimensionless number.
     pub unit: String,
-    /// Where it begins and ends; none: round the marks.
+    /// The ends of the axis; chosen from the marks if `None`.
     pub range: Option<[f64; 2]>,
-    /// How its values are spread.
+    /// The scale of the axis.
     pub kind: AxisKind,
 }
 
-/// How the values of an axis are spread.
+/// The scale of an axis.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum AxisKind {
-    /// Evenly.
+    /// Linear.
     Linear,
-    /// By their logarithm; only positive values.
+    /// Logarithmic; only positive values.
     Logarithmic,
-    /// Evenly from 0 to 2π, with ticks at multiples of π/2.
+    /// Linear from 0 to 2π, with ticks at multiples of π/2.
     Angle,
     /// Names at 0, 1, 2 and so on.
     Names(Vec<String>),
 }
 
-/// What the colours of cells and rasters mean: a sequence from pale to dark.
+/// Meaning of the colours of cells and rasters: a sequence from light to dark.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ColourScale {
-    /// What is measured, with its unit, as `amplitude [µm]`.
+    /// Quantity with its unit, as `amplitude [µm]`.
     pub name: String,
-    /// The values at its two ends.
+    /// The values at the two ends.
     pub range: [f64; 2],
 }
 
 /// Marks of one kind and meaning.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Layer {
-    /// Its entry in the legend; empty for none.
+    /// Legend entry; empty for none.
     pub name: String,
     /// Its colour.
     pub colour: Colour,
@@ -86,15 +86,15 @@ pub struct Layer {
     pub mark: Mark,
 }
 
-/// A colour by its meaning; the page decides what it looks like, in its dark and its light theme.
+/// A colour by its meaning; the page defines its value for the dark and the light theme.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Colour {
     /// The colour of text.
     Ink,
-    /// Less than text: for what only helps to read.
+    /// Weaker than text, for auxiliary lines.
     Faint,
-    /// One of a series that colour-blind readers can tell apart; they repeat after eight.
+    /// One of eight colours that colour-blind readers can distinguish; larger indices repeat them.
     Series(usize),
     /// By value, from the panel's scale.
     Scale,
@@ -104,23 +104,23 @@ pub enum Colour {
     LimitCycle,
     /// Runs of irregular motion.
     Irregular,
-    /// Runs of which nothing could be shown.
+    /// Undecided runs.
     Undecided,
     /// Runs that failed.
     Failed,
 }
 
-/// A symbol of a dot.
+/// The symbol of a dot.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Symbol {
-    /// A filled disc of so small a size that a hundred thousand of them show a density.
+    /// A small filled disc; a hundred thousand of them show a density.
     Dot,
     /// A larger filled disc.
     Disc,
-    /// An open circle: unstable.
+    /// An open circle, for unstable equilibria.
     Circle,
-    /// A star: stable.
+    /// A star, for stable equilibria.
     Star,
     /// A cross.
     Cross,
@@ -132,11 +132,11 @@ pub enum Symbol {
     Square,
 }
 
-/// What is drawn, at coordinates of the panel. Lists of one mark are of one length.
+/// Marks at coordinates of the panel. All lists of one mark have the same length.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Mark {
-    /// A line through points, in order; broken where a point is not finite.
+    /// A line through points, in order; broken at a point that is not finite.
     Line {
         /// The points.
         points: Vec<[f64; 2]>,
@@ -148,7 +148,7 @@ pub enum Mark {
         /// The points.
         points: Vec<[f64; 2]>,
     },
-    /// What lies between two lines over the same abscissas, pale.
+    /// The area between two lines with the same abscissas.
     Band {
         /// Abscissas.
         x: Vec<f64>,
@@ -156,7 +156,7 @@ pub enum Mark {
         low: Vec<f64>,
         /// The upper line.
         high: Vec<f64>,
-        /// Whether both stay at a value until the next point.
+        /// Whether both lines stay at a value until the next point.
         steps: bool,
     },
     /// Vertical bars from low to high: intervals.
@@ -168,31 +168,31 @@ pub enum Mark {
         /// Upper ends.
         high: Vec<f64>,
     },
-    /// Columns from a base to a top, of a width in units of the abscissa.
+    /// Columns from a base to a top, with a width in units of the abscissa.
     Bars {
-        /// Abscissas of their middles.
+        /// Abscissas of their centres.
         x: Vec<f64>,
-        /// Where they begin.
+        /// Lower ends.
         base: Vec<f64>,
-        /// Where they end.
+        /// Upper ends.
         top: Vec<f64>,
         /// Their width.
         width: f64,
     },
     /// Dots.
     Dots {
-        /// What they look like.
+        /// Symbol.
         symbol: Symbol,
         /// Abscissas.
         x: Vec<f64>,
         /// Ordinates.
         y: Vec<f64>,
-        /// What is known of each.
+        /// Data of each dot.
         tooltips: Tooltips,
     },
-    /// A picture of values on a regular grid over the whole panel.
+    /// Values on a regular grid over the whole panel.
     Raster {
-        /// Cells along the abscissa and along the ordinate.
+        /// Number of cells along the abscissa and along the ordinate.
         size: [usize; 2],
         /// A value for each cell, row by row from the lower edge; NaN leaves a cell open.
         values: Vec<f64>,
@@ -201,35 +201,35 @@ pub enum Mark {
     Cells {
         /// Left, right, lower and upper edge of each.
         edges: Vec<[f64; 4]>,
-        /// The values; none is left open.
+        /// The values; `None` leaves a cell open.
         values: Vec<Option<f64>>,
-        /// What is known of each.
+        /// Data of each cell.
         tooltips: Tooltips,
     },
     /// A line across the panel.
     Rule {
-        /// Whether it stands upright, at an abscissa.
+        /// Whether the line is vertical, at an abscissa.
         upright: bool,
-        /// Where.
+        /// Coordinate.
         at: f64,
-        /// What is written at it.
+        /// Text at the line.
         label: String,
     },
 }
 
-/// What is known of each dot: of the run behind it, where there is one, and values by name.
+/// Data of each dot: the number of its run, if it is one, and named values.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Tooltips {
-    /// The run behind each, for `stickslip replay`; empty where dots are not runs.
+    /// Run numbers, for `stickslip replay`; empty if the dots are not runs.
     pub run_ids: Vec<u64>,
-    /// More that is known, column by column.
+    /// Further data, column by column.
     pub columns: Vec<TooltipColumn>,
 }
 
-/// A column of what is known of dots.
+/// A column of data.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TooltipColumn {
-    /// Its name with its unit, as `amplitude [µm]`.
+    /// Name with unit, as `amplitude [µm]`.
     pub name: String,
     /// A value for each dot.
     pub values: TooltipValues,
@@ -239,7 +239,7 @@ pub struct TooltipColumn {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum TooltipValues {
-    /// Numbers; NaN where there is none.
+    /// Numbers; NaN if there is none.
     Numbers(Vec<f64>),
     /// Words.
     Words(Vec<String>),

@@ -1,4 +1,4 @@
-//! Results for the eye: the report page, and the animation of a replayed run. The same data give the same bytes.
+//! The report page and the animation of a replayed run. Equal data give equal bytes.
 
 mod animation;
 pub mod chart;

@@ -1,4 +1,4 @@
-//! Mean, standard deviation, quantile and worst of residual amplitudes. Failed runs are left out.
+//! Mean, standard deviation, quantile and maximum of residual amplitudes, without failed runs.
 
 use super::estimate::{Estimate, Sample};
 use super::moments::{self, student_95};
@@ -19,7 +19,7 @@ fn ascending(sample: &Sample) -> Vec<f64> {
     values
 }
 
-/// The mean, with Student's interval: cell by cell where the sample is stratified (see `moments`).
+/// Estimates the mean with Student's interval; within cells if the sample is stratified (see `moments`).
 pub fn mean(sample: &Sample) -> Estimate {
     let Some(mean) = moments::mean(&amplitudes(sample), sample.cells) else {
         return Estimate::unknown(NO_AMPLITUDE);
@@ -39,11 +39,11 @@ pub fn mean(sample: &Sample) -> Estimate {
     }
 }
 
-/// The standard deviation over the whole box of start states, not within cells.
+/// Estimates the standard deviation over the whole box of start states, not within cells.
 ///
-/// Its standard error is that of the mean of squared deviations, which takes the fourth moment from
-/// the sample instead of from a normal distribution; the interval is symmetric on a scale of
-/// logarithms (R. G. Miller, Beyond ANOVA, Wiley 1986, section 7.1).
+/// Its standard error is that of the mean of squared deviations, with the fourth moment of the sample instead of
+/// that of a normal distribution; the interval is symmetric on a logarithmic scale (R. G. Miller, Beyond ANOVA,
+/// Wiley 1986, section 7.1).
 pub fn standard_deviation(sample: &Sample) -> Estimate {
     let values = amplitudes(sample);
     let Some(mean) = moments::mean(&values, sample.cells) else {
@@ -58,7 +58,7 @@ pub fn standard_deviation(sample: &Sample) -> Estimate {
     else {
         return Estimate::unknown(ONE_RUN);
     };
-    // The mean of the sample is nearer to its values than that of the population, by its variance.
+    // Deviations from the sample mean are smaller than those from the population mean, by the mean's variance.
     let value = (square.value + of_mean).sqrt();
     if value <= 0.0 {
         let zero = Some(0.0);
@@ -75,7 +75,7 @@ pub fn standard_deviation(sample: &Sample) -> Estimate {
     }
 }
 
-/// A quantile, with its interval between order statistics and the bootstrap's standard error.
+/// Estimates a quantile, with an interval between order statistics and the bootstrap's standard error.
 pub fn quantile(sample: &Sample, fraction: f64) -> Estimate {
     let values = ascending(sample);
     let Some(value) = order_statistics::quantile(&values, fraction) else {
@@ -85,7 +85,7 @@ pub fn quantile(sample: &Sample, fraction: f64) -> Estimate {
     Estimate::within(value, error, order_statistics::interval(&values, fraction), NO_BOUND)
 }
 
-/// The largest of all runs; what other runs would have shown has no bound.
+/// Returns the largest amplitude of all runs; further runs could exceed it by any amount.
 pub fn worst(sample: &Sample) -> Estimate {
     match ascending(sample).last() {
         None => Estimate::unknown(NO_AMPLITUDE),
@@ -104,7 +104,7 @@ mod tests {
     use crate::classification::Label;
     use crate::responses::{Estimate, Sample, Seen};
 
-    /// Runs with these amplitudes, in turn in cells; none of a failed run.
+    /// Runs with these amplitudes, which take turns in the cells; `None` is a failed run.
     fn sample(amplitudes: &[Option<f64>], cells: Option<u64>) -> Sample {
         let run = |(index, amplitude): (usize, &Option<f64>)| Seen {
             cell: index as u64 % cells.unwrap_or(1),
@@ -136,7 +136,7 @@ mod tests {
         // A failed run changes nothing.
         let failed: Vec<Option<f64>> = one_to_five.into_iter().chain([None]).collect();
         assert_eq!(mean(&sample(&failed, None)), found);
-        // Without any other the answer says why there is none.
+        // If all runs failed, the estimate states the reason.
         for estimate in [mean, standard_deviation, worst] {
             let nothing = estimate(&sample(&[None, None], None));
             assert_eq!(
@@ -152,8 +152,8 @@ mod tests {
         );
     }
 
-    /// Two cells, (1, 3) and (11, 15): the means are 2 and 13, the variances 2 and 8, so that the variance
-    /// of the mean is (1 + 4) / 4; the spread over the whole box is that between the cells, too.
+    /// Two cells, (1, 3) and (11, 15): the means are 2 and 13, the variances 2 and 8, so that the variance of the mean is
+    /// (1 + 4) / 4; the spread over the whole box includes that between the cells.
     #[test]
     fn cells_by_hand() {
         let two = sample(&[1.0, 11.0, 3.0, 15.0].map(Some), Some(2));
@@ -162,15 +162,15 @@ mod tests {
         near(found.standard_error, 1.25_f64.sqrt());
         // (42.25 + 12.25 + 20.25 + 56.25) / 4 and the mean's own variance.
         near(standard_deviation(&two).value, (32.75_f64 + 1.25).sqrt());
-        // A cell with a single run: runs count one by one.
+        // A cell with a single run: the runs are treated as unstratified.
         let uneven = sample(&[Some(1.0), Some(11.0), Some(3.0), None], Some(2));
         near(mean(&uneven).value, 5.0);
         near(mean(&uneven).standard_error, (28.0_f64 / 3.0).sqrt());
     }
 
-    /// Fractions of 4000 seeded samples of 64 runs whose interval holds the exact value: the mean, the
-    /// standard deviation and two quantiles of uniform and exponential amplitudes, drawn freely and
-    /// from 16 cells of four:
+    /// Fractions of 4000 seeded samples of 64 runs whose interval contains the exact value: the mean, the standard
+    /// deviation and two quantiles of uniform and exponential amplitudes, drawn without cells and from 16 cells of
+    /// four:
     ///
     /// ```text
     ///                      mean   deviation  median  90 %
@@ -180,10 +180,10 @@ mod tests {
     /// exponential, cells   0.881  0.842      1       1
     /// ```
     ///
-    /// What the skewness of an exponential distribution costs the first two is a property of these
-    /// methods, not chance (in cells, nearly all of the variance is that of the last cell's four runs).
-    /// A fraction is off by 0.006 at most (one standard deviation, at 0.84), so that 0.02 below what is
-    /// expected has a probability of 0.001 at most.
+    /// The loss of coverage that the skewness of an exponential distribution causes for the first two is a property
+    /// of these methods (in cells, nearly all of the variance is that of the last cell's four runs). The standard
+    /// deviation of a fraction is 0.006 at most (at 0.84), so that a fraction 0.02 below the expected one has a
+    /// probability of 0.001 at most.
     #[test]
     fn coverage() {
         type Inverse = fn(f64) -> f64;

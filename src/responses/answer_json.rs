@@ -1,4 +1,4 @@
-//! Answers as lines of JSON.
+//! Encodes answers as lines of JSON.
 
 use serde_json::{Map, Value, json};
 
@@ -6,8 +6,8 @@ use super::respond::Answer;
 use crate::classification::Label;
 use crate::study::{ParameterValue, Study};
 
-/// The answer to a request: with `responses`, `runs`, `failed` and `discontinuous` where the study has a single point, and
-/// otherwise with `points`, a list of such objects, each with its swept parameters.
+/// Returns the answer to a request. For a study with a single point it holds `responses`, `runs`, `failed` and
+/// `discontinuous`, otherwise `points`, a list of such objects with the swept parameters of each point.
 pub fn to_json(study: &Study, id: &Value, answers: &[Answer]) -> Value {
     let mut answer = Map::new();
     answer.insert("id".to_owned(), id.clone());

@@ -1,4 +1,4 @@
-//! `responses.parquet`: one row per design and point of the sweep.
+//! Columns of `responses.parquet`: one row per design and point of the sweep.
 
 use super::estimate::Estimate;
 use super::respond::Answer;
@@ -6,10 +6,10 @@ use crate::classification::Label;
 use crate::study::{DesignValue, ParameterKind, ParameterValue, Study};
 use crate::table::column::Column;
 
-/// How a row of a table has its answer.
+/// Returns the answer of a row.
 pub(super) type OfRow<R> = fn(&R) -> &Answer;
 
-/// The columns of `responses.parquet`.
+/// Returns the columns of `responses.parquet`.
 pub fn response_columns(study: &Study) -> Vec<Column<Answer>> {
     let mut columns = answer_columns(study, |row: &Answer| row);
     columns.push(Column::truth(
@@ -21,7 +21,7 @@ pub fn response_columns(study: &Study) -> Vec<Column<Answer>> {
     columns
 }
 
-/// The columns of an answer, in rows that have one.
+/// Returns the columns of an answer, for any type of row that contains one.
 pub(crate) fn answer_columns<R: 'static>(study: &Study, of: OfRow<R>) -> Vec<Column<R>> {
     let mut columns = vec![Column::count(
         "design",
@@ -53,7 +53,7 @@ pub(crate) fn answer_columns<R: 'static>(study: &Study, of: OfRow<R>) -> Vec<Col
     columns
 }
 
-/// The columns of an estimate: value, standard error, interval, and why something is missing.
+/// Returns the columns of an estimate: value, standard error, interval, and the reason for missing values.
 pub(crate) fn estimate_columns<R: 'static>(
     name: &str,
     unit: &str,
@@ -68,13 +68,13 @@ pub(crate) fn estimate_columns<R: 'static>(
         number("_standard_error", "its standard error", |estimate| estimate.standard_error),
         number("_low", "lower end of its 95 % interval", |estimate| estimate.low),
         number("_high", "upper end of its 95 % interval", |estimate| estimate.high),
-        Column::text(&format!("{name}_reason"), "why something of this is missing", move |row| {
+        Column::text(&format!("{name}_reason"), "why one of these values is missing", move |row| {
             Some(of(row)?.reason.as_ref()?.to_string())
         }),
     ]
 }
 
-/// One column per variable of a design.
+/// Returns one column per variable of a design.
 pub(crate) fn variable_columns<R: 'static>(
     study: &Study,
     of: impl Fn(&R) -> &[DesignValue] + Copy + Send + Sync + 'static,

@@ -1,24 +1,24 @@
-//! Where the mix of labels changes between neighbouring designs.
+//! Detects abrupt changes of label fractions between neighbouring designs.
 //!
-//! Neighbours are each design and those nearest to it in scaled variables (a range is 1 wide; another
-//! choice is 1 away). Each label's fraction is compared between the two by Fisher's exact test (R. A.
-//! Fisher, J. R. Stat. Soc. 85 (1922) 87, doi:10.2307/2340521); tests of labels and of pairs share the
-//! level evenly (Bonferroni). Runs of neighbours start alike, so that chance makes their labels differ
-//! less than the test allows for. Of many runs a small change is seen as well as an abrupt one.
+//! Neighbours of a design are the designs nearest to it in scaled variables (a range has length 1; different choices
+//! have distance 1). Fisher's exact test compares each label's fraction in the two designs (R. A. Fisher, J. R.
+//! Stat. Soc. 85 (1922) 87, doi:10.2307/2340521); the tests of labels and of pairs divide the level evenly
+//! (Bonferroni). Runs of neighbours start alike, so that their labels differ less by chance than the test assumes.
+//! With many runs small changes are significant, too.
 
 use statrs::function::factorial::ln_binomial;
 
 use crate::analysis::LabelCounts;
 use crate::classification::Label;
 
-/// The probability that any design of a table is flagged though no label's fraction changes.
+/// The probability that any design of a table is flagged although no label's fraction changes.
 pub(super) const LEVEL: f64 = 0.01;
 
-/// The most designs of a table that are compared; each is compared with each.
+/// The largest number of designs of a table for a comparison of all pairs.
 pub const MOST_DESIGNS: usize = 10_000;
 
-/// Whether each of these designs differs from a nearest other one; `scaled` are their variables, a range
-/// being 1 wide. None where there is no other, or where there are more than [`MOST_DESIGNS`].
+/// Returns whether each design differs from one of its nearest neighbours; `scaled` holds the variables, with ranges of
+/// length 1. `None` if there is no other design, or if there are more than [`MOST_DESIGNS`].
 pub fn discontinuous(scaled: &[Vec<f64>], counts: &[LabelCounts]) -> Vec<Option<bool>> {
     let designs = scaled.len().min(counts.len());
     if !(2..=MOST_DESIGNS).contains(&designs) {
@@ -36,7 +36,7 @@ pub fn discontinuous(scaled: &[Vec<f64>], counts: &[LabelCounts]) -> Vec<Option<
     flags
 }
 
-/// Every design with each of its nearest others, each pair once.
+/// Returns the pairs of each design and its nearest neighbours, each pair once.
 fn pairs(scaled: &[Vec<f64>]) -> Vec<(usize, usize)> {
     let mut pairs = Vec::new();
     for (index, one) in scaled.iter().enumerate() {
@@ -50,23 +50,23 @@ fn pairs(scaled: &[Vec<f64>]) -> Vec<(usize, usize)> {
     pairs
 }
 
-/// The square of the distance between two designs.
+/// Returns the squared distance between two designs.
 pub(super) fn distance(one: &[f64], other: &[f64]) -> f64 {
     one.iter().zip(other).map(|(one, other)| (one - other) * (one - other)).sum()
 }
 
-/// Whether a distance is the least: equal ones differ by rounding, and the order of designs must not decide.
+/// Whether a distance equals the least one up to rounding, so that the order of designs does not matter.
 pub(super) fn near(distance: f64, least: f64) -> bool {
     distance <= least * (1.0 + 1e-9)
 }
 
-/// Whether any label's fraction differs, where each test has this level.
+/// Whether any label's fraction differs in a test at this level.
 pub(super) fn labels_differ(one: &LabelCounts, other: &LabelCounts, level: f64) -> bool {
     Label::ALL.iter().any(|label| p_value(one, other, *label) <= level)
 }
 
-/// Fisher's exact test, two-sided: the probability of all tables with the same margins that are no more
-/// likely than this one.
+/// Returns the p-value of Fisher's exact test, two-sided: the probability of all tables with the same margins that
+/// are no more likely than this one.
 fn p_value(one: &LabelCounts, other: &LabelCounts, label: Label) -> f64 {
     let [a, b] = [one, other].map(|counts| counts.of(label));
     let [n, m] = [one, other].map(LabelCounts::total);
@@ -107,15 +107,15 @@ mod tests {
         let expected = [false, false, true, true, false].map(Some);
         assert_eq!(discontinuous(&scaled, &fractions), expected);
         assert_eq!(discontinuous(&scaled[..1], &fractions[..1]), [None]);
-        // In another order they are flagged alike.
+        // Another order gives the same flags.
         let order = [3, 0, 4, 2, 1];
         let flags =
             discontinuous(&order.map(|at| scaled[at].clone()), &order.map(|at| fractions[at]));
         assert_eq!(flags, order.map(|at| expected[at]));
     }
 
-    /// Where nothing changes, 1 % of tables at most have a flag: of 2000 seeded ones, more than 36 would
-    /// have a probability below 0.001.
+    /// Without any change at most 1 % of the tables have a flag: more than 36 of 2000 seeded ones would have a
+    /// probability below 0.001.
     #[test]
     fn level() {
         let mut draws = TestRng::new(5);

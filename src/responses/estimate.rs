@@ -1,26 +1,26 @@
-//! What estimates are made from, and what they are.
+//! Samples of runs, and the estimates made from them.
 
 use std::borrow::Cow;
 
 use crate::classification::Label;
 
-/// What one run has shown.
+/// The observed results of one run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Seen {
-    /// Its cell in a stratified design; zero in others.
+    /// Its cell in a stratified design; otherwise zero.
     pub cell: u64,
-    /// How it ended.
+    /// Label of the run.
     pub label: Label,
-    /// Its residual amplitude, m or over that without balls; none of a failed run.
+    /// Residual amplitude, m or relative to that without balls; `None` if the run failed.
     pub amplitude: Option<f64>,
-    /// When it came to rest, s.
+    /// Time at which the run came to rest, s.
     pub time_to_rest_s: Option<f64>,
-    /// When it was stopped, s.
+    /// Time at which the run was stopped, s.
     pub end_time_s: Option<f64>,
 }
 
 impl Seen {
-    /// Whether it failed.
+    /// Whether the run failed.
     pub fn failed(&self) -> bool {
         self.label == Label::Failed
     }
@@ -29,38 +29,37 @@ impl Seen {
 /// The runs of a design at one point.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Sample {
-    /// Cells of equal size from which the start states were drawn; none where the sampling is not
-    /// stratified.
+    /// Number of cells of equal size from which the start states were drawn; `None` if the sampling is not stratified.
     pub cells: Option<u64>,
     /// The runs.
     pub runs: Vec<Seen>,
 }
 
 impl Sample {
-    /// How many runs failed.
+    /// Returns the number of failed runs.
     pub fn failed(&self) -> u64 {
         self.runs.iter().filter(|run| run.failed()).count() as u64
     }
 }
 
-/// A response: a value and how well it is known. All intervals are 95 %.
+/// An estimated response with its 95 % interval.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Estimate {
-    /// The value; none where the runs do not say it.
+    /// The value; `None` if the runs do not determine it.
     pub value: Option<f64>,
     /// Its standard error.
     pub standard_error: Option<f64>,
-    /// The lower end of its interval; none where it has no bound.
+    /// Lower end of the interval; `None` if it is unbounded.
     pub low: Option<f64>,
-    /// The upper end of its interval; none where it has no bound.
+    /// Upper end of the interval; `None` if it is unbounded.
     pub high: Option<f64>,
-    /// Why something of this is missing.
+    /// Why a value is missing.
     pub reason: Option<Cow<'static, str>>,
 }
 
 impl Estimate {
-    /// A value with its standard error, between the ends of its interval. Where an end has no bound there is
-    /// no standard error either, for a reason.
+    /// Creates an estimate with its interval. If an end is unbounded, the standard error is omitted for the given
+    /// reason.
     pub fn within(
         value: f64,
         standard_error: Option<f64>,
@@ -73,7 +72,7 @@ impl Estimate {
         Estimate { value: Some(value), standard_error, low, high, reason }
     }
 
-    /// Nothing is known, for a reason.
+    /// Creates an estimate without any values, for the given reason.
     pub fn unknown(reason: &'static str) -> Self {
         Estimate { reason: Some(Cow::Borrowed(reason)), ..Estimate::default() }
     }

@@ -1,8 +1,8 @@
-//! Responses of designs: numbers that an optimiser can trust, with how well each is known.
+//! Responses of designs: estimates with standard errors and intervals, for optimisers.
 //!
-//! A design is the study with its variables set. Its runs start where those of every other design do
-//! and draw the same uncertain parameters, as draws are keyed by names and never by design (common
-//! random numbers). Estimates are pure functions of what the runs have shown.
+//! A design is the study with values for its variables. The runs of all designs have the same start states and the
+//! same draws of uncertain parameters, because draws are keyed by names and not by designs (common random numbers).
+//! Estimates are pure functions of the results of the runs.
 
 mod amplitude;
 mod answer_json;

@@ -1,38 +1,38 @@
-//! The mean of a sample with its standard error, cell by cell where the design is stratified.
+//! The mean of a sample with its standard error, within cells if the design is stratified.
 //!
-//! Cells of equal size weigh the same, and only the variation within cells makes the mean uncertain.
-//! With `H` cells and `n_h` values of variance `s_h²` in each,
+//! Cells of equal size have equal weight, and only the variation within cells contributes to the variance of the
+//! mean. With `H` cells and `n_h` values of variance `s_h²` in each,
 //!
 //! ```text
 //! mean = Σ mean_h / H,   V = Σ s_h² / n_h / H²
 //! ```
 //!
 //! with Satterthwaite's degrees of freedom (W. G. Cochran, Sampling Techniques, 3rd ed., Wiley 1977,
-//! sections 5.4 and 5.16). Where a cell has fewer than two values the runs count one by one, which
-//! makes intervals wider than need be, not wrong.
+//! sections 5.4 and 5.16). If a cell has fewer than two values, the runs are treated as unstratified, which gives
+//! conservative intervals.
 
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
-/// The number that a Student variable with so many degrees of freedom exceeds in size with a probability of
-/// 0.05. Degrees of freedom that are no whole number are rounded down, which makes intervals wider, not
-/// wrong; there is at least one.
+/// Returns the number that the absolute value of a Student variable with this many degrees of freedom exceeds with a
+/// probability of 0.05. Degrees of freedom are rounded down to a whole number, at least 1, which gives conservative
+/// intervals.
 pub(super) fn student_95(degrees: f64) -> f64 {
     StudentsT::new(0.0, 1.0, degrees.floor().max(1.0))
         .map_or(f64::INFINITY, |student| student.inverse_cdf(0.975))
 }
 
-/// A mean and how well it is known.
+/// A mean with its variance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Mean {
     /// The mean.
     pub value: f64,
-    /// Its variance; none of a single value.
+    /// Variance of the mean; `None` for a single value.
     pub variance: Option<f64>,
     /// Degrees of freedom of that variance.
     pub degrees: f64,
 }
 
-/// Values, each with its cell, of which there may be so many.
+/// Estimates the mean of values, each given with its cell; `cells` is the number of cells.
 pub(super) fn mean(values: &[(u64, f64)], cells: Option<u64>) -> Option<Mean> {
     if values.is_empty() {
         return None;
@@ -41,7 +41,7 @@ pub(super) fn mean(values: &[(u64, f64)], cells: Option<u64>) -> Option<Mean> {
     Some(by_cell.map_or_else(|| together(values), |cells| stratified(&cells)))
 }
 
-/// The values of each cell, where there are two in each at least.
+/// Returns the values of each cell, if every cell has at least two.
 fn in_cells(values: &[(u64, f64)], cells: u64) -> Option<Vec<Vec<f64>>> {
     if cells < 2 || 2 * cells > values.len() as u64 {
         return None;
@@ -53,7 +53,7 @@ fn in_cells(values: &[(u64, f64)], cells: u64) -> Option<Vec<Vec<f64>>> {
     all.iter().all(|cell| cell.len() >= 2).then_some(all)
 }
 
-/// Number, mean and variance.
+/// Returns number, mean and variance.
 fn moments(values: impl Iterator<Item = f64> + Clone) -> (f64, f64, f64) {
     let n = values.clone().count() as f64;
     let mean = values.clone().sum::<f64>() / n;
@@ -76,7 +76,7 @@ fn stratified(cells: &[Vec<f64>]) -> Mean {
         variance += part;
         squares += part * part / (n - 1.0);
     }
-    // Without any variation the degrees of freedom do not matter.
+    // Without variation the degrees of freedom do not matter.
     let degrees = if squares > 0.0 { variance * variance / squares } else { f64::MAX };
     Mean { value, variance: Some(variance), degrees }
 }
@@ -85,7 +85,7 @@ fn stratified(cells: &[Vec<f64>]) -> Mean {
 mod tests {
     use super::student_95;
 
-    /// The values that every table prints.
+    /// Values from printed tables.
     #[test]
     fn the_table_of_student() {
         for (degrees, printed) in [

@@ -1,4 +1,4 @@
-//! Designs of requests, which come one by one: each is compared with the nearest other one before it.
+//! Compares the design of each request with the nearest earlier one.
 
 use std::collections::VecDeque;
 
@@ -6,32 +6,32 @@ use super::discontinuity::{LEVEL, MOST_DESIGNS, distance, labels_differ, near};
 use crate::analysis::LabelCounts;
 use crate::classification::Label;
 
-/// The most counts that are kept, one per design and point: some 50 MB.
+/// The largest number of stored counts, one per design and point: about 50 MB.
 const MOST_COUNTS: u64 = 1_000_000;
 
-/// A design with its labels at each point.
+/// A design with its label counts at each point.
 struct Before {
     scaled: Vec<f64>,
     counts: Vec<LabelCounts>,
 }
 
-/// The designs of the last requests; the oldest are forgotten, those above [`MOST_DESIGNS`] and, where a
-/// design has many points, fewer.
+/// The designs of the last requests: at most [`MOST_DESIGNS`], fewer for studies with many points. The oldest design
+/// is dropped first.
 pub struct Neighbours {
     before: VecDeque<Before>,
     most: usize,
 }
 
 impl Neighbours {
-    /// None yet; every design will have this many points.
+    /// Creates an empty list for designs with this many points.
     pub fn new(points: u64) -> Self {
         let most = (MOST_COUNTS / points.max(1)).clamp(1, MOST_DESIGNS as u64);
         Neighbours { before: VecDeque::new(), most: usize::try_from(most).unwrap_or(1) }
     }
 
-    /// Whether the labels of a design differ, point by point, from those of a nearest other one before it;
-    /// none where there is no other. All tests of a point together err with 1 %. `scaled` are its variables,
-    /// a range being 1 wide. A design that has been asked for before is not its own neighbour.
+    /// Returns, point by point, whether the labels of a design differ from those of a nearest earlier design; `None` if
+    /// there is none. `scaled` holds the variables, with ranges of length 1. All tests of a point together have a
+    /// level of 1 %. A repeated design is not its own neighbour.
     pub fn compare(&mut self, scaled: Vec<f64>, counts: Vec<LabelCounts>) -> Vec<Option<bool>> {
         let others = || self.before.iter().filter(|other| other.scaled != scaled);
         let away = |other: &Before| distance(&scaled, &other.scaled);
@@ -72,14 +72,14 @@ mod tests {
         let mut neighbours = Neighbours::new(1);
         let mut ask = |at: f64, equilibria| neighbours.compare(vec![at], vec![counts(equilibria)]);
         assert_eq!(ask(0.0, 60), [None]);
-        // Again: there is no other one yet.
+        // A repeated design has no neighbour yet.
         assert_eq!(ask(0.0, 60), [None]);
         assert_eq!(ask(1.0, 20), [Some(true)]);
         assert_eq!(ask(0.1, 61), [Some(false)]);
         assert_eq!(ask(0.9, 22), [Some(false)]);
-        // The same design has another nearest one now.
+        // The same design has another nearest neighbour now.
         assert_eq!(ask(0.0, 60), [Some(false)]);
-        // Between two designs that are equally near, either may differ.
+        // Of two equally near designs either may differ.
         assert_eq!(ask(0.5, 60), [Some(true)]);
     }
 
@@ -99,15 +99,15 @@ mod tests {
             [ask(0.0, 60), ask(1.0, 60), ask(0.5, 10)].concat(),
             [None, Some(false), Some(true)]
         );
-        // Of 0, 1 and 0.5 the first is forgotten: the nearest to 0 is 0.5.
+        // Of 0, 1 and 0.5 the first one has been dropped: the nearest to 0 is 0.5.
         assert_eq!(ask(0.0, 60), [Some(true)]);
         assert_eq!(neighbours.before.len(), 2);
         assert_eq!(Neighbours::new(1).most, 10_000);
         assert_eq!((Neighbours::new(0).most, Neighbours::new(u64::MAX).most), (10_000, 1));
     }
 
-    /// Where nothing changes, 1 % of answers at most are flagged: of 2000 seeded ones, more than 36 would have
-    /// a probability below 0.001.
+    /// Without any change at most 1 % of the answers are flagged: more than 36 of 2000 seeded ones would have a
+    /// probability below 0.001.
     #[test]
     fn level() {
         let mut draws = TestRng::new(6);
@@ -118,7 +118,7 @@ mod tests {
                 let rests = (0..64).filter(|_| draws.uniform() < 0.4).count() as u64;
                 neighbours.compare(vec![at], vec![counts(rests)])
             };
-            // Two neighbours that are equally near.
+            // Two equally near neighbours.
             ask(0.0);
             ask(1.0);
             flagged += u32::from(ask(0.5) == [Some(true)]);

@@ -1,9 +1,9 @@
-//! Probabilities: of being at rest by a time, of an amplitude above a limit.
+//! Probabilities of rest by a time, and of an amplitude above a limit.
 //!
-//! What failed runs would have done is not known: the interval's lower end takes it that none of them
-//! had succeeded, its upper end that all had, as in `points.parquet`; the value counts them as not.
-//! The standard error is half of the interval that the other runs alone would have, over the normal
-//! distribution's: unlike `√(p (1 - p) / n)` it is not zero where all runs did alike.
+//! The results of failed runs are unknown: the lower end of the interval counts all of them as failures, the upper
+//! end as successes, as in `points.parquet`; the value counts them as failures. The standard error is half of the
+//! interval of the other runs, divided by the normal quantile 1.96: unlike `√(p (1 - p) / n)` it is not zero if all
+//! runs have the same result.
 
 use super::estimate::{Estimate, Sample, Seen};
 use crate::analysis::{Cells, SurvivalCurve, Tally, Z_95, wilson, wilson_with_failures};
@@ -11,14 +11,13 @@ use crate::classification::Label;
 
 const NO_RUN: &str = "all runs failed";
 
-/// The probability that a run's amplitude is above a limit. A run without an amplitude counts as a
-/// failed one.
+/// Estimates the probability that a run's amplitude is above a limit. A run without an amplitude counts as failed.
 pub fn above(sample: &Sample, limit: f64) -> Estimate {
     fraction(sample, |run| (!run.failed()).then_some(run.amplitude? > limit))
 }
 
-/// The probability of being at rest by a time, s. Runs on a limit cycle never rest. Where a run was
-/// stopped before that time while moving, it is the Kaplan-Meier estimate.
+/// Estimates the probability of rest by a time, s. Runs on a limit cycle never rest. If a moving run was stopped
+/// before that time, returns the Kaplan-Meier estimate.
 pub fn at_rest_by(sample: &Sample, time_s: f64) -> Estimate {
     let censored = |run: &Seen| {
         let open = matches!(run.label, Label::Undecided | Label::Irregular);
@@ -32,7 +31,7 @@ pub fn at_rest_by(sample: &Sample, time_s: f64) -> Estimate {
     })
 }
 
-/// The fraction of runs that succeed; those of which it is not known are failures.
+/// Estimates the fraction of runs that succeed; unknown results count as failures.
 fn fraction(sample: &Sample, succeeds: impl Fn(&Seen) -> Option<bool>) -> Estimate {
     let mut cells = sample.cells.map(Cells::new).unwrap_or_default();
     let mut known_cells = cells.clone();
@@ -64,7 +63,7 @@ fn fraction(sample: &Sample, succeeds: impl Fn(&Seen) -> Option<bool>) -> Estima
     }
 }
 
-/// Times at which runs came to rest (kind 0) or were stopped while moving (kind 1).
+/// Returns the times at which runs came to rest (kind 0) or were stopped while moving (kind 1).
 pub(super) fn times(sample: &Sample) -> Tally {
     let mut times = Tally::default();
     for run in sample.runs.iter().filter(|run| !run.failed()) {
@@ -81,9 +80,9 @@ fn kaplan_meier(sample: &Sample, time_s: f64) -> Estimate {
     let times = times(sample);
     let curve = SurvivalCurve::new(times.groups());
     let (all, failures) = (sample.runs.len() as f64, sample.failed() as f64);
-    // Past the last time at which anyone was watched the curve says nothing.
+    // The curve ends at the last observed time.
     if times.groups().last().is_none_or(|(last, _)| last < time_s) {
-        return Estimate::unknown("all runs that still moved were stopped before");
+        return Estimate::unknown("all moving runs were stopped before this time");
     }
     let step = curve.steps.iter().rfind(|step| step.time_s <= time_s);
     let (moving, (low, high)) =
@@ -134,14 +133,14 @@ mod tests {
         assert_eq!((with.low, with.high), (Some(ends.0), Some(ends.1)));
         let failed = at_rest_by(&sample(vec![run(Label::Failed, None, 0.0); 3]), 2.0);
         assert_eq!((failed.value, failed.reason.as_deref()), (None, Some("all runs failed")));
-        // All alike is no certainty.
+        // Equal results are not certainty.
         let alike = at_rest_by(&sample(vec![run(Label::Equilibrium, Some(1.0), 1.0); 10]), 2.0);
         assert_eq!((alike.value, alike.high), (Some(1.0), Some(1.0)));
         assert!(alike.low < Some(0.75) && alike.standard_error > Some(0.05));
     }
 
-    /// The 6-MP group (Blood 21 (1963) 699): 0.8067 still moving at 9 weeks, Greenwood's interval
-    /// 0.5631 to 0.9228; past the last patient nothing is known.
+    /// The 6-MP group (Blood 21 (1963) 699): 0.8067 still in remission at 9 weeks, Greenwood's interval 0.5631 to 0.9228;
+    /// unknown after the last observation.
     #[test]
     fn stopped_runs_are_censored() {
         let mut runs: Vec<Seen> = [6.0, 6.0, 6.0, 7.0, 10.0, 13.0, 16.0, 22.0, 23.0]

@@ -1,4 +1,4 @@
-//! A request: one line of JSON with a value for every variable, and what is wrong with one.
+//! A request: one line of JSON with a value for every variable, or the reason why it is invalid.
 
 use serde_json::{Value, json};
 
@@ -6,19 +6,19 @@ use crate::study::file::values::Named;
 use crate::study::{DesignValue, Study, list_names, shorten};
 use crate::tabular::Fault;
 
-/// What an optimiser asks for.
+/// A request of an optimiser.
 #[derive(Clone, Debug)]
 pub struct Request {
-    /// The request's own `id`, null without one.
+    /// The request's `id`; null if it has none.
     pub id: Value,
-    /// One value per variable of the study, and the study that has them set; or what is wrong.
+    /// One value per variable of the study, and the study with these values; or the reason why the request is invalid.
     pub design: Result<(Vec<DesignValue>, Box<Study>), Refusal>,
 }
 
-/// Why a request is not answered.
+/// The reason why a request is invalid.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Refusal {
-    /// The variable, where it is one.
+    /// The variable with the invalid value, if it is one.
     variable: Option<String>,
     fault: Fault,
 }
@@ -29,12 +29,12 @@ impl Refusal {
         Refusal { variable: None, fault: Fault::new(problem, found, allowed) }
     }
 
-    /// A line of more bytes than are read.
+    /// Creates the error for a line that is longer than `most` bytes.
     pub fn too_long(most: usize) -> Refusal {
-        Refusal::of_all("too long a line", format!("more than {most} bytes"))
+        Refusal::of_all("line too long", format!("more than {most} bytes"))
     }
 
-    /// As an answer holds it.
+    /// Returns the error as it stands in an answer.
     pub fn to_json(&self) -> Value {
         let Refusal { variable, fault } = self;
         let mut error = json!({});
@@ -49,7 +49,7 @@ impl Refusal {
 }
 
 impl Request {
-    /// Reads a line.
+    /// Parses a line.
     pub fn read(study: &Study, line: &[u8]) -> Request {
         match serde_json::from_slice::<Named<Value>>(line) {
             Err(error) => {

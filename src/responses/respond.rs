@@ -1,4 +1,4 @@
-//! From the runs of a design to its responses.
+//! Computes the runs of a design and its responses.
 
 use std::sync::atomic::AtomicBool;
 
@@ -12,14 +12,14 @@ use crate::engine::WorkerPool;
 use crate::study::{DesignValue, Measure, ParameterValue, Response, Study};
 use crate::table::RunRecord;
 
-/// A design at one point of the study's sweep: what is answered.
+/// The responses of a design at one point of the sweep.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Answer {
-    /// Number of the design, from zero in the order of asking.
+    /// Number of the design, from zero in the order of requests.
     pub design: u64,
     /// One value per variable of the study.
     pub values: Vec<DesignValue>,
-    /// Number of the sweep's point.
+    /// Number of the point.
     pub point_id: u64,
     /// One value per swept parameter.
     pub swept: Vec<ParameterValue>,
@@ -27,13 +27,13 @@ pub struct Answer {
     pub estimates: Vec<Estimate>,
     /// Runs per label.
     pub counts: LabelCounts,
-    /// Whether labels change abruptly to the nearest other design; none where that was not asked.
+    /// Whether label fractions change abruptly to the nearest other design; `None` if that was not tested.
     pub discontinuous: Option<bool>,
 }
 
-/// Computes a design at all points of the sweep. `sets` are the study with its variables set to `values`,
-/// or several that differ from each other in their master seeds, whose runs are taken together; `finished`
-/// is told of each run. None where `stop` became true.
+/// Computes a design at all points of the sweep. `sets` holds the study with its variables set to `values`, or
+/// several such studies that differ in their master seeds, whose runs are pooled; calls `finished` for each run.
+/// Returns `None` if `stop` became true.
 pub fn respond(
     workers: &WorkerPool,
     sets: &[Study],

@@ -1,4 +1,4 @@
-//! All designs of a table: their responses, and where labels change abruptly between them.
+//! Computes the responses of all designs of a table, and flags abrupt changes of label fractions between them.
 
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
@@ -10,43 +10,43 @@ use crate::classification::Label;
 use crate::engine::WorkerPool;
 use crate::study::{DesignValue, Study};
 
-/// Checks that a study has designs and asks for responses; `file` is what messages call it.
+/// Checks that a study has `design` and `responses`; `file` is its name in messages.
 ///
 /// # Errors
-/// What the study lacks, or has too much, with the remedy.
+/// Returns what the study lacks, or what it may not have.
 pub fn check_answerable(study: &Study, file: &Path) -> Result<(), String> {
     let file = file.display();
     if study.responses().is_empty() {
-        let allowed =
-            "`responses` in the study, such as vibration: {amplitude_mean: {relative: true}}";
-        return Err(format!("{file}: nothing is asked for\n  allowed: {allowed}"));
+        let allowed = "a response in the study, such as responses: vibration: {amplitude_mean: {relative: true}}";
+        return Err(format!("{file}: `responses` is missing\n  allowed: {allowed}"));
     }
     if study.variables().is_empty() {
-        let allowed = "`design` in the study, such as speed_rad_s: {from: -260, to: -180}";
-        return Err(format!("{file}: nothing is varied\n  allowed: {allowed}"));
+        let allowed =
+            "a variable in the study, such as design: speed_rad_s: {from: -260, to: -180}";
+        return Err(format!("{file}: `design` is missing\n  allowed: {allowed}"));
     }
     if study.precision().is_some() {
-        let allowed = "a study without `precision`: designs share their runs, all of them";
+        let allowed = "a study without `precision`, so that all designs have the same runs";
         return Err(format!(
-            "{file}: designs of different numbers of runs\n  found:   `precision`\n  allowed: {allowed}"
+            "{file}: designs would have different numbers of runs\n  found:   `precision`\n  allowed: {allowed}"
         ));
     }
     Ok(())
 }
 
-/// The runs of all these designs together.
+/// Returns the number of runs of all these designs together.
 ///
 /// # Errors
-/// A design whose values make no physical sense together.
+/// Returns the first design whose values are inconsistent.
 pub fn run_count(study: &Study, designs: &[Vec<DesignValue>]) -> Result<u64, String> {
     designs.iter().map(|values| Ok(study.set(values)?.run_count())).sum()
 }
 
-/// The answers for all designs, in order, compared with their neighbours; none where `stop` became true.
-/// `finished` is told of each run.
+/// Returns the answers for all designs, in order, compared with their neighbours; `None` if `stop` became true. Calls
+/// `finished` for each run.
 ///
 /// # Errors
-/// A design whose values make no physical sense together.
+/// Returns the first design whose values are inconsistent.
 pub fn respond_to_all(
     workers: &WorkerPool,
     study: &Study,

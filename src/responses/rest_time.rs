@@ -5,8 +5,8 @@ use super::order_statistics::{Cumulative, standard_error};
 use super::probability::times;
 use crate::analysis::{SurvivalCurve, SurvivalStep};
 
-/// The time by which half of the runs have come to rest, s (Kaplan-Meier, with the interval of
-/// Brookmeyer and Crowley, see [`SurvivalCurve`], and the bootstrap's standard error). Failed runs are left out.
+/// Estimates the time by which half of the runs have come to rest, s (Kaplan-Meier, with the interval of Brookmeyer
+/// and Crowley, see [`SurvivalCurve`], and the bootstrap's standard error). Failed runs are excluded.
 pub fn median_time_to_rest(sample: &Sample) -> Estimate {
     let curve = SurvivalCurve::new(times(sample).groups());
     if curve.steps.is_empty() {
@@ -25,10 +25,10 @@ pub fn median_time_to_rest(sample: &Sample) -> Estimate {
     Estimate::within(value, error, [low, high], too_few)
 }
 
-/// The proportion at rest by a step, and the number of runs that would give it Greenwood's variance.
+/// Returns the fraction at rest after a step, and the number of runs that would give it Greenwood's variance.
 fn cumulative(step: &SurvivalStep) -> Cumulative {
     let (moving, rest) = (step.moving, 1.0 - step.moving);
-    // Where nothing moves any more the number does not matter.
+    // Without moving runs the number does not matter.
     let effective = |error: f64| moving * rest / (error * error);
     let runs = step.standard_error().map_or(step.at_risk as f64, effective);
     Cumulative { value: step.time_s, proportion: rest, runs }

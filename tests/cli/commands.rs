@@ -56,7 +56,7 @@ fn check_says_where_only_rest_is_looked_for() {
         let simulation = format!("simulation: {{endings: {written}, ");
         scratch.write(name, plain.replace("simulation: {", &simulation));
         let text = scratch.well(&format!("check {name}"));
-        assert_eq!(text.contains("method switch, looked for rest only\n"), only, "{text}");
+        assert_eq!(text.contains("method switch, detects rest only\n"), only, "{text}");
         let report: Value =
             serde_json::from_str(&scratch.well(&format!("check {name} --json"))).unwrap();
         assert_eq!(report["only_rest"], json!(only));

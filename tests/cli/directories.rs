@@ -66,7 +66,7 @@ fn another_study_is_refused() {
     scratch.write("other.yaml", small("seed: 6\n").replace("small", "other"));
     scratch.well("run a.yaml --out out");
     let refused = [
-        "out: this directory holds the results of another study, of which no run can be used",
+        "out: this directory holds the results of another study, of which no run can be reused",
         "\n  found:   study small; it differs in\n    name: \"small\" -> \"other\"\n    seed: 5 -> 6",
         "\n  allowed: another directory, with --out DIR",
     ];
@@ -192,7 +192,11 @@ fn unfinished_results_continue_and_nothing_else_is_replaced() {
             fs::write(&path, &changed).unwrap();
             let ended = scratch.stickslip(command);
             assert_eq!(ended.code, Some(0), "{}", ended.err);
-            let told = ["something in the way", name, "earlier results are now in out/earlier/1"];
+            let told = [
+                "another file has the name of a result",
+                name,
+                "earlier results moved to out/earlier/1",
+            ];
             assert_has(&ended.err, &told);
             assert_eq!(fs::read(scratch.path("out/earlier/1").join(name)).unwrap(), changed);
             assert_eq!(scratch.data("out"), scratch.data("whole"), "{name}");

@@ -22,8 +22,8 @@ fn edited(text: String, used: u64, all: u64) {
     scratch.write("a.yaml", text);
     let ended = scratch.stickslip("run a.yaml --out out");
     assert_eq!(ended.code, Some(0), "{}", ended.err);
-    let runs = format!("{all} runs: {used} were finished before, {} computed", all - used);
-    assert_has(&ended.err, &["earlier results are now in out/earlier/1", &runs]);
+    let runs = format!("{all} runs: {used} finished earlier, {} computed", all - used);
+    assert_has(&ended.err, &["earlier results moved to out/earlier/1", &runs]);
     scratch.well("run a.yaml --out alone");
     assert_eq!(scratch.data("out"), scratch.data("alone"));
     // No earlier result is lost.
@@ -34,7 +34,7 @@ fn edited(text: String, used: u64, all: u64) {
     // Restoring the old study computes nothing.
     scratch.write("a.yaml", study("[-160.0, -216.0]", |text| text));
     let back = scratch.stickslip("run a.yaml --out out");
-    assert_has(&back.err, &["512 runs: 512 were finished before, 0 computed"]);
+    assert_has(&back.err, &["512 runs: 512 finished earlier, 0 computed"]);
     assert_eq!(scratch.data("out"), before);
 }
 
@@ -89,7 +89,7 @@ fn what_cannot_be_used_again_is_refused_with_the_difference() {
     let other = |text: String| text.replace("seed: 5", "seed: 6").replace("2e-2", "3e-2");
     scratch.write("b.yaml", study("[-160.0]", other));
     let refused = [
-        "out: this directory holds the results of another study, of which no run can be used",
+        "out: this directory holds the results of another study, of which no run can be reused",
         "study edited; it differs in\n    seed: 5 -> 6\n",
         "simulation.end_time_s: 0.02 -> 0.03",
         "allowed: another directory, with --out DIR; or --recompute",
@@ -111,7 +111,7 @@ fn an_interrupted_edit_goes_on() {
     let stopped = scratch.stickslip("run a.yaml --out out --max-seconds 0");
     assert_eq!(stopped.code, Some(130), "{}", stopped.err);
     let ended = scratch.stickslip("resume out");
-    assert_has(&ended.err, &["512 runs: 256 were finished before, 256 computed"]);
+    assert_has(&ended.err, &["512 runs: 256 finished earlier, 256 computed"]);
     scratch.well("run a.yaml --out alone");
     assert_eq!(scratch.data("out"), scratch.data("alone"));
 }

@@ -356,7 +356,7 @@ fn tables_and_studies_that_make_no_sense_are_refused() {
     scratch.refused("evaluate wrong.yaml --designs d.csv --out r.parquet", &parts);
     let without = BALLS.split("responses:").next().unwrap();
     scratch.write("wrong.yaml", without);
-    scratch.refused("evaluate wrong.yaml --designs -", &["nothing is asked for"]);
+    scratch.refused("evaluate wrong.yaml --designs -", &["`responses` is missing"]);
 }
 
 /// A client that closes either stream is not an error.

@@ -85,7 +85,7 @@ fn odd_lines_are_answered_and_the_next_one_is_served() {
         assert_eq!(answer["error"]["problem"], "not a request", "{line}");
         assert!(answer.to_string().len() < 600, "{answer}");
     }
-    assert_eq!(rest.next().unwrap()["error"]["problem"], "too long a line");
+    assert_eq!(rest.next().unwrap()["error"]["problem"], "line too long");
     for ((speed, problem), answer) in of_the_speed.iter().zip(rest.by_ref()) {
         let error = &answer["error"];
         assert_eq!(

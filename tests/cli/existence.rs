@@ -66,7 +66,7 @@ fn huge_sweeps_stay_quick() {
     let text = scratch.well("check a.yaml --existence");
     assert!(started.elapsed() < Duration::from_secs(20), "{:?}", started.elapsed());
     assert_has(&text, &["of 10000 points stick and slip", " more points\n", "uncertain"]);
-    assert_has(&text, &["looked at 10000 of 40000 points, spread over the sweep"]);
+    assert_has(&text, &["checked 10000 of 40000 points, evenly spread over the sweep"]);
     assert!(text.lines().count() < 60, "{text}");
     println!("{:?}", started.elapsed());
 }

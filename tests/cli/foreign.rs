@@ -160,7 +160,7 @@ fn names_of_columns_and_texts_in_tables() {
     }
     let replayed = scratch.stickslip("replay out 0");
     assert_eq!(replayed.code, Some(1), "{}", replayed.err);
-    assert_has(&replayed.err, &["NOT the same as its row"]);
+    assert_has(&replayed.err, &["NOT equal to its row"]);
     assert_harmless(&replayed.err, "replay");
     assert!(replayed.err.len() < 4000, "{} bytes", replayed.err.len());
     scratch.well("report out");

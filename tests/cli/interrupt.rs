@@ -78,7 +78,7 @@ fn stopped_by(signal: &str, number: u32) {
     let table = scratch.table("out", "runs");
     let finished = table.num_rows() as u64;
     assert!(finished > 10, "{finished}");
-    let message = format!("interrupted after {finished} of 4000000 runs; what is finished is kept");
+    let message = format!("interrupted after {finished} of 4000000 runs; finished runs are saved");
     assert!(ended.err.contains(&message), "{}", ended.err);
     let manifest = scratch.manifest("out");
     assert_eq!(manifest["complete"], false);
@@ -123,7 +123,7 @@ fn stopped_by(signal: &str, number: u32) {
     let again = scratch.stickslip("run long.yaml --out out --threads 2 --max-seconds 0");
     assert_eq!(again.code, Some(130), "{}", again.err);
     let going_on =
-        format!("out: going on with this study, of which up to {finished} runs are finished");
+        format!("out: continuing this study, of which up to {finished} runs are finished");
     assert_has(
         &again.err,
         &[&going_on, &format!("out of time (--max-seconds) after {finished} of 4000000 runs")],

@@ -15,7 +15,7 @@ fn no_time_means_no_run() {
     scratch.write("a.yaml", failing());
     let stopped = scratch.stickslip("run a.yaml --out out --max-seconds 0");
     assert_eq!(stopped.code, Some(130), "{}", stopped.err);
-    let said = ["out of time (--max-seconds) after 0 of 60 runs", "the same command goes on"];
+    let said = ["out of time (--max-seconds) after 0 of 60 runs", "the same command continues"];
     assert_has(&stopped.err, &said);
     assert_eq!(scratch.table("out", "runs").num_rows(), 0);
     let json = scratch.stickslip("run a.yaml --out out --max-seconds 0 --json");
@@ -40,8 +40,10 @@ fn failures_stop_a_study_that_says_so() {
         let out = format!("out{most}{}", option.len());
         let ended = scratch.stickslip(&format!("run a.yaml --out {out} --threads 1 {option}"));
         assert_eq!(ended.code, Some(1), "{}", ended.err);
-        let said =
-            [" runs have failed, more than --on-failure allows, after ", "continue it goes on"];
+        let said = [
+            " runs have failed, more than --on-failure allows, after ",
+            "--on-failure continue computes the others",
+        ];
         assert_has(&ended.err, &said);
         // Runs in progress, eight at a time, are finished.
         let labels = words(&scratch.table(&out, "runs"), "label");
@@ -73,6 +75,6 @@ fn a_retry_never_draws_anew() {
     let failed = counts(&scratch.table("out", "points"), "failed_runs")[0];
     let again = scratch.stickslip("run a.yaml --out out --retry-failed");
     assert_eq!(again.code, Some(3), "{}", again.err);
-    assert_has(&again.err, &[format!("{} were finished before, {failed} computed", 60 - failed)]);
+    assert_has(&again.err, &[format!("{} finished earlier, {failed} computed", 60 - failed)]);
     assert_eq!(scratch.data("out"), before);
 }

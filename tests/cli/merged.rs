@@ -51,13 +51,15 @@ fn incompatible_shards_are_named() {
     scratch.refused("merge 1 2of4 3 --out merged", &division);
     scratch.write("b.yaml", study("").replace("seed: 5", "seed: 6"));
     scratch.well("run b.yaml --shard 2/3 --out other");
-    let other = ["other: another study than in 1; it differs in\n    seed: 5 -> 6", "allowed: "];
+    let other =
+        ["other: a different study than in 1; it differs in\n    seed: 5 -> 6", "allowed: "];
     scratch.refused("merge 1 other 3 --out merged", &other);
     let stopped = scratch.stickslip("run a.yaml --shard 2/3 --out stopped --max-seconds 0");
     assert_eq!(stopped.code, Some(130), "{}", stopped.err);
     let unfinished = ["stopped: shard 2/3 is not finished", "`stickslip resume stopped`"];
     scratch.refused("merge 1 stopped 3 --out merged", &unfinished);
-    scratch.refused("merge 1 nowhere 3 --out merged", &["nowhere: this directory holds no study"]);
+    scratch
+        .refused("merge 1 nowhere 3 --out merged", &["nowhere: this directory holds no results"]);
     scratch
         .refused("merge 1 2 3 --out 1", &["1: this directory holds the results of another shard"]);
     let older = of_older_model(&scratch.manifest("3").to_string());
@@ -77,7 +79,7 @@ fn a_damaged_chunk_of_a_shard_is_computed_again() {
     fs::write(folder.join("000000.chunk"), "nothing").unwrap();
     let ended = scratch.stickslip("merge 1 2 --out merged");
     assert_eq!(ended.code, Some(0), "{}", ended.err);
-    let said = ["000000.chunk: 7 bytes", "48 were finished before, 48 computed"];
+    let said = ["000000.chunk: 7 bytes", "48 finished earlier, 48 computed"];
     assert_has(&ended.err, &said);
     assert_eq!(scratch.data("merged"), scratch.data("whole"));
     // Merging does not change a shard's own directory.

@@ -195,7 +195,7 @@ fn refusals() {
         scratch.refused("optimize bad.yaml --out bad", parts);
     }
     scratch.write("none.yaml", BLOCK);
-    scratch.refused("optimize none.yaml", &["nothing is looked for", "optimize: {minimize"]);
+    scratch.refused("optimize none.yaml", &["`optimize` is missing", "optimize: {minimize"]);
     // All designs are at rest by 5 s.
     scratch.write("constant.yaml", format!("{BLOCK}optimize: {{maximize: soon, designs: 12}}\n"));
     let ended = scratch.stickslip("optimize constant.yaml --out constant --quiet");
@@ -304,5 +304,8 @@ fn an_exhausted_search_space_ends_the_search() {
     springs.sort();
     assert_eq!(springs, ["firm", "hard", "soft"]);
     assert_eq!(optimum(&scratch, "few")["best"]["values"]["spring"], "soft");
-    assert_eq!(optimum(&scratch, "few")["search"]["ended"], "there are no more designs");
+    assert_eq!(
+        optimum(&scratch, "few")["search"]["ended"],
+        "all possible designs have been evaluated"
+    );
 }

@@ -109,8 +109,8 @@ fn many_points_share_lines() {
         };
         if line.starts_with("point ") {
             lines += 1;
-            told += 1 + number("(", " before it left out)");
-        } else if line.ends_with(" more points have finished") {
+            told += 1 + number("(", " earlier points not shown)");
+        } else if line.ends_with(" more points finished") {
             told += number("", " more points");
         }
     }

@@ -56,7 +56,7 @@ fn runs_of_all_kinds_are_their_rows() {
         for run in 0..runs {
             let ended = scratch.stickslip(&format!("replay {name} {run} --json"));
             assert_eq!(ended.code, Some(0), "{name} {run}\n{}", ended.err);
-            assert_has(&ended.err, &["the same as its row in all "]);
+            assert_has(&ended.err, &["equal to its row in all "]);
             let report: serde_json::Value = serde_json::from_str(&ended.out).unwrap();
             assert_eq!(report["same_as_row"], true);
             let switches = counts(&rows, "switches")[run as usize];
@@ -166,8 +166,8 @@ fn a_row_that_is_not_the_run_is_shown() {
     rewrite(&scratch, "steps", Some(Arc::new(more)));
     let ended = scratch.stickslip("replay a 1 --json");
     assert_eq!(ended.code, Some(1), "{}", ended.err);
-    let line = format!("steps: {} in the row, {} now", steps[1] + 1, steps[1]);
-    assert_has(&ended.err, &["NOT the same as its row, in 1 of ", &line]);
+    let line = format!("steps: {} stored, {} computed", steps[1] + 1, steps[1]);
+    assert_has(&ended.err, &["NOT equal to its row in 1 of ", &line]);
     let report: serde_json::Value = serde_json::from_str(&ended.out).unwrap();
     assert_eq!(report["same_as_row"], false);
     assert_eq!(report["differences"][0]["column"], "steps");
@@ -219,8 +219,11 @@ fn what_cannot_be_replayed() {
     fs::create_dir(scratch.path("empty")).unwrap();
     let example = "as in 0:5:2001 (FROM:TO:N in s)";
     for (arguments, parts) in [
-        ("replay nowhere 0".to_owned(), ["nowhere: this directory holds no study", "allowed: "]),
-        ("replay empty 0".to_owned(), ["empty: this directory holds no study", "no manifest.json"]),
+        ("replay nowhere 0".to_owned(), ["nowhere: this directory holds no results", "allowed: "]),
+        (
+            "replay empty 0".to_owned(),
+            ["empty: this directory holds no results", "no manifest.json"],
+        ),
         ("replay a 9".to_owned(), ["run 9 of a study with 9 runs", "run numbers from 0 to 8"]),
         ("replay a x".to_owned(), ["invalid value 'x'", "RUN_ID"]),
         ("replay a -- -1".to_owned(), ["invalid value '-1'", "RUN_ID"]),
@@ -253,7 +256,7 @@ fn a_run_that_is_not_there_yet() {
     assert_eq!(scratch.stickslip("run a.yaml --out a --max-seconds 0").code, Some(130));
     let ended = scratch.stickslip("replay a 3 --json");
     assert_eq!(ended.code, Some(0), "{}", ended.err);
-    assert_has(&ended.err, &["nothing to compare it with: a has ", " of 9 runs"]);
+    assert_has(&ended.err, &["not compared, because a has ", " of 9 runs"]);
     let report: serde_json::Value = serde_json::from_str(&ended.out).unwrap();
     assert!(report["same_as_row"].is_null());
     assert!(column(&scratch.table("a-replay-3", "trajectory"), "x_m").len() > 3);

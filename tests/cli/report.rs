@@ -183,7 +183,7 @@ fn figures_say_what_they_leave_out() {
     let points = scratch.table("out", "points");
     let failed = counts(&points, "failed_runs");
     assert!(failed[0] > 0);
-    assert_has(&text, &[format!("Failed runs are left out: {} of 20 at speed", failed[0])]);
+    assert_has(&text, &[format!("Failed runs are not shown: {} of 20 at speed", failed[0])]);
     assert_has(&text, &["of the machine without draws; each run has its own ball_mass_kg."]);
     let data = data(&text);
     let curve = figure(&data, "time-to-rest")["panels"][0]["layers"][0]["name"].as_str().unwrap();
@@ -206,15 +206,15 @@ fn results_that_are_not_complete_say_how_much_is_missing() {
 #[test]
 fn what_cannot_be_shown_is_refused() {
     let (scratch, _) = finished();
-    scratch.refused("report nowhere", &["nowhere: this directory holds no study", "allowed: "]);
+    scratch.refused("report nowhere", &["nowhere: this directory holds no results", "allowed: "]);
     scratch.refused("report a.yaml", &["a.yaml", "allowed: "]);
     // Only a page is replaced by a page.
     scratch.well("report out");
     scratch.well("report out");
     scratch
-        .refused("report out --out a.yaml", &["a.yaml", "would replace", "found: ", "allowed: "]);
+        .refused("report out --out a.yaml", &["a.yaml", "would overwrite", "found: ", "allowed: "]);
     for inside in ["out", "out/new.html", "out/chunks", "out/a/b.html"] {
-        let said = ["lies in the directory that is shown", "found: ", "allowed: "];
+        let said = ["lies in the directory of results", "found: ", "allowed: "];
         scratch.refused(&format!("report out --out {inside}"), &said);
     }
     fs::create_dir(scratch.path("folder")).unwrap();

@@ -60,7 +60,7 @@ fn finished_runs_are_not_computed_again() {
         let scratch = stopped();
         let ended = scratch.stickslip(command);
         assert_eq!(ended.code, Some(0), "{}", ended.err);
-        let said = ["going on with this study", "400 were finished before, 200 computed"];
+        let said = ["continuing this study", "400 finished earlier, 200 computed"];
         assert_has(&ended.err, &said);
         assert_eq!(scratch.data("out"), scratch.data("whole"), "{command}");
         assert_eq!(scratch.manifest("out")["runs_kept"], 400);
@@ -91,7 +91,7 @@ fn the_directory_is_enough() {
 fn what_is_damaged_is_named_and_computed_again() {
     type Change = (&'static str, fn(&PathBuf));
     let changes: [Change; 7] = [
-        ("000003.chunk: its content is not what was written", |folder| {
+        ("000003.chunk: its content has been changed", |folder| {
             let path = folder.join("000003.chunk");
             let mut bytes = fs::read(&path).unwrap();
             let middle = bytes.len() / 2;
@@ -106,7 +106,7 @@ fn what_is_damaged_is_named_and_computed_again() {
         ("000003.chunk: 0 bytes, ", |folder| {
             fs::write(folder.join("000003.chunk"), "").unwrap();
         }),
-        ("000003.chunk: it is missing", |folder| {
+        ("000003.chunk: missing file", |folder| {
             fs::remove_file(folder.join("000003.chunk")).unwrap();
         }),
         ("000003.chunk: ", |folder| {
@@ -120,7 +120,7 @@ fn what_is_damaged_is_named_and_computed_again() {
             let list = fs::read_to_string(&path).unwrap();
             fs::write(path, &list[..list.len() - 40]).unwrap();
         }),
-        ("another chunk than the list says", |folder| {
+        ("not the chunk on the list", |folder| {
             let path = folder.join("manifest.jsonl");
             let list = fs::read_to_string(&path).unwrap();
             assert!(list.contains("\"first_run\":150"));
@@ -153,7 +153,7 @@ fn a_chunk_without_its_name_is_found() {
     let folder = chunks(&scratch, "out");
     fs::rename(folder.join("000007.chunk"), folder.join("000007.chunk.partial")).unwrap();
     let ended = scratch.stickslip("resume out");
-    assert_has(&ended.err, &["400 were finished before, 200 computed"]);
+    assert_has(&ended.err, &["400 finished earlier, 200 computed"]);
     assert!(folder.join("000007.chunk").exists());
     assert_eq!(scratch.data("out"), scratch.data("whole"));
 }
@@ -180,14 +180,14 @@ fn a_run_of_another_case_is_not_taken() {
     fs::write(ours.join("manifest.jsonl"), lines.join("\n") + "\n").unwrap();
     let ended = scratch.stickslip("resume out");
     assert_eq!(ended.code, Some(0), "{}", ended.err);
-    assert_has(&ended.err, &["350 were finished before, 250 computed"]);
+    assert_has(&ended.err, &["350 finished earlier, 250 computed"]);
     assert_eq!(scratch.data("out"), scratch.data("whole"));
 }
 
 #[test]
 fn what_cannot_be_resumed_is_refused() {
     let scratch = stopped();
-    scratch.refused("resume nowhere", &["nowhere: this directory holds no study", "allowed: "]);
+    scratch.refused("resume nowhere", &["nowhere: this directory holds no results", "allowed: "]);
     scratch.refused("resume a.yaml", &["a.yaml: cannot be used", "allowed: "]);
     let manifest = fs::read_to_string(scratch.path("out/manifest.json")).unwrap();
     scratch.write("out/manifest.json", &manifest[..200]);
@@ -202,7 +202,7 @@ fn what_cannot_be_resumed_is_refused() {
 
     let scratch = stopped();
     scratch.write("out/study.yaml", study("seed: 6\n"));
-    let edited = ["the study has been edited since", "found:   a study.yaml", "allowed: "];
+    let edited = ["the study has been edited since the run", "found:   a study.yaml", "allowed: "];
     scratch.refused("resume out", &edited);
     let older = of_older_model(&scratch.manifest("out").to_string());
     scratch.write("out/manifest.json", older);
@@ -238,7 +238,7 @@ fn runs_of_another_version_are_not_used() {
         fs::write(&path, of_older_model(&fs::read_to_string(&path).unwrap())).unwrap();
     }
     let versions = format!("version of the model: 0 -> {MODEL_VERSION}");
-    let version = ["of which no run can be used", &versions, "--recompute"];
+    let version = ["of which no run can be reused", &versions, "--recompute"];
     scratch.refused("run a.yaml --out out", &version);
     let ended = scratch.stickslip("run a.yaml --out out --recompute --chunk 50");
     assert_eq!(ended.code, Some(0), "{}", ended.err);

@@ -191,7 +191,7 @@ fn interrupted_results_say_what_is_missing() {
     scratch.write("a.yaml", study(20, 0.5, REST));
     assert_eq!(scratch.stickslip("run a.yaml --out out --max-seconds 0").code, Some(130));
     let text = scratch.well("summary out");
-    let said = "0 of 60 runs finished, 60 are missing (`stickslip resume out` goes on), 0 failed";
+    let said = "0 of 60 runs finished, 60 are missing (`stickslip resume out` continues), 0 failed";
     assert_has(&text, &[said]);
     assert_eq!(text.lines().count(), 3, "no point has a run: {text}");
     let document: Value = serde_json::from_str(&scratch.well("summary out --format json")).unwrap();
@@ -245,7 +245,7 @@ pub fn kill(scratch: &Scratch) {
 #[test]
 fn what_has_no_tables_is_refused() {
     let (scratch, printed) = finished();
-    scratch.refused("summary nowhere", &["nowhere: this directory holds no study", "allowed: "]);
+    scratch.refused("summary nowhere", &["nowhere: this directory holds no results", "allowed: "]);
     scratch.refused("summary a.yaml", &["a.yaml", "allowed: "]);
     kill(&scratch);
     let said = ["out: there are no tables yet", "60 of 60 runs finished", "`stickslip resume out`"];

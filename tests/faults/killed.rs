@@ -100,11 +100,11 @@ fn a_merge_that_was_stopped_is_merged() {
     }
     stopped_at(&scratch, 16, "merge part1 part2 --out out");
     assert_eq!(scratch.manifest("out")["complete"], false);
-    let merge = "`stickslip merge part1 part2 --out out`, which goes on";
-    scratch.refused("resume out", &["out: these results were being merged", merge]);
+    let merge = "`stickslip merge part1 part2 --out out`, which continues it";
+    scratch.refused("resume out", &["out: this directory holds an unfinished merge", merge]);
     let ended = scratch.stickslip("merge part1 part2 --out out");
     assert_eq!(ended.code, Some(0), "{}", ended.err);
-    assert_has(&ended.err, &["400 were finished before, 0 computed"]);
+    assert_has(&ended.err, &["400 finished earlier, 0 computed"]);
     assert_eq!(scratch.data("out"), scratch.data("whole"));
     assert!(scratch.manifest("out")["merging"].is_null());
     // With an explicit request the runs are computed.

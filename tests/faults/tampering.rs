@@ -125,7 +125,7 @@ fn shards_are_only_read() {
     };
     let before = files();
     let ended = scratch.stickslip("merge part --out merged");
-    assert_has(&ended.err, &["80 were finished before, 0 computed"]);
+    assert_has(&ended.err, &["80 finished earlier, 0 computed"]);
     assert_eq!(files(), before);
 }
 
@@ -158,7 +158,10 @@ fn a_lost_lock_is_noticed() {
     let ended = child.wait_with_output().unwrap();
     let said = String::from_utf8_lossy(&ended.stderr).into_owned();
     assert_eq!(ended.status.code(), Some(1), "{said}");
-    assert_has(&said, &["out: this directory is no longer ours", "allowed: no other process"]);
+    assert_has(
+        &said,
+        &["out: this process lost its lock on the directory", "allowed: no other process"],
+    );
     assert_eq!(scratch.manifest("out")["complete"], false);
     scratch.well("resume out");
     assert_eq!(scratch.data("out"), scratch.data("whole"));
@@ -200,7 +203,7 @@ fn removed_chunks_are_reported() {
     }
     fs::remove_file(chunks(&scratch.path("part2")).unwrap().join("manifest.jsonl")).unwrap();
     let ended = scratch.stickslip("merge part1 part2 --out merged");
-    assert_has(&ended.err, &["part2: only 0 of its 40 finished runs are on the list in chunks/"]);
+    assert_has(&ended.err, &["part2: only 0 of its 40 finished runs are listed in chunks/"]);
     assert_eq!(scratch.data("merged"), scratch.data("out"));
 
     let scratch = Scratch::new();

@@ -86,7 +86,7 @@ fn a_replay_is_accessible() {
         ("button", "Play"),
         ("slider", "Time"),
         ("combobox", "Speed"),
-        ("combobox", "Seen"),
+        ("combobox", "View"),
         ("combobox", "Table's displacement ×"),
         ("list", "Balls"),
     ] {

@@ -1,5 +1,5 @@
-// The balancer's equations for two balls alike, what follows an event, the certificate of rest, and how a
-// C++ peer talks with the runner: shared by the C++ peers. The same as equations.py and serve.py.
+// The balancer's equations for two identical balls, the phases after an event, the certificate of rest, and the
+// protocol with the runner, shared by the C++ peers. Corresponds to equations.py and serve.py.
 #pragma once
 
 #include <algorithm>
@@ -16,14 +16,14 @@
 // x, y, beta_1, beta_2, x_dot, y_dot, beta_dot_1, beta_dot_2.
 using State = std::array<double, 8>;
 
-// What each ball does: 0 sticks, 1 or -1 slips in that direction.
+// Phase of each ball: 0 sticks, 1 or -1 slips in that direction.
 using Phases = std::array<double, 2>;
 
 struct Forces {
     double normal[2], friction[2];
 };
 
-// Over the friction limit by no more than this a resting ball is not let go: rounding of the forces.
+// Tolerance of the friction limit against rounding: within it a resting ball does not break away.
 constexpr double slack = 2e-13;
 
 struct Balancer {
@@ -31,7 +31,7 @@ struct Balancer {
 
     bool smooth() const { return friction == 0.0; }
 
-    // A quarter of the shortest period of the table in the turning frame.
+    // A quarter of the shortest period of the table in the rotating frame.
     double quarter() const { return 0.5 * M_PI / (std::abs(speed) + 1.0); }
 
     // Writes the time derivative; returns the forces on both balls.
@@ -82,14 +82,14 @@ struct Balancer {
         return forces;
     }
 
-    // Positive while a ball goes on with what it does: its speed, or what is left of friction.
+    // The guard of a ball's phase, positive while it is valid: the sliding speed, or the friction reserve.
     double guard(const double *y, const Forces &forces, const Phases &s, int ball) const {
         if (s[ball] != 0.0) return s[ball] * y[6 + ball];
         return friction * forces.normal[ball] - std::abs(forces.friction[ball]) + slack;
     }
 
-    // What both balls do after an event of one, decided together. `at_once`: the ball is stopped at the
-    // instant at which it set off; it stays.
+    // Decides the phases of both balls after an event. `at_once`: the ball stops at the instant of its break-away, and
+    // sticks.
     void after_event(double *y, Phases &s, int ball, bool at_once) const {
         double scratch[8];
         for (int i = 0; i < 2; i++) y[2 + i] -= 2.0 * M_PI * std::floor(y[2 + i] / (2.0 * M_PI));
@@ -114,8 +114,8 @@ struct Balancer {
     }
 };
 
-// Where the table rests while both balls stick, and how far (squared, in its phase space) it may be from
-// there so that neither ever breaks loose (src/classification/certificate.rs).
+// The table's rest point while both balls stick, and the largest distance from it (squared, in phase space) at which
+// neither ball ever breaks away (src/classification/certificate.rs).
 struct Rest {
     double x = 0.0, y = 0.0, allowed = -1.0;
 
@@ -148,14 +148,14 @@ struct Rest {
     }
 };
 
-// How one run ended.
+// The end of one run.
 struct Ending {
     bool rest = false;
     double time = 0.0;
     State state{};
 };
 
-// What all runs took.
+// The counts of all runs.
 struct Counts {
     long steps = 0, evaluations = 0, events = 0;
 };
@@ -180,8 +180,7 @@ inline std::string row(const double *values, int count) {
     return text.str() + "]";
 }
 
-// Answers the runner's commands; `run_one(balancer, start, end_time, relative, absolute, counts)` is the
-// peer.
+// Answers the runner's commands; the peer is `run_one(balancer, start, end_time, relative, absolute, counts)`.
 template <class RunOne> int serve(const char *cases, RunOne run_one) {
     std::ifstream file(cases);
     Balancer b;

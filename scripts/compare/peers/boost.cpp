@@ -1,9 +1,9 @@
-// Peer: Boost.odeint, every loop compiled.
+// Peer: Boost.odeint, with compiled loops.
 //
-// With friction the controlled Dormand-Prince method of order 5 with dense output, the only one of
-// odeint's adaptive Runge-Kutta methods that has it, and events located on that by the Illinois method.
-// Smooth motion by the controlled Fehlberg method of order 8, which needs fewer right-hand sides.
-// Not a good fit for tight tolerances with events: no method of high order has dense output.
+// With friction it uses the controlled Dormand-Prince method of order 5, the only adaptive Runge-Kutta method of
+// odeint with dense output, on which the Illinois method locates events. Smooth motion uses the controlled Fehlberg
+// method of order 8, which needs fewer right-hand sides. Tight tolerances with events are expensive, because no
+// method of high order has dense output.
 #include "balancer.hpp"
 
 #include <boost/numeric/odeint.hpp>
@@ -33,7 +33,7 @@ static Ending smooth_run(const Balancer &b, const State &start, double end_time,
     return ending;
 }
 
-// The first event of a step: where, and of which ball; none with `ball` -1.
+// The first event of a step: time and ball; `ball` is -1 if there is none.
 struct Event {
     double time;
     int ball;
@@ -56,7 +56,7 @@ Event first_event(const Balancer &b, Stepper &stepper, const Phases &s, const Fo
         if (after > 0.0) continue;
         double before = b.guard(stepper.previous_state().data(), start_forces, s, ball);
         double low = from, high = to;
-        // A ball that has just set off: is it stopped later in the step, or at once?
+        // A ball that has just broken away may stop immediately or later in the step.
         for (double part = 1e-3; before <= 0.0 && part < 1.0; part *= 2.0) {
             low = from + part * (to - from);
             before = value(low, ball);
@@ -95,7 +95,7 @@ static Ending run_with_events(const Balancer &b, const State &start, double end_
     for (;;) {
         stepper.do_step(rhs);
         counts.steps++;
-        // odeint keeps the last derivative to itself: the forces at the step's end cost one more.
+        // odeint does not expose the last derivative, so the forces at the step's end cost another evaluation.
         const bool sticks = s[0] == 0.0 || s[1] == 0.0;
         Forces end_forces = forces;
         if (sticks) {

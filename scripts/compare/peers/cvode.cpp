@@ -1,8 +1,8 @@
 // Peer: SUNDIALS CVODE with its root finding.
 //
-// Adams' method with fixed-point iteration: the motion is not stiff, and BDF takes half as long again. Not a good
-// fit with friction: a multistep method starts anew with order 1 after every event, some hundred times a
-// run, and every step goes through function pointers and vectors on the heap. Written for SUNDIALS 6.
+// Adams' method with fixed-point iteration: the motion is not stiff, and BDF takes 1.5 times as long. Friction is
+// expensive, because a multistep method restarts with order 1 after every event, some hundred times per run, and
+// every step goes through function pointers and vectors on the heap. Written for SUNDIALS 6.
 #include "balancer.hpp"
 
 #include <cvode/cvode.h>
@@ -33,7 +33,7 @@ static int guards(sunrealtype, N_Vector y, sunrealtype *out, void *data) {
     return 0;
 }
 
-// A solver that is made once and started anew for every run and after every event.
+// A solver that is created once and restarted for every run and after every event.
 class Solver {
   public:
     Solver() {
@@ -66,7 +66,7 @@ class Solver {
         Ending ending;
         double time = 0.0, last_event = -1.0;
         while (time < end_time && !ending.rest) {
-            // While both balls stick every step is looked at, else only events are.
+            // While both balls stick every step is checked for rest, otherwise only events.
             const bool stuck = s[0] == 0.0 && s[1] == 0.0;
             const int result = CVode(memory, end_time, y, &time, stuck ? CV_ONE_STEP : CV_NORMAL);
             if (result < 0) throw std::runtime_error("CVODE failed");
@@ -98,7 +98,7 @@ class Solver {
     void *memory;
     Problem problem;
 
-    // Adds what was counted since the last start.
+    // Adds the counts since the last start.
     void take(Counts &counts) {
         long steps, evaluations, conditions;
         CVodeGetNumSteps(memory, &steps);

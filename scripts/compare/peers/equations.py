@@ -1,7 +1,7 @@
-"""The balancer's equations for two balls alike, compiled by numba: shared by the Python peers.
+"""The balancer's equations for two identical balls, compiled by numba and shared by the Python peers.
 
 State `y`: x, y, beta_1, beta_2, x_dot, y_dot, beta_dot_1, beta_dot_2. Phase `s` of a ball: 0 sticks,
-1 or -1 slips in that direction. All without dimensions (src/model/equations.rs has them in words).
+1 or -1 slips in that direction. All values are dimensionless (src/model/equations.rs derives them).
 """
 
 import math
@@ -11,12 +11,12 @@ import numpy as np
 
 SPEED, DAMPING, IMBALANCE, MASS, DIAMETER, INERTIA, FRICTION, DRAG, ROLLING = range(9)
 TURN = 2.0 * math.pi
-# Over the friction limit by no more than this a resting ball is not let go: rounding of the forces.
+# Tolerance of the friction limit against rounding: within it a resting ball does not break away.
 SLACK = 2e-13
 
 
 def read_cases(path):
-    """Parameters, end time and start states from the file that cases.py writes."""
+    """Reads parameters, end time and start states from the file that cases.py writes."""
     with open(path) as file:
         head = [float(value) for value in file.readline().split()]
         starts = np.loadtxt(file, ndmin=2)
@@ -75,7 +75,7 @@ def derivative(y, s1, s2, p, out):
 
 
 def values(y, s1, s2, p):
-    """Time derivative, normal and friction forces in one list."""
+    """Returns time derivative, normal and friction forces in one list."""
     out = np.zeros(8)
     forces = derivative(y, s1, s2, p, out)
     return [*out, *forces]
@@ -83,8 +83,8 @@ def values(y, s1, s2, p):
 
 @nb.njit
 def after_event(y, s, ball, at_once, p, scratch):
-    """What both balls do after an event of one, decided together. `at_once`: the ball is stopped at the
-    instant at which it set off; it stays."""
+    """Decides the phases of both balls after an event. `at_once`: the ball stops at the instant of its break-away, and
+        sticks."""
     for i in range(2):
         y[2 + i] -= TURN * math.floor(y[2 + i] / TURN)
     if s[ball] == 0.0:
@@ -108,8 +108,8 @@ def after_event(y, s, ball, at_once, p, scratch):
 
 @nb.njit
 def set_in_motion(y, s):
-    """Gives balls that set off a speed too small to matter: SciPy and heyoka do not see a guard that
-    starts at exactly zero rise and fall in the same step."""
+    """Gives balls that break away a negligible speed, because SciPy and heyoka do not detect a guard that starts at
+        exactly zero and rises and falls in the same step."""
     for i in range(2):
         if s[i] != 0.0 and y[6 + i] == 0.0:
             y[6 + i] = 1e-16 * s[i]
@@ -117,8 +117,8 @@ def set_in_motion(y, s):
 
 @nb.njit
 def rest(y, p):
-    """Where the table rests while both balls stick at `y`, and how far (squared, in its phase space)
-    it may be from there so that neither ever breaks loose (src/classification/certificate.rs)."""
+    """Returns the table's rest point while both balls stick at `y`, and the largest distance from it (squared, in phase
+        space) at which neither ball ever breaks away (src/classification/certificate.rs)."""
     omega, zeta = p[SPEED], p[DAMPING]
     sine1, cosine1 = math.sin(y[2]), math.cos(y[2])
     sine2, cosine2 = math.sin(y[3]), math.cos(y[3])
@@ -138,7 +138,7 @@ def rest(y, p):
 
 @nb.njit
 def acceleration_allowed(sine, cosine, x0, y0, p):
-    """The acceleration of the table beyond rest that a ball's friction limit covers."""
+    """Returns the acceleration of the table beyond rest that a ball's friction limit covers."""
     square = p[SPEED] * p[SPEED]
     normal = square * (1.0 + cosine * x0 + sine * y0)
     friction = square * abs(sine * x0 - cosine * y0)
@@ -147,7 +147,7 @@ def acceleration_allowed(sine, cosine, x0, y0, p):
 
 @nb.njit
 def distance_squared(y, x0, y0, p):
-    """Distance of the table from its rest point in phase space, squared."""
+    """Returns the distance of the table from its rest point in phase space, squared."""
     u, v = y[0] - x0, y[1] - y0
     u_dot, v_dot = y[4] - p[SPEED] * v, y[5] + p[SPEED] * u
     return u * u + v * v + u_dot * u_dot + v_dot * v_dot

@@ -1,8 +1,8 @@
 """Peer: heyoka, Taylor's method of high order compiled for this machine, eight runs per batch.
 
-Smooth motion is a very good fit. With friction the phases are parameters, so that lanes can differ, and
-the stop is an event, too; integration and event detection run compiled and only what follows an event in
-Python (one compiled call). A lane whose run has ended is filled with the next one.
+The method suits smooth motion very well. With friction the phases are parameters, so that lanes can differ, and the
+stop is an event, too; integration and event detection are compiled, and one compiled call from Python handles the
+event. A lane whose run has ended takes the next run.
 """
 
 import heyoka as hy
@@ -14,17 +14,17 @@ from equations import (
 )  # fmt: skip
 from serve import serve
 
-hy.set_logger_level_error()  # lanes that wait at the end time give warnings
+hy.set_logger_level_error()  # lanes at the end time give warnings
 
 LANES = 8
 NAMES = ("x", "y", "beta_1", "beta_2", "x_dot", "y_dot", "beta_dot_1", "beta_dot_2")
-# Parameters of a lane: what each ball does, the table's rest point, the distance from it that is
-# certain rest, and whether both balls stick.
+# Parameters of a lane: phase of each ball, the table's rest point, the distance from it that certifies rest, and
+# whether both balls stick.
 PHASE, REST, ALLOWED, STUCK = 0, 2, 4, 5
 
 
 def system(p, phases):
-    """The equations of motion, and the forces on each ball, as expressions."""
+    """Returns the equations of motion and the forces on each ball, as expressions."""
     x, y, *beta, x_dot, y_dot, v1, v2 = hy.make_vars(*NAMES)
     omega, zeta, mass, mu = (float(p[i]) for i in (SPEED, DAMPING, MASS, FRICTION))
     mobility = float(1.0 / (1.0 + 4.0 * p[INERTIA]))
@@ -72,7 +72,7 @@ def system(p, phases):
 
 @nb.njit
 def on_event(state, lanes, lane, ball, at_once, p, y, s, scratch):
-    """What one lane does after an event; whether it rests for good."""
+    """Decides the phases of one lane after an event, and whether it rests for good."""
     y[:] = state[:, lane]
     s[:] = lanes[:2, lane]
     after_event(y, s, ball, at_once, p, scratch)
@@ -92,7 +92,7 @@ class Peer:
     def __init__(self, parameters, end_time, starts):
         self.parameters, self.end_time, self.starts = parameters, end_time, starts
         self.smooth = parameters[FRICTION] == 0.0
-        self.integrators = {}  # one per tolerance, compiled when first asked for
+        self.integrators = {}  # one per tolerance, compiled on first use
 
     def integrator(self, tolerance):
         p, zeros = self.parameters, np.zeros((8, LANES))
@@ -121,10 +121,10 @@ class Peer:
             reserve = (float(p[FRICTION]) * normals[ball]) ** 2.0 - frictions[ball] ** 2.0
             free = phase * phase
             slips = phase * equations[6 + ball][0]
-            # The slack of the other peers or a little more, as the squares have it.
+            # About the tolerance of the other peers, for squared quantities.
             guard = free * slips + (1.0 - free) * (reserve + 4e-15)
-            # No cooldown: what follows an event may be at once another one, and none is found twice,
-            # as a ball that sets off speeds up and one that stops has friction to spare.
+            # No cooldown: the next event may follow immediately, and no event is detected twice, because a ball that breaks
+            # away accelerates and a ball that stops is below its friction limit.
             callback = changes(ball)
             events.append(hy.t_event_batch(guard, callback=callback, direction=down, cooldown=0.0))
         (x, _), (y_, _), *_, (x_dot, _), (y_dot, _), _, _ = equations

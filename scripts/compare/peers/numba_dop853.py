@@ -1,5 +1,5 @@
-"""One step of DOP853 (Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, II.5-6),
-its error and its dense output, with the coefficients of SciPy written out as straight code for numba."""
+"""One step of DOP853 (Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, II.5-6), its error and its
+dense output, with SciPy's coefficients unrolled into straight code for numba."""
 
 import numba as nb
 import numpy as np
@@ -9,19 +9,19 @@ OPTIONS = {"fastmath": True, "error_model": "numpy"}
 
 
 def combination(row):
-    """A linear combination of stages as source, without its zeros."""
+    """Returns source code of a linear combination of stages, without zero coefficients."""
     return " + ".join(f"{float(a)!r} * k[{j}, i]" for j, a in enumerate(row) if a != 0.0)
 
 
 def stages(first, last):
-    """Source that computes the stages from `first` to `last`, each from those before."""
+    """Returns source code that computes the stages from `first` to `last`, each from those before."""
     for stage in range(first, last):
         yield f"    for i in range(8): tmp[i] = y[i] + h * ({combination(table.A[stage, :stage])})"
         yield f"    derivative(tmp, s1, s2, p, k[{stage}])"
 
 
 def compiled(derivative):
-    """`attempt`, `error` and `interpolant` for a right-hand side compiled by numba."""
+    """Returns `attempt`, `error` and `interpolant` for a right-hand side compiled by numba."""
     source = "\n".join(
         ["def attempt(y, h, s1, s2, p, k, tmp, end):", *stages(1, 12),
          f"    for i in range(8): end[i] = y[i] + h * ({combination(table.B)})",
@@ -47,7 +47,7 @@ def compiled(derivative):
 
 @nb.njit(**OPTIONS)
 def evaluate(y, f, theta, out):
-    """The state at the fraction `theta` of a step, from its interpolant `f`."""
+    """Returns the state at the fraction `theta` of a step, from its interpolant `f`."""
     for i in range(8):
         value = 0.0
         for j in range(6, -1, -1):

@@ -1,7 +1,7 @@
 """Peer: a whole compiled loop in numba, DOP853 with events located on its dense output.
 
-Nothing of it is interpreted while it runs. A good fit: what it lacks against the program is vectors over
-runs, which numba does not make of such a loop.
+The whole loop is compiled. Unlike the program it does not compute several runs in vector lanes, for which numba
+cannot vectorize such a loop.
 """
 
 import math
@@ -13,14 +13,14 @@ from numba_dop853 import OPTIONS, compiled, evaluate
 from serve import serve
 
 attempt, error, interpolant = compiled(derivative)
-# A quarter of the shortest period of the table in the turning frame, so that no friction force can rise
-# and fall back between the ends of a step.
+# A quarter of the shortest period of the table in the rotating frame, so that no friction force can rise and fall
+# between the ends of a step.
 QUARTER = 0.5 * math.pi
 
 
 @nb.njit(**OPTIONS)
 def guard(y, forces, s, ball, p):
-    """Positive while a ball goes on with what it does: its speed, or what is left of friction."""
+    """Returns the guard of a ball's phase, positive while it is valid: the sliding speed, or the friction reserve."""
     if s[ball] != 0.0:
         return s[ball] * y[6 + ball]
     return p[FRICTION] * forces[ball] - abs(forces[2 + ball]) + SLACK
@@ -28,8 +28,8 @@ def guard(y, forces, s, ball, p):
 
 @nb.njit(**OPTIONS)
 def locate(y, f, before, after, s, ball, p, tmp, scratch):
-    """Where a guard falls through zero in a step: the Illinois method on the dense output. 0 where it
-    was never above zero: a ball that set off and is stopped at once."""
+    """Returns where a guard falls through zero in a step, by the Illinois method on the dense output; 0 if it was
+        never above zero, that is if a ball stops at the instant of its break-away."""
     low, high = 0.0, 1.0
     while before <= 0.0:
         low = 0.001 if low == 0.0 else 2.0 * low
@@ -58,7 +58,7 @@ def locate(y, f, before, after, s, ball, p, tmp, scratch):
 
 @nb.njit(**OPTIONS)
 def run_one(y, p, end_time, relative, absolute, smooth, work):
-    """One run; leaves its end in `y`. Returns whether it rests, when it ended, and what it took."""
+    """Computes one run; leaves the final state in `y`. Returns whether it rests, its end time, and counts."""
     k, tmp, end, f, scale, scratch = work
     s = np.empty(2)
     s[0], s[1] = math.copysign(1.0, y[6]), math.copysign(1.0, y[7])
@@ -117,7 +117,7 @@ def run_one(y, p, end_time, relative, absolute, smooth, work):
 
 @nb.njit(**OPTIONS)
 def run_all(y, p, end_time, relative, absolute, smooth, rests, times, counts):
-    """All runs; `y` goes from start states to ends."""
+    """Computes all runs; `y` holds start states before and final states after."""
     work = (np.zeros((16, 8)), np.zeros(8), np.zeros(8), np.zeros((7, 8)), np.zeros(8), np.zeros(8))
     for i in range(len(y)):
         rests[i], times[i], a, b, c = run_one(y[i], p, end_time, relative, absolute, smooth, work)

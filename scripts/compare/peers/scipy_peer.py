@@ -1,7 +1,7 @@
 """Peers: SciPy's solve_ivp, LSODA or DOP853, with right-hand side and events compiled by numba.
 
-Not a good fit for many short runs: every step and every look for an event is interpreted, and every event
-is a new call of solve_ivp.
+Many short runs are expensive: Python interprets every step and every event check, and every event is a new call of
+solve_ivp.
 """
 
 import math
@@ -25,7 +25,7 @@ def right_hand_side(_, y, s, p):
 
 @nb.njit
 def guard(y, s, ball, p):
-    """Positive while a ball goes on with what it does: its speed, or what is left of friction."""
+    """Returns the guard of a ball's phase, positive while it is valid: the sliding speed, or the friction reserve."""
     if s[ball] != 0.0:
         return s[ball] * y[6 + ball]
     forces = derivative(y, s[0], s[1], p, np.empty(8))
@@ -33,7 +33,7 @@ def guard(y, s, ball, p):
 
 
 class Event:
-    """An event that ends a call of solve_ivp, where its value falls through zero."""
+    """Returns an event that ends a call of solve_ivp when its value falls through zero."""
 
     terminal, direction = True, -1.0
 
@@ -70,7 +70,7 @@ class Peer:
         }  # fmt: skip
 
     def run_one(self, y, relative, absolute):
-        """Whether a run rests, when it ended and where."""
+        """Returns whether a run rests, its end time and its final state."""
         p = self.parameters
         s = np.sign(y[6:])
         time, last, step, scratch = 0.0, -1.0, 0.05, np.empty(8)

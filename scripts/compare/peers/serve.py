@@ -1,4 +1,4 @@
-"""How a Python peer talks with the runner: a command per line on standard input, a JSON line back.
+"""The protocol between a Python peer and the runner: a command per line on standard input, a JSON line back.
 
 check FILE              derivatives and forces of the states in FILE
 run RELATIVE ABSOLUTE   all cases with this tolerance; `cpu_s` is the process's own CPU time
@@ -13,9 +13,9 @@ from equations import read_cases
 
 
 def serve(make):
-    """Answers commands with a peer made from parameters, end time and start states: `forces(y, s1, s2)`
-    gives 8 derivatives, two normal and two friction forces, `prepare(relative, absolute)` compiles what
-    is not compiled yet, and `run(relative, absolute)` gives `rest`, `time`, `state` and counts."""
+    """Answers commands with a peer that `make` creates from parameters, end time and start states: `forces(y, s1, s2)`
+        returns 8 derivatives, two normal and two friction forces, `prepare(relative, absolute)` compiles the rest, and
+        `run(relative, absolute)` returns `rest`, `time`, `state` and counts."""
     parameters, end_time, starts = read_cases(sys.argv[1])
     peer = make(parameters, end_time, starts)
     for line in sys.stdin:

@@ -1,10 +1,9 @@
 //! A chunk: finished runs in one file, in ascending order of their numbers.
 //!
-//! Layout, little-endian: 16 bytes that say what it is, the version of the layout and of the model (4 bytes
-//! each), the hash of the study (64 hexadecimal digits); then for each run its number (8 bytes), the key
-//! of its case (16), the length of what follows (4) and the outcome, as postcard writes it. That a
-//! chunk is whole and unchanged is said by its hash in the list of chunks, not here; here nothing
-//! that is read may do harm.
+//! Layout, little-endian: 16 magic bytes, the versions of the layout and of the model (4 bytes each), and the hash
+//! of the study (64 hexadecimal digits); then per run its number (8 bytes), the key of its case (16), the length of
+//! the outcome (4) and the outcome, serialized by postcard. The hash in the list of chunks detects damage; the
+//! parser only has to be safe for any input.
 
 use thiserror::Error;
 
@@ -16,13 +15,13 @@ const MAGIC: &[u8; 16] = b"stickslip chunk\n";
 const FORMAT: u32 = 2;
 const HASH_DIGITS: usize = 64;
 
-/// Why bytes are not a chunk.
+/// The reason why bytes are not a chunk.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum ChunkFault {
-    /// They begin with something else.
+    /// The magic bytes are wrong.
     #[error("not a chunk of finished runs")]
     Foreign,
-    /// They are another version's.
+    /// Another version wrote them.
     #[error(
         "layout {format} of model version {model}, this program reads {FORMAT} of {MODEL_VERSION}"
     )]
@@ -35,18 +34,18 @@ pub enum ChunkFault {
     /// They end within a run.
     #[error("it ends within a run, at byte {at}")]
     Torn {
-        /// Where that run begins.
+        /// Offset of that run.
         at: usize,
     },
-    /// Runs do not ascend.
+    /// The run numbers do not ascend.
     #[error("run {run_id} is out of order")]
     Order {
-        /// The run.
+        /// Number of the run.
         run_id: u64,
     },
 }
 
-/// A chunk that has been read.
+/// A parsed chunk.
 #[derive(Debug)]
 pub struct Chunk {
     study_hash: String,
@@ -63,10 +62,10 @@ struct Entry {
 }
 
 impl Chunk {
-    /// Finds the runs in the bytes of a chunk.
+    /// Parses a chunk.
     ///
     /// # Errors
-    /// [`ChunkFault`].
+    /// Returns a [`ChunkFault`] if the bytes are not a chunk of this version.
     pub fn parse(bytes: Vec<u8>) -> Result<Self, ChunkFault> {
         let mut rest = Rest { bytes: &bytes, at: 0 };
         if rest.take::<16>() != Some(*MAGIC) {
@@ -91,12 +90,12 @@ impl Chunk {
         Ok(Chunk { study_hash: String::from_utf8_lossy(&hash).into_owned(), runs, bytes })
     }
 
-    /// Hash of the study that the runs belong to.
+    /// Returns the hash of the study of the runs.
     pub fn study_hash(&self) -> &str {
         &self.study_hash
     }
 
-    /// How many runs it has.
+    /// Returns the number of runs.
     pub fn len(&self) -> usize {
         self.runs.len()
     }
@@ -106,22 +105,22 @@ impl Chunk {
         self.runs.is_empty()
     }
 
-    /// How much memory it takes, about, bytes.
+    /// Returns the approximate size in memory, bytes.
     pub fn size(&self) -> usize {
         self.bytes.len() + size_of_val(self.runs.as_slice())
     }
 
-    /// The numbers of its runs.
+    /// Returns the numbers of the runs.
     pub fn run_ids(&self) -> impl ExactSizeIterator<Item = u64> {
         self.runs.iter().map(|entry| entry.run_id)
     }
 
-    /// The keys of its runs.
+    /// Returns the keys of the runs.
     pub(super) fn keys(&self) -> impl ExactSizeIterator<Item = CaseKey> {
         self.runs.iter().map(|entry| entry.key)
     }
 
-    /// The runs whose numbers are in this range: number, key and content.
+    /// Returns the runs whose numbers are in this range: number, key and content.
     pub(super) fn runs_between(
         &self,
         first: u64,
@@ -132,7 +131,7 @@ impl Chunk {
         inside.map(|entry| (entry.run_id, entry.key, &self.bytes[entry.start..entry.end]))
     }
 
-    /// The content of its run `index`, counted from zero.
+    /// Returns the content of the run with this index.
     pub(super) fn content(&self, index: usize) -> Option<&[u8]> {
         self.runs.get(index).map(|entry| &self.bytes[entry.start..entry.end])
     }
@@ -150,7 +149,7 @@ impl Rest<'_> {
         Some(taken)
     }
 
-    /// The next run; where it is not whole, nothing is taken.
+    /// Returns the next run; consumes nothing if the run is incomplete.
     fn entry(&mut self) -> Option<Entry> {
         let mut ahead = Rest { bytes: self.bytes, at: self.at };
         let run_id = u64::from_le_bytes(ahead.take()?);
@@ -163,14 +162,14 @@ impl Rest<'_> {
     }
 }
 
-/// A chunk being put together.
+/// Builds a chunk.
 #[derive(Debug)]
 pub(super) struct ChunkWriter {
     pub bytes: Vec<u8>,
 }
 
 impl ChunkWriter {
-    /// A chunk of a study without runs.
+    /// Creates a chunk without runs.
     pub fn new(study_hash: &str) -> Self {
         let mut bytes = MAGIC.to_vec();
         bytes.extend(FORMAT.to_le_bytes());
@@ -179,7 +178,7 @@ impl ChunkWriter {
         ChunkWriter { bytes }
     }
 
-    /// Adds a run; runs come in ascending order. One of four gigabytes is left out.
+    /// Adds a run; runs must arrive in ascending order. Omits a run above four gigabytes.
     pub fn push(&mut self, run_id: u64, key: CaseKey, content: &[u8]) {
         let Ok(length) = u32::try_from(content.len()) else { return };
         self.bytes.extend(run_id.to_le_bytes());

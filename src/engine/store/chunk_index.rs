@@ -1,4 +1,4 @@
-//! Finished runs of the same study, found by their numbers, a window of numbers at a time.
+//! Finished runs of the same study, found by their numbers, one window of numbers at a time.
 
 use std::collections::HashMap;
 
@@ -7,30 +7,30 @@ use super::folder::{Folder, Listed};
 use super::record::CaseKey;
 use crate::engine::say;
 
-/// Chunks that stay in memory between windows, bytes.
+/// The largest size of chunks that stay in memory between windows, in bytes.
 const MEMORY: usize = 1 << 27;
 
-/// A finished run as it lies on disk.
+/// A finished run on disk.
 #[derive(Clone, Debug, PartialEq)]
 pub(in crate::engine) struct StoredResult {
     /// The key of its case.
     pub key: CaseKey,
-    /// Its content.
+    /// The serialized outcome.
     pub content: Vec<u8>,
-    /// Whether it is in the directory that is written into.
+    /// Whether the run is in the output directory, not in a shard's.
     pub own: bool,
 }
 
-/// The folders of a study: the first is our own, others are its shards'.
+/// The folders of a study: first that of the output directory, then those of its shards.
 #[derive(Debug)]
 pub(in crate::engine) struct ChunkIndex {
     pub(super) folders: Vec<Folder>,
-    /// Chunks that were read and may reach into the next window, by folder and number.
+    /// Chunks that may reach into the next window, by folder and number.
     loaded: HashMap<(usize, u64), Chunk>,
 }
 
 impl ChunkIndex {
-    /// An index with our own folder.
+    /// Creates an index with the folder of the output directory.
     pub(super) fn new(own: Folder) -> Self {
         ChunkIndex { folders: vec![own], loaded: HashMap::new() }
     }
@@ -41,8 +41,8 @@ impl ChunkIndex {
         listed.any(|chunk| chunk.last_run >= run_id)
     }
 
-    /// The finished runs from number `first` to `last`; windows ascend. Damaged chunks are told of, and
-    /// not read again; our own are put aside.
+    /// Returns the finished runs from number `first` to `last`; windows must ascend. Reports each damaged chunk once,
+    /// and sets it aside if it is in the output directory.
     pub fn window(&mut self, first: u64, last: u64) -> HashMap<u64, StoredResult> {
         let mut runs = HashMap::new();
         for (number, folder) in self.folders.iter_mut().enumerate() {

@@ -1,8 +1,8 @@
-//! The chunks of one study in one directory, and the list of those that are finished.
+//! The chunks of one study in one directory, and the list of finished chunks.
 //!
-//! A chunk is finished when the list names it with its hash. It is written under a temporary name and
-//! synced; then it is put on the list, which is synced; then it gets its name. Whatever a crash leaves
-//! of that is either completed or, where it is not the bytes that the list promises, never read.
+//! A chunk is finished when the list names it with its hash. It is written under a temporary name and synced; then
+//! its line is appended to the list, which is synced; then it is renamed. After a crash a chunk on the list is
+//! either renamed or, if its bytes differ from the listed hash, never read.
 
 use std::collections::HashSet;
 use std::fs::{self, File, OpenOptions};
@@ -19,34 +19,34 @@ use crate::engine::say;
 use crate::foreign::shown_path;
 use crate::table::{is_inside, make_inside, read_regular, sync_directory};
 
-/// The list of finished chunks, a line of JSON each.
+/// File name of the list of finished chunks, one line of JSON each.
 pub(super) const LIST: &str = "manifest.jsonl";
-/// Many times what the list of the largest study takes, bytes.
+/// The largest list that is read, in bytes: far above the list of the largest study.
 const LONGEST_LIST: u64 = 1 << 27;
-/// Many times the largest chunk, bytes.
+/// The largest chunk that is read, in bytes: far above the largest chunk.
 const LARGEST_CHUNK: u64 = 1 << 30;
-/// Chunks have numbers below this one.
+/// Upper bound of chunk numbers.
 const MOST_CHUNKS: u64 = 1 << 48;
-/// How many damaged lines of a list are told of.
-const MOST_TOLD: usize = 10;
+/// The number of damaged lines of a list that are reported one by one.
+const MOST_REPORTED: usize = 10;
 
-/// A finished chunk, as the list has it.
+/// A finished chunk in the list.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Listed {
-    /// Its number, which is its file's name.
+    /// Number of the chunk, which is its file's name.
     pub chunk: u64,
-    /// Version of the model that its outcomes are of.
+    /// Version of the model that computed its outcomes.
     pub model_version: u32,
-    /// The number of its first run.
+    /// Number of its first run.
     pub first_run: u64,
-    /// The number of its last run.
+    /// Number of its last run.
     pub last_run: u64,
-    /// How many runs it has.
+    /// Number of its runs.
     pub runs: u64,
     /// Size of the file, bytes.
     pub bytes: u64,
-    /// SHA-256 of its content, hexadecimal.
+    /// SHA-256 of the content, hexadecimal.
     pub sha256: String,
 }
 
@@ -54,27 +54,26 @@ pub struct Listed {
 #[derive(Clone, Debug)]
 pub(super) struct Folder {
     path: PathBuf,
-    /// The hash of their study, or its first digits.
+    /// The hash of the study, or its first digits.
     study_hash: String,
-    /// Whether it is in the directory that is ours alone.
+    /// Whether this process holds the lock of the directory.
     ours: bool,
-    /// Finished chunks, in the order in which they were finished: a later one stands for an earlier one
-    /// where both have the same run.
+    /// Finished chunks in order of completion; where two hold the same run, the later one is valid.
     pub listed: Vec<Listed>,
     next: u64,
 }
 
-/// A file and what is wrong with it.
+/// Returns a message on a faulty file.
 fn fault(path: &Path, what: impl std::fmt::Display) -> String {
     format!("{}: {what}", shown_path(path))
 }
 
 impl Folder {
-    /// Reads the list of a folder; one that is not there has no chunks. Lines that cannot be read are
-    /// told of. Only in a directory that is ours are chunks completed.
+    /// Reads the list of a folder; a missing folder has no chunks. Reports lines that cannot be read. `ours` says
+    /// whether the folder may be modified.
     ///
     /// # Errors
-    /// Where the operating system refuses, or where a link leads to the folder or to its list.
+    /// Returns an error if the operating system refuses access, or if the folder or its list is a symbolic link.
     pub fn open(path: PathBuf, study_hash: &str, ours: bool) -> Result<Self, StoreError> {
         for folder in path.parent().into_iter().chain([path.as_path()]) {
             is_inside(folder)
@@ -92,7 +91,7 @@ impl Folder {
         let mut damaged = 0_usize;
         for (index, line) in String::from_utf8_lossy(&content).lines().enumerate() {
             match serde_json::from_str::<Listed>(line) {
-                // Outcomes of another version are no outcomes of this one.
+                // Outcomes of another model version cannot be used.
                 Ok(entry) if entry.model_version != MODEL_VERSION => {}
                 Ok(entry) if entry.first_run <= entry.last_run && entry.chunk < MOST_CHUNKS => {
                     if known.insert(entry.clone()) {
@@ -101,7 +100,7 @@ impl Folder {
                 }
                 _ => {
                     damaged += 1;
-                    if damaged <= MOST_TOLD {
+                    if damaged <= MOST_REPORTED {
                         say(&format!(
                             "{}: line {} is damaged: the runs of its chunk are computed again",
                             shown_path(&list),
@@ -111,14 +110,14 @@ impl Folder {
                 }
             }
         }
-        if damaged > MOST_TOLD {
-            say(&format!("{}: {damaged} lines are damaged in all", shown_path(&list)));
+        if damaged > MOST_REPORTED {
+            say(&format!("{}: {damaged} damaged lines in total", shown_path(&list)));
         }
         let next = Self::next_number(&path, &listed);
         Ok(Folder { path, study_hash: study_hash.to_owned(), ours, listed, next })
     }
 
-    /// A number that no chunk has, not even one that is not on the list.
+    /// Returns a number above those of all chunks, including files that are not on the list.
     fn next_number(path: &Path, listed: &[Listed]) -> u64 {
         let numbered = fs::read_dir(path).into_iter().flatten().flatten().filter_map(|entry| {
             let name = entry.file_name();
@@ -134,15 +133,15 @@ impl Folder {
         self.path.join(format!("{chunk:06}.chunk"))
     }
 
-    /// How many runs are on the list; those that are there more than once count as often.
+    /// Returns the number of runs on the list, counting repeated runs repeatedly.
     pub fn runs(&self) -> u64 {
         self.listed.iter().map(|entry| entry.runs).fold(0, u64::saturating_add)
     }
 
-    /// Reads a chunk that is exactly what the list promises.
+    /// Reads a chunk that matches the list.
     ///
     /// # Errors
-    /// What is wrong with it, in words.
+    /// Returns what is wrong with the chunk.
     pub fn read(&self, entry: &Listed) -> Result<Chunk, String> {
         let path = self.file(entry.chunk);
         let bytes = match read_exactly(&path, entry) {
@@ -158,27 +157,27 @@ impl Folder {
             && ids().last() == Some(entry.last_run);
         match same_study && same_runs {
             true => Ok(chunk),
-            false => Err(fault(&path, "another chunk than the list says")),
+            false => Err(fault(&path, "not the chunk on the list")),
         }
     }
 
-    /// Completes a chunk that was on the list already but had not got its name.
+    /// Reads a chunk that is on the list but was not renamed, and renames it.
     fn adopt(&self, path: &Path, entry: &Listed) -> io::Result<Vec<u8>> {
         let temporary = path.with_added_extension("partial");
         let bytes = match read_exactly(&temporary, entry) {
             Err(error) if error.kind() == io::ErrorKind::NotFound => {
-                return Err(io::Error::other("it is missing"));
+                return Err(io::Error::other("missing file"));
             }
             other => other?,
         };
         if self.ours {
-            // Where this is not allowed, the content serves all the same.
+            // If the rename fails, the content is still valid.
             let _ = fs::rename(&temporary, path);
         }
         Ok(bytes)
     }
 
-    /// Puts a damaged chunk aside; it is kept.
+    /// Renames a damaged chunk so that it is no longer read; it is not deleted.
     pub fn put_aside(&self, entry: &Listed) {
         let path = self.file(entry.chunk);
         let names = (1..100).map(|number| match number {
@@ -186,14 +185,14 @@ impl Folder {
             _ => path.with_added_extension(format!("damaged-{number}")),
         });
         let free = names.into_iter().find(|name| fs::symlink_metadata(name).is_err());
-        // Where that fails it stays where it is; its number is not used again.
+        // If the rename fails, the chunk stays; its number is not reused.
         let _ = free.map(|name| fs::rename(&path, name));
     }
 
-    /// Adds a chunk to those that are finished.
+    /// Writes a chunk and adds it to the list.
     ///
     /// # Errors
-    /// Where it cannot be written.
+    /// Returns an error if the chunk cannot be written.
     pub fn add(&mut self, bytes: &[u8], run_ids: &[u64]) -> Result<(), StoreError> {
         let (Some(&first_run), Some(&last_run)) = (run_ids.first(), run_ids.last()) else {
             return Ok(());
@@ -227,7 +226,7 @@ impl Folder {
         };
         let written = write();
         if written.is_err() {
-            // Room for another try; where it is on the list already it is read as missing.
+            // Frees the name for another attempt; a chunk that is already on the list then counts as missing.
             let _ = fs::remove_file(&temporary);
         }
         written.map_err(|cause| StoreError::Unwritten { path: path.clone(), cause })?;
@@ -243,7 +242,7 @@ impl Folder {
             Err(_) => true,
         };
         let mut file = OpenOptions::new().create(true).append(true).open(&path)?;
-        // After a line that a crash has torn, a new one begins.
+        // A crash may have left an incomplete last line.
         let line = format!("{}\n", serde_json::to_string(listed).map_err(io::Error::other)?);
         let torn = !new && !ends_with_newline(&path)?;
         file.write_all(if torn { format!("\n{line}") } else { line }.as_bytes())?;
@@ -264,7 +263,7 @@ fn ends_with_newline(path: &Path) -> io::Result<bool> {
     Ok(last == *b"\n")
 }
 
-/// The bytes of a file that has the size and the hash that the list says.
+/// Returns the bytes of a file whose size and hash match the list.
 fn read_exactly(path: &Path, entry: &Listed) -> io::Result<Vec<u8>> {
     let found = fs::symlink_metadata(path)?;
     if found.is_file() && found.len() != entry.bytes {
@@ -273,7 +272,7 @@ fn read_exactly(path: &Path, entry: &Listed) -> io::Result<Vec<u8>> {
     }
     let bytes = read_regular(path, LARGEST_CHUNK)?;
     if hexadecimal(&bytes) != entry.sha256 {
-        return Err(io::Error::other("its content is not what was written"));
+        return Err(io::Error::other("its content has been changed"));
     }
     Ok(bytes)
 }

@@ -1,4 +1,4 @@
-//! One process at a time writes into an output directory.
+//! Lock files: only one process at a time writes to an output directory.
 
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io;
@@ -7,8 +7,8 @@ use std::path::{Path, PathBuf};
 use super::StoreError;
 use crate::engine::say;
 
-/// A directory that is ours as long as this value lives; the operating system gives it free when the
-/// process ends, however it ends.
+/// A directory that this process alone writes to as long as the value lives. The operating system releases the lock
+/// when the process ends.
 #[derive(Debug)]
 pub struct Lock {
     file: Option<File>,
@@ -17,15 +17,15 @@ pub struct Lock {
 }
 
 impl Lock {
-    /// Takes the lock `path`.
+    /// Takes the lock file `path`. Prints a warning if the file system does not support locks.
     ///
     /// # Errors
-    /// [`StoreError::Busy`] where another process has it; [`StoreError::Unusable`]. A file system that has
-    /// no locks is warned of.
+    /// Returns [`StoreError::Busy`] if another process holds the lock, [`StoreError::Unusable`] if the file cannot be
+    /// opened.
     pub fn take(path: PathBuf, directory: &Path) -> Result<Self, StoreError> {
         let unusable = |cause| StoreError::Unusable { path: path.clone(), cause };
         let named = || path.strip_prefix(directory).unwrap_or(&path).to_owned();
-        // Nothing is opened that another could have put there to be waited for, or to lead elsewhere.
+        // Opening a FIFO would block, and a link could lead elsewhere.
         if fs::symlink_metadata(&path).is_ok_and(|found| !found.is_file()) {
             return Err(unusable(io::Error::other("not a regular file")));
         }
@@ -48,10 +48,10 @@ impl Lock {
         Ok(Lock { file, path, directory: directory.to_owned() })
     }
 
-    /// Whether the directory is still ours: somebody may have removed the lock.
+    /// Checks that nobody has removed the lock file.
     ///
     /// # Errors
-    /// [`StoreError::Lost`] where it is not.
+    /// Returns [`StoreError::Lost`] if the lock file is gone or replaced.
     pub fn check(&self) -> Result<(), StoreError> {
         #[cfg(unix)]
         if let Some(file) = &self.file {
@@ -68,11 +68,11 @@ impl Lock {
 }
 
 impl Drop for Lock {
-    /// Gives the directory free at once. A process that another thread is just starting has a copy of the
-    /// open file until it becomes another program; to close ours alone would leave the lock in its hands.
+    /// Releases the lock explicitly. A child process that another thread is just starting holds a copy of the open
+    /// file until it executes its program; closing our copy alone would leave the lock with the child.
     fn drop(&mut self) {
         if let Some(file) = &self.file {
-            // Where this fails, closing the file is what is left.
+            // If this fails, closing the file releases the lock.
             let _ = file.unlock();
         }
     }

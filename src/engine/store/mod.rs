@@ -1,9 +1,9 @@
-//! What is on disk of finished runs, so that none is computed twice.
+//! The finished runs on disk, so that no run is computed twice.
 //!
-//! A directory of results has a folder `chunks/` with a folder for each study that has been run there,
-//! named after its hash. Runs of the same study are found by their numbers, there and in the
-//! directories of its shards; runs of other studies by their cases. Whatever is found is checked: the chunk
-//! by its hash, the run by its case. What is not found is computed and kept.
+//! A directory of results has a folder `chunks/` with one folder per study that was run there, named after its
+//! hash. Runs of the same study are found by their numbers, in this directory and in those of its shards; runs of
+//! other studies are found by their cases. Every chunk is verified by its hash and every run by its case. Runs that
+//! are not found are computed and stored.
 
 mod chunk;
 mod chunk_index;
@@ -30,12 +30,12 @@ pub use self::lock::Lock;
 use crate::study::Study;
 use crate::table::{make_directory, make_inside, sync_directory};
 
-/// Folder of the chunks in an output directory.
+/// Name of the folder of chunks in an output directory.
 pub const CHUNKS: &str = "chunks";
 const LOCK: &str = "lock";
-/// How many digits of a study's hash name its folder.
+/// Number of digits of a study's hash in its folder's name.
 const DIGITS: usize = 16;
-/// Why finished runs could not be kept or read.
+/// The reason why finished runs could not be stored or read.
 #[derive(Debug, Error)]
 pub enum StoreError {
     /// A folder or file cannot be used.
@@ -45,12 +45,12 @@ pub enum StoreError {
         path.display()
     )]
     Unusable {
-        /// It.
+        /// The folder or file.
         path: PathBuf,
-        /// What the operating system says.
+        /// The operating system's error.
         cause: io::Error,
     },
-    /// Another process writes into the directory.
+    /// Another process writes to the directory.
     #[error(
         "{}: another process is writing into this directory\n  found:   its lock on {}\n  allowed: \
          wait until it has ended, or another directory, with --out DIR",
@@ -59,47 +59,47 @@ pub enum StoreError {
     Busy {
         /// The directory.
         path: PathBuf,
-        /// The lock, from the directory on.
+        /// The lock file, relative to the directory.
         lock: PathBuf,
     },
     /// The lock was removed while this process had it.
     #[error(
-        "{}: this directory is no longer ours\n  found:   {} was removed while it was held, so that \
-         another process may write here, too\n  allowed: no other process; the same command then goes on \
-         with what is finished",
+        "{}: this process lost its lock on the directory\n  found:   {} was removed, so that another \
+         process may write here, too\n  allowed: no other process; the same command then continues from the \
+         finished runs",
         path.display(), lock.display()
     )]
     Lost {
         /// The directory.
         path: PathBuf,
-        /// The lock, from the directory on.
+        /// The lock file, relative to the directory.
         lock: PathBuf,
     },
     /// A chunk could not be written.
     #[error(
-        "cannot write {}: {cause}\n  what was finished before is kept; with the cause removed, the same \
-         command goes on",
+        "cannot write {}: {cause}\n  earlier finished runs are saved; after the cause is removed, the same \
+         command continues",
         path.display()
     )]
     Unwritten {
         /// The chunk.
         path: PathBuf,
-        /// What the operating system says.
+        /// The operating system's error.
         cause: io::Error,
     },
 }
 
-/// How many finished runs of a study are on the list of an output directory, in which others may be
-/// writing; those that are there more than once count as often.
+/// Returns the number of finished runs of a study in the list of an output directory, to which another process may
+/// be writing; repeated runs count repeatedly.
 ///
 /// # Errors
-/// [`StoreError::Unusable`].
+/// Returns [`StoreError::Unusable`] if the list cannot be read.
 pub fn listed_runs(directory: &Path, study: &Study) -> Result<u64, StoreError> {
     let hash = study.hash();
     Ok(Folder::open(directory.join(CHUNKS).join(&hash[..DIGITS]), &hash, false)?.runs())
 }
 
-/// The finished runs in an output directory, ours alone as long as this value lives.
+/// The finished runs in an output directory, which is locked as long as this value lives.
 #[derive(Debug)]
 pub struct Store {
     pub(super) appender: ChunkAppender,
@@ -109,11 +109,10 @@ pub struct Store {
 }
 
 impl Store {
-    /// Opens, or makes, the store of an output directory for a study; runs of other studies there are used
-    /// again.
+    /// Opens or creates the store of an output directory for a study, including reusable runs of other studies.
     ///
     /// # Errors
-    /// [`StoreError::Busy`] where another process has it, [`StoreError::Unusable`].
+    /// Returns [`StoreError::Busy`] if another process holds the lock, or [`StoreError::Unusable`].
     pub fn open(directory: &Path, study: &Study) -> Result<Self, StoreError> {
         let chunks = directory.join(CHUNKS);
         let unusable = |path: &Path| {
@@ -123,14 +122,14 @@ impl Store {
         make_directory(directory).map_err(unusable(directory))?;
         make_inside(&chunks).map_err(unusable(&chunks))?;
         let lock = Lock::take(chunks.join(LOCK), directory)?;
-        // Whoever made a folder here may have been killed before it had synced it.
+        // A process that created a folder here may have been killed before it synced the directory.
         sync_directory(&chunks).map_err(unusable(&chunks))?;
         let study_hash = study.hash();
         let own = chunks.join(&study_hash[..DIGITS]);
         let mut others = Vec::new();
         for entry in fs::read_dir(&chunks).map_err(unusable(&chunks))? {
             let path = entry.map_err(unusable(&chunks))?.path();
-            // Also what a link leads to: it is refused like a link in place of any other folder here.
+            // Includes links to directories, which `Folder::open` refuses.
             if path != own && path.is_dir() {
                 others.push(path);
             }
@@ -150,11 +149,10 @@ impl Store {
         })
     }
 
-    /// Also finds runs of the same study in another directory, that of a shard; returns how many are on
-    /// its list.
+    /// Adds the runs of the same study in the directory of a shard; returns the number of runs on its list.
     ///
     /// # Errors
-    /// [`StoreError::Unusable`].
+    /// Returns [`StoreError::Unusable`] if the list cannot be read.
     pub fn add_shard(&mut self, directory: &Path) -> Result<u64, StoreError> {
         let hash = &self.appender.study_hash;
         let folder = Folder::open(directory.join(CHUNKS).join(&hash[..DIGITS]), hash, false)?;
@@ -163,15 +161,15 @@ impl Store {
         Ok(runs)
     }
 
-    /// Whether the directory is still ours alone.
+    /// Checks that this process still holds the lock.
     ///
     /// # Errors
-    /// [`StoreError::Lost`] where it is not.
+    /// Returns [`StoreError::Lost`] if it does not.
     pub fn check(&self) -> Result<(), StoreError> {
         self.lock.check()
     }
 
-    /// How many finished runs of this study are on lists, here and in its shards.
+    /// Returns the number of finished runs of this study on all lists, here and in its shards.
     pub fn listed_runs(&self) -> u64 {
         self.chunk_index.folders.iter().map(Folder::runs).fold(0, u64::saturating_add)
     }
@@ -181,13 +179,13 @@ impl Store {
         !self.result_cache.is_empty()
     }
 
-    /// Whether another study has finished this very run, so that it need not be computed.
+    /// Whether another study has finished this run, so that it need not be computed.
     pub fn can_reuse(&self, study: &Study, run_id: u64) -> bool {
         self.result_cache.find(CaseKey::of(&study.planned_run(run_id))).is_some()
     }
 }
 
-/// A run that has been finished and is not on disk yet.
+/// A finished run that is not on disk yet.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct NewResult {
     pub run_id: u64,
@@ -203,10 +201,10 @@ pub(super) struct ChunkAppender {
 }
 
 impl ChunkAppender {
-    /// Writes these runs, which ascend, as a chunk; they are finished when this returns.
+    /// Writes these runs, in ascending order, as a chunk; they are on disk when the function returns.
     ///
     /// # Errors
-    /// [`StoreError::Unwritten`].
+    /// Returns [`StoreError::Unwritten`] if the chunk cannot be written.
     pub fn append(&mut self, runs: &[NewResult]) -> Result<(), StoreError> {
         let mut chunk = ChunkWriter::new(&self.study_hash);
         runs.iter().for_each(|run| chunk.push(run.run_id, run.key, &run.content));

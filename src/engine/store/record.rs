@@ -1,4 +1,4 @@
-//! One finished run as it is kept on disk, and what it is known by: its case.
+//! One finished run as it is stored on disk, and its key.
 
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
@@ -8,20 +8,19 @@ use crate::motion::SimdLevel;
 use crate::study::PlannedRun;
 use crate::table::RunRecord;
 
-/// What a run is known by, whatever study it belongs to: half of the SHA-256 of everything that decides
-/// its outcome.
+/// The key of a run, independent of its study: half of the SHA-256 of everything that determines its outcome.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub(in crate::engine) struct CaseKey(pub(super) [u8; Self::BYTES]);
 
 impl CaseKey {
     pub(super) const BYTES: usize = 16;
 
-    /// The key of a planned run.
+    /// Returns the key of a planned run.
     pub fn of(planned: &PlannedRun) -> Self {
         let case = planned.case.as_ref().map_err(ToString::to_string);
-        // Last digits differ between runs in lockstep and one by one.
+        // The last digits differ between lockstep runs and single runs.
         let in_lockstep = SimdLevel::best().name() != "none";
-        // Numbers and names in memory: there is nothing in them that could not be written.
+        // Serializing numbers and names into memory cannot fail.
         let bytes = postcard::to_stdvec(&(MODEL_VERSION, in_lockstep, case)).unwrap_or_default();
         let digest = Sha256::digest(&bytes);
         let mut key = [0; Self::BYTES];
@@ -30,25 +29,25 @@ impl CaseKey {
     }
 }
 
-/// What a run's row needs beside its plan.
+/// The contents of a run's row besides its plan.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(in crate::engine) struct StoredOutcome {
-    /// How it ended.
+    /// How the run ended.
     pub outcome: Outcome,
-    /// Why it ended as it did when it was computed a second time, if it was.
+    /// The evidence of the second computation, if the run was audited.
     pub audit: Option<Evidence>,
 }
 
 impl StoredOutcome {
-    /// The content of a run's record.
+    /// Serializes a run's record.
     pub fn encode(record: &RunRecord) -> Vec<u8> {
         let RunRecord { outcome, audit, .. } = record;
-        // As above.
+        // Serialization into memory cannot fail.
         postcard::to_stdvec(&(outcome, audit)).unwrap_or_default()
     }
 
-    /// Reads what [`StoredOutcome::encode`] has written; `None` where it is something else, or not of a system
-    /// with so many contacts.
+    /// Deserializes the output of [`StoredOutcome::encode`]. Returns `None` if the bytes are anything else, or of a
+    /// system with another number of contacts.
     pub fn decode(bytes: &[u8], contacts: usize) -> Option<Self> {
         let (finished, rest): (StoredOutcome, _) = postcard::take_from_bytes(bytes).ok()?;
         (rest.is_empty() && finished.outcome.is_of(contacts)).then_some(finished)

@@ -8,23 +8,23 @@ use super::folder::{Folder, Listed};
 use super::record::CaseKey;
 use crate::engine::say;
 
-/// Chunks that are kept in memory at a time.
-const KEPT: usize = 32;
+/// Number of chunks in memory.
+const CACHED_CHUNKS: usize = 32;
 
-/// An index of finished runs by case; it takes some forty bytes a run.
+/// An index of finished runs by case; it takes about forty bytes per run.
 #[derive(Debug, Default)]
 pub(in crate::engine) struct ResultCache {
     folders: Vec<Folder>,
-    /// The folder and its chunk, by number.
+    /// Folder index and list entry of each chunk.
     chunks: Vec<(usize, Listed)>,
-    /// Chunk and place in it.
+    /// Chunk number and index in the chunk, by case.
     index: HashMap<CaseKey, (u32, u32)>,
-    /// The chunks read last, the last of them at the end.
+    /// The chunks read last, the most recent at the end.
     kept: Mutex<VecDeque<(u32, Arc<Chunk>)>>,
 }
 
 impl ResultCache {
-    /// Reads all chunks of these folders; damaged ones are told of and left out.
+    /// Indexes all chunks of these folders; reports and skips damaged chunks.
     pub(super) fn of(folders: Vec<Folder>) -> Self {
         let mut reuse = ResultCache { folders, ..ResultCache::default() };
         for (number, folder) in reuse.folders.iter().enumerate() {
@@ -36,19 +36,19 @@ impl ResultCache {
                         reuse.index.extend(keys.map(|(key, at)| (key, (place, at))));
                         reuse.chunks.push((number, listed.clone()));
                     }
-                    Err(fault) => say(&format!("{fault}: its runs cannot be used again")),
+                    Err(fault) => say(&format!("{fault}: its runs cannot be reused")),
                 }
             }
         }
         reuse
     }
 
-    /// Whether there is nothing to use again.
+    /// Whether there are no runs.
     pub fn is_empty(&self) -> bool {
         self.index.is_empty()
     }
 
-    /// The content of a finished run of this case.
+    /// Returns the content of a finished run of this case.
     pub fn find(&self, key: CaseKey) -> Option<Vec<u8>> {
         let (place, at) = *self.index.get(&key)?;
         let chunk = self.chunk(place)?;
@@ -56,15 +56,15 @@ impl ResultCache {
     }
 
     fn chunk(&self, place: u32) -> Option<Arc<Chunk>> {
-        // Whoever panicked while holding it left whole entries.
+        // Every entry is complete, even after a panic of another thread.
         let mut kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some((_, chunk)) = kept.iter().find(|(other, _)| *other == place) {
             return Some(Arc::clone(chunk));
         }
         let (folder, listed) = self.chunks.get(usize::try_from(place).ok()?)?;
-        // It was whole when it was indexed; where it no longer is, its runs are computed.
+        // The chunk was valid when it was indexed; if it no longer is, its runs are computed.
         let chunk = Arc::new(self.folders[*folder].read(listed).ok()?);
-        if kept.len() == KEPT {
+        if kept.len() == CACHED_CHUNKS {
             kept.pop_front();
         }
         kept.push_back((place, Arc::clone(&chunk)));

@@ -1,11 +1,11 @@
-//! Classes of limit cycles, as `cycles.parquet` has them.
+//! Classes of limit cycles from `cycles.parquet`.
 
 use crate::table::{Kind, Table, TableError};
 
-/// Most rows that are held.
+/// The largest number of rows.
 const MOST_ROWS: usize = 20_000;
 
-/// Values that are shown of cycles: name, unit, and the columns of a value and of its range.
+/// The plotted quantities of cycles: name, unit, and the columns of the value and of its range.
 pub const QUANTITIES: [(&str, &str, [&str; 3]); 6] = [
     ("fraction of runs", "", ["fraction", "ci_low", "ci_high"]),
     ("period", "s", ["period_s", "period_low_s", "period_high_s"]),
@@ -22,17 +22,17 @@ pub const QUANTITIES: [(&str, &str, [&str; 3]); 6] = [
 /// A class of limit cycles at a point.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CycleFacts {
-    /// Number of its point.
+    /// Number of the point.
     pub point_id: u64,
-    /// Which balls run and which stick, and how.
+    /// Name of the class: which balls run and which stick, and how.
     pub class: String,
-    /// Runs that end on it.
+    /// Number of runs that end on it.
     pub runs: u64,
-    /// Value, least and greatest of each of [`QUANTITIES`].
+    /// Value, minimum and maximum of each of [`QUANTITIES`].
     pub values: [[Option<f64>; 3]; 6],
 }
 
-/// The classes, the first ones where there are very many.
+/// Reads the classes; only the first `MOST_ROWS` ones.
 pub fn read(table: &Table) -> Result<Vec<CycleFacts>, TableError> {
     let has = |name: &str| table.columns().iter().any(|(column, _)| column == name);
     let mut wanted = vec![("point_id", Kind::Count), ("class", Kind::Text), ("runs", Kind::Count)];

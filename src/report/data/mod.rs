@@ -1,4 +1,4 @@
-//! What a report is made of, read once from the tables of a results directory, in bounded memory.
+//! The data of a report, read once from the tables of a directory of results, in bounded memory.
 
 mod cycles;
 mod names;
@@ -18,19 +18,19 @@ use super::chart::{Axis, AxisKind};
 use crate::study::Study;
 use crate::table::{Manifest, Table, TableError};
 
-/// The longest name of a curve that has room beside a figure, letters.
+/// The longest name of a curve in a legend, in characters.
 const LONGEST_NAME: usize = 56;
 
-/// How much is shown, so that a page stays small; what is left out is said.
+/// Limits of what the page shows, which keep it small; the page states what it omits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Budget {
-    /// Most runs, each a dot.
+    /// The largest number of runs, one dot each.
     pub runs: u64,
-    /// Most dots of start states, all panels together.
+    /// The largest number of dots of start states, over all panels.
     pub starts: usize,
-    /// Most points of a curve or a map.
+    /// The largest number of points of a curve or a map.
     pub points: usize,
-    /// Most points of which details are shown, each in a panel of its own.
+    /// The largest number of points in detail, one panel each.
     pub details: usize,
 }
 
@@ -39,7 +39,7 @@ impl Budget {
     pub const SCREEN: Budget =
         Budget { runs: 100_000, starts: 48_000, points: 10_000, details: 24 };
 
-    /// Half of it; at least something.
+    /// Returns half of the budget, but at least one of each.
     pub fn halved(self) -> Budget {
         Budget {
             runs: (self.runs / 2).max(100),
@@ -50,7 +50,7 @@ impl Budget {
     }
 }
 
-/// The tables of a results directory that a report reads, all their files checked.
+/// The tables of a directory of results that a report reads, with verified files.
 #[derive(Clone, Debug)]
 pub struct ResultTables {
     points: Table,
@@ -63,7 +63,7 @@ impl ResultTables {
     /// Opens the tables.
     ///
     /// # Errors
-    /// Where a table is missing or is not the one that was written.
+    /// Returns an error if a table is missing or has been changed.
     pub fn open(directory: &Path, manifest: &Manifest) -> Result<Self, TableError> {
         let open = |name: &str| Table::open(directory, manifest, name);
         let (points, runs) = (open("points")?, open("runs")?);
@@ -71,28 +71,28 @@ impl ResultTables {
     }
 }
 
-/// Results as a report needs them.
+/// The results as a report needs them.
 #[derive(Clone, Debug)]
 pub struct ReportData<'a> {
     /// The study.
     pub study: &'a Study,
-    /// What the directory says of itself.
+    /// The manifest of the directory.
     pub manifest: &'a Manifest,
     /// The points of the sweep that have runs.
     pub points: Vec<PointFacts>,
-    /// How many points there are, should they be too many to be held.
+    /// Number of points, including those that `points` omits.
     pub point_count: u64,
-    /// Places in `points` of those that are shown in detail: all of them, or some at even distances.
+    /// Indices in `points` of the points in detail: all of them, or evenly spaced ones.
     pub detailed: Vec<usize>,
-    /// Runs of the points shown in detail: all of them, or some.
+    /// Runs of the points in detail: all of them, or a subsample.
     pub runs: RunSample,
-    /// Runs that failed or whose label an audit doubts, the first ones.
+    /// The first runs that failed or whose label changed in the audit.
     pub notable: Vec<Notable>,
-    /// Time to rest, of the points shown in detail.
+    /// Time to rest of the points in detail.
     pub rest: Vec<RestCurve>,
     /// Classes of limit cycles.
     pub cycles: Vec<CycleFacts>,
-    /// How much figures may show.
+    /// Limits of what figures show.
     pub budget: Budget,
 }
 
@@ -100,7 +100,7 @@ impl<'a> ReportData<'a> {
     /// Reads the tables of a results directory.
     ///
     /// # Errors
-    /// Where a table lacks a column or cannot be read.
+    /// Returns an error if a table lacks a column or cannot be read.
     pub fn read(
         tables: &ResultTables,
         study: &'a Study,
@@ -129,19 +129,19 @@ impl<'a> ReportData<'a> {
         })
     }
 
-    /// An axis of points by their names: all that differs from point to point.
+    /// Returns an axis of points by their names, made of all values that differ between points.
     pub fn axis_of_points(&self, points: &[&PointFacts]) -> Axis {
         let names = points.iter().map(|point| names::short(point.point_id, &point.swept)).collect();
         let range = Some([-0.5, points.len() as f64 - 0.5]);
         Axis { kind: AxisKind::Names(names), range, ..names::short_axis(self.study) }
     }
 
-    /// The points that are shown in detail.
+    /// Returns the points in detail.
     pub fn details(&self) -> impl Iterator<Item = &PointFacts> {
         self.detailed.iter().filter_map(|&place| self.points.get(place))
     }
 
-    /// What is to be said of failed runs, which figures cannot show; empty where there are none.
+    /// Returns a sentence on the failed runs that a figure cannot show; empty if there are none.
     pub fn failures_left_out(&self) -> String {
         let failed = super::figures::failed_runs;
         let of: Vec<String> = self
@@ -153,13 +153,13 @@ impl<'a> ReportData<'a> {
             0 => String::new(),
             few @ 1..=6 => {
                 let other = if few < self.detailed.len() { ", none elsewhere" } else { "" };
-                format!(" Failed runs are left out: {}{other}.", of.join("; "))
+                format!(" Failed runs are not shown: {}{other}.", of.join("; "))
             }
-            many => format!(" Failed runs are left out; {many} points have some."),
+            many => format!(" Failed runs of {many} points are not shown."),
         }
     }
 
-    /// What is to be said where parameters are drawn for each run, of what is computed without draws.
+    /// Returns a sentence on quantities that ignore the draws of uncertain parameters; empty if there are none.
     pub fn without_draws(&self, what: &str) -> String {
         if self.study.uncertain().is_empty() {
             return String::new();
@@ -169,7 +169,7 @@ impl<'a> ReportData<'a> {
         format!(" {what} of the machine without draws; each run has its own {}.", names.join(", "))
     }
 
-    /// What a point's curve is called: what distinguishes it, or only the values where that is long.
+    /// Returns the name of a point's curve: its title, or only the values if titles are long.
     pub fn curve_name(&self, point: &PointFacts) -> String {
         if self.has_short_names() {
             return names::short(point.point_id, &point.swept);
@@ -177,10 +177,10 @@ impl<'a> ReportData<'a> {
         point.title.clone()
     }
 
-    /// What the values are by which curves are called; empty where their names say it.
+    /// Returns a sentence on the values that name the curves; empty if the names include the parameters.
     pub fn curve_names(&self) -> String {
         if self.has_short_names() {
-            return format!(" Curves are named by {}.", names::short_axis(self.study).name);
+            return format!(" The names of the curves are {}.", names::short_axis(self.study).name);
         }
         String::new()
     }
@@ -189,17 +189,17 @@ impl<'a> ReportData<'a> {
         self.details().any(|point| point.title.chars().count() > LONGEST_NAME)
     }
 
-    /// What is to be said where not all points are shown in detail; empty where they are.
+    /// Returns a sentence on the number of points in detail; empty if all points are.
     pub fn left_out(&self) -> String {
         let (shown, all) = (self.detailed.len() as u64, self.point_count);
         if shown == all {
             return String::new();
         }
-        format!(" Shown are {shown} of {all} points, at even distances in the order of the sweep.")
+        format!(" {shown} of {all} points are shown, evenly spaced in the order of the sweep.")
     }
 }
 
-/// At most so many of the places 0, 1, … at nearly even distances, the first and the last among them.
+/// Returns at most `most` of the indices 0, 1, …, nearly evenly spaced, including the first and the last.
 pub fn evenly(count: usize, most: usize) -> Vec<usize> {
     if count <= most || most < 2 {
         return (0..count).collect();

@@ -1,9 +1,9 @@
-//! Names of parameters and points as a reader knows them: `speed [rad/s]` for `speed_rad_s`.
+//! Names of parameters and points in words: `speed [rad/s]` for `speed_rad_s`.
 
 use crate::report::chart::{Axis, AxisKind};
 use crate::study::{ParameterValue, Study, VariedParameter};
 
-/// The name of a parameter without its unit, in words.
+/// Returns the name of a parameter in words, without its unit.
 fn words(parameter: &VariedParameter) -> String {
     let unit: String = parameter
         .unit
@@ -19,7 +19,7 @@ fn unit(parameter: &VariedParameter) -> &str {
     if parameter.unit == "1" { "" } else { parameter.unit }
 }
 
-/// A value; a number with a minus sign, not a hyphen.
+/// Returns a value as text; a negative number has a minus sign, not a hyphen.
 pub fn said(value: &ParameterValue) -> String {
     match value {
         ParameterValue::Number(_) => value.to_string().replace('-', "\u{2212}"),
@@ -27,7 +27,7 @@ pub fn said(value: &ParameterValue) -> String {
     }
 }
 
-/// An axis for a parameter.
+/// Returns the axis of a parameter.
 pub fn axis_of(parameter: &VariedParameter) -> Axis {
     Axis {
         name: words(parameter),
@@ -37,7 +37,7 @@ pub fn axis_of(parameter: &VariedParameter) -> Axis {
     }
 }
 
-/// What the values of [`short`] are, as `speed [rad/s], friction coefficient`.
+/// Returns the names of the values of [`short`], as `speed [rad/s], friction coefficient`.
 pub fn short_axis(study: &Study) -> Axis {
     let name = |parameter: &VariedParameter| match unit(parameter) {
         "" => words(parameter),
@@ -48,14 +48,14 @@ pub fn short_axis(study: &Study) -> Axis {
     Axis { name: names.join(", "), unit, range: None, kind }
 }
 
-/// A point by its values alone, as `-216.3772, 0.00275`; by its number where nothing is swept.
+/// Returns the values of a point, as `-216.3772, 0.00275`; `point` and its number if nothing is swept.
 pub fn short(point_id: u64, values: &[ParameterValue]) -> String {
     let values: Vec<String> = values.iter().map(said).collect();
     if values.is_empty() { format!("point {point_id}") } else { values.join(", ") }
 }
 
-/// A point in words, as `speed -216.3772 rad/s, friction coefficient 0.00275`: those of its parameters
-/// for which `wanted` says so.
+/// Returns the parameters of a point in words, as `speed -216.3772 rad/s, friction coefficient 0.00275`; only those
+/// for which `wanted` returns true.
 pub fn heading(study: &Study, values: &[ParameterValue], wanted: impl Fn(usize) -> bool) -> String {
     let parts = study.swept().iter().zip(values).enumerate();
     let part = |(index, (parameter, value)): (usize, (&VariedParameter, &ParameterValue))| {

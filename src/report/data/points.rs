@@ -1,4 +1,4 @@
-//! What `points.parquet` says of each point.
+//! Points from `points.parquet`.
 
 use crate::analysis::AuditCounts;
 use crate::classification::Label;
@@ -6,36 +6,36 @@ use crate::report::data::heading;
 use crate::study::{ParameterValue, Study};
 use crate::table::{Batch, Kind, Table, TableError};
 
-/// Most points that are held; of more, every second, third and so on.
+/// The largest number of points in memory; of larger sweeps every second, third and so on is read.
 const MOST_POINTS: u64 = 50_000;
 
 /// A fraction of a point's runs with its 95 % interval.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fraction {
-    /// How many runs.
+    /// Number of runs.
     pub runs: u64,
     /// The fraction.
     pub fraction: f64,
-    /// The lower end of its interval.
+    /// Lower end of its interval.
     pub low: f64,
-    /// The upper end of its interval.
+    /// Upper end of its interval.
     pub high: f64,
 }
 
-/// What is known of a point.
+/// The values of a point.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PointFacts {
-    /// Its number in the study.
+    /// Number of the point.
     pub point_id: u64,
     /// Values of the swept parameters.
     pub swept: Vec<ParameterValue>,
-    /// What distinguishes it, in words; `point 0` where nothing is swept.
+    /// The values that distinguish the point, in words; `point 0` if nothing is swept.
     pub title: String,
     /// Finished runs.
     pub runs: u64,
     /// Fractions of the labels, in the order of [`Label::ALL`].
     pub labels: [Fraction; 5],
-    /// Fraction of equilibria with the interval that the study asks for, failures in it.
+    /// Fraction of equilibria with the interval that the study asks for, which includes failures.
     pub equilibrium: Fraction,
     /// Quartiles and 95 % quantile of time to rest, s.
     pub time_to_rest_s: [Option<f64>; 4],
@@ -45,7 +45,7 @@ pub struct PointFacts {
     pub without_balls_m: Option<f64>,
     /// Fraction of all ball positions that are equilibria.
     pub set_fraction: Option<f64>,
-    /// Runs computed twice.
+    /// Results of the audit.
     pub audit: AuditCounts,
     /// The rate of flips and its interval.
     pub flip_rate: Option<[f64; 3]>,
@@ -63,7 +63,7 @@ fn of_label(label: Label, what: &str) -> String {
     format!("{}_{what}", label.name())
 }
 
-/// The points, or some at even distances; of the values of swept parameters, the study's.
+/// Reads all points, or evenly spaced ones. Values of swept parameters are taken from the study.
 pub fn read(study: &Study, table: &Table) -> Result<Vec<PointFacts>, TableError> {
     let balls = study.model().balls() > 0;
     let mut columns: Vec<(String, Kind)> =

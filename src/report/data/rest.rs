@@ -1,26 +1,26 @@
-//! Curves of `time_to_rest.parquet`: the probability of being at rest by a time.
+//! Curves of `time_to_rest.parquet`: the probability of rest over time.
 
 use crate::table::{Kind, Table, TableError};
 
-/// Most steps of a curve that are kept: more than a picture can tell apart.
+/// The largest number of steps of a curve, above the resolution of a screen.
 const MOST_STEPS: usize = 400;
 
-/// The probability of being at rest by time t, of a point.
+/// The probability of rest by time t, of one point.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RestCurve {
     /// Number of the point.
     pub point_id: u64,
-    /// Times of its steps, s, ascending.
+    /// Times of the steps, s, ascending.
     pub time_s: Vec<f64>,
-    /// The probability from each on.
+    /// The probability from each step on.
     pub probability: Vec<f64>,
-    /// Its 95 % interval.
+    /// Lower end of the 95 % interval.
     pub low: Vec<f64>,
-    /// Its 95 % interval.
+    /// Upper end of the 95 % interval.
     pub high: Vec<f64>,
 }
 
-/// The curves of these points, in the order of the table.
+/// Reads the curves of these points, in the order of the table.
 pub fn read(table: &Table, points: &[u64]) -> Result<Vec<RestCurve>, TableError> {
     let numbers = ["time_s", "probability_at_rest", "ci_low", "ci_high"];
     let mut wanted = vec![("point_id", Kind::Count)];
@@ -64,7 +64,7 @@ pub fn read(table: &Table, points: &[u64]) -> Result<Vec<RestCurve>, TableError>
     Ok(curves)
 }
 
-/// Keeps some steps at even distances, the first and the last among them.
+/// Thins out the steps evenly, keeping the first and the last one.
 fn thin(curve: &mut RestCurve) {
     let places = super::evenly(curve.time_s.len(), MOST_STEPS);
     let keep = |values: &mut Vec<f64>| {

@@ -1,4 +1,4 @@
-//! Runs of `runs.parquet`, of the points that are shown in detail: all of them, or of very many some.
+//! Runs from `runs.parquet` of the points in detail: all of them, or a subsample.
 
 use std::collections::BTreeMap;
 
@@ -8,68 +8,67 @@ use crate::model::Coordinate;
 use crate::study::Study;
 use crate::table::{Kind, Table, TableError};
 
-/// Most amplitudes that are held.
+/// The largest number of amplitudes in memory.
 const MOST_AMPLITUDES: u64 = 2_000_000;
-/// Most runs that are listed because something is wrong with them.
+/// The largest number of failed and flipped runs in the list.
 const MOST_NOTABLE: usize = 200;
 
 /// Labels in the order of their numbers in [`RunSample::label`].
 pub const LABELS: [Label; 5] = Label::ALL;
 
-/// Runs, column by column.
+/// A sample of runs, column by column.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RunSample {
-    /// How many runs the points shown in detail have.
+    /// Number of runs of the points in detail.
     pub of: u64,
-    /// About one in so many of them is held.
+    /// About one in this many runs is in the sample.
     pub one_in: u64,
-    /// Amplitudes at the end of the runs of these points, m, as far as there are any: of all runs, or of
-    /// very many of about one in [`Self::amplitude_one_in`].
+    /// Amplitudes at the end of the runs of each point, m: of all runs that have one, or of about one in
+    /// [`Self::amplitude_one_in`].
     pub amplitudes_m: BTreeMap<u64, Vec<f64>>,
-    /// About one in so many amplitudes is held.
+    /// About one in this many amplitudes is in `amplitudes_m`.
     pub amplitude_one_in: u64,
-    /// How many runs failed or changed their label, of all runs.
+    /// Number of runs, of all, that failed or changed their label in the audit.
     pub notable: u64,
     /// Numbers of the runs.
     pub run_id: Vec<u64>,
     /// Numbers of their points.
     pub point_id: Vec<u64>,
-    /// Places of their labels in [`LABELS`].
+    /// Indices of their labels in [`LABELS`].
     pub label: Vec<u8>,
-    /// Amplitude of the table at the end, m; NaN where there is none.
+    /// Amplitude of the table at the end, m; NaN if the run has none.
     pub amplitude_m: Vec<f64>,
     /// Friction margin at rest; NaN while moving.
     pub friction_margin: Vec<f64>,
     /// Time to rest, s; NaN while moving.
     pub time_to_rest_s: Vec<f64>,
-    /// Where each contact is at the end, contact by contact: angles of balls in [0, 2π), rad, or the
-    /// position of the block, m.
+    /// End position of each contact: angles of balls in [0, 2π), rad, or the position of the block, m.
     pub position: Vec<Vec<f64>>,
     /// Start states, coordinate by coordinate in the order of the model.
     pub start: Vec<Vec<f64>>,
 }
 
-/// A run that failed, or whose label differs when it is computed more precisely.
+/// A run that failed, or whose label changed in the audit.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Notable {
-    /// Its number.
+    /// Number of the run.
     pub run_id: u64,
-    /// Its label.
+    /// Label of the run.
     pub label: String,
-    /// Why it has it.
+    /// Evidence for the label.
     pub evidence: String,
-    /// What the audit found, where that is another label.
+    /// The label in the audit, if it is another one.
     pub audited: Option<String>,
-    /// What went wrong, if it failed.
+    /// The error, if the run failed.
     pub error: String,
 }
 
 const NUMBERS: [&str; 3] = ["amplitude_m", "friction_margin", "time_to_rest_s"];
 
-/// At most so many of the runs, and the notable ones among all of them.
+/// Reads at most `most` runs, and the failed and flipped ones among all runs.
 ///
-/// Which runs these are is decided by their numbers, scattered: runs at even distances would lie in the same
-/// cells of a stratified design again and again.
+/// A hash of the run numbers selects the subsample. Evenly spaced runs would lie in the same cells of a
+/// stratified design again and again.
 pub fn read(
     study: &Study,
     table: &Table,
@@ -165,29 +164,28 @@ pub fn read(
 }
 
 impl RunSample {
-    /// How many runs it holds.
+    /// Returns the number of runs in the sample.
     pub fn len(&self) -> usize {
         self.run_id.len()
     }
 
-    /// Whether it holds none.
+    /// Whether the sample is empty.
     pub fn is_empty(&self) -> bool {
         self.run_id.is_empty()
     }
 
-    /// What is to be said where it does not hold all runs; empty where it does.
+    /// Returns a sentence on the size of the subsample; empty if it holds all runs.
     pub fn left_out(&self) -> String {
         if self.one_in <= 1 {
             return String::new();
         }
         let (of, shown, one_in) = (self.of, self.len(), self.one_in);
-        format!(" Of the {of} runs of these points about one in {one_in} is shown ({shown} runs).")
+        format!(" Subsample: {shown} of the {of} runs of these points, about one in {one_in}.")
     }
 }
 
-/// Whether a run belongs to the about one in so many that are shown: by its number, mixed so that
-/// neighbours have nothing in common (the finaliser of SplitMix64, G. L. Steele, D. Lea and C. H. Flood,
-/// OOPSLA 2014, doi:10.1145/2660193.2660195).
+/// Whether a run belongs to a subsample of about one in `one_in` runs, by a hash of its number (the finaliser of
+/// SplitMix64, G. L. Steele, D. Lea and C. H. Flood, OOPSLA 2014, doi:10.1145/2660193.2660195).
 pub fn scattered(run_id: u64, one_in: u64) -> bool {
     let mixed = run_id.wrapping_add(0x9e37_79b9_7f4a_7c15);
     let mixed = (mixed ^ (mixed >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -199,8 +197,8 @@ pub fn scattered(run_id: u64, one_in: u64) -> bool {
 mod tests {
     use super::scattered;
 
-    /// Every cell of a stratified design has its part, whatever its period in the runs' numbers. Counts are
-    /// binomial; 6 standard deviations would be exceeded once in 10^8.
+    /// Every cell of a stratified design has its part, for any period in the run numbers. Counts are binomial; 6 standard
+    /// deviations would be exceeded once in 10^8.
     #[test]
     fn runs_are_scattered_over_cells() {
         for (cells, one_in) in [(2, 2), (3, 3), (256, 2), (768, 5), (6561, 7)] {

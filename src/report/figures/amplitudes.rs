@@ -1,17 +1,17 @@
-//! Residual amplitude: its distribution over the runs of each point, against no balls at all.
+//! Figure: the distribution of the residual amplitude over the runs of each point.
 
 use super::layers::{CurveOf, axis, few_each, fraction_axis, significant};
 use crate::report::chart::{Axis, AxisKind, Colour, Figure, Layer, Mark, Panel};
 use crate::report::data::ReportData;
 
-/// Steps of a curve: more than a picture can tell apart.
+/// The largest number of steps of a curve, above the resolution of a screen.
 const MOST_STEPS: usize = 300;
 
-/// Empirical distributions, relative to the amplitude without balls where the model has balls.
+/// Plots empirical distributions, relative to the amplitude without balls if the model has balls.
 pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
     let balls = data.study.model().balls() > 0;
     let mut curves = Vec::new();
-    let mut told = Vec::new();
+    let mut sentences = Vec::new();
     for point in data.details() {
         let over = match (balls, point.without_balls_m) {
             (true, Some(without)) if without > 0.0 => without,
@@ -40,14 +40,17 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
         }
         if balls {
             let calmer = values.partition_point(|value| *value < 1.0) as f64 / count as f64;
-            told.push(format!(
-                "{}: {:.1} % calmer than without balls",
+            sentences.push(format!(
+                "{}: {:.1} % of the runs vibrate less than without balls",
                 point.title,
                 100.0 * calmer
             ));
         } else if let Some(median) = values.get((count - 1) / 2) {
             let median = significant(*median);
-            told.push(format!("{}: half of the runs at {median} m or less", point.title));
+            sentences.push(format!(
+                "{}: half of the runs have an amplitude of {median} m or less",
+                point.title
+            ));
         }
         curves.push((point, points));
     }
@@ -55,7 +58,7 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
         return None;
     }
     let x = if balls {
-        let name = "residual amplitude over that without balls";
+        let name = "residual amplitude / amplitude without balls";
         Axis { kind: AxisKind::Logarithmic, ..axis(name, "") }
     } else {
         axis("amplitude at the end", "m")
@@ -66,7 +69,7 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
             colour: Colour::Series(place),
             mark: Mark::Steps { points: points.clone() },
         };
-        let rule = Mark::Rule { upright: true, at: 1.0, label: "no balls".to_owned() };
+        let rule = Mark::Rule { upright: true, at: 1.0, label: "without balls".to_owned() };
         let rule = Layer { name: String::new(), colour: Colour::Ink, mark: rule };
         few.iter().enumerate().map(curve).chain(balls.then_some(rule)).collect()
     };
@@ -76,27 +79,31 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
             title: String::new(),
             part,
             x: x.clone(),
-            y: fraction_axis("fraction of runs with less"),
+            y: fraction_axis("fraction of runs below"),
             scale: None,
             layers: layers(few),
         })
         .collect();
     let sampled = match data.runs.amplitude_one_in {
         1 => String::new(),
-        one_in => format!(" Of the runs of these points about one in {one_in} is counted."),
+        one_in => format!(" Subsample: about one in {one_in} runs of these points is counted."),
     };
     Some(Figure {
         id: "residual-amplitude".to_owned(),
         title: "Residual amplitude".to_owned(),
         caption: format!(
-            "Fraction of a point's runs whose amplitude at the end is smaller, all runs with an amplitude: \
-             at rest or moving.{}{}{}{}{sampled}",
+            "Empirical distribution of the amplitude at the end of a point's runs, at rest or \
+             moving.{}{}{}{}{sampled}",
             data.failures_left_out(),
-            if balls { data.without_draws("'No balls' is") } else { String::new() },
+            if balls {
+                data.without_draws("The amplitude without balls is that")
+            } else {
+                String::new()
+            },
             data.left_out(),
             data.curve_names(),
         ),
-        alternative: told.join("; "),
+        alternative: sentences.join("; "),
         one_at_a_time: panels.len() > 1,
         panels,
     })

@@ -1,4 +1,4 @@
-//! Which start states end where: pairs of start coordinates, coloured by how the run ended.
+//! Figure: basins of attraction, the start states in two coordinates, coloured by label.
 
 use super::layers::{label_colour, label_symbol, label_words, places, run_dots};
 use crate::classification::Label;
@@ -7,7 +7,7 @@ use crate::report::chart::{Axis, AxisKind, Figure, Layer, Mark, Panel, Tooltips}
 use crate::report::data::{ReportData, scattered};
 use crate::study::Study;
 
-/// A panel for each point and pair of coordinates.
+/// Plots a panel for each point and pair of coordinates.
 pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
     let study = data.study;
     let coordinates = study.model().coordinates();
@@ -19,7 +19,7 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
         return None;
     }
     let every = (all * pairs.len()).div_ceil(data.budget.starts).max(1);
-    // Of those that are held: the numbers are mixed once more.
+    // Mixes the run numbers again to draw a subsample of the sample.
     let mixed = |run: u64| run.wrapping_mul(0x2545_f491_4f6c_dd1d).rotate_left(17);
     let is_shown = |place: usize| {
         data.runs.run_id.get(place).is_some_and(|run| scattered(mixed(*run), every as u64))
@@ -61,7 +61,7 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
     let drawn: usize =
         panels.iter().step_by(pairs.len()).flat_map(|panel| &panel.layers).map(dots_of).sum();
     let sampled = if every > 1 || data.runs.one_in > 1 {
-        format!(" Of the {} runs of these points {drawn} are shown.", data.runs.of)
+        format!(" Subsample: {drawn} of the {} runs of these points are shown.", data.runs.of)
     } else {
         String::new()
     };
@@ -73,10 +73,10 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
     let counts: Vec<String> = counts.collect();
     Some(Figure {
         id: "basins".to_owned(),
-        title: "Which start states end where".to_owned(),
+        title: "Basins of attraction".to_owned(),
         caption: format!(
-            "Start states in the plane of two of their coordinates, by how the run ended; the other \
-             coordinates differ from dot to dot.{}{sampled}",
+            "Start states in the plane of two of their coordinates, coloured by the label of the run; the \
+             other coordinates vary from dot to dot.{}{sampled}",
             data.left_out()
         ),
         alternative: format!("Start states of runs by label: {}.", counts.join(", ")),
@@ -92,7 +92,7 @@ fn dots_of(layer: &Layer) -> usize {
     }
 }
 
-/// Pairs of coordinates that belong together: equal ones of two balls, x and y, place and speed.
+/// Returns the pairs of coordinates to plot: equal ones of two balls, x and y, position and speed.
 fn pairs(study: &Study, coordinates: &[Coordinate]) -> Vec<[usize; 2]> {
     let place = |name: &str| coordinates.iter().position(|coordinate| coordinate.name == name);
     let pair = |a: &str, b: &str| Some([place(a)?, place(b)?]);
@@ -111,7 +111,7 @@ fn pairs(study: &Study, coordinates: &[Coordinate]) -> Vec<[usize; 2]> {
     pairs.into_iter().flatten().collect()
 }
 
-/// A coordinate as a reader writes it: `β̇₁` for `beta_dot_1`.
+/// Returns a coordinate in mathematical notation: `β̇₁` for `beta_dot_1`.
 fn words(coordinate: &Coordinate) -> String {
     let dotted = coordinate.name.contains("_dot");
     let mut parts = coordinate.name.split('_');
@@ -125,7 +125,7 @@ fn words(coordinate: &Coordinate) -> String {
     format!("{letter}{}{ball}", if dotted { "\u{307}" } else { "" })
 }
 
-/// Angles go round once where the start states do.
+/// Returns the axis of a coordinate; the axis of an angle is one turn if the start states cover it.
 fn start_axis(coordinate: &Coordinate, values: &[f64]) -> Axis {
     let round = 0.0..=std::f64::consts::TAU;
     let angle = coordinate.unit == Some("rad") && values.iter().all(|value| round.contains(value));

@@ -1,15 +1,15 @@
-//! Limit cycles over a swept parameter: one branch for each class.
+//! Figure: limit cycles over a swept parameter, one branch per class.
 
 use super::layers::{axis, numbers};
 use super::sweep_axis::{Group, SweepAxis};
 use crate::report::chart::{Colour, Figure, Layer, Mark, Panel, Symbol, Tooltips};
 use crate::report::data::{CycleFacts, QUANTITIES, ReportData};
 
-/// Most classes that are shown, those with the most runs.
+/// The largest number of classes; those with the most runs are shown.
 const MOST_CLASSES: usize = 8;
 const SYMBOLS: [Symbol; 4] = [Symbol::Disc, Symbol::Triangle, Symbol::Square, Symbol::Diamond];
 
-/// A panel for each quantity; none where no run ended in a limit cycle.
+/// Plots a panel for each quantity; returns `None` if no run ended in a limit cycle.
 pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
     let cycles = &data.cycles;
     let mut classes: Vec<(String, u64)> = Vec::new();
@@ -63,7 +63,7 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
         return None;
     }
     let left_out = match all > MOST_CLASSES {
-        true => format!(" Shown are the {MOST_CLASSES} classes with the most runs, of {all}."),
+        true => format!(" The {MOST_CLASSES} classes with the most runs are shown, of {all}."),
         false => String::new(),
     };
     let list: Vec<String> =
@@ -72,9 +72,9 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
         id: "limit-cycles".to_owned(),
         title: "Limit cycles".to_owned(),
         caption: format!(
-            "A branch for each class of cycles (which balls run and which stick; docs/endings.md says \
-             how a class is written), with the range over its runs, or the 95 % interval of a \
-             fraction (Wilson, for itself).{left_out}"
+            "One branch per class of limit cycles (which balls run and which stick; docs/methods.md explains \
+             the names), with the range over its runs; fractions with their 95 % interval (Wilson, for each \
+             fraction separately).{left_out}"
         ),
         alternative: list.join("; "),
         panels,

@@ -1,11 +1,11 @@
-//! Failures and doubt: what could not be computed or shown, and what a more precise computation changed.
+//! Figure: fractions of failed and undecided runs, and of flips in the audit.
 
 use super::layers::{fraction_axis, label_colour, label_symbol, label_words, numbers};
 use crate::classification::Label;
 use crate::report::chart::{Axis, Colour, Figure, Layer, Mark, Panel, Symbol, Tooltips};
 use crate::report::data::{PointFacts, ReportData};
 
-/// Fractions of failed and undecided runs and of flips, with their intervals, of each point in detail.
+/// Plots the fractions with their intervals, for each point in detail.
 pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
     let points: Vec<&PointFacts> = data.details().collect();
     if points.is_empty() {
@@ -57,10 +57,10 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
     };
     Some(Figure {
         id: "doubt".to_owned(),
-        title: "Failures and doubt".to_owned(),
+        title: "Failed, undecided and flipped runs".to_owned(),
         caption: format!(
-            "Runs that failed, runs of which nothing could be shown, and labels that an audit changed; \
-             95 % intervals, also round zero.{}",
+            "Fractions of failed runs, of undecided runs, and of labels that changed in the audit, with 95 % \
+             intervals, also at zero.{}",
             data.left_out()
         ),
         alternative: format!("{failed} runs failed, {undecided} are undecided.{audit}"),
@@ -76,7 +76,7 @@ fn add(
     counts: Vec<u64>,
     place: usize,
 ) {
-    // Side by side, so that intervals do not cover each other.
+    // Side by side, so that intervals do not overlap.
     let shift = match place {
         3 => -0.16,
         4 => 0.0,

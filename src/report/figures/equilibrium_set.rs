@@ -1,5 +1,5 @@
-//! The equilibrium set of two balls as the background of a panel: amplitude by colour where the balls can
-//! rest, and the equilibria without friction (thesis section 5.2, figures 5.3 to 5.5).
+//! The equilibrium set of two balls as the background of a panel: amplitude by colour where the balls can rest, and
+//! the equilibria without friction (thesis section 5.2, figures 5.3 to 5.5).
 
 use std::f64::consts::TAU;
 
@@ -13,23 +13,23 @@ use crate::report::chart::{
     Tooltips,
 };
 
-/// Cells of the raster per axis: about half a screen's pixels, in 100 kB of the page.
+/// Cells of the raster per axis: about half of a screen's pixels, in 100 kB of the page.
 const CELLS: usize = 192;
-/// The scale of amplitudes has at most about so many round steps.
+/// About the largest number of round steps of the scale of amplitudes.
 const STEPS: f64 = 12.0;
 
-/// What shows an equilibrium set over the angle of ball 1, to the right, and of ball 2, upwards.
+/// The layers of an equilibrium set over the angle of ball 1, to the right, and of ball 2, upwards.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SetLayers {
-    /// What the colours mean.
+    /// Meaning of the colours.
     pub scale: ColourScale,
-    /// The amplitude wherever the balls can rest.
+    /// The amplitude at positions where the balls can rest.
     pub set: Layer,
-    /// The equilibria without friction, for above all else.
+    /// The equilibria without friction, to be drawn on top.
     pub frictionless: Vec<Layer>,
 }
 
-/// The axis of a ball's angle.
+/// Returns the axis of a ball's angle.
 pub fn angle_axis(ball: usize) -> Axis {
     Axis {
         name: format!("angle of ball {ball}"),
@@ -39,19 +39,19 @@ pub fn angle_axis(ball: usize) -> Axis {
     }
 }
 
-/// The layers that show the equilibrium set of a machine; none unless it has two balls, turns, and has a
-/// place to rest (a suspension without damping has none at its resonance).
+/// Returns the layers of a machine's equilibrium set; `None` unless the machine has two balls, turns, and has a
+/// position of rest (a suspension without damping has none at its resonance).
 pub fn set_layers(machine: &Machine) -> Option<SetLayers> {
     let form = RestForm::new(machine)?;
     if form.mass.len() != 2 || form.speed == 0.0 || !form.transfer.is_finite() {
         return None;
     }
-    // Every second point of a grid twice as fine is the middle of a cell.
+    // Every second point of a grid with half the spacing is the centre of a cell.
     let grid = SetGrid::new(&form, 2 * CELLS)?;
     let mut values = vec![f64::NAN; CELLS * CELLS];
     let mut row = GridRow::default();
     let (mut in_set, mut everywhere) = ([f64::INFINITY, 0.0], [f64::INFINITY, 0.0]);
-    // The first ball's angle goes along the rows of the raster, the second one's up.
+    // The first angle runs along the rows of the raster, the second one upwards.
     for first in 0..CELLS {
         grid.fill(2 * first + 1, &mut row);
         for second in 0..CELLS {
@@ -78,7 +78,7 @@ fn extend(range: &mut [f64; 2], value: f64) {
     *range = [range[0].min(value), range[1].max(value)];
 }
 
-/// The range, extended to multiples of 1, 2 or 5 times a power of ten.
+/// Returns the range, extended to multiples of 1, 2 or 5 times a power of ten.
 fn rounded([least, most]: [f64; 2]) -> Option<[f64; 2]> {
     let step = nice(((most - least) / STEPS).max(1e-9 * most));
     let ends = [(least / step).floor(), (most / step).floor() + 1.0];
@@ -87,14 +87,14 @@ fn rounded([least, most]: [f64; 2]) -> Option<[f64; 2]> {
         .then(|| ends.map(|end| (end * step * 1e9).round() / 1e9))
 }
 
-/// The least number of 1, 2 and 5 times a power of ten that is not below, or hardly.
+/// Returns the least of 1, 2 and 5 times a power of ten that is not below `step`, up to rounding.
 fn nice(step: f64) -> f64 {
     let power = 10.0_f64.powf(step.log10().floor());
     let factor = [1.0, 2.0, 5.0].into_iter().find(|factor| factor * power >= 0.95 * step);
     factor.unwrap_or(10.0) * power
 }
 
-/// The equilibria without friction; where balls are identical, with the balls exchanged as well.
+/// Returns the equilibria without friction; for identical balls also with the balls exchanged.
 fn frictionless(machine: &Machine) -> Option<Vec<Layer>> {
     let found = frictionless_equilibria(machine, HIGH_DRAG)?;
     let alike = groups_of_identical(&machine.balls).len() == 1;
@@ -156,7 +156,7 @@ mod tests {
         x.iter().zip(y).map(|(x, y)| [*x, *y]).collect()
     }
 
-    /// The fraction of the cells with a colour is the fraction of the positions in the set.
+    /// The fraction of coloured cells is the fraction of positions in the set.
     #[test]
     fn cells_outside_the_set_are_open() {
         for (speed, friction) in
@@ -169,8 +169,7 @@ mod tests {
         assert_eq!(fraction(&set_layers(&machine(-216.3772, 3.5e-3)).unwrap()), 1.0);
     }
 
-    /// The colour at a cell is the amplitude with the first ball at the abscissa and the second one at the
-    /// ordinate.
+    /// A cell has the amplitude with the first ball at its abscissa and the second one at its ordinate.
     #[test]
     fn the_first_ball_goes_to_the_right() {
         let balls = [1.0, 2.0].map(|factor| {

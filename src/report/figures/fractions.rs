@@ -1,4 +1,4 @@
-//! How runs end, over a swept parameter: the fraction of each label with its interval.
+//! Figure: the fraction of each label with its interval, over a swept parameter.
 
 use super::layers::{fraction_axis, label_colour, label_symbol, label_words, numbers};
 use super::sweep_axis::SweepAxis;
@@ -6,7 +6,7 @@ use crate::classification::Label;
 use crate::report::chart::{Figure, Layer, Mark, Panel, Tooltips};
 use crate::report::data::{PointFacts, ReportData};
 
-/// Fractions over the parameter with the most values; over the points themselves where no number is swept.
+/// Plots over the parameter with the most values, or over the points if no number is swept.
 pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
     let fraction = || fraction_axis("fraction of runs");
     let axes = SweepAxis::all(data, 2);
@@ -14,11 +14,11 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
     let (panels, over) = match axes.first() {
         Some(sweep) => {
             let mut groups = sweep.groups(data);
-            // Those with the most points say the most.
+            // The groups with the most points come first.
             groups.sort_by_key(|group| std::cmp::Reverse(group.points.len()));
             left_out = groups.len().saturating_sub(data.budget.details);
             groups.truncate(data.budget.details);
-            // Half of what a map may have: there are several values for each point.
+            // Half of the budget, because each point has several values.
             let each = data.budget.points / 2 / groups.len().max(1);
             for group in &mut groups {
                 let one_in = group.points.len().div_ceil(each.max(1)).max(1);
@@ -57,11 +57,11 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
     let least = data.points.iter().map(|point| point.equilibrium.fraction).fold(f64::NAN, f64::min);
     let left_out = match left_out {
         0 => String::new(),
-        more => format!(" {more} more combinations of the other parameters are not shown."),
+        more => format!(" {more} other combinations of parameters are not shown."),
     };
     let thinned = match most_left_out {
         1 => String::new(),
-        one_in => format!(" Of the points every {one_in}th is shown."),
+        one_in => format!(" Every {one_in}th point is shown."),
     };
     Some(Figure {
         id: "fractions".to_owned(),
@@ -70,9 +70,9 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
             over => format!("How runs end, over {over}"),
         },
         caption: format!(
-            "Fraction of the runs of each point by how they end, {end} s after the start, with 95 % \
-             intervals: of equilibria for themselves, widened by failed runs, which might have been any; \
-             of the other labels for all labels at once, which makes them wider.{left_out}{thinned}"
+            "Fraction of the runs of each point by label, {end} s after the start. The 95 % intervals of the \
+             equilibria hold for each fraction separately and are widened by failed runs, which could have had any \
+             label; those of the other labels hold jointly and are therefore wider.{left_out}{thinned}"
         ),
         alternative: format!(
             "The fraction of runs that end in equilibrium lies between {least:.3} and {most:.3}."

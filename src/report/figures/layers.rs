@@ -1,4 +1,4 @@
-//! What figures of runs have in common: axes, labels in colour, what is known of a dot.
+//! Elements that several figures share: axes, colours and symbols of labels, tooltips of runs.
 
 use crate::classification::Label;
 use crate::report::chart::{
@@ -7,28 +7,28 @@ use crate::report::chart::{
 use crate::report::data::{LABELS, PointFacts, RunSample};
 use crate::study::Study;
 
-/// An axis with what it measures and its unit.
+/// Returns an axis with its quantity and unit.
 pub fn axis(name: &str, unit: &str) -> Axis {
     Axis { name: name.to_owned(), unit: unit.to_owned(), range: None, kind: AxisKind::Linear }
 }
 
-/// An axis from 0 to 1.
+/// Returns an axis from 0 to 1.
 pub fn fraction_axis(name: &str) -> Axis {
     Axis { range: Some([0.0, 1.0]), ..axis(name, "") }
 }
 
-/// A number below the line.
+/// Returns a number in subscript digits.
 pub fn subscript(number: usize) -> String {
     let digit = |c: char| c.to_digit(10).and_then(|digit| char::from_u32(0x2080 + digit));
     number.to_string().chars().filter_map(digit).collect()
 }
 
-/// A label as a legend says it.
+/// Returns the name of a label in a legend.
 pub fn label_words(label: Label) -> String {
     label.name().replace('_', " ")
 }
 
-/// The colour of a label.
+/// Returns the colour of a label.
 pub fn label_colour(label: Label) -> Colour {
     match label {
         Label::Equilibrium => Colour::Equilibrium,
@@ -39,7 +39,7 @@ pub fn label_colour(label: Label) -> Colour {
     }
 }
 
-/// The symbol of a label, so that colour is not all that tells them apart.
+/// Returns the symbol of a label, which distinguishes labels without colour.
 pub fn label_symbol(label: Label) -> Symbol {
     match label {
         Label::Equilibrium => Symbol::Disc,
@@ -50,12 +50,12 @@ pub fn label_symbol(label: Label) -> Symbol {
     }
 }
 
-/// A column of numbers.
+/// Returns a tooltip column of numbers.
 pub fn numbers(name: &str, values: impl Iterator<Item = f64>) -> TooltipColumn {
     TooltipColumn { name: name.to_owned(), values: TooltipValues::Numbers(values.collect()) }
 }
 
-/// What is known of runs at these places of a sample, beside their angles.
+/// Returns the tooltips of runs at these places of a sample, besides their angles.
 pub fn run_tooltips(runs: &RunSample, places: &[usize]) -> Tooltips {
     let of = |values: &[f64], factor: f64| -> Vec<f64> {
         places
@@ -73,7 +73,7 @@ pub fn run_tooltips(runs: &RunSample, places: &[usize]) -> Tooltips {
     }
 }
 
-/// Dots of runs at places of a sample, with abscissas and ordinates from columns of it.
+/// Returns dots of runs at these places of a sample, with coordinates from its columns.
 pub fn run_dots(
     (name, colour, symbol): (&str, Colour, Symbol),
     (x, y): (&[f64], &[f64]),
@@ -87,7 +87,7 @@ pub fn run_dots(
     Layer { name: name.to_owned(), colour, mark }
 }
 
-/// Places of the runs of a point with a label; of any label where none is given.
+/// Returns the places of the runs of a point, with the given label if any.
 pub fn places(runs: &RunSample, point_id: u64, label: Option<Label>) -> Vec<usize> {
     let of_point = runs.point_id.iter().enumerate().filter(|(_, id)| **id == point_id);
     let is = |place: usize| {
@@ -97,14 +97,14 @@ pub fn places(runs: &RunSample, point_id: u64, label: Option<Label>) -> Vec<usiz
     of_point.map(|(place, _)| place).filter(|&place| is(place)).collect()
 }
 
-/// Most curves of one panel that a reader can tell apart.
+/// The largest number of curves in one panel.
 pub const MOST_CURVES: usize = 6;
 
 /// A point and its curve.
 pub type CurveOf<'a, T> = (&'a PointFacts, T);
 
-/// Curves of points in panels of a few neighbours each, with what the panels are called; nothing where
-/// there is one.
+/// Divides the curves of points into panels of a few neighbours each, with the titles of the panels; a single
+/// panel has no title.
 pub fn few_each<'c, 'a, T>(curves: &'c [CurveOf<'a, T>]) -> Vec<(String, &'c [CurveOf<'a, T>])> {
     let panels = curves.len().div_ceil(MOST_CURVES).max(1);
     let each = curves.len().div_ceil(panels).max(1);
@@ -118,7 +118,7 @@ pub fn few_each<'c, 'a, T>(curves: &'c [CurveOf<'a, T>]) -> Vec<(String, &'c [Cu
     curves.chunks(each).map(|few| (part(few), few)).collect()
 }
 
-/// How many runs of a point failed.
+/// Returns the number of failed runs of a point.
 pub fn failed(point: &PointFacts) -> u64 {
     LABELS
         .iter()
@@ -128,7 +128,7 @@ pub fn failed(point: &PointFacts) -> u64 {
         .sum()
 }
 
-/// A number with four significant digits.
+/// Returns a number with four significant digits.
 pub fn significant(value: f64) -> String {
     if !value.is_finite() {
         return "–".to_owned();
@@ -144,7 +144,7 @@ pub fn significant(value: f64) -> String {
     text.replace('-', "\u{2212}")
 }
 
-/// What moves: balls or a block.
+/// Returns the name of the moving body: balls or block.
 pub fn moving(study: &Study) -> &'static str {
     match study.model().balls() {
         0 => "block",

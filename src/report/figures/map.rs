@@ -1,4 +1,4 @@
-//! A sweep over two parameters as a map: a cell for each point, coloured by what came of it.
+//! Figure: a sweep over two parameters as a map, with one coloured cell per point.
 
 use super::layers::{failed, numbers};
 use super::sweep_axis::{SweepAxis, distinct, is_by_decades};
@@ -6,17 +6,17 @@ use crate::report::chart::{Colour, ColourScale, Figure, Layer, Mark, Panel, Tool
 use crate::report::data::{PointFacts, ReportData, heading};
 use crate::study::ParameterValue;
 
-/// Least number of values of each parameter.
+/// The least number of values of each parameter.
 const LEAST: usize = 3;
 
-/// What a map shows of a point: its name, its value, and the scale's ends where they are given.
+/// A quantity of a map: its name, its value at a point, and the ends of its scale if fixed.
 type Shown = (&'static str, fn(&PointFacts) -> Option<f64>, Option<[f64; 2]>);
 
 const SHOWN: [Shown; 4] = [
     ("fraction of equilibria", |point| Some(point.equilibrium.fraction), Some([0.0, 1.0])),
     ("median time to rest [s]", |point| point.time_to_rest_s[1], None),
     (
-        "median amplitude over that without balls",
+        "median amplitude / amplitude without balls",
         |point| {
             Some(
                 point.amplitude_m[1]?
@@ -28,7 +28,7 @@ const SHOWN: [Shown; 4] = [
     ("fraction of positions that are equilibria", |point| point.set_fraction, Some([0.0, 1.0])),
 ];
 
-/// Maps over the two parameters with the most values, one for each combination of the others.
+/// Plots maps over the two parameters with the most values, one for each combination of the others.
 pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
     let axes = SweepAxis::all(data, LEAST);
     let [across, up, ..] = &axes[..] else { return None };
@@ -38,7 +38,7 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
     };
     let values = |column| distinct(&data.points, column);
     let (x_values, y_values) = (values(across.column)?, values(up.column)?);
-    // Where cells are too many, every second, third and so on of the values of each parameter.
+    // With too many cells, only every second, third and so on value of each parameter is shown.
     let (mut x_values, mut y_values) = (x_values, y_values);
     let mut one_in = 1;
     while x_values.len().div_ceil(one_in) * y_values.len().div_ceil(one_in) > data.budget.points {
@@ -51,7 +51,7 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
     if x_values.len() < 2 || y_values.len() < 2 {
         return None;
     }
-    // A map for each combination of the other parameters.
+    // One map for each combination of the other parameters.
     let mut planes: Vec<(String, Vec<Placed<'_>>)> = Vec::new();
     for point in &data.points {
         let places = number(point, across.column).zip(number(point, up.column));
@@ -67,7 +67,7 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
         });
         planes[place].1.push((point, x, y));
     }
-    // A map of which most cells are empty is a path: the curves show it better.
+    // A map with mostly empty cells is a path through the plane, which curves show better.
     planes.retain(|(_, points)| 3 * points.len() >= x_values.len() * y_values.len());
     planes.truncate(MOST_PLANES);
     let shown: usize = planes.iter().map(|(_, points)| points.len()).sum();
@@ -81,25 +81,25 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
     let more = if shown as u64 == data.point_count {
         String::new()
     } else {
-        format!(" Of {} points, {shown} are shown.", data.point_count)
+        format!(" {shown} of {} points are shown.", data.point_count)
     };
     Some(Figure {
         id: "map".to_owned(),
         title: format!("Map over {} and {}", across.axis.name, up.axis.name),
-        caption: format!("A cell for each point of the sweep; open where there is no value.{more}"),
+        caption: format!("One cell per point of the sweep; open cells have no value.{more}"),
         alternative: format!("{shown} points over {} and {}.", label(across), label(up)),
         one_at_a_time: true,
         panels,
     })
 }
 
-/// Most combinations of other parameters that have maps.
+/// The largest number of combinations of other parameters with maps.
 const MOST_PLANES: usize = 12;
 
-/// A point and where it is.
+/// A point and its coordinates.
 type Placed<'a> = (&'a PointFacts, f64, f64);
 
-/// The maps of points that differ in nothing but the two parameters, each of which takes these values.
+/// Returns the maps of points that differ in the two parameters only, each of which has these values.
 fn plane(
     title: &str,
     points: &[Placed<'_>],
@@ -160,7 +160,7 @@ fn bounded(sweep: &SweepAxis, edges: &[f64]) -> crate::report::chart::Axis {
     crate::report::chart::Axis { range: ends, ..sweep.axis.clone() }
 }
 
-/// Edges of cells round ascending values: in the middle between neighbours, as the axis goes.
+/// Returns the edges of cells around ascending values, midway between neighbours on the axis's scale.
 fn edges(values: &[f64]) -> Vec<f64> {
     let by_decades = is_by_decades(values);
     let on_axis = |value: f64| if by_decades { value.ln() } else { value };
@@ -173,7 +173,7 @@ fn edges(values: &[f64]) -> Vec<f64> {
     all.map(|edge| if by_decades { edge.exp() } else { edge }).collect()
 }
 
-/// The edges round a value.
+/// Returns the edges around a value.
 fn around(values: &[f64], edges: &[f64], value: f64) -> Option<[f64; 2]> {
     let place = values.binary_search_by(|other| other.total_cmp(&value)).ok()?;
     Some([*edges.get(place)?, *edges.get(place + 1)?])

@@ -1,4 +1,4 @@
-//! The figures of results: each made from what has been read, and drawn elsewhere.
+//! The figures of a report, as data that the page's script draws.
 
 mod amplitudes;
 mod basins;
@@ -17,7 +17,7 @@ pub use layers::{failed as failed_runs, label_words, significant};
 use super::chart::Figure;
 use super::data::ReportData;
 
-/// All figures that these results can show, in reading order.
+/// Returns all figures that these results allow, in reading order.
 pub fn of_results(data: &ReportData<'_>) -> Vec<Figure> {
     let figures = [
         preferred::figure(data),

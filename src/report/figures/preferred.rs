@@ -1,4 +1,4 @@
-//! Where balls come to rest: the preferred equilibria, over the equilibrium set.
+//! Figure: the preferred equilibria, where balls come to rest, over the equilibrium set.
 
 use super::equilibrium_set::{SetLayers, angle_axis, set_layers};
 use super::layers::{axis, label_colour, label_words, places, run_dots, run_tooltips, subscript};
@@ -6,10 +6,10 @@ use crate::classification::Label;
 use crate::report::chart::{Axis, AxisKind, Colour, Figure, Layer, Panel, Symbol};
 use crate::report::data::{PointFacts, ReportData};
 
-/// Most pairs of balls that are shown.
+/// The largest number of pairs of balls.
 const MOST_PAIRS: usize = 6;
 
-/// A panel for each point; with three balls or more for each point and pair of balls.
+/// Plots a panel for each point; with three or more balls, for each point and pair of balls.
 pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
     let balls = data.study.model().balls();
     let panels: Vec<Panel> = data
@@ -37,7 +37,7 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
     });
     let alternative = counts.collect::<Vec<_>>().join("; ");
     let set = if balls == 2 {
-        data.without_draws("The set, the colours, the stars and the circles are")
+        data.without_draws("Set, colours, stars and circles are those")
     } else {
         String::new()
     };
@@ -47,14 +47,14 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
         1 => ("Preferred equilibria", "Angle at rest and amplitude of each run.".to_owned()),
         2 => (
             "Preferred equilibria",
-            "Each dot is where the balls of a run came to rest. Colour: amplitude of the table if they \
-             rest there; open: no equilibrium, friction does not hold them. Stars and circles: stable \
-             and unstable equilibria without friction."
+            "Each dot is a run at the angles where its balls came to rest. Colour: amplitude of the table if \
+             the balls rest there; open: no equilibrium, friction does not hold the balls. Stars and circles: \
+             stable and unstable equilibria without friction."
                 .to_owned(),
         ),
         _ => (
             "Preferred equilibria",
-            "Each dot is where two of the balls of a run came to rest.".to_owned(),
+            "Each dot is a run at the angles where two of its balls came to rest.".to_owned(),
         ),
     };
     Some(Figure {
@@ -71,7 +71,7 @@ fn counted(point: &PointFacts) -> String {
     format!("{}: {} of {} at rest", point.title, point.equilibrium.runs, point.runs)
 }
 
-/// Dots of the runs at rest with two columns of the sample.
+/// Returns dots of the runs at rest with two columns of the sample.
 fn dots(data: &ReportData<'_>, point: &PointFacts, x: &[f64], y: &[f64]) -> Layer {
     let runs = places(&data.runs, point.point_id, Some(Label::Equilibrium));
     let tooltips = run_tooltips(&data.runs, &runs);
@@ -85,7 +85,7 @@ fn pair(data: &ReportData<'_>, point: &PointFacts, [first, second]: [usize; 2]) 
         _ => format!("β{} and β{}", subscript(first), subscript(second)),
     };
     let dots = dots(data, point, column(first), column(second));
-    // What is drawn is computed from the study alone; a point that it does not have has no set.
+    // The set is computed from the study alone; a point that the study lacks has no set.
     let study = data.study;
     let model = (point.point_id < study.point_count()).then(|| study.point(point.point_id));
     let machine = model.as_ref().and_then(|point| point.model().ball_balancer());

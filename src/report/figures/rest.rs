@@ -1,10 +1,10 @@
-//! The probability of being at rest by time t, of each point.
+//! Figure: the probability of rest over time, of each point.
 
 use super::layers::{CurveOf, axis, failed, few_each, fraction_axis, moving};
 use crate::report::chart::{Axis, Colour, Figure, Layer, Mark, Panel};
 use crate::report::data::{PointFacts, ReportData, RestCurve};
 
-/// Curves with their bands, up to the study's end time.
+/// Plots curves with their bands, up to the study's end time.
 pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
     let end = data.study.simulation().end_time_s;
     let curve_of =
@@ -47,11 +47,11 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
             one => format!("When the {one} comes to rest"),
         },
         caption: format!(
-            "Probability of being at rest by time t (Kaplan and Meier; runs that still move at the end \
-             are censored), with 95 % bands.{}{}{}",
+            "Probability of rest by time t (Kaplan-Meier estimator; runs that still move at the end are \
+             censored), with 95 % bands.{}{}{}",
             match data.failures_left_out() {
                 none if none.is_empty() => none,
-                failed => failed + " Bands allow for them: at rest at once, or never.",
+                failed => failed + " The bands include them: at rest immediately, or never.",
             },
             data.left_out(),
             data.curve_names()
@@ -73,12 +73,12 @@ fn layers(data: &ReportData<'_>, curves: &[CurveOf<'_, &RestCurve>], end: f64) -
     };
     let bands = curves.iter().enumerate().map(|(place, (point, curve))| {
         let RestCurve { time_s, low, high, .. } = curve;
-        // Of failed runs nobody knows: all of them at rest at once, or never.
+        // Bounds for failed runs: all at rest immediately, or never.
         let part = failed(point) as f64 / point.runs.max(1) as f64;
         let mut x = time_s.clone();
         let mut low: Vec<f64> = low.iter().map(|low| low * (1.0 - part)).collect();
         let mut high: Vec<f64> = high.iter().map(|high| high * (1.0 - part) + part).collect();
-        // Nothing more happens up to the end.
+        // The curve stays constant up to the end time.
         if x.last().is_some_and(|time| *time < end) {
             x.push(end);
             low.extend(low.last().copied());

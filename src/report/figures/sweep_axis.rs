@@ -1,12 +1,12 @@
-//! Which swept parameter a figure goes over, and which points belong together on it.
+//! Swept parameters as axes, and the points grouped along them.
 
 use crate::report::chart::{Axis, AxisKind};
 use crate::report::data::{PointFacts, ReportData, axis_of, heading};
 use crate::study::ParameterValue;
 
-/// A swept parameter as an axis, and the points in groups that differ in nothing else.
+/// A swept parameter as an axis.
 pub struct SweepAxis {
-    /// Its place among the swept parameters.
+    /// Index among the swept parameters.
     pub column: usize,
     /// The axis.
     pub axis: Axis,
@@ -14,7 +14,7 @@ pub struct SweepAxis {
 
 /// Points that differ in one parameter only.
 pub struct Group<'a> {
-    /// What they have in common, in words; empty where there is nothing to tell apart.
+    /// The values of the other parameters in words; empty if there is one group.
     pub title: String,
     /// Value of the parameter and the point, by ascending value.
     pub points: Vec<(f64, &'a PointFacts)>,
@@ -27,7 +27,7 @@ fn number(point: &PointFacts, column: usize) -> Option<f64> {
     }
 }
 
-/// The distinct numbers that a swept parameter takes, ascending; none if it is not a number everywhere.
+/// Returns the distinct numbers of a swept parameter, ascending; `None` if a value is not a number.
 pub fn distinct(points: &[PointFacts], column: usize) -> Option<Vec<f64>> {
     let mut values: Vec<f64> =
         points.iter().map(|point| number(point, column)).collect::<Option<_>>()?;
@@ -36,8 +36,8 @@ pub fn distinct(points: &[PointFacts], column: usize) -> Option<Vec<f64>> {
     Some(values)
 }
 
-/// Whether ascending values belong on a logarithmic axis: over two decades or more, and most of them small
-/// against the greatest.
+/// Whether ascending values belong on a logarithmic axis: they span two decades or more, and most of them are small
+/// compared with the largest.
 pub fn is_by_decades(values: &[f64]) -> bool {
     let (Some(least), Some(most)) = (values.first(), values.last()) else { return false };
     let small = values.iter().filter(|value| **value < 0.2 * most).count();
@@ -45,13 +45,13 @@ pub fn is_by_decades(values: &[f64]) -> bool {
 }
 
 impl SweepAxis {
-    /// The parameters of a sweep that take at least so many values, the one with the most first.
+    /// Returns the swept parameters with at least `least` values, the one with the most values first.
     pub fn all(data: &ReportData<'_>, least: usize) -> Vec<SweepAxis> {
         let columns = data.study.swept().iter().enumerate();
         let mut axes: Vec<(usize, SweepAxis)> = columns
             .filter_map(|(column, parameter)| {
                 let values = distinct(&data.points, column)?;
-                // All panels of a sweep go over all of it.
+                // All panels share the full range of the sweep.
                 let (from, to) = (values.first()?, values.last()?);
                 let decades = is_by_decades(&values);
                 let (range, kind) = if decades {
@@ -69,7 +69,7 @@ impl SweepAxis {
         axes.into_iter().map(|(_, axis)| axis).collect()
     }
 
-    /// The points in groups that differ in nothing but this parameter, in the order of the sweep.
+    /// Returns the points in groups that differ in this parameter only, in the order of the sweep.
     pub fn groups<'a>(&self, data: &'a ReportData<'_>) -> Vec<Group<'a>> {
         let mut groups: Vec<Group<'a>> = Vec::new();
         let mut places = std::collections::HashMap::new();

@@ -1,8 +1,8 @@
-//! Figures as the page's script reads them: JSON, with long columns of numbers packed.
+//! Encodes figures as JSON for the page's script, with long columns of numbers packed.
 //!
-//! A packed column is an object: `f` holds 32-bit floats (NaN: none), `u` 32-bit whole numbers, and `w`
-//! 16-bit steps between `from` and `to` (65535: none), each in base64 and little-endian. Steps are a
-//! hundredth of what a screen can show.
+//! A packed column is an object with one base64 string of little-endian values: `f` holds 32-bit floats (NaN: no
+//! value), `u` 32-bit whole numbers, and `w` 16-bit steps between `from` and `to` (65535: no value). A step is a
+//! hundredth of a screen pixel.
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD as BASE64;
@@ -12,12 +12,12 @@ use crate::report::chart::{
     Axis, AxisKind, Figure, Layer, Mark, Panel, TooltipColumn, TooltipValues, Tooltips,
 };
 
-/// Columns longer than this are packed.
+/// The longest column that is not packed.
 const SHORT: usize = 24;
-/// Coordinates of so many dots are packed in 16 bits each.
+/// The number of dots above which coordinates are packed in 16 bits each.
 const MANY: usize = 4000;
 
-/// A figure.
+/// Encodes a figure.
 pub fn figure(figure: &Figure) -> Value {
     json!({
         "id": figure.id,
@@ -105,7 +105,7 @@ fn known(tooltips: &Tooltips) -> Value {
     })
 }
 
-/// Points one after another; packed in 16 bits where both coordinates have about the same range.
+/// Encodes points as one flat list; packed in 16 bits if both coordinates have about the same range.
 fn pairs(points: &[[f64; 2]]) -> Value {
     let span = |axis: usize| {
         let values = points.iter().map(|point| point[axis]).filter(|value| value.is_finite());
@@ -122,7 +122,7 @@ fn ends(values: impl Iterator<Item = f64>) -> (f64, f64) {
     values.fold((f64::INFINITY, f64::NEG_INFINITY), |(from, to), v| (from.min(v), to.max(v)))
 }
 
-/// Numbers; those that are not finite become null or NaN.
+/// Encodes numbers; those that are not finite become null or NaN.
 fn column(values: &[f64]) -> Value {
     if values.len() <= SHORT {
         return json!(values);
@@ -146,7 +146,7 @@ fn coordinates(values: &[f64]) -> Value {
     if values.len() < MANY { column(values) } else { steps(values) }
 }
 
-/// Numbers in 16 bits each.
+/// Encodes numbers in 16 bits each.
 fn steps(values: &[f64]) -> Value {
     let (from, to) = ends(values.iter().copied().filter(|value| value.is_finite()));
     let span = to - from;

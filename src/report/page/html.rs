@@ -1,29 +1,29 @@
-//! Text of a page, escaped.
+//! Builds HTML from escaped text.
 
 use crate::foreign::is_acted_on;
 
-/// A page that grows line by line.
+/// An HTML text that grows line by line.
 #[derive(Debug, Default)]
 pub struct Html(String);
 
 impl Html {
-    /// Adds a line of markup as it is.
+    /// Adds a line of unescaped markup.
     pub fn line(&mut self, markup: &str) {
         self.0 += markup;
         self.0.push('\n');
     }
 
-    /// Adds an element that holds text; `attributes` as ` class="x"`, or nothing.
+    /// Adds an element with escaped text; `attributes` is empty or begins with a space, as ` class="x"`.
     pub fn element(&mut self, tag: &str, attributes: &str, text: &str) {
         self.line(&format!("<{tag}{attributes}>{}</{tag}>", escaped(text)));
     }
 
-    /// Adds rows of a table; the cells are markup, `text` says which columns are aligned to the left.
+    /// Adds a table. The cells are markup; `text` lists the columns that are aligned to the left.
     pub fn table(&mut self, head: &[&str], rows: &[Vec<String>], text: &[usize]) {
         let class = |column: usize| if text.contains(&column) { " class=\"text\"" } else { "" };
         self.line("<div class=\"wide\" tabindex=\"0\"><table><thead><tr>");
         for (column, name) in head.iter().enumerate() {
-            // Long names may go on in the next line behind what joins their words.
+            // Allows line breaks in long names.
             let name = escaped(name).replace('_', "_<wbr>");
             self.line(&format!("<th scope=\"col\"{}>{name}</th>", class(column)));
         }
@@ -36,13 +36,13 @@ impl Html {
         self.line("</tbody></table></div>");
     }
 
-    /// What has been added.
+    /// Returns the text.
     pub fn text(self) -> String {
         self.0
     }
 }
 
-/// Text as it stands in a page and in attributes.
+/// Escapes text for elements and attributes.
 pub fn escaped(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for c in text.chars() {

@@ -1,7 +1,7 @@
-//! The report as one HTML page: what was run, the table of points, and figures that answer the pointer.
+//! The report as one HTML page: facts of the run, the table of points, and interactive figures.
 //!
-//! Everything is in the file: style, script, the charting library (Apache ECharts, see
-//! `assets/echarts-LICENSE`) and the data. A policy in it forbids the browser to ask for anything else.
+//! The file contains style, script, the charting library (Apache ECharts, see `assets/echarts-LICENSE`) and the
+//! data. Its content security policy forbids all network requests.
 
 mod encode;
 mod html;
@@ -21,13 +21,13 @@ const STYLE: &str = include_str!("assets/page.css");
 const SCRIPT: &str = include_str!("assets/page.js");
 const LIBRARY: &str = include_str!("assets/echarts.min.js");
 
-/// What says that a file is a page of this program, which it may replace.
+/// Marks a file as a page of this program, which the program may replace.
 pub const OWN: &str = "<meta name=\"generator\" content=\"stickslip\">";
 
-/// The longest study that is shown, bytes.
+/// The longest study file that the page shows, in bytes.
 const MOST_STUDY: usize = 60_000;
 
-/// The page of results that lie in a directory.
+/// Returns the page of a directory of results.
 pub fn page(directory: &Path, data: &ReportData<'_>, figures: &[Figure]) -> String {
     let name = data.study.name();
     let mut body = Html::default();
@@ -45,14 +45,14 @@ pub fn page(directory: &Path, data: &ReportData<'_>, figures: &[Figure]) -> Stri
             escaped(&figure.title)
         ));
     }
-    body.line("<li><a href=\"#notable\">Runs to look at</a></li>");
+    body.line("<li><a href=\"#notable\">Failed and flipped runs</a></li>");
     body.line("<li><a href=\"#study\">Study</a></li>");
     body.line("</ul></nav>\n<main>");
     tables::points(&mut body, directory, data);
     body.line("<div id=\"figures\">");
     body.line(
         "<p class=\"hint soft\">Press a name to hide or show a series; Ctrl and the wheel zoom, dragging \
-         moves; a click on a dot keeps what is known of it.</p>",
+         moves; a click on a dot pins its data.</p>",
     );
     for figure in figures {
         section(&mut body, figure);
@@ -62,18 +62,20 @@ pub fn page(directory: &Path, data: &ReportData<'_>, figures: &[Figure]) -> Stri
     body.line("<section aria-labelledby=\"study\"><h2 id=\"study\">Study</h2>");
     let study = data.study.resolved_yaml();
     if study.len() <= MOST_STUDY {
-        body.line("<details><summary>All of it, with every default filled in</summary>");
+        body.line("<details><summary>Study file with all defaults</summary>");
         body.element("pre", "", &study);
         body.line("</details></section>\n</main>");
     } else {
         let file = escaped(&shown_path(&directory.join("study.yaml")));
-        body.line(&format!("<p>It is long: see {file}.</p></section>\n</main>"));
+        body.line(&format!(
+            "<p>The study file is too long to show: see {file}.</p></section>\n</main>"
+        ));
     }
     let data = json!({
         "directory": shell_word(directory),
         "figures": figures.iter().map(encode::figure).collect::<Vec<_>>(),
     });
-    // Nothing in the data can end the script that holds it.
+    // Escaping `<` keeps data from ending the script element that holds it.
     let data = harmless_json(&data.to_string()).replace('<', "\\u003c");
     let parts = [
         ("<!--title-->", escaped(&format!("{name}: stickslip report"))),
@@ -86,7 +88,7 @@ pub fn page(directory: &Path, data: &ReportData<'_>, figures: &[Figure]) -> Stri
     fill(PAGE, &parts)
 }
 
-/// Puts texts in the places of marks, in their order; what is put in is not looked at again.
+/// Replaces each mark by its text, in order; does not search inserted texts for marks.
 fn fill(page: &str, parts: &[(&str, String)]) -> String {
     let mut filled = String::new();
     let mut rest = page;
@@ -106,7 +108,7 @@ fn section(body: &mut Html, figure: &Figure) {
     body.line(&format!("<h2 id=\"{id}-title\">{}</h2>", escaped(title)));
     body.line(&format!("<figure id=\"{id}\"><figcaption>{}", escaped(caption)));
     if !alternative.is_empty() {
-        body.line("<details><summary>In words</summary>");
+        body.line("<details><summary>Text version</summary>");
         body.element("p", &format!(" id=\"{id}-words\""), alternative);
         body.line("</details>");
     }

@@ -1,4 +1,4 @@
-//! The words and tables of the page: what was run, what is missing, the points, runs to look at.
+//! The text and tables of the page: facts of the run, missing runs, points, failed and flipped runs.
 
 use std::path::Path;
 
@@ -10,14 +10,14 @@ use crate::report::data::{Fraction, Notable, PointFacts, ReportData, said};
 use crate::report::figures::significant;
 use crate::study::ParameterKind;
 
-/// Longer tables are folded, so that figures are not far away.
+/// The number of rows above which a table is folded.
 const SHORT_TABLE: usize = 24;
-/// The most characters of what went wrong in a run.
+/// The number of characters of a run's error message that are shown.
 const LONGEST_ERROR: usize = 400;
-/// Most rows of a table.
+/// The largest number of rows of a table.
 const MOST_ROWS: usize = 200;
 
-/// What was run: study, version, seed, machine, time.
+/// Adds the facts of the run: study, version, seed, machine, time.
 pub fn facts(body: &mut Html, data: &ReportData<'_>) {
     let (study, manifest) = (data.study, data.manifest);
     let simulation = study.simulation();
@@ -69,7 +69,7 @@ pub fn facts(body: &mut Html, data: &ReportData<'_>) {
     body.line("</dl>");
 }
 
-/// What is missing or in doubt, in plain sight.
+/// Adds warnings about missing, failed and undecided runs.
 pub fn warnings(body: &mut Html, directory: &Path, data: &ReportData<'_>) {
     let manifest = data.manifest;
     let (finished, planned) = (manifest.runs_finished, manifest.runs_planned);
@@ -79,8 +79,8 @@ pub fn warnings(body: &mut Html, directory: &Path, data: &ReportData<'_>) {
         let fraction = 100.0 * missing as f64 / planned.max(1) as f64;
         body.line(&format!(
             "<p class=\"warning\" id=\"missing\"><strong>Not complete.</strong> {bound}{missing} of \
-             {bound}{planned} runs are missing ({fraction:.1} %): what follows is of the {finished} runs \
-             that have finished, and points whose runs came last may have none. <code \
+             {bound}{planned} runs are missing ({fraction:.1} %). The page shows the {finished} finished runs; \
+             points at the end of the sweep may have none. <code \
              class=\"command\">stickslip resume {}</code> computes the rest.</p>",
             escaped(&shell_word(directory)),
         ));
@@ -91,7 +91,7 @@ pub fn warnings(body: &mut Html, directory: &Path, data: &ReportData<'_>) {
         let all = if failed == finished { "All" } else { "Some" };
         body.line(&format!(
             "<p class=\"warning\" id=\"failed\"><strong>{all} runs failed:</strong> {failed} of \
-             {finished}. They widen the intervals; <a href=\"#notable\">what went wrong</a>.</p>"
+             {finished}. They widen the intervals; see the <a href=\"#notable\">errors</a>.</p>"
         ));
     }
     let flips: u64 = data.points.iter().map(|point| point.audit.flips).sum();
@@ -102,11 +102,11 @@ pub fn warnings(body: &mut Html, directory: &Path, data: &ReportData<'_>) {
         audited => format!("{flips} of {audited} audited runs changed their label"),
     };
     body.line(&format!(
-        "<p>Doubt: {undecided} of {finished} runs are undecided, {failed} failed, {audit}.</p>"
+        "<p>Diagnostics: {undecided} of {finished} runs are undecided, {failed} failed, {audit}.</p>"
     ));
 }
 
-/// The table of points with their intervals.
+/// Adds the table of points with their intervals.
 pub fn points(body: &mut Html, directory: &Path, data: &ReportData<'_>) {
     body.line("<section aria-labelledby=\"points\"><h2 id=\"points\">Points</h2>");
     let study = data.study;
@@ -173,7 +173,7 @@ pub fn points(body: &mut Html, directory: &Path, data: &ReportData<'_>) {
     if data.point_count > rows.len() as u64 {
         body.line(&format!(
             "<p>The first {} of {} points; <code class=\"command\">stickslip summary {dir} --points \
-             all</code> prints them all, and points.parquet has all that is known of them.</p>",
+             all</code> prints all points, and points.parquet has all columns.</p>",
             rows.len(),
             data.point_count,
         ));
@@ -181,16 +181,17 @@ pub fn points(body: &mut Html, directory: &Path, data: &ReportData<'_>) {
     body.line("</section>");
 }
 
-/// Runs that failed, and runs whose label an audit changed.
+/// Adds the table of runs that failed and of runs whose label changed in the audit.
 pub fn notable(body: &mut Html, directory: &Path, data: &ReportData<'_>) {
-    body.line("<section aria-labelledby=\"notable\"><h2 id=\"notable\">Runs to look at</h2>");
+    body.line(
+        "<section aria-labelledby=\"notable\"><h2 id=\"notable\">Failed and flipped runs</h2>",
+    );
     if data.notable.is_empty() {
         let audit = if data.study.audit().is_some() { ", and no label changed" } else { "" };
         body.line(&format!("<p>None: no run failed{audit}.</p></section>"));
         return;
     }
-    let head =
-        ["run", "label", "evidence", "computed more precisely", "what went wrong", "to see it"];
+    let head = ["run", "label", "evidence", "label in the audit", "error", "replay"];
     let dir = escaped(&shell_word(directory));
     let row = |run: &Notable| {
         let Notable { run_id, label, evidence, audited, error } = run;
@@ -206,7 +207,7 @@ pub fn notable(body: &mut Html, directory: &Path, data: &ReportData<'_>) {
     };
     let rows: Vec<Vec<String>> = data.notable.iter().map(row).collect();
     body.line(&format!(
-        "<p>Runs that failed, and audited runs that end otherwise when they are computed more \
+        "<p>Runs that failed, and audited runs that have another label when they are computed more \
          precisely: {}.</p>",
         match data.runs.notable {
             all if all > rows.len() as u64 => format!("the first {} of {all}", rows.len()),
@@ -218,7 +219,7 @@ pub fn notable(body: &mut Html, directory: &Path, data: &ReportData<'_>) {
     body.line("</section>");
 }
 
-/// A number with four significant digits, or a dash.
+/// Returns a number with four significant digits, or a dash.
 fn written(value: Option<f64>) -> String {
     value.map_or_else(|| "–".to_owned(), significant)
 }

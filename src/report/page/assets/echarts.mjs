@@ -1,4 +1,4 @@
-// What of Apache ECharts the page uses; `scripts/vendor-echarts` makes echarts.min.js of it.
+// The parts of Apache ECharts that the page uses; `scripts/vendor-echarts` bundles them into echarts.min.js.
 import { use } from 'echarts/core';
 import { CustomChart, LineChart, ScatterChart } from 'echarts/charts';
 import { AriaComponent, DataZoomInsideComponent, GridComponent, LegendComponent, MarkLineComponent, TitleComponent, TooltipComponent } from 'echarts/components';

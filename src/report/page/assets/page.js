@@ -1,4 +1,4 @@
-// Draws the figures of the page with Apache ECharts, and answers pointer and keyboard.
+// Draws the figures of the page with Apache ECharts and handles pointer and keyboard.
 (function () {
   'use strict';
   const data = JSON.parse(document.getElementById('data').textContent);
@@ -77,7 +77,7 @@
     if (colour === 'faint') return theme.soft;
     return theme[colour] || theme.ink;
   }
-  // Colour is not all that tells lines apart.
+  // Dashes distinguish lines without colour.
   const DASHES = [[], [8, 4], [2, 3], [9, 3, 2, 3], [14, 4], [4, 2]];
   function dashOf(layer) {
     if (layer.dashed) return DASHES[1];
@@ -106,7 +106,7 @@
     return String(text).replace(/[&<>"]/g, (c) => ({ '&': '&amp;', '<': '&lt;', '>': '&gt;', '"': '&quot;' })[c]);
   }
 
-  // ---- what is known of a dot --------------------------------------------------------------------
+  // ---- data of a dot ---------------------------------------------------------------------------
   function rows(panel, layer, index) {
     const list = [];
     const tooltips = layer.tooltips;
@@ -151,7 +151,7 @@
     };
     if (axis.range) {
       [option.min, option.max] = axis.range;
-      // Ends that are no round numbers, for this length, are not written.
+      // Labels at the ends are shown only if they are round numbers on the scale of the axis.
       const step = Math.pow(10, Math.floor(Math.log10((option.max - option.min) / 2)));
       const round = (end) => axis.kind !== 'linear' || Math.abs(end / step - Math.round(end / step)) < 1e-6;
       option.axisLabel.showMinLabel = round(option.min);
@@ -165,7 +165,7 @@
       };
     }
     if (named) {
-      // Names stand at whole numbers.
+      // Names are at whole numbers.
       option.min = -1; option.max = axis.names.length; option.interval = 1;
       option.splitLine.show = false; option.axisTick.show = false;
       option.axisLabel.formatter = (v) => (Number.isInteger(v) ? axis.names[v] || '' : '');
@@ -189,7 +189,7 @@
     const lower = x.map((v, i) => [v, low[i]]);
     return lower.concat(x.map((v, i) => [v, high[i]]).reverse());
   }
-  // The colours of a scale with the values at its ends, at a place of a saved figure in pixels.
+  // The colour bar of a scale with the values at its ends, at a position of a saved figure in pixels.
   function bar(scale, x, y, height) {
     const [from, to] = scale.range;
     const parts = 60;
@@ -201,7 +201,7 @@
       { type: 'text', x, y: y - 20, style: { text: scale.name, fill: theme.ink, fontSize: 13, verticalAlign: 'middle' } });
     return { type: 'custom', silent: true, clip: false, data: [[0]], encode: { x: -1, y: -1 }, renderItem: () => ({ type: 'group', children }) };
   }
-  // A picture of values on a grid, in the colours of a scale.
+  // Draws values on a grid as an image, in the colours of a scale.
   function raster(layer, scale, aspect) {
     const [columns, rows] = layer.size;
     const canvas = Object.assign(document.createElement('canvas'), { width: columns, height: rows });
@@ -211,7 +211,7 @@
       context.fillStyle = scaled(value, scale);
       context.fillRect(i % columns, rows - 1 - Math.floor(i / columns), 1, 1);
     });
-    // In the proportions in which it is shown: SVG keeps those of a picture.
+    // Drawn in the aspect ratio of the panel, because SVG keeps that of an image.
     const shown = Object.assign(document.createElement('canvas'), { width: 4 * columns, height: Math.round(4 * columns / aspect) });
     const onto = shown.getContext('2d');
     onto.imageSmoothingEnabled = false;
@@ -289,7 +289,7 @@
         const many = layer.x.length > 3000;
         const open = symbol === 'emptyCircle';
         return Object.assign(base, { type: 'scatter', symbol: open ? 'circle' : symbol,
-          // Few dots are larger: they must be found.
+          // A few dots are drawn larger.
           symbolSize: layer.symbol !== 'dot' ? (many ? Math.min(size, 4) : size)
             : layer.x.length > 20000 ? 2.2 : layer.x.length < 100 ? 6 : size,
           large: many, largeThreshold: 3000, progressive: 0,
@@ -325,7 +325,7 @@
       this.element = document.getElementById(spec.id);
       this.chart = null;
       this.hidden = new Set();
-      // The panel that shows the most kinds of things comes first to sight.
+      // The panel with the most series is shown first.
       const has = (layer) => layer.name && !(layer.mark === 'dots' && Array.isArray(layer.x) && !layer.x.length);
       const rich = (panel) => new Set(panel.layers.filter(has).map((layer) => layer.name)).size;
       const first = spec.panels.reduce((best, panel) => (rich(panel) > rich(best) ? panel : best));
@@ -341,7 +341,7 @@
     select(text, key) {
       const values = [...new Set(this.spec.panels.map((p) => p[key]))];
       if (values.length < 2) {
-        // One only, but not a matter of course.
+        // A single value is shown as text.
         if (values[0]) this.controls.append(Object.assign(document.createElement('span'), { textContent: values[0] }));
         return;
       }
@@ -376,10 +376,10 @@
       const side = make('div', 'side');
       this.box = make('div', 'chart');
       this.box.tabIndex = 0;
-      // It takes arrow keys, which a screen reader would keep for itself in a picture.
+      // In the role `img` a screen reader would not pass on arrow keys.
       this.box.setAttribute('role', 'application');
       this.box.setAttribute('aria-roledescription', 'chart');
-      this.box.setAttribute('aria-label', this.spec.title + '. Arrow keys go from dot to dot, Escape closes.');
+      this.box.setAttribute('aria-label', this.spec.title + '. Arrow keys move from dot to dot, Escape closes the tooltip.');
       this.box.setAttribute('aria-describedby', this.spec.id + '-words');
       this.scale = make('div', 'scale');
       side.append(this.box, this.scale);
@@ -401,12 +401,12 @@
       this.box.addEventListener('keydown', (event) => this.key(event));
       const square = this.spec.panels.some((p) => p.x.kind === 'angle' && p.y.kind === 'angle');
       this.box.classList.toggle('square', square);
-      // Before it is drawn, so that the keyboard finds it.
+      // The legend is built before the figure is drawn, so that the keyboard can reach it.
       this.drawLegend(this.panel());
     }
     draw() {
       const panel = this.panel();
-      // The scale stands beside the chart and takes of its width.
+      // The colour bar stands beside the chart and reduces its width.
       const beside = this.scale.hidden;
       this.drawScale(panel);
       if (this.chart && this.scale.hidden !== beside) this.chart.resize();
@@ -418,7 +418,7 @@
       this.chart.setOption(this.option(panel), { notMerge: true });
       this.at = -1;
       const empty = this.drawn.every(({ layer }) => layer.mark === 'rule' || (layer.mark === 'dots' && !layer.x.length));
-      this.picked.textContent = empty && !this.hidden.size ? 'There is nothing to show here.' : '';
+      this.picked.textContent = empty && !this.hidden.size ? 'No data in this panel.' : '';
       this.drawLegend(panel);
     }
     shown(panel) {
@@ -428,7 +428,7 @@
     option(panel) {
       const square = panel.x.kind === 'angle' && panel.y.kind === 'angle';
       const bottom = panel.x.kind === 'names' && panel.x.names.length > 5 ? 104 : 56;
-      // Where there are no dots to point at, the curves are read at the pointer's abscissa.
+      // Without dots, the tooltip shows the values of the curves at the pointer's abscissa.
       const curves = panel.layers.every(({ mark }) => ['line', 'steps', 'band', 'rule'].includes(mark));
       return {
         animation: false, aria: { enabled: false },
@@ -445,7 +445,7 @@
         series: this.drawn.map(({ layer, order }) => seriesOf(panel, layer, order)),
       };
     }
-    // The panel as a file, in the light theme, with its title, its legend and its scale, as it is zoomed.
+    // Saves the panel, as zoomed, in the light theme with title, legend and colour bar.
     save(format) {
       const panel = this.panel();
       const square = panel.x.kind === 'angle' && panel.y.kind === 'angle';
@@ -457,7 +457,7 @@
         { renderer: format === 'svg' ? 'svg' : 'canvas', devicePixelRatio: 3, width, height });
       const option = this.option(panel);
       const named = option.series.filter((series) => series.name);
-      // The entries of the legend have the colours of their series; custom series have none of their own.
+      // Legend entries need the colours of their series, which custom series lack.
       const names = [...new Set(named.map((series) => series.name))];
       this.shown(panel).forEach(({ layer }, place) => {
         const series = option.series[place];
@@ -469,7 +469,7 @@
       Object.assign(option.grid, { top: 96, right: panel.scale ? 130 : 30 });
       if (panel.scale) option.series.push(bar(panel.scale, width - 104, 110, height - 200));
       option.dataZoom.forEach((zoom, axis) => { [zoom.start, zoom.end] = zoomed[axis]; });
-      // Names of fonts in quotes end attributes of SVG.
+      // Quoted font names would end SVG attributes.
       option.textStyle.fontFamily = 'sans-serif';
       delete option.tooltip;
       chart.setOption(option);
@@ -571,7 +571,7 @@
       });
       this.picked.append(code, ' ', copy);
     }
-    // Dot by dot, in the order of the layers.
+    // Moves from dot to dot, in the order of the layers.
     key(event) {
       const step = { ArrowRight: 1, ArrowDown: 1, ArrowLeft: -1, ArrowUp: -1 }[event.key];
       if (event.key === 'Escape' && this.chart) this.chart.dispatchAction({ type: 'hideTip' });
@@ -596,7 +596,7 @@
     }
   }
 
-  // A sample of a series for the legend.
+  // Returns a sample of a series for the legend.
   function sample(layers) {
     const colour = colourOf(layers[0].colour);
     let inside = '';
@@ -643,7 +643,7 @@
   addEventListener('resize', () => { clearTimeout(waiting); waiting = setTimeout(fit, 100); });
   const again = () => { readTheme(); figures.forEach((figure) => figure.chart && figure.draw()); };
   matchMedia('(prefers-color-scheme: dark)').addEventListener('change', again);
-  // On paper everything is light, and of the paper's width.
+  // Print is always in the light theme, at the width of the paper.
   addEventListener('beforeprint', () => {
     document.documentElement.dataset.paper = 'true';
     readTheme();
@@ -655,7 +655,7 @@
       figure.draw();
       const square = figure.box.classList.contains('square');
       figure.chart.resize(square ? { width: 480, height: 480 } : { width: 640, height: 360 });
-      // Now, not at the next frame: there is none before the paper.
+      // Draws immediately: no animation frame occurs before printing.
       figure.chart.getZr().flush();
     }
   });
