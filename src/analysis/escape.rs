@@ -132,12 +132,12 @@ const COARSE: f64 = 2.5e-4;
 #[cfg(test)]
 mod tests {
     use super::{Group, Tail, escape_rate, rate_interval};
-    use crate::analysis::Tally;
+    use crate::analysis::ValueCounts;
     use crate::analysis::test_rng::TestRng;
 
     /// Returns runs with these times to rest, stopped at an end time.
     fn groups(times: impl Iterator<Item = f64>, end: f64) -> Vec<Group> {
-        let mut tally = Tally::default();
+        let mut tally = ValueCounts::default();
         times.for_each(|time| tally.add(time.min(end), usize::from(time >= end)));
         tally.groups().collect()
     }

@@ -3,7 +3,7 @@
 //!
 //! This module reads outcomes and returns numbers; it does not depend on any file format.
 
-mod arc;
+mod angle_set;
 mod audit;
 mod balance;
 mod cycle_class;
@@ -30,9 +30,9 @@ mod set_samples;
 mod stopping;
 mod stratified;
 mod survival;
-mod tally;
 #[cfg(test)]
 pub(crate) mod test_rng;
+mod value_counts;
 
 pub use audit::AuditCounts;
 pub use balance::Balance;
@@ -58,4 +58,4 @@ pub use set_samples::{REPLICATES, sample};
 pub use stopping::{StoppingRule, is_narrow};
 pub use stratified::Cells;
 pub use survival::{SurvivalCurve, SurvivalStep};
-pub use tally::Tally;
+pub use value_counts::ValueCounts;

@@ -12,7 +12,7 @@ const MOST_VALUES: usize = 512;
 ///
 /// Values are counted together if they differ only in the last binary digits; the number of ignored
 /// digits is the smallest that leaves at most 512 counts. Subsets never need more ignored digits,
-/// so that the order of the values does not matter. (`Tally` rounds relative to the value, this
+/// so that the order of the values does not matter. (`ValueCounts` rounds relative to the value, this
 /// type relative to the range.)
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct OrderStatistics {

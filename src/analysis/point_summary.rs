@@ -10,7 +10,7 @@ use super::observed::{LabelCounts, Observed};
 use super::rest_curve::{RestStep, rest_curve};
 use super::stratified::Cells;
 use super::survival::SurvivalCurve;
-use super::tally::Tally;
+use super::value_counts::ValueCounts;
 use crate::classification::Label;
 use crate::model::Ball;
 
@@ -36,10 +36,10 @@ pub struct PointAccumulator {
     cells: Cells,
     /// Times at which runs came to rest (kind 0) or were stopped while moving (kind 1). Runs that
     /// have been shown to be on a limit cycle have an infinite time.
-    times: Tally,
+    times: ValueCounts,
     /// Times at which runs were stopped because they are on a limit cycle (kind 1).
-    cycles: Tally,
-    amplitudes: Tally,
+    cycles: ValueCounts,
+    amplitudes: ValueCounts,
     cycle_classes: CycleClasses,
     audit: AuditCounts,
     histogram: EquilibriumHistogram,

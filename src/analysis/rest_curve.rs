@@ -104,10 +104,10 @@ fn last_stops(curve: &SurvivalCurve, [first, later]: [f64; 2]) -> Vec<(f64, u64)
 #[cfg(test)]
 mod tests {
     use super::{RestStep, rest_curve};
-    use crate::analysis::{SurvivalCurve, Tally};
+    use crate::analysis::{SurvivalCurve, ValueCounts};
 
     fn rows(rests: &[f64], stopped: &[f64]) -> (SurvivalCurve, Vec<RestStep>) {
-        let mut times = Tally::default();
+        let mut times = ValueCounts::default();
         rests.iter().for_each(|time| times.add(*time, 0));
         stopped.iter().for_each(|time| times.add(*time, 1));
         let curve = SurvivalCurve::new(times.groups());

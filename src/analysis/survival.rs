@@ -147,11 +147,11 @@ fn interval(moving: f64, greenwood: f64, effective: f64) -> (f64, f64) {
 #[cfg(test)]
 mod tests {
     use super::SurvivalCurve;
-    use crate::analysis::Tally;
+    use crate::analysis::ValueCounts;
     use crate::analysis::test_rng::TestRng;
 
     fn curve(rests: &[f64], stopped: &[f64]) -> SurvivalCurve {
-        let mut times = Tally::default();
+        let mut times = ValueCounts::default();
         stopped.iter().for_each(|time| times.add(*time, 1));
         rests.iter().for_each(|time| times.add(*time, 0));
         SurvivalCurve::new(times.groups())

@@ -14,12 +14,12 @@
 
 use super::block_cycle::BlockCycleRecorder;
 use super::cycle::Cycle;
-use super::effort::effort_limit;
 use super::extremes::{Extremes, Passed};
 use super::follow::{Horizons, Run, follow};
 use super::outcome::{Evidence, Outcome};
 use super::recorder::Recorder;
 use super::settled::SettledWatch;
+use super::step_limit::effort_limit;
 use super::window::WINDOW;
 use crate::model::{Block, Endings, Simulation, Slider, SliderState, Start};
 use crate::motion::{Failure, Motion, Settings};

@@ -22,7 +22,6 @@ mod certificate;
 mod closed_orbit;
 mod creep;
 mod cycle;
-mod effort;
 mod extremes;
 mod follow;
 mod in_lockstep;
@@ -37,6 +36,7 @@ mod return_map;
 mod section;
 mod settled;
 mod simulate;
+mod step_limit;
 mod window;
 
 /// Version of the computed outcomes, incremented with every change that alters an outcome; cached
@@ -46,10 +46,10 @@ pub const MODEL_VERSION: u32 = 4;
 pub use certificate::{certified, certified_by_closed_form};
 pub use closed_orbit::Orbit;
 pub use cycle::{Cycle, CyclePhase};
-pub use effort::{most_steps_of_a_run, most_steps_of_any_run, seconds_per_step};
 pub use in_lockstep::{Runs, goes_in_lockstep, simulate_in_lockstep};
 pub use one_by_one::simulate_one_by_one;
 pub use orbit::OrbitWatch;
 pub use outcome::{Evidence, Label, LyapunovExponent, Outcome};
 pub use recorder::{ContactSample, Instants, Recorder, Recording, Sample, Switch};
 pub use simulate::{simulate, simulate_recorded};
+pub use step_limit::{most_steps_of_a_run, most_steps_of_any_run, seconds_per_step};

@@ -18,9 +18,9 @@ use std::cell::Cell;
 use std::collections::VecDeque;
 
 use super::closed_orbit::{Orbit, REACH, Verdict, examine};
-use super::effort::{MOST_LOOKS, MOST_STEPS_OF_A_LOOK};
 use super::return_map::ReturnMap;
 use super::section::{Section, wrapped_small};
+use super::step_limit::{MOST_LOOKS, MOST_STEPS_OF_A_LOOK};
 use crate::model::{Balancer, State};
 use crate::motion::{Motion, Phase, Settings, Tolerance};
 

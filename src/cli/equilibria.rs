@@ -11,8 +11,8 @@ use serde_json::json;
 
 use super::arguments::{StudyArgument, threads};
 use super::equilibria_report::Report;
+use super::exclusive_directory::ExclusiveDirectory;
 use super::exit::{CliError, End};
-use super::filled_once::FilledOnce;
 use super::output::{print, print_json};
 use super::speeds::Speeds;
 use crate::analysis::{
@@ -138,7 +138,7 @@ pub fn equilibria(arguments: &EquilibriaArguments) -> Result<End, CliError> {
         .build()
         .map_err(CliError::Threads)?;
     let started = Instant::now();
-    let mut place = FilledOnce::open(&directory, &files.names())?;
+    let mut place = ExclusiveDirectory::open(&directory, &files.names())?;
     let mut tables = files.create(&directory, &study)?;
     let report = pool.install(|| compute(arguments, &study, resolution, &mut tables))?;
     tables.finish(&mut place.list)?;

@@ -17,9 +17,9 @@ use crate::classification::Label;
 use crate::engine::{Lock, Planned, Progress, Show, WorkerPool, say, stop_on_signals};
 use crate::foreign::{shell_word, shorten};
 use crate::optimize::{
-    Evaluation, Finals, Origin, Role, Search, SearchEnd, evaluation_columns, final_columns,
-    final_runs, finals, optimum_json, pareto_columns, read_evaluations, result_in_words, search,
-    search_facts, search_line, sensitivities, sensitivity_columns, surrogates,
+    Evaluation, Finalists, Origin, Role, Search, SearchEnd, evaluation_columns, final_runs,
+    finalist_columns, finalists, optimum_json, pareto_columns, read_evaluations, result_in_words,
+    search, search_facts, search_line, sensitivities, sensitivity_columns, surrogates,
 };
 use crate::responses::check_answerable;
 use crate::study::{Optimization, SensitivityFrom, Study};
@@ -140,17 +140,17 @@ pub fn optimize(arguments: &OptimizeArguments) -> Result<End, CliError> {
         return Ok(interrupted(&directory));
     };
     search_directory.write("sensitivities", sensitivity_columns(), sensitivities.clone())?;
-    let Some(finals) = with_progress(&what, final_runs(&what), show, |finished| {
-        finals(&what, &evaluations, finished)
+    let Some(finalists) = with_progress(&what, final_runs(&what), show, |finished| {
+        finalists(&what, &evaluations, finished)
     }) else {
         return Ok(interrupted(&directory));
     };
-    search_directory.write_finals(&finals)?;
-    let summary = optimum_json(&what, &end, &evaluations, &finals, &sensitivities);
+    search_directory.write_finals(&finalists)?;
+    let summary = optimum_json(&what, &end, &evaluations, &finalists, &sensitivities);
     search_directory.write_json("optimum.json", &summary)?;
-    print(&result_in_words(&what, &finals))?;
+    print(&result_in_words(&what, &finalists))?;
     tell(format!("results in {}", directory.display()));
-    Ok(how_it_ends(&evaluations, &finals))
+    Ok(how_it_ends(&evaluations, &finalists))
 }
 
 fn interrupted(directory: &Path) -> End {
@@ -161,14 +161,14 @@ fn interrupted(directory: &Path) -> End {
     End::Interrupted
 }
 
-fn how_it_ends(evaluations: &[Evaluation], finals: &Finals) -> End {
-    let met = |role| finals.of(role).is_some_and(|one| one.met);
-    if !met(Role::Best) && !finals.all.iter().any(|one| one.on_front == Some(true)) {
+fn how_it_ends(evaluations: &[Evaluation], finalists: &Finalists) -> End {
+    let met = |role| finalists.of(role).is_some_and(|one| one.met);
+    if !met(Role::Best) && !finalists.all.iter().any(|one| one.on_front == Some(true)) {
         say("no design meets all limits");
         return End::ExpectationNotMet;
     }
     let of_search = evaluations.iter().flat_map(|one| &one.answers);
-    let of_finals = finals.all.iter().flat_map(|one| &one.answers);
+    let of_finals = finalists.all.iter().flat_map(|one| &one.answers);
     let failed = of_search.chain(of_finals).map(|answer| answer.counts.of(Label::Failed));
     match failed.sum::<u64>() {
         0 => End::Well,
@@ -303,16 +303,16 @@ impl<'a> SearchDirectory<'a> {
         self.write("evaluations", evaluation_columns(self.study), rows)
     }
 
-    fn write_finals(&mut self, finals: &Finals) -> Result<(), WriteError> {
-        let rows = finals
+    fn write_finals(&mut self, finalists: &Finalists) -> Result<(), WriteError> {
+        let rows = finalists
             .all
             .iter()
             .flat_map(|one| one.answers.iter().map(|answer| (one.role, answer.clone())));
-        self.write("finalists", final_columns(self.study), rows)?;
+        self.write("finalists", finalist_columns(self.study), rows)?;
         if self.optimization.objectives.len() < 2 {
             return Ok(());
         }
-        let front = finals.all.iter().filter(|one| one.role == Role::Pareto).cloned();
+        let front = finalists.all.iter().filter(|one| one.role == Role::Pareto).cloned();
         self.write("pareto", pareto_columns(self.study, self.optimization), front)
     }
 

@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use serde_json::{Value, json};
 
+use super::exclusive_directory::ExclusiveDirectory;
 use super::exit::{CliError, End};
-use super::filled_once::FilledOnce;
 use super::output::{print, print_json};
 use super::replay_animation::{ANIMATION, animate};
 use super::replay_times::{MOST_TIMES, Times};
@@ -85,7 +85,7 @@ pub fn replay(arguments: &ReplayArguments) -> Result<End, CliError> {
     let (study, manifest) = results_study(directory)?;
     let stored = stored_run(directory, &study, &manifest, *run_id)?;
     let out = arguments.out.clone().map_or_else(|| beside(directory, *run_id), Ok)?;
-    FilledOnce::inspect(&out, &OWN)?;
+    ExclusiveDirectory::inspect(&out, &OWN)?;
     let times = arguments.times.map(|times| times.values().collect::<Vec<f64>>());
     let (record, recording) = record(&study, *run_id, times.as_deref(), MOST_TIMES as usize);
     if recording.cut_off {
@@ -98,7 +98,7 @@ pub fn replay(arguments: &ReplayArguments) -> Result<End, CliError> {
         Some(stored) => Some(stored.differences(&study, &record)?),
         None => None,
     };
-    let mut place = FilledOnce::open(&out, &OWN)?;
+    let mut place = ExclusiveDirectory::open(&out, &OWN)?;
     write(&out, &mut place.list, &study, arguments, &record, &recording)?;
     let mut files = vec![TRAJECTORY, SWITCHES];
     if animate(&out, &mut place.list, &study, &record, arguments.times)? {

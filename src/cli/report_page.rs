@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::exit::CliError;
-use super::replaceable::{beside, outside, replace, replaceable, sealed};
+use super::overwrite::{beside, outside, replace, replaceable, sealed};
 use super::results_study::results_study;
 use super::summary::no_tables;
 use crate::foreign::{shell_word, shown_path};

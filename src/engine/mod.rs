@@ -5,10 +5,10 @@
 mod batches;
 mod chunk_writer;
 mod compute;
+mod grace_period;
 mod interrupt;
 mod options;
 mod output_dir;
-mod patience;
 mod progress;
 mod record_motion;
 mod run_study;

@@ -14,7 +14,7 @@ use thiserror::Error;
 use super::batches::Batches;
 use super::chunk_writer::{new_results, write_chunks};
 use super::compute::{Engine, InLockstep, OneByOne};
-use super::patience::with_patience;
+use super::grace_period::with_grace_period;
 use super::stop::{StopCondition, StopReason};
 use super::store::{ChunkIndex, NewResult, ResultCache, Store, StoreError};
 use super::worker::{RunQueue, Storage};
@@ -142,7 +142,7 @@ impl StudyRun<'_> {
     ) -> Result<RunTotals, EngineError<S::Error>> {
         let mut stopped = None;
         let is_over = || self.stop_condition.gives_up(&mut stopped);
-        with_patience(is_over, |cancellation| self.run_under(cancellation, engine, store, sink))
+        with_grace_period(is_over, |cancellation| self.run_under(cancellation, engine, store, sink))
     }
 
     fn run_under<S: Sink>(

@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::Instant;
 
 use super::EngineOptions;
-use super::patience::GRACE;
+use super::grace_period::GRACE;
 
 /// Why a study stopped before all its runs were finished. Runs in progress were finished or, after a second,
 /// abandoned.

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::EngineOptions;
 use super::compute::{Engine, InLockstep};
-use super::patience::with_patience;
+use super::grace_period::with_grace_period;
 use super::stop::StopCondition;
 use super::worker::{RunQueue, Worker};
 use crate::classification::Label;
@@ -62,7 +62,7 @@ impl WorkerPool {
         };
         let engine = InLockstep(SimdLevel::best());
         let is_over = || stop.load(Ordering::Relaxed);
-        let runs = with_patience(is_over, |cancellation| {
+        let runs = with_grace_period(is_over, |cancellation| {
             self.install(|| self.compute(cancellation, &engine, &batch))
         });
         (runs.len() == count).then_some(runs)

@@ -32,7 +32,7 @@ pub fn evaluation_columns(study: &Study) -> Vec<Column<(Origin, Answer)>> {
     columns
 }
 
-/// Returns the parts of a study that determine the next design. The number of designs and the finals do not.
+/// Returns the parts of a study that determine the next design. The number of designs and the finalists do not.
 pub fn search_facts(study: &Study) -> Value {
     let file = study.resolved_file();
     let mut optimize = file["optimize"].clone();

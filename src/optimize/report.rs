@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 
 use super::difference::{difference, ratio};
 use super::evaluation::Evaluation;
-use super::finals::{Final, Finals, Role};
+use super::finalists::{Finalist, Finalists, Role};
 use super::goal::{Goal, values};
 use super::search::{Search, SearchEnd};
 use super::sensitivity::Sensitivity;
@@ -19,14 +19,14 @@ pub fn optimum_json(
     search: &Search,
     end: &SearchEnd,
     evaluations: &[Evaluation],
-    finals: &Finals,
+    finalists: &Finalists,
     sensitivities: &[Sensitivity],
 ) -> Value {
     let Search { study, optimization, .. } = *search;
     let goal = Goal::new(study, optimization);
-    let one = |role| finals.of(role).map(|one| final_json(study, &goal, one));
+    let one = |role| finalists.of(role).map(|one| final_json(study, &goal, one));
     let compared = || {
-        let (best, other) = (finals.of(Role::Best)?, finals.of(Role::CompareWith)?);
+        let (best, other) = (finalists.of(Role::Best)?, finalists.of(Role::CompareWith)?);
         let of = |(place, objective): &(usize, crate::study::Objective)| {
             let (best, other) = (best.estimates.get(*place)?, other.estimates.get(*place)?);
             Some(json!({
@@ -78,7 +78,7 @@ fn sensitivity_json(one: &Sensitivity) -> Value {
     })
 }
 
-fn final_json(study: &Study, goal: &Goal, one: &Final) -> Value {
+fn final_json(study: &Study, goal: &Goal, one: &Finalist) -> Value {
     let estimates = goal.quantities().iter().zip(&one.estimates);
     let responses: serde_json::Map<String, Value> = estimates
         .filter_map(|(quantity, estimate)| {
@@ -162,7 +162,7 @@ pub fn search_line(search: &Search, evaluations: &[Evaluation]) -> String {
     if goal.objectives().len() == 1 {
         let all: Vec<Vec<Option<f64>>> =
             evaluations.iter().map(|one| values(&goal.estimates(&one.answers))).collect();
-        let best = super::finals::best(all.iter().map(|own| goal.rank(own)));
+        let best = super::finalists::best(all.iter().map(|own| goal.rank(own)));
         if let Some(index) = best {
             let (grade, _) = goal.rank(&all[index]);
             let value = goal.objectives().first().and_then(|(place, _)| all[index][*place]);
@@ -184,11 +184,11 @@ fn estimates_in_words(study: &Study, goal: &Goal, estimates: &[Estimate]) -> Str
 }
 
 /// Returns the result as text.
-pub fn result_in_words(search: &Search, finals: &Finals) -> String {
+pub fn result_in_words(search: &Search, finalists: &Finalists) -> String {
     let Search { study, optimization, .. } = *search;
     let goal = Goal::new(study, optimization);
     let mut text = String::new();
-    let mut describe = |title: &str, one: &Final| {
+    let mut describe = |title: &str, one: &Finalist| {
         let runs: u64 = one.answers.iter().map(|answer| answer.counts.total()).sum();
         let number = one.design.map_or_else(String::new, |design| format!(" (design {design})"));
         let _ = writeln!(text, "{title}{number}: {}", design_in_words(study, &one.values));
@@ -203,16 +203,16 @@ pub fn result_in_words(search: &Search, finals: &Finals) -> String {
         let failed = if failed > 0 { format!(", {failed} of them failed") } else { String::new() };
         let _ = writeln!(text, "  {runs} runs of its own{failed}{met}");
     };
-    if let Some(best) = finals.of(Role::Best) {
+    if let Some(best) = finalists.of(Role::Best) {
         describe("best design", best);
     }
-    for one in finals.all.iter().filter(|one| one.on_front == Some(true)) {
+    for one in finalists.all.iter().filter(|one| one.on_front == Some(true)) {
         describe("on the Pareto front", one);
     }
-    if let Some(other) = finals.of(Role::CompareWith) {
+    if let Some(other) = finalists.of(Role::CompareWith) {
         describe("compared with", other);
     }
-    if let Some((best, other)) = finals.of(Role::Best).zip(finals.of(Role::CompareWith)) {
+    if let Some((best, other)) = finalists.of(Role::Best).zip(finalists.of(Role::CompareWith)) {
         for (place, objective) in goal.objectives() {
             let both = best.estimates.get(*place).zip(other.estimates.get(*place));
             let response = study.responses().get(objective.response);

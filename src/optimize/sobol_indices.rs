@@ -7,8 +7,8 @@
 //! (G. E. B. Archer, A. Saltelli, I. M. Sobol', J. Stat. Comput. Simul. 58 (1997) 99,
 //! doi:10.1080/00949659708811825).
 
+use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::{Rng, SeedableRng};
 
 /// Bootstrap samples.
 const RESAMPLES: usize = 1000;
@@ -98,7 +98,7 @@ pub fn sobol_indices(
 /// Returns bootstrap resamples of the base samples.
 fn resamples(samples: usize, seed: u64) -> Vec<Vec<usize>> {
     let mut generator = ChaCha8Rng::seed_from_u64(seed);
-    let mut draw = |_| (generator.next_u64() % samples as u64) as usize;
+    let mut draw = |_| generator.random_range(0..samples);
     (0..RESAMPLES).map(|_| (0..samples).map(&mut draw).collect()).collect()
 }
 

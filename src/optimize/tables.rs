@@ -1,6 +1,6 @@
 //! Columns of `finalists.parquet`, `pareto.parquet` and `sensitivities.parquet`.
 
-use super::finals::{Final, Role};
+use super::finalists::{Finalist, Role};
 use super::goal::Goal;
 use super::sensitivity::Sensitivity;
 use crate::responses::Answer;
@@ -8,9 +8,9 @@ use crate::responses::columns::{answer_columns, estimate_columns, variable_colum
 use crate::study::{Optimization, Study};
 use crate::table::column::Column;
 
-/// Returns the columns of `finalists.parquet`: one row per design of the finals and point of the sweep. `design` is
+/// Returns the columns of `finalists.parquet`: one row per design of the finalists and point of the sweep. `design` is
 /// null if the search did not evaluate the design.
-pub fn final_columns(study: &Study) -> Vec<Column<(Role, Answer)>> {
+pub fn finalist_columns(study: &Study) -> Vec<Column<(Role, Answer)>> {
     let mut columns = answer_columns(study, |row: &(Role, Answer)| &row.1);
     columns.insert(
         0,
@@ -26,28 +26,29 @@ pub fn final_columns(study: &Study) -> Vec<Column<(Role, Answer)>> {
 
 /// Returns the columns of `pareto.parquet`: one row per design of the search's Pareto front, with the estimates of its
 /// final runs over all points of the sweep.
-pub fn pareto_columns(study: &Study, optimization: &Optimization) -> Vec<Column<Final>> {
+pub fn pareto_columns(study: &Study, optimization: &Optimization) -> Vec<Column<Finalist>> {
     let mut columns =
-        vec![Column::count("design", "number of the design in the search", |row: &Final| {
+        vec![Column::count("design", "number of the design in the search", |row: &Finalist| {
             row.design
         })];
-    columns.extend(variable_columns(study, |row: &Final| row.values.as_slice()));
+    columns.extend(variable_columns(study, |row: &Finalist| row.values.as_slice()));
     for (place, quantity) in Goal::new(study, optimization).quantities().iter().enumerate() {
         let Some(response) = study.responses().get(quantity.response) else { continue };
         let (name, unit) = (&response.name, response.unit());
         // A response has several quantities if different points are its worst.
         if !columns.iter().any(|column| column.name() == name) {
             let meaning = format!("{} over all points", response.meaning());
-            columns.extend(estimate_columns(name, unit, &meaning, move |row: &Final| {
+            columns.extend(estimate_columns(name, unit, &meaning, move |row: &Finalist| {
                 row.estimates.get(place)
             }));
         }
     }
-    columns.push(Column::truth("met", "whether all limits are met", |row: &Final| Some(row.met)));
+    columns
+        .push(Column::truth("met", "whether all limits are met", |row: &Finalist| Some(row.met)));
     columns.push(Column::truth(
         "on_front",
         "whether it is also on the Pareto front of these runs",
-        |row: &Final| row.on_front,
+        |row: &Finalist| row.on_front,
     ));
     columns
 }

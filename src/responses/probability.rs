@@ -6,7 +6,7 @@
 //! runs have the same result.
 
 use super::estimate::{Estimate, Sample, Seen};
-use crate::analysis::{Cells, SurvivalCurve, Tally, Z_95, wilson, wilson_with_failures};
+use crate::analysis::{Cells, SurvivalCurve, ValueCounts, Z_95, wilson, wilson_with_failures};
 use crate::classification::Label;
 
 const NO_RUN: &str = "all runs failed";
@@ -64,8 +64,8 @@ fn fraction(sample: &Sample, succeeds: impl Fn(&Seen) -> Option<bool>) -> Estima
 }
 
 /// Returns the times at which runs came to rest (kind 0) or were stopped while moving (kind 1).
-pub(super) fn times(sample: &Sample) -> Tally {
-    let mut times = Tally::default();
+pub(super) fn times(sample: &Sample) -> ValueCounts {
+    let mut times = ValueCounts::default();
     for run in sample.runs.iter().filter(|run| !run.failed()) {
         match (run.time_to_rest_s, run.end_time_s) {
             (Some(time), _) => times.add(time, 0),

@@ -1,7 +1,7 @@
 //! `equilibria.parquet`: the equilibria of the runs that came to rest.
 
 use super::column::Column;
-use super::record::RunRecord;
+use super::run_record::RunRecord;
 use super::runs::{drawn_columns, nominal_columns, position_columns};
 use crate::analysis::{bin, sorted_where_identical};
 use crate::classification::Label;

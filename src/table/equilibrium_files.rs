@@ -4,10 +4,10 @@ use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 
+use super::equilibrium_set::{SetRow, SetSummaryRow, set_columns, set_summary_columns};
 use super::file_list::FileList;
-use super::frictionless::{FrictionlessRow, frictionless_columns};
+use super::frictionless_equilibria::{FrictionlessRow, frictionless_columns};
 use super::provenance::provenance_with;
-use super::set::{SetRow, SetSummaryRow, set_columns, set_summary_columns};
 use super::writer::{TableWriter, WriteError};
 use crate::study::Study;
 

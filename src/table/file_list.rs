@@ -10,11 +10,11 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use super::checked::{Listed, is_file_name};
 use super::file_entry::{FileEntry, read_regular};
 use super::provenance::FORMAT;
 use super::table_error::TableError;
 use super::temporary::{write_atomically, write_once};
+use super::verified_files::{Listed, is_file_name};
 use crate::foreign::shorten;
 use crate::tabular::Fault;
 

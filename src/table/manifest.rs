@@ -7,11 +7,11 @@ use std::time::{SystemTime, UNIX_EPOCH};
 
 use serde::{Deserialize, Serialize};
 
-use super::checked::{Listed, is_file_name};
 use super::file_entry::{FileEntry, read_regular};
 use super::provenance::{COMMIT, FORMAT, VERSION};
 use super::table_error::TableError;
 use super::temporary::write_atomically;
+use super::verified_files::{Listed, is_file_name};
 use crate::analysis::LabelCounts;
 use crate::classification::{Label, MODEL_VERSION};
 use crate::foreign::{is_acted_on, one_line, shell_word, shorten};

@@ -8,9 +8,9 @@ use super::equilibrium_histogram::{HistogramRow, histogram_columns};
 use super::memory::{MemoryTable, MemoryWriter};
 use super::points::{PointRow, point_columns};
 use super::provenance::provenance;
-use super::record::RunRecord;
-use super::rest::{RestRow, rest_columns};
+use super::run_record::RunRecord;
 use super::runs::run_columns;
+use super::time_to_rest::{RestRow, rest_columns};
 use crate::analysis::PointDetail;
 use crate::study::Study;
 

@@ -1,7 +1,7 @@
 //! `runs.parquet`: one row per run, including failed runs; and the columns of planned runs.
 
 use super::column::{Column, NON_DIMENSIONAL};
-use super::record::RunRecord;
+use super::run_record::RunRecord;
 use crate::analysis::CycleClass;
 use crate::classification::{Evidence, LyapunovExponent};
 use crate::model::Coordinate;

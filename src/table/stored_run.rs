@@ -11,7 +11,7 @@ use super::cell::cell_text;
 use super::column::batch;
 use super::manifest::Manifest;
 use super::read::open;
-use super::record::RunRecord;
+use super::run_record::RunRecord;
 use super::runs::run_columns;
 use super::table_error::TableError;
 use crate::foreign::one_line;

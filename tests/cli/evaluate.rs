@@ -341,7 +341,7 @@ fn tables_and_studies_that_make_no_sense_are_refused() {
         (
             "simulation:",
             "precision: {equilibrium_fraction: 0.1, max_runs: 100}\nsimulation:",
-            ["precision", "share their runs"],
+            ["precision", "have the same runs"],
         ),
         ("responses:", "expect:", ["expect", ""]),
     ] {

@@ -45,7 +45,7 @@ fn incompatible_shards_are_named() {
     shards(&scratch, 3);
     let missing = ["shards are missing: 2 of 3", "found:   no directory of 2/3", "allowed: "];
     scratch.refused("merge 1 3 --out merged", &missing);
-    scratch.refused("merge 1 3 2 3 --out merged", &["3: shard 3/3 is in 3, too", "allowed: "]);
+    scratch.refused("merge 1 3 2 3 --out merged", &["3: shard 3/3 is also in 3", "allowed: "]);
     scratch.well("run a.yaml --shard 2/4 --out 2of4");
     let division = ["2of4: shard 2/4, but 1 is shard 1/3", "allowed: "];
     scratch.refused("merge 1 2of4 3 --out merged", &division);

@@ -2,8 +2,10 @@
 
 pub mod support;
 
-mod at_once;
+mod abandoned_runs;
+mod changed_bits;
 mod commands;
+mod concurrent;
 mod cost;
 mod directories;
 mod edited;
@@ -14,14 +16,12 @@ mod evaluate_tables;
 mod existence;
 mod expand;
 mod foreign;
-mod hopeless;
 mod interrupt;
 mod limits;
 mod memory;
 mod merged;
 mod network;
 mod optimize;
-mod other_bits;
 mod progress;
 mod replay;
 mod report;

@@ -9,7 +9,7 @@ use stickslip::classification::{Evidence, Label, simulate};
 use stickslip::engine::compute;
 use stickslip::model::{Case, Method};
 
-use super::kept::{Kept, run_in_memory};
+use super::in_memory::{Kept, run_in_memory};
 use crate::cli::support::{
     AT_ONCE, Scratch, assert_has, counts, numbers, parse, row, study_text, words,
 };

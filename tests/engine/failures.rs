@@ -6,7 +6,7 @@ use stickslip::analysis::{Z_95, wilson};
 use stickslip::classification::{Evidence, Label, Outcome, simulate};
 use stickslip::study::Study;
 
-use super::kept::{Kept, run_in_memory};
+use super::in_memory::{Kept, run_in_memory};
 use crate::cli::support::{AT_ONCE, Scratch, counts, numbers, parse, study_text, words};
 
 fn study() -> Study {

@@ -1,10 +1,10 @@
 //! The engine: scheduling does not affect results, and a failed run is a row.
 
 mod audit;
-mod continued;
 mod exchanged_balls;
+mod extended_runs;
 mod failures;
-pub mod kept;
-mod kept_rows;
+pub mod in_memory;
 mod precision;
 mod same_bytes;
+mod stored_rows;

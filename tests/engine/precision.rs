@@ -9,7 +9,7 @@ use stickslip::classification::{Evidence, Outcome, simulate};
 use stickslip::model::Case;
 use stickslip::study::Study;
 
-use super::kept::{Kept, run_in_memory};
+use super::in_memory::{Kept, run_in_memory};
 use crate::cli::support::{
     AT_ONCE, Scratch, assert_has, column, counts, parse, row, rows_by_key, study_text, words,
 };

@@ -4,7 +4,7 @@
 #![cfg(target_os = "linux")]
 
 mod disk;
-mod filled_once;
+mod exclusive_directory;
 mod killed;
 mod panics;
 mod small_faults;

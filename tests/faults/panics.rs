@@ -9,7 +9,7 @@ use stickslip::model::Case;
 use stickslip::study::Study;
 
 use crate::cli::support::{Scratch, parse};
-use crate::engine::kept::Kept;
+use crate::engine::in_memory::Kept;
 
 fn run_in_memory(
     study: &Study,

@@ -2,13 +2,13 @@
 
 mod conservation;
 mod cut_steps;
-mod decision;
 mod event;
 mod event_limit;
 mod event_times;
 mod inertial;
+mod mode_selection;
 mod samples;
 mod smooth;
 mod symmetry;
-mod variation;
+mod variational;
 mod work_of_friction;

@@ -1,8 +1,8 @@
 //! The browser detects faults: each fault of a test page is reported.
 
 use super::browser::Browser;
-use super::made::Made;
 use super::page::{DARK, LAPTOP, View};
+use super::results::Made;
 
 const FAULTY: &str = r##"<!DOCTYPE html>
 <html><head><meta charset="utf-8"><title>faults</title>

@@ -11,8 +11,6 @@ mod browser;
 mod browser_tells;
 /// The DevTools protocol.
 mod devtools;
-/// Pages that the program creates.
-mod made;
 /// A page in the browser.
 mod page;
 /// `replay.html`.
@@ -21,3 +19,5 @@ mod replay;
 mod report;
 /// The page of a report of very many runs.
 mod report_large;
+/// Pages that the program creates.
+mod results;

@@ -4,8 +4,8 @@
 use std::path::PathBuf;
 
 use super::browser::Browser;
-use super::made::Made;
 use super::page::{DARK, LAPTOP, Page, View};
+use super::results::Made;
 
 /// With reduced motion, the animation does not start by itself.
 const STILL: View = View { reduced_motion: true, ..LAPTOP };

@@ -7,8 +7,8 @@ use std::path::PathBuf;
 use serde_json::Value;
 
 use super::browser::Browser;
-use super::made::Made;
 use super::page::{DARK, LAPTOP, Page, View, kept};
+use super::results::Made;
 
 /// Five speeds of the thesis and a tenth of the friction; 8 runs each, half of them audited.
 const THESIS: &str = "schema: 1

@@ -7,8 +7,8 @@ use std::fs;
 use serde_json::Value;
 
 use super::browser::Browser;
-use super::made::Made;
 use super::page::{LAPTOP, Page};
+use super::results::Made;
 
 const STUDY: &str = "schema: 1
 name: large

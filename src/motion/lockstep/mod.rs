@@ -18,6 +18,7 @@ mod event_functions;
 mod event_location;
 mod group;
 mod lane;
+mod lane_states;
 mod mode_selection;
 mod recurrence;
 mod root_isolation;
@@ -29,7 +30,6 @@ mod tail_terms;
 mod tangent;
 mod terms;
 mod trigonometry;
-mod within;
 
 pub(crate) use advance::{Happened, advance};
 pub(crate) use group::{Group, Room};

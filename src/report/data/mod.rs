@@ -3,16 +3,16 @@
 mod cycles;
 mod names;
 mod points;
-mod rest;
 mod runs;
+mod time_to_rest;
 
 use std::path::Path;
 
 pub use cycles::{CycleFacts, QUANTITIES};
 pub use names::{axis_of, heading, said};
 pub use points::{Fraction, PointFacts};
-pub use rest::RestCurve;
 pub use runs::{LABELS, Notable, RunSample, scattered};
+pub use time_to_rest::RestCurve;
 
 use super::chart::{Axis, AxisKind};
 use crate::study::Study;
@@ -113,7 +113,7 @@ impl<'a> ReportData<'a> {
         let of: Vec<&PointFacts> = detailed.iter().filter_map(|&place| points.get(place)).collect();
         let (runs, notable) = runs::read(study, &tables.runs, &of, budget.runs)?;
         let shown: Vec<u64> = of.iter().map(|point| point.point_id).collect();
-        let rest = rest::read(&tables.rest, &shown)?;
+        let rest = time_to_rest::read(&tables.rest, &shown)?;
         let cycles = cycles::read(&tables.cycles)?;
         Ok(ReportData {
             study,

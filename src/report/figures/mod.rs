@@ -2,15 +2,15 @@
 
 mod amplitudes;
 mod basins;
-mod branches;
 mod diagnostics;
 mod equilibrium_set;
 mod fractions;
 mod layers;
+mod limit_cycles;
 mod map;
 mod preferred;
-mod rest;
 mod sweep_axis;
+mod time_to_rest;
 
 pub use layers::{failed as failed_runs, label_words, significant};
 
@@ -23,10 +23,10 @@ pub fn of_results(data: &ReportData<'_>) -> Vec<Figure> {
         preferred::figure(data),
         fractions::figure(data),
         map::figure(data),
-        rest::figure(data),
+        time_to_rest::figure(data),
         amplitudes::figure(data),
         basins::figure(data),
-        branches::figure(data),
+        limit_cycles::figure(data),
         diagnostics::figure(data),
     ];
     figures.into_iter().flatten().collect()

@@ -4,7 +4,7 @@ use stickslip::classification::{Evidence, most_steps_of_a_run, seconds_per_step,
 use stickslip::model::{Ball, Block, Case, FrictionLaw, Machine, Model, Simulation, Start};
 
 #[test]
-fn hopeless_runs_are_given_up_soon() {
+fn runs_with_too_many_steps_are_abandoned_soon() {
     let undamped = FrictionLaw::Viscous { viscous_coefficient_n_s_m: 0.0 };
     let slippery = FrictionLaw::Smooth { smoothing_speed: 1e200 };
     let swinging: Model = Block { friction: undamped, ..Block::on_spring() }.into();

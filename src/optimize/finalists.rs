@@ -1,4 +1,4 @@
-//! The finals of a search: its best designs are evaluated again with other and more runs.
+//! The finalists of a search: its best designs are evaluated again with other and more runs.
 //!
 //! Among many similar designs, the one with the best estimate has it partly by chance. Therefore a few of the best
 //! designs are evaluated with new runs, the best of these is chosen, and its reported responses come from further
@@ -14,7 +14,7 @@ use crate::classification::Label;
 use crate::responses::{Answer, Estimate, respond};
 use crate::study::{DesignValue, Study};
 
-/// The role of a design in the finals.
+/// The role of a design in the finalists.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 pub enum Role {
     /// One of the best designs of the search, from which the best one is chosen.
@@ -41,7 +41,7 @@ impl Role {
 
 /// A design with the responses of its final runs.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Final {
+pub struct Finalist {
     /// The role of the design.
     pub role: Role,
     /// Its number in the search; `None` if the search did not evaluate it.
@@ -58,26 +58,26 @@ pub struct Final {
     pub on_front: Option<bool>,
 }
 
-/// All designs of the finals.
+/// All designs of the finalists.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Finals {
+pub struct Finalists {
     /// In the order of their evaluation.
-    pub all: Vec<Final>,
+    pub all: Vec<Finalist>,
 }
 
-impl Finals {
+impl Finalists {
     /// Returns the first design with this role.
-    pub fn of(&self, role: Role) -> Option<&Final> {
+    pub fn of(&self, role: Role) -> Option<&Finalist> {
         self.all.iter().find(|one| one.role == role)
     }
 }
 
 /// Evaluates the best designs again and calls `finished` for each run. Returns `None` if the search was stopped.
-pub fn finals(
+pub fn finalists(
     search: &Search,
     evaluations: &[Evaluation],
     finished: &(dyn Fn(Label) + Sync),
-) -> Option<Finals> {
+) -> Option<Finalists> {
     let optimization = search.optimization;
     let goal = Goal::new(search.study, optimization);
     let look = |role, design, values: &[DesignValue]| {
@@ -85,22 +85,22 @@ pub fn finals(
         let estimates = goal.estimates(&answers);
         let met = goal.is_met(&self::values(&estimates));
         let values = values.to_vec();
-        Some(Final { role, design, values, answers, estimates, met, on_front: None })
+        Some(Finalist { role, design, values, answers, estimates, met, on_front: None })
     };
     let single = goal.objectives().len() == 1;
     let role = if single { Role::Finalist } else { Role::Pareto };
-    let mut all: Vec<Final> = candidates(search, &goal, evaluations)
+    let mut all: Vec<Finalist> = candidates(search, &goal, evaluations)
         .into_iter()
         .map(|index| look(role, Some(index as u64), &evaluations.get(index)?.values))
         .collect::<Option<_>>()?;
     if single {
         let best = best(all.iter().map(|one| goal.rank(&values(&one.estimates))));
-        if let Some(Final { design, values, .. }) = best.and_then(|index| all.get(index)) {
+        if let Some(Finalist { design, values, .. }) = best.and_then(|index| all.get(index)) {
             let best = look(Role::Best, *design, values)?;
             all.push(best);
         }
     } else {
-        let costs = |one: &Final| {
+        let costs = |one: &Finalist| {
             let costs = goal.costs(&values(&one.estimates)).into_iter().collect();
             one.met.then_some(costs).flatten()
         };
@@ -113,10 +113,10 @@ pub fn finals(
         let design = evaluations.iter().position(|one| one.values == *values);
         all.push(look(Role::CompareWith, design.map(|index| index as u64), values)?);
     }
-    Some(Finals { all })
+    Some(Finalists { all })
 }
 
-/// Returns an upper bound of the number of runs of the finals.
+/// Returns an upper bound of the number of runs of the finalists.
 pub fn final_runs(search: &Search) -> u64 {
     let Search { study, optimization, .. } = *search;
     let designs = optimization.finalists + 2;
@@ -153,7 +153,7 @@ fn again(
     respond(workers, &sets, study.responses(), asked, stop, finished)
 }
 
-/// Returns the designs of the finals: the best by rank, or the Pareto front of those that meet the limits, thinned
+/// Returns the designs of the finalists: the best by rank, or the Pareto front of those that meet the limits, thinned
 /// out evenly along its first objective.
 fn candidates(search: &Search, goal: &Goal, evaluations: &[Evaluation]) -> Vec<usize> {
     let all = all_values(goal, evaluations);

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::column::Column;
-use super::set::{PointKey, key_columns};
+use super::equilibrium_set::{PointKey, key_columns};
 use crate::analysis::FrictionlessEquilibrium;
 use crate::study::{ParameterValue, Study};
 

@@ -42,7 +42,7 @@ fn runs_that_hardly_move_on_are_given_up_by_themselves() {
 }
 
 #[test]
-fn a_stop_reaches_into_hopeless_runs() {
+fn a_stop_abandons_long_runs() {
     let scratch = Scratch::new();
     let mut given_up = false;
     for (name, text) in studies() {

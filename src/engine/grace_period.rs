@@ -12,7 +12,7 @@ pub(super) const GRACE: Duration = Duration::from_secs(1);
 const POLL_INTERVAL: Duration = Duration::from_millis(20);
 
 /// Runs `work` under a cancellation, which a separate thread triggers as soon as `is_over` returns true.
-pub(super) fn with_patience<T>(
+pub(super) fn with_grace_period<T>(
     mut is_over: impl FnMut() -> bool + Send,
     work: impl FnOnce(&Cancellation) -> T,
 ) -> T {

@@ -21,14 +21,14 @@ use crate::table::{
 const UNFINISHED: &str = "unfinished";
 
 /// A directory that is being filled, locked for this process as long as the value lives.
-pub struct FilledOnce {
+pub struct ExclusiveDirectory {
     /// The files of the finished directory.
     pub list: FileList,
     directory: PathBuf,
     lock: Lock,
 }
 
-impl FilledOnce {
+impl ExclusiveDirectory {
     /// Checks that a directory is empty, missing, or left unfinished by the same command, which writes these `files`.
     /// Changes nothing.
     ///
@@ -69,7 +69,7 @@ impl FilledOnce {
     /// Creates the directory if needed and locks it for filling.
     ///
     /// # Errors
-    /// Returns the errors of [`FilledOnce::inspect`], and an error if another process fills the directory or it cannot
+    /// Returns the errors of [`ExclusiveDirectory::inspect`], and an error if another process fills the directory or it cannot
     /// be written to.
     pub fn open(directory: &Path, files: &[&str]) -> Result<Self, CliError> {
         Self::inspect(directory, files)?;
@@ -85,7 +85,7 @@ impl FilledOnce {
         clear_temporaries(directory, &[FILES]).map_err(unusable)?;
         // An unfinished list is written anew; an invalid one belongs to someone else.
         FileList::read(directory)?;
-        Ok(FilledOnce { list: FileList::default(), directory: directory.to_owned(), lock })
+        Ok(ExclusiveDirectory { list: FileList::default(), directory: directory.to_owned(), lock })
     }
 
     /// Marks the directory as complete.
@@ -93,7 +93,7 @@ impl FilledOnce {
     /// # Errors
     /// Returns an error if another process took the lock, or if the directory cannot be written to.
     pub fn finish(self) -> Result<(), CliError> {
-        let FilledOnce { directory, lock, .. } = self;
+        let ExclusiveDirectory { directory, lock, .. } = self;
         lock.check()?;
         fs::remove_file(directory.join(UNFINISHED))
             .and_then(|()| sync_directory(&directory))

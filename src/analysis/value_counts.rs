@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 /// counted together at their midpoint (within a relative distance of 2.5e-4). The result does not
 /// depend on the order of the values.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Tally {
+pub struct ValueCounts {
     groups: BTreeMap<u64, [u64; 2]>,
     coarse: bool,
 }
@@ -18,7 +18,7 @@ const MOST_VALUES: usize = 1 << 16;
 /// Number of binary digits that a coarse value drops: 52 are stored, 11 remain.
 const DROPPED: u32 = 41;
 
-impl Tally {
+impl ValueCounts {
     /// Counts a value of a kind, 0 or 1. The value must be zero, positive or infinite; others are
     /// ignored.
     pub fn add(&mut self, value: f64, kind: usize) {
@@ -76,10 +76,10 @@ fn coarse(bits: u64) -> u64 {
 
 #[cfg(test)]
 mod tests {
-    use super::{MOST_VALUES, Tally};
+    use super::{MOST_VALUES, ValueCounts};
 
-    fn tally(values: impl IntoIterator<Item = f64>) -> Tally {
-        let mut tally = Tally::default();
+    fn tally(values: impl IntoIterator<Item = f64>) -> ValueCounts {
+        let mut tally = ValueCounts::default();
         values.into_iter().for_each(|value| tally.add(value, 0));
         tally
     }
@@ -90,7 +90,7 @@ mod tests {
         assert_eq!(few.quantile(0.5), Some(2.5));
         assert_eq!(few.quantile(0.0), Some(1.0));
         assert_eq!(few.quantile(1.0), Some(4.0));
-        assert_eq!(Tally::default().quantile(0.5), None);
+        assert_eq!(ValueCounts::default().quantile(0.5), None);
         assert_eq!(tally([f64::NAN, -1.0]).quantile(0.5), None);
     }
 
