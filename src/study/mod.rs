@@ -1,6 +1,6 @@
 //! Studies: from a study file to planned runs.
 //!
-//! A study file ([`file::StudyFile`]) is resolved into a [`Study`], which is validated, contains
+//! A study file ([`file::study_file::StudyFile`]) is resolved into a [`Study`], which is validated, contains
 //! every default, and numbers its points and runs. [`Study::planned_run`] computes any run from its
 //! number, without state; its memory does not grow with the number of runs.
 //!

@@ -6,7 +6,7 @@ use crate::study::plan::planned_study::Study;
 use crate::study::plan::variable::{DesignValue, Domain};
 
 impl Study {
-    /// Returns the coordinates of a design on the scales of [`Variable::scaled`].
+    /// Returns the coordinates of a design on the scales of [`crate::study::Variable::scaled`].
     pub fn scaled(&self, values: &[DesignValue]) -> Vec<f64> {
         let each = self.variables.iter().zip(values);
         each.flat_map(|(variable, value)| variable.scaled(*value)).collect()
