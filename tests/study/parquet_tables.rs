@@ -274,7 +274,7 @@ fn wrong_cells_are_named_by_row_and_column() {
     let key = "row 1, column normal_force";
     refused(&text("euler"), key, "unknown choice", "euler");
     refused(&text(""), key, "an empty value", "nothing");
-    refused(&text(&"a".repeat(1000)), key, "too long a text", "1000 bytes");
+    refused(&text(&"a".repeat(1000)), key, "the text is too long", "1000 bytes");
     let table = plain(vec![("speed_rad_s", Arc::new(StringArray::from(vec!["fast"])))]);
     refused(&table, "row 1, column speed_rad_s", "not a number", "fast");
     refused(
@@ -309,7 +309,7 @@ fn wrong_columns() {
 #[test]
 fn what_is_not_supported_says_what_is() {
     let error = sweep(&of_others("brotli")).unwrap_err();
-    assert_eq!(error.problem(), "a compression that is not supported");
+    assert_eq!(error.problem(), "unsupported compression");
     assert!(error.found().unwrap().contains("BROTLI"), "{error}");
     assert!(error.allowed().unwrap().contains("ZSTD, SNAPPY, GZIP, LZ4_RAW"), "{error}");
 }
@@ -412,7 +412,7 @@ fn pages_that_unpack_to_too_much_are_refused() {
     )));
     let table = file(packed, vec![("normal_force", texts)]);
     assert!(table.len() < 2_000_000, "{}", table.len());
-    refused(&table, "", "too large when unpacked", "bytes or more");
+    refused(&table, "", "too large when decompressed", "bytes or more");
 }
 
 /// A dictionary's entry that many rows name is taken once for each.
@@ -431,7 +431,7 @@ fn long_texts_are_refused_before_they_are_repeated() {
             .build();
         let table = file(properties, vec![("normal_force", texts)]);
         assert!(table.len() < 2_000_000, "{}", table.len());
-        refused(&table, "", "too long a text", "20000 bytes");
+        refused(&table, "", "the text is too long", "20000 bytes");
     }
 }
 

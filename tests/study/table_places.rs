@@ -113,7 +113,7 @@ fn directories_and_names_of_other_kinds_are_refused() {
     place.refused("a\0.csv", "", "a");
     for name in ["secret", "a.txt", "a.csv.bak", ".csv"] {
         fs::write(place.path("inside").join(name), "token 12345").unwrap();
-        place.refused(name, "neither a CSV nor a Parquet file", name);
+        place.refused(name, "ends in neither .csv nor .parquet", name);
     }
     fs::write(place.path("inside/a.CSV"), "speed_rad_s\n-160\n").unwrap();
     assert!(place.load("a.CSV", &[]).is_ok());
