@@ -1,4 +1,4 @@
-//! Tables of designs: CSV, Parquet or from memory, columns named as variables, one design per row.
+//! Reads tables of designs: one column per design variable and one design per row.
 
 use std::path::Path;
 
@@ -12,7 +12,7 @@ use super::plan::planned_study::Study;
 use super::plan::variable::DesignValue;
 use crate::tabular::{Cell, Cells, Limits, Refusal, check_name};
 
-/// Faults of tables in files need no study file to be placed in.
+/// Locates faults for tables outside a study file, which need no place in one.
 struct Nowhere;
 
 impl super::error::Locate for Nowhere {
@@ -27,11 +27,11 @@ impl super::error::Locate for Nowhere {
 }
 
 impl Study {
-    /// The designs in a table; each makes physical sense at every point.
+    /// Reads the designs in a file. Each design is valid at every point of the study.
     ///
     /// # Errors
-    /// The first thing that is wrong, with row and column: a file that cannot be read, a column that is
-    /// unknown, missing or given twice, a value that its variable does not have.
+    /// Returns the first fault with its row and column: an unreadable file, a column that is unknown, missing or given
+    /// twice, a value outside its variable's range, or a design that is invalid at a point.
     pub fn designs(&self, path: &Path) -> Result<Vec<Vec<DesignValue>>, StudyError> {
         let refuse = |fault| StudyError::about_file(path, fault);
         let allowed = "a name that ends in .csv or .parquet, or - for standard input";
@@ -40,10 +40,10 @@ impl Study {
         self.designs_in(path, |limits| Cells::read(path, bytes, limits))
     }
 
-    /// The designs in an Arrow table, which messages call `name`.
+    /// Reads the designs in an Arrow table, called `name` in messages.
     ///
     /// # Errors
-    /// As for [`Study::designs`]; a table that cannot be read.
+    /// Returns an error for the reasons given at [`Study::designs`].
     pub fn designs_in_arrow(
         &self,
         name: &str,
@@ -52,11 +52,11 @@ impl Study {
         self.designs_in(Path::new(name), |limits| Cells::of_arrow(reader, limits))
     }
 
-    /// The designs in a table that is in memory, with one value per column in each row, none where it is
-    /// missing; messages call the table `name`.
+    /// Reads the designs in a table in memory, called `name` in messages. Each row has one value per column, `None` if it
+    /// is missing.
     ///
     /// # Errors
-    /// As for [`Study::designs`].
+    /// Returns an error for the reasons given at [`Study::designs`].
     pub fn designs_in_memory(
         &self,
         name: &str,
@@ -105,7 +105,7 @@ impl Study {
         let mut values = Vec::with_capacity(self.variables.len());
         for variable in &self.variables {
             let column = rows.columns.iter().position(|name| *name == variable.name);
-            // A column for each variable has been found.
+            // The caller has checked that each variable has a column.
             let entry = column.and_then(|column| rows.rows[row].get(column));
             let value = match entry {
                 Some(Entry::Number(number)) => variable.number(*number),
@@ -157,7 +157,7 @@ design:
     }
 
     #[test]
-    fn columns_in_any_order_and_encoding() {
+    fn columns_may_have_any_order_and_encoding() {
         let words: DictionaryArray<Int8Type> = [Some("tin"), Some("steel")].into_iter().collect();
         let designs = read(vec![("material", Arc::new(words)), ("speed_rad_s", speeds())]).unwrap();
         let row = |speed, choice| vec![DesignValue::Number(speed), DesignValue::Choice(choice)];
@@ -166,7 +166,7 @@ design:
     }
 
     #[test]
-    fn what_is_wrong_is_named() {
+    fn errors_name_the_row_and_column() {
         let truths: ArrayRef = Arc::new(BooleanArray::from(vec![true, false]));
         let text = |words: [Option<&str>; 2]| -> ArrayRef {
             Arc::new(LargeStringArray::from(words.to_vec()))

@@ -1,7 +1,7 @@
-//! `files.json`: the files that this program has written into a directory without a manifest, with their hashes.
+//! `files.json`: the hashes of the files that this program has written into a directory without a manifest.
 //!
-//! A file is on the list before it has its name, and what had the name before stays there until the next one
-//! is: whenever a process is ended, the file under the name is one of the two.
+//! A file is listed before it is renamed to its final name, and the entry of the file that it replaces remains until then.
+//! If the process is killed at any time, the file on disk therefore matches one of the two entries.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -18,23 +18,23 @@ use super::verified_files::{Listed, is_file_name};
 use crate::foreign::shorten;
 use crate::tabular::Fault;
 
-/// Name of the list in its directory.
+/// The file name of the list.
 pub const FILES: &str = "files.json";
 
-/// The largest list that is read, bytes.
+/// The largest size of a list, bytes.
 const MAX_BYTES: u64 = 4 * 1024 * 1024;
 
-/// What to do about a file that is another one.
-const REMEDY: &str = "the command that has written it, with another directory, makes it again";
+/// The remedy for a changed file, for messages.
+const REMEDY: &str = "to write it again, repeat its command with another directory";
 
-/// The files that a directory holds.
+/// The listed files of a directory.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct FileList {
-    /// Version of the layout.
+    /// The version of the layout.
     format: u32,
-    /// The files by their names; of a table that is a directory, each of its parts.
+    /// The files by name; a table in a directory has one entry per part.
     files: BTreeMap<String, FileEntry>,
-    /// What had the same names before.
+    /// The files that had these names before.
     #[serde(default)]
     replaced: BTreeMap<String, FileEntry>,
 }
@@ -46,15 +46,15 @@ impl Default for FileList {
 }
 
 impl FileList {
-    /// Reads the list of a directory; none where there is no such file.
+    /// Reads the list of a directory, or `None` if it has no list.
     ///
     /// # Errors
-    /// Where it cannot be read or is no such list.
+    /// Returns an error if the list cannot be read or is invalid.
     pub fn read(directory: &Path) -> Result<Option<Self>, TableError> {
         let path = directory.join(FILES);
         let refuse = |found: &str| {
-            let problem = "this is no list of files that this program has written";
-            let allowed = "the file that was written, or another directory, with --out DIR";
+            let problem = "this is not a list of files written by this program";
+            let allowed = "the unchanged list, or another directory with --out DIR";
             TableError::new(&path, None, Fault::new(problem, shorten(found), allowed))
         };
         let bytes = match read_regular(&path, MAX_BYTES) {
@@ -71,10 +71,10 @@ impl FileList {
         }
     }
 
-    /// Puts files on the list that are about to get their names in the directory, and writes it there.
+    /// Adds files that are about to be renamed to their final names, and writes the list.
     ///
     /// # Errors
-    /// Where it cannot be written.
+    /// Returns an error if the list cannot be written.
     pub fn announce(&mut self, directory: &Path, files: &[(String, FileEntry)]) -> io::Result<()> {
         for (name, entry) in files {
             if let Some(before) = self.files.insert(name.clone(), entry.clone()) {
@@ -87,49 +87,49 @@ impl FileList {
     /// Writes the list into its directory.
     ///
     /// # Errors
-    /// Where it cannot be written.
+    /// Returns an error if the list cannot be written.
     pub fn save(&self, directory: &Path) -> io::Result<()> {
         let text = serde_json::to_string_pretty(self).map_err(io::Error::other)? + "\n";
         write_atomically(&directory.join(FILES), text.as_bytes())
     }
 
-    /// Whether two lists say the same of all files that have their names.
+    /// Returns whether two lists have the same files with the same hashes.
     pub fn has_files_of(&self, other: &Self) -> bool {
         self.files == other.files
     }
 
-    /// Takes a file off the list that has been removed.
+    /// Removes a deleted file from the list.
     pub fn forget(&mut self, name: &str) {
         self.files.remove(name);
         self.replaced.remove(name);
     }
 
-    /// Writes a file, whole or not at all, and puts it on the list.
+    /// Writes a file atomically and adds it to the list.
     ///
     /// # Errors
-    /// Where it or the list cannot be written.
+    /// Returns an error if the file or the list cannot be written.
     pub fn write(&mut self, directory: &Path, name: &str, content: &[u8]) -> io::Result<()> {
         self.announce(directory, &[(name.to_owned(), FileEntry::of_content(content))])?;
         write_atomically(&directory.join(name), content)
     }
 
-    /// As [`Self::write`], of a file that replaces nothing: where its name is taken, by this very content.
+    /// Writes a file like [`Self::write`], but never replaces a file with other content.
     ///
     /// # Errors
-    /// Where something else has the name; where the file or the list cannot be written.
+    /// Returns an error if a file with other content has the name, or if the file or the list cannot be written.
     pub fn write_once(&mut self, directory: &Path, name: &str, content: &[u8]) -> io::Result<()> {
         self.announce(directory, &[(name.to_owned(), FileEntry::of_content(content))])?;
         write_once(&directory.join(name), content)
     }
 
-    /// Finds out which of its files the directory holds: of two that may have a name the one that is there; one
-    /// that is gone is forgotten. Returns the names of those that are neither.
+    /// Compares the list with the directory: selects the matching one of two entries for a name, and removes the entries of
+    /// deleted files. Returns the names of the files that match neither entry.
     pub fn settle(&mut self, directory: &Path) -> Vec<String> {
         let mut changed = Vec::new();
         for (name, entry) in std::mem::take(&mut self.files) {
             let path = directory.join(&name);
             let Ok(found) = fs::symlink_metadata(&path) else { continue };
-            // What is no file is not read: a pipe would be waited for.
+            // Only regular files are opened, because opening a named pipe would wait for a writer.
             let found = found.is_file().then(|| FileEntry::of(&path, None).ok()).flatten();
             let is_there =
                 |entry: &FileEntry| found.as_ref().is_some_and(|found| found.has_content_of(entry));
@@ -146,7 +146,7 @@ impl FileList {
         changed
     }
 
-    /// The files of the list in its directory.
+    /// Returns the listed files with their directory.
     pub(super) fn in_directory<'a>(&'a self, directory: &'a Path) -> Listed<'a> {
         Listed { directory, list: FILES, files: &self.files, remedy: REMEDY }
     }
@@ -162,7 +162,7 @@ mod tests {
     use crate::table::FileEntry;
 
     #[test]
-    fn a_process_may_be_ended_before_any_renaming() {
+    fn the_list_is_valid_if_a_process_is_killed_before_or_after_a_renaming() {
         let scratch = tempdir().unwrap();
         let there =
             |name: &str, content: &str| fs::write(scratch.path().join(name), content).unwrap();
@@ -176,13 +176,13 @@ mod tests {
         };
         let mut list = FileList::default();
         list.write(scratch.path(), "a", b"one").unwrap();
-        // Ended before the renaming, twice.
+        // The process is killed before the renaming, twice.
         announced(&mut list, "two");
         let (changed, mut list) = settled();
         assert!(changed.is_empty() && list.in_directory(scratch.path()).check_all().is_ok());
         announced(&mut list, "three");
         assert!(settled().0.is_empty());
-        // And after it.
+        // The process is killed after the renaming.
         there("a", "three");
         let (changed, list) = settled();
         assert!(changed.is_empty() && list.in_directory(scratch.path()).check_all().is_ok());
@@ -198,7 +198,7 @@ mod tests {
     }
 
     #[test]
-    fn other_lists_are_refused() {
+    fn invalid_lists_are_refused() {
         let scratch = tempdir().unwrap();
         assert!(FileList::read(scratch.path()).unwrap().is_none());
         let hash = "0".repeat(64);
@@ -213,7 +213,7 @@ mod tests {
         ] {
             fs::write(scratch.path().join(FILES), text).unwrap();
             let error = FileList::read(scratch.path()).unwrap_err().to_string();
-            assert!(error.contains("no list of files") && !error.contains('\u{1b}'), "{error}");
+            assert!(error.contains("not a list of files") && !error.contains('\u{1b}'), "{error}");
         }
     }
 }

@@ -1,9 +1,8 @@
-//! Tables of a results directory, read batch by batch.
+//! Reads the tables of a results directory batch by batch.
 //!
-//! Which files a table has is what the manifest says, or `files.json` where there is none; each is checked against it
-//! when the table is opened, down to its hash, and by what it says of itself: its number of rows, the layout
-//! and the study under the metadata key `stickslip`. What is read is guarded as tables of studies are: no file makes the program panic or take memory without
-//! bound, and a batch is the most that is held.
+//! The manifest, or `files.json` in a directory without one, lists the files of a table. When a table is opened, each file is
+//! checked against this list: its size, its hash, its number of rows, and the layout and the study in its metadata under the
+//! key `stickslip`. No file makes the program panic or allocate unbounded memory, and only one batch is in memory.
 
 use std::fs::File;
 use std::path::{Path, PathBuf};
@@ -19,22 +18,22 @@ use crate::foreign::shorten;
 use crate::study::list_names;
 use crate::tabular::{self, Fault, Kind, ParquetFile, Values};
 
-/// A table of a results directory: a file, or a directory of parts.
+/// A table of a results directory: one file, or a directory of part files.
 #[derive(Clone, Debug)]
 pub struct Table {
     name: String,
     study_hash: String,
-    /// Its files and how many rows each has.
+    /// The files and their numbers of rows.
     pub(super) parts: Vec<(PathBuf, u64)>,
     columns: Vec<(String, Option<Kind>)>,
 }
 
 impl Table {
-    /// Opens a table by its name without `.parquet`, as `points`.
+    /// Opens a table by its name without `.parquet`, such as `points`.
     ///
     /// # Errors
-    /// Where the manifest has no such table, a file is missing or not the one that was written to the last bit, or
-    /// what the first one says of itself is another layout's or study's.
+    /// Returns an error if the manifest lists no such table, if a file is missing or differs from the one that was written, or
+    /// if the first file has another layout or belongs to another study.
     pub fn open(directory: &Path, manifest: &Manifest, name: &str) -> Result<Self, TableError> {
         let file = format!("{name}.parquet");
         let remedy = manifest.remedy(directory);
@@ -54,7 +53,7 @@ impl Table {
             let fault = Fault::new(
                 format!("there is no table {file}"),
                 found,
-                "results whose runs have come to an end; `stickslip resume` goes on",
+                "the results of a finished study; `stickslip resume` finishes it",
             );
             return Err(TableError::new(directory, None, fault));
         };
@@ -62,12 +61,12 @@ impl Table {
         Ok(table)
     }
 
-    /// Opens a table of a directory without a manifest, as `stickslip equilibria`, `optimize` and `replay` write. With
-    /// it comes its provenance.
+    /// Opens a table of a directory without a manifest, such as `stickslip equilibria`, `optimize` and `replay` write.
+    /// Returns the table and its provenance.
     ///
     /// # Errors
-    /// Where there is no such table or no list of files with it, a file is not the one that was written, or not
-    /// one of this program's.
+    /// Returns an error if the directory has no list of files or the list has no such table, or if a file differs from the one
+    /// that was written or was not written by this program.
     pub fn of_itself(directory: &Path, name: &str) -> Result<(Self, Value), TableError> {
         let path = directory.join(format!("{name}.parquet"));
         let refuse = |problem: &str, found: String, allowed: &str| {
@@ -75,18 +74,18 @@ impl Table {
         };
         let Some(list) = FileList::read(directory)? else {
             let found = format!("no {FILES} in its directory");
-            let allowed = "a directory as this program has written it";
-            return Err(refuse("nothing says what was written", found, allowed));
+            let allowed = "a complete directory written by this program";
+            return Err(refuse("this file cannot be verified", found, allowed));
         };
         let parts = list.in_directory(directory).check_table(name)?;
         let Some((first, rows)) = parts.first().cloned() else {
-            let found = format!("a file that {FILES} does not have");
-            return Err(refuse("nothing says what was written", found, "a table on that list"));
+            let found = format!("a file that is not listed in {FILES}");
+            return Err(refuse("this file cannot be verified", found, "a listed table"));
         };
         let Some(about) = open_file(&first)?.1 else {
-            let found = "no key `stickslip` in its metadata".to_owned();
-            let allowed = "a table that this program has written";
-            return Err(refuse("this is not a table of this program", found, allowed));
+            let found = "no key `stickslip` in the metadata".to_owned();
+            let allowed = "a table written by this program";
+            return Err(refuse("this table was not written by this program", found, allowed));
         };
         let study_hash = about["study_hash"].as_str().unwrap_or_default().to_owned();
         let mut table = Table { name: name.to_owned(), study_hash, parts, columns: Vec::new() };
@@ -94,32 +93,32 @@ impl Table {
         Ok((table, about))
     }
 
-    /// How many rows it has.
+    /// Returns the number of rows.
     pub fn rows(&self) -> u64 {
         self.parts.iter().map(|(_, rows)| *rows).fold(0, u64::saturating_add)
     }
 
-    /// Its columns in order, and what they hold; none where that is nothing that tables of results hold.
+    /// Returns the names and kinds of the columns in order. The kind is `None` for a type that tables of results do not have.
     pub fn columns(&self) -> &[(String, Option<Kind>)] {
         &self.columns
     }
 
-    /// Reads all of its columns from the first row on.
+    /// Reads all columns from the first row on.
     ///
     /// # Errors
-    /// Where a column holds nothing that tables of results hold.
+    /// Returns an error if a column has a type that tables of results do not have.
     pub fn read_all(&self) -> Result<Batches<'_>, TableError> {
-        // A kind that the column has not makes the message.
+        // An unsupported column has no kind; `Number` makes `read` return its error.
         let kind = |kind: &Option<Kind>| kind.unwrap_or(Kind::Number);
         let all: Vec<(&str, Kind)> =
             self.columns.iter().map(|(name, found)| (name.as_str(), kind(found))).collect();
         self.read(&all)
     }
 
-    /// Reads some of its columns from the first row on.
+    /// Reads some columns from the first row on.
     ///
     /// # Errors
-    /// Where a column is missing or holds something else.
+    /// Returns an error if a column is missing or has another kind.
     pub fn read(&self, wanted: &[(&str, Kind)]) -> Result<Batches<'_>, TableError> {
         let wanted: Vec<(String, Kind)> =
             wanted.iter().map(|(name, kind)| ((*name).to_owned(), *kind)).collect();
@@ -128,7 +127,7 @@ impl Table {
         Ok(Batches { table: self, wanted, next_part: 0, part: None, next_row: 0 })
     }
 
-    /// Opens a file of the table and checks what it says of itself.
+    /// Opens a file of the table and checks its number of rows and its metadata.
     pub(super) fn open_part(&self, path: &Path, rows: u64) -> Result<ParquetFile, TableError> {
         let refuse = |fault| TableError::new(path, None, fault);
         let (file, provenance) = open_file(path)?;
@@ -156,22 +155,22 @@ impl Table {
         }
         if file.rows() != rows {
             return Err(refuse(Fault::new(
-                "not as many rows as were written",
+                "wrong number of rows",
                 format!("{} rows", file.rows()),
-                format!("{rows}, as {MANIFEST} says"),
+                format!("{rows}, as listed in {MANIFEST}"),
             )));
         }
         Ok(file)
     }
 }
 
-/// The columns of a file and what they hold.
+/// Returns the names and kinds of the columns of a file.
 fn columns(file: &ParquetFile) -> Vec<(String, Option<Kind>)> {
     let fields = file.schema().fields().iter();
     fields.map(|field| (field.name().clone(), Kind::of(field.data_type()))).collect()
 }
 
-/// Opens a file and reads what it says of itself.
+/// Opens a file and reads its provenance, or `None` if it has none.
 fn open_file(path: &Path) -> Result<(ParquetFile, Option<Value>), TableError> {
     let file = open(path)?;
     let provenance = file.said("stickslip").and_then(|text| serde_json::from_str(text).ok());
@@ -187,7 +186,7 @@ pub(super) fn open(path: &Path) -> Result<ParquetFile, TableError> {
     file.map_err(|fault| TableError::new(path, None, fault))
 }
 
-/// Where columns are that are wanted.
+/// Returns the indices of the wanted columns.
 fn find(
     path: &Path,
     columns: &[(String, Option<Kind>)],
@@ -233,7 +232,7 @@ impl Batches<'_> {
                     self.next_row += rows as u64;
                     let columns = self.wanted.iter().map(|(name, kind)| {
                         let values = batch.column_by_name(name).and_then(Values::of);
-                        // The kinds of columns have been compared.
+                        // `find` has compared the kinds of the columns.
                         let damaged = || refuse(Fault::damaged(kind.name()));
                         Ok((name.clone(), values.ok_or_else(damaged)?))
                     });
@@ -260,7 +259,7 @@ impl Iterator for Batches<'_> {
     fn next(&mut self) -> Option<Self::Item> {
         let batch = self.advance();
         if batch.is_err() {
-            // Nothing comes after what is wrong.
+            // The iteration ends after an error.
             self.part = None;
             self.next_part = self.table.parts.len();
         }

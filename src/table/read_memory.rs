@@ -1,4 +1,4 @@
-//! Tables of a results directory, taken into memory in full.
+//! Reads whole tables of a results directory into memory.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -12,14 +12,14 @@ use super::read::Table;
 use super::table_error::TableError;
 use crate::tabular::Fault;
 
-/// Rows of a batch.
+/// The number of rows in a batch.
 const BATCH: usize = 65_536;
 
 impl Table {
     /// The table in memory, in full, as it was when it was written.
     ///
     /// # Errors
-    /// A file that is damaged, or not the one that was written.
+    /// Returns an error if a file is damaged or differs from the one that was written.
     pub fn in_memory(&self) -> Result<MemoryTable, TableError> {
         let mut schema = None;
         let mut batches = Vec::new();
@@ -42,10 +42,10 @@ impl Table {
             }
             schema.get_or_insert(own);
         }
-        // There is a part, or the table could not have been opened.
+        // An open table has at least one part.
         let schema = schema.unwrap_or_else(|| Arc::new(Schema::empty()));
         MemoryTable::new(schema, batches).map_err(|error| {
-            let problem = "the parts of this table do not fit together";
+            let problem = "the parts of this table have different columns";
             let file = self.parts.first().map_or(Path::new(""), |(path, _)| path);
             TableError::new(
                 file,
@@ -56,7 +56,7 @@ impl Table {
     }
 }
 
-/// One batch of several, with what the file says of its columns.
+/// Concatenates batches, and adds the column metadata of the file.
 fn joined(schema: &SchemaRef, batches: &[RecordBatch]) -> Result<RecordBatch, Fault> {
     concat_batches(schema, batches).map_err(|error| Fault::damaged(&error.to_string()))
 }

@@ -1,19 +1,19 @@
-//! Some rows of a table that is read, as columns of values of known types.
+//! A batch of rows of a table, as columns of values with known types.
 
 use std::path::PathBuf;
 
 use super::table_error::TableError;
 use crate::tabular::{Fault, Kind, Values};
 
-/// Some rows.
+/// A batch of consecutive rows of a table.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Batch {
     pub(super) file: PathBuf,
-    /// The number of the first one, from 0.
+    /// The number of the first row, counted from 0.
     pub first_row: u64,
-    /// How many there are.
+    /// The number of rows.
     pub rows: usize,
-    /// The columns that were asked for, in that order.
+    /// The requested columns, in the order of the request.
     pub columns: Vec<(String, Values)>,
 }
 
@@ -22,7 +22,7 @@ macro_rules! typed {
         #[doc = $meaning]
         ///
         /// # Errors
-        /// Where it was not asked for as such.
+        /// Returns an error if the column was not requested or has another type.
         pub fn $name(&self, column: &str) -> Result<&[Option<$value>], TableError> {
             match self.column(column)? {
                 Values::$kind(values) => Ok(values),
@@ -33,18 +33,19 @@ macro_rules! typed {
 }
 
 impl Batch {
-    typed!(numbers, Number, f64, "A column of numbers.");
-    typed!(counts, Count, u64, "A column of counts.");
-    typed!(integers, Integer, i64, "A column of whole numbers with a sign.");
-    typed!(truths, Truth, bool, "A column of yes or no.");
-    typed!(texts, Text, String, "A column of words or text.");
-    typed!(lists, Numbers, Vec<f64>, "A column of lists of numbers.");
+    typed!(numbers, Number, f64, "Returns a column of numbers.");
+    typed!(counts, Count, u64, "Returns a column of whole numbers from 0.");
+    typed!(integers, Integer, i64, "Returns a column of signed whole numbers.");
+    typed!(truths, Truth, bool, "Returns a column of Boolean values.");
+    typed!(texts, Text, String, "Returns a column of text.");
+    typed!(lists, Numbers, Vec<f64>, "Returns a column of lists of numbers.");
 
     fn column(&self, name: &str) -> Result<&Values, TableError> {
         let found = self.columns.iter().find(|(column, _)| column == name);
         found.map(|(_, values)| values).ok_or_else(|| {
             let names: Vec<&str> = self.columns.iter().map(|(name, _)| name.as_str()).collect();
-            let fault = Fault::new("not asked for", names.join(", "), "a column that is read");
+            let fault =
+                Fault::new("the column was not read", names.join(", "), "a column that was read");
             TableError::new(&self.file, Some(name), fault)
         })
     }

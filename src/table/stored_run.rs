@@ -1,4 +1,4 @@
-//! A run's row in `runs.parquet`, and whether a run that has been computed again is the same.
+//! Compares a replayed run with its row in `runs.parquet`.
 
 use std::path::{Path, PathBuf};
 
@@ -18,39 +18,38 @@ use crate::foreign::one_line;
 use crate::study::Study;
 use crate::tabular::Fault;
 
-/// A column in which two rows of one run differ.
+/// A column in which a replayed run differs from its stored row.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Difference {
     /// Name of the column.
     pub column: String,
     /// Its value in the table.
     pub stored: String,
-    /// Its value in the run computed again.
+    /// Its value in the replayed run.
     pub replayed: String,
 }
 
-/// The row of a run.
+/// The stored row of a run.
 pub struct StoredRun {
     path: PathBuf,
     row: RecordBatch,
 }
 
-/// The most characters of what was found that are shown.
+/// The largest number of characters of the found value in a message.
 const LONGEST_FOUND: usize = 400;
 
-/// Why a table cannot be used.
+/// Returns the error of an unusable table.
 fn unusable(path: &Path, problem: &str, found: &str) -> TableError {
-    let allowed = "the tables that `stickslip run` has written; it writes them again from chunks/, with \
-                   the same command";
+    let allowed = "the tables written by `stickslip run`; repeat the same command to write them again from \
+                   chunks/";
     TableError::new(path, None, Fault::new(problem, one_line(found, LONGEST_FOUND), allowed))
 }
 
 impl StoredRun {
-    /// The row of a run in a results directory; none where there is no table yet, or no row of this run
-    /// in it.
+    /// Returns the row of a run in a results directory, or `None` if the table does not exist yet or has no row of this run.
     ///
     /// # Errors
-    /// Where a file of the table is not the one that was written, cannot be read or has no run numbers.
+    /// Returns an error if a file of the table differs from the one that was written, cannot be read, or has no run numbers.
     pub fn find(
         directory: &Path,
         manifest: &Manifest,
@@ -61,7 +60,7 @@ impl StoredRun {
         for (name, entry) in listed.of_table("runs") {
             let path = listed.check(name, entry)?;
             let found = row(&path, run_id).map_err(|error| {
-                let problem = "this is no table of runs that can be read";
+                let problem = "this is not a readable table of runs";
                 unusable(&path, problem, &format!("{}: {}", error.problem, error.found))
             })?;
             if let Some(row) = found {
@@ -71,17 +70,17 @@ impl StoredRun {
         Ok(None)
     }
 
-    /// In which columns a run computed again differs; empty where it is the same to the last bit.
+    /// Returns the columns in which a replayed run differs from the stored row; none if they are identical to the last bit.
     ///
     /// # Errors
-    /// Where the table lacks a column, or has one of another type.
+    /// Returns an error if the table lacks a column or has one of another type.
     pub fn differences(
         &self,
         study: &Study,
         record: &RunRecord,
     ) -> Result<Vec<Difference>, TableError> {
         let broken = |error: ArrowError| {
-            unusable(&self.path, "this is no table of runs that can be read", &error.to_string())
+            unusable(&self.path, "this is not a readable table of runs", &error.to_string())
         };
         let columns = run_columns(study);
         let replayed = batch(&columns, std::slice::from_ref(record)).map_err(broken)?;
@@ -113,13 +112,13 @@ impl StoredRun {
         Ok(differences)
     }
 
-    /// How many columns the row has.
+    /// Returns the number of columns.
     pub fn columns(&self) -> usize {
         self.row.num_columns()
     }
 }
 
-/// The row of a run in a file; none where it is in another one.
+/// Returns the row of a run in a file, or `None` if the file does not contain the run.
 fn row(path: &Path, run_id: u64) -> Result<Option<RecordBatch>, TableError> {
     let refuse = |fault| TableError::new(path, None, fault);
     let file = open(path)?;

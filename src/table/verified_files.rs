@@ -1,6 +1,6 @@
-//! Files are the ones that were written, by what a list of them says: their kind, their size and their hash.
+//! Verifies files against a list of their sizes and hashes.
 //!
-//! Nothing of a directory is shown before every file that it comes from has been checked, each once.
+//! Every file is verified once, before any of its content is used.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -11,27 +11,27 @@ use super::table_error::TableError;
 use crate::foreign::is_acted_on;
 use crate::tabular::Fault;
 
-/// Whether a name on a list is that of a file in the directory itself, or below it, and can be shown.
+/// Returns whether a listed name is printable and refers to a file in the directory or a subdirectory.
 pub(super) fn is_file_name(name: &str) -> bool {
     let inside = |part: Component<'_>| matches!(part, Component::Normal(_));
     !name.is_empty() && !name.chars().any(is_acted_on) && Path::new(name).components().all(inside)
 }
 
-/// Files of a directory as a list in it has them.
+/// The files of a directory, as listed in it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Listed<'a> {
     /// The directory.
     pub directory: &'a Path,
-    /// The name of the list.
+    /// The file name of the list.
     pub list: &'a str,
     /// Its entries.
     pub files: &'a BTreeMap<String, FileEntry>,
-    /// What to do about a file that is another one.
+    /// The remedy for a changed file, for messages.
     pub remedy: &'a str,
 }
 
 impl<'a> Listed<'a> {
-    /// The entries of a table, by its name without `.parquet`: its file, or those of its parts in their order.
+    /// Returns the entries of a table by its name without `.parquet`: its file, or its parts in order.
     pub fn of_table(self, name: &str) -> impl Iterator<Item = (&'a str, &'a FileEntry)> {
         let file = format!("{name}.parquet");
         let of_table = move |entry: &str| {
@@ -44,13 +44,13 @@ impl<'a> Listed<'a> {
     /// Checks a file and returns its path.
     ///
     /// # Errors
-    /// Where it is missing, cannot be read, or is not the file that was written.
+    /// Returns an error if the file is missing, cannot be read, or differs from the one that was written.
     pub fn check(self, name: &str, expected: &FileEntry) -> Result<PathBuf, TableError> {
         let path = self.directory.join(name);
         let changed = |found: String| {
             let FileEntry { bytes, sha256, .. } = expected;
             let allowed = format!(
-                "{bytes} bytes with SHA-256 {}..., as {} says; {}",
+                "{bytes} bytes with SHA-256 {}..., as listed in {}; {}",
                 sha256.chars().take(12).collect::<String>(),
                 self.list,
                 self.remedy
@@ -58,7 +58,7 @@ impl<'a> Listed<'a> {
             let problem = "this is not the file that was written";
             TableError::new(&path, None, Fault::new(problem, found, allowed))
         };
-        // Asked before it is opened: opening a named pipe would wait for a writer.
+        // Checked before opening, because opening a named pipe would wait for a writer.
         let found = fs::metadata(&path).map_err(|error| changed(error.to_string()))?;
         if !found.is_file() {
             return Err(changed("not a regular file".to_owned()));
@@ -86,7 +86,7 @@ impl<'a> Listed<'a> {
     /// Checks all files of a table and returns their paths and numbers of rows.
     ///
     /// # Errors
-    /// As for [`Self::check`].
+    /// Returns an error for the reasons given at [`Self::check`].
     pub fn check_table(self, name: &str) -> Result<Vec<(PathBuf, u64)>, TableError> {
         let checked = self.of_table(name).map(|(name, entry)| {
             self.check(name, entry).map(|path| (path, entry.rows.unwrap_or(0)))

@@ -1,4 +1,4 @@
-//! Tables as rows of cells, numbers and texts: what a study takes, from CSV, Parquet and Arrow alike.
+//! The tables that studies read from CSV, Parquet or Arrow, as rows of numbers and texts.
 
 use arrow_array::{ArrayRef, RecordBatch, RecordBatchReader};
 use arrow_schema::{ArrowError, DataType, Schema};
@@ -7,7 +7,7 @@ use super::error::{Fault, Refusal};
 use super::values::{Kind, Values};
 use crate::foreign::shorten;
 
-/// The longest text of a cell, bytes; no parameter has a word as long.
+/// The longest text of a cell, bytes: more than any word in a study needs.
 const MAX_TEXT_BYTES: usize = 256;
 
 /// A cell.
@@ -15,16 +15,16 @@ const MAX_TEXT_BYTES: usize = 256;
 pub(crate) enum Cell {
     /// A finite number.
     Number(f64),
-    /// A number that is not finite, as it is written.
+    /// An infinity or NaN, as it is written in the table.
     NotFinite(String),
-    /// Text.
+    /// A text.
     Text(String),
-    /// Nothing.
+    /// A missing value.
     Empty,
 }
 
 impl Cell {
-    /// A number.
+    /// Returns the cell with a number, which may be infinite or NaN.
     pub fn of_number(number: f64) -> Cell {
         match number.is_finite() {
             true => Cell::Number(number),
@@ -39,18 +39,18 @@ pub(crate) struct Cells {
     pub columns: Vec<String>,
     /// The rows.
     pub rows: Vec<Vec<Cell>>,
-    /// In a file of lines, the line of each row.
+    /// The line number of each row if the table comes from a text file.
     pub lines: Option<Vec<usize>>,
 }
 
-/// A column of a wrong name, by its place, and what is wrong.
+/// The index of a column with an invalid name, and the fault.
 type WrongColumn = (usize, Fault);
 
-/// Which tables are read.
+/// The limits that a table must meet to be read.
 pub(crate) struct Limits<'a> {
     /// Checks the names of the columns.
     pub columns: &'a dyn Fn(&[String]) -> Result<(), WrongColumn>,
-    /// The most values.
+    /// The largest number of values.
     pub values: usize,
 }
 
@@ -67,7 +67,7 @@ impl Cells {
     /// Reads an Arrow table.
     ///
     /// # Errors
-    /// As for [`Self::read`].
+    /// Returns an error for the reasons given at [`Self::read`].
     pub fn of_arrow(reader: impl RecordBatchReader, limits: &Limits<'_>) -> Result<Cells, Refusal> {
         let mut cells = Self::of_schema(&reader.schema(), limits)?;
         for batch in reader {
@@ -85,10 +85,11 @@ impl Cells {
         Ok(cells)
     }
 
-    /// A table of these rows.
+    /// Creates a table from its columns and rows.
     ///
     /// # Errors
-    /// A column of a wrong name, a ragged row, too many values.
+    /// Returns an error if a column has an invalid name, if a row has more or fewer values than there are columns, or
+    /// if there are too many values.
     pub fn of_rows(
         columns: Vec<String>,
         rows: Vec<Vec<Cell>>,
@@ -108,10 +109,10 @@ impl Cells {
         }
     }
 
-    /// A table without rows.
+    /// Creates a table without rows.
     ///
     /// # Errors
-    /// A column of a wrong name, or neither of numbers nor of text.
+    /// Returns an error if a column has an invalid name or contains neither numbers nor text.
     pub(super) fn of_schema(schema: &Schema, limits: &Limits<'_>) -> Result<Cells, Refusal> {
         let columns: Vec<String> =
             schema.fields().iter().map(|field| field.name().clone()).collect();
@@ -125,10 +126,10 @@ impl Cells {
         Ok(Cells { columns, rows: Vec::new(), lines: None })
     }
 
-    /// Adds the rows of a batch.
+    /// Appends the rows of a batch.
     ///
     /// # Errors
-    /// A text that is too long.
+    /// Returns an error if a text is too long.
     pub(super) fn push(&mut self, batch: &RecordBatch) -> Result<(), Refusal> {
         let columns = self.columns.iter().zip(batch.columns());
         let mut columns = columns
@@ -137,13 +138,13 @@ impl Cells {
             })
             .collect::<Result<Vec<_>, Refusal>>()?;
         for _ in 0..batch.num_rows() {
-            // Each column of a batch has as many values as the batch has rows.
+            // Every column of a batch has one value per row.
             let row: Vec<Cell> = columns.iter_mut().filter_map(Iterator::next).collect();
             let length = |cell: &Cell| if let Cell::Text(text) = cell { text.len() } else { 0 };
             if let Some(column) = row.iter().position(|cell| length(cell) > MAX_TEXT_BYTES) {
                 let found = row.get(column).map_or(0, length);
                 let allowed = format!("at most {MAX_TEXT_BYTES} bytes");
-                let fault = Fault::new("too long a text", format!("{found} bytes"), allowed);
+                let fault = Fault::new("the text is too long", format!("{found} bytes"), allowed);
                 let column = self.columns.get(column).cloned();
                 return Err(Refusal { row: Some(self.rows.len()), column, ..fault.into() });
             }
@@ -153,7 +154,7 @@ impl Cells {
     }
 }
 
-/// The values of a column; none where they are neither numbers nor text.
+/// Returns the values of a column, or `None` if they are neither numbers nor text.
 fn cells(column: &ArrayRef) -> Option<Vec<Cell>> {
     fn all<V>(values: Vec<Option<V>>, cell: impl Fn(V) -> Cell) -> Vec<Cell> {
         values.into_iter().map(|value| value.map_or(Cell::Empty, &cell)).collect()
@@ -171,17 +172,21 @@ fn cells(column: &ArrayRef) -> Option<Vec<Cell>> {
 
 fn wrong_type(column: &str, kind: &DataType) -> Refusal {
     let found = format!("a column of {kind}");
-    let fault = Fault::new("wrong type", found, "a column of numbers or of text");
+    let fault = Fault::new("wrong type", found, "a column of numbers or text");
     Refusal { column: Some(column.to_owned()), ..fault.into() }
 }
 
-/// A table with more values than are allowed.
+/// Returns the fault of a table with too many values.
 pub(super) fn too_many_values(found: String, limits: &Limits<'_>) -> Fault {
     let allowed = format!("at most {} in all tables of a study", limits.values);
     Fault::new("too many values", found, allowed)
 }
 
-/// A row with more or fewer values than there are columns.
+/// Returns the fault of a row with more or fewer values than there are columns.
 pub(crate) fn ragged(found: usize, columns: usize) -> Fault {
-    Fault::new("a ragged row", format!("{found} values"), format!("{columns}, one per column"))
+    Fault::new(
+        "wrong number of values in a row",
+        format!("{found} values"),
+        format!("{columns}, one per column"),
+    )
 }

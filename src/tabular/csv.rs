@@ -6,10 +6,11 @@ use super::cells::{Cell, Cells, Limits, ragged, too_many_values};
 use super::error::{Fault, Refusal};
 use crate::foreign::shorten;
 
-/// Reads the table in a file's bytes.
+/// Reads a CSV table from the bytes of its file.
 ///
 /// # Errors
-/// Bytes that are no text, a file without a header, a column of a wrong name, a ragged row, too many values.
+/// Returns an error if the bytes are not UTF-8, if the header is missing or contains an invalid name, if a row has more or
+/// fewer values than there are columns, or if there are too many values.
 pub(super) fn read(bytes: Vec<u8>, limits: &Limits<'_>) -> Result<Cells, Refusal> {
     let text = to_text(bytes)?;
     let text = text.strip_prefix('\u{feff}').unwrap_or(&text);
@@ -37,7 +38,7 @@ pub(super) fn read(bytes: Vec<u8>, limits: &Limits<'_>) -> Result<Cells, Refusal
             return Err(refuse(ragged(record.len(), columns.len())));
         }
         if (rows.len() + 1) * columns.len() > limits.values {
-            let found = format!("{} values and more", rows.len() * columns.len());
+            let found = format!("more than {} values", rows.len() * columns.len());
             return Err(refuse(too_many_values(found, limits)));
         }
         lines.push(line);
@@ -50,19 +51,19 @@ pub(super) fn read(bytes: Vec<u8>, limits: &Limits<'_>) -> Result<Cells, Refusal
     Ok(Cells { columns, rows, lines: Some(lines) })
 }
 
-/// Bytes as text.
+/// Converts bytes to text.
 ///
 /// # Errors
-/// Bytes that are not UTF-8.
+/// Returns an error if the bytes are not UTF-8.
 pub(crate) fn to_text(bytes: Vec<u8>) -> Result<String, Fault> {
     String::from_utf8(bytes).map_err(|error| {
-        let found = format!("a wrong byte at position {}", error.utf8_error().valid_up_to());
+        let found = format!("an invalid byte at position {}", error.utf8_error().valid_up_to());
         Fault::new("the text is not UTF-8", found, "UTF-8")
     })
 }
 
-/// The line, counted from one, where a record starts: the reader's position is before the empty
-/// lines and comments that it skipped.
+/// Returns the line, counted from one, where a record starts. The reader's position precedes the empty lines and comments
+/// that it skipped.
 fn line_of(text: &str, position: Option<&Position>) -> usize {
     let Some(position) = position else { return 1 };
     let byte = usize::try_from(position.byte()).unwrap_or(0);

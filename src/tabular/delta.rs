@@ -1,7 +1,7 @@
-//! Lengths of texts, so that no page makes the Parquet library take memory for what is not there.
+//! Checks the lengths of the texts in a Parquet page before the Parquet library allocates memory for them.
 //!
-//! In the encodings of lengths as differences the library takes memory for as many texts as the page announces, and
-//! repeats the beginning of a text for each text that begins like it.
+//! In the delta encodings the library allocates memory for as many texts as the page announces, and copies a shared prefix
+//! into every text that begins with it.
 
 use parquet::basic::Encoding;
 
@@ -11,18 +11,18 @@ use super::thrift::{signed, varint};
 /// The longest text, bytes.
 pub(super) const MAX_TEXT_BYTES: usize = 16 * 1024;
 
-/// Checks that these encoded texts are at most so many, and none of them too long.
+/// Checks that a page contains at most `most` encoded texts and none longer than [`MAX_TEXT_BYTES`].
 ///
 /// # Errors
-/// Too long a text, or texts that are not there.
+/// Returns an error if a text is too long or if the page ends before its last text.
 pub(super) fn check_texts(encoding: Encoding, bytes: &[u8], most: usize) -> Result<(), Fault> {
-    let damaged = || Fault::damaged("a page whose texts are not all there");
+    let damaged = || Fault::damaged("a page that ends before its last text");
     let check = |length: i64| match usize::try_from(length) {
         Err(_) => Err(damaged()),
         Ok(length) if length <= MAX_TEXT_BYTES => Ok(()),
         Ok(length) => {
             let allowed = format!("at most {MAX_TEXT_BYTES} bytes");
-            Err(Fault::new("too long a text", format!("{length} bytes"), allowed))
+            Err(Fault::new("the text is too long", format!("{length} bytes"), allowed))
         }
     };
     match encoding {
@@ -46,12 +46,13 @@ pub(super) fn check_texts(encoding: Encoding, bytes: &[u8], most: usize) -> Resu
             let mut lengths = same.iter().zip(&own);
             lengths.try_for_each(|(same, own)| check(same.saturating_add(*own)))
         }
-        // Places in a dictionary, which has been checked.
+        // Indices into a dictionary, whose texts have been checked.
         _ => Ok(()),
     }
 }
 
-/// Numbers in the encoding DELTA_BINARY_PACKED, at most so many, and how many bytes they take.
+/// Decodes numbers in the encoding DELTA_BINARY_PACKED. Returns them and the length of their encoding in bytes, or `None` if
+/// they are damaged or more than `most`.
 fn differences(bytes: &[u8], most: usize) -> Option<(Vec<i64>, usize)> {
     let mut used = 0;
     let number = |used: &mut usize| {

@@ -1,20 +1,20 @@
-//! What is wrong with a table: in words, and in which row and column.
+//! The error of a table that is refused, with its line, row and column.
 
 use crate::foreign::shorten;
 
-/// What is wrong, before it is known where.
+/// A fault without its location.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Fault {
-    /// What is wrong, in a few words.
+    /// The fault in a few words.
     pub problem: String,
-    /// What stands there.
+    /// The value or content that was found.
     pub found: Option<String>,
-    /// What could stand there.
+    /// The allowed values or content.
     pub allowed: Option<String>,
 }
 
 impl Fault {
-    /// A fault with all three parts.
+    /// Creates a fault with all three parts.
     pub fn new(
         problem: impl Into<String>,
         found: impl Into<String>,
@@ -23,22 +23,22 @@ impl Fault {
         Fault { problem: problem.into(), found: Some(found.into()), allowed: Some(allowed.into()) }
     }
 
-    /// A file that is no Parquet file, or a damaged one.
+    /// Returns the fault of a damaged Parquet file, or of a file in another format.
     pub fn damaged(found: &str) -> Fault {
-        Fault::new("not a readable Parquet file", shorten(found), "a Parquet file that is whole")
+        Fault::new("not a readable Parquet file", shorten(found), "a complete Parquet file")
     }
 }
 
-/// What is wrong in a table, and where.
+/// A fault with its location in a table.
 #[derive(Debug)]
 pub(crate) struct Refusal {
-    /// The line of the file, where it has lines.
+    /// The line of the file, counted from 1, if it is a text file.
     pub line: Option<usize>,
     /// The row, counted from 0.
     pub row: Option<usize>,
     /// The name of the column.
     pub column: Option<String>,
-    /// What is wrong there.
+    /// The fault.
     pub fault: Box<Fault>,
 }
 

@@ -1,16 +1,16 @@
-//! Calls of the Parquet library, whose assertions damaged files fail.
+//! Converts panics of the Parquet library into errors.
 
 use std::panic::{self, AssertUnwindSafe};
 
 use super::error::Fault;
 
-/// Calls the Parquet library, which has assertions that damaged files fail, such as a value that refers
-/// to a dictionary's entry that is not there. What `call` changes must not be used after a fault.
+/// Calls the Parquet library, which panics on some damaged files, for example if a value refers to a missing dictionary
+/// entry. The values that `call` changes must not be used after a fault.
 ///
 /// # Errors
-/// A fault where the library panics.
+/// Returns a fault if the library panics.
 pub(super) fn guarded<T>(call: impl FnOnce() -> T) -> Result<T, Fault> {
-    // Nothing that is used later outlives the unwinding.
+    // The caller drops every value that `call` may have left half changed.
     panic::catch_unwind(AssertUnwindSafe(call))
-        .map_err(|_| Fault::damaged("contents that the Parquet library stumbles over"))
+        .map_err(|_| Fault::damaged("contents that the Parquet library cannot decode"))
 }

@@ -1,7 +1,7 @@
-//! Tables in files and in memory: CSV, Parquet and Arrow, read in bounds, whoever has written them.
+//! Reads CSV, Parquet and Arrow tables from any source in bounded memory and time.
 //!
-//! The ground floor of reading: it knows nothing of studies and results. Bytes become bounded facts about the file,
-//! these become batches of columns of known types, and these cells of rows or columns of values.
+//! This module does not depend on studies or results. It checks the structure of a file, decodes batches of columns with
+//! known types, and converts them to rows of cells or to columns of values.
 
 mod cells;
 mod csv;

@@ -1,8 +1,9 @@
-//! Pages of a column, one by one, each unpacked and checked before the Parquet library decodes it.
+//! Decompresses and checks each page of a column before the Parquet library decodes it.
 //!
-//! The library takes memory for as many bytes as a page announces, unpacks gzip and Zstandard until their data end,
-//! and takes memory for as many values as a dictionary announces. So it is told that nothing is packed: it hands out
-//! packed pages, which are unpacked here in bounds, and which hold what they announce.
+//! The library allocates as many bytes as a page announces, decompresses gzip and Zstandard without a limit, and allocates
+//! memory for as many values as a dictionary announces. This module therefore declares every column uncompressed to the
+//! library, which then returns compressed pages. The pages are decompressed here within limits, and checked to contain as
+//! many values as they announce.
 
 use std::sync::Arc;
 
@@ -18,13 +19,13 @@ use super::error::Fault;
 use super::source::Source;
 use super::unpack::unpack;
 
-/// What a page counts at least, bytes.
+/// The least number of bytes that a page is charged.
 const LEAST_PAGE_BYTES: u64 = 1024;
-/// The most numbers in the lists of a group of rows, on average and in all.
+/// The largest mean length of the lists in a row group, and the largest total length.
 const MAX_LIST: i64 = 1024;
 const MAX_IN_LISTS: i64 = 1 << 24;
 
-/// The pages of a column in all groups of rows.
+/// The pages of a column in all row groups.
 pub(super) struct Chunks {
     pub source: Arc<Source>,
     pub column: usize,
@@ -50,7 +51,7 @@ impl Iterator for Chunks {
                 packed,
                 compression: chunk.compression(),
                 rows,
-                // A row of a list has any number of values, an empty one counted as one.
+                // A list has any number of values; an empty list counts as one.
                 most: match column.max_rep_level() {
                     0 => rows,
                     _ => rows.saturating_mul(MAX_LIST).min(rows.saturating_add(MAX_IN_LISTS)),
@@ -66,16 +67,16 @@ impl Iterator for Chunks {
 
 impl PageIterator for Chunks {}
 
-/// The pages of a column in a group of rows.
+/// The pages of a column in one row group.
 struct Pages {
     source: Arc<Source>,
     packed: SerializedPageReader<Source>,
     compression: Compression,
     column: ColumnDescPtr,
-    /// How many rows there are, and values at most.
+    /// The number of rows, and the largest number of values.
     rows: i64,
     most: i64,
-    /// Values so far, and whether there was a dictionary.
+    /// The number of values so far, and whether a dictionary page has been read.
     values: i64,
     dictionary: bool,
     peeked: Option<Page>,
@@ -86,7 +87,7 @@ fn unless(holds: bool, found: &str) -> Result<(), Fault> {
 }
 
 impl Pages {
-    /// Unpacks and checks a page; none at the end of the column.
+    /// Decompresses and checks a page; `None` is the end of the column.
     fn check(&mut self, mut page: Option<Page>) -> Result<Option<Page>, Fault> {
         match &mut page {
             None => unless(self.values >= self.rows, "fewer values than rows")?,
@@ -94,7 +95,7 @@ impl Pages {
                 self.unpack(buf, 0, true)?;
                 let begins = !self.dictionary && self.values == 0;
                 self.dictionary = true;
-                // A text takes its length at least.
+                // The length of a text takes four bytes.
                 let least = match self.column.physical_type() {
                     Type::INT64 | Type::DOUBLE => 8,
                     Type::INT96 => 12,
@@ -142,9 +143,9 @@ impl Pages {
         Ok(page)
     }
 
-    /// Unpacks a page of which the first bytes, the levels of a newer one, are not packed.
+    /// Decompresses a page. Its first `levels` bytes, the levels of a page of version 2, are never compressed.
     fn unpack(&self, bytes: &mut Bytes, levels: usize, is_packed: bool) -> Result<(), Fault> {
-        // A page without values has nothing to unpack.
+        // A page without values contains no compressed bytes.
         if is_packed && self.compression != Compression::UNCOMPRESSED && bytes.len() > levels {
             let mut unpacked = bytes[..levels].to_vec();
             unpack(&bytes[levels..], self.compression, &mut unpacked)?;
@@ -153,7 +154,7 @@ impl Pages {
         self.source.pay((bytes.len() as u64).max(LEAST_PAGE_BYTES))
     }
 
-    /// Checks the values of a page behind its levels.
+    /// Checks the values of a page, which follow its levels.
     fn check_values(
         &self,
         bytes: &[u8],
@@ -162,9 +163,9 @@ impl Pages {
         most: u32,
     ) -> Result<(), Fault> {
         let values = bytes.get(levels..);
-        let values = values.ok_or_else(|| Fault::damaged("a page that is cut off"))?;
+        let values = values.ok_or_else(|| Fault::damaged("a truncated page"))?;
         let coded = matches!(encoding, Encoding::PLAIN_DICTIONARY | Encoding::RLE_DICTIONARY);
-        unless(!coded || self.dictionary, "values of a dictionary that is missing")?;
+        unless(!coded || self.dictionary, "values of a missing dictionary")?;
         match (self.column.physical_type(), encoding) {
             (Type::BYTE_ARRAY, _) | (Type::FIXED_LEN_BYTE_ARRAY, Encoding::DELTA_BYTE_ARRAY) => {
                 check_texts(encoding, values, most as usize)

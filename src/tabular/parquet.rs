@@ -1,8 +1,8 @@
-//! Parquet files: opened and read batch by batch, in bounds, whatever they hold.
+//! Opens Parquet files and reads them batch by batch in bounded memory.
 //!
-//! A small file may claim 2^60 rows, pages that unpack to gigabytes, dictionaries of 2^31 values, or a schema so
-//! deep that reading it overflows the stack. What a file says is checked before memory is taken for it: its footer
-//! (`source`, `thrift`), each page (`pages`), the number of rows and the types here. The Parquet library decodes
+//! A small file may claim 2^60 rows, pages that decompress to gigabytes, dictionaries of 2^31 values, or a schema so deeply
+//! nested that reading it overflows the stack. The sizes in a file are therefore checked before memory is allocated: its
+//! footer in `source` and `thrift`, each page in `pages`, the number of rows and the types here. The Parquet library decodes
 //! the rest.
 
 use std::fs::File;
@@ -25,13 +25,13 @@ use super::pages::Chunks;
 use super::source::{Place, Source};
 use super::values::Kind;
 
-/// Rows of a batch.
+/// The number of rows in a batch.
 const BATCH: usize = 1024;
-/// The most rows of a file: twice what a part of results has.
+/// The largest number of rows in a file: twice the size of a part of a results table.
 const MAX_ROWS: u64 = 1 << 20;
-/// The longest values of a column of bytes of fixed length: decimals.
+/// The longest fixed-length values, which are decimal numbers, bytes.
 const MAX_FIXED_BYTES: i32 = 32;
-/// To how many bytes the pages of a file may unpack: so many for each value, and some for small tables.
+/// The largest decompressed size of the pages of a file, bytes: an allowance for each value and one for the file.
 const UNPACKED_PER_VALUE: u64 = 256;
 const UNPACKED: u64 = 64 * 1024 * 1024;
 
@@ -41,16 +41,16 @@ pub(crate) struct ParquetFile {
     schema: SchemaRef,
 }
 
-/// What the library says, in our words.
+/// Converts an error of the Parquet library into a fault.
 fn said<T>(result: Result<ParquetResult<T>, Fault>) -> Result<T, Fault> {
     result?.map_err(|error| Fault::damaged(&error.to_string()))
 }
 
 impl ParquetFile {
-    /// Opens a file that is in memory.
+    /// Opens a file in memory.
     ///
     /// # Errors
-    /// Where it is no Parquet file, a damaged one, or beyond the bounds.
+    /// Returns an error if the bytes are not a Parquet file, or if the file is damaged or too large.
     pub fn in_memory(bytes: Vec<u8>) -> Result<ParquetFile, Fault> {
         Self::new(Place::Memory(Bytes::from(bytes)))
     }
@@ -58,7 +58,7 @@ impl ParquetFile {
     /// Opens a file on disk.
     ///
     /// # Errors
-    /// As for [`Self::in_memory`].
+    /// Returns an error for the reasons given at [`Self::in_memory`].
     pub fn on_disk(file: File) -> Result<ParquetFile, Fault> {
         Self::new(Place::Disk(file))
     }
@@ -69,26 +69,26 @@ impl ParquetFile {
         Ok(ParquetFile { source, schema })
     }
 
-    /// How many rows it claims to have.
+    /// Returns the number of rows that the file claims to have.
     pub fn rows(&self) -> u64 {
         let rows = |group: &RowGroupMetaData| u64::try_from(group.num_rows()).unwrap_or(u64::MAX);
         self.source.metadata.row_groups().iter().map(rows).fold(0, u64::saturating_add)
     }
 
-    /// Its columns, of types that follow from the Parquet types alone.
+    /// Returns the columns of the file, with the types that follow from the Parquet types alone.
     pub fn schema(&self) -> &SchemaRef {
         &self.schema
     }
 
-    /// Its columns as the program that wrote it had them in memory, and what it says of them.
+    /// Returns the columns with the Arrow types and metadata that the writing program stored in the file.
     ///
     /// # Errors
-    /// Where what it says cannot be read.
+    /// Returns an error if the stored types cannot be read.
     pub fn written_schema(&self) -> Result<SchemaRef, Fault> {
         arrow_schema(&self.source.metadata, self.pairs())
     }
 
-    /// What it says under a key.
+    /// Returns the file's metadata under a key.
     pub fn said(&self, key: &str) -> Option<&str> {
         self.pairs()?.iter().find(|pair| pair.key == key)?.value.as_deref()
     }
@@ -97,18 +97,18 @@ impl ParquetFile {
         self.source.metadata.file_metadata().key_value_metadata()
     }
 
-    /// Reads these columns, in the order of the file, of the types in a schema of this file.
+    /// Reads some columns, in the order of the file, with the types of `types`, a schema of this file.
     ///
     /// # Errors
-    /// Where there are too many rows, or a column has a type that is not read.
+    /// Returns an error if there are too many rows or if a column has an unsupported type.
     pub fn batches(&self, columns: &[usize], types: &Schema) -> Result<Batches, Fault> {
         self.select(columns, types, None)
     }
 
-    /// Reads a row, of the types in a schema of this file.
+    /// Reads one row with the types of `types`, a schema of this file.
     ///
     /// # Errors
-    /// As for [`Self::batches`].
+    /// Returns an error for the reasons given at [`Self::batches`].
     pub fn row(&self, row: u64, types: &Schema) -> Result<Option<RecordBatch>, Fault> {
         let all: Vec<usize> = (0..self.schema.fields().len()).collect();
         self.select(&all, types, Some(row))?.next().transpose()
@@ -155,13 +155,13 @@ fn arrow_schema(
     said(guarded(|| parquet_to_arrow_schema(columns, pairs))).map(Arc::new)
 }
 
-/// A column that is not read.
+/// Returns the fault of a column with an unsupported type.
 fn wrong_type(kind: &DataType) -> Fault {
-    let allowed = "columns of numbers, of text, of truths or of lists of numbers";
+    let allowed = "columns of numbers, text, Boolean values or lists of numbers";
     Fault::new("wrong type", format!("a column of {kind}"), allowed)
 }
 
-/// The groups of rows of a file, as the library asks for them.
+/// The row groups of a file, for the Parquet library.
 struct Groups(Arc<Source>);
 
 impl RowGroups for Groups {
@@ -185,9 +185,9 @@ impl RowGroups for Groups {
 /// The rows of some columns, in order.
 pub(crate) struct Batches {
     source: Arc<Source>,
-    /// None after the end, and after something that is wrong.
+    /// `None` after the end and after a fault.
     reader: Option<ParquetRecordBatchReader>,
-    /// Rows that are still to come.
+    /// The number of rows still to be read.
     left: u64,
 }
 
@@ -198,7 +198,9 @@ impl Batches {
         let batch = batch.map_err(|error| self.source.fault(&error.to_string()))?;
         let rows = batch.as_ref().map_or(0, |batch| batch.num_rows() as u64);
         let left = self.left.checked_sub(rows).filter(|left| batch.is_some() || *left == 0);
-        self.left = left.ok_or_else(|| Fault::damaged("not as many values as rows"))?;
+        self.left = left.ok_or_else(|| {
+            Fault::damaged("a number of values that differs from the number of rows")
+        })?;
         self.reader = batch.is_some().then_some(reader);
         Ok(batch)
     }

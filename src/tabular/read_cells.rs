@@ -1,4 +1,4 @@
-//! The table in a file's bytes, in the format that the name of the file says.
+//! Reads a table as CSV or Parquet according to the extension of its file name.
 
 use std::path::Path;
 
@@ -8,32 +8,35 @@ use super::error::{Fault, Refusal};
 use super::parquet::ParquetFile;
 use crate::foreign::shorten;
 
-/// The formats of files.
+/// The file formats.
 #[derive(Clone, Copy)]
 enum Format {
     Csv,
     Parquet,
 }
 
-/// Whether a file is read, by the ending of its name.
+/// Returns the format by the extension of a file name, or `None` if it is not supported.
 fn format(path: &Path) -> Option<Format> {
     let extension = path.extension()?.to_str()?;
     let is = |name: &str| extension.eq_ignore_ascii_case(name);
     if is("csv") { Some(Format::Csv) } else { is("parquet").then_some(Format::Parquet) }
 }
 
-/// What is wrong with the name of a file that is not read.
+/// Checks that a file name has a supported extension.
+///
+/// # Errors
+/// Returns a fault if the extension is neither `.csv` nor `.parquet`.
 pub(crate) fn check_name(path: &Path, allowed: &str) -> Result<(), Fault> {
     let found = shorten(&path.to_string_lossy());
-    let problem = "neither a CSV nor a Parquet file by its name";
+    let problem = "the file name ends in neither .csv nor .parquet";
     format(path).map(drop).ok_or_else(|| Fault::new(problem, found, allowed))
 }
 
 impl Cells {
-    /// Reads the table in a file's bytes, in the format that its name says.
+    /// Reads a table from the bytes of its file, in the format of the file name.
     ///
     /// # Errors
-    /// What is wrong, and where.
+    /// Returns the first fault with its location.
     pub fn read(path: &Path, bytes: Vec<u8>, limits: &Limits<'_>) -> Result<Cells, Refusal> {
         match format(path) {
             Some(Format::Parquet) => Self::of_parquet(bytes, limits),

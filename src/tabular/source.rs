@@ -1,4 +1,4 @@
-//! A Parquet file as the Parquet library reads it: its footer, and its bytes in bounds.
+//! Gives the Parquet library bounded access to the footer and the pages of a file.
 
 use std::fs::File;
 use std::io::Cursor;
@@ -14,15 +14,15 @@ use super::guard::guarded;
 use super::thrift;
 use super::unpack::MAX_PAGE_BYTES;
 
-/// The largest footer, bytes: one with a study in it that is as large as studies may be.
+/// The largest footer, bytes: room for the largest allowed study.
 const MAX_FOOTER_BYTES: usize = 96 * 1024 * 1024;
 /// The largest header of a page, bytes.
 const MAX_HEADER_BYTES: u64 = 16 * 1024;
 
-/// At the beginning and at the end of a file.
+/// The bytes at the beginning and at the end of a Parquet file.
 const MAGIC: &[u8; 4] = b"PAR1";
 
-/// Where the bytes of a file are.
+/// The location of a file's bytes.
 pub(super) enum Place {
     Memory(Bytes),
     Disk(File),
@@ -36,11 +36,11 @@ impl Place {
         }
     }
 
-    /// So many bytes from a place on.
+    /// Reads `length` bytes from the position `start`.
     fn read(&self, start: u64, length: usize) -> Result<Bytes, Fault> {
         let end = start.checked_add(length as u64);
         if end.is_none_or(|end| end > self.length()) {
-            return Err(Fault::damaged("a part that lies outside of the file"));
+            return Err(Fault::damaged("a part outside the file"));
         }
         let read = match self {
             Place::Memory(bytes) => bytes.get_bytes(start, length),
@@ -49,7 +49,7 @@ impl Place {
         read.map_err(|error| Fault::damaged(&error.to_string()))
     }
 
-    /// What the footer says.
+    /// Reads and checks the footer.
     fn footer(&self) -> Result<ParquetMetaData, Fault> {
         let foreign = || Fault::damaged("a file that does not begin and end with PAR1");
         let end = self.length().checked_sub(8).filter(|end| *end >= 4).ok_or_else(foreign)?;
@@ -60,9 +60,9 @@ impl Place {
         }
         let length = u32::from_le_bytes(*length) as usize;
         if length > MAX_FOOTER_BYTES {
-            let allowed = format!("at most {MAX_FOOTER_BYTES} bytes about the file");
+            let allowed = format!("a footer of at most {MAX_FOOTER_BYTES} bytes");
             let found = format!("a footer of {length} bytes");
-            return Err(Fault::new("too large a footer", found, allowed));
+            return Err(Fault::new("the footer is too large", found, allowed));
         }
         let start = end.checked_sub(length as u64);
         let start = start.ok_or_else(|| Fault::damaged("a footer that is longer than the file"))?;
@@ -73,18 +73,18 @@ impl Place {
     }
 }
 
-/// A Parquet file, and what is known of it.
+/// A Parquet file with its decoded footer.
 pub(super) struct Source {
     place: Place,
-    /// What its footer says.
+    /// The decoded footer.
     pub metadata: ParquetMetaData,
-    /// To how many bytes its pages may still unpack.
+    /// The remaining decompressed size that its pages may have, bytes.
     left: Mutex<u64>,
-    /// What was wrong, as the library passes on texts only.
+    /// The first fault; the library reports errors only as text.
     fault: Mutex<Option<Fault>>,
 }
 
-/// Nothing panics while something is locked here.
+/// Locks a mutex; no code here panics while it holds a lock.
 fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
@@ -93,38 +93,38 @@ impl Source {
     /// Reads the footer of a file.
     ///
     /// # Errors
-    /// Where there is none, where it is too large or damaged, or columns are too deep.
+    /// Returns an error if the footer is missing, too large or damaged, or if columns are nested too deeply.
     pub fn new(place: Place) -> Result<Source, Fault> {
         let metadata = place.footer()?;
         Ok(Source { place, metadata, left: Mutex::new(0), fault: Mutex::new(None) })
     }
 
-    /// Allows its pages to unpack to so many bytes from now on.
+    /// Sets the decompressed size that the pages may have in total from now on, bytes.
     pub fn allow(&self, bytes: u64) {
         *locked(&self.left) = bytes;
     }
 
-    /// Counts a page of so many bytes.
+    /// Subtracts the size of a page from the remaining size.
     ///
     /// # Errors
-    /// Where there have been more than are allowed.
+    /// Returns an error if the pages exceed the allowed size.
     pub fn pay(&self, bytes: u64) -> Result<(), Fault> {
         let mut left = locked(&self.left);
-        let allowed = "what so many rows and columns need";
+        let allowed = "the size that this number of rows and columns needs";
         let too_large =
-            || Fault::new("the file is too large when unpacked", "pages of more bytes", allowed);
+            || Fault::new("the file is too large when decompressed", "larger pages", allowed);
         *left = left.checked_sub(bytes).ok_or_else(too_large)?;
         Ok(())
     }
 
-    /// Keeps what is wrong while the library passes on a text.
+    /// Stores a fault and returns the library's error with its text.
     pub fn refuse(&self, fault: Fault) -> ParquetError {
         let text = ParquetError::General(fault.problem.clone());
         *locked(&self.fault) = Some(fault);
         text
     }
 
-    /// What was wrong: in our words where we have refused something, the library's otherwise.
+    /// Returns the stored fault, or one with the library's text `said` if none is stored.
     pub fn fault(&self, said: &str) -> Fault {
         locked(&self.fault).take().unwrap_or_else(|| Fault::damaged(said))
     }
@@ -139,7 +139,7 @@ impl Length for Source {
 impl ChunkReader for Source {
     type T = Cursor<Bytes>;
 
-    /// The header of a page: nothing else is read in this way.
+    /// Returns the header of a page; the library reads only page headers with this function.
     fn get_read(&self, start: u64) -> ParquetResult<Self::T> {
         let rest = self.len().saturating_sub(start).min(MAX_HEADER_BYTES);
         let bytes = self.get_bytes(start, usize::try_from(rest).unwrap_or(0))?;

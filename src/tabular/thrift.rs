@@ -1,34 +1,34 @@
-//! The structure of a Parquet file's footer and page headers, which are in Thrift's compact protocol.
+//! Checks the structure of Parquet footers and page headers, which use Thrift's compact protocol.
 //!
-//! The Parquet library (60.1) does not check enough: it takes memory for as many columns as a group announces, up
-//! to 2^31, calls itself for each level of columns within columns, and counts through lists of truths, which take
-//! no bytes, one by one. A footer of a hundred bytes can so end the process or keep it busy for hours. It also
-//! reads a field that it knows as what the field should be, whatever type is written beside it. What is accepted
-//! here can be read in one way only, in time and memory that are proportional to its length.
+//! The Parquet library (60.1) allocates memory for as many columns as a group announces (up to 2^31), recurses at each level
+//! of nested columns, and iterates over lists of Boolean values, which take no bytes. A footer of a hundred bytes can thus
+//! abort the process or occupy it for hours. The library also decodes a known field with its expected type even if the file
+//! gives another one. The structures accepted here have only one reading and are read in time and memory proportional to
+//! their length.
 //!
 //! Sources: Apache Thrift, `doc/specs/thrift-compact-protocol.md`; Apache Parquet, `parquet.thrift` of format 2.12.
 
 use super::error::Fault;
 
-/// How deep values may be nested; a footer needs seven levels. How deep columns may be: 1 for flat ones, 3 for lists.
+/// The deepest nesting of values, of which a footer needs seven levels, and of columns: 1 for flat columns, 3 for lists.
 const MAX_DEPTH: usize = 12;
 const MAX_COLUMN_DEPTH: usize = 3;
-/// The most columns in a group.
+/// The largest number of columns in a group.
 const MAX_COLUMNS: i64 = 100_000;
-/// The most values in a footer, and in the header of a page.
+/// The largest number of values in a footer, and in the header of a page.
 const MAX_FOOTER_VALUES: usize = 1_000_000;
 const MAX_HEADER_VALUES: usize = 1000;
 
-/// What a value must be.
+/// The expected type of a value.
 #[derive(Clone, Copy)]
 enum Shape {
     Truth,
-    /// The number of columns of a group, a number of 32 bits.
+    /// The number of columns in a group, a 32-bit integer.
     Children,
-    /// A value that is neither yes or no, nor a list, nor a struct.
+    /// A value of this Thrift type that is neither Boolean, nor a list, nor a struct.
     Of(u8),
     List(&'static Shape),
-    /// Fields by their number; others may be there, too.
+    /// The known fields by their number; unknown fields are allowed.
     Struct(&'static [(i16, Shape)]),
 }
 
@@ -100,7 +100,7 @@ use shapes::{FOOTER, PAGE_HEADER};
 /// Checks the footer of a file.
 ///
 /// # Errors
-/// Where it cannot be read in one way only, is too long, or has columns that are too deep.
+/// Returns an error if the footer is ambiguous, damaged or too long, or if columns are nested too deeply.
 pub(super) fn check_footer(bytes: &[u8]) -> Result<(), Fault> {
     let mut reader = Reader { bytes, left: MAX_FOOTER_VALUES, open: Vec::new(), too_deep: false };
     match reader.value(STRUCT, Some(FOOTER), MAX_DEPTH) {
@@ -109,32 +109,32 @@ pub(super) fn check_footer(bytes: &[u8]) -> Result<(), Fault> {
             let allowed = "columns of numbers or text, or lists of them";
             Err(Fault::new("wrong type", "columns within columns", allowed))
         }
-        None => Err(Fault::damaged("a footer that cannot be read, or of too many parts")),
+        None => Err(Fault::damaged("a footer that is damaged or has too many parts")),
     }
 }
 
-/// The length of a page's header, which these bytes begin with.
+/// Returns the length of the page header at the start of these bytes.
 ///
 /// # Errors
-/// Where there is no header that can be read in one way only.
+/// Returns an error if the header is missing, damaged or ambiguous.
 pub(super) fn page_header(bytes: &[u8]) -> Result<usize, Fault> {
     let mut reader = Reader { bytes, left: MAX_HEADER_VALUES, open: Vec::new(), too_deep: false };
     let read = reader.value(STRUCT, Some(PAGE_HEADER), MAX_DEPTH);
     read.map(|_| bytes.len() - reader.bytes.len())
-        .ok_or_else(|| Fault::damaged("a page without a header"))
+        .ok_or_else(|| Fault::damaged("a page without a readable header"))
 }
 
 struct Reader<'a> {
-    /// What is still to be read, and how many values at most.
+    /// The bytes still to be read, and the largest number of values in them.
     bytes: &'a [u8],
     left: usize,
-    /// How many columns are still to come of each group of columns that is open.
+    /// The number of columns still missing in each open group of columns.
     open: Vec<i64>,
     too_deep: bool,
 }
 
 impl Reader<'_> {
-    /// Reads a value of this type and shape; returns its number, 0 where it is none.
+    /// Reads a value of this type and shape. Returns its number, or 0 if it is not an integer.
     fn value(&mut self, kind: u8, shape: Option<Shape>, depth: usize) -> Option<i64> {
         self.left = self.left.checked_sub(1)?;
         let depth = depth.checked_sub(1)?;
@@ -170,7 +170,7 @@ impl Reader<'_> {
             15 => self.length()?,
             length => usize::from(length),
         };
-        // Truths take no bytes as fields, and are in no list of a Parquet file.
+        // Boolean fields take no bytes, and Parquet has no lists of Boolean values.
         if length > 0 && matches!(header & 0x0f, 1 | 2) || length > self.bytes.len() {
             return None;
         }
@@ -186,7 +186,7 @@ impl Reader<'_> {
             if header == 0 {
                 break;
             }
-            // Each field once, in ascending order.
+            // Field numbers must increase.
             last = match header >> 4 {
                 0 => i16::try_from(self.zig_zag()?).ok().filter(|number| *number > last)?,
                 step => last.checked_add(i16::from(step))?,
@@ -201,7 +201,7 @@ impl Reader<'_> {
         if is_column { self.column(children) } else { Some(0) }
     }
 
-    /// Notes an element of the schema, in which each one is followed by its children.
+    /// Counts an element of the schema; each element precedes its children.
     fn column(&mut self, children: i64) -> Option<i64> {
         if let Some(left) = self.open.last_mut() {
             *left -= 1;
@@ -223,7 +223,7 @@ impl Reader<'_> {
         Some(taken)
     }
 
-    /// As the library counts: lengths of 2^31 and more are none.
+    /// Reads a length, which is below 2^31 as in the library.
     fn length(&mut self) -> Option<usize> {
         i32::try_from(self.varint()?).ok()?.try_into().ok()
     }
@@ -239,17 +239,17 @@ impl Reader<'_> {
     }
 }
 
-/// A number with its sign in the lowest bit.
+/// Decodes a zigzag number, which has its sign in the lowest bit.
 pub(super) fn signed(value: u64) -> i64 {
     (value >> 1) as i64 ^ -((value & 1) as i64)
 }
 
-/// A number in groups of seven bits, the lowest first, and how many bytes it takes.
+/// Decodes a varint: groups of seven bits, the lowest first. Returns the number and its length in bytes.
 pub(super) fn varint(bytes: &[u8]) -> Option<(u64, usize)> {
     let mut value = 0_u64;
     for (place, byte) in bytes.iter().enumerate().take(10) {
         let bits = u64::from(byte & 0x7f);
-        // The tenth byte has one bit left.
+        // The tenth byte contributes one bit.
         if place == 9 && bits > 1 {
             return None;
         }

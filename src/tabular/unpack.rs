@@ -1,4 +1,4 @@
-//! Pages unpacked, up to a bound, whatever they announce.
+//! Decompresses Parquet pages up to a size limit.
 
 use std::io::Read;
 
@@ -9,13 +9,13 @@ use ruzstd::decoding::StreamingDecoder;
 
 use super::error::Fault;
 
-/// The largest page, packed or not, bytes.
+/// The largest page, compressed or decompressed, bytes.
 pub(super) const MAX_PAGE_BYTES: usize = 16 * 1024 * 1024;
 
-/// Unpacks bytes behind others.
+/// Decompresses `packed` and appends the result to `unpacked`.
 ///
 /// # Errors
-/// Where these bytes do not unpack, unpack to more than a page may hold, or are packed in another way.
+/// Returns an error if the bytes are damaged, exceed the largest page, or have an unsupported compression.
 pub(super) fn unpack(
     packed: &[u8],
     compression: Compression,
@@ -36,9 +36,10 @@ pub(super) fn unpack(
             StreamingDecoder::new(packed).is_ok_and(|decoder| fill(decoder, unpacked))
         }
         other => {
-            let allowed = "ZSTD, SNAPPY, GZIP, LZ4_RAW (which is `compression=\"lz4\"` in many programs), or none";
-            let problem = "a compression that is not supported";
-            // Without the level, which says nothing here.
+            let allowed =
+                "ZSTD, SNAPPY, GZIP, LZ4_RAW (`compression=\"lz4\"` in many programs), or none";
+            let problem = "unsupported compression";
+            // The codec without its level.
             let found = format!("compression {:?}", CompressionCodec::from(other));
             return Err(Fault::new(problem, found, allowed));
         }
@@ -46,16 +47,16 @@ pub(super) fn unpack(
     match whole {
         true if unpacked.len() > MAX_PAGE_BYTES => Err(too_large(unpacked.len())),
         true => Ok(()),
-        false => Err(Fault::damaged("a page that cannot be unpacked")),
+        false => Err(Fault::damaged("a page that cannot be decompressed")),
     }
 }
 
-/// Whether all that can be read has been read, or more than a page may hold.
+/// Reads to the end, or past the size of the largest page. Returns whether no error occurred.
 fn fill(reader: impl Read, unpacked: &mut Vec<u8>) -> bool {
     reader.take(MAX_PAGE_BYTES as u64 + 1).read_to_end(unpacked).is_ok()
 }
 
-/// Such bytes do not say to how many they unpack: each of them to 255 at most.
+/// Decompresses a block of LZ4, which does not contain its decompressed size. Each byte expands to at most 255 bytes.
 fn lz4(packed: &[u8], unpacked: &mut Vec<u8>) -> Result<bool, Fault> {
     let levels = unpacked.len();
     for times in [4, 32, 256] {
@@ -79,7 +80,7 @@ fn lz4(packed: &[u8], unpacked: &mut Vec<u8>) -> Result<bool, Fault> {
 fn too_large(bytes: usize) -> Fault {
     let found = format!("a page of {bytes} bytes or more");
     let allowed = format!("pages of at most {MAX_PAGE_BYTES} bytes");
-    Fault::new("the file is too large when unpacked", found, allowed)
+    Fault::new("the file is too large when decompressed", found, allowed)
 }
 
 #[cfg(test)]
@@ -91,7 +92,7 @@ mod tests {
 
     use super::{MAX_PAGE_BYTES, unpack};
 
-    /// A frame of Zstandard that is one byte again and again, 128 kB for each four bytes.
+    /// Returns a Zstandard frame of one repeated byte: each four bytes expand to 128 kB.
     fn zstd(blocks: usize) -> Vec<u8> {
         let block = |last: usize| {
             let header = (128 << 10) << 3 | 1 << 1 | last;
@@ -107,7 +108,7 @@ mod tests {
         encoder.finish().unwrap()
     }
 
-    /// A block of LZ4 that is one byte again and again, 255 for each byte, and five at its end.
+    /// Returns an LZ4 block of one repeated byte: each byte expands to 255, and the last five are literal.
     fn lz4(bytes: usize) -> Vec<u8> {
         let rest = bytes - 1 - 4 - 15 - 5;
         let mut block = vec![0x1f, b'x', 1, 0];
@@ -118,7 +119,7 @@ mod tests {
     }
 
     #[test]
-    fn no_page_unpacks_to_more_than_the_bound() {
+    fn pages_above_the_size_limit_are_refused() {
         let snappy =
             |bytes: usize| snap::raw::Encoder::new().compress_vec(&vec![b'x'; bytes]).unwrap();
         let (gz, zst) = (GzipLevel::default(), ZstdLevel::default());
@@ -134,7 +135,10 @@ mod tests {
             assert!(unpacked.len() == most && unpacked.iter().all(|byte| *byte == b'x'));
             let mut unpacked = Vec::new();
             let fault = unpack(&bomb, compression, &mut unpacked).unwrap_err();
-            assert!(fault.problem.contains("too large when unpacked"), "{compression}: {fault:?}");
+            assert!(
+                fault.problem.contains("too large when decompressed"),
+                "{compression}: {fault:?}"
+            );
             assert!(unpacked.capacity() <= 4 * most, "{compression}: {}", unpacked.capacity());
             for damaged in [&right[..right.len() - 1], b"", b"x"] {
                 assert!(unpack(damaged, compression, &mut Vec::new()).is_err(), "{compression}");

@@ -1,4 +1,4 @@
-//! Columns in memory as values of known kinds, whatever their width and encoding.
+//! Converts Arrow columns of any width and encoding to values of six kinds.
 
 use arrow_array::cast::AsArray;
 use arrow_array::types::{
@@ -10,37 +10,37 @@ use arrow_array::{Array, ArrayRef};
 use arrow_schema::DataType;
 use arrow_select::take::take;
 
-/// What a column holds.
+/// The kind of a column's values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// Numbers.
     Number,
-    /// Counts and numbers of things.
+    /// Whole numbers from 0, such as counts.
     Count,
-    /// Whole numbers with a sign.
+    /// Signed whole numbers.
     Integer,
-    /// Yes or no.
+    /// Boolean values.
     Truth,
-    /// Words or text.
+    /// Text, such as labels.
     Text,
     /// Lists of numbers.
     Numbers,
 }
 
 impl Kind {
-    /// In words.
+    /// Returns the name of the kind for messages.
     pub fn name(self) -> &'static str {
         match self {
             Kind::Number => "numbers",
             Kind::Count => "whole numbers from 0",
             Kind::Integer => "whole numbers with a sign",
-            Kind::Truth => "truths",
+            Kind::Truth => "Boolean values",
             Kind::Text => "text",
             Kind::Numbers => "lists of numbers",
         }
     }
 
-    /// What a column of this type holds; none of what is not read.
+    /// Returns the kind of a column of this Arrow type, or `None` if the type is not supported.
     pub(crate) fn of(kind: &DataType) -> Option<Kind> {
         Some(match kind {
             kind if kind.is_signed_integer() => Kind::Integer,
@@ -55,25 +55,25 @@ impl Kind {
     }
 }
 
-/// Values of a column, none where one is missing.
+/// The values of a column; a missing value is `None`.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Values {
     /// Numbers.
     Number(Vec<Option<f64>>),
-    /// Counts and numbers of things.
+    /// Whole numbers from 0, such as counts.
     Count(Vec<Option<u64>>),
-    /// Whole numbers with a sign.
+    /// Signed whole numbers.
     Integer(Vec<Option<i64>>),
-    /// Yes or no.
+    /// Boolean values.
     Truth(Vec<Option<bool>>),
-    /// Words or text.
+    /// Text, such as labels.
     Text(Vec<Option<String>>),
     /// Lists of numbers.
     Numbers(Vec<Option<Vec<f64>>>),
 }
 
 impl Values {
-    /// What they are.
+    /// Returns the kind of the values.
     pub fn kind(&self) -> Kind {
         match self {
             Values::Number(_) => Kind::Number,
@@ -85,7 +85,7 @@ impl Values {
         }
     }
 
-    /// The values of a column; none where [`Kind::of`] its type is none.
+    /// Returns the values of a column, or `None` if its type is not supported.
     pub(crate) fn of(column: &ArrayRef) -> Option<Values> {
         fn all<T: ArrowPrimitiveType, V>(
             column: &ArrayRef,
@@ -94,7 +94,7 @@ impl Values {
             let values = column.as_primitive_opt::<T>()?.iter();
             Some(values.map(|number| number.map(&value)).collect())
         }
-        /// The nearest number to a decimal one, which is the one that its digits mean elsewhere, too.
+        /// Converts decimal numbers to the nearest floating-point numbers, as parsing their digits does.
         fn decimal<T: ArrowPrimitiveType>(column: &ArrayRef, scale: i8) -> Option<Values>
         where
             T::Native: ToString,
@@ -136,7 +136,7 @@ impl Values {
             }
             DataType::List(_) => {
                 let lists = column.as_list_opt::<i32>()?.iter().map(|list| {
-                    // A list with a value that is missing is missing.
+                    // A list with a missing value counts as missing.
                     list?.as_primitive_opt::<Float64Type>()?.iter().collect::<Option<Vec<f64>>>()
                 });
                 Values::Numbers(lists.collect())

@@ -285,7 +285,7 @@ fn tables_and_studies_that_make_no_sense_are_refused() {
             ["row 1, column balls", "an empty value", ""],
         ),
         ("h.csv", "speed_rad_s,balls,material\n", ["a table without rows", "", ""]),
-        ("i.txt", "speed_rad_s,balls,material\n", ["neither a CSV nor a Parquet file", "", ""]),
+        ("i.txt", "speed_rad_s,balls,material\n", ["ends in neither .csv nor .parquet", "", ""]),
     ] {
         scratch.write(name, text);
         scratch.refused(&format!("evaluate balls.yaml --designs {name} {to}"), &parts);

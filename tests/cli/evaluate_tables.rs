@@ -112,7 +112,11 @@ fn tables_that_are_no_tables() {
             format!("{header}-200,99999999999999999999,steel\n").into(),
             ["column balls", "range"],
         ),
-        ("f.csv", format!("{header}-200,2,steel\n-200,2\n").into(), ["f.csv:3", "a ragged row"]),
+        (
+            "f.csv",
+            format!("{header}-200,2,steel\n-200,2\n").into(),
+            ["f.csv:3", "wrong number of values"],
+        ),
         ("g.csv", b"speed_rad_s,balls,balls\n-200,2,2\n".to_vec(), ["column balls", "given twice"]),
         ("h.csv", b"speed_rad_s,balls,\xff\n".to_vec(), ["h.csv", "not UTF-8"]),
         ("i.csv", b"".to_vec(), ["i.csv", "empty"]),

@@ -177,12 +177,15 @@ fn a_row_that_is_not_the_run_is_shown() {
     scratch.refused("replay a 0", &lacks);
     let words: ArrayRef = Arc::new(arrow::array::StringArray::from(vec!["x", "y"]));
     rewrite(&scratch, "run_id", Some(words));
-    scratch
-        .refused("replay a 0", &["runs.parquet: this is no table of runs", "run_id of type Utf8"]);
+    scratch.refused(
+        "replay a 0",
+        &["runs.parquet: this is not a readable table of runs", "run_id of type Utf8"],
+    );
     scratch.write("a/runs.parquet", "PAR1 and no more PAR1");
     scratch.refused("replay a 0", &["runs.parquet: this is not the file that was written"]);
     scratch.list_again("a", "runs.parquet");
-    scratch.refused("replay a 0", &["runs.parquet: this is no table of runs", "found: "]);
+    scratch
+        .refused("replay a 0", &["runs.parquet: this is not a readable table of runs", "found: "]);
 }
 
 /// A footer of a few bytes that announces 2^31 - 1 columns, and one that is cut off: no memory is taken for them.
@@ -199,8 +202,7 @@ fn a_hostile_table_of_runs_is_refused() {
     for hostile in [announced, cut_off] {
         fs::write(&path, hostile).unwrap();
         scratch.list_again("a", "runs.parquet");
-        let parts =
-            ["runs.parquet: this is no table of runs that can be read", "a footer", "allowed: "];
+        let parts = ["runs.parquet: this is not a readable table of runs", "a footer", "allowed: "];
         scratch.refused("replay a 0", &parts);
     }
 }

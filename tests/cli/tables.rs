@@ -24,13 +24,15 @@ fn every_command_that_reads_a_study_has_the_option() {
     let study = "studies/a.yaml";
     for command in ["run", "check", "expand", "verify", "equilibria"] {
         let outside = [
-            "studies/a.yaml:7:17: `sweep[0].table`: the table cannot be read: the table lies outside of",
+            "studies/a.yaml:7:17: `sweep[0].table`: the table cannot be read: the table lies outside",
             "\n  found:   ../tables/speeds.csv",
-            "\n  allowed: a file in the study file's directory or below it, or the option --tables DIR",
+            "\n  allowed: a file in the study file's directory or a subdirectory, or the option --tables DIR",
         ];
         scratch.refused(&format!("{command} {study}"), &outside);
-        scratch
-            .refused(&format!("{command} {study} --tables studies"), &["of those after --tables"]);
+        scratch.refused(
+            &format!("{command} {study} --tables studies"),
+            &["the directories given with --tables"],
+        );
         scratch.refused(&format!("{command} {study} --tables none"), &["none: No such file"]);
     }
     scratch.well("check studies/a.yaml --tables studies --tables tables");

@@ -1,5 +1,4 @@
-//! The seed files of the hostile inputs, in `fuzz/corpus`; the binary ones are written by this
-//! program.
+//! Reads the seed files in `fuzz/corpus`, and writes the binary ones.
 
 use std::fs;
 use std::path::PathBuf;
@@ -16,7 +15,7 @@ fn folder(target: &str) -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("fuzz/corpus").join(target)
 }
 
-/// Returns the files for a target, ordered by name; for studies, also the shipped ones.
+/// Returns the seed files of a target, ordered by name; for studies, also the shipped studies.
 pub fn read(target: &str) -> Vec<Vec<u8>> {
     let mut folders = vec![folder(target)];
     if target == "study" {
@@ -30,7 +29,7 @@ pub fn read(target: &str) -> Vec<Vec<u8>> {
     paths.iter().map(|path| fs::read(path).unwrap()).collect()
 }
 
-/// Rewrites the binary files.
+/// Rewrites the binary seed files.
 pub fn write() {
     let put = |target: &str, name: &str, bytes: Vec<u8>| {
         fs::create_dir_all(folder(target)).unwrap();

@@ -1,9 +1,7 @@
-//! Hostile files: the functions of `targets` on thousands of damaged inputs, each in bounded memory
-//! and time.
+//! Tests the functions of `targets` with thousands of damaged inputs in limited memory and time.
 //!
-//! A child process tests the inputs with a capped allocator, and announces each input. If the child
-//! dies or exceeds the time limit, its parent records the input, writes it to a file and starts
-//! another child with the next one.
+//! A child process with a limited allocator announces and tests each input. If the child dies or exceeds the time limit, the
+//! parent process writes the input to a file and starts another child with the next input.
 //!
 //! - `cargo test --test fuzz` takes a few seconds. Names select targets:
 //!   `cargo test --test fuzz -- csv_table`.
@@ -28,20 +26,20 @@ use std::time::Duration;
 use cap::Cap;
 use targets::{TARGETS, target};
 
-/// Counts all memory and refuses more than the limit.
+/// An allocator that refuses more memory than its limit.
 #[global_allocator]
 static ALLOCATOR: Cap<std::alloc::System> = Cap::new(std::alloc::System, usize::MAX);
 
-/// Memory limit of an input of at most a quarter of a megabyte, bytes: a table of a million values,
-/// to which such an input can unpack, takes about half of it.
+/// Memory limit for one input, bytes. An input has at most a quarter of a megabyte; a table of a million values, to which it
+/// can decompress, takes about half of this limit.
 const MEMORY: usize = 1 << 30;
-/// Time limit of an input, with a wide margin for busy machines.
+/// Time limit for one input, with a wide margin for busy machines.
 const TIME: Duration = Duration::from_secs(120);
-/// Number of inputs for each kind of file, and for the slow kind.
+/// Number of inputs for each target, and for the slow target.
 const RUNS: u64 = 3000;
 const SLOW_RUNS: u64 = 60;
 const SLOW: &str = "finished_runs";
-/// The child's announcement of a usable input.
+/// The child's message that an input was usable.
 const READ: &str = "read";
 /// Number of faults after which a target is abandoned.
 const MOST_FAULTS: usize = 10;
@@ -110,7 +108,7 @@ fn parent(words: &[&str]) -> ExitCode {
     if well { ExitCode::SUCCESS } else { ExitCode::FAILURE }
 }
 
-/// Faults that the parent must notice: each occurs at the second input.
+/// Faults that the parent must detect; each occurs at the second input.
 const BAD: [(&str, fn()); 4] = [
     ("panics", || panic!("as it should")),
     ("overflows", || assert_ne!(deeper(u64::MAX), 1)),
@@ -124,7 +122,7 @@ fn deeper(times: u64) -> u64 {
     if times == 0 { 0 } else { deeper(times - 1).wrapping_add(room[511]) }
 }
 
-/// Returns whether the parent notices the fault of a bad target, and at which input.
+/// Returns whether the parent detects the fault of a bad target at the second input.
 fn caught(name: &str) -> bool {
     let (read, died) = one_child(name, 0, 0, 3, Duration::from_secs(5));
     died.is_some_and(|(number, _)| number == 1) && read == 1
@@ -145,7 +143,7 @@ fn faults(name: &str, seed: u64, end: u64) -> (u64, Vec<String>) {
         first = number + 1;
     }
     if all_read == 0 {
-        faults.push(format!("{name}: the corpus is out of date, nothing of it can be used"));
+        faults.push(format!("{name}: the corpus is out of date: none of its files is usable"));
     }
     (all_read, faults)
 }

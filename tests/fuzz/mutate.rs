@@ -1,5 +1,5 @@
-//! Hostile inputs: files of the corpus, damaged in a few places, and random bytes. Each is
-//! determined by its number and the seed.
+//! Generates hostile inputs: corpus files damaged in a few places, and random bytes. The seed and the number of an input
+//! determine it.
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
@@ -89,7 +89,7 @@ const NUMBERS: [u64; 16] = [
     0x7ff0_0000_0000_0000,
 ];
 
-/// Returns the input of this number.
+/// Returns the input with this number.
 pub fn input(corpus: &[Vec<u8>], seed: u64, number: u64) -> Vec<u8> {
     let mut dice =
         Dice(ChaCha8Rng::seed_from_u64(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ number));
@@ -138,19 +138,19 @@ impl Dice {
         let range = self.range(bytes);
         let at = range.start;
         match self.below(11) {
-            // A flipped bit, a replaced byte.
+            // Flip a bit, or replace a byte.
             0 | 1 if at < bytes.len() => bytes[at] ^= 1 << self.below(8),
             2 if at < bytes.len() => bytes[at] = self.below(256) as u8,
-            // Truncated, or with a part removed.
+            // Truncate, or remove a part.
             3 => bytes.truncate(at),
             4 => drop(bytes.drain(range)),
-            // A part twice, or many times.
+            // Repeat a part once or many times.
             5 => {
                 let times = 1 + if self.below(8) == 0 { self.below(64) } else { 0 };
                 let piece = bytes[range].repeat(times);
                 drop(bytes.splice(at..at, piece));
             }
-            // A part of another file, or its end.
+            // Insert a part of another file, or append its end.
             6 => {
                 let other = self.of(corpus);
                 let range = self.range(other);
@@ -162,7 +162,7 @@ impl Dice {
                 bytes.truncate(at);
                 bytes.extend(&other[from..]);
             }
-            // An extreme number: of one to eight bytes, or as a varint.
+            // Write an extreme number of one to eight bytes, or as a varint.
             8 => {
                 let number = self.of(&NUMBERS).to_le_bytes();
                 let width = *self.of(&[1, 2, 4, 8]);
@@ -179,7 +179,7 @@ impl Dice {
                 varint.push(number as u8);
                 drop(bytes.splice(at..(at + 1).min(bytes.len()), varint));
             }
-            // A piece of text in place of some characters.
+            // Replace some characters with a piece of text.
             _ => {
                 let piece = self.of(&PIECES).bytes();
                 drop(bytes.splice(range, piece));
@@ -187,12 +187,12 @@ impl Dice {
         }
     }
 
-    /// Damages a text in its structure: numbers, words and lines.
+    /// Changes the numbers, words or lines of a text.
     fn edit(&mut self, bytes: &mut Vec<u8>) {
         let number = |byte: u8| byte.is_ascii_digit() || b".-+e".contains(&byte);
         let word = |byte: u8| byte.is_ascii_alphanumeric() || byte == b'_';
         match self.below(8) {
-            // Another number, extreme or nearby.
+            // Replace a number with an extreme or a small one.
             0..4 => {
                 let Some(range) = self.run(bytes, number) else { return };
                 let piece = match self.below(3) {
@@ -202,7 +202,7 @@ impl Dice {
                 };
                 drop(bytes.splice(range, piece.into_bytes()));
             }
-            // A word of the same file in place of another.
+            // Replace a word with another word of the file.
             4 => {
                 let (Some(range), Some(other)) = (self.run(bytes, word), self.run(bytes, word))
                 else {
@@ -211,7 +211,7 @@ impl Dice {
                 let piece = bytes[other].to_vec();
                 drop(bytes.splice(range, piece));
             }
-            // A line duplicated, moved, or removed.
+            // Duplicate, move or remove a line.
             choice => {
                 let mut lines: Vec<Vec<u8>> =
                     bytes.split_inclusive(|byte| *byte == b'\n').map(<[u8]>::to_vec).collect();
@@ -229,7 +229,7 @@ impl Dice {
         }
     }
 
-    /// Returns one of the longest ranges of such bytes.
+    /// Returns a random maximal range of bytes with the property `is`.
     fn run(&mut self, bytes: &[u8], is: impl Fn(u8) -> bool) -> Option<std::ops::Range<usize>> {
         let begins = |at: &usize| is(bytes[*at]) && (*at == 0 || !is(bytes[*at - 1]));
         let starts: Vec<usize> = (0..bytes.len()).filter(begins).collect();

@@ -1,6 +1,7 @@
-//! The test functions for hostile bytes, one per kind of file; the fuzz targets in `fuzz/` also use
-//! them. Any bytes may be refused, but nothing may panic, take unbounded memory or time, or change
-//! in a round trip.
+//! The test functions for hostile bytes, one per kind of file; the fuzz targets in `fuzz/` also use them.
+//!
+//! A function may refuse any bytes, but must not panic or use unbounded memory or time, and accepted content must survive
+//! a round trip.
 
 use std::fs;
 use std::path::{Component, Path};
@@ -18,8 +19,7 @@ use stickslip::table::{
     Circumstances, MANIFEST, Manifest, PointRow, Results, ResultsError, RunRecord, VERSION, inspect,
 };
 
-/// Processes the bytes and returns whether they were usable. The folder is empty at first, and the
-/// same for all bytes.
+/// Processes the bytes and returns whether they were usable. All inputs use one folder, which is empty at first.
 pub type Target = fn(&Path, &[u8]) -> bool;
 
 /// The kinds of file, by name.
@@ -38,13 +38,13 @@ pub fn target(name: &str) -> Target {
     found.unwrap_or_else(|| panic!("no kind of file {name:?}")).1
 }
 
-/// Studies with longer texts than this are not written and read again.
+/// The longest resolved study, in characters, that is read again.
 const MOST_CHARACTERS: usize = 200_000;
 
 /// A study file.
 fn study(folder: &Path, bytes: &[u8]) -> bool {
     let file = folder.join("study.yaml");
-    // For studies that name it.
+    // Some studies of the corpus refer to this table.
     let table = folder.join("table.csv");
     if !table.exists() {
         fs::write(table, "speed_rad_s\n-160\n-200\n").expect("a scratch folder");
@@ -81,7 +81,7 @@ fn table(folder: &Path, name: &str, bytes: &[u8]) -> bool {
     read.contains(&true) | designs(&folder.join(name))
 }
 
-/// A table of designs: each can be applied.
+/// Reads a table of designs and checks that each design can be applied.
 fn designs(file: &Path) -> bool {
     match varied().designs(file) {
         Ok(designs) => {
@@ -98,8 +98,7 @@ fn designs(file: &Path) -> bool {
     }
 }
 
-/// Requests of an optimiser, one per line: each has a design that can be applied, or gives an error
-/// of bounded length.
+/// Requests of an optimiser, one per line. Each contains a valid design or gives an error of limited length.
 fn requests(_: &Path, bytes: &[u8]) -> bool {
     let mut well = false;
     for line in bytes.split(|byte| *byte == b'\n') {
@@ -135,8 +134,8 @@ fn varied() -> &'static Study {
     })
 }
 
-/// Checks that the error of a refused study names a file, and that an accepted study can be planned
-/// and written.
+/// Checks that the error of a refused study names a file, and that an accepted study can be planned, written and read
+/// again.
 fn check(study: Result<Study, StudyError>, folder: &Path) -> bool {
     let study = match study {
         Ok(study) => study,
@@ -166,8 +165,7 @@ fn check(study: Result<Study, StudyError>, folder: &Path) -> bool {
     true
 }
 
-/// The manifest of a results directory. `STUDY-HASH` and `VERSION` in it stand for the correct
-/// ones.
+/// The manifest of a results directory. The correct values replace `STUDY-HASH` and `VERSION` in it.
 fn manifest(folder: &Path, bytes: &[u8]) -> bool {
     let bytes = match std::str::from_utf8(bytes) {
         Ok(text) => {
@@ -180,7 +178,7 @@ fn manifest(folder: &Path, bytes: &[u8]) -> bool {
     let well = read.is_ok();
     if let Ok(Some(manifest)) = read {
         for name in manifest.files.keys() {
-            // Parts of a table are files in a directory of the table's name.
+            // The parts of a table are files in a directory with the table's name.
             let inside = |part: Component<'_>| matches!(part, Component::Normal(_));
             assert!(!name.is_empty() && Path::new(name).components().all(inside), "{name}");
         }
@@ -193,7 +191,7 @@ fn manifest(folder: &Path, bytes: &[u8]) -> bool {
     well
 }
 
-/// Returns a study of a few runs that end immediately.
+/// Returns a study of four runs that end immediately.
 fn short() -> &'static Study {
     static SHORT: OnceLock<Study> = OnceLock::new();
     SHORT.get_or_init(|| {
@@ -205,8 +203,8 @@ fn short() -> &'static Study {
     })
 }
 
-/// Finished runs on disk: the first byte selects whether the rest is a whole chunk, the list of
-/// chunks, or the outcomes in a chunk.
+/// Finished runs on disk. The first byte selects whether the rest is a whole chunk, the list of chunks, or the outcomes in a
+/// chunk.
 fn finished_runs(folder: &Path, bytes: &[u8]) -> bool {
     let Some((first, rest)) = bytes.split_first() else { return false };
     match first % 3 {
@@ -263,12 +261,13 @@ fn outcomes(chunk: &[u8], bytes: &[u8]) -> Vec<u8> {
     made
 }
 
-/// Continues from this chunk and a list of chunks, by default the correct one.
+/// Runs the short study in a directory with this chunk and this list of chunks, by default the correct list. Returns whether
+/// runs were reused.
 fn computed_from(folder: &Path, chunk: &[u8], list: Option<&[u8]>) -> bool {
     assert!(chunk.len() > HEAD && chunk[20..24] == MODEL_VERSION.to_le_bytes());
     let results = folder.join("results");
     let chunks = results.join(CHUNKS).join(&short().hash()[..16]);
-    // Ignores a missing directory.
+    // The directory may be missing.
     let _ = fs::remove_dir_all(&results);
     fs::create_dir_all(&chunks).expect("a scratch folder");
     fs::write(chunks.join("000000.chunk"), chunk).expect("a scratch folder");
@@ -291,7 +290,7 @@ fn computed_from(folder: &Path, chunk: &[u8], list: Option<&[u8]>) -> bool {
     run_in_scratch(&results, short()) > 0
 }
 
-/// Runs a study in a directory with existing results; returns the number of reused runs.
+/// Runs a study in a directory that may contain results. Returns the number of reused runs.
 fn run_in_scratch(directory: &Path, study: &Study) -> u64 {
     let mut store = match Store::open(directory, study) {
         Ok(store) => store,

@@ -1,4 +1,4 @@
-//! Tables in Parquet files: valid ones, invalid ones, and files that claim more than they hold.
+//! Parquet tables of studies: valid files, damaged files, and files that claim more than they contain.
 
 use std::fs;
 use std::path::Path;
@@ -19,7 +19,7 @@ use stickslip::study::{DesignValue, Study, StudyError};
 
 use super::text_with_design;
 
-/// Returns a file with these columns.
+/// Returns a Parquet file with these columns.
 fn file(properties: WriterProperties, columns: Vec<(&str, ArrayRef)>) -> Vec<u8> {
     let batch = RecordBatch::try_from_iter(columns).unwrap();
     let mut bytes = Vec::new();
@@ -60,9 +60,9 @@ fn refused(table: &[u8], key: &str, problem: &str, found: &str) {
     assert!(error.allowed().is_some(), "{error}");
 }
 
-/// Every supported encoding gives the same study as the rows written into it.
+/// Every version, compression, dictionary setting and row-group size gives the same study as the rows written inline.
 #[test]
-fn a_right_table_is_the_same_however_it_is_written() {
+fn every_writer_setting_gives_the_same_study() {
     let count = 5000_i32;
     let inline: Vec<String> = (0..count)
         .map(|row| format!("[{}.5, {}, {}]", -100 - row % 700, 1 + row % 3, word(row)))
@@ -119,7 +119,7 @@ fn word(row: i32) -> &'static str {
     if row % 2 == 0 { "newton" } else { "lagrange" }
 }
 
-/// The study that the files of others make.
+/// Returns the study that the files of other programs describe.
 fn expected() -> Study {
     let rows: Vec<String> =
         (0..20).map(|row| format!("[{}.5, {}, {}]", -100 - row, 1 + row % 3, word(row))).collect();
@@ -130,30 +130,31 @@ fn expected() -> Study {
     load(&inline, "{monte_carlo: {samples: 10}}", b"").unwrap()
 }
 
-fn of_others(name: &str) -> Vec<u8> {
+fn of_other_programs(name: &str) -> Vec<u8> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("fuzz/corpus/parquet_table");
     fs::read(folder.join(name).with_extension("parquet")).unwrap()
 }
 
-/// Files as pandas, Polars and DuckDB write them by default, DuckDB also in its newer version of the format, and
-/// pyarrow with each compression.
+/// Reads the default files of pandas, Polars and DuckDB, DuckDB's newer format version, and pyarrow's files with each
+/// compression.
 #[test]
-fn files_of_others_are_read() {
+fn files_of_other_programs_are_read() {
     for name in ["pandas", "polars", "duckdb", "duckdb-v2", "zstd", "gzip", "lz4"] {
-        let study = sweep(&of_others(name)).unwrap_or_else(|error| panic!("{name}: {error}"));
+        let study =
+            sweep(&of_other_programs(name)).unwrap_or_else(|error| panic!("{name}: {error}"));
         assert_eq!(study.resolved_yaml(), expected().resolved_yaml(), "{name}");
     }
 }
 
-/// As designs, too.
+/// Reads the files of other programs as designs.
 #[test]
-fn designs_of_others_are_read() {
+fn designs_of_other_programs_are_read() {
     let design = "design: {speed_rad_s: {from: -260, to: -1}, damping_n_s_m: {from: 1, to: 3}}\n";
     let study = load(design, "{monte_carlo: {samples: 10}}", b"").unwrap();
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("designs.parquet");
     for name in ["pandas", "polars", "duckdb", "duckdb-v2", "zstd", "gzip", "lz4"] {
-        fs::write(&path, of_others(name)).unwrap();
+        fs::write(&path, of_other_programs(name)).unwrap();
         let error = study.designs(&path).unwrap_err();
         assert_eq!(error.key(), "column normal_force", "{error}");
     }
@@ -167,7 +168,7 @@ fn designs_of_others_are_read() {
     assert_eq!(designs, [row(-100.5, 1.0), row(-200.25, 2.0)]);
 }
 
-/// Each column in each encoding that its type can have, over several pages.
+/// Reads each column in each encoding that its type supports, over several pages.
 #[test]
 fn every_encoding_is_read() {
     let count = 3000_i32;
@@ -209,9 +210,9 @@ fn every_encoding_is_read() {
     }
 }
 
-/// Numbers and words of any width, and decimal numbers as their digits say.
+/// Reads numbers and texts of every type; decimal numbers have the value of their digits.
 #[test]
-fn every_type_of_numbers_and_text_is_read() {
+fn every_numeric_and_text_type_is_read() {
     let decimals = Decimal128Array::from(vec![1_000_000, 2_000_000]);
     let columns: [ArrayRef; 12] = [
         Arc::new(Int8Array::from(vec![1, 2])),
@@ -248,13 +249,13 @@ fn every_type_of_numbers_and_text_is_read() {
 }
 
 #[test]
-fn unsigned_numbers_are_not_negative() {
+fn large_unsigned_numbers_stay_positive() {
     let table = plain(vec![("stiffness_n_m", Arc::new(UInt32Array::from(vec![u32::MAX])))]);
     assert_eq!(super::machine_at(&sweep(&table).unwrap(), 0).stiffness_n_m, 4_294_967_295.0);
 }
 
 #[test]
-fn start_states() {
+fn start_states_are_read() {
     let names = ["x", "y", "beta_1", "beta_2", "x_dot", "y_dot", "beta_dot_1", "beta_dot_2"];
     let columns = names.iter().zip(1..).map(|(name, value)| (*name, numbers([f64::from(value)])));
     let study = load("", "{table: designs.parquet}", &plain(columns.collect())).unwrap();
@@ -262,7 +263,7 @@ fn start_states() {
 }
 
 #[test]
-fn wrong_cells_are_named_by_row_and_column() {
+fn errors_in_cells_name_the_row_and_column() {
     let key = "row 2, column speed_rad_s";
     let speeds = |values: Vec<Option<f64>>| -> Vec<u8> {
         plain(vec![("speed_rad_s", Arc::new(Float64Array::from(values)))])
@@ -274,7 +275,7 @@ fn wrong_cells_are_named_by_row_and_column() {
     let key = "row 1, column normal_force";
     refused(&text("euler"), key, "unknown choice", "euler");
     refused(&text(""), key, "an empty value", "nothing");
-    refused(&text(&"a".repeat(1000)), key, "too long a text", "1000 bytes");
+    refused(&text(&"a".repeat(1000)), key, "the text is too long", "1000 bytes");
     let table = plain(vec![("speed_rad_s", Arc::new(StringArray::from(vec!["fast"])))]);
     refused(&table, "row 1, column speed_rad_s", "not a number", "fast");
     refused(
@@ -283,7 +284,7 @@ fn wrong_cells_are_named_by_row_and_column() {
         "",
         "-1",
     );
-    // In the second row group, the row numbers continue.
+    // Row numbers continue in the second row group.
     let groups = WriterProperties::builder().set_max_row_group_row_count(Some(2)).build();
     let values = Float64Array::from(vec![Some(1.0), Some(2.0), Some(3.0), None]);
     let table = file(groups, vec![("speed_rad_s", Arc::new(values))]);
@@ -291,7 +292,7 @@ fn wrong_cells_are_named_by_row_and_column() {
 }
 
 #[test]
-fn wrong_columns() {
+fn invalid_columns_are_refused() {
     refused(&plain(vec![("speed", numbers([1.0]))]), "column speed", "unknown column", "speed");
     let column = "column speed_rad_s";
     let truths: ArrayRef = Arc::new(BooleanArray::from(vec![true]));
@@ -307,15 +308,15 @@ fn wrong_columns() {
 }
 
 #[test]
-fn what_is_not_supported_says_what_is() {
-    let error = sweep(&of_others("brotli")).unwrap_err();
-    assert_eq!(error.problem(), "a compression that is not supported");
+fn an_unsupported_compression_is_refused_with_the_supported_ones() {
+    let error = sweep(&of_other_programs("brotli")).unwrap_err();
+    assert_eq!(error.problem(), "unsupported compression");
     assert!(error.found().unwrap().contains("BROTLI"), "{error}");
     assert!(error.allowed().unwrap().contains("ZSTD, SNAPPY, GZIP, LZ4_RAW"), "{error}");
 }
 
-/// A file of another kind, truncated anywhere or with one changed byte, is refused or read, quickly
-/// and without a panic.
+/// A file of another format is refused. A truncated file, or a file with one changed byte, is read or refused without a
+/// panic.
 #[test]
 fn damaged_files_are_refused() {
     refused(b"", "", "not a readable Parquet file", "PAR1");
@@ -332,11 +333,11 @@ fn damaged_files_are_refused() {
         wrong[place] ^= 0xff;
         read += u32::from(sweep(&wrong).is_ok());
     }
-    // Names of programs, statistics and similar metadata are ignored.
+    // Changes in ignored metadata, such as program names and statistics, have no effect.
     assert!(read > 0 && (read as usize) < right.len());
 }
 
-/// Replaces these bytes everywhere in a part of a file.
+/// Replaces all occurrences of these bytes in a part of a file.
 fn replaced(bytes: &[u8], old: &[u8], new: &[u8]) -> Vec<u8> {
     let (mut made, mut rest, mut count) = (Vec::new(), bytes, 0);
     while let Some((first, others)) = rest.split_first() {
@@ -353,7 +354,7 @@ fn replaced(bytes: &[u8], old: &[u8], new: &[u8]) -> Vec<u8> {
     made
 }
 
-/// Returns a file with these pages and this footer.
+/// Returns a file that consists of these pages and this footer.
 fn put_together(pages: &[u8], footer: &[u8]) -> Vec<u8> {
     [pages, footer, &(footer.len() as u32).to_le_bytes(), b"PAR1"].concat()
 }
@@ -365,7 +366,7 @@ fn taken_apart(file: &[u8]) -> (&[u8], &[u8]) {
     rest.split_at(rest.len() - u32::from_le_bytes(length) as usize)
 }
 
-/// An integer field of 32 or 64 bits in Thrift's compact protocol: 2, 2^31 - 1, 2^60.
+/// Integer fields of 32 and 64 bits in Thrift's compact protocol, with the values 2, 2^31 - 1 and 2^60.
 const INT_2: [u8; 2] = [0x15, 4];
 const INT_MOST: [u8; 6] = [0x15, 0xfe, 0xff, 0xff, 0xff, 0x0f];
 const LONG_2: [u8; 2] = [0x16, 4];
@@ -379,27 +380,27 @@ fn two_rows(dictionary: bool) -> Vec<u8> {
 }
 
 #[test]
-fn more_rows_than_a_study_may_hold_are_refused_before_they_are_read() {
+fn too_many_rows_are_refused_before_they_are_read() {
     let right = two_rows(false);
     let (pages, footer) = taken_apart(&right);
     let table = put_together(pages, &replaced(footer, &LONG_2, &LONG_2_TO_60));
     assert!(table.len() < 1000);
     refused(&table, "", "too many values", "1152921504606846976 rows of 1 columns");
-    // Also if all rows are present.
+    // They are also refused if all rows are present.
     let table = plain(vec![("speed_rad_s", numbers((0..1_000_001).map(|_| -100.0)))]);
     refused(&table, "", "too many values", "1000001 rows of 1 columns");
 }
 
 #[test]
-fn pages_that_unpack_to_too_much_are_refused() {
-    // What a page claims takes no memory: behind the beginning of the file and the kind of page stands the size
-    // unpacked, 16 bytes.
+fn pages_that_decompress_to_too_many_bytes_are_refused() {
+    // A claimed size allocates no memory: the decompressed size of the page, 16 bytes, follows the magic bytes and the page
+    // type.
     let right = two_rows(false);
     let (pages, footer) = taken_apart(&right);
     assert_eq!(pages[4..8], [0x15, 0, 0x15, 32]);
     let claims = [&pages[..6], &INT_MOST, &pages[8..]].concat();
     refused(&put_together(&claims, footer), "", "not a readable Parquet file", "");
-    // Texts of a hundred bytes in one page do take their place.
+    // A page with 100,000 texts of 200 bytes exceeds the size limit.
     let packed = WriterProperties::builder()
         .set_compression(Compression::SNAPPY)
         .set_data_page_size_limit(1 << 30)
@@ -412,10 +413,10 @@ fn pages_that_unpack_to_too_much_are_refused() {
     )));
     let table = file(packed, vec![("normal_force", texts)]);
     assert!(table.len() < 2_000_000, "{}", table.len());
-    refused(&table, "", "too large when unpacked", "bytes or more");
+    refused(&table, "", "too large when decompressed", "bytes or more");
 }
 
-/// A dictionary's entry that many rows name is taken once for each.
+/// Reading copies a dictionary entry for every row that refers to it.
 #[test]
 fn long_texts_are_refused_before_they_are_repeated() {
     let long = "0123456789".repeat(2000);
@@ -431,12 +432,12 @@ fn long_texts_are_refused_before_they_are_repeated() {
             .build();
         let table = file(properties, vec![("normal_force", texts)]);
         assert!(table.len() < 2_000_000, "{}", table.len());
-        refused(&table, "", "too long a text", "20000 bytes");
+        refused(&table, "", "the text is too long", "20000 bytes");
     }
 }
 
 #[test]
-fn dictionaries_that_claim_more_than_their_page_holds_are_refused() {
+fn dictionaries_that_claim_more_values_than_their_page_contains_are_refused() {
     let right = two_rows(true);
     let (pages, footer) = taken_apart(&right);
     let header = [[0x4c].as_slice(), &INT_2].concat();
@@ -445,13 +446,13 @@ fn dictionaries_that_claim_more_than_their_page_holds_are_refused() {
     refused(&table, "", "not a readable Parquet file", "a dictionary of more values");
 }
 
-/// Returns a footer with this schema, and no rows.
+/// Returns a footer with this schema and no rows.
 fn footer(schema: &[u8], more: &[u8]) -> Vec<u8> {
     [&[0x15, 2, 0x19], schema, &[0x16, 0, 0x19, 0x0c], more, &[0]].concat()
 }
 
 #[test]
-fn footers_that_take_stack_or_time_are_refused() {
+fn footers_that_would_exhaust_the_stack_or_time_are_refused() {
     // Each column is nested in the previous one.
     let element = [0x48, 1, b'a', 0x15, 2, 0];
     let deep = [[0xfc, 0xa0, 0x8d, 6].as_slice(), &element.repeat(100_000)].concat();
@@ -467,13 +468,12 @@ fn footers_that_take_stack_or_time_are_refused() {
     // A group that announces 2^31 - 1 columns.
     let group = [[0x1c, 0x48, 1, b'a'].as_slice(), &INT_MOST, &[0]].concat();
     refused(&put_together(b"PAR1", &footer(&group, &[])), "", "not a readable", "footer");
-    // Two thousand million truths, which take no bytes, in a field that nobody knows; five columns of one
-    // byte each that are not there.
+    // An unknown field that announces two thousand million Boolean values, which take no bytes.
     let one = [0x1c, 0x48, 1, b'a', 0x15, 0, 0];
     let truths = [0x09, 0xc8, 1, 0xf1, 0xff, 0xff, 0xff, 0xff, 7];
     let table = put_together(b"PAR1", &footer(&one, &truths));
     refused(&table, "", "not a readable Parquet file", "footer");
-    // A number in the place of a name: parsers may disagree about its type.
+    // A number in the field of a name: parsers may disagree about its type.
     let confused = [0x1c, 0x45, 2, 0x15, 0, 0];
     refused(&put_together(b"PAR1", &footer(&confused, &[])), "", "not a readable", "footer");
 }

@@ -46,7 +46,7 @@ impl Place {
 
     #[track_caller]
     fn outside(&self, table: &str) {
-        self.refused(table, "outside of the study file's directory", table);
+        self.refused(table, "outside the study file's directory", table);
         let error = self.load(table, &[]).unwrap_err();
         assert!(error.allowed().unwrap().contains("the option --tables DIR"), "{error}");
     }
@@ -87,7 +87,7 @@ fn directories_after_tables_allow_what_lies_in_them_and_change_nothing_else() {
             assert_eq!(study.hash(), inside.hash());
         }
         let error = place.load(table, &["inside/deeper"]).unwrap_err();
-        assert!(error.problem().contains("and of those after --tables"), "{error}");
+        assert!(error.problem().contains("the directories given with --tables"), "{error}");
     }
     // Allowed directories are not searched: a name means the file beside the study.
     fs::write(place.path("outside/b.csv"), "speed_rad_s\n-1\n").unwrap();
@@ -113,7 +113,7 @@ fn directories_and_names_of_other_kinds_are_refused() {
     place.refused("a\0.csv", "", "a");
     for name in ["secret", "a.txt", "a.csv.bak", ".csv"] {
         fs::write(place.path("inside").join(name), "token 12345").unwrap();
-        place.refused(name, "neither a CSV nor a Parquet file", name);
+        place.refused(name, "ends in neither .csv nor .parquet", name);
     }
     fs::write(place.path("inside/a.CSV"), "speed_rad_s\n-160\n").unwrap();
     assert!(place.load("a.CSV", &[]).is_ok());

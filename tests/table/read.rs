@@ -1,4 +1,4 @@
-//! Tables of results as the program reads them: every type of column, and damaged files.
+//! Reading tables of results: every type of column, and damaged files.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -60,7 +60,7 @@ fn provenance(format: u32, table: &str, hash: &str) -> String {
     json!({"format": format, "table": table, "study": "s", "study_hash": hash}).to_string()
 }
 
-/// Returns a manifest with these files; all other entries come from a study that is run.
+/// Returns the manifest of a small study, with these files instead of its own.
 fn manifest(files: impl IntoIterator<Item = (String, FileEntry)>) -> Manifest {
     let scratch = Scratch::new();
     scratch.write("a.yaml", study_text("a", "{monte_carlo: {samples: 1}}", AT_ONCE, ""));
@@ -117,9 +117,9 @@ fn compare(table: &Table) -> u64 {
     next
 }
 
-/// Every value of every type is read back across batches, row groups and files.
+/// Values of every type are read back across batches, row groups and files.
 #[test]
-fn every_value_of_every_kind_comes_back() {
+fn values_of_every_kind_are_read_back() {
     for rows in [0, 1, 1024, 1025, 20_000] {
         let (folder, manifest) = one_table(rows, &right());
         let table = Table::open(folder.path(), &manifest, "t").unwrap();
@@ -148,7 +148,7 @@ fn refused<T>(result: Result<T, TableError>, parts: &[&str]) {
 }
 
 #[test]
-fn columns_that_are_not_there_are_named() {
+fn errors_name_missing_columns_and_wrong_types() {
     let (folder, manifest) = one_table(10, &right());
     let table = Table::open(folder.path(), &manifest, "t").unwrap();
     let missing = ["t.parquet: column numbr: ", "columns number (did you mean this?)"];
@@ -157,12 +157,12 @@ fn columns_that_are_not_there_are_named() {
     refused(table.read(&[("text", Kind::Number)]), &wrong);
     let batch = table.read(&[("count", Kind::Count)]).unwrap().next().unwrap().unwrap();
     refused(batch.numbers("count"), &["column count: wrong type", "whole numbers from 0"]);
-    refused(batch.numbers("number"), &["column number: not asked for"]);
+    refused(batch.numbers("number"), &["column number: the column was not read"]);
     assert!(matches!(&batch.columns[..], [(name, Values::Count(_))] if name == "count"));
 }
 
 #[test]
-fn files_that_are_not_those_that_were_written_are_named() {
+fn files_that_differ_from_the_written_ones_are_refused() {
     for (provenance, found) in [
         (provenance(FORMAT + 1, "t", HASH), format!("layout {}, table t", FORMAT + 1)),
         (provenance(FORMAT, "points", HASH), "table points".to_owned()),
@@ -181,7 +181,7 @@ fn files_that_are_not_those_that_were_written_are_named() {
     refused(Table::open(folder.path(), &manifest, "runs"), &["no table runs.parquet", "t.parquet"]);
     let mut more = manifest.clone();
     more.files.get_mut("t.parquet").unwrap().rows = Some(11);
-    refused(open(&more), &["not as many rows", "10 rows", "11, as manifest.json says"]);
+    refused(open(&more), &["wrong number of rows", "10 rows", "11, as listed in manifest.json"]);
     let bytes = fs::read(&path).unwrap();
     fs::write(&path, &bytes[..bytes.len() - 1]).unwrap();
     refused(open(&manifest), &["not the file that was written", "stickslip resume"]);
@@ -203,9 +203,9 @@ fn listing(path: &Path, manifest: &Manifest) -> Manifest {
     manifest
 }
 
-/// With any single bit changed, the table is refused before any of it is read.
+/// A table with one changed bit is refused before any of its content is read.
 #[test]
-fn a_file_with_another_bit_is_refused() {
+fn a_file_with_one_changed_bit_is_refused() {
     let (folder, manifest) = one_table(300, &right());
     let path = folder.path().join("t.parquet");
     let right = fs::read(&path).unwrap();
@@ -222,8 +222,7 @@ fn a_file_with_another_bit_is_refused() {
     assert!(Table::open(folder.path(), &manifest, "t").is_ok());
 }
 
-/// With any byte changed and a manifest that lists the changed file, the table is read or refused,
-/// and nothing panics.
+/// A table with a changed byte whose hash the manifest lists is read or refused without a panic.
 #[test]
 fn damaged_files_are_read_or_refused() {
     let (folder, manifest) = one_table(300, &right());

@@ -1,10 +1,9 @@
-//! Which files the tables of a study may be, and how much they may hold together.
+//! Decides which files the tables of a study may be, and limits their total size.
 //!
-//! A study file may come from anywhere, and what it names must not lead out of its directory: the
-//! table of a study is a file in the study file's directory or below it, or in a directory that the
-//! user names on the command line. Naming a directory allows files and finds none: a table's path is
-//! always relative to the study file (or absolute), so that a study that can be used means the same
-//! tables whatever directories are named.
+//! A study file may come from an untrusted source. Its tables must therefore lie in the study file's directory, in one of its
+//! subdirectories, or in a directory that the user names on the command line. Naming a directory grants access only: the
+//! path of a table is always absolute or relative to the study file, so a study refers to the same tables with any
+//! options.
 
 use std::cell::Cell;
 use std::fs;
@@ -14,17 +13,17 @@ use crate::study::error::{Fault, StudyError, shorten};
 use crate::study::file::read_file::{read_bytes, unreadable};
 use crate::study::file::yaml_tree::MAX_FILE_BYTES;
 
-/// The most values that all sweeps and tables of a study may hold together.
+/// The largest number of values in all sweeps and tables of a study together.
 pub(crate) const MAX_VALUES: usize = 1_000_000;
 
-/// The most tables that a study may read from files.
+/// The largest number of table files in a study.
 const MAX_FILES: usize = 1000;
 
-/// The directories in which tables may lie, and what has been read from them.
+/// The directories that may contain tables, and the amounts read from them so far.
 pub(crate) struct TableFolders {
     /// The study file's directory.
     own: PathBuf,
-    /// Directories that the user names, without links.
+    /// The directories named by the user, with all symbolic links resolved.
     named: Vec<PathBuf>,
     files: Cell<usize>,
     bytes: Cell<u64>,
@@ -32,10 +31,10 @@ pub(crate) struct TableFolders {
 }
 
 impl TableFolders {
-    /// The directory of a study file, and others that the user names.
+    /// Allows the directory of a study file and the directories named by the user.
     ///
     /// # Errors
-    /// Where a directory that the user names cannot be used.
+    /// Returns an error if a named directory does not exist or cannot be accessed.
     pub fn new(study_file: &Path, named: &[PathBuf]) -> Result<TableFolders, StudyError> {
         let own = study_file.parent().unwrap_or(Path::new(""));
         let own = if own.as_os_str().is_empty() { Path::new(".") } else { own };
@@ -57,17 +56,18 @@ impl TableFolders {
         })
     }
 
-    /// The path of a table, as it is named in messages, and its content.
+    /// Reads a table. Returns its path for messages and its content.
     ///
     /// # Errors
-    /// A table outside of the directories, one that cannot be read, too many or too large ones.
+    /// Returns an error if the table lies outside the allowed directories or cannot be read, or if there are too many or
+    /// too large tables.
     pub fn read(&self, name: &str) -> Result<(PathBuf, Vec<u8>), Fault> {
         let path = if self.own == Path::new(".") { name.into() } else { self.own.join(name) };
         let real = self.find(name, &path)?;
         let files = self.files.get() + 1;
         if files > MAX_FILES {
-            let allowed = format!("at most {MAX_FILES}, or tables put together");
-            return Err(Fault::new("too many tables", format!("{files} of them"), allowed));
+            let allowed = format!("at most {MAX_FILES}; combine several tables in one file");
+            return Err(Fault::new("too many tables", format!("{files} tables"), allowed));
         }
         let content = read_bytes(&real).map_err(|fault| unreadable_table(name, fault))?;
         let bytes = self.bytes.get() + content.len() as u64;
@@ -80,10 +80,10 @@ impl TableFolders {
         Ok((path, content))
     }
 
-    /// Counts values that have been read from files.
+    /// Counts values read from files.
     ///
     /// # Errors
-    /// More than a study may hold.
+    /// Returns an error if the tables of the study contain too many values.
     pub fn count(&self, values: usize) -> Result<(), Fault> {
         let values = self.values.get().saturating_add(values);
         if values > MAX_VALUES {
@@ -94,7 +94,10 @@ impl TableFolders {
         Ok(())
     }
 
-    /// The file itself, all links followed.
+    /// Returns the path of a table with all symbolic links resolved.
+    ///
+    /// # Errors
+    /// Returns an error if the file does not exist or lies outside the allowed directories.
     fn find(&self, name: &str, path: &Path) -> Result<PathBuf, Fault> {
         if self.named.is_empty() && leads_out(Path::new(name)) {
             return Err(self.outside(name, None));
@@ -116,22 +119,22 @@ impl TableFolders {
             Some(real) => format!("{name}, a link to {}", shorten(&real.display().to_string())),
         };
         let problem = if self.named.is_empty() {
-            "the table lies outside of the study file's directory"
+            "the table lies outside the study file's directory"
         } else {
-            "the table lies outside of the study file's directory and of those after --tables"
+            "the table lies outside the study file's directory and the directories given with --tables"
         };
-        let allowed = "a file in the study file's directory or below it, or the option --tables DIR \
-                       with the directory that holds the table";
+        let allowed = "a file in the study file's directory or a subdirectory, or the option --tables DIR \
+                       with the directory that contains the table";
         Fault::new(problem, found, allowed)
     }
 }
 
-/// What the system says of a file, as a fault of the table's name.
+/// Adds the name of a table to the fault of its file.
 fn unreadable_table(name: &str, fault: Fault) -> Fault {
     Fault { found: Some(shorten(name)), ..fault }
 }
 
-/// Whether a path, links aside, leads out of the directory that it is relative to.
+/// Returns whether a path leaves the directory that it is relative to, without regard to symbolic links.
 fn leads_out(path: &Path) -> bool {
     let mut depth = 0_usize;
     for component in path.components() {

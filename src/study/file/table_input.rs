@@ -1,4 +1,4 @@
-//! Tables that a study names or holds: columns and rows, with the place of every value.
+//! Reads the tables of a study, inline or from files, and locates each value for error messages.
 
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
@@ -9,11 +9,11 @@ use crate::study::file::table_folders::{MAX_VALUES, TableFolders};
 use crate::study::file::values::{Entry, InlineTable, Table};
 use crate::tabular::{Cell, Cells, Limits, Refusal, check_name, ragged};
 
-/// A table with columns whose names are known to be allowed, each once.
+/// A table whose column names are valid and distinct.
 pub(crate) struct Rows {
-    /// Names of the columns.
+    /// The names of the columns.
     pub columns: Vec<String>,
-    /// Rows with one value per column.
+    /// The rows, with one value per column.
     pub rows: Vec<Vec<Entry>>,
     origin: Origin,
 }
@@ -26,16 +26,16 @@ enum Origin {
 /// The file that a table was read from.
 struct TableFile {
     path: PathBuf,
-    /// In a file of lines, the line of each row.
+    /// The line number of each row if the table comes from a text file.
     lines: Option<Vec<usize>>,
 }
 
 impl Rows {
-    /// Reads a table; `allowed` are the names that columns may have.
+    /// Reads a table; `allowed` contains the valid column names.
     ///
     /// # Errors
-    /// A file that cannot or must not be read, a ragged row, a column that is unknown or given twice,
-    /// a value that is missing or not finite, a table without rows.
+    /// Returns an error if the file cannot or must not be read, if a row has more or fewer values than there are columns,
+    /// if a column is unknown or given twice, if a value is missing or not finite, or if the table has no rows.
     pub fn read(
         locate: &dyn Locate,
         folders: &TableFolders,
@@ -97,11 +97,10 @@ impl Rows {
         Ok(rows)
     }
 
-    /// A table outside of the study file, which messages call `name`; `allowed` are the names that columns may
-    /// have.
+    /// Reads a table outside the study file, called `name` in messages; `allowed` contains the valid column names.
     ///
     /// # Errors
-    /// What is wrong, and where.
+    /// Returns the first fault with its location.
     pub fn in_file(
         name: &Path,
         read: impl FnOnce(&Limits<'_>) -> Result<Cells, Refusal>,
@@ -130,7 +129,7 @@ impl Rows {
         Ok(Rows { columns, rows, origin: Origin::File(file) })
     }
 
-    /// The message for a fault in a row, a column, both, or the whole table.
+    /// Returns the error for a fault in a row, a column, a cell, or the whole table.
     pub fn refuse(
         &self,
         locate: &dyn Locate,
@@ -157,7 +156,7 @@ impl Rows {
 }
 
 impl TableFile {
-    /// The message for a fault in a row, a column by its name, both, or the whole table.
+    /// Returns the error for a fault in a row, a column, a cell, or the whole table.
     fn refuse(&self, row: Option<usize>, column: Option<&str>, fault: Fault) -> StudyError {
         let line = |lines: &Vec<usize>| row.and_then(|row| lines.get(row)).copied().unwrap_or(1);
         let place = self.lines.as_ref().map(line).map(at_line);
@@ -169,14 +168,17 @@ fn at_line(line: usize) -> Location {
     Location { line, column: 1 }
 }
 
-/// A row and a column as messages name them.
+/// Returns the location of a row and a column for messages.
 fn key(row: Option<usize>, column: Option<&str>) -> String {
     let row = row.map(|row| format!("row {}", row + 1));
     let column = column.map(|name| format!("column {}", shorten(name)));
     row.into_iter().chain(column).collect::<Vec<_>>().join(", ")
 }
 
-/// The first column that is unknown or given twice.
+/// Checks the column names.
+///
+/// # Errors
+/// Returns the index and the fault of the first column that is unknown or given twice.
 fn check_columns(columns: &[String], allowed: &[String]) -> Result<(), (usize, Fault)> {
     let mut seen = HashSet::new();
     for (index, column) in columns.iter().enumerate() {
@@ -192,7 +194,7 @@ fn check_columns(columns: &[String], allowed: &[String]) -> Result<(), (usize, F
     Ok(())
 }
 
-/// A number that is not finite.
+/// Returns the fault of a number that is not finite.
 pub(crate) fn not_finite(written: String) -> Fault {
     Fault::new("not a finite number", written, "a finite number")
 }
