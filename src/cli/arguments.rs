@@ -16,7 +16,7 @@ pub struct StudyArgument {
     #[arg(value_name = "STUDY")]
     pub study: PathBuf,
 
-    /// Allow tables of the study in this directory, too; may be repeated
+    /// Also allow table files in this directory; may be repeated
     ///
     /// A `table:` path that leads out of the study file's directory is an error unless its directory is named
     /// here. Grants access only; paths stay relative to the study file.

@@ -20,8 +20,8 @@ use crate::table::{TableWriter, provenance};
 
 const EXAMPLES: &str = "\
 Examples:
-  stickslip evaluate studies/design.yaml --designs designs.csv --out responses.parquet
-  echo '{\"id\": 1, \"balls\": 2, \"material\": \"steel\"}' | stickslip evaluate studies/design.yaml --designs -
+  stickslip evaluate studies/design.yaml --designs studies/designs.csv --out responses.parquet
+  echo '{\"id\": 1, \"speed_rad_s\": -216, \"balls\": 2, \"material\": \"steel\"}' | stickslip evaluate studies/design.yaml --designs -
 
 Computes the responses of each design. A design sets the variables that the study lists under `design`; \
 `responses` lists what is computed. Sampling and uncertain parameters are those of the study, and each point of \

@@ -31,8 +31,8 @@ use crate::table::{
 
 const EXAMPLES: &str = "\
 Examples:
-  stickslip optimize studies/design.yaml
-  stickslip optimize studies/design.yaml --out results/quiet --threads 8
+  stickslip optimize studies/cd-rom.yaml
+  stickslip optimize studies/cd-rom.yaml --out results/quiet --threads 8
 
 Searches for the design with the best objectives. The study lists variables under `design`, responses under \
 `responses`, and under `optimize` the responses to minimize or maximize, with limits to others. The search \

@@ -53,18 +53,27 @@ impl Lock {
     /// # Errors
     /// Returns [`StoreError::Lost`] if the lock file is gone or replaced.
     pub fn check(&self) -> Result<(), StoreError> {
-        #[cfg(unix)]
-        if let Some(file) = &self.file {
-            use std::os::unix::fs::MetadataExt;
-            let place = |found: fs::Metadata| (found.dev(), found.ino());
-            let ours = file.metadata().map(place).ok();
-            if ours.is_none() || fs::symlink_metadata(&self.path).map(place).ok() != ours {
-                let lock = self.path.strip_prefix(&self.directory).unwrap_or(&self.path).to_owned();
-                return Err(StoreError::Lost { path: self.directory.clone(), lock });
-            }
+        if self.file.as_ref().is_some_and(|file| !is_at(file, &self.path)) {
+            let lock = self.path.strip_prefix(&self.directory).unwrap_or(&self.path).to_owned();
+            return Err(StoreError::Lost { path: self.directory.clone(), lock });
         }
         Ok(())
     }
+}
+
+/// Returns whether the open file is still the one at this path.
+#[cfg(unix)]
+fn is_at(file: &File, path: &Path) -> bool {
+    use std::os::unix::fs::MetadataExt;
+    let identity = |found: fs::Metadata| (found.dev(), found.ino());
+    let ours = file.metadata().map(identity).ok();
+    ours.is_some() && fs::symlink_metadata(path).map(identity).ok() == ours
+}
+
+/// Returns whether there is a file at this path; the operating system does not let others replace an open one.
+#[cfg(not(unix))]
+fn is_at(_: &File, path: &Path) -> bool {
+    path.is_file()
 }
 
 impl Drop for Lock {
