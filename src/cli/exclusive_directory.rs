@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 
 use super::exit::CliError;
 use crate::engine::Lock;
-use crate::foreign::shorten;
+use crate::sanitize::shorten;
 use crate::table::{
     FILES, FileList, ResultsError, check_path, clear_temporaries, is_one_of, make_directory,
     sync_directory,

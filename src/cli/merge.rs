@@ -10,7 +10,7 @@ use super::exit::{CliError, End};
 use super::results_study::results_study;
 use super::run::carry_out;
 use crate::engine::{OutputDir, Shard};
-use crate::foreign::shell_word;
+use crate::sanitize::shell_word;
 use crate::study::Study;
 
 const EXAMPLES: &str = "\

@@ -15,13 +15,13 @@ use super::exit::{CliError, End};
 use super::output::print;
 use crate::classification::Label;
 use crate::engine::{Lock, Planned, Progress, Show, WorkerPool, say, stop_on_signals};
-use crate::foreign::{shell_word, shorten};
 use crate::optimize::{
     Evaluation, Finalists, Origin, Role, Search, SearchEnd, evaluation_columns, final_runs,
     finalist_columns, finalists, optimum_json, pareto_columns, read_evaluations, result_in_words,
     search, search_facts, search_line, sensitivities, sensitivity_columns, surrogates,
 };
 use crate::responses::check_answerable;
+use crate::sanitize::{shell_word, shorten};
 use crate::study::{Optimization, SensitivityFrom, Study};
 use crate::table::column::Column;
 use crate::table::{

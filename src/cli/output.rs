@@ -2,7 +2,7 @@
 
 use std::io::{self, Write};
 
-use crate::foreign::{harmless, harmless_json};
+use crate::sanitize::{harmless, harmless_json};
 
 /// Whether standard output still has a reader.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

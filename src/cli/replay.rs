@@ -14,7 +14,7 @@ use super::replay_times::{MOST_TIMES, Times};
 use super::results_study::results_study;
 use crate::classification::{Recording, Switch};
 use crate::engine::{record, say};
-use crate::foreign::{one_line, shorten};
+use crate::sanitize::{one_line, shorten};
 use crate::study::Study;
 use crate::table::column::Column;
 use crate::table::{

@@ -6,8 +6,8 @@ use super::exit::CliError;
 use super::overwrite::{beside, outside, replace, replaceable, sealed};
 use super::results_study::results_study;
 use super::summary::no_tables;
-use crate::foreign::{shell_word, shown_path};
 use crate::report::{Budget, OWN, ReportData, ResultTables, of_results, page};
+use crate::sanitize::{shell_word, shown_path};
 use crate::table::manifest_of;
 
 /// The largest page, in bytes, small enough to mail; pages of larger results show less detail.

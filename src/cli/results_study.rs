@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::exit::CliError;
 use crate::classification::MODEL_VERSION;
-use crate::foreign::shell_word;
+use crate::sanitize::shell_word;
 use crate::study::Study;
 use crate::table::{Manifest, ResultsError, VERSION, manifest_of};
 

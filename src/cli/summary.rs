@@ -12,7 +12,7 @@ use super::points_table::{MOST_LINES, PointsTable};
 use super::results_study::results_study;
 use crate::classification::Label;
 use crate::engine::{listed_runs, say};
-use crate::foreign::{shell_word, shown_path};
+use crate::sanitize::{shell_word, shown_path};
 use crate::study::{ParameterValue, Study};
 use crate::table::{Batch, Manifest, Table, Values};
 

@@ -12,7 +12,7 @@ use serde_json::{Value, json};
 
 use crate::analysis::{Z_95, wilson_with_failures};
 use crate::classification::Label;
-use crate::foreign::{harmless, harmless_json};
+use crate::sanitize::{harmless, harmless_json};
 
 /// How progress is shown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -4,8 +4,8 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 
 use super::file::key_path::KeyPath;
-pub(crate) use crate::foreign::shorten;
-use crate::foreign::shown_path;
+pub(crate) use crate::sanitize::shorten;
+use crate::sanitize::shown_path;
 pub(crate) use crate::tabular::Fault;
 
 /// Why a study cannot be used: one message with file, line, key, the value found and the values

@@ -11,7 +11,7 @@ use super::provenance::{FORMAT, VERSION};
 use super::results::{DATA_FILES, ResultsError, STUDY};
 use super::temporary::will_become;
 use crate::classification::MODEL_VERSION;
-use crate::foreign::one_line;
+use crate::sanitize::one_line;
 use crate::study::Study;
 
 /// The largest number of characters of a finding that are shown.

@@ -15,7 +15,7 @@ use super::provenance::FORMAT;
 use super::table_error::TableError;
 use super::temporary::{write_atomically, write_once};
 use super::verified_files::{Listed, is_file_name};
-use crate::foreign::shorten;
+use crate::sanitize::shorten;
 use crate::tabular::Fault;
 
 /// The file name of the list.

@@ -14,7 +14,7 @@ use super::temporary::write_atomically;
 use super::verified_files::{Listed, is_file_name};
 use crate::analysis::LabelCounts;
 use crate::classification::{Label, MODEL_VERSION};
-use crate::foreign::{is_acted_on, one_line, shell_word, shorten};
+use crate::sanitize::{is_acted_on, one_line, shell_word, shorten};
 use crate::study::Study;
 
 /// Name of the manifest in an output directory.

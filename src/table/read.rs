@@ -14,7 +14,7 @@ use super::manifest::{MANIFEST, Manifest};
 use super::provenance::FORMAT;
 use super::read_values::Batch;
 use super::table_error::TableError;
-use crate::foreign::shorten;
+use crate::sanitize::shorten;
 use crate::study::list_names;
 use crate::tabular::{self, Fault, Kind, ParquetFile, Values};
 

@@ -15,7 +15,7 @@ use tempfile::TempDir;
 
 use super::directory::sync_directory;
 use super::temporary::{self, parent};
-use crate::foreign::shorten;
+use crate::sanitize::shorten;
 
 /// In the directory: the parts.
 const TABLE: &str = "table";

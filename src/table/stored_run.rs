@@ -14,7 +14,7 @@ use super::read::open;
 use super::run_record::RunRecord;
 use super::runs::run_columns;
 use super::table_error::TableError;
-use crate::foreign::one_line;
+use crate::sanitize::one_line;
 use crate::study::Study;
 use crate::tabular::Fault;
 

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
-use crate::foreign::{shorten, shown_path};
+use crate::sanitize::{shorten, shown_path};
 use crate::tabular::Fault;
 
 /// Why a table cannot be read: file, column, what was found and what is allowed.

@@ -8,7 +8,7 @@ use std::path::{Component, Path, PathBuf};
 
 use super::file_entry::FileEntry;
 use super::table_error::TableError;
-use crate::foreign::is_acted_on;
+use crate::sanitize::is_acted_on;
 use crate::tabular::Fault;
 
 /// Returns whether a listed name is printable and refers to a file in the directory or a subdirectory.

@@ -5,7 +5,7 @@ use arrow_schema::{ArrowError, DataType, Schema};
 
 use super::error::{Fault, Refusal};
 use super::values::{Kind, Values};
-use crate::foreign::shorten;
+use crate::sanitize::shorten;
 
 /// The longest text of a cell, bytes: more than any word in a study needs.
 const MAX_TEXT_BYTES: usize = 256;

@@ -4,7 +4,7 @@ use csv::{Position, ReaderBuilder, Trim};
 
 use super::cells::{Cell, Cells, Limits, ragged, too_many_values};
 use super::error::{Fault, Refusal};
-use crate::foreign::shorten;
+use crate::sanitize::shorten;
 
 /// Reads a CSV table from the bytes of its file.
 ///

@@ -1,6 +1,6 @@
 //! The error of a table that is refused, with its line, row and column.
 
-use crate::foreign::shorten;
+use crate::sanitize::shorten;
 
 /// A fault without its location.
 #[derive(Clone, Debug, PartialEq, Eq)]

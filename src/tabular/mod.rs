@@ -5,13 +5,13 @@
 
 mod cells;
 mod csv;
-mod delta;
 mod error;
-mod guard;
+mod library_panics;
 mod pages;
 mod parquet;
 mod read_cells;
 mod source;
+mod text_lengths;
 mod thrift;
 mod unpack;
 mod values;

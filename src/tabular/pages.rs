@@ -14,9 +14,9 @@ use parquet::errors::Result as ParquetResult;
 use parquet::file::serialized_reader::SerializedPageReader;
 use parquet::schema::types::ColumnDescPtr;
 
-use super::delta::check_texts;
 use super::error::Fault;
 use super::source::Source;
+use super::text_lengths::check_texts;
 use super::unpack::unpack;
 
 /// The least number of bytes that a page is charged.

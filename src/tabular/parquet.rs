@@ -20,7 +20,7 @@ use parquet::errors::Result as ParquetResult;
 use parquet::file::metadata::{KeyValue, ParquetMetaData, RowGroupMetaData};
 
 use super::error::Fault;
-use super::guard::guarded;
+use super::library_panics::guarded;
 use super::pages::Chunks;
 use super::source::{Place, Source};
 use super::values::Kind;

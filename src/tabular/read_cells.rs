@@ -6,7 +6,7 @@ use super::cells::{Cells, Limits, too_many_values};
 use super::csv;
 use super::error::{Fault, Refusal};
 use super::parquet::ParquetFile;
-use crate::foreign::shorten;
+use crate::sanitize::shorten;
 
 /// The file formats.
 #[derive(Clone, Copy)]

@@ -10,7 +10,7 @@ use parquet::file::metadata::{ParquetMetaData, ParquetMetaDataReader};
 use parquet::file::reader::{ChunkReader, Length};
 
 use super::error::Fault;
-use super::guard::guarded;
+use super::library_panics::guarded;
 use super::thrift;
 use super::unpack::MAX_PAGE_BYTES;
 

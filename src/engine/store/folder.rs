@@ -16,7 +16,7 @@ use super::StoreError;
 use super::chunk::Chunk;
 use crate::classification::MODEL_VERSION;
 use crate::engine::say;
-use crate::foreign::shown_path;
+use crate::sanitize::shown_path;
 use crate::table::{is_inside, make_inside, read_regular, sync_directory};
 
 /// File name of the list of finished chunks, one line of JSON each.

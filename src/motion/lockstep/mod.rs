@@ -12,7 +12,7 @@
 
 mod advance;
 #[cfg(all(test, target_arch = "x86_64"))]
-mod against_one_run;
+mod compared_with_one_run;
 mod equations;
 mod event_functions;
 mod event_location;

@@ -1,6 +1,6 @@
 //! Builds HTML from escaped text.
 
-use crate::foreign::is_acted_on;
+use crate::sanitize::is_acted_on;
 
 /// An HTML text that grows line by line.
 #[derive(Debug, Default)]

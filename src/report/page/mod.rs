@@ -13,7 +13,7 @@ use serde_json::json;
 
 use super::chart::Figure;
 use super::data::ReportData;
-use crate::foreign::{harmless_json, shell_word, shown_path};
+use crate::sanitize::{harmless_json, shell_word, shown_path};
 use html::{Html, escaped};
 
 const PAGE: &str = include_str!("assets/page.html");

@@ -4,10 +4,10 @@ use std::path::Path;
 
 use super::html::{Html, escaped};
 use crate::classification::Label;
-use crate::foreign::{one_line, shell_word};
 use crate::model::Method;
 use crate::report::data::{Fraction, Notable, PointFacts, ReportData, said};
 use crate::report::figures::significant;
+use crate::sanitize::{one_line, shell_word};
 use crate::study::ParameterKind;
 
 /// The number of rows above which a table is folded.
