@@ -89,6 +89,8 @@ impl Staging {
             let Err(refused) = fs::rename(source, &self.target) else { return Ok(()) };
             match fs::symlink_metadata(&self.target) {
                 Ok(old) if old.is_dir() || source.is_dir() => {}
+                // The name was taken when the rename failed; another process has moved that table since.
+                Err(error) if is_missing(&error) && !is_missing(&refused) => continue,
                 _ => return Err(refused),
             }
             if let Some(name) = foreign(&self.target)? {
@@ -101,12 +103,16 @@ impl Staging {
             let aside = self.directory.path().join(format!("{REPLACED}-{number}"));
             match fs::rename(&self.target, aside) {
                 // Another process has moved it, and may put its own table there.
-                Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
+                Err(error) if !is_missing(&error) => return Err(error),
                 _ => {}
             }
         }
         Err(io::Error::other("other processes write this table at the same time"))
     }
+}
+
+fn is_missing(error: &io::Error) -> bool {
+    error.kind() == io::ErrorKind::NotFound
 }
 
 /// Returns the name of something in a directory that is not part of a table, or `None` if there is
@@ -115,7 +121,12 @@ fn foreign(directory: &Path) -> io::Result<Option<String>> {
     if !fs::symlink_metadata(directory).is_ok_and(|found| found.is_dir()) {
         return Ok(None);
     }
-    for entry in fs::read_dir(directory)? {
+    let entries = match fs::read_dir(directory) {
+        // Another process has moved it since.
+        Err(error) if is_missing(&error) => return Ok(None),
+        entries => entries?,
+    };
+    for entry in entries {
         let name = entry?.file_name().to_string_lossy().into_owned();
         if !is_part(&name) {
             return Ok(Some(name));
