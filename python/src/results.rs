@@ -121,7 +121,7 @@ pub struct Run {
     pub threads: usize,
     /// How progress is shown.
     pub show: Show,
-    /// Whether a study may replace results of which no run can be reused.
+    /// Whether a study may replace results without a reusable run.
     pub recompute: bool,
 }
 

@@ -123,8 +123,8 @@ impl PyStudy {
     /// threads: number of worker threads, 1 to 1024; one per core by default. Does not change any
     ///     result.
     /// progress: whether to show progress on standard error.
-    /// recompute: with ``out``, also run if the directory contains results of which no run can be
-    ///     reused; these results are moved to ``earlier/``.
+    /// recompute: with ``out``, also run if the directory contains results without a reusable
+    ///     run; these results are moved to ``earlier/``.
     ///
     /// Failed runs raise no exception; they are in the tables. Ctrl-C raises KeyboardInterrupt
     /// within a second; with ``out``, finished runs are saved, and the same call resumes the study.
@@ -188,7 +188,7 @@ impl PyStudy {
             let finished = |label| progress.finished(label);
             let answers = respond_to_all(&workers, &study, &designs, stop, &finished);
             progress.close();
-            // None after an interruption; then nobody receives the table.
+            // After an interruption there are no answers, and the empty table is discarded.
             let answers = answers.map_err(Trouble::Usage)?.unwrap_or_default();
             let about = provenance(&study, "responses");
             Ok::<_, Trouble>(in_memory(response_columns(&study), about, answers)?)

@@ -31,7 +31,7 @@ pub fn wait<T: Send + 'static>(
     thread::Builder::new().name("stickslip".to_owned()).spawn(move || {
         // Only the flag survives the unwinding.
         let done = catch_unwind(AssertUnwindSafe(|| work(&flag)));
-        // After an interruption, nobody receives the result.
+        // Sending fails if an interruption has dropped the receiver.
         let _ = sender.send(done);
     })?;
     loop {

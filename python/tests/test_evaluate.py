@@ -1,4 +1,4 @@
-"""Responses of designs: the table is the program's, whatever designs come as."""
+"""Responses of designs: every input format gives the same table as the program."""
 
 import csv
 

@@ -60,7 +60,7 @@ def test_preferred_equilibria_are_dots_over_the_histogram(results):
     assert titles(figure) == ["(a) speed −200 rad/s: 2 of 4 at rest", "(b) speed −210 rad/s: 1 of 4 at rest"]
     first, second = panels(figure)
     assert dots(first) == [[1.0, 4.0], [2.0, 5.0]] and dots(second) == [[5.0, 2.0]]
-    # Rows go with ball 2, in per cent; balls that are alike have no order.
+    # Rows belong to ball 2, values are in per cent; identical balls have no order.
     cells = first.collections[0].get_array()
     assert cells.shape == (4, 4)
     shown = {(row, column): cells[row, column] for row, column in zip(*np.nonzero(~cells.mask))}
@@ -83,7 +83,7 @@ def test_preferred_equilibria_over_their_set(results, tmp_path):
         "stable without friction",
         "unstable without friction",
     ]
-    # Balls that are alike: with the balls exchanged as well.
+    # Identical balls: the exchanged positions are drawn, too.
     assert sorted(dots(axes, paper.SERIES[1])) == [[2.5, 3.5], [3.5, 2.5]]
 
 
@@ -295,7 +295,7 @@ def test_equilibrium_set(tmp_path, parts):
 
 
 def test_the_abscissa_is_ball_1(tmp_path):
-    """Balls that are not alike: held only where ball 1 is in the first half of the turn."""
+    """Different balls: dry friction holds them only if ball 1 is in the first half of the turn."""
     sets = small_tables.equilibria(tmp_path / "sets")
     path = sets / "equilibrium_positions.parquet"
     table = pyarrow.parquet.read_table(path)
@@ -308,7 +308,7 @@ def test_the_abscissa_is_ball_1(tmp_path):
     (axes,) = panels(figures.equilibrium_set(sets, points=[0]))
     edge = np.concatenate([path.vertices for path in axes.collections[-1].get_paths()])
     assert np.abs(np.sin(edge[:, 0] + 0.3)).max() < 0.01 and np.ptp(edge[:, 1]) > 6
-    # No exchange of balls that are not alike.
+    # Different balls are not exchanged.
     assert sorted(dots(axes)) == [[2.0, 4.0], [3.0, 3.0]]
 
 

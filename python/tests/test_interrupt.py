@@ -1,4 +1,4 @@
-"""Ctrl-C, other threads of Python, and what is left behind. Nothing here would ever end by itself."""
+"""Ctrl-C, other Python threads, and the remaining files. No call in these tests ends without an interruption."""
 
 import _thread
 import json

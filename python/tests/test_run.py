@@ -13,7 +13,7 @@ TABLES = ["runs", "points", "time_to_rest", "cycles", "equilibria", "equilibrium
 
 
 def files(folder):
-    """The hashes of a directory's tables; the manifest has times, and chunks are cut as time goes by."""
+    """Returns the hashes of a directory's tables; the manifest and the division into chunks depend on time."""
     paths = [folder / f"{table}.parquet" for table in TABLES] + [folder / "study.yaml"]
     return {path.name: hashlib.sha256(path.read_bytes()).hexdigest() for path in paths}
 

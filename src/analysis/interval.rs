@@ -62,8 +62,8 @@ pub(super) fn score_interval(fraction: f64, n: f64, z: f64) -> (f64, f64) {
     (low, high)
 }
 
-/// Returns Wilson's interval for runs some of which failed, so that their endings are unknown: from
-/// the lower end with no failed run as a success to the upper end with all of them as successes.
+/// Returns Wilson's interval if some runs failed and their labels are unknown: from the lower end with
+/// no failed run as a success to the upper end with all of them as successes.
 pub fn wilson_with_failures(successes: u64, failures: u64, trials: u64, z: f64) -> (f64, f64) {
     (wilson(successes, trials, z).0, wilson(successes + failures, trials, z).1)
 }

@@ -165,7 +165,7 @@ impl<const N: usize> OrbitWatch<N> {
     }
 
     /// Returns the unstable orbit on which the run nearly closes at its latest passage: only a
-    /// symmetry, or too little time, has kept the run there.
+    /// symmetry or too short a run has prevented its departure.
     pub fn unstable_orbit(&self) -> Option<&Orbit<N>> {
         let (turns, orbit) = self.unstable.as_ref()?;
         let closes = self.passages.back()?.differences[*turns] <= near(*turns);

@@ -40,7 +40,7 @@ impl End {
     }
 }
 
-/// An error that kept a command from its work.
+/// An error that prevented a command from completing.
 #[derive(Debug, Error)]
 pub enum CliError {
     /// The study is invalid.

@@ -1,4 +1,4 @@
-//! Report files, which a report may replace if an earlier report wrote them and nobody has changed them since.
+//! Overwrites report files only if an earlier report wrote them and they are unchanged.
 //!
 //! A page ends with a comment that holds the hash of the text before it.
 

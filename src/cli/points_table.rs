@@ -11,7 +11,7 @@ use crate::table::{Kind, Table, TableError};
 /// The number of points that are printed by default; the others are in `points.parquet`.
 pub const MOST_LINES: usize = 40;
 
-/// The points of a result, of which the first `most` are stored and the others counted.
+/// The points of a result: the first `most` of them in full, and the number of the others.
 #[derive(Clone, Debug)]
 pub struct PointsTable {
     names: Vec<String>,

@@ -113,7 +113,7 @@ impl OutputDir<'_> {
         };
         if unfinished && self.shards.is_empty() {
             tell(format!(
-                "{directory}: continuing this study, of which up to {} runs are finished",
+                "{directory}: continuing this study; up to {} of its runs are finished",
                 store.listed_runs(),
             ));
         }
@@ -177,7 +177,7 @@ impl OutputDir<'_> {
         ResultsError::Occupied {
             path: self.directory.to_owned(),
             reason:
-                "this directory holds the results of another study, of which no run can be reused"
+                "this directory contains the results of another study, and none of its runs can be reused"
                     .to_owned(),
             found: format!("study {}; it differs in\n    {}", manifest.study, lines.join("\n    ")),
             allowed: match self.shards {

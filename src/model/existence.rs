@@ -10,9 +10,9 @@
 //! ```
 //!
 //! A ball in the band has `f_w = p f_n` with `p = μ` where it accelerates forwards, `-μ` backwards,
-//! and anything between where it sticks; a slipping ball has a fixed `p = ±μ`. For two solutions
-//! with accelerations that differ by `d`, one of which presses every ball to the ring, subtraction
-//! gives `d_i (K d)_i = -d_i (p_i - p'_i) f_n,i ≤ 0` for every ball, with
+//! and anything between where it sticks; a slipping ball has a fixed `p = ±μ`. Subtracting
+//! two solutions with accelerations that differ by `d`, where one solution presses every ball to the
+//! ring, gives `d_i (K d)_i = -d_i (p_i - p'_i) f_n,i ≤ 0` for every ball, with
 //!
 //! ```text
 //! K(p) = A + diag(p) B     K_ij = (1 + 4J) δ_ij - m_j [cos(β_i - β_j) - p_i sin(β_i - β_j)]
@@ -28,7 +28,7 @@
 //! others slipping or sticking, are Schur complements and principal submatrices of the same `K`:
 //! one test covers all configurations.
 //!
-//! Conversely, where some `K(p)` is no P-matrix there is a `d ≠ 0` with `d_i (K d)_i ≤ 0`. Then
+//! Conversely, where some `K(p)` is not a P-matrix there is a `d ≠ 0` with `d_i (K d)_i ≤ 0`. Then
 //! `d⁺` and `d⁻` (in the directions of the corner `p`) both solve the problem for one and the same
 //! pair of forces: the motion is not determined.
 //!

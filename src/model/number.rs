@@ -7,7 +7,7 @@ use std::ops::{Add, Mul, Neg, Sub};
 pub trait Number:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Neg<Output = Self>
 {
-    /// The same constant in every lane.
+    /// Returns a constant in all lanes.
     fn constant(value: f64) -> Self;
     /// Sine and cosine, angle in rad.
     fn sin_cos(self) -> (Self, Self);

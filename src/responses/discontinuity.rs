@@ -3,8 +3,8 @@
 //! Neighbours of a design are the designs nearest to it in scaled variables (a range has length 1; different choices
 //! have distance 1). Fisher's exact test compares each label's fraction in the two designs (R. A. Fisher, J. R.
 //! Stat. Soc. 85 (1922) 87, doi:10.2307/2340521); the tests of labels and of pairs divide the level evenly
-//! (Bonferroni). Runs of neighbours start alike, so that their labels differ less by chance than the test assumes.
-//! With many runs small changes are significant, too.
+//! (Bonferroni). Runs of neighbouring designs share their start states, so their labels differ less by chance than the
+//! test assumes. With many runs, small changes are also significant.
 
 use statrs::function::factorial::ln_binomial;
 

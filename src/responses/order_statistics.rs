@@ -123,7 +123,7 @@ mod tests {
         assert_eq!(interval(&values, 0.5), [Some(6.0), Some(15.0)]);
         assert_eq!(interval(&values[..5], 0.5), [None, None], "1/32 in each tail");
         assert_eq!(interval(&values[..6], 0.5), [Some(1.0), Some(6.0)], "1/64 in each tail");
-        assert_eq!(interval(&values, 0.95)[1], None, "0.95^20 = 0.36 is beyond the last");
+        assert_eq!(interval(&values, 0.95)[1], None, "0.95^20 = 0.36 exceeds the tail");
         assert_eq!(interval(&[], 0.5), [None, None]);
     }
 

@@ -1,6 +1,6 @@
 //! Results as files: Parquet tables with units and provenance, and the manifest beside them.
 //!
-//! The only room that writes Parquet; `tabular` reads it, for studies and results alike.
+//! Only this module writes Parquet files; `tabular` reads them for both studies and results.
 
 pub mod cell;
 pub mod column;

@@ -184,7 +184,7 @@ mod tests {
         }
     }
 
-    /// If nobody has closed an incomplete folder, files of the same names go into another folder.
+    /// If an incomplete folder remains from a killed process, files with the same names are moved to another folder.
     #[test]
     fn a_folder_is_not_filled_up_with_other_results() {
         for kill in 1..RENAMINGS {

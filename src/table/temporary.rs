@@ -1,6 +1,6 @@
 //! Files and directories with temporary names, until they are complete.
 //!
-//! A temporary name is the final name with six random characters and an extension that nobody else
+//! A temporary name is the final name with six random characters and an extension that no other program
 //! uses: `r.parquet.x4kT0b.stickslip-partial`. The name is created exclusively, belongs to one
 //! process, and is removed when the value is dropped. The files of a killed process are recognised
 //! by their names; in a locked directory, the next process removes them.

@@ -366,7 +366,7 @@ mod tests {
         }
     }
 
-    /// The same bytes stay unchanged, and nothing else is replaced.
+    /// Writing identical bytes again changes nothing, and a file with other content is not replaced.
     #[test]
     fn a_table_that_is_written_once_replaces_nothing() {
         let again = |path: &Path, rows: u64| {

@@ -105,7 +105,7 @@ impl Pages {
                 let bytes = (*num_values as usize).checked_mul(least);
                 let fits = bytes.is_some_and(|bytes| bytes <= buf.len());
                 let known = matches!(encoding, Encoding::PLAIN | Encoding::PLAIN_DICTIONARY);
-                unless(begins, "a dictionary that is not where its column begins")?;
+                unless(begins, "a dictionary that is not the first page of its column")?;
                 unless(fits, "a dictionary of more values than its page can hold")?;
                 unless(known, "a dictionary in an unknown encoding")?;
                 self.check_values(buf, 0, Encoding::PLAIN, *num_values)?;

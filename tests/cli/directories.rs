@@ -66,7 +66,7 @@ fn another_study_is_refused() {
     scratch.write("other.yaml", small("seed: 6\n").replace("small", "other"));
     scratch.well("run a.yaml --out out");
     let refused = [
-        "out: this directory holds the results of another study, of which no run can be reused",
+        "out: this directory contains the results of another study, and none of its runs can be reused",
         "\n  found:   study small; it differs in\n    name: \"small\" -> \"other\"\n    seed: 5 -> 6",
         "\n  allowed: another directory, with --out DIR",
     ];

@@ -89,7 +89,7 @@ fn what_cannot_be_used_again_is_refused_with_the_difference() {
     let other = |text: String| text.replace("seed: 5", "seed: 6").replace("2e-2", "3e-2");
     scratch.write("b.yaml", study("[-160.0]", other));
     let refused = [
-        "out: this directory holds the results of another study, of which no run can be reused",
+        "out: this directory contains the results of another study, and none of its runs can be reused",
         "study edited; it differs in\n    seed: 5 -> 6\n",
         "simulation.end_time_s: 0.02 -> 0.03",
         "allowed: another directory, with --out DIR; or --recompute",

@@ -122,8 +122,7 @@ fn stopped_by(signal: &str, number: u32) {
     // The same command continues: finished runs are available first.
     let again = scratch.stickslip("run long.yaml --out out --threads 2 --max-seconds 0");
     assert_eq!(again.code, Some(130), "{}", again.err);
-    let going_on =
-        format!("out: continuing this study, of which up to {finished} runs are finished");
+    let going_on = format!("out: continuing this study; up to {finished} of its runs are finished");
     assert_has(
         &again.err,
         &[&going_on, &format!("out of time (--max-seconds) after {finished} of 4000000 runs")],

@@ -16,8 +16,8 @@ use seccompiler::{BpfProgram, SeccompAction, SeccompFilter, apply_filter};
 
 use super::support::{AT_ONCE, Scratch, study_text};
 
-/// All system calls for networks: creating and using sockets, and io_uring, whose operations no
-/// filter sees.
+/// All system calls for networks: creating and using sockets, and io_uring, whose operations bypass
+/// system-call filters.
 const NETWORK: [i64; 10] = [
     libc::SYS_socket,
     libc::SYS_connect,

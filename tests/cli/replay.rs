@@ -188,7 +188,7 @@ fn a_row_that_is_not_the_run_is_shown() {
         .refused("replay a 0", &["runs.parquet: this is not a readable table of runs", "found: "]);
 }
 
-/// A footer of a few bytes that announces 2^31 - 1 columns, and one that is cut off: no memory is taken for them.
+/// A short footer that announces 2^31 - 1 columns and a truncated footer are refused without allocating memory.
 #[test]
 fn a_hostile_table_of_runs_is_refused() {
     let scratch = Scratch::new();

@@ -85,8 +85,8 @@ fn the_directory_is_enough() {
     assert_eq!(scratch.data("out"), scratch.data("whole"));
 }
 
-/// For each kind of damage to a chunk or the list, the runs of the chunk are computed again,
-/// nothing else is lost, the damaged file is kept, and the tables are the same.
+/// For each kind of damage to a chunk or the list, only the runs of the chunk are recomputed, the damaged
+/// file is renamed and not deleted, and the tables are identical.
 #[test]
 fn what_is_damaged_is_named_and_computed_again() {
     type Change = (&'static str, fn(&PathBuf));
@@ -197,7 +197,7 @@ fn what_cannot_be_resumed_is_refused() {
     // The message is true.
     fs::remove_file(scratch.path("out/manifest.json")).unwrap();
     let ended = scratch.stickslip("run a.yaml --out out");
-    assert_has(&ended.err, &["400 were finished before"]);
+    assert_has(&ended.err, &["400 finished earlier"]);
     assert_eq!(scratch.data("out"), scratch.data("whole"));
 
     let scratch = stopped();
@@ -238,7 +238,7 @@ fn runs_of_another_version_are_not_used() {
         fs::write(&path, of_older_model(&fs::read_to_string(&path).unwrap())).unwrap();
     }
     let versions = format!("version of the model: 0 -> {MODEL_VERSION}");
-    let version = ["of which no run can be reused", &versions, "--recompute"];
+    let version = ["none of its runs can be reused", &versions, "--recompute"];
     scratch.refused("run a.yaml --out out", &version);
     let ended = scratch.stickslip("run a.yaml --out out --recompute --chunk 50");
     assert_eq!(ended.code, Some(0), "{}", ended.err);
@@ -248,7 +248,7 @@ fn runs_of_another_version_are_not_used() {
         ended.err
     );
     assert_eq!(scratch.data("out"), scratch.data("whole"));
-    // They are kept, like everything else.
+    // The chunks of the older model are not deleted.
     assert_eq!(fs::read_to_string(list).unwrap().lines().count(), 8 + 12);
     assert!(folder.join("000007.chunk").exists());
 }

@@ -20,7 +20,7 @@ fn tight() -> Settings {
 }
 
 /// At break-away `|f_w| = μ f_n` holds up to rounding. Whether the force is an ulp below or above,
-/// its rate decides; and all these motions continue alike.
+/// its rate decides; all these motions continue in the same way.
 #[test]
 fn break_away_within_rounding() {
     let balancer = two_balls(-216.3772);

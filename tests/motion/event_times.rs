@@ -93,7 +93,7 @@ fn stops_are_located_to_1e_12() {
     assert!(located > 50, "{located}");
 }
 
-/// Motions with a step that ends exactly on an event, or a float beside it, continue alike.
+/// A motion continues in the same way if a step ends exactly on an event or one ulp beside it.
 #[test]
 fn steps_may_end_on_an_event() {
     let mut events = 0;
@@ -159,8 +159,8 @@ fn two_events_in_one_step_may_come_in_either_order() {
     assert!(switches > 100, "{switches}");
 }
 
-/// A ball whose speed touches zero tangentially continues alike whether or not it stops for an
-/// instant, in a few events.
+/// A ball whose speed touches zero tangentially continues in the same way whether or not it stops
+/// for an instant, and causes few events.
 #[test]
 fn a_speed_may_touch_zero() {
     let mut touched = 0;

@@ -7,7 +7,7 @@ use super::browser::Browser;
 use super::page::{DARK, LAPTOP, Page, View};
 use super::results::Made;
 
-/// With reduced motion, the animation does not start by itself.
+/// With reduced motion, the animation does not start automatically.
 const STILL: View = View { reduced_motion: true, ..LAPTOP };
 
 /// Creates the replay of a run with this number of balls, of several seconds.

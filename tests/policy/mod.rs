@@ -67,7 +67,7 @@ fn package(line: &str) -> Built {
 
 #[track_caller]
 fn none(found: &[String]) {
-    assert!(found.is_empty(), "deny.toml is not kept:\n{}", found.join("\n"));
+    assert!(found.is_empty(), "violations of deny.toml:\n{}", found.join("\n"));
 }
 
 #[test]

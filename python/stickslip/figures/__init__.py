@@ -1,12 +1,12 @@
-"""Figures for papers from the Parquet tables that stickslip has written, drawn by matplotlib.
+"""Draws figures for papers from the Parquet tables of stickslip with matplotlib.
 
 >>> from stickslip import figures
 >>> figure = figures.time_to_rest("results/night", width="single")
 >>> figure.savefig("time-to-rest.pdf")
 
-Each function takes a directory of results and returns a matplotlib figure, 90 mm or 180 mm wide, with type of
-8 points; its axes and artists can be changed like those of any other. `stickslip-figures DIR` draws all of them.
-Needs matplotlib, numpy and pyarrow (`pip install "stickslip[figures]"`), and no compiled part of this package.
+Each function reads a directory of results and returns a matplotlib figure, 90 mm or 180 mm wide, with 8-point type.
+Its axes and artists can be changed as in any matplotlib figure. `stickslip-figures DIR` draws all figures. The module
+requires matplotlib, numpy and pyarrow (`pip install "stickslip[figures]"`), but no compiled part of this package.
 """
 
 from importlib.util import find_spec as _find_spec

@@ -1,4 +1,4 @@
-"""`python -m stickslip.figures` is the command `stickslip-figures`."""
+"""Runs the command `stickslip-figures` as `python -m stickslip.figures`."""
 
 import sys
 

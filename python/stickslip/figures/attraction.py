@@ -18,7 +18,7 @@ from .tables import Directory, FiguresError, Numbers, Source
 
 __all__ = ["basins"]
 
-#: At most about so many dots, all panels together.
+#: Approximate largest number of dots in all panels together.
 _MOST_DOTS = 48_000
 
 
@@ -29,17 +29,17 @@ def basins(
     points: Optional[Sequence[int]] = None,
     sheet: int = 1,
 ) -> Paper:
-    """Basins of attraction: start states in the planes of two of their coordinates, by how the run ended.
+    """Draws basins of attraction: the start states in planes of two coordinates, coloured by the label of the run.
 
-    A panel for each point and pair of coordinates that belong together: equal ones of two balls, x and y,
-    angle and speed of each ball; position and velocity of a block. The other coordinates differ from dot to
-    dot, so that this is a projection of the basins and not a cut through them. Angles are in [rad], the block's
-    coordinates in [m] and [m/s], the others without dimensions as in the study. Dots have no errors: labels in
-    doubt are in `diagnostics`.
+    Each point has a panel for each of these pairs: the angles of balls 1 and 2, their speeds, x and y, the
+    velocities of x and y, and angle and speed of each ball; for a block, position and velocity. The other
+    coordinates differ from dot to dot, so each panel is a projection of the basins, not a section. Angles are in
+    [rad] and the block's coordinates in [m] and [m/s]; the others are dimensionless as in the study. `diagnostics`
+    shows the labels in doubt.
 
     ``width``: "single" (90 mm) or "double" (180 mm); ``points``: numbers of the points to show; ``sheet``:
-    which twelve panels, where there are more. Above 48,000 dots a labelled subsample is plotted. Raises
-    FiguresError where the directory has no `runs.parquet`, or no start states differ.
+    which sheet of twelve panels, from 1. Above 48,000 dots it plots a labelled subsample. Raises FiguresError if
+    the directory has no `runs.parquet` or its start states have fewer than two coordinates.
     """
     results = Directory(directory)
     sweep = Sweep(results)
@@ -48,7 +48,7 @@ def basins(
     pairs = _pairs(starts, runs.balls_of(results))
     if not pairs:
         raise FiguresError(
-            results.path, table.name, "it has no two columns of start states", "`stickslip run` writes them"
+            results.path, table.name, "it has fewer than two columns of start states", "`stickslip run` writes them"
         )
     rows = sweep.details(points)
     columns = sorted({name for pair in pairs for name in pair})
@@ -105,9 +105,9 @@ def basins(
     return lay_out(
         panels,
         title="Basins of attraction: which start states end where",
-        caption="Start states in the plane of two of their coordinates, by how the run ended; the other "
+        caption="Start states in planes of two coordinates, coloured by the label of the run; the other "
         f"coordinates differ from dot to dot.{sweep.left_out(rows)}{sample.subsample}",
-        alternative=f"Runs by how they ended: {', '.join(told)}.",
+        alternative=f"Runs by label: {', '.join(told)}.",
         width=width,
         sheet=sheet,
         legend_title=sample.label,
@@ -115,7 +115,7 @@ def basins(
 
 
 def _pairs(starts: Sequence[str], balls: int) -> list[tuple[str, str]]:
-    """Coordinates that belong together."""
+    """Returns the pairs of start coordinates that share a panel."""
     if balls == 0:
         return [(starts[0], other) for other in starts[1:4]]
     names = [("beta_1", "beta_2"), ("beta_dot_1", "beta_dot_2"), ("x", "y"), ("x_dot", "y_dot")]
@@ -125,7 +125,7 @@ def _pairs(starts: Sequence[str], balls: int) -> list[tuple[str, str]]:
 
 
 def _start_axis(axes: Axes, which: str, column: str, unit: str, values: Numbers) -> None:
-    """Angles go round once where the start states do."""
+    """Labels and scales an axis; an angle axis covers one turn if all start angles lie in it."""
     name = f"{words.coordinate(column)} at the start"
     if unit == "rad" and values.size and values.min() >= 0 and values.max() <= 2 * np.pi:
         angle_axis(axes, which, name)

@@ -1,4 +1,4 @@
-"""Equilibria without dry friction over the speed of the disc: a panel for each kind."""
+"""Draws the frictionless equilibria over the speed of the disc."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ from .tables import Directory, Numbers, Source
 
 __all__ = ["frictionless_branches"]
 
-#: About so many circles on a branch over all speeds.
+#: Approximate number of circles on a branch that covers all speeds.
 _CIRCLES = 30
 _DASHED = (0, (5, 1.8))
-#: Kinds as the thesis writes them.
+#: Names of the kinds, as in the thesis.
 _KINDS = {
     "a1_plus": "A1+",
     "a1_minus": "A1−",
@@ -31,15 +31,15 @@ _KINDS = {
 
 
 def frictionless_branches(directory: Source, *, width: Optional[Width] = None, sheet: int = 1) -> Paper:
-    """Equilibria without dry friction over the speed of the disc [rad/s]: angles of the balls [rad].
+    """Draws the ball angles [rad] of the equilibria without dry friction over the speed of the disc [rad/s].
 
-    A panel for each kind: A1+ and A1− with all balls together, A2 with two balls opposite each other, B1
-    balanced, others with three balls or more. Stable branches are solid, unstable ones dashed with circles;
-    the dashed upright line is the natural frequency. Closed forms; there are no errors to draw. The thesis,
-    figure 5.1.
+    Each kind has a panel: A1+ and A1− with all balls together, A2 with two balls opposite each other, B1
+    balanced, and further kinds for three or more balls. Stable branches are solid; unstable branches are dashed
+    with circles. The dashed vertical line is the natural frequency. The angles are closed forms without
+    statistical errors. See figure 5.1 of the thesis.
 
-    ``width``: "single" (90 mm) or "double" (180 mm). Raises FiguresError where the directory has no
-    `frictionless_equilibria.parquet` with three speeds or more (`stickslip equilibria --speeds=FROM:TO:N`).
+    ``width``: "single" (90 mm) or "double" (180 mm). Raises FiguresError if the directory has no
+    `frictionless_equilibria.parquet` with three or more speeds (`stickslip equilibria --speeds=FROM:TO:N`).
     """
     table = Directory(directory).table("frictionless_equilibria")
     table.need(["speed_rad_s", "kind", "stability"])
@@ -47,13 +47,13 @@ def frictionless_branches(directory: Source, *, width: Optional[Width] = None, s
     other = [column for column in own if column not in ("point_id", "speed_rad_s")]
     remedy = "repeat `stickslip equilibria` with --speeds=FROM:TO:N, or sweep only the speed"
     if other:
-        raise table.nothing(f"it is swept over {', '.join(other)} as well", remedy)
+        raise table.nothing(f"it is also swept over {', '.join(other)}", remedy)
     angles = [name for name in table.columns if name.startswith("beta_") and name.endswith("_rad")]
     read = table.read(["speed_rad_s", "kind", "stability", *angles])
     speeds = np.unique(read["speed_rad_s"])
     if speeds.size < 3:
         raise table.nothing(f"it has {speeds.size} speeds, and branches need three", remedy)
-    # To the right the disc turns faster, whichever way.
+    # The speed's magnitude increases to the right for either direction of rotation.
     clockwise = bool(speeds[-1] <= 0)
     sign = -1.0 if clockwise else 1.0
     natural = natural_frequency_rad_s(table.parameters)
@@ -62,7 +62,7 @@ def frictionless_branches(directory: Source, *, width: Optional[Width] = None, s
     stable = read["stability"] == "stable"
     kinds = [kind for kind in _KINDS if np.any((read["kind"] == kind) & exists)]
     if not kinds:
-        raise table.nothing("it has no equilibria with balls at places of their own", remedy)
+        raise table.nothing("it has no equilibria with determined ball angles", remedy)
     keys = [
         Line2D([], [], color=INK, label="stable"),
         Line2D([], [], color=INK, linestyle=_DASHED, marker="o", markerfacecolor="white", label="unstable"),
@@ -123,8 +123,8 @@ def frictionless_branches(directory: Source, *, width: Optional[Width] = None, s
     return lay_out(
         panels,
         title="Equilibria without dry friction over the speed of the disc",
-        caption="Where the balls rest without dry friction: A1+ and A1− all together, A2 opposite each other, B1 "
-        "balanced. Solid: stable; dashed with circles: unstable; ωₙ: natural frequency.",
+        caption="Angles of the balls at rest without dry friction: A1+ and A1− all balls together, A2 balls opposite "
+        "each other, B1 balanced. Solid: stable; dashed with circles: unstable; ωₙ: natural frequency.",
         alternative=f"{'; '.join(told)}; of {speeds.size} speeds.",
         width=width,
         sheet=sheet,
@@ -132,6 +132,6 @@ def frictionless_branches(directory: Source, *, width: Optional[Width] = None, s
 
 
 def _connected(place: NDArray[np.int64], x: Numbers, y: Numbers) -> tuple[Numbers, Numbers]:
-    """Points at neighbouring speeds as a line, broken where a speed is left out or an angle goes round."""
+    """Returns a line through points at neighbouring speeds, broken at missing speeds and where an angle wraps."""
     gaps = np.flatnonzero((np.abs(np.diff(place)) > 1) | (np.abs(np.diff(y)) > np.pi)) + 1
     return np.insert(x, gaps, np.nan), np.insert(y, gaps, np.nan)

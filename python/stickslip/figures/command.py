@@ -1,4 +1,4 @@
-"""The command `stickslip-figures`: every figure that the tables of a directory can show."""
+"""The command `stickslip-figures`, which draws the figures of a directory of results."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ __all__ = ["FIGURES", "main"]
 
 Drawing = Callable[..., Paper]
 
-#: The figures by name, with the table that decides whether a directory can have them.
+#: The figures by name, each with the table that it requires.
 FIGURES: dict[str, tuple[Drawing, str]] = {
     "preferred-equilibria": (preferred_equilibria, "points"),
     "ending-fractions": (ending_fractions, "points"),
@@ -53,14 +53,14 @@ Examples:
   stickslip-figures results/night --equilibria results/night-equilibria
   stickslip-figures results/night --width double --out paper/figures
 
-DIR is a directory that `stickslip run`, `stickslip equilibria` or `stickslip replay` has written. A figure
-that its tables cannot show is left out, and --only says why. The same tables and the same version of
-matplotlib give the same bytes. Exit code: 0; 1 where a table cannot be read; 2 for wrong usage.
+DIR is a directory written by `stickslip run`, `stickslip equilibria` or `stickslip replay`. Figures that its
+tables cannot show are omitted; with --only, an error states the reason. Identical tables and versions of
+matplotlib give identical bytes. Exit codes: 0 success; 1 a table cannot be read; 2 wrong usage.
 """
 
 
 def _dpi(text: str) -> int:
-    """A number of dots per inch."""
+    """Parses a number of dots per inch."""
     dpi = int(text) if text.isascii() and text.isdigit() else 0
     if not 50 <= dpi <= 2400:
         raise argparse.ArgumentTypeError(f"{text!r} is not a number from 50 to 2400")
@@ -78,29 +78,29 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--out", metavar="DIR", help="directory for the figures [default: DIR-figures]")
     parser.add_argument("--format", choices=FORMATS, default="svg", help="[default: svg]")
     parser.add_argument(
-        "--only", nargs="+", choices=list(FIGURES), metavar="NAME", help=f"of {', '.join(FIGURES)}"
+        "--only", nargs="+", choices=list(FIGURES), metavar="NAME", help=f"figures to draw: {', '.join(FIGURES)}"
     )
     parser.add_argument(
         "--width",
         choices=list(WIDTHS_MM),
-        help="90 mm or 180 mm [default: double where there are several panels]",
+        help="90 mm or 180 mm [default: double for several panels]",
     )
     parser.add_argument(
         "--dpi",
         type=_dpi,
         default=300,
-        help="dots per inch of PNG, and of dense dots in the others [default: 300]",
+        help="dots per inch of PNG, and of dense dots in SVG and PDF [default: 300]",
     )
     parser.add_argument(
         "--equilibria",
         metavar="DIR",
-        help="directory of `stickslip equilibria` for the same study: preferred equilibria are drawn over its set",
+        help="directory of `stickslip equilibria` for the same study, the background of preferred-equilibria",
     )
     return parser
 
 
 def _sheets(draw: Drawing, name: str, directory: Path, options: dict[str, Any]) -> list[tuple[str, Paper]]:
-    """A figure, or its sheets where it has several."""
+    """Draws all sheets of a figure and returns them with their file names."""
     first = draw(directory, **options)
     if first.sheets == 1:
         return [(name, first)]
@@ -109,7 +109,7 @@ def _sheets(draw: Drawing, name: str, directory: Path, options: dict[str, Any]) 
 
 
 def _drawn(arguments: argparse.Namespace) -> list[tuple[str, Paper]]:
-    """The figures that are asked for, or those that the tables can show."""
+    """Draws the requested figures, or all that the tables can show."""
     directory = Directory(arguments.directory)
     tables = {table for _, table in FIGURES.values()}
     if not any(directory.has(table) for table in tables):
@@ -118,7 +118,7 @@ def _drawn(arguments: argparse.Namespace) -> list[tuple[str, Paper]]:
             "",
             "there is nothing to draw here: no points.parquet, equilibrium_set_summary.parquet, "
             "frictionless_equilibria.parquet or trajectory.parquet",
-            "give a directory that `stickslip run`, `equilibria` or `replay` has written",
+            "give a directory written by `stickslip run`, `equilibria` or `replay`",
         )
     drawn: list[tuple[str, Paper]] = []
     why_not: list[FiguresError] = []

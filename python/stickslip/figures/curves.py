@@ -1,4 +1,4 @@
-"""Distributions over the runs of each point: time to rest, and amplitude at the end."""
+"""Draws the distributions of the time to rest and of the final amplitude over the runs of each point."""
 
 from __future__ import annotations
 
@@ -17,16 +17,16 @@ from .tables import Directory, Numbers, Source
 
 __all__ = ["amplitudes", "time_to_rest"]
 
-#: At most so many curves in one panel.
+#: Largest number of curves in one panel.
 _MOST_CURVES = 6
-#: At most so many steps of a curve: more than a picture can tell apart.
+#: Largest number of steps of a curve; more cannot be distinguished.
 _MOST_STEPS = 400
-#: At most about so many amplitudes are held.
+#: Approximate largest number of amplitudes in memory.
 _MOST_AMPLITUDES = 2_000_000
 
 
 def _few_each(rows: Sequence[int], ids: NDArray[Any]) -> list[tuple[str, list[int]]]:
-    """Rows in panels of a few neighbours each, with what the panels are called."""
+    """Distributes neighbouring rows over panels; returns the titles and rows of the panels."""
     count = max(1, -(-len(rows) // _MOST_CURVES))
     each = max(1, -(-len(rows) // count))
     parts = [list(rows[first : first + each]) for first in range(0, len(rows), each)]
@@ -45,7 +45,7 @@ def _panels(
     finish: Callable[[Axes], None],
     ruled: bool = False,
 ) -> list[Panel]:
-    """Curves of points, a few in a panel, each with its legend where there are several panels."""
+    """Returns panels with a few curves each; several panels have a legend each."""
     parts = _few_each(rows, sweep.ids)
 
     def panel(part: list[int]) -> Callable[[Axes], None]:
@@ -69,7 +69,7 @@ def _panels(
 
 
 def _own_legend(axes: Axes, title: str, ruled: bool) -> None:
-    """A legend above the axes that holds for them alone."""
+    """Adds a legend of these axes above them."""
     handles, names = axes.get_legend_handles_labels()
     legend = axes.legend(
         handles,
@@ -85,7 +85,7 @@ def _own_legend(axes: Axes, title: str, ruled: bool) -> None:
         title=title or None,
         alignment="left",
     )
-    # The title above it keeps its room.
+    # The legend must not move the title above it.
     legend.set_in_layout(False)
     for handle in [*axes.lines, *axes.collections]:
         handle.set_label("")
@@ -98,14 +98,14 @@ def time_to_rest(
     points: Optional[Sequence[int]] = None,
     sheet: int = 1,
 ) -> Paper:
-    """The probability that the balls (or the block) are at rest by time t [s], a curve for each point.
+    """Draws the probability that the balls (or the block) are at rest by time t [s], with one curve per point.
 
-    The estimator of Kaplan and Meier from `time_to_rest.parquet`: runs that still move at the end are
-    censored. The bands are its 95 % intervals, point by point in time. Failed runs are left out of the curve;
-    the band allows for them, as if all of them were at rest at once, or never.
+    The curve is the Kaplan-Meier estimator from `time_to_rest.parquet`; runs that still move at the end are
+    censored. The bands are pointwise 95 % confidence intervals. Failed runs are excluded from the curve; the band
+    includes the two extremes that all of them rest immediately or that none ever does.
 
     ``width``: "single" (90 mm) or "double" (180 mm); ``points``: numbers of the points to show. Raises
-    FiguresError where the directory has no such table.
+    FiguresError if the directory has no such table.
     """
     results = Directory(directory)
     sweep = Sweep(results)
@@ -155,13 +155,13 @@ def time_to_rest(
     ]
     left_out = sweep.failures_left_out(list(curves))
     if left_out:
-        left_out += " The bands allow for them: all at rest at once, or never."
+        left_out += " The bands include the extremes that all of them rest immediately or never."
     moving = {0: "block comes", 1: "ball comes"}.get(balls, "balls come")
     return lay_out(
         _panels(sweep, list(curves), draw, finish),
         title=f"When the {moving} to rest",
-        caption="Probability of being at rest by time t (Kaplan and Meier; runs that still move at the end are "
-        f"censored), with 95 % bands.{left_out}{sweep.left_out(list(curves))}",
+        caption="Probability of being at rest by time t (Kaplan-Meier; runs that still move at the end are "
+        f"censored), with pointwise 95 % bands.{left_out}{sweep.left_out(list(curves))}",
         alternative=words.listed(told),
         width=width,
         sheet=sheet,
@@ -176,15 +176,15 @@ def amplitudes(
     points: Optional[Sequence[int]] = None,
     sheet: int = 1,
 ) -> Paper:
-    """The table's amplitude at the end of the runs: its empirical distribution function at each point.
+    """Draws the empirical distribution function of the table's amplitude at the end of the runs, for each point.
 
-    All runs with an amplitude count, at rest or moving (of moving ones the root mean square). With balls the
-    abscissa is the amplitude divided by that of the same machine without balls: left of 1 the balls help.
-    Without balls (the block) it is the amplitude [m]. No errors are drawn: a value at fraction p of n runs has
+    All runs with an amplitude count, whether at rest or moving; moving runs have a root-mean-square amplitude. The
+    abscissa is the amplitude divided by that of the same machine without balls; values below 1 mean that the balls
+    reduce the vibration. For the block it is the amplitude [m]. Errors are not drawn: the fraction p of n runs has
     the standard error sqrt(p (1 − p) / n).
 
     ``width``: "single" (90 mm) or "double" (180 mm); ``points``: numbers of the points to show. Raises
-    FiguresError where the directory has no `runs.parquet`, or no run has an amplitude.
+    FiguresError if the directory has no `runs.parquet` or no run has an amplitude.
     """
     results = Directory(directory)
     sweep = Sweep(results)
@@ -216,7 +216,7 @@ def amplitudes(
 
     def finish(axes: Axes) -> None:
         axes.set_ylim(0, 1)
-        axes.set_ylabel("fraction of the runs with less")
+        axes.set_ylabel("fraction of runs with less")
         axes.set_xlabel("amplitude at the end [m]")
         if balls:
             axes.set_xscale("log")
@@ -244,8 +244,8 @@ def amplitudes(
     return lay_out(
         _panels(sweep, list(curves), draw, finish, ruled=balls),
         title="Amplitude of the table at the end" if balls else "Amplitude of the block at the end",
-        caption="Fraction of a point's runs whose amplitude at the end is smaller: all runs with an amplitude, "
-        f"at rest or moving.{sweep.failures_left_out(list(curves))}{sweep.left_out(list(curves))}{sampled}",
+        caption="Fraction of a point's runs with a smaller amplitude at the end; all runs with an amplitude count, "
+        f"whether at rest or moving.{sweep.failures_left_out(list(curves))}{sweep.left_out(list(curves))}{sampled}",
         alternative=words.listed([fact(row) for row in curves]),
         width=width,
         sheet=sheet,

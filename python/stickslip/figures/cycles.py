@@ -1,4 +1,4 @@
-"""Limit cycles over a swept parameter: a branch for each class."""
+"""Draws the classes of limit cycles over a swept parameter."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ from .tables import Directory, Source
 
 __all__ = ["limit_cycle_branches"]
 
-#: At most so many classes are shown, those with the most runs.
+#: Largest number of classes shown; these have the most runs.
 _MOST_CLASSES = 8
 
-#: Name, unit, factor, and the columns of a value and of its range.
+#: Name, unit, factor, and the columns of a value and its range.
 _QUANTITIES = (
     ("fraction of the runs", "", 1.0, ("fraction", "ci_low", "ci_high")),
     ("period", "s", 1.0, ("period_s", "period_low_s", "period_high_s")),
@@ -38,16 +38,16 @@ def limit_cycle_branches(
     points: Optional[Sequence[int]] = None,
     sheet: int = 1,
 ) -> Paper:
-    """Limit cycles over the swept parameter: a branch for each class, a panel for each quantity.
+    """Draws limit cycles over the swept parameter, with one branch per class and one panel per quantity.
 
-    Quantities are the fraction of a point's runs that end on the class, with Wilson's 95 % interval; period
-    [s], amplitude (the table's root mean square [µm], or a block's [m]) and the mean speed of ball 1 [rad/s],
-    each with the range that its runs or its cycle have; and the largest modulus of the Floquet multipliers,
-    below 1 for a stable cycle. The abscissa is the swept number with the most values, or the points. What
-    classes are called is said in docs/endings.md; cf. the thesis, figure 5.15.
+    The quantities are the fraction of a point's runs that end on the class, with Wilson's 95 % interval; the
+    period [s], the amplitude (root mean square of the table [µm], or amplitude of a block [m]) and the mean speed of
+    ball 1 [rad/s], each with its range over the runs or the cycle; and the largest modulus of the Floquet
+    multipliers, which is below 1 for a stable cycle. The abscissa is the swept numeric parameter with the most
+    values, or the points. docs/methods.md explains the names of the classes. Compare figure 5.15 of the thesis.
 
     ``width``: "single" (90 mm) or "double" (180 mm); ``points``: numbers of the points to show; ``sheet``:
-    which twelve panels, where there are more. Raises FiguresError where no run ended in a limit cycle.
+    which sheet of twelve panels, from 1. Raises FiguresError if no run ended in a limit cycle.
     """
     results = Directory(directory)
     sweep = Sweep(results)
@@ -132,12 +132,12 @@ def limit_cycle_branches(
             panels.append(Panel(draw, title))
     more = ""
     if len(ordered) > _MOST_CLASSES:
-        more = f" Shown are the {_MOST_CLASSES} classes with the most runs, of {len(ordered)}."
+        more = f" The {_MOST_CLASSES} classes with the most runs, of {len(ordered)}, are shown."
     return lay_out(
         panels,
         title="Limit cycles",
-        caption="A branch for each class of limit cycles (docs/endings.md says how a class is written), with the "
-        f"range over its runs, or the 95 % interval of a fraction (Wilson).{more}",
+        caption="One branch per class of limit cycles (docs/methods.md explains their names), with the range over "
+        f"its runs, or Wilson's 95 % interval of a fraction.{more}",
         alternative=words.listed([f"class {name}: {classes[name]} runs" for name in ordered]),
         width=width,
         sheet=sheet,
@@ -145,7 +145,7 @@ def limit_cycle_branches(
 
 
 def _not_too_close(axes: Axes) -> None:
-    """An ordinate that does not magnify what is the same but for rounding, and has room round its marks."""
+    """Widens the ordinate so that it leaves a margin and does not magnify rounding errors."""
     low, high = axes.get_ylim()
     middle = (low + high) / 2
     least = max(0.02 * abs(middle), 1e-12)

@@ -1,4 +1,4 @@
-"""How runs end: fractions of the labels over a sweep, and what failed or is in doubt."""
+"""Draws the fractions of the labels over a sweep, and of failed and doubtful runs."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ __all__ = ["diagnostics", "ending_fractions"]
 
 
 def _fractions(sweep: Sweep) -> dict[str, Numbers]:
-    """Runs, fraction and interval of each label, point by point."""
+    """Returns the runs, the fraction and the interval of each label at each point."""
     columns = [f"{name}_{part}" for name in LABELS for part in ("runs", "low", "high")]
     found = sweep.numbers([*columns, "equilibrium_fraction", "ci_low", "ci_high"])
     with np.errstate(invalid="ignore"):
         for name in LABELS:
             found[name] = found[f"{name}_runs"] / sweep.runs
-    # Of equilibria the interval that the study asks for, failed runs in it.
+    # The interval of equilibria is the one that the study requests; it accounts for failed runs.
     found["equilibrium"] = found["equilibrium_fraction"]
     found["equilibrium_low"], found["equilibrium_high"] = found["ci_low"], found["ci_high"]
     return found
@@ -43,7 +43,7 @@ def interval(
     dashes: Any = "none",
     name: str,
 ) -> None:
-    """Marks with intervals, joined by a line where dashes are given."""
+    """Draws marks with intervals, joined by a line if `dashes` is given."""
     known = np.isfinite(y)
     if not np.any(known):
         return
@@ -73,16 +73,16 @@ def ending_fractions(
     points: Optional[Sequence[int]] = None,
     sheet: int = 1,
 ) -> Paper:
-    """How the runs end: the fraction of each label over the swept parameter, with 95 % intervals.
+    """Draws the fraction of each label over the swept parameter, with 95 % intervals.
 
-    The abscissa is the swept number with the most values, in its unit, as speed [rad/s]; a panel for each combination of the
-    other parameters. Without a swept number it is the points themselves. Fractions are of all finished runs of
-    a point. The interval of equilibria stands for itself (`ci_low` to `ci_high` of `points.parquet`) and is
-    widened by failed runs, which might have been any; those of the other labels hold for all labels at once
-    and are wider. Counts as in the thesis, section 5.3.
+    The abscissa is the swept numeric parameter with the most values, such as speed [rad/s], or the points if no
+    numeric parameter is swept. Each combination of the other parameters has a panel. The fractions refer to all
+    finished runs of a point. The interval of equilibria (`ci_low` to `ci_high` of `points.parquet`) covers this
+    label alone and is widened for failed runs, whose label is unknown; the wider intervals of the other labels are
+    simultaneous for all labels. The runs are counted as in section 5.3 of the thesis.
 
     ``width``: "single" (90 mm) or "double" (180 mm); ``points``: numbers of the points to show; ``sheet``:
-    which twelve panels, where there are more. Raises FiguresError where the directory has no `points.parquet`.
+    which sheet of twelve panels, from 1. Raises FiguresError if the directory has no `points.parquet`.
     """
     sweep = Sweep(Directory(directory))
     found = _fractions(sweep)
@@ -131,9 +131,9 @@ def ending_fractions(
     return lay_out(
         panels,
         title=title,
-        caption="Fraction of the runs of each point by how they end, with 95 % intervals: of equilibria for "
-        "themselves, widened by failed runs, which might have been any; of the other labels for all labels at "
-        "once, which makes them wider.",
+        caption="Fraction of the runs of each point with each label, with 95 % intervals. The interval of equilibria "
+        "covers this label alone and is widened for failed runs, whose label is unknown; the others are "
+        "simultaneous for all labels, and therefore wider.",
         alternative=f"The fraction of runs that end in equilibrium lies between {np.nanmin(equilibria):.3f} and "
         f"{np.nanmax(equilibria):.3f}.",
         width=width,
@@ -148,14 +148,14 @@ def diagnostics(
     points: Optional[Sequence[int]] = None,
     sheet: int = 1,
 ) -> Paper:
-    """What failed or is in doubt at each point: fractions of failed and undecided runs, and of flips.
+    """Draws the fractions of failed and undecided runs and of audit flips at each point.
 
-    Fractions [1] are of all finished runs of a point, with 95 % intervals for all labels at once. Flips are
-    audited runs (`audit:` in the study) that get another label when they are computed more precisely, as a
-    fraction of the audited runs, with Wilson's 95 % interval.
+    The fractions [1] of failed and undecided runs refer to all finished runs of a point, with simultaneous 95 %
+    intervals for all labels. Flips are audited runs (`audit:` in the study) whose label changes when they are
+    computed more precisely, as a fraction of the audited runs, with Wilson's 95 % interval.
 
     ``width``: "single" (90 mm) or "double" (180 mm); ``points``: numbers of the points to show. Raises
-    FiguresError where the directory has no `points.parquet`.
+    FiguresError if the directory has no `points.parquet`.
     """
     sweep = Sweep(Directory(directory))
     rows = sweep.details(points)
@@ -181,8 +181,8 @@ def diagnostics(
 
     counts = [f"{np.nansum(found[f'{name}_runs']):.0f} runs {said}" for name, said in _SAID]
     audit = (
-        f" {np.nansum(flips['audit_flips']):.0f} of {np.nansum(flips['audited_runs']):.0f} audited runs get "
-        "another label when they are computed more precisely."
+        f" {np.nansum(flips['audit_flips']):.0f} of {np.nansum(flips['audited_runs']):.0f} audited runs change "
+        "their label when they are computed more precisely."
         if audited
         else " No run was audited (`audit:` in the study computes some of them more precisely)."
     )
@@ -190,8 +190,8 @@ def diagnostics(
     return lay_out(
         [Panel(draw, aspect=0.42 if wide == "double" else 0.7)],
         title="Failed and undecided runs, and labels in doubt",
-        caption="Runs that failed, runs whose ending could not be shown, and audited runs whose label changed "
-        "when they were computed more precisely, with 95 % intervals." + sweep.left_out(rows),
+        caption="Runs that failed, runs without a proven label, and audited runs whose label changed when they were "
+        "computed more precisely, with 95 % intervals." + sweep.left_out(rows),
         alternative=f"{', '.join(counts)}.{audit}",
         width=wide,
         sheet=sheet,

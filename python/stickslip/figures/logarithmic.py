@@ -1,4 +1,4 @@
-"""Curves on logarithmic axes, of measurements of time, memory and error."""
+"""Draws measurements of time, memory and error on logarithmic axes."""
 
 from __future__ import annotations
 
@@ -17,19 +17,19 @@ __all__ = ["Curve", "Curves", "logarithmic"]
 
 @dataclass
 class Curve:
-    """Points joined by a line; those that are not positive are left out."""
+    """Points joined by a line; points with a coordinate that is not positive are omitted."""
 
     points: Sequence[tuple[float, float]]
-    #: Its entry in the legend; empty for none.
+    #: The legend entry; empty for no entry.
     name: str = ""
-    #: The number of its colour and mark; by default its place.
+    #: The index of the colour and mark; by default the index of the curve.
     colour: Optional[int] = None
     dashed: bool = False
 
 
 @dataclass
 class Curves:
-    """A panel of curves, with the names of its axes and their units."""
+    """A panel of curves, with the labels of its axes."""
 
     title: str
     x: str
@@ -38,7 +38,7 @@ class Curves:
 
 
 def logarithmic(panels: Sequence[Curves], *, columns: int, title: str, caption: str = "") -> Paper:
-    """Panels of curves on logarithmic axes, 180 mm wide."""
+    """Draws panels of curves on logarithmic axes, 180 mm wide."""
 
     def panel(of: Curves) -> Panel:
         def draw(axes: Axes) -> None:
@@ -58,7 +58,7 @@ def logarithmic(panels: Sequence[Curves], *, columns: int, title: str, caption: 
             axes.set(xscale="log", yscale="log", xlabel=of.x, ylabel=of.y)
             axes.margins(0.05, 0.1)
             for axis, (low, high) in ((axes.xaxis, axes.get_xlim()), (axes.yaxis, axes.get_ylim())):
-                # 1, 2 and 5 of each power of ten where there are few.
+                # Over few decades, ticks at 1, 2 and 5 times each power of ten.
                 if high / low < 300:
                     axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
             axes.grid(color="#e4e4e4", linewidth=0.4)

@@ -1,4 +1,4 @@
-"""Two numbers of a ball balancer that its tables do not have, from its parameters."""
+"""Computes the amplitude without balls and the natural frequency of a ball balancer."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ __all__ = ["amplitude_without_balls_m", "natural_frequency_rad_s"]
 
 
 def amplitude_without_balls_m(parameters: Mapping[str, float]) -> Optional[float]:
-    """The amplitude of the table's vibration without balls, m; none where a parameter is missing."""
+    """Returns the table's amplitude without balls in m, or None if a parameter is missing."""
     try:
         speed = parameters["speed_rad_s"]
         mass = parameters["table_mass_kg"] + parameters["imbalance_mass_kg"]
@@ -23,7 +23,7 @@ def amplitude_without_balls_m(parameters: Mapping[str, float]) -> Optional[float
 
 
 def natural_frequency_rad_s(parameters: Mapping[str, float]) -> Optional[float]:
-    """The natural frequency with all balls, rad/s (thesis section 3.4); none where a parameter is missing."""
+    """Returns the natural frequency with all balls, rad/s (thesis section 3.4); None if a parameter is missing."""
     try:
         balls = parameters["balls"] * parameters["ball_mass_kg"]
         mass = parameters["table_mass_kg"] + parameters["imbalance_mass_kg"] + balls

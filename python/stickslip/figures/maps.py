@@ -1,4 +1,4 @@
-"""A sweep over two parameters as maps: a cell for each point, coloured by what came of it."""
+"""Draws the results of a sweep over two parameters as maps."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ from .tables import Directory, Numbers, Source
 
 __all__ = ["label_map"]
 
-#: At least so many values of each parameter.
+#: Least number of values of each parameter.
 _LEAST = 3
-#: At most so many combinations of the other parameters have maps.
+#: Largest number of combinations of the other parameters that have maps.
 _MOST_PLANES = 12
 
 _SHOWN = (
@@ -36,17 +36,17 @@ def label_map(
     points: Optional[Sequence[int]] = None,
     sheet: int = 1,
 ) -> Paper:
-    """Maps over two swept parameters: a cell for each point of the sweep, white where there is no value.
+    """Draws maps over two swept parameters, with one cell per point; cells without a value are white.
 
-    Shown are the fraction of runs that end in equilibrium, the median time to rest [s] (white where less than
-    half of the runs come to rest), the median amplitude at the end divided by that without balls, and the
-    fraction of all ball positions that are equilibria. The axes are the two swept numbers with the most
-    values, in their units; there is a row of maps for each combination of the others. Intervals are in
-    `points.parquet`, and in `ending_fractions`.
+    The maps show the fraction of runs that end in equilibrium, the median time to rest [s] (no value if less than
+    half of the runs come to rest), the median final amplitude divided by that without balls, and the fraction of all
+    ball positions that are equilibria. The axes are the two swept numeric parameters with the most values; each
+    combination of the other parameters has a row of maps. `points.parquet` and `ending_fractions` contain the
+    confidence intervals.
 
     ``width``: "single" (90 mm) or "double" (180 mm); ``points``: numbers of the points to show; ``sheet``:
-    which twelve panels, where there are more. Raises FiguresError where fewer than two parameters take three
-    values or more.
+    which sheet of twelve panels, from 1. Raises FiguresError if fewer than two numeric parameters have three or
+    more values.
     """
     sweep = Sweep(Directory(directory))
     axes_of = sweep.axes(_LEAST)
@@ -70,7 +70,7 @@ def label_map(
     drawn = 0
     for title, rows in list(sweep.groups([across.column, up.column]).items())[:_MOST_PLANES]:
         rows = [row for row in rows if shown is None or row in shown]
-        # A map of which most cells are empty is a path: curves show it better.
+        # A mostly empty map is a path in the plane, which curves show better.
         if 3 * len(rows) < cells:
             continue
         drawn += len(rows)
@@ -86,7 +86,7 @@ def label_map(
     return lay_out(
         panels,
         title=f"Maps over {across.name} and {up.name}",
-        caption=f"A cell for each point of the sweep, white where there is no value.{more}",
+        caption=f"One cell per point of the sweep; cells without a value are white.{more}",
         alternative=f"{drawn} points over {across.label} and {up.label}.",
         width=width,
         sheet=sheet,
@@ -135,7 +135,7 @@ def _panel(
 
 
 def edges(values: Numbers) -> Numbers:
-    """Edges of cells round ascending values: in the middle between neighbours, as the axis goes."""
+    """Returns the cell edges of ascending values: the midpoints of neighbours on a linear or logarithmic axis."""
     logarithmic = by_decades(values)
     along = np.log(values) if logarithmic else values
     between = (along[1:] + along[:-1]) / 2

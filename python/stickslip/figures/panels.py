@@ -1,4 +1,4 @@
-"""Panels on a sheet: how many side by side, how high, with one legend and letters."""
+"""Lays out panels on a sheet, with letters and a common legend."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from .paper import WIDTHS_MM, Paper, Width, style
 
 __all__ = ["MOST_PANELS", "Panel", "angle_axis", "lay_out"]
 
-#: At most so many panels are on one sheet.
+#: Largest number of panels on one sheet.
 MOST_PANELS = 12
 _INCH_MM = 25.4
 _QUARTERS = ("0", "π/2", "π", "3π/2", "2π")
@@ -26,24 +26,24 @@ _QUARTERS = ("0", "π/2", "π", "3π/2", "2π")
 
 @dataclass
 class Panel:
-    """A pair of axes: what is drawn on it, and the words above it."""
+    """A panel: the function that draws it, its title and its shape."""
 
     draw: Callable[[Axes], Optional[ScalarMappable]]
     title: str = ""
     #: Height over width.
     aspect: float = 0.75
-    #: Room between the axes and the title for what stands there, points.
+    #: Space between the axes and the title, points.
     above: float = 0.0
-    #: What the colours mean, where `draw` returns what they are of.
+    #: The label of the colour bar, if `draw` returns a mappable.
     scale: str = ""
-    #: Named lines and marks that are no data of this panel, for the legend.
+    #: Additional legend entries without data in this panel.
     keys: Sequence[Any] = field(default_factory=tuple)
-    #: Whether the axes are in space.
+    #: Whether the axes are three-dimensional.
     in_space: bool = False
 
 
 def angle_axis(axes: Axes, which: str, name: str) -> None:
-    """An axis once round, with ticks at quarters of a turn."""
+    """Sets an axis to one turn, with ticks at its quarters."""
     quarters = [place * np.pi / 2 for place in range(5)]
     if which == "x":
         axes.set_xlim(0, 2 * np.pi)
@@ -56,7 +56,7 @@ def angle_axis(axes: Axes, which: str, name: str) -> None:
 
 
 def named_axis(axes: Axes, names: Sequence[str], label: str) -> None:
-    """An abscissa of names, turned where they are long."""
+    """Sets an abscissa of names; long names are rotated."""
     axes.set_xlim(-0.5, len(names) - 0.5)
     axes.xaxis.set_major_locator(FixedLocator(list(range(len(names)))))
     axes.xaxis.set_minor_locator(NullLocator())
@@ -72,12 +72,12 @@ def named_axis(axes: Axes, names: Sequence[str], label: str) -> None:
 
 
 def _power(exponent: str) -> str:
-    """A power of ten as a reader writes it: `10⁻⁵` for `-05`."""
+    """Formats a power of ten: `10⁻⁵` for `-05`."""
     return "10" + str(int(exponent.replace("−", "-"))).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
 
 
 def _plain(value: float) -> str:
-    """A number at a tick: `0.01`, `10⁻⁵`, `2·10⁻⁵`."""
+    """Formats a number at a tick: `0.01`, `10⁻⁵`, `2·10⁻⁵`."""
     text = f"{value:g}"
     mantissa, _, exponent = text.partition("e")
     if not exponent:
@@ -86,15 +86,15 @@ def _plain(value: float) -> str:
 
 
 class _Numbers(ScalarFormatter):
-    """Numbers at ticks, with a common power of ten as `×10⁻³`."""
+    """Formats numbers at ticks, with a common power of ten such as `×10⁻³`."""
 
     def get_offset(self) -> str:
-        """The common power."""
+        """Returns the common power of ten."""
         return re.sub(r"1e(\S+)", lambda match: f"×{_power(match[1])}", super().get_offset())
 
 
 def _plain_numbers(axes: Axes) -> None:
-    """Ticks whose words are text in every format: `0.01`, and not a formula."""
+    """Formats tick labels as plain text, not as formulas."""
     for axis in (axes.xaxis, axes.yaxis):
         if axis.get_scale() == "log":
             axis.set_major_formatter(FuncFormatter(lambda value, _: _plain(value)))
@@ -119,7 +119,7 @@ def lay_out(
     columns: Optional[int] = None,
     legend_title: str = "",
 ) -> Paper:
-    """A sheet of panels, as wide as a journal's column or page, and as high as it has to be."""
+    """Draws panels on a sheet as wide as a journal's column or page, and fits its height."""
     if width is not None and width not in WIDTHS_MM:
         raise ValueError(f"width={width!r}: allowed are {', '.join(map(repr, WIDTHS_MM))}")
     sheets = -(-len(panels) // MOST_PANELS)
@@ -167,7 +167,7 @@ def lay_out(
 
 
 def _label_outer(drawn: Sequence[Axes], columns: int) -> None:
-    """Words at axes that are those of a neighbour are written once."""
+    """Removes the labels of axes that repeat those of a neighbour."""
 
     def of_x(axes: Axes) -> Any:
         return axes.get_xlabel(), axes.get_xlim(), axes.get_xscale()
@@ -193,7 +193,7 @@ def _label_outer(drawn: Sequence[Axes], columns: int) -> None:
 
 
 def _legend(paper: Paper, panels: Sequence[Panel], drawn: Sequence[Axes], title: str) -> None:
-    """One legend above all panels; what has one name has one entry."""
+    """Adds a common legend above all panels, with one entry per name."""
     entries: dict[str, Any] = {}
     for panel, axes in zip(panels, drawn):
         for handle in panel.keys:
@@ -202,7 +202,7 @@ def _legend(paper: Paper, panels: Sequence[Panel], drawn: Sequence[Axes], title:
             entries.setdefault(name, handle)
     if not entries:
         return
-    # As many side by side as there is room for.
+    # Use as many columns as fit the width.
     for beside in range(len(entries), 0, -1):
         legend = paper.legend(
             list(entries.values()),
@@ -219,7 +219,7 @@ def _legend(paper: Paper, panels: Sequence[Panel], drawn: Sequence[Axes], title:
 
 
 def _fit_height(paper: Paper) -> None:
-    """Makes a figure as high as what is on it."""
+    """Sets the height of a figure to that of its content."""
     engine = paper.get_layout_engine()
     for _ in range(3):
         _execute(engine, paper)
@@ -235,6 +235,6 @@ def _fit_height(paper: Paper) -> None:
 def _execute(engine: Any, paper: Paper) -> None:
     with warnings.catch_warnings():
         if any(axes.name == "3d" for axes in paper.axes):
-            # Some versions of matplotlib cannot lay out axes in space, and leave them where they are.
+            # Some versions of matplotlib cannot lay out three-dimensional axes, and leave them in place.
             warnings.filterwarnings("ignore", message="constrained_layout not applied")
         engine.execute(paper)

@@ -1,4 +1,4 @@
-"""How figures look: widths of journals, 8 pt type, colours and marks, and files that are the same bytes again."""
+"""The style of figures, with widths, type, colours and marks, and reproducible files."""
 
 from __future__ import annotations
 
@@ -22,19 +22,19 @@ Width = Literal["single", "double"]
 
 #: Widths of a journal's column and of its page, mm.
 WIDTHS_MM: Mapping[Width, float] = {"single": 90.0, "double": 180.0}
-#: What figures are written as.
+#: File formats of figures.
 FORMATS = ("svg", "pdf", "png")
 #: The size of all type, points.
 TYPE_PT = 8.0
 
-#: Series that colour-blind readers can tell apart (Okabe and Ito), and two more.
+#: Colours of series: Okabe and Ito's, which colour-blind readers can distinguish, and two more.
 SERIES = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#464646", "#785e1e")
 INK, FAINT = "black", "#828282"
-#: Dashes and marks go with the colours, so that series differ in black and white, too.
+#: Dashes and marks of series, which distinguish them in black and white.
 DASHES: tuple[Any, ...] = ("-", (0, (5, 1.8)), (0, (1.2, 1.6)), (0, (6, 1.6, 1.2, 1.6)), (0, (9, 2, 2.5, 2)))
 MARKS = ("o", "^", "s", "D", "v", "P", "X", "*")
 
-#: How a run can end: colour, mark and dashes of each label.
+#: Colour, mark and dashes of each label.
 LABELS: Mapping[str, tuple[str, str, Any]] = {
     "equilibrium": (SERIES[0], "o", DASHES[0]),
     "limit_cycle": (SERIES[1], "^", DASHES[1]),
@@ -45,7 +45,7 @@ LABELS: Mapping[str, tuple[str, str, Any]] = {
 
 
 def _scale() -> LinearSegmentedColormap:
-    """Viridis from its yellow to its blue, paler, so that black dots are seen on all of it."""
+    """Returns viridis from yellow to blue, lightened so that black dots remain visible."""
     viridis = mpl.colormaps["viridis"]
     pale = [tuple(0.65 * part + 0.35 for part in viridis(1.0 - 0.1 * step)[:3]) for step in range(7)]
     return LinearSegmentedColormap.from_list("stickslip", pale)
@@ -81,21 +81,21 @@ _STYLE: Any = {
     "legend.borderaxespad": 0.0,
     "figure.dpi": 150.0,
     "savefig.dpi": 300.0,
-    # Words stay words, and nothing in a file comes from the clock or from chance.
+    # SVG contains text as text, and files do not depend on the time or on random numbers.
     "svg.fonttype": "none",
     "svg.hashsalt": "stickslip",
     "pdf.fonttype": 42,
 }
 
 
-#: Coordinates in a file, and their digits after the second: a hundredth of a point is not seen.
+#: Coordinates in an SVG file, and their digits after the second, which are invisible.
 _DRAWN = re.compile(r' d="[^"]*"|<use [^>]*>')
 _LONG = re.compile(r"(\d\.\d\d)\d+")
 
 
 @contextmanager
 def style() -> Iterator[None]:
-    """Matplotlib's settings for papers, whatever the reader's own are."""
+    """Applies the style of papers in place of the user's matplotlib settings."""
     with mpl.rc_context():
         mpl.rcdefaults()
         mpl.rcParams.update(_STYLE)
@@ -105,9 +105,9 @@ def style() -> Iterator[None]:
 class Paper(Figure):
     """A matplotlib figure for a paper: it draws and saves itself in the style of this package.
 
-    ``title``, ``caption`` and ``alternative`` are the words that go with it: what it is, how to read it and
-    what was left out, and what a reader who does not see it has to know. Files have them as metadata.
-    ``sheets`` says over how many figures its panels are spread (keyword ``sheet``).
+    ``title`` names the figure, ``caption`` explains it and states omissions, and ``alternative`` is a text for readers
+    who cannot see it. Files contain these texts as metadata. ``sheets`` is the number of figures over which the
+    panels are distributed (keyword ``sheet``).
     """
 
     title: str = ""
@@ -123,7 +123,7 @@ class Paper(Figure):
     def savefig(
         self, fname: Union[str, PathLike[str], IO[Any]], *, transparent: Any = None, **options: Any
     ) -> None:
-        """Writes the figure; the same figure and version of matplotlib give the same bytes."""
+        """Writes the figure; identical figures and versions of matplotlib give identical bytes."""
         kind = options.pop("format", None)
         if kind is None:
             kind = Path(fname).suffix[1:] if isinstance(fname, (str, PathLike)) else "png"
@@ -138,7 +138,7 @@ class Paper(Figure):
             fname.write(content)
 
     def _repr_svg_(self) -> str:
-        """For notebooks."""
+        """Returns the figure as SVG for notebooks."""
         written = io.BytesIO()
         self.savefig(written, format="svg")
         return written.getvalue().decode()
@@ -152,7 +152,7 @@ class Paper(Figure):
         return {"Title": self.title, "Description": words} if kind == "png" else {}
 
     def _described(self, svg: bytes) -> bytes:
-        """With a title and a description that programs which read aloud find."""
+        """Adds a title and a description for screen readers."""
         words = escape(" ".join(part for part in (self.alternative, self.caption) if part))
         text = _DRAWN.sub(lambda drawn: _LONG.sub(r"\1", drawn[0]), svg.decode())
         text = text.replace("<svg ", '<svg role="img" aria-labelledby="title description" ', 1)

@@ -1,4 +1,4 @@
-"""Preferred equilibria: where the balls of the runs come to rest."""
+"""Draws preferred equilibria: the positions at which the runs come to rest."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from .tables import Directory, FiguresError, Source
 
 __all__ = ["preferred_equilibria"]
 
-#: At most so many pairs of balls are shown.
+#: Largest number of pairs of balls shown.
 _MOST_PAIRS = 6
 _COUNTS = LinearSegmentedColormap.from_list("stickslip-counts", ["#e3eef6", "#56b4e9", "#0072b2"])
 Background = Literal["set", "histogram", "none"]
@@ -36,19 +36,19 @@ def preferred_equilibria(
     points: Optional[Sequence[int]] = None,
     sheet: int = 1,
 ) -> Paper:
-    """Preferred equilibria: where the balls of each run came to rest, as angles from the imbalance [rad].
+    """Draws preferred equilibria: the angles from the imbalance [rad] at which the balls of each run came to rest.
 
-    Two balls: a dot for each run at rest, over the equilibrium set with the amplitude of the table [µm] where
-    ``equilibria`` is the directory that `stickslip equilibria` has written for the same study (the results
-    hold it as `study.yaml`), otherwise over the histogram of `equilibrium_histogram.parquet`, the part of the
-    point's runs at rest that lies in each bin [%]. More balls: a panel for each pair of them. One ball:
-    its angle and the amplitude [µm]. A block: position [m] and time to rest [s]. Dots have no errors; intervals
-    of the bins are in `equilibrium_histogram.parquet`. The thesis, figures 5.7 to 5.9.
+    For two balls, each run at rest is a dot. If ``equilibria`` is the directory of `stickslip equilibria` for the same
+    study (stored in the results as `study.yaml`), the background is the equilibrium set with the amplitude of the
+    table [µm]; otherwise it is the histogram of `equilibrium_histogram.parquet`, the percentage of the point's runs
+    at rest in each bin [%]. For more balls, each pair has a panel. For one ball, the axes are its angle and the
+    amplitude [µm]; for a block, the position [m] and the time to rest [s]. `equilibrium_histogram.parquet` contains
+    the confidence intervals of the bins. See figures 5.7 to 5.9 of the thesis.
 
-    ``background``: "set", "histogram" or "none", should it be another one; ``width``: "single" (90 mm) or
-    "double" (180 mm); ``points``: numbers of the points to show; ``sheet``: which twelve panels, where there are
-    more. Above 100,000 runs a labelled subsample is plotted. Raises FiguresError where the directory has no
-    runs at rest, or ``equilibria`` is of another study.
+    ``background``: "set", "histogram" or "none" instead of the default; ``width``: "single" (90 mm) or
+    "double" (180 mm); ``points``: numbers of the points to show; ``sheet``: which sheet of twelve panels, from 1.
+    Above 100,000 runs it plots a labelled subsample. Raises FiguresError if no run came to rest
+    (unless there are two balls), or if ``equilibria`` belongs to another study.
     """
     results = Directory(directory)
     sweep = Sweep(results)
@@ -65,7 +65,7 @@ def preferred_equilibria(
         raise FiguresError(
             sets.directory.path,
             sets.positions.name,
-            f"it is of another study than {results.path}",
+            f"it belongs to another study than {results.path}",
             f"repeat `stickslip equilibria {results.path / 'study.yaml'} --out DIR`",
         )
     places = [f"beta_{ball}_rad" for ball in range(1, balls + 1)] or ["position_m"]
@@ -150,27 +150,26 @@ def preferred_equilibria(
 
 def _caption(balls: int, behind: str) -> str:
     if balls == 0:
-        return "Position and time of rest of each run."
+        return "Position and time at which each run came to rest."
     if balls == 1:
-        return "Angle at rest and amplitude of each run."
+        return "Ball angle and amplitude of each run at rest."
     if balls > 2:
-        return "Each dot is where two of the balls of a run came to rest."
-    return "Each dot is where the balls of a run came to rest." + {
-        "set": " Colour: amplitude of the table if they rest there, of the machine without random draws; white: "
-        "no equilibrium, friction does not hold them. Stars and circles: stable and unstable equilibria "
-        "without friction.",
-        "histogram": " Colour: part of the point's runs at rest that lies in each bin (in either order where the balls "
-        "are alike); white: none.",
+        return "Each dot shows the angles at which two balls of a run came to rest."
+    return "Each dot shows the angles at which the balls of a run came to rest." + {
+        "set": " Colour: amplitude of the nominal machine with the balls at rest there; white: no equilibrium, "
+        "because friction cannot hold the balls. Stars and circles: stable and unstable equilibria without friction.",
+        "histogram": " Colour: percentage of the point's runs at rest in each bin (in either order for identical balls); "
+        "white: none.",
     }.get(behind, "")
 
 
 def _same_point(sets: EquilibriumSets, sweep: Sweep, row: int) -> int:
-    """The row of a point in the equilibrium sets of the same study."""
+    """Returns the row of a point in the equilibrium sets of the same study."""
     return sets.sweep.details([int(sweep.ids[row])])[0]
 
 
 def _histogram(axes: Axes, results: Directory, point: int) -> Optional[ScalarMappable]:
-    """Draws the fraction of a point's runs at rest in each bin; of balls that are alike, in either order."""
+    """Draws the percentage of a point's runs at rest in each bin; identical balls count in either order."""
     table = results.table("equilibrium_histogram")
     ends = [f"beta_{ball}_{end}_rad" for ball in (1, 2) for end in ("from", "to")]
     read = table.read(["point_id", "fraction", *ends])
@@ -185,7 +184,7 @@ def _histogram(axes: Axes, results: Directory, point: int) -> Optional[ScalarMap
     up = np.rint(low / size).astype(int) % cells
     grid[up, across] = 100 * read["fraction"][of]
     if np.all(read["beta_1_from_rad"] <= read["beta_2_from_rad"]):
-        # Balls that are alike have no order: a bin stands for both.
+        # Identical balls have no order, so a bin counts both.
         grid[across, up] = 100 * read["fraction"][of]
     edges = np.linspace(0, 2 * np.pi, cells + 1)
     return axes.pcolormesh(

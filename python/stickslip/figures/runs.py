@@ -1,4 +1,4 @@
-"""Runs of a study, column by column: all of them, or of very many a scattered part."""
+"""Reads columns of the runs of a study, or of a random subsample of very many runs."""
 
 from __future__ import annotations
 
@@ -14,18 +14,18 @@ from .tables import Directory
 
 __all__ = ["MOST_DOTS", "Sample", "balls_of", "read", "scattered"]
 
-#: At most about so many runs are dots of a figure.
+#: Approximate largest number of runs drawn as dots.
 MOST_DOTS = 100_000
-#: From so many dots on they are pixels in a file of lines, which otherwise gets large.
+#: Largest number of dots drawn as vectors; more are rasterized to limit the file size.
 MOST_VECTOR_DOTS = 2_000
 
 
 def scattered(run_id: NDArray[Any], one_in: int) -> NDArray[np.bool_]:
-    """Which runs belong to the about one in so many that are shown.
+    """Returns which runs belong to a subsample of about one in ``one_in`` runs.
 
-    By their numbers, mixed so that neighbours have nothing in common (the finaliser of SplitMix64, G. L.
-    Steele, D. Lea and C. H. Flood, OOPSLA 2014, doi:10.1145/2660193.2660195): runs at even distances would lie
-    in the same cells of a stratified design again and again.
+    The hash of a run's number decides (the finaliser of SplitMix64, G. L. Steele, D. Lea and C. H. Flood, OOPSLA
+    2014, doi:10.1145/2660193.2660195). Equally spaced runs would fall repeatedly into the same strata of a
+    stratified design.
     """
     with np.errstate(over="ignore"):
         mixed = run_id.astype(np.uint64) + np.uint64(0x9E37_79B9_7F4A_7C15)
@@ -39,9 +39,9 @@ class Sample:
     """Columns of the runs that are shown."""
 
     columns: dict[str, NDArray[Any]]
-    #: How many runs the points shown have.
+    #: Number of runs of the points shown.
     of: int
-    #: About one in so many of them is held.
+    #: The sample contains about one in this number of runs.
     one_in: int
 
     def __len__(self) -> int:
@@ -51,24 +51,24 @@ class Sample:
         return self.columns[name]
 
     def where(self, mask: NDArray[np.bool_]) -> Sample:
-        """Some of its runs."""
+        """Returns the runs selected by a mask."""
         return Sample({name: values[mask] for name, values in self.columns.items()}, self.of, self.one_in)
 
     @property
     def subsample(self) -> str:
-        """What is to be said where it does not hold all runs; empty where it does."""
+        """The sentence of the caption about a subsample; empty if the sample contains all runs."""
         if self.one_in <= 1:
             return ""
         return f" Subsample: {len(self):,} of {self.of:,} runs are shown, about one in {self.one_in}."
 
     @property
     def label(self) -> str:
-        """The same in few words, for the figure itself."""
+        """The legend title of a subsample; empty if the sample contains all runs."""
         return f"subsample: {len(self):,} of {self.of:,} runs" if self.one_in > 1 else ""
 
 
 def balls_of(directory: Directory) -> int:
-    """How many balls the runs have; 0 for the block."""
+    """Returns the number of balls; 0 for the block."""
     columns = directory.table("runs").columns
     return sum(1 for name in columns if name.startswith("beta_") and name.endswith("_rad"))
 
@@ -76,7 +76,7 @@ def balls_of(directory: Directory) -> int:
 def read(
     directory: Directory, sweep: Sweep, rows: Sequence[int], columns: Sequence[str], most: int = MOST_DOTS
 ) -> Sample:
-    """Columns of the runs of some points, at most about so many runs."""
+    """Reads columns of the runs of some points, about ``most`` runs at most."""
     of = int(sum(sweep.runs[row] for row in rows))
     one_in = max(1, -(-of // max(most, 1)))
     points = np.array([sweep.ids[row] for row in rows])

@@ -1,4 +1,4 @@
-"""The equilibrium set of two balls: amplitude where dry friction holds them, and equilibria without friction."""
+"""Draws the equilibrium set of two balls and their equilibria without friction."""
 
 from __future__ import annotations
 
@@ -20,33 +20,33 @@ from .tables import Directory, Numbers, Source
 
 __all__ = ["EquilibriumSets", "Grid", "equilibrium_set"]
 
-#: At most so many cells of a picture per axis: more are not seen, and make large files.
+#: Largest number of cells per axis; more are invisible and make large files.
 _MOST_CELLS = 256
-#: At most about so many bands of amplitude.
+#: Approximate largest number of amplitude bands.
 _BANDS = 12
 SCALE_NAME = "amplitude [µm]"
 
 
 @dataclass
 class Grid:
-    """Positions on a grid once round: rows go with the angle of ball 1, columns with that of ball 2."""
+    """Positions on a grid over one turn: rows belong to angles of ball 1, columns to angles of ball 2."""
 
     amplitude_um: Numbers
     margin: Numbers
 
     @property
     def alike(self) -> bool:
-        """Whether the balls are alike: exchanged, they do the same."""
+        """Whether the balls are identical, so that exchanging them changes nothing."""
         return bool(np.allclose(self.amplitude_um, self.amplitude_um.T, rtol=1e-6, atol=1e-9))
 
     def closed(self, values: Numbers, most: int = _MOST_CELLS) -> tuple[Numbers, Numbers]:
-        """Angles and values of a part of the grid, with 2π as well as 0."""
+        """Returns the angles and values of a coarser grid that contains both 0 and 2π."""
         step = max(1, -(-len(values) // most))
         some = np.pad(values[::step, ::step], ((0, 1), (0, 1)), mode="wrap")
         return np.linspace(0.0, 2 * np.pi, len(some)), some
 
     def levels(self) -> Numbers:
-        """Amplitudes at multiples of 1, 2 or 5 times a power of ten round those in the set."""
+        """Returns equidistant amplitudes that enclose the set's, with a step of 1, 2 or 5 times a power of ten."""
         held = self.amplitude_um[self.margin >= 0]
         held = held if held.size else self.amplitude_um
         low, high = float(held.min()), float(held.max())
@@ -55,13 +55,13 @@ class Grid:
 
 
 def nice(step: float) -> float:
-    """The least number of 1, 2 and 5 times a power of ten that is not below, or hardly."""
+    """Returns the least of 1, 2 and 5 times a power of ten that is at least 0.95 times the step."""
     power = 10.0 ** np.floor(np.log10(step))
     return float(next((factor * power for factor in (1, 2, 5) if factor * power >= 0.95 * step), 10 * power))
 
 
 def _widened(held: NDArray[np.bool_], cells: int = 6) -> NDArray[np.bool_]:
-    """Positions in the set, and those up to so many cells away, once round."""
+    """Returns the set widened by a number of cells in every direction; the grid is periodic."""
     wide = held.copy()
     for axis in (0, 1):
         wide = np.logical_or.reduce([np.roll(wide, by, axis) for by in range(-cells, cells + 1)])
@@ -69,7 +69,7 @@ def _widened(held: NDArray[np.bool_], cells: int = 6) -> NDArray[np.bool_]:
 
 
 class EquilibriumSets:
-    """What `stickslip equilibria` has written: a grid of positions for each point, and what goes with it."""
+    """The tables of `stickslip equilibria`: a grid of positions for each point, and its frictionless equilibria."""
 
     def __init__(self, directory: Source) -> None:
         self.directory = Directory(directory)
@@ -78,19 +78,19 @@ class EquilibriumSets:
         balls = sum(1 for name in self.positions.columns if name.startswith("beta_"))
         if balls != 2:
             raise self.positions.nothing(
-                f"its positions are of {balls} ball{'s' * (balls != 1)}, and the picture is of two",
+                f"its positions have {balls} ball{'s' * (balls != 1)}, and the figure needs two",
                 "compute the equilibria of a study with two balls",
             )
         if self.positions.about.get("options", {}).get("samples"):
             raise self.positions.nothing(
-                "its positions are random samples, and the picture needs a grid",
+                "its positions are random samples, and the figure needs a grid",
                 "repeat `stickslip equilibria` without --samples",
             )
         self.sweep = Sweep(self.directory, "equilibrium_set_summary", "grid_positions")
         self.summary = self.sweep.numbers(["fraction", "amplitude_max_m"])
 
     def grid(self, row: int) -> Grid:
-        """The grid of a point."""
+        """Returns the grid of a point."""
         point = self.sweep.ids[row]
         parts = [
             (
@@ -113,7 +113,7 @@ class EquilibriumSets:
         side = round(float(np.sqrt(first.size)))
         if side * side != first.size:
             raise self.positions.error(
-                f"its {first.size} positions of point {point} are no square grid",
+                f"its {first.size} positions of point {point} do not form a square grid",
                 "repeat `stickslip equilibria`",
             )
         order = np.lexsort((second, first))
@@ -121,7 +121,7 @@ class EquilibriumSets:
         return Grid(1e6 * amplitude[order].reshape(side, side), margin[order].reshape(side, side))
 
     def frictionless(self, row: int) -> Optional[dict[str, NDArray[Any]]]:
-        """The equilibria without friction of a point; none where the table is of other speeds."""
+        """Returns the equilibria without friction of a point, or None without a table of the points."""
         if not self.directory.has("frictionless_equilibria"):
             return None
         table = self.directory.table("frictionless_equilibria")
@@ -132,13 +132,13 @@ class EquilibriumSets:
         return {name: values[of] for name, values in read.items()}
 
     def draw(self, axes: Axes, row: int, rasterized: bool = False) -> ScalarMappable:
-        """Draws the set of a point: amplitude by colour inside, white outside, its edge, and stars and circles."""
+        """Draws the amplitude in the set of a point, its edge, and the equilibria without friction."""
         grid = self.grid(row)
         levels = grid.levels()
         norm = BoundaryNorm(levels, SCALE.N)
         held = grid.margin >= 0
         if np.any(held):
-            # Columns of the picture go with ball 1. What is far from the set is covered, and not drawn at all.
+            # The abscissa is the angle of ball 1. Amplitudes far from the set would be covered and are not drawn.
             angle, amplitude = grid.closed(
                 np.where(_widened(held), grid.amplitude_um, np.nan), _MOST_CELLS // 2
             )
@@ -151,7 +151,7 @@ class EquilibriumSets:
             axes.contourf(angle, angle, margin.T, levels=[-1e9, 0.0], colors="white", zorder=0.2)
             axes.contour(angle, angle, margin.T, levels=[0.0], colors=INK, linewidths=0.9, zorder=0.3)
         if rasterized:
-            # All but the edge and what is above it.
+            # Rasterizes everything below the edge of the set.
             axes.set_rasterization_zorder(0.25)
         found = self.frictionless(row)
         if found is not None:
@@ -180,7 +180,7 @@ class EquilibriumSets:
         return ScalarMappable(norm, SCALE)
 
     def keys(self) -> list[Line2D]:
-        """Entries of the legend."""
+        """Returns the entries of the legend."""
         found = [Line2D([], [], color=INK, linewidth=0.9, label="edge of the equilibrium set")]
         if self.directory.has("frictionless_equilibria"):
             found += [
@@ -212,16 +212,16 @@ def equilibrium_set(
     points: Optional[Sequence[int]] = None,
     sheet: int = 1,
 ) -> Paper:
-    """The equilibrium set of two balls: where dry friction holds both, over their angles [rad].
+    """Draws the equilibrium set of two balls: the angles [rad] at which dry friction holds both.
 
-    Colour is the amplitude of the table's vibration [µm] with the balls at rest there; white positions are no
-    equilibria. Stars and circles are the stable and unstable equilibria without friction. A panel for each
-    point of the sweep. Nothing here is sampled: the grid of `equilibrium_positions.parquet` is closed forms,
-    drawn with at most 256 cells per axis. The thesis, figures 5.3 to 5.5.
+    The colour is the amplitude of the table's vibration [µm] with the balls at rest there; white positions are not
+    equilibria. Stars and circles are the stable and unstable equilibria without friction. Each point of the sweep
+    has a panel. The grid of `equilibrium_positions.parquet` contains closed forms without sampling errors and is drawn
+    with at most 256 cells per axis. See figures 5.3 to 5.5 of the thesis.
 
     ``width``: "single" (90 mm) or "double" (180 mm); ``points``: numbers of the points to show; ``sheet``:
-    which twelve panels, where there are more. Raises FiguresError where the directory was not written by
-    `stickslip equilibria` from a study with two balls.
+    which sheet of twelve panels, from 1. Raises FiguresError if the directory was not written by
+    `stickslip equilibria` for a study with two balls.
     """
     sets = EquilibriumSets(directory)
     rows = sets.sweep.details(points)
@@ -236,13 +236,13 @@ def equilibrium_set(
 
         panels.append(Panel(draw, sets.sweep.title(row), 1.0, scale=SCALE_NAME, keys=sets.keys()))
     told = [
-        f"{sets.sweep.named(row) or 'In all '}{100 * sets.summary['fraction'][row]:.1f} % of all positions are equilibria"
+        f"{sets.sweep.named(row)}{100 * sets.summary['fraction'][row]:.1f} % of all positions are equilibria"
         for row in rows
     ]
     return lay_out(
         panels,
         title="Equilibrium set",
-        caption="Where dry friction holds both balls. Colour: amplitude of the table; white: no equilibrium. "
+        caption="Angles at which dry friction holds both balls. Colour: amplitude of the table; white: no equilibrium. "
         f"Stars and circles: stable and unstable equilibria without friction.{sets.sweep.left_out(rows)}",
         alternative="; ".join(told) + ".",
         width=width,

@@ -1,4 +1,4 @@
-"""The amplitude over the equilibrium set as a surface in space."""
+"""Draws the amplitude over the equilibrium set as a surface."""
 
 from __future__ import annotations
 
@@ -18,19 +18,19 @@ from .tables import Source
 
 __all__ = ["equilibrium_surface"]
 
-#: Cells per axis.
+#: Number of cells per axis.
 _CELLS = 128
 
 
 def equilibrium_surface(directory: Source, *, width: Optional[Width] = None, point: int = 0) -> Paper:
-    """The amplitude [µm] over the equilibrium set of two balls, as a surface over their angles [rad].
+    """Draws the amplitude [µm] over the equilibrium set of two balls as a surface over their angles [rad].
 
-    Holes are positions that are no equilibria. The dashed plane is the amplitude of the same machine without
-    balls, where the table's parameters say it. Closed forms, on a grid of 128 cells per axis; there are no
-    errors to draw. The thesis, figure 5.2.
+    Positions in the holes are not equilibria. The dashed plane is the amplitude of the same machine without balls, if
+    the table contains the parameters for it. The amplitudes are closed forms without statistical errors, drawn on a
+    grid of 128 cells per axis. See figure 5.2 of the thesis.
 
     ``width``: "single" (90 mm) or "double" (180 mm); ``point``: number of the point to show. Raises
-    FiguresError where the directory was not written by `stickslip equilibria` from a study with two balls.
+    FiguresError if the directory was not written by `stickslip equilibria` for a study with two balls.
     """
     sets = EquilibriumSets(directory)
     (row,) = sets.sweep.details([point])
@@ -108,8 +108,8 @@ def equilibrium_surface(directory: Source, *, width: Optional[Width] = None, poi
     return lay_out(
         [Panel(draw, title, scale=SCALE_NAME, keys=keys, in_space=True)],
         title="Amplitude over the equilibrium set",
-        caption="Amplitude of the table wherever dry friction holds both balls, over their angles; dashed: the "
-        "amplitude without balls.",
+        caption="Amplitude of the table over the angles at which dry friction holds both balls; dashed: amplitude "
+        "without balls.",
         alternative=f"The amplitude goes up to {highest:.1f} µm.{said}",
         width=width,
     )

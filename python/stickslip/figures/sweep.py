@@ -1,4 +1,4 @@
-"""The points of a sweep: their parameters, what tells them apart, and which of them are shown."""
+"""The points of a sweep, with their parameters, their names, and the selection of those shown."""
 
 from __future__ import annotations
 
@@ -15,15 +15,15 @@ from .tables import Directory, Numbers, Table
 
 __all__ = ["LABELS", "MOST_DETAILS", "Axis", "Sweep"]
 
-#: How a run can end, in the order of the tables' columns.
+#: The labels of runs, in the order of the tables' columns.
 LABELS = ("equilibrium", "limit_cycle", "irregular", "undecided", "failed")
-#: At most so many points are shown in detail, each in a panel or with a curve of its own.
+#: Largest number of points that have a panel or a curve each.
 MOST_DETAILS = 24
 
 
 @dataclass(frozen=True)
 class Axis:
-    """A swept parameter that is a number everywhere."""
+    """A swept parameter with a finite number at every point."""
 
     column: str
     name: str
@@ -32,22 +32,22 @@ class Axis:
 
     @property
     def label(self) -> str:
-        """The axis' name with its unit."""
+        """The name of the axis with its unit."""
         return words.axis(self.name, self.unit)
 
     @property
     def distinct(self) -> Numbers:
-        """The values it takes, ascending."""
+        """The distinct values, ascending."""
         return np.unique(self.values)
 
     @property
     def logarithmic(self) -> bool:
-        """Whether its values belong on a logarithmic axis: over two decades, and most of them small."""
+        """Whether the values belong on a logarithmic axis; see `by_decades`."""
         return by_decades(self.distinct)
 
     @property
     def limits(self) -> tuple[float, float]:
-        """A range a little wider than its values."""
+        """A range slightly wider than the values."""
         low, high = self.distinct[0], self.distinct[-1]
         if self.logarithmic:
             factor = (high / low) ** 0.04
@@ -57,21 +57,21 @@ class Axis:
 
 
 def by_decades(values: Numbers) -> bool:
-    """Whether ascending values are spread over two decades or more, most of them small."""
+    """Whether ascending values span two decades or more and at least half are below a fifth of the largest."""
     low, high = values[0], values[-1]
     few = np.count_nonzero(values < 0.2 * high)
     return bool(low > 0 and high / low >= 100 and 2 * few >= len(values))
 
 
 def evenly(count: int, most: int) -> list[int]:
-    """At most so many of the places 0, 1, … at nearly even distances, the first and the last among them."""
+    """Returns at most ``most`` of the indices below ``count``, nearly equidistant, with the first and the last."""
     if count <= most or most < 2:
         return list(range(count))
     return [place * (count - 1) // (most - 1) for place in range(most)]
 
 
 class Sweep:
-    """The points of a study, from a table with a row for each."""
+    """The points of a study, from a table with one row per point."""
 
     def __init__(self, directory: Directory, name: str = "points", first: str = "runs") -> None:
         self.directory = directory
@@ -85,34 +85,34 @@ class Sweep:
             np.int64
         )
         if not len(self.ids):
-            raise self.table.error("it has no rows", "repeat the study: no run of it has finished")
+            raise self.table.error("it has no rows", "repeat the study, because none of its runs has finished")
 
     def __len__(self) -> int:
         return len(self.ids)
 
     def numbers(self, columns: Sequence[str]) -> dict[str, Numbers]:
-        """More columns, a number for each point."""
+        """Returns columns with one number per point."""
         return {name: values.astype(float) for name, values in self.table.read(columns).items()}
 
     @cached_property
     def runs(self) -> Numbers:
-        """Finished runs of each point."""
+        """Number of finished runs of each point."""
         return self.numbers(["runs"])["runs"]
 
     @cached_property
     def failed(self) -> Numbers:
-        """Runs of each point that failed."""
+        """Number of failed runs of each point."""
         return self.numbers(["failed_runs"])["failed_runs"]
 
     def unit(self, column: str) -> str:
-        """The unit of a swept parameter."""
+        """Returns the unit of a swept parameter."""
         return self.table.unit(column)
 
     def _words(self, column: str) -> str:
         return words.parameter(column, self.unit(column))
 
     def title(self, row: int, without: Iterable[str] = ()) -> str:
-        """What tells a point apart: `speed −216.3772 rad/s, friction coefficient 0.00275`."""
+        """Returns the parameters of a point: `speed −216.3772 rad/s, friction coefficient 0.00275`."""
         skipped = set(without)
         parts = [
             f"{self._words(column)} {words.number(self.values[column][row])}\u00a0{self.unit(column)}".strip()
@@ -124,23 +124,23 @@ class Sweep:
         return ", ".join(parts)
 
     def named(self, row: int) -> str:
-        """A point in a sentence, before a fact about it."""
+        """Returns the parameters of a point with a colon, to precede a fact about it."""
         title = self.title(row)
         return f"{title}: " if title else ""
 
     def short(self, row: int) -> str:
-        """A point by its values alone, as `−216.3772, 0.00275`."""
+        """Returns the parameter values of a point without names: `−216.3772, 0.00275`."""
         if not self.parameters:
             return f"point {self.ids[row]}"
         return ", ".join(words.number(self.values[column][row]) for column in self.parameters)
 
     @property
     def short_names(self) -> str:
-        """What the values of `short` are, as `speed [rad/s], friction coefficient`."""
+        """The names and units of the values in `short`: `speed [rad/s], friction coefficient`."""
         return ", ".join(words.axis(self._words(column), self.unit(column)) for column in self.parameters)
 
     def axes(self, least: int) -> list[Axis]:
-        """Swept numbers with at least so many values, the one with the most first."""
+        """Returns the swept numeric parameters with at least ``least`` values, by descending number of values."""
         found = []
         for column in self.parameters:
             values = self.values[column]
@@ -152,14 +152,14 @@ class Sweep:
         return sorted(found, key=lambda axis: -len(axis.distinct))
 
     def groups(self, without: Sequence[str]) -> dict[str, list[int]]:
-        """Rows that differ in nothing but some parameters, by what they have in common."""
+        """Groups the rows that differ only in the given parameters; returns them by their common title."""
         groups: dict[str, list[int]] = {}
         for row in range(len(self)):
             groups.setdefault(self.title(row, without), []).append(row)
         return {"": rows for rows in groups.values()} if len(groups) == 1 else groups
 
     def details(self, points: Optional[Sequence[int]]) -> list[int]:
-        """Rows that are shown in detail: those asked for, or all, or some at even distances."""
+        """Returns the rows shown in detail: the requested points, or at most `MOST_DETAILS` equidistant ones."""
         if points is None:
             return evenly(len(self), MOST_DETAILS)
         places = {int(point): row for row, point in enumerate(self.ids)}
@@ -171,13 +171,13 @@ class Sweep:
         return [places[point] for point in points]
 
     def left_out(self, shown: Sequence[int]) -> str:
-        """What is to be said where not all points are shown."""
+        """Returns the sentence of the caption about omitted points; empty if all are shown."""
         if len(shown) == len(self):
             return ""
         return f" {len(shown)} of {len(self)} points are shown."
 
     def failures_left_out(self, shown: Sequence[int]) -> str:
-        """What is to be said of failed runs, which a figure cannot show."""
+        """Returns the sentence of the caption about failed runs, which the figure omits."""
         some = [row for row in shown if self.failed[row] > 0]
         if not some:
             return ""

@@ -1,4 +1,4 @@
-"""The tables of a results directory, and what is said where one of them cannot be read."""
+"""Reads and verifies the tables of a results directory."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ __all__ = ["Directory", "FiguresError", "Source", "Table"]
 Source = Union[str, PathLike[str]]
 Numbers = NDArray[np.float64]
 
-#: What writes the tables of a kind of directory.
+#: The command that writes each table.
 _COMMANDS = {
     "points": "stickslip run STUDY --out DIR",
     "runs": "stickslip run STUDY --out DIR",
@@ -36,9 +36,9 @@ _COMMANDS = {
 
 
 class FiguresError(ValueError):
-    """A figure cannot be drawn: where, what is missing, and what helps."""
+    """The error of a figure that cannot be drawn, with the directory, the file, the problem and the remedy."""
 
-    #: Whether the tables are as they should be, and only have nothing that this figure shows.
+    #: Whether the tables are valid but contain nothing that the figure shows.
     cannot_show: bool = False
 
     def __init__(self, directory: Source, file: str, problem: str, remedy: str) -> None:
@@ -53,27 +53,27 @@ class FiguresError(ValueError):
 
 
 class NothingToShowError(FiguresError):
-    """The tables can be read, and have nothing that the figure shows."""
+    """The error of a figure whose tables are valid but contain nothing to show."""
 
     cannot_show = True
 
 
 class Directory:
-    """A directory that `stickslip run`, `equilibria` or `replay` has written."""
+    """A directory written by `stickslip run`, `equilibria` or `replay`."""
 
     def __init__(self, path: Source) -> None:
         self.path = Path(path)
         if not self.path.is_dir():
             problem = "there is no such directory" if not self.path.exists() else "it is not a directory"
-            raise FiguresError(path, "", problem, "give a directory that `stickslip run` has written")
+            raise FiguresError(path, "", problem, "give a directory written by `stickslip run`")
 
     def has(self, name: str) -> bool:
-        """Whether it has a table."""
+        """Returns whether the directory contains a table."""
         return (self.path / f"{name}.parquet").exists()
 
     @cached_property
     def _listed(self) -> Optional[dict[str, Any]]:
-        """The files that the program says it has written, where it says so."""
+        """The listed files with their hashes, or None if the directory has no list."""
         for name in ("manifest.json", "files.json"):
             file = self.path / name
             if file.exists():
@@ -86,7 +86,7 @@ class Directory:
         return None
 
     def table(self, name: str) -> Table:
-        """One of its tables: a file, or a directory of parts."""
+        """Opens a table, which is a file or a directory of parts, and verifies its hashes."""
         path = self.path / f"{name}.parquet"
         if not path.exists():
             raise FiguresError(
@@ -112,7 +112,7 @@ class Directory:
 
 @lru_cache(maxsize=256)
 def _sha256(file: Path, changed_ns: int) -> str:
-    """The hash of a file as it was at a time."""
+    """Returns the hash of a file; the modification time invalidates the cache."""
     del changed_ns
     found = hashlib.sha256()
     with file.open("rb") as content:
@@ -122,7 +122,7 @@ def _sha256(file: Path, changed_ns: int) -> str:
 
 
 class Table:
-    """A table: its columns, their units, and where it comes from."""
+    """A table with its columns, their units and its provenance."""
 
     def __init__(self, directory: Path, name: str, files: Sequence[Path]) -> None:
         self.directory = directory
@@ -134,26 +134,26 @@ class Table:
         self.schema = self._files[0].schema_arrow
 
     def error(self, problem: str, remedy: str) -> FiguresError:
-        """An exception about this table."""
+        """Returns an error about this table."""
         return FiguresError(self.directory, self.name, problem, remedy)
 
     def nothing(self, problem: str, remedy: str) -> NothingToShowError:
-        """An exception about this table, which is as it should be but has nothing to show."""
+        """Returns the error of a valid table with nothing to show."""
         return NothingToShowError(self.directory, self.name, problem, remedy)
 
     @property
     def columns(self) -> list[str]:
-        """Names of its columns."""
+        """The names of the columns."""
         return list(self.schema.names)
 
     @property
     def rows(self) -> int:
-        """How many rows it has."""
+        """The number of rows."""
         return sum(file.metadata.num_rows for file in self._files)
 
     @cached_property
     def about(self) -> dict[str, Any]:
-        """What the program says of it: study, seed, version, options; empty where it says nothing."""
+        """The provenance in the metadata: study, seed, version and options; empty if there is none."""
         text = (self._files[0].metadata.metadata or {}).get(b"stickslip", b"{}")
         try:
             about = json.loads(text)
@@ -163,12 +163,12 @@ class Table:
 
     @property
     def study(self) -> str:
-        """The name of its study."""
+        """The name of the study."""
         return str(self.about.get("study", self.directory.name))
 
     @cached_property
     def parameters(self) -> dict[str, float]:
-        """The study's model parameters that are numbers, before a sweep."""
+        """The numeric model parameters of the study without its sweep."""
         found = re.findall(r"^ +(\w+): ([-+.\deE]+)$", str(self.about.get("study_yaml", "")), re.MULTILINE)
         numbers: dict[str, float] = {}
         for name, value in found:
@@ -179,23 +179,23 @@ class Table:
         return numbers
 
     def unit(self, column: str) -> str:
-        """The unit of a column; empty for a pure number."""
+        """Returns the unit of a column; empty for a dimensionless number."""
         unit = (self.schema.field(column).metadata or {}).get(b"unit", b"").decode()
         return "" if unit.split(" ")[:1] == ["1"] else unit
 
     def need(self, columns: Sequence[str]) -> None:
-        """Raises where a column is missing."""
+        """Raises FiguresError if a column is missing."""
         missing = [column for column in columns if column not in self.schema.names]
         if missing:
             words = "columns" if len(missing) > 1 else "column"
             version = self.about.get("version", "unknown")
             raise self.error(
                 f"it has no {words} {', '.join(missing)} (written by stickslip {version})",
-                "write the tables with the version of stickslip that these figures belong to",
+                "write the tables with the version of stickslip that contains this module",
             )
 
     def batches(self, columns: Sequence[str]) -> Iterator[dict[str, NDArray[Any]]]:
-        """Columns as arrays, a few ten thousand rows at a time; numbers that are missing are NaN."""
+        """Yields columns as arrays of at most 65,536 rows; missing numbers are NaN."""
         self.need(columns)
         try:
             for file in self._files:
@@ -205,7 +205,7 @@ class Table:
             raise self.error(f"it cannot be read ({error})", "write the directory anew") from error
 
     def read(self, columns: Sequence[str]) -> dict[str, NDArray[Any]]:
-        """Whole columns as arrays."""
+        """Returns whole columns as arrays."""
         parts = list(self.batches(columns))
         if not parts:
             return {name: np.empty(0) for name in columns}

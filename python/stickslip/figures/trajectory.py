@@ -1,4 +1,4 @@
-"""The motion of one run over time."""
+"""Draws the motion of one run over time."""
 
 from __future__ import annotations
 
@@ -14,21 +14,21 @@ from .tables import Directory, Numbers, Source
 
 __all__ = ["motion"]
 
-#: Places along the time axis that can be told apart.
+#: Number of distinguishable positions along the time axis.
 _BINS = 1200
 
 
 def motion(directory: Source, *, width: Optional[Width] = None, sheet: int = 1) -> Paper:
-    """The motion of a run over time [s], from `trajectory.parquet` of `stickslip replay`.
+    """Draws the motion of a run over time [s], from `trajectory.parquet` of `stickslip replay`.
 
-    Balls: their angles from the imbalance [rad], their speeds relative to the ring [rad/s], and the position
-    x, y of the ring's centre [µm] in the frame that turns with the disc, x towards the imbalance. Block:
-    position [m], sliding speed [m/s] and friction force [N]. The curves end where the record ends: of a run
-    that ended because everything rests for good, at that time. Where there are very many rows, the least and
-    the greatest value of each of 1,200 equal times are drawn. The thesis, figures 5.6 and 5.15.
+    For balls, the panels show their angles from the imbalance [rad], their speeds relative to the ring [rad/s], and
+    the position x, y of the ring's centre [µm] in the frame that rotates with the disc, x towards the imbalance. For
+    a block, they show position [m], sliding speed [m/s] and friction force [N]. The curves end with the record; the
+    record of a run that comes to permanent rest ends at that time. Long records are reduced to the extreme values in
+    1,200 equal intervals of time. See figures 5.6 and 5.15 of the thesis.
 
-    ``width``: "single" (90 mm) or "double" (180 mm). Raises FiguresError where the directory has no
-    `trajectory.parquet`, or fewer than two times.
+    ``width``: "single" (90 mm) or "double" (180 mm). Raises FiguresError if the directory has no
+    `trajectory.parquet` or if the table has fewer than two times.
     """
     table = Directory(directory).table("trajectory")
     balls = sum(1 for name in table.columns if name.startswith("beta_unwrapped_"))
@@ -51,7 +51,7 @@ def motion(directory: Source, *, width: Optional[Width] = None, sheet: int = 1) 
         raise table.nothing(
             f"it has {time.size} times, and a curve needs two", "repeat `stickslip replay` with more"
         )
-    # A ball side by side with another would not be seen.
+    # Balls side by side have the same curve.
     beside = balls == 2 and all(
         np.array_equal(read[first], read[second], equal_nan=True)
         for first, second in (columns for *_, columns, _ in quantities[:2])
@@ -94,7 +94,7 @@ def motion(directory: Source, *, width: Optional[Width] = None, sheet: int = 1) 
     run = table.about.get("options", {}).get("run_id")
     of_balls = (
         "Angles of the balls from the imbalance, their speeds relative to the ring, and the position of the "
-        "ring's centre in the frame that turns with the disc, x towards the imbalance."
+        "ring's centre in the frame that rotates with the disc, x towards the imbalance."
     )
     title = f"Run {run} of {table.study}" if run is not None else table.study
     return lay_out(
@@ -110,7 +110,7 @@ def motion(directory: Source, *, width: Optional[Width] = None, sheet: int = 1) 
 
 
 def thinned(time: Numbers, values: Numbers) -> tuple[Numbers, Numbers]:
-    """A curve of very many points as the first, least, greatest and last of each of many equal times."""
+    """Reduces a long curve to the first, least, greatest and last point of each of many equal intervals of time."""
     if time.size <= 4 * _BINS:
         return time, values
     place = np.minimum((_BINS * (time - time[0]) / (time[-1] - time[0])).astype(int), _BINS - 1)
@@ -126,6 +126,6 @@ def thinned(time: Numbers, values: Numbers) -> tuple[Numbers, Numbers]:
 
 
 def _unbroken(time: Numbers, angle: Numbers) -> tuple[Numbers, Numbers]:
-    """Angles over time, broken where one goes round."""
+    """Returns angles over time, broken where an angle wraps."""
     gaps = np.flatnonzero(np.abs(np.diff(angle)) > np.pi) + 1
     return np.insert(time, gaps, np.nan), np.insert(angle, gaps, np.nan)

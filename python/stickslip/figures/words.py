@@ -1,4 +1,4 @@
-"""Names of parameters, values and coordinates as a reader writes them."""
+"""Formats names, values and coordinates for readers."""
 
 from __future__ import annotations
 
@@ -10,27 +10,27 @@ __all__ = ["axis", "coordinate", "label", "listed", "number", "parameter", "sign
 
 
 def subscript(value: int) -> str:
-    """A number below the line."""
+    """Formats a number as a subscript."""
     return str(value).translate(str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉"))
 
 
 def number(value: Union[float, str]) -> str:
-    """A value as it was given, with a minus sign and not a hyphen."""
+    """Formats a value with a true minus sign."""
     return value if isinstance(value, str) else f"{value:.10g}".replace("-", "−")
 
 
 def significant(value: float) -> str:
-    """A number with four significant digits."""
+    """Formats a number with four significant digits."""
     return f"{value:.4g}".replace("-", "−")
 
 
 def axis(name: str, unit: str) -> str:
-    """The name of an axis: `speed [rad/s]`."""
+    """Returns the label of an axis: `speed [rad/s]`."""
     return f"{name} [{unit}]" if unit else name
 
 
 def parameter(column: str, unit: str) -> str:
-    """A parameter in words: `speed` for `speed_rad_s`."""
+    """Returns the name of a parameter in words: `speed` for `speed_rad_s`."""
     suffix = re.sub(r"[^a-z0-9]", "_", unit.lower())
     if suffix and column.endswith(f"_{suffix}"):
         column = column[: -len(suffix) - 1]
@@ -38,12 +38,12 @@ def parameter(column: str, unit: str) -> str:
 
 
 def label(name: str) -> str:
-    """A label as a legend says it."""
+    """Returns a label for a legend."""
     return name.replace("_", " ")
 
 
 def coordinate(column: str) -> str:
-    """A coordinate of a start state: `β̇₁` for `initial_beta_dot_1`."""
+    """Returns the symbol of a start coordinate: `β̇₁` for `initial_beta_dot_1`."""
     parts = column.removeprefix("initial_").split("_")
     letter = "β" if parts[0] == "beta" else parts[0]
     ball = "".join(subscript(int(part)) for part in parts if part.isdigit())
@@ -51,5 +51,5 @@ def coordinate(column: str) -> str:
 
 
 def listed(parts: Sequence[str]) -> str:
-    """Facts in a row, as a sentence; empty where there are none."""
+    """Joins facts to a sentence; empty without facts."""
     return "; ".join(parts) + "." if parts else ""

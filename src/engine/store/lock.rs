@@ -48,7 +48,7 @@ impl Lock {
         Ok(Lock { file, path, directory: directory.to_owned() })
     }
 
-    /// Checks that nobody has removed the lock file.
+    /// Checks that the lock file still exists and is this process's.
     ///
     /// # Errors
     /// Returns [`StoreError::Lost`] if the lock file is gone or replaced.

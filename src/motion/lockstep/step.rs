@@ -1,8 +1,8 @@
 //! The length of a step, from the last coefficients of the series.
 //!
-//! The contribution of the last two coefficients of the speeds' series at the step's end is kept
+//! The contribution of the last two coefficients of the speeds' series at the step's end stays
 //! below the tolerance; because such series decrease from term to term, the truncated part is
-//! smaller still.
+//! even smaller.
 
 use fearless_simd::{Simd, prelude::*};
 

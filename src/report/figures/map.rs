@@ -99,7 +99,7 @@ const MOST_PLANES: usize = 12;
 /// A point and its coordinates.
 type Placed<'a> = (&'a PointFacts, f64, f64);
 
-/// Returns the maps of points that differ in the two parameters only, each of which has these values.
+/// Returns the maps of points that differ only in two parameters, which have these values.
 fn plane(
     title: &str,
     points: &[Placed<'_>],
