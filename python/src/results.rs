@@ -52,7 +52,7 @@ impl Results {
 
     /// The probability of being at rest over time with confidence intervals, per point.
     #[getter]
-    fn rest(&self, py: Python<'_>) -> PyResult<Table> {
+    fn time_to_rest(&self, py: Python<'_>) -> PyResult<Table> {
         self.table(py, 2)
     }
 
@@ -70,7 +70,7 @@ impl Results {
 
     /// The number of equilibria in each part of the ring.
     #[getter]
-    fn density(&self, py: Python<'_>) -> PyResult<Table> {
+    fn equilibrium_histogram(&self, py: Python<'_>) -> PyResult<Table> {
         self.table(py, 5)
     }
 

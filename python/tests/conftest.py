@@ -1,4 +1,4 @@
-"""What tests fraction: the program to compare with, studies, and tables compared to the last bit."""
+"""What tests share: the program to compare with, studies, and tables compared to the last bit."""
 
 import os
 import subprocess

@@ -44,7 +44,7 @@ def test_defaults_are_those_of_the_thesis():
     assert found.positions is None
     assert (round(found.fraction, 4), found.components) == (0.77, 1)
     low = stickslip.equilibrium_set(speed_rad_s=-216.3772, friction_coefficient=2.75e-4)
-    assert (round(low.fraction, 4), low.parts) == (0.0174, 6)
+    assert (round(low.fraction, 4), low.components) == (0.0174, 6)
     assert len(low.positions) == 512 * 512
     assert sum(low.positions["in_set"]) / 512**2 == low.fraction
 
