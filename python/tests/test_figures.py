@@ -539,6 +539,17 @@ def test_the_command_draws_what_there_is(results, tmp_path, capsys):
     assert "edge of the equilibrium set" in (out / "preferred-equilibria.svg").read_text()
 
 
+def test_figures_of_missing_tables_are_omitted(tmp_path, capsys):
+    """`stickslip equilibria --no-set` writes no positions: the figures of the set are omitted."""
+    directory = small_tables.equilibria(tmp_path / "sets")
+    (directory / "equilibrium_positions.parquet").unlink()
+    assert command.main([str(directory), "--only", "equilibrium-set"]) == 1
+    assert "equilibrium_positions" in capsys.readouterr().err
+    assert command.main([str(directory), "--out", str(tmp_path / "drawn")]) == 1
+    # Two speeds are no branches, so that there is nothing left to draw; the error says why.
+    assert "equilibrium_positions" not in capsys.readouterr().err
+
+
 def test_exit_codes_of_the_command(results, tmp_path, capsys):
     assert command.main([str(results), "--only", "label-map"]) == 1
     assert "a map needs two" in capsys.readouterr().err

@@ -39,8 +39,8 @@ FIGURES: dict[str, tuple[Drawing, str]] = {
     "basins": (basins, "points"),
     "limit-cycle-branches": (limit_cycle_branches, "points"),
     "diagnostics": (diagnostics, "points"),
-    "equilibrium-set": (equilibrium_set, "equilibrium_set_summary"),
-    "equilibrium-surface": (equilibrium_surface, "equilibrium_set_summary"),
+    "equilibrium-set": (equilibrium_set, "equilibrium_positions"),
+    "equilibrium-surface": (equilibrium_surface, "equilibrium_positions"),
     "frictionless-branches": (frictionless_branches, "frictionless_equilibria"),
     "motion": (motion, "trajectory"),
 }
@@ -116,7 +116,7 @@ def _drawn(arguments: argparse.Namespace) -> list[tuple[str, Paper]]:
         raise FiguresError(
             directory.path,
             "",
-            "there is nothing to draw here: no points.parquet, equilibrium_set_summary.parquet, "
+            "there is nothing to draw here: no points.parquet, equilibrium_positions.parquet, "
             "frictionless_equilibria.parquet or trajectory.parquet",
             "give a directory written by `stickslip run`, `equilibria` or `replay`",
         )
