@@ -50,7 +50,7 @@ fn studies_that_cannot_be_read() {
         for (study, parts) in [
             ("missing.yaml", ["missing.yaml", "", ""]),
             ("folder.yaml", ["folder.yaml", "directory", ""]),
-            ("latin-1.yaml", ["latin-1.yaml", "UTF-8", "wrong byte at position 19"]),
+            ("latin-1.yaml", ["latin-1.yaml", "UTF-8", "an invalid byte at position 19"]),
             ("empty.yaml", ["empty.yaml", "empty", ""]),
             ("misspelt.yaml", ["misspelt.yaml:5:", "smaples", "samples (did you mean this?)"]),
         ] {
