@@ -10,7 +10,7 @@
 
 use super::error::Fault;
 
-/// The deepest nesting of values, of which a footer needs seven levels, and of columns: 1 for flat columns, 3 for lists.
+/// The deepest nesting of values (a footer needs seven levels) and of columns (1 for flat columns, 3 for lists).
 const MAX_DEPTH: usize = 12;
 const MAX_COLUMN_DEPTH: usize = 3;
 /// The largest number of columns in a group.
