@@ -17,13 +17,13 @@ pub struct Report {
     more: u64,
     keep_all: bool,
     own_speeds: bool,
-    kinds: [Kind; FrictionlessKind::ALL.len()],
+    kinds: [KindCount; FrictionlessKind::ALL.len()],
     too_coarse: u64,
 }
 
 /// Counts of the equilibria of one kind.
 #[derive(Clone, Copy, Default)]
-struct Kind {
+struct KindCount {
     found: u64,
     stable: u64,
     /// The smallest and the largest speed at which an equilibrium of this kind is stable, rad/s.

@@ -64,14 +64,14 @@ pub struct TableWriter<R> {
     path: PathBuf,
     rows: Vec<R>,
     // Closed before `staging` removes its directory.
-    part: Part,
+    part: OpenPart,
     staging: Staging,
     finished: Vec<FileEntry>,
     most_rows: u64,
 }
 
 /// The file that is being written.
-struct Part {
+struct OpenPart {
     writer: ArrowWriter<File>,
     rows: u64,
 }
@@ -95,9 +95,9 @@ impl<R> TableWriter<R> {
         columns: Vec<Column<R>>,
         provenance: &str,
     ) -> Result<Self, WriteError> {
-        let start = || -> Result<(Staging, Part), WriteCause> {
+        let start = || -> Result<(Staging, OpenPart), WriteCause> {
             let staging = Staging::create(path)?;
-            let part = Part::create(&staging.part(0), &columns, provenance)?;
+            let part = OpenPart::create(&staging.part(0), &columns, provenance)?;
             Ok((staging, part))
         };
         let (staging, part) =
@@ -171,7 +171,8 @@ impl<R> TableWriter<R> {
 
     fn next_part(&mut self) -> Result<(), WriteCause> {
         let number = self.finished.len();
-        let next = Part::create(&self.staging.part(number + 1), &self.columns, &self.provenance)?;
+        let next =
+            OpenPart::create(&self.staging.part(number + 1), &self.columns, &self.provenance)?;
         let full = mem::replace(&mut self.part, next);
         self.finished.push(full.close(&self.staging.part(number))?);
         Ok(())
@@ -241,7 +242,7 @@ fn is_table_of(path: &Path, parts: &[(String, FileEntry)]) -> io::Result<bool> {
     Ok(true)
 }
 
-impl Part {
+impl OpenPart {
     fn create<R>(path: &Path, columns: &[Column<R>], provenance: &str) -> Result<Self, WriteCause> {
         let properties = WriterProperties::builder()
             .set_compression(Compression::SNAPPY)
@@ -253,7 +254,10 @@ impl Part {
             )]))
             .build();
         let file = File::create_new(path)?;
-        Ok(Part { writer: ArrowWriter::try_new(file, schema(columns), Some(properties))?, rows: 0 })
+        Ok(OpenPart {
+            writer: ArrowWriter::try_new(file, schema(columns), Some(properties))?,
+            rows: 0,
+        })
     }
 
     /// Writes the footer and syncs the file.

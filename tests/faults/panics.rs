@@ -11,7 +11,7 @@ use stickslip::study::Study;
 use crate::cli::support::{Scratch, parse};
 use crate::engine::in_memory::Kept;
 
-fn run_in_memory(
+fn run_in_directory(
     study: &Study,
     directory: &Path,
     retry_failed: bool,
@@ -31,10 +31,10 @@ fn run_in_memory(
 fn panics_are_rows_that_can_be_tried_again() {
     let scratch = Scratch::new();
     let study = parse(&super::study().replace("samples: 3200", "samples: 200"));
-    let whole = run_in_memory(&study, &scratch.path("whole"), false, simulate);
+    let whole = run_in_directory(&study, &scratch.path("whole"), false, simulate);
     let out = scratch.path("out");
     let bad = |case: &Case| case.start.0[0] > 0.02;
-    let first = run_in_memory(&study, &out, false, |case| {
+    let first = run_in_directory(&study, &out, false, |case| {
         assert!(!bad(case), "injected");
         simulate(case)
     });
@@ -48,16 +48,16 @@ fn panics_are_rows_that_can_be_tried_again() {
     }
     assert!((50..200).contains(&panics), "{panics}");
     // Runs that panicked are finished: nothing is computed again without a request.
-    let again = run_in_memory(&study, &out, false, |_| unreachable!("all runs are finished"));
+    let again = run_in_directory(&study, &out, false, |_| unreachable!("all runs are finished"));
     assert_eq!(again.runs, first.runs);
     // A retry computes only them, from the same start states and parameters.
-    let retried = run_in_memory(&study, &out, true, |case| {
+    let retried = run_in_directory(&study, &out, true, |case| {
         assert!(bad(case), "a run that had not failed");
         simulate(case)
     });
     assert_eq!(retried.runs, whole.runs);
     assert_eq!(retried.points, whole.points);
     // The better outcome is stored.
-    let last = run_in_memory(&study, &out, true, |_| unreachable!("no run has failed any more"));
+    let last = run_in_directory(&study, &out, true, |_| unreachable!("no run has failed any more"));
     assert_eq!(last.runs, whole.runs);
 }

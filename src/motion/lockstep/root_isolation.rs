@@ -76,7 +76,7 @@ impl Bounds {
     #[inline(always)]
     pub(super) fn holds(&self) -> bool {
         let [low, high] = self.ends;
-        matches!(part(low, high, self.fourth_derivative), Part::Holds)
+        matches!(part(low, high, self.fourth_derivative), PartVerdict::Holds)
     }
 }
 
@@ -140,15 +140,15 @@ impl Polynomial {
         let mut high = end;
         loop {
             match part(low, high, bound) {
-                Part::Falls => return ConditionFate::Fails(self.fall(low, high)),
-                Part::Open if high.at - low.at > SHORTEST_PART => {
+                PartVerdict::Falls => return ConditionFate::Fails(self.fall(low, high)),
+                PartVerdict::Open if high.at - low.at > SHORTEST_PART => {
                     high = self.place(0.5 * (low.at + high.at));
                     continue;
                 }
-                Part::Open if high.value < 0.0 => {
+                PartVerdict::Open if high.value < 0.0 => {
                     return ConditionFate::Fails(self.fall(low, high));
                 }
-                Part::Holds | Part::Open => {}
+                PartVerdict::Holds | PartVerdict::Open => {}
             }
             if high.at >= 1.0 {
                 return ConditionFate::Holds;
@@ -224,14 +224,14 @@ fn fall_of_cubic(low: PolynomialPoint, high: PolynomialPoint) -> f64 {
     at
 }
 
-enum Part {
+enum PartVerdict {
     Holds,
     Falls,
     Open,
 }
 
 /// Returns the bounds for the part between two points; the condition holds at the first of them.
-fn part(low: PolynomialPoint, high: PolynomialPoint, fourth_derivative: f64) -> Part {
+fn part(low: PolynomialPoint, high: PolynomialPoint, fourth_derivative: f64) -> PartVerdict {
     let length = high.at - low.at;
     let third = length / 3.0;
     let (one, two) = (low.value + third * low.slope, high.value - third * high.slope);
@@ -241,17 +241,21 @@ fn part(low: PolynomialPoint, high: PolynomialPoint, fourth_derivative: f64) -> 
     let middle = 0.5 * (one + two);
     let fourth = 0.25 * (3.0 * two + high.value);
     if second.min(middle - doubt).min(fourth).min(high.value) >= 0.0 {
-        return Part::Holds;
+        return PartVerdict::Holds;
     }
     if high.value >= 0.0 {
-        return Part::Open;
+        return PartVerdict::Open;
     }
     // One change of sign for any value of the middle coefficient within its bounds.
     let falls = |middle: f64| {
         let signs = [second >= 0.0, middle >= 0.0, fourth >= 0.0];
         signs.windows(2).all(|pair| pair[0] || !pair[1])
     };
-    if falls(middle - doubt) && falls(middle + doubt) { Part::Falls } else { Part::Open }
+    if falls(middle - doubt) && falls(middle + doubt) {
+        PartVerdict::Falls
+    } else {
+        PartVerdict::Open
+    }
 }
 
 #[cfg(test)]

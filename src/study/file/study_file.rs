@@ -10,7 +10,7 @@ use crate::study::file::distribution_file::DistributionFile;
 use crate::study::file::optimize_file::OptimizeFile;
 use crate::study::file::response_file::{ResponseFile, VariableFile};
 use crate::study::file::schema_parts as schema;
-use crate::study::file::values::{Count, Entry, Listed, Named, Range, Table};
+use crate::study::file::values::{Count, Entry, Listed, Named, Range, TableSource};
 
 /// A stickslip study: a model, the points of a sweep, and the sampling of start states.
 #[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
@@ -240,7 +240,7 @@ pub struct BlockFile {
     pub zip: Option<Named<Listed>>,
     /// A table with one point per row; the columns are parameters.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub table: Option<Table>,
+    pub table: Option<TableSource>,
     /// Sampling design of this block; the default is `initial_conditions.design`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub design: Option<DesignFile>,
@@ -295,7 +295,7 @@ pub enum DesignFile {
     },
     /// Given start states, with one column per coordinate: `x`, `y`, `beta_1` ..., `x_dot`,
     /// `y_dot`, `beta_dot_1` ... of a ball balancer; `position_m`, `velocity_m_s` of a block.
-    Table(Table),
+    Table(TableSource),
 }
 
 /// Integration method, end time, tolerances and the endings to detect.

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use crate::study::error::{Fault, Locate, Location, StudyError, list_names, shorten};
 use crate::study::file::key_path::KeyPath;
 use crate::study::file::table_folders::{MAX_VALUES, TableFolders};
-use crate::study::file::values::{Entry, InlineTable, Table};
+use crate::study::file::values::{Entry, InlineTable, TableSource};
 use crate::tabular::{Cell, Cells, Limits, Refusal, check_name, ragged};
 
 /// A table whose column names are valid and distinct.
@@ -40,12 +40,12 @@ impl Rows {
         locate: &dyn Locate,
         folders: &TableFolders,
         path: &KeyPath,
-        table: &Table,
+        table: &TableSource,
         allowed: &[String],
     ) -> Result<Rows, StudyError> {
         let rows = match table {
-            Table::Inline(inline) => Rows::of_inline(locate, path, inline, allowed)?,
-            Table::File(name) => Rows::of_file(locate, folders, path, name, allowed)?,
+            TableSource::Inline(inline) => Rows::of_inline(locate, path, inline, allowed)?,
+            TableSource::File(name) => Rows::of_file(locate, folders, path, name, allowed)?,
         };
         if rows.rows.is_empty() {
             let fault = Fault::new("a table without rows", "0 rows", "at least one row");

@@ -221,7 +221,7 @@ pub type Listed = Vec<Entry>;
 /// rows.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(untagged)]
-pub enum Table {
+pub enum TableSource {
     /// A CSV file with one header line, or a Parquet file; the file extension decides.
     File(String),
     /// An inline table.
@@ -238,11 +238,11 @@ pub struct InlineTable {
     pub rows: Vec<Vec<Entry>>,
 }
 
-impl<'de> Deserialize<'de> for Table {
+impl<'de> Deserialize<'de> for TableSource {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         struct TableVisitor;
         impl<'de> Visitor<'de> for TableVisitor {
-            type Value = Table;
+            type Value = TableSource;
 
             fn expecting(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
                 out.write_str(
@@ -250,20 +250,20 @@ impl<'de> Deserialize<'de> for Table {
                 )
             }
 
-            fn visit_str<E>(self, value: &str) -> Result<Table, E> {
-                Ok(Table::File(value.to_owned()))
+            fn visit_str<E>(self, value: &str) -> Result<TableSource, E> {
+                Ok(TableSource::File(value.to_owned()))
             }
 
-            fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Table, A::Error> {
+            fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<TableSource, A::Error> {
                 let values = serde::de::value::MapAccessDeserializer::new(map);
-                InlineTable::deserialize(values).map(Table::Inline)
+                InlineTable::deserialize(values).map(TableSource::Inline)
             }
         }
         deserializer.deserialize_any(TableVisitor)
     }
 }
 
-impl JsonSchema for Table {
+impl JsonSchema for TableSource {
     fn schema_name() -> Cow<'static, str> {
         "Table".into()
     }

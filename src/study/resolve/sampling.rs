@@ -8,7 +8,7 @@ use crate::study::file::key_path::KeyPath;
 use crate::study::file::study_file::DesignFile;
 use crate::study::file::table_folders::TableFolders;
 use crate::study::file::table_input::Rows;
-use crate::study::file::values::{Entry, InlineTable, Table};
+use crate::study::file::values::{Entry, InlineTable, TableSource};
 use crate::study::sampling::initial_box::axis_names;
 use crate::study::sampling::sampling_design::{Layout, MAX_SOBOL_SAMPLES};
 
@@ -61,7 +61,7 @@ fn resolve_starts(
     locate: &dyn Locate,
     folders: &TableFolders,
     path: &KeyPath,
-    table: &Table,
+    table: &TableSource,
     model: &Model,
 ) -> Result<ResolvedDesign, StudyError> {
     let names = axis_names(model);
@@ -101,7 +101,7 @@ fn resolve_starts(
     };
     Ok(ResolvedDesign {
         layout: Layout::Table { rows: Arc::new(rows) },
-        file: DesignFile::Table(Table::Inline(inline)),
+        file: DesignFile::Table(TableSource::Inline(inline)),
         path: path.clone(),
     })
 }
@@ -110,7 +110,7 @@ impl DesignFile {
     /// Returns the number of values that the design lists.
     pub(crate) fn values(&self) -> usize {
         match self {
-            DesignFile::Table(Table::Inline(table)) => table.columns.len() * table.rows.len(),
+            DesignFile::Table(TableSource::Inline(table)) => table.columns.len() * table.rows.len(),
             _ => 0,
         }
     }

@@ -6,7 +6,7 @@ use crate::study::file::key_path::KeyPath;
 use crate::study::file::study_file::BlockFile;
 use crate::study::file::table_folders::TableFolders;
 use crate::study::file::table_input::Rows;
-use crate::study::file::values::{Entry, InlineTable, Listed, Named, Table};
+use crate::study::file::values::{Entry, InlineTable, Listed, Named, TableSource};
 use crate::study::file::yaml_tree::describe_number;
 use crate::study::plan::parameter::{NORMAL_FORCES, Parameter, ParameterValue};
 use crate::study::plan::sweep::Listing;
@@ -117,7 +117,7 @@ fn resolve_table(
     locate: &dyn Locate,
     folders: &TableFolders,
     path: &KeyPath,
-    table: &Table,
+    table: &TableSource,
     base: &Base,
 ) -> Result<ResolvedBlock, StudyError> {
     let names: Vec<String> = Parameter::all(&base.model).into_iter().map(Parameter::name).collect();
@@ -137,7 +137,7 @@ fn resolve_table(
         columns.push((parameter, values));
     }
     let inline = InlineTable { columns: read.columns, rows: read.rows };
-    let file = BlockFile { table: Some(Table::Inline(inline)), ..BlockFile::default() };
+    let file = BlockFile { table: Some(TableSource::Inline(inline)), ..BlockFile::default() };
     Ok(ResolvedBlock { listing: Listing::Rows, columns, file })
 }
 
