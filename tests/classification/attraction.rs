@@ -4,10 +4,12 @@
 use std::path::Path;
 
 use rayon::prelude::*;
-use stickslip::classification::{Evidence, Outcome, simulate};
+use stickslip::classification::{Evidence, Outcome};
 use stickslip::model::{Balancer, Case, Method, Simulation};
 use stickslip::motion::{Motion, Settings};
 use stickslip::study::Study;
+
+use super::simulate_all::simulate_all;
 
 /// The runs with a tenth of the friction in the thesis's study.
 fn cases() -> Vec<Case> {
@@ -64,12 +66,12 @@ fn claimed_cycles_attract_the_run_and_methods_agree() {
     let cases = cases();
     assert_eq!(cases.len(), 256);
     let claims = [Method::Switch, Method::Event].map(|method| {
-        let run = |case: &Case| {
-            let case = with(case, method);
-            let outcome = simulate(&case);
+        let cases: Vec<Case> = cases.iter().map(|case| with(case, method)).collect();
+        let outcomes = simulate_all(&cases);
+        let claim = |(case, outcome): (Case, Outcome)| {
             (outcome.evidence == Evidence::ClosedOrbit).then_some((case, outcome))
         };
-        cases.par_iter().map(run).collect::<Vec<_>>()
+        cases.into_iter().zip(outcomes).map(claim).collect::<Vec<_>>()
     });
     let [switch, event] = &claims;
     let mut claimed = 0;

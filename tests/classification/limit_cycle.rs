@@ -8,6 +8,8 @@ use stickslip::model::{Balancer, Case, Machine, Method, Simulation, Start};
 use stickslip::motion::{Motion, Settings, Tolerance};
 use stickslip::study::Study;
 
+use super::simulate_all::{cases_of, simulate_all};
+
 /// The start states of thesis table 5.1, with the speeds of the disc and the mean speeds of the
 /// balls; the second ball is `apart` from the first.
 fn thesis_starts(apart: f64) -> [(f64, f64, Start); 2] {
@@ -75,12 +77,10 @@ sweep:
   - zip: {speed_rad_s: [-216.3772, -247.3], friction_coefficient: [2.75e-4, 2.75e-3]}
 initial_conditions: {design: {latin_hypercube: {samples: 64}}}
 ";
-    let study = Study::parse(Path::new("cycles.yaml"), text.to_owned()).expect("a study");
-    let cases: Vec<Case> =
-        (0..study.run_count()).map(|run| study.planned_run(run).case.expect("valid")).collect();
+    let cases = cases(text);
     let claimed: Vec<_> = cases
-        .par_iter()
-        .map(|case| (case, simulate(case)))
+        .iter()
+        .zip(simulate_all(&cases))
         .filter(|(_, outcome)| outcome.label() == Label::LimitCycle)
         .collect();
     assert!(claimed.len() >= 5, "{} cycles", claimed.len());
@@ -119,8 +119,7 @@ initial_conditions: {design: {latin_hypercube: {samples: 64}}}
 }
 
 fn cases(text: &str) -> Vec<Case> {
-    let study = Study::parse(Path::new("cycles.yaml"), text.to_owned()).expect("a study");
-    (0..study.run_count()).map(|run| study.planned_run(run).case.expect("valid")).collect()
+    cases_of(&Study::parse(Path::new("cycles.yaml"), text.to_owned()).expect("a study"))
 }
 
 /// At -247.3 rad/s runs approach the cycle in a spiral of nearly five turns, so that they appear to
@@ -136,7 +135,7 @@ model: {kind: ball_balancer, parameters: {speed_rad_s: -247.3}}
 initial_conditions: {design: {latin_hypercube: {samples: 32}}}
 simulation: {end_time_s: 66}
 ";
-    let cases = cases(text);
+    let mut cases = cases(text);
     let ways = [
         (Method::Switch, 1e-8),
         (Method::Event, 1e-8),
@@ -145,16 +144,12 @@ simulation: {end_time_s: 66}
         (Method::Event, 1e-3),
     ];
     for (method, relative_tolerance) in ways {
-        let claimed: Vec<_> = cases
-            .par_iter()
-            .map(|case| {
-                let mut case = case.clone();
-                case.simulation.method = method;
-                case.simulation.relative_tolerance = relative_tolerance;
-                simulate(&case)
-            })
-            .filter(|outcome| outcome.label() == Label::LimitCycle)
-            .collect();
+        for case in &mut cases {
+            case.simulation.method = method;
+            case.simulation.relative_tolerance = relative_tolerance;
+        }
+        let mut claimed = simulate_all(&cases);
+        claimed.retain(|outcome| outcome.label() == Label::LimitCycle);
         assert!(claimed.len() >= 5, "{method:?}: {} cycles", claimed.len());
         for outcome in claimed {
             let cycle = outcome.cycle.expect("a cycle");

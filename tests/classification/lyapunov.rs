@@ -11,6 +11,8 @@ use stickslip::model::{Balancer, Case, FrictionLaw, Machine, Method, Simulation,
 use stickslip::motion::{Motion, Phase, Settings, Tolerance};
 use stickslip::study::Study;
 
+use super::simulate_all::{cases_of, simulate_all};
+
 /// At an unstable equilibrium with viscous drag only, neighbours separate at the rate of the
 /// equations linearised there, an independent formulation (`exp(A t)`). Nothing else happens, so
 /// that the motion is not irregular.
@@ -184,11 +186,8 @@ sweep: [{grid: {speed_rad_s: [-216.3772, -247.3, -309.15]}}]
 initial_conditions: {design: {latin_hypercube: {samples: 64}}}
 ";
     let study = Study::parse(Path::new("slow.yaml"), text.to_owned()).expect("a study");
-    let moving: Vec<Label> = (0..study.run_count())
-        .into_par_iter()
-        .map(|run| simulate(&study.planned_run(run).case.expect("valid")).label())
-        .filter(|label| *label != Label::Equilibrium)
-        .collect();
+    let labels = simulate_all(&cases_of(&study)).into_iter().map(|outcome| outcome.label());
+    let moving: Vec<Label> = labels.filter(|label| *label != Label::Equilibrium).collect();
     let irregular = moving.iter().filter(|label| **label == Label::Irregular).count();
     println!("{irregular} irregular of {} that move", moving.len());
     assert!(moving.len() >= 40 && irregular <= 1, "{irregular} of {}", moving.len());

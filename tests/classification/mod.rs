@@ -17,4 +17,5 @@ mod multipliers;
 mod recorder;
 pub mod reference;
 mod settled;
+pub mod simulate_all;
 mod step_limit;

@@ -3,9 +3,10 @@
 
 use std::path::Path;
 
-use rayon::prelude::*;
-use stickslip::classification::{Label, Outcome, simulate};
+use stickslip::classification::{Label, Outcome};
 use stickslip::model::{Case, Machine, Method, Simulation, Start};
+
+use super::simulate_all::simulate_all;
 
 /// A run of the independent program.
 pub struct Reference {
@@ -49,16 +50,12 @@ const METHODS: [Method; 2] = [Method::Switch, Method::Event];
 /// Returns the same runs by this program.
 pub fn run_all(speed: &str, references: &[Reference], simulation: Simulation) -> Vec<Outcome> {
     let speed_rad_s = -speed.parse::<f64>().expect("a speed");
-    references
-        .par_iter()
-        .map(|reference| {
-            simulate(&Case {
-                model: Machine { speed_rad_s, ..Machine::default() }.into(),
-                start: reference.start.clone(),
-                simulation,
-            })
-        })
-        .collect()
+    let case = |reference: &Reference| Case {
+        model: Machine { speed_rad_s, ..Machine::default() }.into(),
+        start: reference.start.clone(),
+        simulation,
+    };
+    simulate_all(&references.iter().map(case).collect::<Vec<_>>())
 }
 
 pub fn label_agrees(reference: &Reference, outcome: &Outcome) -> bool {

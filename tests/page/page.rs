@@ -268,7 +268,11 @@ impl<'a> Page<'a> {
         nodes
             .iter()
             .filter(|node| node["ignored"] != true)
-            .map(|node| Accessible { role: word(node, "role"), name: word(node, "name") })
+            // Some versions of the browser keep the space between a label and its control.
+            .map(|node| Accessible {
+                role: word(node, "role"),
+                name: word(node, "name").trim().to_owned(),
+            })
             .collect()
     }
 

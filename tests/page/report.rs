@@ -122,7 +122,14 @@ fn pages_have_no_faults() {
     ] {
         let file = report(&made, study, name);
         assert!(fs::metadata(&file).unwrap().len() < 5_000_000, "{name}");
-        for view in [LAPTOP, DARK, View { width: 1024, ..LAPTOP }, View { width: 390, ..LAPTOP }] {
+        // The first study in every view; the others wide in light and narrow in dark colours.
+        let views: &[View] = match name {
+            "thesis" => {
+                &[LAPTOP, DARK, View { width: 1024, ..LAPTOP }, View { width: 390, ..LAPTOP }]
+            }
+            _ => &[LAPTOP, View { width: 390, ..DARK }],
+        };
+        for &view in views {
             let mut page = browser.open(&file, view);
             let figures = figures(&mut page);
             assert!(figures.len() >= 4, "{name}: {figures:?}");
@@ -347,7 +354,8 @@ fn a_keyboard_reaches_everything() {
         .filter(part => part.checkVisibility()).length";
     let all = page.number(reach) as usize;
     page.ask("window.reached = new Set(); document.activeElement.blur()");
-    for _ in 0..all {
+    // Newer browsers also stop at every region that can be scrolled.
+    for _ in 0..2 * all {
         page.key("Tab");
         page.ask("reached.add(document.activeElement); null");
     }
@@ -441,7 +449,9 @@ fn a_report_can_be_printed() {
     let made = Made::new();
     for (name, study) in [("thesis", THESIS), ("failing", FAILING), ("spring", SPRING)] {
         let file = report(&made, study, name);
-        for dark in [false, true] {
+        // Colours are those of paper in either scheme; one study shows it.
+        let schemes: &[bool] = if name == "thesis" { &[false, true] } else { &[true] };
+        for &dark in schemes {
             // Without scrolling, everything is drawn for the print.
             let mut page = browser.open(&file, View { dark, ..LAPTOP });
             let figures = figures(&mut page);

@@ -4,13 +4,13 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::Path;
 
-use rayon::prelude::*;
 use stickslip::analysis::{Interval, Observed, PointAccumulator, PointSummary, Z_95, wilson};
-use stickslip::classification::{Label, Outcome, simulate};
+use stickslip::classification::{Label, Outcome};
 use stickslip::model::{Case, Machine, Method, NormalForce, Simulation};
 use stickslip::study::Study;
 
 use crate::classification::reference::{distance, label_agrees, references, run_all};
+use crate::classification::simulate_all::simulate_all;
 use crate::docs::generated::compare_or_write_part;
 
 /// The thesis's counts (figures 5.7 to 5.9 and section 5.3), in the order of the study's points.
@@ -55,27 +55,25 @@ impl ThesisRuns {
         let study = Study::load(&path).expect("a valid study");
         let points: Vec<_> = (0..study.point_count()).map(|id| study.point(id)).collect();
         let machine = |id: usize| points[id].model().ball_balancer().expect("a balancer");
+        let cases = |id: usize| {
+            let runs = points[id].first_run..points[id].first_run + points[id].sampling.most;
+            runs.map(|run| study.planned_run(run).case.expect("a valid case"))
+        };
         let compute = |way: &Way| -> Vec<Vec<Outcome>> {
-            let run = |run| {
-                let case = study.planned_run(run).case.expect("a valid case");
-                simulate(&Case { simulation: way.simulation, ..case })
+            let of_point = |id: usize| -> Vec<Outcome> {
+                let case = |case| Case { simulation: way.simulation, ..case };
+                simulate_all(&cases(id).map(case).collect::<Vec<_>>())
             };
-            let of_point = points.iter().map(|point| {
-                let runs = point.first_run..point.first_run + point.sampling.most;
-                runs.into_par_iter().map(run).collect()
-            });
-            of_point.collect()
+            (0..points.len()).map(of_point).collect()
         };
-        let with_newton = |run: u64| {
-            let mut case = study.planned_run(run).case.expect("a valid case");
+        let newton = |mut case: Case| {
             case.model.ball_balancer_mut().expect("a balancer").normal_force = NormalForce::Newton;
-            simulate(&case).label() == Label::Equilibrium
+            case
         };
+        let with_newton = simulate_all(&cases(0).map(newton).collect::<Vec<_>>());
+        let at_rest = |outcome: &&Outcome| outcome.label() == Label::Equilibrium;
         ThesisRuns {
-            with_newton: (0..points[0].sampling.most)
-                .into_par_iter()
-                .filter(|&run| with_newton(run))
-                .count() as u64,
+            with_newton: with_newton.iter().filter(at_rest).count() as u64,
             points: (0..points.len())
                 .map(|id| (machine(id).speed_rad_s, machine(id).balls[0].friction_coefficient))
                 .collect(),

@@ -4,12 +4,12 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::Path;
 
-use rayon::prelude::*;
 use stickslip::analysis::CycleClass;
 use stickslip::classification::{Evidence, Label, Outcome, simulate};
 use stickslip::model::{Case, Machine, Model, Simulation, Start};
 use stickslip::study::Study;
 
+use crate::classification::simulate_all::{cases_of, simulate_all};
 use crate::docs::generated::compare_or_write_part;
 use crate::model::closed_forms::ClosedForms;
 
@@ -27,14 +27,9 @@ fn replicate(parameters: &str, end_time_s: f64) -> Vec<(Case, Outcome)> {
          simulation: {{end_time_s: {end_time_s}}}\n"
     );
     let study = Study::parse(Path::new("replicate.yaml"), text).expect("a study");
-    (0..study.run_count())
-        .into_par_iter()
-        .map(|run| {
-            let case = study.planned_run(run).case.expect("a valid case");
-            let outcome = simulate(&case);
-            (case, outcome)
-        })
-        .collect()
+    let cases = cases_of(&study);
+    let outcomes = simulate_all(&cases);
+    cases.into_iter().zip(outcomes).collect()
 }
 
 pub fn at_rest_over_time() -> String {
