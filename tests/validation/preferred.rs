@@ -82,8 +82,8 @@ fn stable_equilibria(machine: &Machine) -> Vec<Equilibrium> {
     stable.map(of).collect()
 }
 
-/// Returns the nearest of them, and the root mean square of the angles to it, in the better order
-/// of the balls.
+/// Returns the kind of the nearest stable equilibrium, and the root mean square of the angles to it,
+/// in the better order of the balls.
 fn nearest(stable: &[Equilibrium], beta: &[f64]) -> (FrictionlessKind, f64) {
     let turn = |a: f64, b: f64| {
         let away = (a - b).rem_euclid(TAU);
