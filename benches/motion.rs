@@ -2,7 +2,7 @@
 //!
 //! `cargo bench --bench motion`, or `-- --quick` in a few minutes, or `-- NAME` for some of it.
 //! W1 (`w1.yaml`) and W2 (`w2.yaml`) are those of `scripts/compare`; beside them 256 runs at -160.8103
-//! rad/s with the default tolerance, all of which come to rest.
+//! rad/s with the default tolerance; all of these runs come to rest.
 
 use std::convert::Infallible;
 use std::hint::black_box;

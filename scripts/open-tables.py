@@ -4,7 +4,8 @@
     pip install pandas pyarrow polars duckdb
     python scripts/open-tables.py results/preferred-equilibria
 
-Prints one line per reader. Exit code 1 if they differ or one cannot read a table, 2 if there are no tables.
+Prints one line per reader. The exit code is 1 if the values differ or a reader cannot read a table, and 2 if there are
+no tables.
 """
 
 import math

@@ -165,7 +165,7 @@ def test_same_errors_as_the_program(program, study, designs, text, tmp_path):
             out = tmp_path / "responses.parquet"
             command = ["evaluate", tmp_path / "design.yaml", "--designs", path, "--out", out]
             said = program(*command, code=2).stderr
-            # Both say the same of it, each of its own place.
+            # Both messages have the same parts; only the place differs.
             theirs = said.split(f"`: {problem}", 1)[1].strip()
             if value == value:
                 assert str(raised.value) == f"designs: `row 3, column {name}`: {problem}\n  {theirs}"

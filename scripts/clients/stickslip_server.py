@@ -33,7 +33,7 @@ class Variable:
     """A variable of the study's `design`: a range, or a list of choices."""
 
     name: str
-    unit: str = None  # "1" where it has none, None of choices
+    unit: str = None  # "1" for a dimensionless variable, None for choices
     low: float = None
     high: float = None
     whole: bool = False  # whole numbers only

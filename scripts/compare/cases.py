@@ -1,4 +1,4 @@
-"""The cases of a work: machine and start states, expanded from the study by the program."""
+"""The cases of a workload: machine and start states, expanded from the study by the program."""
 
 import csv
 import io
@@ -14,23 +14,24 @@ COORDINATES = ("x", "y", "beta_1", "beta_2", "x_dot", "y_dot", "beta_dot_1", "be
 
 @dataclass
 class Work:
-    """A work that every tool computes."""
+    """A workload that every tool computes."""
 
     name: str
-    study: Path  # with exactly these cases, for the program
-    one: Path  # with the first of them
-    cases: Path  # the same as numbers, for the peers
+    study: Path  # a study with exactly these cases, for the program
+    one: Path  # a study with only the first case
+    cases: Path  # these cases as numbers, for the peers
     smooth: bool  # no dry friction: no events, errors of final states count
     relative: float  # the study's tolerance
     absolute: float
-    end_time: float  # without dimensions
+    end_time: float  # non-dimensional
     runs: int
 
 
 def prepare(stickslip, study, runs, folder):
     """Writes the cases of `runs` runs of a study into a folder, as a study and as numbers.
 
-        With fewer runs than the study these are every n-th of them; with more, each cell has more samples.
+        With fewer runs than the study has, the cases are every n-th case of the study; with more, each cell has more
+        samples.
         """
     text = yaml.safe_load(Path(study).read_text())
     design = text["initial_conditions"]["design"]["stratified"]
@@ -76,7 +77,7 @@ def with_states(text, states, study):
 
 
 def expanded(stickslip, study):
-    """Returns start states in the program's notation, whose decimals give exactly the same numbers."""
+    """Returns start states in the program's notation, whose decimals give exactly the program's numbers."""
     written = subprocess.run(
         [stickslip, "expand", study], check=True, capture_output=True, text=True
     ).stdout

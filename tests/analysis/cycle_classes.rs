@@ -383,8 +383,8 @@ fn the_mirror_image_is_the_only_symmetry() {
     assert_eq!(found, [identity, mirror]);
 }
 
-/// Runs without evidence of a cycle have no class; evidence without cycle data, or with those of
-/// another machine, has the class `unknown`.
+/// Runs without evidence of a cycle have no class; evidence without cycle data, or with the cycle
+/// data of another machine, has the class `unknown`.
 #[test]
 fn unknown_and_none() {
     let model: Model = Machine::default().into();

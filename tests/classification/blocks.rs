@@ -138,7 +138,8 @@ fn a_block_on_a_belt_has_the_cycle_of_the_closed_form() {
 }
 
 /// Inside the cycle, and alone for equal coefficients, are orbits on which the block slides
-/// permanently, with the amplitude of its start. None of them attracts, so that none is claimed.
+/// permanently, with the amplitude of its start. No such orbit attracts, so that the program
+/// reports no limit cycle.
 #[test]
 fn a_block_that_slides_permanently_is_undecided() {
     let dropping = Block { friction: drop_at_once(0.2), ..Block::on_belt() };

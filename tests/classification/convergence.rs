@@ -97,7 +97,7 @@ fn event_method_converges_with_the_tolerance() {
 }
 
 /// In the switch model, errors of time, period and amplitude are proportional to the band, and
-/// those of the rest position to its square, down to the slack of the conditions.
+/// errors of the rest position to the square of the band, down to the slack of the conditions.
 #[test]
 fn switch_model_converges_with_the_band() {
     let all: Vec<(f64, Errors)> =

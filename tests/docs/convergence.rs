@@ -1,4 +1,4 @@
-//! `docs/convergence.csv`: errors against tolerance and band. `scripts/docs` draws them.
+//! `docs/convergence.csv`: errors against tolerance and band. `scripts/docs-pictures` draws them.
 
 use std::fmt::Write;
 

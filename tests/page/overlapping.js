@@ -9,7 +9,7 @@
             [x + width, y + 0.8 * height], [x, y + 0.8 * height]];
         return [text.textContent, corners.map(([x, y]) => [a * x + c * y + e, b * x + d * y + f])];
     });
-    // Two boxes are apart where a side of one of them has all of the other beyond it.
+    // Two boxes are apart if a side of one box has the other box completely on its outer side.
     const beyond = (one, other) => one.some(([x, y], index) => {
         const [nextX, nextY] = one[(index + 1) % 4];
         const outward = [nextY - y, x - nextX];

@@ -23,8 +23,8 @@ fn study() -> String {
     study_text("a", "{monte_carlo: {samples: 5}}", AT_ONCE, REST)
 }
 
-/// Returns name, type and unit of every column; `n` is a number, `l` a list of them, `c` a count,
-/// `s` a small count, `i` a signed integer, `b` a boolean, `w` an enumerated word, `t` text.
+/// Returns name, type and unit of every column; `n` is a number, `l` a list of numbers, `c` a
+/// count, `s` a small count, `i` a signed integer, `b` a boolean, `w` an enumerated word, `t` text.
 pub fn columns(table: &RecordBatch) -> Vec<String> {
     let schema = table.schema();
     let describe = |field: &arrow::datatypes::FieldRef| {

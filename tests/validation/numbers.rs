@@ -13,8 +13,8 @@ pub fn introduction() -> String {
 # Validation
 
 This page compares the program with every number that is legible in the thesis (*Modeling and Analysis of an Automatic
-Balancing Unit with Dry Friction*, TU Eindhoven), its two methods with each other, and both methods with an independent
-program. [Verification](verification.md) lists the tests of the program.
+Balancing Unit with Dry Friction*, TU Eindhoven). It also compares the two methods of the program, `switch` and `event`,
+with each other and with an independent program. [Verification](verification.md) lists the tests of the program.
 
 `scripts/docs` writes this page from computed results, and `cargo test` recomputes and compares it.
 "
@@ -50,9 +50,9 @@ pub fn closed_forms() -> String {
 | balancing angles | 2.27, 4.01 rad | {:.4}, {:.4} rad |
 | A1+ and A1- vanish for abs(ω) in | [179, 184] rad/s | [{low:.2}, {high:.2}] rad/s |
 
-The thesis gives 2.15e-5 m \"if no balls were present in the system\" without a derivation. The program removes the balls
-and their mass. Balls opposite each other cancel, but their mass lowers the natural frequency; the resulting amplitude is
-closer to the thesis's value.
+The thesis gives 2.15e-5 m \"if no balls were present in the system\" without a derivation. For this amplitude, the program
+removes the balls and their mass. The forces of two balls opposite each other cancel, but their mass lowers the natural
+frequency; the resulting amplitude is closer to the thesis's value.
 ",
         natural / std::f64::consts::TAU,
         reference_amplitude(&machine).expect("a damped suspension"),
@@ -92,7 +92,7 @@ pub fn frictionless() -> String {
 ## Equilibria without friction (thesis figure 5.1)
 
 The balls have viscous drag instead of dry friction. `stickslip equilibria STUDY --speeds -150:-300:151` writes these
-equilibria with their eigenvalues.
+equilibria with their eigenvalues. [Equilibrium sets](equilibria.md#frictionless-equilibria) explains their names.
 
 | speed [rad/s] | equilibria | stable |
 |---|---|---|
@@ -117,9 +117,9 @@ pub fn equilibrium_sets() -> String {
     let mut text = "\
 ## Equilibrium sets (thesis section 5.2)
 
-The table is computed on a grid of 2048 × 2048 ball positions (`stickslip equilibria`). Amplitudes are extremes over the
-set. The thesis counts 4 components at 2.75e-4, modulo exchange of the balls, and finds that at 3.5e-3 every position is
-an equilibrium.
+`stickslip equilibria` computes the table on a grid of 2048 × 2048 ball positions. The smallest and largest amplitudes are
+those of all positions in the equilibrium set. The thesis counts 4 components at μ = 2.75e-4, modulo exchange of the
+balls, and finds that at μ = 3.5e-3 every position is an equilibrium.
 
 | speed [rad/s] | μ | fraction of all positions | components | components modulo exchange | smallest amplitude [m] | largest amplitude [m] |
 |---|---|---|---|---|---|---|
@@ -156,8 +156,8 @@ pub fn remainder() -> String {
 ## Existence and uniqueness (thesis section 4.3, left open there)
 
 For the thesis's machine, stick and slip have exactly one solution at all positions and for all forces. The smallest
-principal minor is {:.8}, where 1 means decoupled balls and 0 means loss of uniqueness. `stickslip check STUDY
---existence` applies this test to every point of a study.
+principal minor of the contact matrix is {:.8}, where 1 means decoupled balls and 0 means loss of uniqueness.
+`stickslip check STUDY --existence` applies this test to every point of a study.
 ",
         verdict.least_minor(),
     )

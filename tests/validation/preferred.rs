@@ -19,11 +19,12 @@ pub fn near_frictionless<'a>(points: impl Iterator<Item = (&'a Machine, &'a [Out
     let mut text = "\
 ## Preferred equilibria and the equilibria without friction (thesis section 5.3)
 
-The thesis remarks that preferred equilibria are near the stable equilibria of the frictionless system (stable with a drag
-of 1e4 on the balls). The distance is the root mean square over the ball angles to the nearest of these, minimal over
-permutations of the balls (method `switch`). The column *uniform* contains the median distance of positions uniformly
-distributed in the equilibrium set, on a grid of 1024 × 1024. The column *nearer* counts the equilibria with a smaller
-distance than that, with Wilson's 95 % confidence interval; uniformly distributed equilibria would give one half.
+The thesis remarks that preferred equilibria are near the stable equilibria of the frictionless system (stable with a
+non-dimensional drag of 1e4 on the balls). The distance of an equilibrium is the root mean square of the differences of the
+ball angles to the nearest stable frictionless equilibrium, minimal over permutations of the balls (method `switch`). The
+column *uniform* contains the median distance of positions that are uniformly distributed in the equilibrium set, on a grid
+of 1024 × 1024 positions. The columns *nearer* and *interval* contain the number of equilibria with a distance below
+*uniform*, and Wilson's 95 % confidence interval of their fraction; uniformly distributed equilibria would give one half.
 
 | speed [rad/s] | μ | nearest | median distance [rad] | uniform [rad] | ratio | nearer | interval |
 |---|---|---|---|---|---|---|---|
@@ -81,8 +82,8 @@ fn stable_equilibria(machine: &Machine) -> Vec<Equilibrium> {
     stable.map(of).collect()
 }
 
-/// Returns the nearest of them, and the root mean square of the angles to it, in the better order
-/// of the balls.
+/// Returns the kind of the nearest stable equilibrium, and the root mean square of the angles to it,
+/// in the better order of the balls.
 fn nearest(stable: &[Equilibrium], beta: &[f64]) -> (FrictionlessKind, f64) {
     let turn = |a: f64, b: f64| {
         let away = (a - b).rem_euclid(TAU);
