@@ -8,6 +8,7 @@ use stickslip::model::{Case, Method};
 use stickslip::motion::SimdLevel;
 
 use crate::cli::support::parse;
+use crate::support::angular_distance;
 
 /// Cases in some order, and their outcomes.
 struct Listed {
@@ -108,8 +109,7 @@ fn endings_are_those_of_runs_computed_alone() {
             at_rest += 1;
             let positions = lanes.position.iter().flatten().zip(alone.position.iter().flatten());
             for (lane, alone) in positions {
-                let apart = (lane - alone).abs();
-                let apart = apart.min(std::f64::consts::TAU - apart);
+                let apart = angular_distance(*lane, *alone);
                 assert!(apart < 1e-3, "{apart} in {case:?}");
             }
         }
