@@ -6,7 +6,7 @@ use crate::classification::Label;
 
 /// The observed results of one run.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Seen {
+pub struct ObservedRun {
     /// Its cell in a stratified design; otherwise zero.
     pub cell: u64,
     /// Label of the run.
@@ -19,7 +19,7 @@ pub struct Seen {
     pub end_time_s: Option<f64>,
 }
 
-impl Seen {
+impl ObservedRun {
     /// Whether the run failed.
     pub fn failed(&self) -> bool {
         self.label == Label::Failed
@@ -32,7 +32,7 @@ pub struct Sample {
     /// Number of cells of equal size from which the start states were drawn; `None` if the sampling is not stratified.
     pub cells: Option<u64>,
     /// The runs.
-    pub runs: Vec<Seen>,
+    pub runs: Vec<ObservedRun>,
 }
 
 impl Sample {

@@ -3,7 +3,7 @@
 use std::sync::atomic::AtomicBool;
 
 use super::amplitude::{mean, quantile, standard_deviation, worst};
-use super::estimate::{Estimate, Sample, Seen};
+use super::estimate::{Estimate, ObservedRun, Sample};
 use super::probability::{above, at_rest_by};
 use super::rest_time::median_time_to_rest;
 use crate::analysis::{LabelCounts, reference_amplitude};
@@ -71,14 +71,14 @@ pub fn respond(
     (0..first.point_count()).map(answer).collect()
 }
 
-fn seen(run: &RunRecord, relative: bool) -> Seen {
+fn seen(run: &RunRecord, relative: bool) -> ObservedRun {
     let RunRecord { planned, outcome, .. } = run;
     let without = || {
         let machine = planned.case.as_ref().ok()?.model.ball_balancer()?;
         reference_amplitude(machine).filter(|amplitude| *amplitude > 0.0)
     };
     let amplitude = outcome.amplitude_m;
-    Seen {
+    ObservedRun {
         cell: planned.cell,
         label: outcome.label(),
         amplitude: if relative {
