@@ -16,6 +16,8 @@ mod faults;
 mod model;
 /// Integration, switches and symmetries.
 mod motion;
+/// Search for the best design, and sensitivity indices.
+mod optimize;
 /// Licences, versions and sources of the dependencies.
 mod policy;
 /// Data of the figures.

@@ -16,7 +16,7 @@ use crate::study::{DesignValue, Study};
 
 /// The role of a design in the finalists.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
-pub enum Role {
+pub enum FinalistRole {
     /// One of the best designs of the search, from which the best one is chosen.
     Finalist,
     /// The best design.
@@ -27,14 +27,14 @@ pub enum Role {
     CompareWith,
 }
 
-impl Role {
+impl FinalistRole {
     /// Returns the name in tables.
     pub fn name(self) -> &'static str {
         match self {
-            Role::Finalist => "finalist",
-            Role::Best => "best",
-            Role::Pareto => "pareto",
-            Role::CompareWith => "compare_with",
+            FinalistRole::Finalist => "finalist",
+            FinalistRole::Best => "best",
+            FinalistRole::Pareto => "pareto",
+            FinalistRole::CompareWith => "compare_with",
         }
     }
 }
@@ -43,7 +43,7 @@ impl Role {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Finalist {
     /// The role of the design.
-    pub role: Role,
+    pub role: FinalistRole,
     /// Its number in the search; `None` if the search did not evaluate it.
     pub design: Option<u64>,
     /// One value per variable.
@@ -67,7 +67,7 @@ pub struct Finalists {
 
 impl Finalists {
     /// Returns the first design with this role.
-    pub fn of(&self, role: Role) -> Option<&Finalist> {
+    pub fn of(&self, role: FinalistRole) -> Option<&Finalist> {
         self.all.iter().find(|one| one.role == role)
     }
 }
@@ -88,7 +88,7 @@ pub fn finalists(
         Some(Finalist { role, design, values, answers, estimates, met, on_front: None })
     };
     let single = goal.objectives().len() == 1;
-    let role = if single { Role::Finalist } else { Role::Pareto };
+    let role = if single { FinalistRole::Finalist } else { FinalistRole::Pareto };
     let mut all: Vec<Finalist> = candidates(search, &goal, evaluations)
         .into_iter()
         .map(|index| look(role, Some(index as u64), &evaluations.get(index)?.values))
@@ -96,7 +96,7 @@ pub fn finalists(
     if single {
         let best = best(all.iter().map(|one| goal.rank(&values(&one.estimates))));
         if let Some(Finalist { design, values, .. }) = best.and_then(|index| all.get(index)) {
-            let best = look(Role::Best, *design, values)?;
+            let best = look(FinalistRole::Best, *design, values)?;
             all.push(best);
         }
     } else {
@@ -111,7 +111,7 @@ pub fn finalists(
     }
     if let Some(values) = &optimization.compare_with {
         let design = evaluations.iter().position(|one| one.values == *values);
-        all.push(look(Role::CompareWith, design.map(|index| index as u64), values)?);
+        all.push(look(FinalistRole::CompareWith, design.map(|index| index as u64), values)?);
     }
     Some(Finalists { all })
 }
@@ -132,16 +132,16 @@ fn samples(search: &Search) -> u64 {
 /// Computes the responses of a design in runs that belong to its role alone.
 fn again(
     search: &Search,
-    role: Role,
+    role: FinalistRole,
     design: Option<u64>,
     values: &[DesignValue],
     finished: &(dyn Fn(Label) + Sync),
 ) -> Option<Vec<Answer>> {
     let Search { study, workers, stop, .. } = *search;
     let purpose = match role {
-        Role::Finalist | Role::Pareto => "optimize finalists",
-        Role::Best => "optimize best",
-        Role::CompareWith => "optimize compare_with",
+        FinalistRole::Finalist | FinalistRole::Pareto => "optimize finalists",
+        FinalistRole::Best => "optimize best",
+        FinalistRole::CompareWith => "optimize compare_with",
     };
     let with = |number| {
         // The study has been read and the design set before, so both are valid with another seed, too.

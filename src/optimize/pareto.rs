@@ -15,25 +15,3 @@ pub fn pareto_front(costs: &[Option<Vec<f64>>]) -> Vec<usize> {
     };
     known().filter(alone).map(|(one, _)| one).collect()
 }
-
-#[cfg(test)]
-mod tests {
-    use super::pareto_front;
-
-    #[test]
-    fn front_of_a_few() {
-        let costs: Vec<Option<Vec<f64>>> = [
-            Some([1.0, 5.0]),
-            Some([2.0, 2.0]),
-            None,
-            Some([3.0, 2.0]),
-            Some([2.0, 2.0]),
-            Some([5.0, 1.0]),
-            Some([5.0, 5.0]),
-        ]
-        .map(|costs| costs.map(Vec::from))
-        .into();
-        assert_eq!(pareto_front(&costs), [0, 1, 5]);
-        assert!(pareto_front(&[None]).is_empty());
-    }
-}

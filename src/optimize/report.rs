@@ -4,9 +4,9 @@ use std::fmt::Write;
 
 use serde_json::{Value, json};
 
-use super::difference::{difference, ratio};
+use super::comparison::{estimate_difference, estimate_ratio};
 use super::evaluation::Evaluation;
-use super::finalists::{Finalist, Finalists, Role};
+use super::finalists::{Finalist, FinalistRole, Finalists};
 use super::goal::{Goal, values};
 use super::search::{Search, SearchEnd};
 use super::sensitivity::Sensitivity;
@@ -26,13 +26,14 @@ pub fn optimum_json(
     let goal = Goal::new(study, optimization);
     let one = |role| finalists.of(role).map(|one| final_json(study, &goal, one));
     let compared = || {
-        let (best, other) = (finalists.of(Role::Best)?, finalists.of(Role::CompareWith)?);
+        let (best, other) =
+            (finalists.of(FinalistRole::Best)?, finalists.of(FinalistRole::CompareWith)?);
         let of = |(place, objective): &(usize, crate::study::Objective)| {
             let (best, other) = (best.estimates.get(*place)?, other.estimates.get(*place)?);
             Some(json!({
                 "response": study.responses().get(objective.response)?.name,
-                "difference": estimate_json(&difference(best, other)),
-                "ratio": estimate_json(&ratio(best, other)),
+                "difference": estimate_json(&estimate_difference(best, other)),
+                "ratio": estimate_json(&estimate_ratio(best, other)),
             }))
         };
         Some(goal.objectives().iter().filter_map(of).collect::<Vec<Value>>())
@@ -49,8 +50,8 @@ pub fn optimum_json(
             },
             "designs": evaluations.len(),
         },
-        "best": one(Role::Best),
-        "compare_with": one(Role::CompareWith),
+        "best": one(FinalistRole::Best),
+        "compare_with": one(FinalistRole::CompareWith),
         "best_over_compare_with": compared(),
         "sensitivities": sensitivities.iter().map(sensitivity_json).collect::<Vec<_>>(),
     })
@@ -203,22 +204,24 @@ pub fn result_in_words(search: &Search, finalists: &Finalists) -> String {
         let failed = if failed > 0 { format!(", {failed} of them failed") } else { String::new() };
         let _ = writeln!(text, "  {runs} runs of its own{failed}{met}");
     };
-    if let Some(best) = finalists.of(Role::Best) {
+    if let Some(best) = finalists.of(FinalistRole::Best) {
         describe("best design", best);
     }
     for one in finalists.all.iter().filter(|one| one.on_front == Some(true)) {
         describe("on the Pareto front", one);
     }
-    if let Some(other) = finalists.of(Role::CompareWith) {
+    if let Some(other) = finalists.of(FinalistRole::CompareWith) {
         describe("compared with", other);
     }
-    if let Some((best, other)) = finalists.of(Role::Best).zip(finalists.of(Role::CompareWith)) {
+    if let Some((best, other)) =
+        finalists.of(FinalistRole::Best).zip(finalists.of(FinalistRole::CompareWith))
+    {
         for (place, objective) in goal.objectives() {
             let both = best.estimates.get(*place).zip(other.estimates.get(*place));
             let response = study.responses().get(objective.response);
             if let Some(((best, other), response)) = both.zip(response) {
-                let difference = in_words(&difference(best, other), response.unit());
-                let ratio = in_words(&ratio(best, other), "1");
+                let difference = in_words(&estimate_difference(best, other), response.unit());
+                let ratio = in_words(&estimate_ratio(best, other), "1");
                 let _ = writeln!(text, "{}: difference {difference}", response.name);
                 let _ = writeln!(text, "{}: ratio {ratio}", response.name);
             }

@@ -99,14 +99,14 @@ fn next_design(
     if let (0, Some(values)) = (number, &optimization.compare_with) {
         return new(Origin::CompareWith, values.clone());
     }
-    let mut origin = Origin::OrderStatistics;
+    let mut origin = Origin::SpaceFilling;
     if number >= optimization.start_designs {
         let seed = study.derived_seed("optimize suggest", number);
         let suggested = suggest(space, goal, evaluations, seed);
         if let Some(next) = suggested.and_then(|values| new(Origin::Surrogates, values)) {
             return Some(next);
         }
-        origin = Origin::Instead;
+        origin = Origin::SpaceFillingInstead;
     }
     // A scramble that is independent of that of start states.
     let seed = study.derived_seed("optimize spread", 0) as u32;

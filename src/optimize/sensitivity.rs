@@ -3,7 +3,7 @@
 use super::evaluation::Evaluation;
 use super::goal::Goal;
 use super::search::Search;
-use super::sobol_indices::{Indices, places, sobol_indices};
+use super::sobol_indices::{Indices, pick_freeze_sample, sobol_indices};
 use super::space::Space;
 use super::suggest::training_values;
 use super::surrogate::Surrogate;
@@ -47,8 +47,10 @@ pub fn sensitivities(
     let seed = study.derived_seed("optimize sensitivities", 0);
     let samples = count(optimization.sensitivity_samples);
     let dimensions = count(variables.len() as u64);
-    let designs: Vec<Vec<DesignValue>> =
-        places(samples, dimensions, seed as u32).iter().map(|place| space.at(place)).collect();
+    let designs: Vec<Vec<DesignValue>> = pick_freeze_sample(samples, dimensions, seed as u32)
+        .iter()
+        .map(|place| space.at(place))
+        .collect();
     let by_quantity: Vec<Result<Vec<f64>, String>> = match optimization.sensitivity_from {
         SensitivityFrom::Surrogates => {
             let surrogates = workers.install(|| surrogates(search, evaluations));

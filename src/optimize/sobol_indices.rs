@@ -28,7 +28,7 @@ pub struct Indices {
 
 /// Returns the sample of the pick-freeze design in the unit cube: `A`, `B`, then `A` with each variable from `B` in
 /// turn, `samples` of each.
-pub(super) fn places(samples: u32, variables: u32, seed: u32) -> Vec<Vec<f64>> {
+pub fn pick_freeze_sample(samples: u32, variables: u32, seed: u32) -> Vec<Vec<f64>> {
     let sample = |first: u32| {
         move |index: u32| -> Vec<f64> {
             let at = |dimension| f64::from(sobol_burley::sample(index, dimension, seed));
@@ -114,62 +114,4 @@ fn indices(parts: &[&[f64]], variable: usize, chosen: &[usize]) -> Option<[f64; 
     let total: f64 = chosen.iter().map(|&index| (a[index] - mixed[index]).powi(2)).sum();
     let scale = variance > 1e-24 * mean * mean && variance > 0.0;
     scale.then(|| [first / count / variance, total / (2.0 * count) / variance])
-}
-
-#[cfg(test)]
-mod tests {
-    use std::f64::consts::PI;
-
-    use super::{places, sobol_indices};
-
-    /// Ishigami and Homma's function, whose indices are known (Saltelli et al., Global Sensitivity Analysis. The Primer,
-    /// Wiley 2008, section 4.6; a = 7, b = 0.1).
-    #[test]
-    fn ishigami() {
-        let function = |place: &Vec<f64>| {
-            let x: Vec<f64> = place.iter().map(|fraction| PI * (2.0 * fraction - 1.0)).collect();
-            x[0].sin() + 7.0 * x[1].sin().powi(2) + 0.1 * x[2].powi(4) * x[0].sin()
-        };
-        let values: Vec<f64> = places(4096, 3, 3).iter().map(function).collect();
-        let found = sobol_indices(&values, 3, Some(1)).unwrap();
-        for (found, [first, total]) in
-            found.iter().zip([[0.3139, 0.5576], [0.4424, 0.4424], [0.0, 0.2437]])
-        {
-            assert!((found.first_order - first).abs() < 0.02, "{found:?} {first}");
-            assert!((found.total - total).abs() < 0.02, "{found:?} {total}");
-            for (value, interval) in [
-                (found.first_order, found.first_order_interval),
-                (found.total, found.total_interval),
-            ] {
-                let [low, high] = interval.unwrap();
-                assert!(low <= value && value <= high && high - low < 0.12, "{found:?}");
-            }
-        }
-    }
-
-    /// The bootstrap's intervals contain the true first-order index of a sum in most of 200 independent designs: 95 %
-    /// would be 190; fewer than 172 would have a probability below 1e-9.
-    #[test]
-    fn intervals_hold() {
-        let weights = [1.0, 2.0, 0.5];
-        let truth = 4.0 / 5.25;
-        let held = (0..200)
-            .filter(|&seed| {
-                let function = |place: &Vec<f64>| -> f64 {
-                    place.iter().zip(weights).map(|(fraction, weight)| fraction * weight).sum()
-                };
-                let values: Vec<f64> = places(64, 3, seed).iter().map(function).collect();
-                let found = sobol_indices(&values, 3, Some(u64::from(seed))).unwrap()[1];
-                let [low, high] = found.first_order_interval.unwrap();
-                low <= truth && truth <= high
-            })
-            .count();
-        assert!(held >= 172, "{held}");
-    }
-
-    #[test]
-    fn nothing_varies() {
-        assert!(sobol_indices(&[3.0; 40], 3, Some(1)).is_err());
-        assert!(sobol_indices(&[1.0; 7], 3, None).is_err());
-    }
 }
