@@ -9,7 +9,7 @@ use super::angle_set::AngleSet;
 use super::cycle_class::{CycleClass, Role, speeds_in_sense};
 use super::interval::{Z_95, wilson_with_failures};
 use super::observed::{LabelCounts, Observed};
-use super::order_statistics::OrderStatistics;
+use super::summary_statistics::SummaryStatistics;
 use crate::classification::{Label, Outcome};
 use crate::model::Model;
 
@@ -104,8 +104,8 @@ pub(super) struct CycleClasses {
 #[derive(Clone, Debug, Default)]
 struct Collected {
     runs: u64,
-    period: OrderStatistics,
-    amplitude: OrderStatistics,
+    period: SummaryStatistics,
+    amplitude: SummaryStatistics,
     amplitude_peak: Option<f64>,
     multipliers: Option<Vec<f64>>,
     neutral_directions: Option<u8>,
@@ -202,7 +202,7 @@ impl Collected {
     }
 
     fn group(&self, name: &str, (fraction, interval): (f64, (f64, f64))) -> CycleGroup {
-        let range = |middle: Option<f64>, spread: &OrderStatistics| {
+        let range = |middle: Option<f64>, spread: &SummaryStatistics| {
             let [least, greatest] = spread.ends()?;
             Some(CycleRange { middle: middle?, least, greatest })
         };
