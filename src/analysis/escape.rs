@@ -38,22 +38,22 @@ const CRITICAL: f64 = 1.224;
 pub fn escape_rate(groups: &[Group]) -> Option<EscapeRate> {
     let rests = |groups: &[Group]| groups.iter().map(|(_, [rests, _])| rests).sum::<u64>();
     let mut tail = &groups[groups.partition_point(|(time, _)| *time <= 0.0)..];
-    let mut left = rests(tail);
-    let fewest = FEWEST.max(left.div_ceil(FRACTION));
+    let mut remaining = rests(tail);
+    let fewest = FEWEST.max(remaining.div_ceil(FRACTION));
     let mut from_s = 0.0;
-    while left >= fewest {
-        let tried = Tail::new(tail, from_s);
-        if tried.is_exponential() {
+    while remaining >= fewest {
+        let candidate = Tail::new(tail, from_s);
+        if candidate.is_exponential() {
             return Some(EscapeRate {
-                rate_per_s: left as f64 / tried.exposure_s,
-                interval_1_s: rate_interval(left, tried.exposure_s),
+                rate_per_s: remaining as f64 / candidate.exposure_s,
+                interval_1_s: rate_interval(remaining, candidate.exposure_s),
                 from_s,
             });
         }
-        let enough = left - left.div_ceil(10);
-        while left > enough {
+        let enough = remaining - remaining.div_ceil(10);
+        while remaining > enough {
             let ((time, [rests, _]), others) = tail.split_first()?;
-            (from_s, left, tail) = (*time, left - rests, others);
+            (from_s, remaining, tail) = (*time, remaining - rests, others);
         }
     }
     None

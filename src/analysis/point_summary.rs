@@ -44,7 +44,7 @@ pub struct PointAccumulator {
     audit: AuditCounts,
     histogram: EquilibriumHistogram,
     /// The balls of the last equilibrium, and their groups of identical balls.
-    alike: (Vec<Ball>, Vec<Vec<usize>>),
+    identical: (Vec<Ball>, Vec<Vec<usize>>),
 }
 
 /// The statistics of one point.
@@ -109,10 +109,10 @@ impl PointAccumulator {
         if let (Label::Equilibrium, Some(machine), Some(beta)) = (label, machine, &outcome.position)
         {
             let balls = &machine.balls;
-            if self.alike.0 != *balls {
-                self.alike = (balls.clone(), groups_of_identical(balls));
+            if self.identical.0 != *balls {
+                self.identical = (balls.clone(), groups_of_identical(balls));
             }
-            self.histogram.add(&sorted_where_identical(beta, balls), &self.alike.1);
+            self.histogram.add(&sorted_where_identical(beta, balls), &self.identical.1);
         }
     }
 

@@ -60,11 +60,11 @@ pub fn rest_curve(curve: &SurvivalCurve, end_times_s: [f64; 2]) -> Vec<RestStep>
         at_risk.get_or_insert(step.at_risk);
         came_to_rest += step.rests;
         censored += step.stopped;
-        let place = |moving: f64| ((1.0 - moving) / greatest * most_steps as f64).ceil();
+        let level = |moving: f64| ((1.0 - moving) / greatest * most_steps as f64).ceil();
         let next = curve.steps.get(index + 1);
-        let kept = curve.steps.len() <= most_steps
-            || next.is_none_or(|next| place(next.moving) > place(step.moving));
-        if kept {
+        let has_row = curve.steps.len() <= most_steps
+            || next.is_none_or(|next| level(next.moving) > level(step.moving));
+        if has_row {
             last = RestStep {
                 time_s: step.time_s,
                 at_risk: at_risk.take().unwrap_or(step.at_risk),
@@ -77,14 +77,14 @@ pub fn rest_curve(curve: &SurvivalCurve, end_times_s: [f64; 2]) -> Vec<RestStep>
         }
     }
     // All remaining runs are censored at the end.
-    let mut left = stops.iter().map(|(_, runs)| runs).sum();
+    let mut remaining = stops.iter().map(|(_, runs)| runs).sum();
     if let Some(row) = rows.last_mut() {
-        row.censored -= left;
+        row.censored -= remaining;
     }
     for (end_time_s, censored) in stops {
-        let (time_s, at_risk) = (end_time_s.max(last.time_s), left);
+        let (time_s, at_risk) = (end_time_s.max(last.time_s), remaining);
         rows.push(RestStep { time_s, at_risk, came_to_rest: 0, censored, ..last });
-        left -= censored;
+        remaining -= censored;
     }
     rows
 }

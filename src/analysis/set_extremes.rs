@@ -34,10 +34,10 @@ pub fn amplitude_extremes(form: &RestForm) -> [Option<(f64, Vec<f64>)>; 2] {
     }
     let above = most * (1.0 + 1e-9);
     let found = |from: f64, to: f64| {
-        choices(form).into_iter().fold(None, |best: Option<(f64, Vec<f64>)>, far| {
+        arc_choices(form).into_iter().fold(None, |best: Option<(f64, Vec<f64>)>, far| {
             // Only displacements better than the best one so far matter.
             let to = best.as_ref().map_or(to, |(size, _)| *size);
-            Choice { form, far }.first(from, to).or(best)
+            ArcChoice { form, far }.first_displacement(from, to).or(best)
         })
     };
     [found(0.0, above), found(above, 0.0)]
@@ -45,7 +45,7 @@ pub fn amplitude_extremes(form: &RestForm) -> [Option<(f64, Vec<f64>)>; 2] {
 
 /// Returns all choices of the balls opposite to the displacement that differ; among identical
 /// balls, the first ones are opposite.
-fn choices(form: &RestForm) -> Vec<Vec<bool>> {
+fn arc_choices(form: &RestForm) -> Vec<Vec<bool>> {
     let mut all = vec![vec![false; form.mass.len()]];
     for group in groups_of_identical(&form.balls) {
         let with = |choice: &Vec<bool>, far: usize| {
@@ -61,7 +61,7 @@ fn choices(form: &RestForm) -> Vec<Vec<bool>> {
 }
 
 /// A choice of arcs: which balls are held opposite to the displacement.
-struct Choice<'a> {
+struct ArcChoice<'a> {
     form: &'a RestForm,
     far: Vec<bool>,
 }
@@ -69,42 +69,46 @@ struct Choice<'a> {
 /// Comparison of `|r / g - Σ m e^{iφ}|` with the imbalance, over all positions of the balls in
 /// their arcs.
 #[derive(Clone, Copy, PartialEq)]
-enum Left {
+enum Comparison {
     /// Always greater.
-    More,
+    Greater,
     /// Always less.
-    Less,
+    Smaller,
     /// Equality is possible.
-    Any,
+    Attainable,
 }
 
-impl Choice<'_> {
+impl ArcChoice<'_> {
     /// Returns the first displacement between `from` and `to` at which balls are held in these
     /// arcs, with their angles.
-    fn first(&self, from: f64, to: f64) -> Option<(f64, Vec<f64>)> {
+    fn first_displacement(&self, from: f64, to: f64) -> Option<(f64, Vec<f64>)> {
         let at = |step: usize| from + (to - from) * (step as f64 / STEPS as f64);
-        let (mut before, mut left) = (from, self.left(from)?);
-        if left == Left::Any {
+        let (mut before, mut comparison) = (from, self.compare_with_imbalance(from)?);
+        if comparison == Comparison::Attainable {
             return Some((from, self.position(from)?));
         }
         for step in 1..=STEPS {
             let mut after = at(step);
-            let Some(now) = self.left(after) else { continue };
-            if now == left {
+            let Some(now) = self.compare_with_imbalance(after) else { continue };
+            if now == comparison {
                 before = after;
                 continue;
             }
-            // Between `More` and `Less` there is a displacement with equality.
+            // Between `Greater` and `Smaller` there is a displacement with equality.
             while (after - before).abs() > 1e-14 * from.max(to) {
                 let middle = before.midpoint(after);
-                if self.left(middle) == Some(left) { before = middle } else { after = middle }
+                if self.compare_with_imbalance(middle) == Some(comparison) {
+                    before = middle
+                } else {
+                    after = middle
+                }
             }
             for size in [after, before] {
                 if let Some(beta) = self.position(size) {
                     return Some((size, beta));
                 }
             }
-            (before, left) = (at(step), now);
+            (before, comparison) = (at(step), now);
         }
         None
     }
@@ -125,7 +129,9 @@ impl Choice<'_> {
         (0..self.far.len()).map(|ball| self.arc(ball, size)).collect()
     }
 
-    fn left(&self, size: f64) -> Option<Left> {
+    /// Compares the modulus of the remainder with the imbalance over all positions in the arcs;
+    /// `None` if a ball has no arc.
+    fn compare_with_imbalance(&self, size: f64) -> Option<Comparison> {
         let (imbalance, arcs) = (self.form.imbalance, self.arcs(size)?);
         // The middles of the arcs usually decide: no ball is farther from there than the chord to
         // the end of its arc.
@@ -134,17 +140,17 @@ impl Choice<'_> {
             self.form.mass.iter().zip(&arcs).map(|(m, [_, half])| 2.0 * m * libm::sin(0.5 * half));
         let (middle, reach) = (self.remainder(size, &middles).norm(), chords.sum::<f64>());
         if middle - reach > imbalance {
-            return Some(Left::More);
+            return Some(Comparison::Greater);
         }
         if middle + reach < imbalance {
-            return Some(Left::Less);
+            return Some(Comparison::Smaller);
         }
         if self.extreme(size, &arcs, -1.0).0 > imbalance {
-            Some(Left::More)
+            Some(Comparison::Greater)
         } else if self.extreme(size, &arcs, 1.0).0 < imbalance {
-            Some(Left::Less)
+            Some(Comparison::Smaller)
         } else {
-            Some(Left::Any)
+            Some(Comparison::Attainable)
         }
     }
 
@@ -158,7 +164,7 @@ impl Choice<'_> {
     /// angles of the balls there. Each ball is moved to its best angle in turn, from several
     /// starts, until the comparison with the imbalance is decided.
     fn extreme(&self, size: f64, arcs: &[[f64; 2]], sign: f64) -> (f64, Vec<f64>) {
-        let enough = |left: f64| sign * (left - self.form.imbalance) >= 0.0;
+        let decided = |modulus: f64| sign * (modulus - self.form.imbalance) >= 0.0;
         let mut best: Option<(f64, Vec<f64>)> = None;
         for start in 0..=arcs.len() + 1 {
             let place = |(ball, [middle, half]): (usize, &[f64; 2])| match start {
@@ -167,28 +173,28 @@ impl Choice<'_> {
                 _ => middle + half,
             };
             let mut phi: Vec<f64> = arcs.iter().enumerate().map(place).collect();
-            let mut left = self.remainder(size, &phi);
+            let mut remainder = self.remainder(size, &phi);
             for _ in 0..ROUNDS {
-                let before = left.norm();
+                let before = remainder.norm();
                 for (ball, [middle, half]) in arcs.iter().enumerate() {
                     let mass = self.form.mass[ball];
-                    let without = left + direction(phi[ball]) * mass;
+                    let without = remainder + direction(phi[ball]) * mass;
                     let aim = (without * -sign).arg() - middle;
                     phi[ball] =
                         middle + (aim - (aim / (2.0 * PI)).round() * 2.0 * PI).clamp(-half, *half);
-                    left = without - direction(phi[ball]) * mass;
+                    remainder = without - direction(phi[ball]) * mass;
                 }
-                if enough(left.norm())
-                    || (left.norm() - before).abs() <= 1e-15 * self.form.imbalance
+                if decided(remainder.norm())
+                    || (remainder.norm() - before).abs() <= 1e-15 * self.form.imbalance
                 {
                     break;
                 }
             }
-            let better = |best: &(f64, Vec<f64>)| sign * (left.norm() - best.0) > 0.0;
+            let better = |best: &(f64, Vec<f64>)| sign * (remainder.norm() - best.0) > 0.0;
             if best.as_ref().is_none_or(better) {
-                best = Some((left.norm(), phi));
+                best = Some((remainder.norm(), phi));
             }
-            if enough(left.norm()) {
+            if decided(remainder.norm()) {
                 break;
             }
         }
@@ -212,8 +218,8 @@ impl Choice<'_> {
         let (mut less, mut more) = (0.0_f64, 1.0_f64);
         for _ in 0..60 {
             let middle = less.midpoint(more);
-            let left = self.remainder(size, &between(middle)).norm();
-            if left <= imbalance { less = middle } else { more = middle }
+            let modulus = self.remainder(size, &between(middle)).norm();
+            if modulus <= imbalance { less = middle } else { more = middle }
         }
         let phi = between(less);
         let turned = self.remainder(size, &phi).arg();

@@ -65,8 +65,8 @@ impl Cells {
     /// Creates this number of empty cells of equal size. With a single cell or more than 65,536
     /// cells the design counts as not stratified.
     pub fn new(cells: u64) -> Self {
-        let told_apart = if (2..=MOST_CELLS).contains(&cells) { cells } else { 0 };
-        Cells(vec![Cell::default(); told_apart as usize])
+        let counted = if (2..=MOST_CELLS).contains(&cells) { cells } else { 0 };
+        Cells(vec![Cell::default(); counted as usize])
     }
 
     /// Counts a run.
@@ -101,10 +101,9 @@ impl Cells {
     fn mean(&self, successes: impl Fn(&Cell) -> u64) -> f64 {
         let equal = self.0.iter().all(|cell| cell.runs == self.0[0].runs);
         if equal {
-            // Bit for bit the fraction of all runs.
-            let [successes, runs] = self.0.iter().fold([0, 0], |[successes_, runs], cell| {
-                [successes_ + successes(cell), runs + cell.runs]
-            });
+            // The result has the same bits as the fraction of all runs.
+            let successes: u64 = self.0.iter().map(successes).sum();
+            let runs: u64 = self.0.iter().map(|cell| cell.runs).sum();
             return successes as f64 / runs as f64;
         }
         let fractions = self.0.iter().map(|cell| successes(cell) as f64 / cell.runs as f64);
