@@ -41,7 +41,12 @@ pub fn estimate_ratio(one: &Estimate, other: &Estimate) -> Estimate {
         let (a, b) = (a / x, b / y);
         x / y * (a * a + b * b).sqrt()
     });
-    Estimate::within(x / y, error, [low, high], "the interval of the compared design is too wide")
+    Estimate::with_interval(
+        x / y,
+        error,
+        [low, high],
+        "the interval of the compared design is too wide",
+    )
 }
 
 fn unknown(one: &Estimate, other: &Estimate) -> Estimate {

@@ -107,7 +107,7 @@ pub fn read_evaluations(
             rows.push(row);
         }
     }
-    gathered(study, rows).ok_or_else(|| {
+    grouped_by_design(study, rows).ok_or_else(|| {
         EvaluationsError::Other(format!(
             "{}: incomplete designs\n  allowed: the unchanged table, or another directory \
              with --out",
@@ -117,7 +117,7 @@ pub fn read_evaluations(
 }
 
 /// Groups the rows of each design; returns `None` if they are not complete designs in order.
-fn gathered(study: &Study, rows: Vec<(Origin, Answer)>) -> Option<Vec<Evaluation>> {
+fn grouped_by_design(study: &Study, rows: Vec<(Origin, Answer)>) -> Option<Vec<Evaluation>> {
     let mut evaluations: Vec<Evaluation> = Vec::new();
     let points = study.point_count();
     for (number, (origin, answer)) in (0..).zip(rows) {

@@ -9,7 +9,6 @@ use super::evaluation::Evaluation;
 use super::goal::{Goal, values};
 use super::pareto::pareto_front;
 use super::search::Search;
-use super::suggest::all_values;
 use crate::classification::Label;
 use crate::responses::{Answer, Estimate, respond};
 use crate::study::{DesignValue, Study};
@@ -58,6 +57,18 @@ pub struct Finalist {
     pub on_front: Option<bool>,
 }
 
+impl Finalist {
+    /// Returns the number of runs at all points.
+    pub fn runs(&self) -> u64 {
+        self.answers.iter().map(|answer| answer.counts.total()).sum()
+    }
+
+    /// Returns the number of failed runs at all points.
+    pub fn failed_runs(&self) -> u64 {
+        self.answers.iter().map(|answer| answer.counts.of(Label::Failed)).sum()
+    }
+}
+
 /// All designs of the finalists.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Finalists {
@@ -80,8 +91,8 @@ pub fn finalists(
 ) -> Option<Finalists> {
     let optimization = search.optimization;
     let goal = Goal::new(search.study, optimization);
-    let look = |role, design, values: &[DesignValue]| {
-        let answers = again(search, role, design, values, finished)?;
+    let evaluate = |role, design, values: &[DesignValue]| {
+        let answers = respond_with_own_runs(search, role, design, values, finished)?;
         let estimates = goal.estimates(&answers);
         let met = goal.is_met(&self::values(&estimates));
         let values = values.to_vec();
@@ -91,19 +102,16 @@ pub fn finalists(
     let role = if single { FinalistRole::Finalist } else { FinalistRole::Pareto };
     let mut all: Vec<Finalist> = candidates(search, &goal, evaluations)
         .into_iter()
-        .map(|index| look(role, Some(index as u64), &evaluations.get(index)?.values))
+        .map(|index| evaluate(role, Some(index as u64), &evaluations.get(index)?.values))
         .collect::<Option<_>>()?;
     if single {
         let best = best(all.iter().map(|one| goal.rank(&values(&one.estimates))));
         if let Some(Finalist { design, values, .. }) = best.and_then(|index| all.get(index)) {
-            let best = look(FinalistRole::Best, *design, values)?;
+            let best = evaluate(FinalistRole::Best, *design, values)?;
             all.push(best);
         }
     } else {
-        let costs = |one: &Finalist| {
-            let costs = goal.costs(&values(&one.estimates)).into_iter().collect();
-            one.met.then_some(costs).flatten()
-        };
+        let costs = |one: &Finalist| goal.feasible_costs(&values(&one.estimates));
         let front = pareto_front(&all.iter().map(costs).collect::<Vec<_>>());
         for (index, one) in all.iter_mut().enumerate() {
             one.on_front = Some(front.contains(&index));
@@ -111,7 +119,7 @@ pub fn finalists(
     }
     if let Some(values) = &optimization.compare_with {
         let design = evaluations.iter().position(|one| one.values == *values);
-        all.push(look(FinalistRole::CompareWith, design.map(|index| index as u64), values)?);
+        all.push(evaluate(FinalistRole::CompareWith, design.map(|index| index as u64), values)?);
     }
     Some(Finalists { all })
 }
@@ -130,7 +138,7 @@ fn samples(search: &Search) -> u64 {
 }
 
 /// Computes the responses of a design in runs that belong to its role alone.
-fn again(
+fn respond_with_own_runs(
     search: &Search,
     role: FinalistRole,
     design: Option<u64>,
@@ -148,15 +156,15 @@ fn again(
         let other = study.with_seed(study.derived_seed(purpose, number)).ok()?;
         other.set(values).ok()
     };
-    let sets: Vec<Study> = (0..samples(search)).map(with).collect::<Option<_>>()?;
-    let asked = (design.unwrap_or(0), values);
-    respond(workers, &sets, study.responses(), asked, stop, finished)
+    let studies: Vec<Study> = (0..samples(search)).map(with).collect::<Option<_>>()?;
+    let numbered = (design.unwrap_or(0), values);
+    respond(workers, &studies, study.responses(), numbered, stop, finished)
 }
 
 /// Returns the designs of the finalists: the best by rank, or the Pareto front of those that meet the limits, thinned
 /// out evenly along its first objective.
 fn candidates(search: &Search, goal: &Goal, evaluations: &[Evaluation]) -> Vec<usize> {
-    let all = all_values(goal, evaluations);
+    let all = goal.values_of_designs(evaluations);
     let most = search.optimization.finalists as usize;
     if goal.objectives().len() == 1 {
         let mut order: Vec<usize> = (0..all.len()).collect();
@@ -165,13 +173,7 @@ fn candidates(search: &Search, goal: &Goal, evaluations: &[Evaluation]) -> Vec<u
         order.truncate(most);
         return order;
     }
-    let costs: Vec<Option<Vec<f64>>> = all
-        .iter()
-        .map(|own| {
-            let costs = goal.costs(own).into_iter().collect();
-            goal.is_met(own).then_some(costs).flatten()
-        })
-        .collect();
+    let costs: Vec<Option<Vec<f64>>> = all.iter().map(|own| goal.feasible_costs(own)).collect();
     let mut front = pareto_front(&costs);
     let first = |index: &usize| {
         costs.get(*index).and_then(|costs| costs.as_ref()?.first().copied()).unwrap_or(0.0)

@@ -1,5 +1,6 @@
 //! The goal of a search in numbers: costs to be minimized, and excesses over limits.
 
+use super::evaluation::Evaluation;
 use super::over_points::over_points;
 use crate::responses::{Answer, Estimate};
 use crate::study::{Limit, Objective, Optimization, OverPoints, Study};
@@ -102,6 +103,16 @@ impl Goal {
     /// Whether all limits are met; false if a value is unknown.
     pub fn is_met(&self, values: &[Option<f64>]) -> bool {
         self.excesses(values).iter().all(|excess| excess.is_some_and(|excess| excess <= 0.0))
+    }
+
+    /// Returns the costs of a design that meets all limits; `None` if it does not, or if a value is unknown.
+    pub(super) fn feasible_costs(&self, values: &[Option<f64>]) -> Option<Vec<f64>> {
+        if self.is_met(values) { self.costs(values).into_iter().collect() } else { None }
+    }
+
+    /// Returns the value of each quantity, by design.
+    pub(super) fn values_of_designs(&self, evaluations: &[Evaluation]) -> Vec<Vec<Option<f64>>> {
+        evaluations.iter().map(|one| values(&self.estimates(&one.answers))).collect()
     }
 
     /// Returns the rank of a design with one objective: first designs that meet all limits, by their cost; then the

@@ -7,11 +7,10 @@ use serde_json::{Value, json};
 use super::comparison::{estimate_difference, estimate_ratio};
 use super::evaluation::Evaluation;
 use super::finalists::{Finalist, FinalistRole, Finalists};
-use super::goal::{Goal, values};
+use super::goal::Goal;
 use super::search::{Search, SearchEnd};
 use super::sensitivity::Sensitivity;
-use crate::classification::Label;
-use crate::responses::Estimate;
+use crate::responses::{Estimate, estimate_json};
 use crate::study::{DesignValue, Study};
 
 /// Returns the contents of `optimum.json`.
@@ -92,8 +91,8 @@ fn final_json(study: &Study, goal: &Goal, one: &Finalist) -> Value {
         "values": design_json(study, &one.values),
         "responses": responses,
         "limits_met": one.met,
-        "runs": one.answers.iter().map(|answer| answer.counts.total()).sum::<u64>(),
-        "failed": one.answers.iter().map(|answer| answer.counts.of(Label::Failed)).sum::<u64>(),
+        "runs": one.runs(),
+        "failed": one.failed_runs(),
     })
 }
 
@@ -106,16 +105,6 @@ fn design_json(study: &Study, values: &[DesignValue]) -> Value {
         (variable.name().to_owned(), value)
     };
     study.variables().iter().zip(values).map(entry).collect::<serde_json::Map<_, _>>().into()
-}
-
-fn estimate_json(estimate: &Estimate) -> Value {
-    json!({
-        "value": estimate.value,
-        "standard_error": estimate.standard_error,
-        "low": estimate.low,
-        "high": estimate.high,
-        "reason": estimate.reason,
-    })
 }
 
 /// Returns a number with four significant digits.
@@ -161,8 +150,7 @@ pub fn search_line(search: &Search, evaluations: &[Evaluation]) -> String {
     );
     line.push_str(&estimates_in_words(study, &goal, &goal.estimates(&last.answers)));
     if goal.objectives().len() == 1 {
-        let all: Vec<Vec<Option<f64>>> =
-            evaluations.iter().map(|one| values(&goal.estimates(&one.answers))).collect();
+        let all = goal.values_of_designs(evaluations);
         let best = super::finalists::best(all.iter().map(|own| goal.rank(own)));
         if let Some(index) = best {
             let (grade, _) = goal.rank(&all[index]);
@@ -190,7 +178,6 @@ pub fn result_in_words(search: &Search, finalists: &Finalists) -> String {
     let goal = Goal::new(study, optimization);
     let mut text = String::new();
     let mut describe = |title: &str, one: &Finalist| {
-        let runs: u64 = one.answers.iter().map(|answer| answer.counts.total()).sum();
         let number = one.design.map_or_else(String::new, |design| format!(" (design {design})"));
         let _ = writeln!(text, "{title}{number}: {}", design_in_words(study, &one.values));
         for (quantity, estimate) in goal.quantities().iter().zip(&one.estimates) {
@@ -200,9 +187,11 @@ pub fn result_in_words(search: &Search, finalists: &Finalists) -> String {
             }
         }
         let met = if one.met { "" } else { "; a limit is not met" };
-        let failed: u64 = one.answers.iter().map(|answer| answer.counts.of(Label::Failed)).sum();
-        let failed = if failed > 0 { format!(", {failed} of them failed") } else { String::new() };
-        let _ = writeln!(text, "  {runs} runs of its own{failed}{met}");
+        let failed = match one.failed_runs() {
+            0 => String::new(),
+            failed => format!(", {failed} of them failed"),
+        };
+        let _ = writeln!(text, "  {} runs of its own{failed}{met}", one.runs());
     };
     if let Some(best) = finalists.of(FinalistRole::Best) {
         describe("best design", best);

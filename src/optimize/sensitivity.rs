@@ -124,8 +124,9 @@ fn from_runs(
     for (number, design) in (0..).zip(designs) {
         let own = match study.set(design) {
             Ok(set) => {
-                let asked = (number, design.as_slice());
-                let answers = respond(workers, &[set], study.responses(), asked, stop, finished)?;
+                let numbered = (number, design.as_slice());
+                let answers =
+                    respond(workers, &[set], study.responses(), numbered, stop, finished)?;
                 goal.estimates(&answers)
             }
             Err(_) => vec![Estimate::default(); values.len()],

@@ -82,7 +82,7 @@ pub fn quantile(sample: &Sample, fraction: f64) -> Estimate {
         return Estimate::unknown(NO_AMPLITUDE);
     };
     let error = sample_quantile::standard_error(sample_quantile::cumulative(&values), fraction);
-    Estimate::within(value, error, sample_quantile::interval(&values, fraction), NO_BOUND)
+    Estimate::with_interval(value, error, sample_quantile::interval(&values, fraction), NO_BOUND)
 }
 
 /// Returns the largest amplitude of all runs; further runs could exceed it by any amount.

@@ -42,7 +42,7 @@ fn pairs(scaled: &[Vec<f64>]) -> Vec<(usize, usize)> {
     for (index, one) in scaled.iter().enumerate() {
         let others = || scaled.iter().enumerate().filter(|(other, _)| *other != index);
         let least = others().map(|(_, other)| distance(one, other)).fold(f64::INFINITY, f64::min);
-        let nearest = others().filter(|(_, other)| near(distance(one, other), least));
+        let nearest = others().filter(|(_, other)| is_nearest(distance(one, other), least));
         pairs.extend(nearest.map(|(other, _)| (index.min(other), index.max(other))));
     }
     pairs.sort_unstable();
@@ -56,7 +56,7 @@ pub(super) fn distance(one: &[f64], other: &[f64]) -> f64 {
 }
 
 /// Whether a distance equals the least one up to rounding, so that the order of designs does not matter.
-pub(super) fn near(distance: f64, least: f64) -> bool {
+pub(super) fn is_nearest(distance: f64, least: f64) -> bool {
     distance <= least * (1.0 + 1e-9)
 }
 

@@ -60,7 +60,7 @@ pub struct Estimate {
 impl Estimate {
     /// Creates an estimate with its interval. If an end is unbounded, the standard error is omitted for the given
     /// reason.
-    pub fn within(
+    pub fn with_interval(
         value: f64,
         standard_error: Option<f64>,
         [low, high]: [Option<f64>; 2],

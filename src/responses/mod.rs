@@ -19,13 +19,14 @@ mod rest_time;
 mod sample_quantile;
 
 pub use amplitude::{mean, quantile, standard_deviation, worst};
+pub(crate) use answer_json::estimate_json;
 pub use answer_json::to_json;
 pub use columns::response_columns;
 pub use discontinuity::{MOST_DESIGNS, discontinuous};
 pub use estimate::{Estimate, ObservedRun, Sample};
 pub use neighbours::Neighbours;
 pub use probability::{above, at_rest_by};
-pub use request::{Refusal, Request};
+pub use request::{Request, RequestError};
 pub use respond::{Answer, respond};
 pub use respond_to_all::{check_answerable, respond_to_all, run_count};
 pub use rest_time::median_time_to_rest;

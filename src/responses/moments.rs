@@ -38,7 +38,7 @@ pub(super) fn mean(values: &[(u64, f64)], cells: Option<u64>) -> Option<Mean> {
         return None;
     }
     let by_cell = cells.and_then(|cells| in_cells(values, cells));
-    Some(by_cell.map_or_else(|| together(values), |cells| stratified(&cells)))
+    Some(by_cell.map_or_else(|| unstratified(values), |cells| stratified(&cells)))
 }
 
 /// Returns the values of each cell, if every cell has at least two.
@@ -61,7 +61,7 @@ fn moments(values: impl Iterator<Item = f64> + Clone) -> (f64, f64, f64) {
     (n, mean, squares / (n - 1.0))
 }
 
-fn together(values: &[(u64, f64)]) -> Mean {
+fn unstratified(values: &[(u64, f64)]) -> Mean {
     let (n, value, variance) = moments(values.iter().map(|(_, value)| *value));
     Mean { value, variance: (n > 1.5).then_some(variance / n), degrees: n - 1.0 }
 }

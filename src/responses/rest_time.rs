@@ -22,7 +22,7 @@ pub fn median_time_to_rest(sample: &Sample) -> Estimate {
     };
     let error = standard_error(curve.steps.iter().map(cumulative), 0.5);
     let too_few = "too few runs at rest for both ends of the interval";
-    Estimate::within(value, error, [low, high], too_few)
+    Estimate::with_interval(value, error, [low, high], too_few)
 }
 
 /// Returns the fraction at rest after a step, and the number of runs that would give it Greenwood's variance.

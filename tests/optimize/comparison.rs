@@ -6,7 +6,7 @@ use stickslip::responses::Estimate;
 
 fn estimate(value: f64, low: f64, high: f64) -> Estimate {
     let ends = [Some(low), Some(high)];
-    Estimate::within(value, Some((high - low) / 3.92), ends, "none")
+    Estimate::with_interval(value, Some((high - low) / 3.92), ends, "none")
 }
 
 /// Newcombe's example: the fractions 5/56 and 0/29 with Wilson's intervals (0.0387, 0.1926) and (0, 0.1170)
