@@ -8,14 +8,14 @@ use crate::responses::Estimate;
 pub fn estimate_difference(one: &Estimate, other: &Estimate) -> Estimate {
     let Some((x, y)) = one.value.zip(other.value) else { return unknown(one, other) };
     let root = |a: f64, b: f64| (a * a + b * b).sqrt();
-    let end = |near: Option<f64>, far: Option<f64>| {
-        near.zip(far).map(|(near, far)| root(x - near, y - far))
+    let half_width = |end: Option<f64>, opposite: Option<f64>| {
+        end.zip(opposite).map(|(end, opposite)| root(x - end, y - opposite))
     };
     Estimate {
         value: Some(x - y),
         standard_error: one.standard_error.zip(other.standard_error).map(|(a, b)| root(a, b)),
-        low: end(one.low, other.high).map(|half| x - y - half),
-        high: end(one.high, other.low).map(|half| x - y + half),
+        low: half_width(one.low, other.high).map(|half| x - y - half),
+        high: half_width(one.high, other.low).map(|half| x - y + half),
         reason: one.reason.clone().or_else(|| other.reason.clone()),
     }
 }
@@ -30,13 +30,13 @@ pub fn estimate_ratio(one: &Estimate, other: &Estimate) -> Estimate {
     if !(l1 > 0.0 && l2 > 0.0) {
         return Estimate::unknown("an interval that reaches zero");
     }
-    let end = |own: f64, across: f64, sign: f64| {
-        let under = (x * y).powi(2) - own * across * (2.0 * x - own) * (2.0 * y - across);
-        let over = across * (2.0 * y - across);
-        let end = (x * y + sign * under.max(0.0).sqrt()) / over;
-        (over > 0.0 && end.is_finite()).then_some(end)
+    let ratio_end = |end: f64, opposite: f64, sign: f64| {
+        let radicand = (x * y).powi(2) - end * opposite * (2.0 * x - end) * (2.0 * y - opposite);
+        let denominator = opposite * (2.0 * y - opposite);
+        let ratio = (x * y + sign * radicand.max(0.0).sqrt()) / denominator;
+        (denominator > 0.0 && ratio.is_finite()).then_some(ratio)
     };
-    let (low, high) = (end(l1, u2, -1.0), end(u1, l2, 1.0));
+    let (low, high) = (ratio_end(l1, u2, -1.0), ratio_end(u1, l2, 1.0));
     let error = one.standard_error.zip(other.standard_error).map(|(a, b)| {
         let (a, b) = (a / x, b / y);
         x / y * (a * a + b * b).sqrt()

@@ -27,21 +27,21 @@ pub(super) fn over_points(
     let lows = || estimates.iter().map(|estimate| estimate.low);
     let highs = || estimates.iter().map(|estimate| estimate.high);
     let mean = |numbers: Vec<f64>| numbers.iter().sum::<f64>() / numbers.len() as f64;
-    let all = |ends: Vec<Option<f64>>| ends.into_iter().collect::<Option<Vec<f64>>>();
+    let all_known = |ends: Vec<Option<f64>>| ends.into_iter().collect::<Option<Vec<f64>>>();
     let (value, standard_error, low, high) = match how {
         OverPoints::Mean => (
             mean(values),
-            all(estimates.iter().map(|estimate| estimate.standard_error).collect()).map(mean),
-            all(lows().collect()).map(mean),
-            all(highs().collect()).map(mean),
+            all_known(estimates.iter().map(|estimate| estimate.standard_error).collect()).map(mean),
+            all_known(lows().collect()).map(mean),
+            all_known(highs().collect()).map(mean),
         ),
         OverPoints::Worst => {
             let worse =
                 |one: f64, other: f64| if larger_is_worse { one > other } else { one < other };
-            let mut place = 0;
+            let mut worst = 0;
             for (index, value) in values.iter().enumerate() {
-                if worse(*value, values[place]) {
-                    place = index;
+                if worse(*value, values[worst]) {
+                    worst = index;
                 }
             }
             let extreme = |ends: Vec<f64>| {
@@ -49,11 +49,17 @@ pub(super) fn over_points(
             };
             // A missing end is infinite on its own side.
             let (low, high) = if larger_is_worse {
-                (extreme(lows().flatten().collect()), all(highs().collect()).and_then(extreme))
+                (
+                    extreme(lows().flatten().collect()),
+                    all_known(highs().collect()).and_then(extreme),
+                )
             } else {
-                (all(lows().collect()).and_then(extreme), extreme(highs().flatten().collect()))
+                (
+                    all_known(lows().collect()).and_then(extreme),
+                    extreme(highs().flatten().collect()),
+                )
             };
-            (values[place], estimates[place].standard_error, low, high)
+            (values[worst], estimates[worst].standard_error, low, high)
         }
     };
     Estimate { value: Some(value), standard_error, low, high, reason: first_reason }

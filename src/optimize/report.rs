@@ -27,8 +27,8 @@ pub fn optimum_json(
     let compared = || {
         let (best, other) =
             (finalists.of(FinalistRole::Best)?, finalists.of(FinalistRole::CompareWith)?);
-        let of = |(place, objective): &(usize, crate::study::Objective)| {
-            let (best, other) = (best.estimates.get(*place)?, other.estimates.get(*place)?);
+        let of = |(quantity, objective): &(usize, crate::study::Objective)| {
+            let (best, other) = (best.estimates.get(*quantity)?, other.estimates.get(*quantity)?);
             Some(json!({
                 "response": study.responses().get(objective.response)?.name,
                 "difference": estimate_json(&estimate_difference(best, other)),
@@ -59,8 +59,8 @@ pub fn optimum_json(
 fn sensitivity_json(one: &Sensitivity) -> Value {
     let indices = one.indices.as_ref();
     let [first, total] = [
-        indices.map(|own| (own.first_order, own.first_order_interval)),
-        indices.map(|own| (own.total, own.total_interval)),
+        indices.map(|both| (both.first_order, both.first_order_interval)),
+        indices.map(|both| (both.total, both.total_interval)),
     ];
     let json = |index: Option<(f64, Option<[f64; 2]>)>| {
         index.map(|(value, interval)| {
@@ -154,7 +154,7 @@ pub fn search_line(search: &Search, evaluations: &[Evaluation]) -> String {
         let best = super::finalists::best(all.iter().map(|own| goal.rank(own)));
         if let Some(index) = best {
             let (grade, _) = goal.rank(&all[index]);
-            let value = goal.objectives().first().and_then(|(place, _)| all[index][*place]);
+            let value = goal.objectives().first().and_then(|(quantity, _)| all[index][*quantity]);
             let value = value.map_or_else(|| "no value".to_owned(), short);
             let what = if grade == 0 { "best so far" } else { "limits not met yet; nearest" };
             // Writing to a string cannot fail.
@@ -205,8 +205,8 @@ pub fn result_in_words(search: &Search, finalists: &Finalists) -> String {
     if let Some((best, other)) =
         finalists.of(FinalistRole::Best).zip(finalists.of(FinalistRole::CompareWith))
     {
-        for (place, objective) in goal.objectives() {
-            let both = best.estimates.get(*place).zip(other.estimates.get(*place));
+        for (quantity, objective) in goal.objectives() {
+            let both = best.estimates.get(*quantity).zip(other.estimates.get(*quantity));
             let response = study.responses().get(objective.response);
             if let Some(((best, other), response)) = both.zip(response) {
                 let difference = in_words(&estimate_difference(best, other), response.unit());

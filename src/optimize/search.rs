@@ -118,16 +118,16 @@ fn next_design(
 /// Returns an error message if an objective does not depend on the design.
 fn constant(study: &Study, goal: &Goal, evaluations: &[Evaluation]) -> Option<String> {
     let all = goal.values_of_designs(evaluations);
-    goal.objectives().iter().find_map(|(place, objective)| {
+    goal.objectives().iter().find_map(|(quantity, objective)| {
         let name = &study.responses().get(objective.response)?.name;
         let values: Vec<Option<f64>> =
-            all.iter().map(|own| own.get(*place).copied().flatten()).collect();
+            all.iter().map(|values| values.get(*quantity).copied().flatten()).collect();
         let known: Vec<f64> = values.iter().copied().flatten().collect();
         let count = all.len();
         match known.first() {
             None => {
                 let first = evaluations.first().map(|one| goal.estimates(&one.answers));
-                let reason = first.and_then(|own| own.get(*place)?.reason.clone());
+                let reason = first.and_then(|estimates| estimates.get(*quantity)?.reason.clone());
                 let failed = evaluations.iter().flat_map(|one| &one.answers);
                 let failed: u64 = failed.map(|answer| answer.counts.of(Label::Failed)).sum();
                 let reason = reason.unwrap_or_default();

@@ -102,8 +102,8 @@ pub fn surrogates(
     let places: Vec<Vec<f64>> =
         evaluations.iter().map(|one| space.coordinates(&one.values)).collect();
     let seed = study.derived_seed("optimize surrogates", 0);
-    let fit = |(place, quantity): (usize, &super::goal::Quantity)| {
-        let fitted = training_values(&goal, place, &estimates)
+    let fit = |(index, quantity): (usize, &super::goal::Quantity)| {
+        let fitted = training_values(&goal, index, &estimates)
             .ok_or_else(|| "no design has a value".to_owned())
             .and_then(|training_values| {
                 Surrogate::fit(&places, &training_values.values, training_values.noise, seed)

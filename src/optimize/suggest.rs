@@ -24,18 +24,18 @@ pub(super) struct TrainingValues {
     pub noise: f64,
 }
 
-/// Returns the values of quantity `place`; `None` if no design has a value of it.
+/// Returns the values of a quantity, given by its index; `None` if no design has a value of it.
 pub(super) fn training_values(
     goal: &Goal,
-    place: usize,
+    quantity: usize,
     estimates: &[Vec<Estimate>],
 ) -> Option<TrainingValues> {
-    let of = |design: &Vec<Estimate>| design.get(place).and_then(|one| one.value);
-    let worst = if goal.large_is_bad(place) { f64::max } else { f64::min };
+    let of = |design: &Vec<Estimate>| design.get(quantity).and_then(|one| one.value);
+    let worst = if goal.large_is_bad(quantity) { f64::max } else { f64::min };
     let substitute = estimates.iter().filter_map(of).reduce(worst)?;
     let mut errors: Vec<f64> = estimates
         .iter()
-        .filter_map(|design| design.get(place)?.standard_error)
+        .filter_map(|design| design.get(quantity)?.standard_error)
         .filter(|error| error.is_finite())
         .collect();
     errors.sort_by(f64::total_cmp);
@@ -61,8 +61,8 @@ pub(super) fn suggest(
         evaluations.iter().map(|one| goal.estimates(&one.answers)).collect();
     let places: Vec<Vec<f64>> =
         evaluations.iter().map(|one| space.coordinates(&one.values)).collect();
-    let smoothed = |place: usize| {
-        let training_values = training_values(goal, place, &estimates)?;
+    let smoothed = |quantity: usize| {
+        let training_values = training_values(goal, quantity, &estimates)?;
         let surrogate =
             Surrogate::fit(&places, &training_values.values, training_values.noise, seed);
         let smooth = surrogate.and_then(|surrogate| surrogate.predict(&places));
@@ -96,17 +96,17 @@ pub(super) fn suggest(
     row.iter().all(|number| number.is_finite()).then(|| space.design(&row))
 }
 
-/// Divides columns by their spread, which preserves signs and order.
+/// Divides columns by their standard deviations, which preserves signs and order.
 fn scaled(rows: &[Vec<f64>]) -> Vec<Vec<f64>> {
     let mut rows = rows.to_vec();
     let width = rows.first().map_or(0, Vec::len);
     for column in 0..width {
         let all = || rows.iter().filter_map(|row| row.get(column).copied());
         let mean = all().sum::<f64>() / rows.len() as f64;
-        let spread =
+        let deviation =
             (all().map(|one| (one - mean).powi(2)).sum::<f64>() / rows.len() as f64).sqrt();
-        if spread > 0.0 {
-            rows.iter_mut().filter_map(|row| row.get_mut(column)).for_each(|one| *one /= spread);
+        if deviation > 0.0 {
+            rows.iter_mut().filter_map(|row| row.get_mut(column)).for_each(|one| *one /= deviation);
         }
     }
     rows

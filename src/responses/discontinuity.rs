@@ -55,12 +55,13 @@ pub(super) fn distance(one: &[f64], other: &[f64]) -> f64 {
     one.iter().zip(other).map(|(one, other)| (one - other) * (one - other)).sum()
 }
 
-/// Whether a distance equals the least one up to rounding, so that the order of designs does not matter.
+/// Returns whether a distance equals the least one. Rounding errors are tolerated, so that the order of designs does
+/// not matter.
 pub(super) fn is_nearest(distance: f64, least: f64) -> bool {
     distance <= least * (1.0 + 1e-9)
 }
 
-/// Whether any label's fraction differs in a test at this level.
+/// Returns whether any label's fraction differs in a test at this level.
 pub(super) fn labels_differ(one: &LabelCounts, other: &LabelCounts, level: f64) -> bool {
     Label::ALL.iter().any(|label| p_value(one, other, *label) <= level)
 }

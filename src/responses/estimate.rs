@@ -20,7 +20,7 @@ pub struct ObservedRun {
 }
 
 impl ObservedRun {
-    /// Whether the run failed.
+    /// Returns whether the run failed.
     pub fn failed(&self) -> bool {
         self.label == Label::Failed
     }

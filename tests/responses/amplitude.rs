@@ -1,22 +1,8 @@
 //! Mean, standard deviation, quantiles and maximum of amplitudes: by hand, and their coverage.
 
+use super::sample;
 use crate::support::TestRng;
-use stickslip::classification::Label;
-use stickslip::responses::{
-    Estimate, ObservedRun, Sample, mean, quantile, standard_deviation, worst,
-};
-
-/// Runs with these amplitudes, which take turns in the cells; `None` is a failed run.
-fn sample(amplitudes: &[Option<f64>], cells: Option<u64>) -> Sample {
-    let run = |(index, amplitude): (usize, &Option<f64>)| ObservedRun {
-        cell: index as u64 % cells.unwrap_or(1),
-        label: if amplitude.is_some() { Label::Equilibrium } else { Label::Failed },
-        amplitude: *amplitude,
-        time_to_rest_s: None,
-        end_time_s: None,
-    };
-    Sample { cells, runs: amplitudes.iter().enumerate().map(run).collect() }
-}
+use stickslip::responses::{Estimate, mean, quantile, standard_deviation, worst};
 
 fn near(found: Option<f64>, expected: f64) {
     let found = found.expect("a number");

@@ -1,19 +1,7 @@
 //! Student's interval of means against printed tables.
 
-use stickslip::classification::Label;
-use stickslip::responses::{ObservedRun, Sample, mean};
-
-/// Returns runs with these amplitudes, each with its cell.
-fn sample(amplitudes: impl Iterator<Item = (u64, f64)>, cells: Option<u64>) -> Sample {
-    let run = |(cell, amplitude)| ObservedRun {
-        cell,
-        label: Label::Equilibrium,
-        amplitude: Some(amplitude),
-        time_to_rest_s: None,
-        end_time_s: None,
-    };
-    Sample { cells, runs: amplitudes.map(run).collect() }
-}
+use super::sample;
+use stickslip::responses::{Sample, mean};
 
 /// Returns half of the width of the interval of the mean over its standard error.
 fn standard_errors(sample: &Sample) -> f64 {
@@ -28,8 +16,8 @@ fn the_table_of_student() {
     for (runs, printed) in
         [(2, 12.706), (3, 4.303), (6, 2.571), (31, 2.042), (121, 1.980), (100_001, 1.960)]
     {
-        let amplitudes = (0..runs).map(|run| (0, f64::from(run % 2)));
-        let found = standard_errors(&sample(amplitudes, None));
+        let amplitudes: Vec<Option<f64>> = (0..runs).map(|run| Some(f64::from(run % 2))).collect();
+        let found = standard_errors(&sample(&amplitudes, None));
         assert!((found - printed).abs() < 6e-4, "{runs} runs: {found} {printed}");
     }
 }
@@ -38,7 +26,7 @@ fn the_table_of_student() {
 /// of freedom (Satterthwaite), which are rounded down to 2.
 #[test]
 fn degrees_of_freedom_are_rounded_down() {
-    let amplitudes = [(0, 0.0), (0, 1.0), (0, 2.0), (1, 0.0), (1, 0.5), (1, 1.0)];
-    let found = standard_errors(&sample(amplitudes.into_iter(), Some(2)));
+    let amplitudes = [0.0, 0.0, 1.0, 0.5, 2.0, 1.0].map(Some);
+    let found = standard_errors(&sample(&amplitudes, Some(2)));
     assert!((found - 4.303).abs() < 6e-4, "{found}");
 }

@@ -1,18 +1,11 @@
 //! Quantiles with intervals and standard errors: tables, resamples and bimodal samples.
 
 use crate::support::TestRng;
-use stickslip::classification::Label;
-use stickslip::responses::{ObservedRun, Sample, quantile};
+use stickslip::responses::{Sample, quantile};
 
 fn sample(amplitudes: &[f64]) -> Sample {
-    let run = |&amplitude: &f64| ObservedRun {
-        cell: 0,
-        label: Label::Equilibrium,
-        amplitude: Some(amplitude),
-        time_to_rest_s: None,
-        end_time_s: None,
-    };
-    Sample { cells: None, runs: amplitudes.iter().map(run).collect() }
+    let amplitudes: Vec<Option<f64>> = amplitudes.iter().copied().map(Some).collect();
+    super::sample(&amplitudes, None)
 }
 
 /// Conover, Practical Nonparametric Statistics, and tables of the sign test: the median of ten values lies between
