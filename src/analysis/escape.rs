@@ -9,7 +9,7 @@
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 /// Runs that came to rest, and runs that were stopped, at a time in s.
-pub type Group = (f64, [u64; 2]);
+pub(super) type Group = (f64, [u64; 2]);
 
 /// The rate of an exponential tail.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,16 +17,16 @@ pub struct EscapeRate {
     /// Number of runs that come to rest over the total time that runs have moved, 1/s.
     pub rate_per_s: f64,
     /// 95 % interval of the rate, 1/s.
-    pub interval_1_s: (f64, f64),
+    pub interval_per_s: (f64, f64),
     /// Start of the tail, s.
     pub from_s: f64,
 }
 
 /// Smallest number of runs that come to rest in a tail.
-pub const FEWEST: u64 = 10;
+const FEWEST: u64 = 10;
 /// A tail contains at least one in this many of the runs that come to rest: the last few of any
 /// distribution look exponential.
-pub const FRACTION: u64 = 10;
+const FRACTION: u64 = 10;
 /// The 90 % quantile of the test statistic (Kolmogorov's) for exponential samples.
 const CRITICAL: f64 = 1.224;
 
@@ -46,7 +46,7 @@ pub fn escape_rate(groups: &[Group]) -> Option<EscapeRate> {
         if candidate.is_exponential() {
             return Some(EscapeRate {
                 rate_per_s: remaining as f64 / candidate.exposure_s,
-                interval_1_s: rate_interval(remaining, candidate.exposure_s),
+                interval_per_s: rate_interval(remaining, candidate.exposure_s),
                 from_s,
             });
         }

@@ -80,7 +80,7 @@ pub struct FrictionlessEquilibrium {
     pub stability: Stability,
     /// All eigenvalues of the linearised equations, 1/s, the fastest growing first, including the
     /// zeros along a family.
-    pub eigenvalues_1_s: Vec<Complex<f64>>,
+    pub eigenvalues_per_s: Vec<Complex<f64>>,
 }
 
 impl FrictionlessEquilibrium {
@@ -101,7 +101,7 @@ impl FrictionlessEquilibrium {
             position_m: [z.re * form.ring_radius_m, z.im * form.ring_radius_m],
             family_dimension,
             stability: motions.stability,
-            eigenvalues_1_s: motions.eigenvalues.into_iter().map(|value| value * rate).collect(),
+            eigenvalues_per_s: motions.eigenvalues.into_iter().map(|value| value * rate).collect(),
         }
     }
 }
@@ -123,7 +123,7 @@ pub fn frictionless_equilibria(
             position_m: [0.0; 2],
             family_dimension: form.mass.len(),
             stability: Stability::Marginal,
-            eigenvalues_1_s: Vec::new(),
+            eigenvalues_per_s: Vec::new(),
         }]);
     }
     let candidates = equilibrium_positions(&form).into_iter();

@@ -57,5 +57,6 @@ pub use set_grid::{GridRow, GridSummary, SetGrid};
 pub use set_samples::{REPLICATES, sample};
 pub use stopping::{StoppingRule, is_narrow};
 pub use stratified::Cells;
+pub(crate) use survival::rest_or_stop_time;
 pub use survival::{SurvivalCurve, SurvivalStep};
 pub use value_counts::ValueCounts;

@@ -9,14 +9,10 @@ use super::interval::{Interval, IntervalMethod, Z_95, wilson_with_failures};
 use super::observed::{LabelCounts, Observed};
 use super::rest_curve::{RestStep, rest_curve};
 use super::stratified::Cells;
-use super::survival::SurvivalCurve;
+use super::survival::{STOPPED, SurvivalCurve, rest_or_stop_time};
 use super::value_counts::ValueCounts;
 use crate::classification::Label;
 use crate::model::Ball;
-
-/// Indices of the two kinds of times.
-const REST: usize = 0;
-const STOPPED: usize = 1;
 
 /// The data of a point's separate tables.
 #[derive(Clone, Debug, PartialEq)]
@@ -95,15 +91,14 @@ impl PointAccumulator {
         if label == Label::Failed {
             return;
         }
-        match (outcome.time_to_rest_s, outcome.end_time_s) {
-            (Some(time), _) => self.times.add(time, REST),
-            (None, end) if label == Label::LimitCycle => {
-                self.times.add(f64::INFINITY, STOPPED);
-                end.into_iter().for_each(|end| self.cycles.add(end, STOPPED));
-            }
-            (None, end) => end.into_iter().for_each(|end| self.times.add(end, STOPPED)),
+        let (rest, end) = (outcome.time_to_rest_s, outcome.end_time_s);
+        if let Some((time, kind)) = rest_or_stop_time(label, rest, end) {
+            self.times.add(time, kind);
         }
-        outcome.amplitude_m.into_iter().for_each(|amplitude| self.amplitudes.add(amplitude, REST));
+        if let (Label::LimitCycle, None, Some(end)) = (label, rest, end) {
+            self.cycles.add(end, STOPPED);
+        }
+        outcome.amplitude_m.into_iter().for_each(|amplitude| self.amplitudes.add(amplitude, 0));
         self.cycle_classes.add(run);
         let machine = run.case.and_then(|case| case.model.ball_balancer());
         if let (Label::Equilibrium, Some(machine), Some(beta)) = (label, machine, &outcome.position)

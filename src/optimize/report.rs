@@ -108,7 +108,7 @@ fn design_json(study: &Study, values: &[DesignValue]) -> Value {
 }
 
 /// Returns a number with four significant digits.
-pub(crate) fn short(number: f64) -> String {
+fn short(number: f64) -> String {
     let size = number.abs();
     if number == 0.0 || (1e-3..1e5).contains(&size) {
         let digits = if number == 0.0 { 0 } else { (3 - size.log10().floor() as i32).max(0) };
@@ -118,7 +118,7 @@ pub(crate) fn short(number: f64) -> String {
 }
 
 /// Returns an estimate in words, such as `2.310e-6 m (2.100e-6 to 2.500e-6)`.
-pub(crate) fn in_words(estimate: &Estimate, unit: &str) -> String {
+fn in_words(estimate: &Estimate, unit: &str) -> String {
     let Some(value) = estimate.value else {
         let reason = estimate.reason.as_deref().unwrap_or("not known");
         return format!("none: {reason}");
@@ -129,7 +129,7 @@ pub(crate) fn in_words(estimate: &Estimate, unit: &str) -> String {
 }
 
 /// Returns design values in words.
-pub(crate) fn design_in_words(study: &Study, values: &[DesignValue]) -> String {
+fn design_in_words(study: &Study, values: &[DesignValue]) -> String {
     let each = study.variables().iter().zip(values);
     let each = each
         .map(|(variable, value)| format!("{} = {}", variable.name(), variable.describe(*value)));

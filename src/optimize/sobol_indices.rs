@@ -73,11 +73,12 @@ pub fn sobol_indices(
     let resamples = bootstrap_seed.map(|seed| resamples(samples, seed));
     let estimate = |variable: usize| {
         let [first_order, total] = of(variable, &all).unwrap_or_default();
-        let drawn: Option<Vec<[f64; 2]>> = resamples
+        let of_resamples: Option<Vec<[f64; 2]>> = resamples
             .as_ref()
             .map(|all| all.iter().filter_map(|chosen| of(variable, chosen)).collect());
         let interval = |which: usize| {
-            let mut ascending: Vec<f64> = drawn.as_ref()?.iter().map(|both| both[which]).collect();
+            let mut ascending: Vec<f64> =
+                of_resamples.as_ref()?.iter().map(|both| both[which]).collect();
             ascending.sort_by(f64::total_cmp);
             let at = |fraction: f64| {
                 let place = (fraction * ascending.len().saturating_sub(1) as f64).round() as usize;
@@ -112,6 +113,6 @@ fn indices(parts: &[&[f64]], variable: usize, chosen: &[usize]) -> Option<[f64; 
     let first: f64 =
         chosen.iter().map(|&index| (b[index] - mean) * (mixed[index] - a[index])).sum();
     let total: f64 = chosen.iter().map(|&index| (a[index] - mixed[index]).powi(2)).sum();
-    let scale = variance > 1e-24 * mean * mean && variance > 0.0;
-    scale.then(|| [first / count / variance, total / (2.0 * count) / variance])
+    let varies = variance > 1e-24 * mean * mean && variance > 0.0;
+    varies.then(|| [first / count / variance, total / (2.0 * count) / variance])
 }

@@ -6,7 +6,9 @@
 //! runs have the same result.
 
 use super::estimate::{Estimate, ObservedRun, Sample};
-use crate::analysis::{Cells, SurvivalCurve, ValueCounts, Z_95, wilson, wilson_with_failures};
+use crate::analysis::{
+    Cells, SurvivalCurve, ValueCounts, Z_95, rest_or_stop_time, wilson, wilson_with_failures,
+};
 use crate::classification::Label;
 
 const NO_RUN: &str = "all runs failed";
@@ -63,14 +65,13 @@ fn fraction(sample: &Sample, succeeds: impl Fn(&ObservedRun) -> Option<bool>) ->
     }
 }
 
-/// Returns the times at which runs came to rest (kind 0) or were stopped while moving (kind 1).
+/// Returns the times at which runs came to rest or were stopped while moving, without failed runs.
 pub(super) fn times(sample: &Sample) -> ValueCounts {
     let mut times = ValueCounts::default();
     for run in sample.runs.iter().filter(|run| !run.failed()) {
-        match (run.time_to_rest_s, run.end_time_s) {
-            (Some(time), _) => times.add(time, 0),
-            (None, _) if run.label == Label::LimitCycle => times.add(f64::INFINITY, 1),
-            (None, end) => end.into_iter().for_each(|end| times.add(end, 1)),
+        if let Some((time, kind)) = rest_or_stop_time(run.label, run.time_to_rest_s, run.end_time_s)
+        {
+            times.add(time, kind);
         }
     }
     times

@@ -70,7 +70,7 @@ fn the_interval_covers_the_rate_of_the_tail() {
                 })
                 .collect();
             if let Some(escape) = escape_rate(&groups(times.into_iter(), end)) {
-                let (low, high) = escape.interval_1_s;
+                let (low, high) = escape.interval_per_s;
                 assert!(low < escape.rate_per_s && escape.rate_per_s < high);
                 found += 1.0;
                 from += escape.from_s;
@@ -106,5 +106,5 @@ fn a_million_grouped_runs_keep_their_rate() {
     let escape = escape_rate(&groups((0..runs).map(time), 16.5)).expect("a tail");
     assert_eq!(escape.from_s, 0.0);
     assert!((escape.rate_per_s / 0.2 - 1.0).abs() < 2e-4, "{escape:?}");
-    assert!((escape.interval_1_s.1 / escape.interval_1_s.0 - 1.0).abs() < 5e-3);
+    assert!((escape.interval_per_s.1 / escape.interval_per_s.0 - 1.0).abs() < 5e-3);
 }

@@ -213,8 +213,8 @@ fn three_balls_balance_in_a_family() {
     let family = above.iter().find(|one| one.kind == Kind::B1).unwrap();
     assert_eq!(family.family_dimension, 1);
     assert_eq!(stable(&above), [Kind::B1]);
-    let zeros = family.eigenvalues_1_s.iter().filter(|value| value.norm() < 1e-6).count();
-    assert_eq!(zeros, 1, "{:?}", family.eigenvalues_1_s);
+    let zeros = family.eigenvalues_per_s.iter().filter(|value| value.norm() < 1e-6).count();
+    assert_eq!(zeros, 1, "{:?}", family.eigenvalues_per_s);
     // The stability is constant along the family: the third ball anywhere, the others balance it.
     let form = RestForm::new(&Machine { balls: balls.clone(), ..thesis(-216.3772) }).unwrap();
     let slow = RestForm::new(&Machine { balls: balls.clone(), ..thesis(-160.0) }).unwrap();
