@@ -1,6 +1,6 @@
 //! The finalists of a search: its best designs are evaluated again with other and more runs.
 //!
-//! Among many similar designs, the one with the best estimate has it partly by chance. Therefore a few of the best
+//! The best estimate among many similar designs is partly due to chance. Therefore a few of the best
 //! designs are evaluated with new runs, the best of these is chosen, and its reported responses come from further
 //! runs that had no part in the choice. The design that it is compared with has runs of its own, so that both
 //! estimates are independent.
@@ -43,7 +43,7 @@ impl FinalistRole {
 pub struct Finalist {
     /// The role of the design.
     pub role: FinalistRole,
-    /// Its number in the search; `None` if the search did not evaluate it.
+    /// Number of the design in the search; `None` if the search did not evaluate it.
     pub design: Option<u64>,
     /// One value per variable.
     pub values: Vec<DesignValue>,

@@ -10,7 +10,7 @@ use crate::study::{Limit, Objective, Optimization, OverPoints, Study};
 pub struct Quantity {
     /// Index among the study's responses.
     pub response: usize,
-    /// Whether the worst of several points is the one with the largest value; otherwise with the smallest.
+    /// Whether the worst of several points has the largest value; otherwise the smallest.
     pub larger_is_worse: bool,
 }
 

@@ -5,10 +5,11 @@ use crate::study::OverPoints;
 
 /// Returns the worst estimate or the mean; unknown if one of the estimates is.
 ///
-/// The interval of the worst estimate is conservative: its upper end is above the largest value if that value's own
-/// upper end is, and its lower end fails with at most the sum of the points' 2.5 % (vice versa if small values are
-/// worse). Points share start states and draws, so that their errors are correlated: the standard error of the mean
-/// is at most the mean of theirs.
+/// The interval of the worst estimate is conservative. If large values are worse, its ends are the largest lower and
+/// the largest upper end of all points. The true worst value exceeds the upper end only if it exceeds the upper end of
+/// its own point, and lies below the lower end with a probability of at most the sum of the points' 2.5 %. Points share
+/// start states and draws, so that their errors are correlated; the standard error of their mean is at most the mean
+/// of their standard errors.
 pub(super) fn over_points(
     estimates: &[&Estimate],
     how: OverPoints,

@@ -49,7 +49,7 @@ pub fn sensitivities(
     let dimensions = count(variables.len() as u64);
     let designs: Vec<Vec<DesignValue>> = pick_freeze_sample(samples, dimensions, seed as u32)
         .iter()
-        .map(|place| space.at(place))
+        .map(|unit_coordinates| space.design_at(unit_coordinates))
         .collect();
     let by_quantity: Vec<Result<Vec<f64>, String>> = match optimization.sensitivity_from {
         SensitivityFrom::Surrogates => {
@@ -99,14 +99,14 @@ pub fn surrogates(
     let (space, goal) = (Space::new(study), Goal::new(study, optimization));
     let estimates: Vec<Vec<Estimate>> =
         evaluations.iter().map(|one| goal.estimates(&one.answers)).collect();
-    let places: Vec<Vec<f64>> =
+    let coordinates: Vec<Vec<f64>> =
         evaluations.iter().map(|one| space.coordinates(&one.values)).collect();
     let seed = study.derived_seed("optimize surrogates", 0);
     let fit = |(index, quantity): (usize, &super::goal::Quantity)| {
         let fitted = training_values(&goal, index, &estimates)
             .ok_or_else(|| "no design has a value".to_owned())
             .and_then(|training_values| {
-                Surrogate::fit(&places, &training_values.values, training_values.noise, seed)
+                Surrogate::fit(&coordinates, &training_values.values, training_values.noise, seed)
             });
         (quantity.response, fitted)
     };

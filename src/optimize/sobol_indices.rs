@@ -18,16 +18,16 @@ const RESAMPLES: usize = 1000;
 pub struct Indices {
     /// The fraction of the variance that the variable alone explains.
     pub first_order: f64,
-    /// Its interval.
+    /// Interval of `first_order`.
     pub first_order_interval: Option<[f64; 2]>,
     /// The fraction of the variance that remains if all other variables are known.
     pub total: f64,
-    /// Its interval.
+    /// Interval of `total`.
     pub total_interval: Option<[f64; 2]>,
 }
 
-/// Returns the sample of the pick-freeze design in the unit cube: `A`, `B`, then `A` with each variable from `B` in
-/// turn, `samples` of each.
+/// Returns the points of the pick-freeze design in the unit cube: `A`, `B`, then `A` with each variable from `B` in
+/// turn, `samples` of each (at most 65,536, for at most 128 variables).
 pub fn pick_freeze_sample(samples: u32, variables: u32, seed: u32) -> Vec<Vec<f64>> {
     let sample = |first: u32| {
         move |index: u32| -> Vec<f64> {
@@ -41,17 +41,17 @@ pub fn pick_freeze_sample(samples: u32, variables: u32, seed: u32) -> Vec<Vec<f6
     all.extend(b.iter().cloned());
     for variable in 0..variables as usize {
         all.extend(a.iter().zip(&b).map(|(a, b)| {
-            let mut place = a.clone();
-            place[variable] = b[variable];
-            place
+            let mut mixed = a.clone();
+            mixed[variable] = b[variable];
+            mixed
         }));
     }
     all
 }
 
-/// Returns the indices of each variable from values at the places of the design, in its order; with intervals if
-/// there is a seed for the bootstrap. For values of a surrogate the bootstrap would give the error of the pick-freeze
-/// design alone, not the larger error of the surrogate.
+/// Returns the indices of each variable from the values at the points of [`pick_freeze_sample`], in order; with
+/// intervals if there is a seed for the bootstrap. For values of a surrogate the bootstrap would give the error of the
+/// pick-freeze design alone, not the larger error of the surrogate.
 ///
 /// # Errors
 /// Returns an error if the number of values is wrong, or if all values are equal.
@@ -62,7 +62,7 @@ pub fn sobol_indices(
 ) -> Result<Vec<Indices>, String> {
     let samples = values.len() / (variables + 2);
     if samples < 2 || values.len() != samples * (variables + 2) {
-        return Err("another number of values than of places".to_owned());
+        return Err("the number of values is not that of the sample".to_owned());
     }
     let parts: Vec<&[f64]> = values.chunks_exact(samples).collect();
     let all: Vec<usize> = (0..samples).collect();
@@ -81,8 +81,8 @@ pub fn sobol_indices(
                 of_resamples.as_ref()?.iter().map(|both| both[which]).collect();
             ascending.sort_by(f64::total_cmp);
             let at = |fraction: f64| {
-                let place = (fraction * ascending.len().saturating_sub(1) as f64).round() as usize;
-                ascending.get(place).copied()
+                let rank = (fraction * ascending.len().saturating_sub(1) as f64).round() as usize;
+                ascending.get(rank).copied()
             };
             Some([at(0.025)?, at(0.975)?])
         };

@@ -23,12 +23,12 @@ impl<'a> Space<'a> {
         self.variables.len()
     }
 
-    /// Returns the design at a place in the unit cube: each range from its first to its last value, whole numbers and
-    /// choices with equal shares. Numbers have six significant digits.
-    pub fn at(&self, place: &[f64]) -> Vec<DesignValue> {
+    /// Returns the design at coordinates in the unit cube: each range from its first to its last value, whole numbers
+    /// and choices with equal fractions. Numbers have six significant digits.
+    pub fn design_at(&self, coordinates: &[f64]) -> Vec<DesignValue> {
         let value =
             |(variable, fraction): (&Variable, &f64)| value_at(variable.values(), *fraction);
-        self.variables.iter().zip(place).map(value).collect()
+        self.variables.iter().zip(coordinates).map(value).collect()
     }
 
     /// Returns space-filling design number `index`: a scrambled Sobol' point.
@@ -36,8 +36,8 @@ impl<'a> Space<'a> {
         let coordinate = |dimension| f64::from(sobol_burley::sample(index, dimension, seed));
         // One dimension per variable, fewer than Sobol' dimensions.
         let dimensions = u32::try_from(self.dimensions()).unwrap_or(u32::MAX);
-        let place: Vec<f64> = (0..dimensions).map(coordinate).collect();
-        self.at(&place)
+        let coordinates: Vec<f64> = (0..dimensions).map(coordinate).collect();
+        self.design_at(&coordinates)
     }
 
     /// Returns the variables as the optimiser defines them: numbers on a scale from 0 to 1.
@@ -66,7 +66,7 @@ impl<'a> Space<'a> {
 
     /// Returns the design of a row of the optimiser.
     pub fn design(&self, row: &[f64]) -> Vec<DesignValue> {
-        let mut design = self.at(&vec![0.0; self.dimensions()]);
+        let mut design = self.design_at(&vec![0.0; self.dimensions()]);
         for ((index, variable), number) in self.varied().zip(row) {
             design[index] = match variable.values() {
                 values @ Values::Numbers(..) => value_at(values, *number),

@@ -59,13 +59,13 @@ pub(super) fn suggest(
 ) -> Option<Vec<DesignValue>> {
     let estimates: Vec<Vec<Estimate>> =
         evaluations.iter().map(|one| goal.estimates(&one.answers)).collect();
-    let places: Vec<Vec<f64>> =
+    let coordinates: Vec<Vec<f64>> =
         evaluations.iter().map(|one| space.coordinates(&one.values)).collect();
     let smoothed = |quantity: usize| {
         let training_values = training_values(goal, quantity, &estimates)?;
         let surrogate =
-            Surrogate::fit(&places, &training_values.values, training_values.noise, seed);
-        let smooth = surrogate.and_then(|surrogate| surrogate.predict(&places));
+            Surrogate::fit(&coordinates, &training_values.values, training_values.noise, seed);
+        let smooth = surrogate.and_then(|surrogate| surrogate.predict(&coordinates));
         Some(smooth.unwrap_or(training_values.values))
     };
     let quantities: Option<Vec<Vec<f64>>> = (0..goal.quantities().len()).map(smoothed).collect();

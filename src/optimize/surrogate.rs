@@ -26,11 +26,16 @@ pub struct Surrogate {
 }
 
 impl Surrogate {
-    /// Fits the values at places, with at most this variance of noise.
+    /// Fits values to the coordinates of their designs, with at most this variance of noise.
     ///
     /// # Errors
     /// Returns the reason if all values are equal, or if the library cannot fit them.
-    pub fn fit(places: &[Vec<f64>], values: &[f64], noise: f64, seed: u64) -> Result<Self, String> {
+    pub fn fit(
+        coordinates: &[Vec<f64>],
+        values: &[f64],
+        noise: f64,
+        seed: u64,
+    ) -> Result<Self, String> {
         let count = values.len() as f64;
         let mean = values.iter().sum::<f64>() / count;
         let variance = values.iter().map(|one| (one - mean).powi(2)).sum::<f64>() / count;
@@ -38,7 +43,7 @@ impl Surrogate {
         if scale.is_nan() || scale <= 1e-12 * mean.abs() {
             return Err("all values are equal".to_owned());
         }
-        let x = table(places)?;
+        let x = table(coordinates)?;
         let y: Array1<f64> = values.iter().map(|value| (value - mean) / scale).collect();
         let most = (noise / variance).clamp(10.0 * LEAST_NOISE, 1.0);
         let noise = ParamTuning::Optimized {
@@ -59,12 +64,13 @@ impl Surrogate {
         Ok(Surrogate { process, mean, scale })
     }
 
-    /// Returns the approximation at places.
+    /// Returns the approximation for designs with these coordinates.
     ///
     /// # Errors
-    /// Returns an error if a place has another dimension than the fitted ones, or if a value is not finite.
-    pub fn predict(&self, places: &[Vec<f64>]) -> Result<Vec<f64>, String> {
-        let predicted = self.process.predict(&table(places)?).map_err(|error| error.to_string())?;
+    /// Returns an error if the coordinates differ in number from the fitted ones, or if a value is not finite.
+    pub fn predict(&self, coordinates: &[Vec<f64>]) -> Result<Vec<f64>, String> {
+        let predicted =
+            self.process.predict(&table(coordinates)?).map_err(|error| error.to_string())?;
         let values: Vec<f64> = predicted.iter().map(|one| self.mean + self.scale * one).collect();
         if values.iter().all(|value| value.is_finite()) {
             return Ok(values);

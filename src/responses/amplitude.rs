@@ -41,8 +41,8 @@ pub fn mean(sample: &Sample) -> Estimate {
 
 /// Estimates the standard deviation over the whole box of start states, not within cells.
 ///
-/// Its standard error is that of the mean of squared deviations, with the fourth moment of the sample instead of
-/// that of a normal distribution; the interval is symmetric on a logarithmic scale (R. G. Miller, Beyond ANOVA,
+/// The standard error follows from that of the mean of squared deviations, with the fourth moment of the sample instead
+/// of that of a normal distribution. The interval is symmetric on a logarithmic scale (R. G. Miller, Beyond ANOVA,
 /// Wiley 1986, section 7.1).
 pub fn standard_deviation(sample: &Sample) -> Estimate {
     let values = amplitudes(sample);

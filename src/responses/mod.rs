@@ -23,7 +23,7 @@ pub(crate) use answer_json::estimate_json;
 pub use answer_json::to_json;
 pub use columns::response_columns;
 pub use discontinuity::{MOST_DESIGNS, discontinuous};
-pub use estimate::{Estimate, ObservedRun, Sample};
+pub use estimate::{Estimate, RunResult, Sample};
 pub use neighbours::Neighbours;
 pub use probability::{above, at_rest_by};
 pub use request::{Request, RequestError};

@@ -5,7 +5,7 @@
 //! interval of the other runs, divided by the normal quantile 1.96: unlike `√(p (1 - p) / n)` it is not zero if all
 //! runs have the same result.
 
-use super::estimate::{Estimate, ObservedRun, Sample};
+use super::estimate::{Estimate, RunResult, Sample};
 use crate::analysis::{
     Cells, SurvivalCurve, ValueCounts, Z_95, rest_or_stop_time, wilson, wilson_with_failures,
 };
@@ -21,7 +21,7 @@ pub fn above(sample: &Sample, limit: f64) -> Estimate {
 /// Estimates the probability of rest by a time, s. Runs on a limit cycle never rest. If a moving run was stopped
 /// before that time, returns the Kaplan-Meier estimate.
 pub fn at_rest_by(sample: &Sample, time_s: f64) -> Estimate {
-    let censored = |run: &ObservedRun| {
+    let censored = |run: &RunResult| {
         let open = matches!(run.label, Label::Undecided | Label::Irregular);
         open && run.end_time_s.is_some_and(|end| end < time_s)
     };
@@ -34,7 +34,7 @@ pub fn at_rest_by(sample: &Sample, time_s: f64) -> Estimate {
 }
 
 /// Estimates the fraction of runs that succeed; unknown results count as failures.
-fn fraction(sample: &Sample, succeeds: impl Fn(&ObservedRun) -> Option<bool>) -> Estimate {
+fn fraction(sample: &Sample, succeeds: impl Fn(&RunResult) -> Option<bool>) -> Estimate {
     let mut cells = sample.cells.map(Cells::new).unwrap_or_default();
     let mut known_cells = cells.clone();
     let (mut successes, mut failures) = (0, 0);

@@ -3,7 +3,7 @@
 use std::sync::atomic::AtomicBool;
 
 use super::amplitude::{mean, quantile, standard_deviation, worst};
-use super::estimate::{Estimate, ObservedRun, Sample};
+use super::estimate::{Estimate, RunResult, Sample};
 use super::probability::{above, at_rest_by};
 use super::rest_time::median_time_to_rest;
 use crate::analysis::{LabelCounts, reference_amplitude};
@@ -27,7 +27,8 @@ pub struct Answer {
     pub estimates: Vec<Estimate>,
     /// Runs per label.
     pub counts: LabelCounts,
-    /// Whether label fractions change abruptly to the nearest other design; `None` if that was not tested.
+    /// Whether label fractions differ abruptly from those of a nearest other design; `None` if the designs were not
+    /// compared.
     pub discontinuous: Option<bool>,
 }
 
@@ -71,14 +72,14 @@ pub fn respond(
     (0..first.point_count()).map(answer).collect()
 }
 
-fn observed(run: &RunRecord, relative: bool) -> ObservedRun {
+fn observed(run: &RunRecord, relative: bool) -> RunResult {
     let RunRecord { planned, outcome, .. } = run;
     let reference = || {
         let machine = planned.case.as_ref().ok()?.model.ball_balancer()?;
         reference_amplitude(machine).filter(|amplitude| *amplitude > 0.0)
     };
     let amplitude = outcome.amplitude_m;
-    ObservedRun {
+    RunResult {
         cell: planned.cell,
         label: outcome.label(),
         amplitude: if relative {

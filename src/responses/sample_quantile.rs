@@ -1,10 +1,10 @@
 //! Quantiles with standard errors and distribution-free intervals between order statistics.
 //!
-//! Of `n` values the number below the quantile `q` of a continuous distribution is binomial. The
-//! interval from the `l`-th to the `u`-th value in order has the largest `l` and the least `u` for which
-//! that number is below `l`, and is `u` or more, with at most 2.5 % each (H. A. David, H. N. Nagaraja,
-//! Order Statistics, 3rd ed., Wiley 2003, section 7.1, doi:10.1002/0471722162). Stratified values vary less, so that
-//! their interval is conservative.
+//! The number of values below the quantile of a continuous distribution is binomial. The interval extends from the
+//! `l`-th to the `u`-th smallest value, with the largest `l` and the least `u` for which the quantile lies below the
+//! interval, and above it, with a probability of at most 2.5 % each (H. A. David, H. N. Nagaraja, Order Statistics,
+//! 3rd ed., Wiley 2003, section 7.1, doi:10.1002/0471722162). Stratified values vary less, so that their interval is
+//! conservative.
 
 use statrs::function::beta::checked_beta_reg;
 use statrs::function::factorial::ln_binomial;
@@ -51,8 +51,8 @@ pub(super) fn interval(ascending: &[f64], fraction: f64) -> [Option<f64>; 2] {
     [low, high]
 }
 
-/// The range of the sum over order statistics, in standard deviations of a proportion: outside of it the quantile of
-/// a resample lies with a probability below 1e-15.
+/// The range of the sum over order statistics, in standard deviations of a proportion. The quantile of a resample lies
+/// outside of this range with a probability below 1e-15.
 const REACH: f64 = 8.0;
 
 /// A value, the fraction of the distribution up to it, and the number of runs behind that fraction (with censoring,

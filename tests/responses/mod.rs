@@ -10,11 +10,11 @@ mod rest_time;
 mod sample_quantile;
 
 use stickslip::classification::Label;
-use stickslip::responses::{ObservedRun, Sample};
+use stickslip::responses::{RunResult, Sample};
 
 /// Returns runs with these amplitudes, which take turns in the cells; `None` is a failed run.
 fn sample(amplitudes: &[Option<f64>], cells: Option<u64>) -> Sample {
-    let run = |(index, amplitude): (usize, &Option<f64>)| ObservedRun {
+    let run = |(index, amplitude): (usize, &Option<f64>)| RunResult {
         cell: index as u64 % cells.unwrap_or(1),
         label: if amplitude.is_some() { Label::Equilibrium } else { Label::Failed },
         amplitude: *amplitude,

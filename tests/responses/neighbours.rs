@@ -63,6 +63,15 @@ fn ten_thousand_designs_are_stored() {
     assert_eq!(ask(0.1, 60), [Some(false)]);
 }
 
+/// A number of 0 points counts as 1.
+#[test]
+fn several_designs_are_stored_without_points() {
+    let mut neighbours = Neighbours::new(0);
+    let mut ask = |at: f64, equilibria| neighbours.compare(vec![at], vec![counts(equilibria)]);
+    assert_eq!([ask(0.0, 10), ask(1.0, 60), ask(2.0, 60)].concat()[1..], [Some(true), Some(false)]);
+    assert_eq!(ask(0.4, 60), [Some(true)]);
+}
+
 /// A study with too many points for a million counts stores one design.
 #[test]
 fn one_design_is_always_stored() {

@@ -2,14 +2,14 @@
 
 use stickslip::analysis::{Z_95, wilson};
 use stickslip::classification::Label;
-use stickslip::responses::{ObservedRun, Sample, above, at_rest_by};
+use stickslip::responses::{RunResult, Sample, above, at_rest_by};
 
-fn run(label: Label, time_to_rest_s: Option<f64>, end: f64) -> ObservedRun {
+fn run(label: Label, time_to_rest_s: Option<f64>, end: f64) -> RunResult {
     let amplitude = (label != Label::Failed).then_some(end);
-    ObservedRun { cell: 0, label, amplitude, time_to_rest_s, end_time_s: Some(end) }
+    RunResult { cell: 0, label, amplitude, time_to_rest_s, end_time_s: Some(end) }
 }
 
-fn sample(runs: Vec<ObservedRun>) -> Sample {
+fn sample(runs: Vec<RunResult>) -> Sample {
     Sample { cells: None, runs }
 }
 
@@ -43,7 +43,7 @@ fn fractions_by_hand() {
 /// unknown after the last observation.
 #[test]
 fn stopped_runs_are_censored() {
-    let mut runs: Vec<ObservedRun> = [6.0, 6.0, 6.0, 7.0, 10.0, 13.0, 16.0, 22.0, 23.0]
+    let mut runs: Vec<RunResult> = [6.0, 6.0, 6.0, 7.0, 10.0, 13.0, 16.0, 22.0, 23.0]
         .map(|time| run(Label::Equilibrium, Some(time), time))
         .to_vec();
     let stopped = [6.0, 9.0, 10.0, 11.0, 17.0, 19.0, 20.0, 25.0, 32.0, 32.0, 34.0, 35.0];

@@ -1,17 +1,17 @@
 //! The median time to rest with runs that never rest.
 
 use stickslip::classification::Label;
-use stickslip::responses::{ObservedRun, Sample, median_time_to_rest};
+use stickslip::responses::{RunResult, Sample, median_time_to_rest};
 
 fn sample(rests: u32, cycles: u32) -> Sample {
-    let rest = |time: u32| ObservedRun {
+    let rest = |time: u32| RunResult {
         cell: 0,
         label: Label::Equilibrium,
         amplitude: None,
         time_to_rest_s: Some(f64::from(time)),
         end_time_s: None,
     };
-    let cycle = ObservedRun { label: Label::LimitCycle, time_to_rest_s: None, ..rest(0) };
+    let cycle = RunResult { label: Label::LimitCycle, time_to_rest_s: None, ..rest(0) };
     let runs = (1..=rests).map(rest).chain((0..cycles).map(|_| cycle)).collect();
     Sample { cells: None, runs }
 }
