@@ -60,3 +60,4 @@ pub use stratified::Cells;
 pub(crate) use survival::rest_or_stop_time;
 pub use survival::{SurvivalCurve, SurvivalStep};
 pub use value_counts::ValueCounts;
+pub(crate) use value_counts::interpolated_quantile;

@@ -45,25 +45,34 @@ impl ValueCounts {
     }
 
     /// Returns the quantile of the values of both kinds, linear between order statistics (type 7 of
-    /// Hyndman and Fan, Am. Stat. 50 (1996) 361, doi:10.1080/00031305.1996.10473566), or `None` if
-    /// there are no values.
+    /// Hyndman and Fan), or `None` if there are no values.
     pub fn quantile(&self, fraction: f64) -> Option<f64> {
-        let all: u64 = self.groups.values().flatten().sum();
-        let place = fraction * all.checked_sub(1)? as f64;
-        let order_statistic = |rank: f64| {
-            let mut before = 0;
+        let count = self.groups.values().flatten().sum();
+        interpolated_quantile(count, fraction, |rank| {
+            let mut up_to = 0;
             let mut values = self.groups();
-            let at = values.find(|(_, counts)| {
-                before += counts[0] + counts[1];
-                before as f64 > rank
+            let at_rank = values.find(|(_, counts)| {
+                up_to += counts[0] + counts[1];
+                up_to > rank
             });
-            at.map(|(value, _)| value)
-        };
-        let low = order_statistic(place.floor())?;
-        let high = order_statistic(place.ceil())?;
-        let part = place - place.floor();
-        Some(if part == 0.0 { low } else { low + part * (high - low) })
+            at_rank.map(|(value, _)| value)
+        })
     }
+}
+
+/// Returns a quantile of a number of values by linear interpolation between order statistics (type
+/// 7 of Hyndman and Fan, Am. Stat. 50 (1996) 361, doi:10.1080/00031305.1996.10473566), or `None` if
+/// there are no values. `order_statistic` returns the value of a rank, counted from 0.
+pub(crate) fn interpolated_quantile(
+    count: u64,
+    fraction: f64,
+    order_statistic: impl Fn(u64) -> Option<f64>,
+) -> Option<f64> {
+    let position = fraction * count.checked_sub(1)? as f64;
+    let low = order_statistic(position.floor() as u64)?;
+    let high = order_statistic(position.ceil() as u64)?;
+    let part = position - position.floor();
+    Some(if part == 0.0 { low } else { low + part * (high - low) })
 }
 
 /// Returns the bits of the midpoint of the values that agree with this one in the remaining digits.

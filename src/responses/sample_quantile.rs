@@ -9,14 +9,12 @@
 use statrs::function::beta::checked_beta_reg;
 use statrs::function::factorial::ln_binomial;
 
-/// Returns the quantile of ascending values with linear interpolation (type 7 of Hyndman and Fan, Am. Stat. 50
-/// (1996) 361, doi:10.1080/00031305.1996.10473566); `None` if there are no values.
+use crate::analysis::interpolated_quantile;
+
+/// Returns the quantile of ascending values (see [`interpolated_quantile`]); `None` if there are no values.
 pub(super) fn quantile(ascending: &[f64], fraction: f64) -> Option<f64> {
-    let place = fraction * ascending.len().checked_sub(1)? as f64;
-    let low = *ascending.get(place.floor() as usize)?;
-    let high = *ascending.get(place.ceil() as usize)?;
-    let part = place - place.floor();
-    Some(if part == 0.0 { low } else { low + part * (high - low) })
+    let value = |rank| ascending.get(usize::try_from(rank).ok()?).copied();
+    interpolated_quantile(ascending.len() as u64, fraction, value)
 }
 
 /// Returns the 95 % interval of the quantile; an end is `None` if the values do not bound it.
