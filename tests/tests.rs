@@ -1,6 +1,6 @@
 //! All integration tests in one binary; folders mirror `src`.
 
-/// Equilibrium sets, frictionless equilibria and classes of limit cycles.
+/// Intervals and estimates, equilibrium sets, frictionless equilibria and classes of limit cycles.
 mod analysis;
 /// Endings of runs.
 mod classification;
@@ -16,14 +16,18 @@ mod faults;
 mod model;
 /// Integration, switches and symmetries.
 mod motion;
+/// Search for the best design, and sensitivity indices.
+mod optimize;
 /// Licences, versions and sources of the dependencies.
 mod policy;
 /// Data of the figures.
 mod report;
-/// Responses of designs.
+/// Estimates of responses, and comparison of designs.
 mod responses;
 /// Study files, sampling designs, uncertain parameters and plans.
 mod study;
+/// Random numbers and angles for tests.
+mod support;
 /// Columns, metadata and contents of the tables.
 mod table;
 /// The thesis's counts, computed from the study files.

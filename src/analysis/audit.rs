@@ -35,29 +35,3 @@ impl AuditCounts {
         wilson(self.flips, self.runs, Z_95)
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::AuditCounts;
-    use crate::classification::Label;
-
-    #[test]
-    fn other_labels_and_failures_on_one_side_are_flips() {
-        let mut counts = AuditCounts::default();
-        assert_eq!((counts.flip_rate(), counts.interval()), (None, (0.0, 1.0)));
-        for first in Label::ALL {
-            for second in Label::ALL {
-                counts.add(first, second);
-            }
-        }
-        assert_eq!(counts, AuditCounts { runs: 25, flips: 20, rest_flips: 8 });
-        assert_eq!(counts.flip_rate(), Some(0.8));
-        // The roots of |p - 0.8| = z sqrt(p (1 - p) / 25).
-        let (low, high) = counts.interval();
-        for end in [low, high] {
-            let score =
-                (end - 0.8).abs() - 1.959_963_984_540_054 * (end * (1.0 - end) / 25.0).sqrt();
-            assert!(score.abs() < 1e-12, "{end}");
-        }
-    }
-}

@@ -142,7 +142,7 @@ pub(super) fn speeds_in_sense(model: &Model, [least, greatest]: [f64; 2]) -> [f6
 struct CycleForm {
     roles: Vec<Role>,
     /// Sort keys among balls with equal roles.
-    standings: Vec<[f64; 3]>,
+    sort_keys: Vec<[f64; 3]>,
 }
 
 impl CycleForm {
@@ -180,14 +180,14 @@ impl CycleForm {
             Role { turns, letters: letters(contact), rests }
         };
         let roles: Vec<Role> = (0..contacts).map(role).collect();
-        let standings = (0..contacts)
+        let sort_keys = (0..contacts)
             .map(|contact| {
                 let [least, greatest] = speeds_in_sense(model, cycle.speed_extremes[contact]);
                 let angle = angles[contact];
                 if roles[contact].rests { [angle, 0.0, 0.0] } else { [greatest, least, angle] }
             })
             .collect();
-        Some(CycleForm { roles, standings })
+        Some(CycleForm { roles, sort_keys })
     }
 
     /// Returns the smallest form over all starts of the period and all orders of identical balls.
@@ -197,17 +197,17 @@ impl CycleForm {
         let groups = model
             .ball_balancer()
             .map_or_else(|| vec![vec![0]], |machine| groups_of_identical(&machine.balls));
-        let beginnings = self.roles.iter().map(|role| role.letters.len()).max().unwrap_or(0).max(1);
-        let begun_at = |beginning: usize| {
+        let starts = self.roles.iter().map(|role| role.letters.len()).max().unwrap_or(0).max(1);
+        let starting_at = |start: usize| {
             let mut roles = self.roles.clone();
             for role in roles.iter_mut().filter(|role| !role.letters.is_empty()) {
-                role.letters.rotate_left(beginning);
+                role.letters.rotate_left(start);
             }
             let mut balls: Vec<usize> = (0..roles.len()).collect();
             for places in &groups {
                 let mut sorted = places.clone();
                 sorted.sort_by(|&a, &b| {
-                    roles[a].cmp(&roles[b]).then_with(|| self.compare_standing(a, b))
+                    roles[a].cmp(&roles[b]).then_with(|| self.compare_sort_keys(a, b))
                 });
                 for (&place, ball) in places.iter().zip(sorted) {
                     balls[place] = ball;
@@ -216,12 +216,12 @@ impl CycleForm {
             let roles: Vec<Role> = balls.iter().map(|&ball| roles[ball].clone()).collect();
             (roles, balls)
         };
-        let mut smallest = begun_at(0);
-        for (roles, balls) in (1..beginnings).map(begun_at) {
+        let mut smallest = starting_at(0);
+        for (roles, balls) in (1..starts).map(starting_at) {
             let order = roles.cmp(&smallest.0).then_with(|| {
                 let pairs = balls.iter().zip(&smallest.1);
-                let standings = pairs.map(|(&a, &b)| self.compare_standing(a, b));
-                standings.fold(Ordering::Equal, Ordering::then)
+                let sort_keys = pairs.map(|(&a, &b)| self.compare_sort_keys(a, b));
+                sort_keys.fold(Ordering::Equal, Ordering::then)
             });
             if order == Ordering::Less {
                 smallest = (roles, balls);
@@ -232,8 +232,8 @@ impl CycleForm {
         CycleClass { name: parts.join("|"), roles, balls }
     }
 
-    fn compare_standing(&self, a: usize, b: usize) -> Ordering {
-        let pairs = self.standings[a].iter().zip(&self.standings[b]);
+    fn compare_sort_keys(&self, a: usize, b: usize) -> Ordering {
+        let pairs = self.sort_keys[a].iter().zip(&self.sort_keys[b]);
         pairs.fold(Ordering::Equal, |order, (a, b)| order.then(a.total_cmp(b)))
     }
 }
@@ -242,6 +242,6 @@ fn in_sense(model: &Model, cycle_phase: CyclePhase) -> CyclePhase {
     match cycle_phase {
         CyclePhase::Forward if sense(model) < 0 => CyclePhase::Backward,
         CyclePhase::Backward if sense(model) < 0 => CyclePhase::Forward,
-        as_it_is => as_it_is,
+        stick => stick,
     }
 }

@@ -9,7 +9,7 @@ use super::angle_set::AngleSet;
 use super::cycle_class::{CycleClass, Role, speeds_in_sense};
 use super::interval::{Z_95, wilson_with_failures};
 use super::observed::{LabelCounts, Observed};
-use super::order_statistics::OrderStatistics;
+use super::summary_statistics::SummaryStatistics;
 use crate::classification::{Label, Outcome};
 use crate::model::Model;
 
@@ -96,29 +96,29 @@ impl CycleGroup {
 #[derive(Clone, Debug, Default)]
 pub(super) struct CycleClasses {
     /// Keyed by the length of the name, then by the name.
-    kept: BTreeMap<(usize, String), Collected>,
+    classes: BTreeMap<(usize, String), ClassRuns>,
     other: u64,
 }
 
 /// The runs of one class.
 #[derive(Clone, Debug, Default)]
-struct Collected {
+struct ClassRuns {
     runs: u64,
-    period: OrderStatistics,
-    amplitude: OrderStatistics,
+    period: SummaryStatistics,
+    amplitude: SummaryStatistics,
     amplitude_peak: Option<f64>,
     multipliers: Option<Vec<f64>>,
     neutral_directions: Option<u8>,
     least_margin: Option<f64>,
-    places: Vec<CycleMember>,
+    places: Vec<ClassPlace>,
 }
 
 /// One place of a class.
 #[derive(Clone, Debug)]
-struct CycleMember {
+struct ClassPlace {
     role: Role,
     speed_extremes: Option<[f64; 2]>,
-    stays: AngleSet,
+    angles: AngleSet,
 }
 
 impl CycleClasses {
@@ -131,9 +131,9 @@ impl CycleClasses {
 
     fn add_to_class(&mut self, model: &Model, class: CycleClass, outcome: &Outcome) {
         let key = (class.name.len(), class.name.clone());
-        self.kept.entry(key).or_default().add(model, class, outcome);
-        if self.kept.len() > MOST_CLASSES
-            && let Some((_, last)) = self.kept.pop_last()
+        self.classes.entry(key).or_default().add(model, class, outcome);
+        if self.classes.len() > MOST_CLASSES
+            && let Some((_, last)) = self.classes.pop_last()
         {
             self.other += last.runs;
         }
@@ -147,12 +147,13 @@ impl CycleClasses {
             let fraction = if total == 0 { 0.0 } else { runs as f64 / total as f64 };
             (fraction, wilson_with_failures(runs, failures, total, Z_95))
         };
-        let other = Collected { runs: self.other, ..Collected::default() };
+        let other = ClassRuns { runs: self.other, ..ClassRuns::default() };
         let other = (self.other > 0).then_some((CycleGroup::OTHER, &other));
-        let kept = self.kept.iter().map(|((_, name), collected)| (name.as_str(), collected));
-        let mut groups: Vec<CycleGroup> = kept
+        let classes =
+            self.classes.iter().map(|((_, name), runs_of_class)| (name.as_str(), runs_of_class));
+        let mut groups: Vec<CycleGroup> = classes
             .chain(other)
-            .map(|(name, collected)| collected.group(name, fraction(collected.runs)))
+            .map(|(name, runs_of_class)| runs_of_class.group(name, fraction(runs_of_class.runs)))
             .collect();
         let last = |group: &CycleGroup| match group.class.as_str() {
             CycleGroup::OTHER => 2,
@@ -167,7 +168,7 @@ impl CycleClasses {
     }
 }
 
-impl Collected {
+impl ClassRuns {
     fn add(&mut self, model: &Model, class: CycleClass, outcome: &Outcome) {
         self.runs += 1;
         outcome.period_s.into_iter().for_each(|period| self.period.add(period));
@@ -186,12 +187,12 @@ impl Collected {
         }
         if self.places.is_empty() {
             let place =
-                |role| CycleMember { role, speed_extremes: None, stays: AngleSet::default() };
+                |role| ClassPlace { role, speed_extremes: None, angles: AngleSet::default() };
             self.places = class.roles.into_iter().map(place).collect();
         }
         for (place, ball) in self.places.iter_mut().zip(class.balls) {
             let angles = cycle.angle_extremes.get(ball).copied().flatten();
-            angles.into_iter().flatten().for_each(|angle| place.stays.add(angle));
+            angles.into_iter().flatten().for_each(|angle| place.angles.add(angle));
             if let Some(&extremes) = cycle.speed_extremes.get(ball) {
                 let [least, greatest] = speeds_in_sense(model, extremes);
                 let [low, high] = place.speed_extremes.get_or_insert([least, greatest]);
@@ -202,12 +203,12 @@ impl Collected {
     }
 
     fn group(&self, name: &str, (fraction, interval): (f64, (f64, f64))) -> CycleGroup {
-        let range = |middle: Option<f64>, spread: &OrderStatistics| {
-            let [least, greatest] = spread.ends()?;
+        let range = |middle: Option<f64>, statistics: &SummaryStatistics| {
+            let [least, greatest] = statistics.ends()?;
             Some(CycleRange { middle: middle?, least, greatest })
         };
         let period_s = range(self.period.median(), &self.period);
-        let role = |place: &CycleMember| CycleRole {
+        let role = |place: &ClassPlace| CycleRole {
             role: place.role.clone(),
             mean_speed: match period_s {
                 Some(period) if place.role.turns != 0 => {
@@ -216,7 +217,7 @@ impl Collected {
                 _ => 0.0,
             },
             speed_extremes: place.speed_extremes.unwrap_or_default(),
-            stays_between: place.stays.shortest_arc(),
+            stays_between: place.angles.shortest_arc(),
         };
         CycleGroup {
             class: name.to_owned(),

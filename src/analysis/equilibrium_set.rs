@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::balance::Balance;
-use super::frictionless::places;
+use super::frictionless::equilibrium_positions;
 use super::identical_balls::sorted_where_identical;
 use super::one_ball::Arcs;
 use super::rest_form::{AtRest, RestForm};
@@ -52,12 +52,12 @@ impl EquilibriumSet {
     pub fn of(machine: &Machine, resolution: Resolution) -> Option<Self> {
         let form = RestForm::new(machine)?;
         let mut set = match resolution {
-            Resolution::Grid(_) if form.mass.len() == 1 => in_arcs(&form),
-            Resolution::Grid(points) => on_grid(&form, &SetGrid::new(&form, points)?),
-            Resolution::Samples(samples) => sampled(&form, samples),
+            Resolution::Grid(_) if form.mass.len() == 1 => set_of_one_ball(&form),
+            Resolution::Grid(points) => set_on_grid(&form, &SetGrid::new(&form, points)?),
+            Resolution::Samples(samples) => sampled_set(&form, samples),
         };
         if form.mass.len() > 1 {
-            set.reach_extremes(&form);
+            set.set_exact_extremes(&form);
         }
         if let Some(beta) = set.balance.position()
             && form.transfer.is_finite()
@@ -71,17 +71,17 @@ impl EquilibriumSet {
 
     /// Replaces the sampled extremes of the amplitude by the exact ones, which lie between the
     /// samples.
-    fn reach_extremes(&mut self, form: &RestForm) {
+    fn set_exact_extremes(&mut self, form: &RestForm) {
         let in_metres = |(size, beta): (f64, Vec<f64>)| (size * form.ring_radius_m, beta);
-        let [calmest, most] = amplitude_extremes(form).map(|found| found.map(in_metres));
-        if let Some((amplitude, beta)) = calmest
+        let [lowest, highest] = amplitude_extremes(form).map(|found| found.map(in_metres));
+        if let Some((amplitude, beta)) = lowest
             && self.amplitude_m.is_none_or(|(smallest, _)| amplitude < smallest)
         {
             let largest = self.amplitude_m.map_or(amplitude, |(_, largest)| largest);
             self.amplitude_m = Some((amplitude, largest));
             self.min_amplitude_beta_rad = Some(sorted_where_identical(&beta, &form.balls));
         }
-        if let (Some((amplitude, _)), Some((_, largest))) = (most, &mut self.amplitude_m) {
+        if let (Some((amplitude, _)), Some((_, largest))) = (highest, &mut self.amplitude_m) {
             *largest = amplitude.max(*largest);
         }
     }
@@ -131,10 +131,10 @@ impl Resolution {
     }
 }
 
-fn in_arcs(form: &RestForm) -> EquilibriumSet {
+fn set_of_one_ball(form: &RestForm) -> EquilibriumSet {
     let arcs = Arcs::of(form);
     let amplitude = |beta: &f64| form.at_rest(&[*beta]).amplitude_m;
-    let calmest = arcs.candidates().min_by(|a, b| amplitude(a).total_cmp(&amplitude(b)));
+    let smallest = arcs.candidates().min_by(|a, b| amplitude(a).total_cmp(&amplitude(b)));
     let largest_m = arcs.candidates().map(|beta| amplitude(&beta)).fold(0.0, f64::max);
     EquilibriumSet {
         fraction: arcs.fraction(),
@@ -142,24 +142,24 @@ fn in_arcs(form: &RestForm) -> EquilibriumSet {
         components: Some(arcs.count()),
         components_modulo_exchange: Some(arcs.count()),
         unseen: Some(0),
-        amplitude_m: calmest.map(|beta| (amplitude(&beta), largest_m)),
-        min_amplitude_beta_rad: calmest.map(|beta| vec![beta]),
+        amplitude_m: smallest.map(|beta| (amplitude(&beta), largest_m)),
+        min_amplitude_beta_rad: smallest.map(|beta| vec![beta]),
         balance: Balance::of(form),
     }
 }
 
-fn on_grid(form: &RestForm, grid: &SetGrid) -> EquilibriumSet {
+fn set_on_grid(form: &RestForm, grid: &SetGrid) -> EquilibriumSet {
     let summary = grid.summary();
     let (components, exchanged) = summary.runs.components();
-    let alike = form.balls.iter().all(|ball| *ball == form.balls[0]);
+    let identical = form.balls.iter().all(|ball| *ball == form.balls[0]);
     let radius = form.ring_radius_m;
-    let places = if form.speed == 0.0 { Vec::new() } else { places(form) };
+    let frictionless = if form.speed == 0.0 { Vec::new() } else { equilibrium_positions(form) };
     EquilibriumSet {
         fraction: summary.inside as f64 / grid.size() as f64,
         fraction_interval: None,
         components: Some(components),
-        components_modulo_exchange: exchanged.filter(|_| alike).or(Some(components)),
-        unseen: Some(places.iter().filter(|place| !grid.sees(&place.beta)).count() as u64),
+        components_modulo_exchange: exchanged.filter(|_| identical).or(Some(components)),
+        unseen: Some(frictionless.iter().filter(|one| !grid.sees(&one.beta)).count() as u64),
         amplitude_m: summary.amplitudes.map(|[low, high]| (low.0 * radius, high.0 * radius)),
         min_amplitude_beta_rad: summary
             .amplitudes
@@ -168,16 +168,16 @@ fn on_grid(form: &RestForm, grid: &SetGrid) -> EquilibriumSet {
     }
 }
 
-fn sampled(form: &RestForm, samples: u32) -> EquilibriumSet {
+fn sampled_set(form: &RestForm, samples: u32) -> EquilibriumSet {
     let balls = form.mass.len();
-    let replicates: Vec<Sampled> = (0..REPLICATES)
+    let replicates: Vec<SampleSums> = (0..REPLICATES)
         .into_par_iter()
         .map(|replicate| {
-            let mut sampled = Sampled::default();
+            let mut sums = SampleSums::default();
             for index in 0..samples {
-                sampled.add(form, set_samples::sample(balls, replicate, index));
+                sums.add(form, set_samples::sample(balls, replicate, index));
             }
-            sampled
+            sums
         })
         .collect();
     let fractions: Vec<f64> = replicates
@@ -185,28 +185,29 @@ fn sampled(form: &RestForm, samples: u32) -> EquilibriumSet {
         .map(|replicate| f64::from(replicate.inside) / f64::from(samples))
         .collect();
     let (fraction, interval) = set_samples::fraction_with_interval(&fractions, samples);
-    let all = replicates.into_iter().fold(Sampled::default(), Sampled::joined);
+    let all = replicates.into_iter().fold(SampleSums::default(), SampleSums::merged);
     EquilibriumSet {
         fraction,
         fraction_interval: Some(interval),
         components: None,
         components_modulo_exchange: None,
         unseen: None,
-        amplitude_m: all.calmest.as_ref().map(|(smallest, _)| (*smallest, all.largest_m)),
-        min_amplitude_beta_rad: all.calmest.map(|(_, beta)| beta),
+        amplitude_m: all.smallest.as_ref().map(|(smallest, _)| (*smallest, all.largest_m)),
+        min_amplitude_beta_rad: all.smallest.map(|(_, beta)| beta),
         balance: Balance::of(form),
     }
 }
 
-/// Sums over the samples.
+/// The samples in the set: their number, and the smallest amplitude with its position and the
+/// largest amplitude, m.
 #[derive(Default)]
-struct Sampled {
+struct SampleSums {
     inside: u32,
-    calmest: Option<(f64, Vec<f64>)>,
+    smallest: Option<(f64, Vec<f64>)>,
     largest_m: f64,
 }
 
-impl Sampled {
+impl SampleSums {
     fn add(&mut self, form: &RestForm, beta: Vec<f64>) {
         let rest = form.at_rest(&beta);
         if !rest.in_set() {
@@ -214,19 +215,19 @@ impl Sampled {
         }
         self.inside += 1;
         self.largest_m = self.largest_m.max(rest.amplitude_m);
-        if self.calmest.as_ref().is_none_or(|(smallest, _)| rest.amplitude_m < *smallest) {
-            self.calmest = Some((rest.amplitude_m, beta));
+        if self.smallest.as_ref().is_none_or(|(smallest, _)| rest.amplitude_m < *smallest) {
+            self.smallest = Some((rest.amplitude_m, beta));
         }
     }
 
-    fn joined(self, other: Self) -> Self {
-        let calmer = match (self.calmest, other.calmest) {
+    fn merged(self, other: Self) -> Self {
+        let smaller = match (self.smallest, other.smallest) {
             (Some(one), Some(other)) => Some(if other.0 < one.0 { other } else { one }),
             (one, other) => one.or(other),
         };
-        Sampled {
+        SampleSums {
             inside: self.inside + other.inside,
-            calmest: calmer,
+            smallest: smaller,
             largest_m: self.largest_m.max(other.largest_m),
         }
     }

@@ -9,7 +9,7 @@
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 /// Runs that came to rest, and runs that were stopped, at a time in s.
-pub type Group = (f64, [u64; 2]);
+pub(super) type Group = (f64, [u64; 2]);
 
 /// The rate of an exponential tail.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,16 +17,16 @@ pub struct EscapeRate {
     /// Number of runs that come to rest over the total time that runs have moved, 1/s.
     pub rate_per_s: f64,
     /// 95 % interval of the rate, 1/s.
-    pub interval_1_s: (f64, f64),
+    pub interval_per_s: (f64, f64),
     /// Start of the tail, s.
     pub from_s: f64,
 }
 
 /// Smallest number of runs that come to rest in a tail.
-pub const FEWEST: u64 = 10;
+const FEWEST: u64 = 10;
 /// A tail contains at least one in this many of the runs that come to rest: the last few of any
 /// distribution look exponential.
-pub const FRACTION: u64 = 10;
+const FRACTION: u64 = 10;
 /// The 90 % quantile of the test statistic (Kolmogorov's) for exponential samples.
 const CRITICAL: f64 = 1.224;
 
@@ -38,22 +38,22 @@ const CRITICAL: f64 = 1.224;
 pub fn escape_rate(groups: &[Group]) -> Option<EscapeRate> {
     let rests = |groups: &[Group]| groups.iter().map(|(_, [rests, _])| rests).sum::<u64>();
     let mut tail = &groups[groups.partition_point(|(time, _)| *time <= 0.0)..];
-    let mut left = rests(tail);
-    let fewest = FEWEST.max(left.div_ceil(FRACTION));
+    let mut remaining = rests(tail);
+    let fewest = FEWEST.max(remaining.div_ceil(FRACTION));
     let mut from_s = 0.0;
-    while left >= fewest {
-        let tried = Tail::new(tail, from_s);
-        if tried.is_exponential() {
+    while remaining >= fewest {
+        let candidate = Tail::new(tail, from_s);
+        if candidate.is_exponential() {
             return Some(EscapeRate {
-                rate_per_s: left as f64 / tried.exposure_s,
-                interval_1_s: rate_interval(left, tried.exposure_s),
+                rate_per_s: remaining as f64 / candidate.exposure_s,
+                interval_per_s: rate_interval(remaining, candidate.exposure_s),
                 from_s,
             });
         }
-        let enough = left - left.div_ceil(10);
-        while left > enough {
+        let enough = remaining - remaining.div_ceil(10);
+        while remaining > enough {
             let ((time, [rests, _]), others) = tail.split_first()?;
-            (from_s, left, tail) = (*time, left - rests, others);
+            (from_s, remaining, tail) = (*time, remaining - rests, others);
         }
     }
     None
@@ -128,116 +128,3 @@ impl<'a> Tail<'a> {
 
 /// Largest relative distance of a value from the middle of its group.
 const COARSE: f64 = 2.5e-4;
-
-#[cfg(test)]
-mod tests {
-    use super::{Group, Tail, escape_rate, rate_interval};
-    use crate::analysis::ValueCounts;
-    use crate::analysis::test_rng::TestRng;
-
-    /// Returns runs with these times to rest, stopped at an end time.
-    fn groups(times: impl Iterator<Item = f64>, end: f64) -> Vec<Group> {
-        let mut tally = ValueCounts::default();
-        times.for_each(|time| tally.add(time.min(end), usize::from(time >= end)));
-        tally.groups().collect()
-    }
-
-    /// The limits agree with closed forms (one event: lower end `-ln 0.975`; none: upper end `-ln
-    /// 0.025`) and with Garwood's table for 10 events (4.795 and 18.39).
-    #[test]
-    fn limits_agree_with_garwoods_table() {
-        let near = |found: f64, expected: f64, within: f64| {
-            assert!((found / expected - 1.0).abs() < within, "{found} {expected}");
-        };
-        near(rate_interval(1, 1.0).0, -0.975_f64.ln(), 1e-9);
-        assert_eq!(rate_interval(0, 1.0).0, 0.0);
-        near(rate_interval(0, 2.0).1, -0.025_f64.ln() / 2.0, 1e-9);
-        near(rate_interval(10, 1.0).0, 4.795, 1e-4);
-        near(rate_interval(10, 1.0).1, 18.39, 1e-3);
-        // For a million events the interval is that of the normal distribution.
-        let (low, high) = rate_interval(1_000_000, 1e6);
-        near(low, 1.0 - 1.96e-3, 1e-5);
-        near(high, 1.0 + 1.96e-3, 1e-5);
-    }
-
-    /// The test rejects one in ten exponential samples, whether all runs come to rest, half of them
-    /// or few.
-    #[test]
-    fn the_test_rejects_one_in_ten_exponential_samples() {
-        let mut draws = TestRng::new(1);
-        for (runs, end) in [(12, f64::MAX), (100, f64::MAX), (100, 0.7), (400, 0.1)] {
-            let repetitions = 4000;
-            let refused = (0..repetitions).filter(|_| {
-                let sample = groups((0..runs).map(|_| draws.exponential(1.0)), end);
-                !Tail::new(&sample, 0.0).is_exponential()
-            });
-            let fraction = refused.count() as f64 / f64::from(repetitions);
-            // Five standard deviations of the count.
-            assert!((fraction - 0.1).abs() < 0.024, "{runs} runs to {end}: {fraction}");
-        }
-    }
-
-    /// The interval contains the rate of the tail: if the tail starts at 0, if nothing rests before
-    /// 1.5 s, and if half of the runs rest within 2 s by another law. The nominal level is 95 %;
-    /// the search for the start of the tail reduces the coverage, because deviations below the
-    /// power of the test remain in the tail.
-    #[test]
-    fn the_interval_covers_the_rate_of_the_tail() {
-        let mut draws = TestRng::new(2);
-        for (name, runs, end, soon, late, least) in [
-            ("all tail", 200, 16.5, 0.0, 0.0, 0.92),
-            ("few", 60, 5.0, 0.0, 0.0, 0.92),
-            ("late", 768, 16.5, 0.0, 1.5, 0.92),
-            ("mixed", 768, 16.5, 0.5, 0.0, 0.88),
-            ("mixed, all at rest", 768, f64::MAX, 0.5, 0.0, 0.88),
-            ("mixed, many", 20_000, 16.5, 0.5, 0.0, 0.88),
-        ] {
-            let repetitions = 500;
-            let (mut held, mut found, mut from) = (0.0, 0.0, 0.0);
-            for _ in 0..repetitions {
-                let times: Vec<f64> = (0..runs)
-                    .map(|_| match draws.uniform() < soon {
-                        true => 2.0 * draws.uniform().max(draws.uniform()),
-                        false => late + draws.exponential(0.2),
-                    })
-                    .collect();
-                if let Some(escape) = escape_rate(&groups(times.into_iter(), end)) {
-                    let (low, high) = escape.interval_1_s;
-                    assert!(low < escape.rate_per_s && escape.rate_per_s < high);
-                    found += 1.0;
-                    from += escape.from_s;
-                    held += f64::from(u8::from(low <= 0.2 && 0.2 <= high));
-                }
-            }
-            let (fraction, from) = (held / found, from / found);
-            println!("{name}: found {found} of {repetitions}, held {fraction}, from {from:.3} s");
-            assert!(found > 0.98 * f64::from(repetitions) && fraction > least, "{name}");
-            let start = if soon > 0.0 { 2.0 } else { late };
-            assert!((start - 0.1..start + 1.0).contains(&from), "{name}: {from}");
-        }
-    }
-
-    /// There is no tail if the rate of rests increases, or with too few rests, rests at a single
-    /// time, no rests, or no runs.
-    #[test]
-    fn without_exponential_tail_there_is_no_rate() {
-        let ever_faster = |i: u32| (f64::from(i) / 2000.0).powf(0.2);
-        assert_eq!(escape_rate(&groups((1..=2000).map(ever_faster), f64::MAX)), None);
-        assert_eq!(escape_rate(&groups((1..=9).map(f64::from), f64::MAX)), None);
-        assert_eq!(escape_rate(&[(3.0, [1000, 0])]), None);
-        assert_eq!(escape_rate(&[(0.0, [1000, 0])]), None);
-        assert_eq!(escape_rate(&[(16.5, [0, 1000])]), None);
-        assert_eq!(escape_rate(&[]), None);
-    }
-
-    /// A million runs are counted in groups; the grouping alone does not reject a constant rate.
-    #[test]
-    fn a_million_grouped_runs_keep_their_rate() {
-        let runs = 1_000_000;
-        let time = |i: u32| -(1.0 - (f64::from(i) + 0.5) / f64::from(runs)).ln() / 0.2;
-        let escape = escape_rate(&groups((0..runs).map(time), 16.5)).expect("a tail");
-        assert_eq!(escape.from_s, 0.0);
-        assert!((escape.rate_per_s / 0.2 - 1.0).abs() < 2e-4, "{escape:?}");
-        assert!((escape.interval_1_s.1 / escape.interval_1_s.0 - 1.0).abs() < 5e-3);
-    }
-}

@@ -80,7 +80,7 @@ pub struct FrictionlessEquilibrium {
     pub stability: Stability,
     /// All eigenvalues of the linearised equations, 1/s, the fastest growing first, including the
     /// zeros along a family.
-    pub eigenvalues_1_s: Vec<Complex<f64>>,
+    pub eigenvalues_per_s: Vec<Complex<f64>>,
 }
 
 impl FrictionlessEquilibrium {
@@ -89,8 +89,8 @@ impl FrictionlessEquilibrium {
         self.position_m[0].hypot(self.position_m[1])
     }
 
-    fn at(form: &RestForm, place: Candidate, drag: f64) -> Self {
-        let Candidate { kind, beta, family_dimension } = place;
+    fn at(form: &RestForm, candidate: Candidate, drag: f64) -> Self {
+        let Candidate { kind, beta, family_dimension } = candidate;
         let motions = SmallMotions::about(form, &beta, drag, family_dimension);
         let balanced = kind == FrictionlessKind::B1;
         let z = if balanced { Complex::from(0.0) } else { form.rest_point(&beta) };
@@ -101,7 +101,7 @@ impl FrictionlessEquilibrium {
             position_m: [z.re * form.ring_radius_m, z.im * form.ring_radius_m],
             family_dimension,
             stability: motions.stability,
-            eigenvalues_1_s: motions.eigenvalues.into_iter().map(|value| value * rate).collect(),
+            eigenvalues_per_s: motions.eigenvalues.into_iter().map(|value| value * rate).collect(),
         }
     }
 }
@@ -123,11 +123,11 @@ pub fn frictionless_equilibria(
             position_m: [0.0; 2],
             family_dimension: form.mass.len(),
             stability: Stability::Marginal,
-            eigenvalues_1_s: Vec::new(),
+            eigenvalues_per_s: Vec::new(),
         }]);
     }
-    let places = places(&form).into_iter();
-    Some(places.map(|place| FrictionlessEquilibrium::at(&form, place, drag)).collect())
+    let candidates = equilibrium_positions(&form).into_iter();
+    Some(candidates.map(|one| FrictionlessEquilibrium::at(&form, one, drag)).collect())
 }
 
 /// The position of an equilibrium without friction.
@@ -141,7 +141,7 @@ pub(super) struct Candidate {
 }
 
 /// Returns all positions at a nonzero speed, ordered by kind.
-pub(super) fn places(form: &RestForm) -> Vec<Candidate> {
+pub(super) fn equilibrium_positions(form: &RestForm) -> Vec<Candidate> {
     let mut all = on_a_line(form);
     let balanced =
         |beta, family_dimension| Candidate { kind: FrictionlessKind::B1, beta, family_dimension };
@@ -150,14 +150,14 @@ pub(super) fn places(form: &RestForm) -> Vec<Candidate> {
         Balance::Family { example, dimension } => all.push(balanced(example, dimension)),
         Balance::Position(beta) => {
             let mirrored: Vec<f64> = beta.iter().map(|beta| wrapped(-beta)).collect();
-            let alike = groups_of_identical(&form.balls).len() == 1;
+            let identical = groups_of_identical(&form.balls).len() == 1;
             all.push(balanced(beta, 0));
-            if !alike {
+            if !identical {
                 all.push(balanced(mirrored, 0));
             }
         }
     }
-    all.sort_by_key(|place| place.kind);
+    all.sort_by_key(|candidate| candidate.kind);
     all
 }
 
@@ -225,6 +225,6 @@ fn sides(form: &RestForm) -> Vec<(Vec<f64>, bool)> {
         }
         signs
     };
-    let kept = ways.iter().filter(|way| **way <= exchanged(way));
-    kept.map(|way| (signs(way), *way == exchanged(way))).collect()
+    let distinct = ways.iter().filter(|way| **way <= exchanged(way));
+    distinct.map(|way| (signs(way), *way == exchanged(way))).collect()
 }

@@ -122,8 +122,9 @@ impl SmallMotions {
         let iterations = ITERATIONS * matrix.nrows();
         // Coinciding eigenvalues, as of many identical balls, may need a larger tolerance to
         // converge.
-        let mut rooms = [1.0, 16.0, 256.0].map(|room| room * f64::EPSILON).into_iter();
-        let schur = rooms.find_map(|room| Schur::try_new(matrix.clone(), room, iterations));
+        let mut tolerances = [1.0, 16.0, 256.0].map(|factor| factor * f64::EPSILON).into_iter();
+        let schur =
+            tolerances.find_map(|tolerance| Schur::try_new(matrix.clone(), tolerance, iterations));
         let Some(schur) = schur else { return unknown };
         let mut eigenvalues: Vec<Complex<f64>> =
             schur.complex_eigenvalues().iter().copied().collect();

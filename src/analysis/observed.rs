@@ -7,11 +7,11 @@ use crate::model::Case;
 /// The parts of a finished run that the statistics use.
 #[derive(Clone, Copy, Debug)]
 pub struct Observed<'a> {
-    /// Its stratum in the sampling design; used only if the design is stratified.
+    /// Number of the run's cell in the sampling design; used only if the design is stratified.
     pub cell: u64,
     /// The simulated case; `None` if the sampled parameters were physically invalid.
     pub case: Option<&'a Case>,
-    /// The ending of the run.
+    /// How the run ended.
     pub outcome: &'a Outcome,
     /// Label of the second computation, if the run was audited.
     pub audit: Option<Label>,

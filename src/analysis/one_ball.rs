@@ -115,9 +115,11 @@ fn normal_force(form: &RestForm, beta: f64) -> f64 {
 mod tests {
     use std::f64::consts::TAU;
 
+    use rand::{RngExt, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
+
     use super::{Arcs, within};
     use crate::analysis::rest_form::{RestForm, direction};
-    use crate::analysis::test_rng::TestRng;
     use crate::model::{Ball, Machine};
 
     fn form(speed_rad_s: f64, friction_coefficient: f64, mass_kg: f64) -> RestForm {
@@ -129,18 +131,18 @@ mod tests {
     /// extreme forces, balls that lift off, and sets of zero, one and two arcs.
     #[test]
     fn arcs_are_where_the_ball_is_held() {
-        let mut draws = TestRng::new(5);
+        let mut draws = ChaCha8Rng::seed_from_u64(5);
         let mut counts = [0_u32; 3];
         for _ in 0..2_000 {
             let power = |low: f64, high: f64, draw: f64| 10.0_f64.powf(low + (high - low) * draw);
-            let speed = -120.0 - 180.0 * draws.uniform();
-            let friction = power(-5.0, 0.5, draws.uniform());
-            let form = form(speed, friction, power(-5.0, 0.0, draws.uniform()));
+            let speed = -120.0 - 180.0 * draws.random::<f64>();
+            let friction = power(-5.0, 0.5, draws.random::<f64>());
+            let form = form(speed, friction, power(-5.0, 0.0, draws.random::<f64>()));
             let arcs = Arcs::of(&form);
             counts[arcs.count() as usize] += 1;
             assert!(arcs.fraction() <= 1.0 + 1e-12);
             for _ in 0..50 {
-                let beta = TAU * draws.uniform();
+                let beta = TAU * draws.random::<f64>();
                 let near = |angle: f64| (angle - beta).abs() < 1e-9;
                 if arcs.arcs.iter().flatten().any(|&end| near(end) || near(end - TAU)) {
                     continue;

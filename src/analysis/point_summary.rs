@@ -9,14 +9,10 @@ use super::interval::{Interval, IntervalMethod, Z_95, wilson_with_failures};
 use super::observed::{LabelCounts, Observed};
 use super::rest_curve::{RestStep, rest_curve};
 use super::stratified::Cells;
-use super::survival::SurvivalCurve;
+use super::survival::{STOPPED, SurvivalCurve, rest_or_stop_time};
 use super::value_counts::ValueCounts;
 use crate::classification::Label;
 use crate::model::Ball;
-
-/// Indices of the two kinds of times.
-const REST: usize = 0;
-const STOPPED: usize = 1;
 
 /// The data of a point's separate tables.
 #[derive(Clone, Debug, PartialEq)]
@@ -44,7 +40,7 @@ pub struct PointAccumulator {
     audit: AuditCounts,
     histogram: EquilibriumHistogram,
     /// The balls of the last equilibrium, and their groups of identical balls.
-    alike: (Vec<Ball>, Vec<Vec<usize>>),
+    identical: (Vec<Ball>, Vec<Vec<usize>>),
 }
 
 /// The statistics of one point.
@@ -95,24 +91,23 @@ impl PointAccumulator {
         if label == Label::Failed {
             return;
         }
-        match (outcome.time_to_rest_s, outcome.end_time_s) {
-            (Some(time), _) => self.times.add(time, REST),
-            (None, end) if label == Label::LimitCycle => {
-                self.times.add(f64::INFINITY, STOPPED);
-                end.into_iter().for_each(|end| self.cycles.add(end, STOPPED));
-            }
-            (None, end) => end.into_iter().for_each(|end| self.times.add(end, STOPPED)),
+        let (rest, end) = (outcome.time_to_rest_s, outcome.end_time_s);
+        if let Some((time, kind)) = rest_or_stop_time(label, rest, end) {
+            self.times.add(time, kind);
         }
-        outcome.amplitude_m.into_iter().for_each(|amplitude| self.amplitudes.add(amplitude, REST));
+        if let (Label::LimitCycle, None, Some(end)) = (label, rest, end) {
+            self.cycles.add(end, STOPPED);
+        }
+        outcome.amplitude_m.into_iter().for_each(|amplitude| self.amplitudes.add(amplitude, 0));
         self.cycle_classes.add(run);
         let machine = run.case.and_then(|case| case.model.ball_balancer());
         if let (Label::Equilibrium, Some(machine), Some(beta)) = (label, machine, &outcome.position)
         {
             let balls = &machine.balls;
-            if self.alike.0 != *balls {
-                self.alike = (balls.clone(), groups_of_identical(balls));
+            if self.identical.0 != *balls {
+                self.identical = (balls.clone(), groups_of_identical(balls));
             }
-            self.histogram.add(&sorted_where_identical(beta, balls), &self.alike.1);
+            self.histogram.add(&sorted_where_identical(beta, balls), &self.identical.1);
         }
     }
 
@@ -170,72 +165,5 @@ impl PointAccumulator {
                 .map(|fraction| self.amplitudes.quantile(fraction)),
             audit: self.audit,
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::{Observed, PointAccumulator};
-    use crate::classification::{Evidence, Outcome};
-
-    fn add(point: &mut PointAccumulator, outcome: &Outcome) {
-        point.add(Observed { cell: 0, case: None, outcome, audit: None });
-    }
-
-    #[test]
-    fn cycles_never_rest_and_failures_are_not_counted() {
-        let run = |evidence, time_to_rest_s| Outcome {
-            time_to_rest_s,
-            end_time_s: Some(16.5),
-            ..Outcome::failed(evidence, String::new())
-        };
-        let mut point = PointAccumulator::default();
-        for time in [1.0, 2.0, 3.0] {
-            add(&mut point, &run(Evidence::RestCertified, Some(time)));
-        }
-        add(&mut point, &run(Evidence::ClosedOrbit, None));
-        add(&mut point, &run(Evidence::Panic, None));
-        // The cycle was shown at 16.5 s and stays at risk until the end, 20 s.
-        let rows = point.detail([20.0; 2]).rest;
-        let counts: Vec<(f64, u64, u64, u64)> = rows
-            .iter()
-            .map(|row| (row.time_s, row.at_risk, row.came_to_rest, row.censored))
-            .collect();
-        let expected = [(0.0, 4, 0, 0), (1.0, 4, 1, 0), (2.0, 3, 1, 0), (3.0, 2, 1, 0)];
-        assert_eq!(counts[..4], expected);
-        assert_eq!(counts[4..], [(20.0, 1, 0, 1)]);
-        assert_eq!(rows[4].probability, 0.75);
-        let summary = point.summary();
-        assert_eq!(summary.equilibrium_fraction, 0.6);
-        assert_eq!(summary.time_to_rest_s, [Some(1.0), Some(2.0), Some(3.0), None]);
-        assert_eq!(summary.median_interval_s, [Some(1.0), None]);
-        assert_eq!(summary.escape, None);
-    }
-
-    /// If runs come to rest at a rate of 0.5 while others find limit cycles at the same rate, the
-    /// escape rate is 0.5, whatever the fraction that never comes to rest.
-    #[test]
-    fn runs_that_find_cycles_leave_the_exposure() {
-        let mut point = PointAccumulator::default();
-        let runs = 2000;
-        for i in 0..runs {
-            // Ascending times at a total rate of 1; every second run ends on a cycle.
-            let time = -(1.0 - (f64::from(i) + 0.5) / f64::from(runs)).ln();
-            let rests = i % 2 == 0;
-            add(
-                &mut point,
-                &Outcome {
-                    time_to_rest_s: rests.then_some(time),
-                    end_time_s: Some(time),
-                    ..Outcome::failed(
-                        if rests { Evidence::RestCertified } else { Evidence::ClosedOrbit },
-                        String::new(),
-                    )
-                },
-            );
-        }
-        let escape = point.summary().escape.expect("an exponential tail");
-        assert_eq!(escape.from_s, 0.0);
-        assert!((escape.rate_per_s - 0.5).abs() < 1e-3, "{escape:?}");
     }
 }

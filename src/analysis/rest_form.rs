@@ -177,14 +177,16 @@ pub(super) fn larger(a: f64, b: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use rand::{RngExt, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
+
     use super::{holding, is_held};
-    use crate::analysis::test_rng::TestRng;
 
     /// The results with and without the division agree, on and near the edge of the set and for NaN
     /// and infinite values.
     #[test]
     fn is_held_agrees_with_the_ratio_to_the_limit() {
-        let mut draws = TestRng::new(8);
+        let mut draws = ChaCha8Rng::seed_from_u64(8);
         let (mut held, mut seen) = (0, 0);
         let mut same = |z: [f64; 2], e: [f64; 2], coefficient: f64| {
             let (_, used) = holding(z, e, coefficient);
@@ -193,12 +195,13 @@ mod tests {
             seen += 1;
         };
         for _ in 0..20_000 {
-            let z = [0, 1].map(|_| 3.0 * draws.uniform() - 1.5);
-            let (s, c) = libm::sincos(std::f64::consts::TAU * draws.uniform());
+            let z = [0, 1].map(|_| 3.0 * draws.random::<f64>() - 1.5);
+            let (s, c) = libm::sincos(std::f64::consts::TAU * draws.random::<f64>());
             let normal = 1.0 + (z[0] * c + z[1] * s);
             // The coefficient at which the limit is exactly reached, and its neighbours.
             let edge = (z[1] * c - z[0] * s).abs() / normal;
-            for coefficient in [draws.uniform(), edge, edge.next_up(), edge.next_down(), 0.0] {
+            for coefficient in [draws.random::<f64>(), edge, edge.next_up(), edge.next_down(), 0.0]
+            {
                 same(z, [c, s], coefficient.max(0.0));
             }
         }

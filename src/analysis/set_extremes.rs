@@ -27,17 +27,17 @@ const ROUNDS: usize = 200;
 ///
 /// `None` for an empty set, for balls that can balance (whose smallest amplitude is 0), and without
 /// imbalance, where all directions are equivalent.
-pub(super) fn amplitude_extremes(form: &RestForm) -> [Option<(f64, Vec<f64>)>; 2] {
+pub fn amplitude_extremes(form: &RestForm) -> [Option<(f64, Vec<f64>)>; 2] {
     let most: f64 = form.transfer.norm() * (form.imbalance + form.mass.iter().sum::<f64>());
     if !(most > 0.0 && most.is_finite() && form.imbalance > 0.0) {
         return [None, None];
     }
     let above = most * (1.0 + 1e-9);
     let found = |from: f64, to: f64| {
-        choices(form).into_iter().fold(None, |best: Option<(f64, Vec<f64>)>, far| {
+        arc_choices(form).into_iter().fold(None, |best: Option<(f64, Vec<f64>)>, far| {
             // Only displacements better than the best one so far matter.
             let to = best.as_ref().map_or(to, |(size, _)| *size);
-            Choice { form, far }.first(from, to).or(best)
+            ArcChoice { form, far }.first_displacement(from, to).or(best)
         })
     };
     [found(0.0, above), found(above, 0.0)]
@@ -45,7 +45,7 @@ pub(super) fn amplitude_extremes(form: &RestForm) -> [Option<(f64, Vec<f64>)>; 2
 
 /// Returns all choices of the balls opposite to the displacement that differ; among identical
 /// balls, the first ones are opposite.
-fn choices(form: &RestForm) -> Vec<Vec<bool>> {
+fn arc_choices(form: &RestForm) -> Vec<Vec<bool>> {
     let mut all = vec![vec![false; form.mass.len()]];
     for group in groups_of_identical(&form.balls) {
         let with = |choice: &Vec<bool>, far: usize| {
@@ -61,7 +61,7 @@ fn choices(form: &RestForm) -> Vec<Vec<bool>> {
 }
 
 /// A choice of arcs: which balls are held opposite to the displacement.
-struct Choice<'a> {
+struct ArcChoice<'a> {
     form: &'a RestForm,
     far: Vec<bool>,
 }
@@ -69,42 +69,46 @@ struct Choice<'a> {
 /// Comparison of `|r / g - Σ m e^{iφ}|` with the imbalance, over all positions of the balls in
 /// their arcs.
 #[derive(Clone, Copy, PartialEq)]
-enum Left {
+enum Comparison {
     /// Always greater.
-    More,
+    Greater,
     /// Always less.
-    Less,
+    Smaller,
     /// Equality is possible.
-    Any,
+    Attainable,
 }
 
-impl Choice<'_> {
+impl ArcChoice<'_> {
     /// Returns the first displacement between `from` and `to` at which balls are held in these
     /// arcs, with their angles.
-    fn first(&self, from: f64, to: f64) -> Option<(f64, Vec<f64>)> {
+    fn first_displacement(&self, from: f64, to: f64) -> Option<(f64, Vec<f64>)> {
         let at = |step: usize| from + (to - from) * (step as f64 / STEPS as f64);
-        let (mut before, mut left) = (from, self.left(from)?);
-        if left == Left::Any {
+        let (mut before, mut comparison) = (from, self.compare_with_imbalance(from)?);
+        if comparison == Comparison::Attainable {
             return Some((from, self.position(from)?));
         }
         for step in 1..=STEPS {
             let mut after = at(step);
-            let Some(now) = self.left(after) else { continue };
-            if now == left {
+            let Some(now) = self.compare_with_imbalance(after) else { continue };
+            if now == comparison {
                 before = after;
                 continue;
             }
-            // Between `More` and `Less` there is a displacement with equality.
+            // Between `Greater` and `Smaller` there is a displacement with equality.
             while (after - before).abs() > 1e-14 * from.max(to) {
                 let middle = before.midpoint(after);
-                if self.left(middle) == Some(left) { before = middle } else { after = middle }
+                if self.compare_with_imbalance(middle) == Some(comparison) {
+                    before = middle
+                } else {
+                    after = middle
+                }
             }
             for size in [after, before] {
                 if let Some(beta) = self.position(size) {
                     return Some((size, beta));
                 }
             }
-            (before, left) = (at(step), now);
+            (before, comparison) = (at(step), now);
         }
         None
     }
@@ -125,7 +129,9 @@ impl Choice<'_> {
         (0..self.far.len()).map(|ball| self.arc(ball, size)).collect()
     }
 
-    fn left(&self, size: f64) -> Option<Left> {
+    /// Compares the modulus of the remainder with the imbalance over all positions in the arcs;
+    /// `None` if a ball has no arc.
+    fn compare_with_imbalance(&self, size: f64) -> Option<Comparison> {
         let (imbalance, arcs) = (self.form.imbalance, self.arcs(size)?);
         // The middles of the arcs usually decide: no ball is farther from there than the chord to
         // the end of its arc.
@@ -134,17 +140,17 @@ impl Choice<'_> {
             self.form.mass.iter().zip(&arcs).map(|(m, [_, half])| 2.0 * m * libm::sin(0.5 * half));
         let (middle, reach) = (self.remainder(size, &middles).norm(), chords.sum::<f64>());
         if middle - reach > imbalance {
-            return Some(Left::More);
+            return Some(Comparison::Greater);
         }
         if middle + reach < imbalance {
-            return Some(Left::Less);
+            return Some(Comparison::Smaller);
         }
         if self.extreme(size, &arcs, -1.0).0 > imbalance {
-            Some(Left::More)
+            Some(Comparison::Greater)
         } else if self.extreme(size, &arcs, 1.0).0 < imbalance {
-            Some(Left::Less)
+            Some(Comparison::Smaller)
         } else {
-            Some(Left::Any)
+            Some(Comparison::Attainable)
         }
     }
 
@@ -158,7 +164,7 @@ impl Choice<'_> {
     /// angles of the balls there. Each ball is moved to its best angle in turn, from several
     /// starts, until the comparison with the imbalance is decided.
     fn extreme(&self, size: f64, arcs: &[[f64; 2]], sign: f64) -> (f64, Vec<f64>) {
-        let enough = |left: f64| sign * (left - self.form.imbalance) >= 0.0;
+        let decided = |modulus: f64| sign * (modulus - self.form.imbalance) >= 0.0;
         let mut best: Option<(f64, Vec<f64>)> = None;
         for start in 0..=arcs.len() + 1 {
             let place = |(ball, [middle, half]): (usize, &[f64; 2])| match start {
@@ -167,28 +173,28 @@ impl Choice<'_> {
                 _ => middle + half,
             };
             let mut phi: Vec<f64> = arcs.iter().enumerate().map(place).collect();
-            let mut left = self.remainder(size, &phi);
+            let mut remainder = self.remainder(size, &phi);
             for _ in 0..ROUNDS {
-                let before = left.norm();
+                let before = remainder.norm();
                 for (ball, [middle, half]) in arcs.iter().enumerate() {
                     let mass = self.form.mass[ball];
-                    let without = left + direction(phi[ball]) * mass;
+                    let without = remainder + direction(phi[ball]) * mass;
                     let aim = (without * -sign).arg() - middle;
                     phi[ball] =
                         middle + (aim - (aim / (2.0 * PI)).round() * 2.0 * PI).clamp(-half, *half);
-                    left = without - direction(phi[ball]) * mass;
+                    remainder = without - direction(phi[ball]) * mass;
                 }
-                if enough(left.norm())
-                    || (left.norm() - before).abs() <= 1e-15 * self.form.imbalance
+                if decided(remainder.norm())
+                    || (remainder.norm() - before).abs() <= 1e-15 * self.form.imbalance
                 {
                     break;
                 }
             }
-            let better = |best: &(f64, Vec<f64>)| sign * (left.norm() - best.0) > 0.0;
+            let better = |best: &(f64, Vec<f64>)| sign * (remainder.norm() - best.0) > 0.0;
             if best.as_ref().is_none_or(better) {
-                best = Some((left.norm(), phi));
+                best = Some((remainder.norm(), phi));
             }
-            if enough(left.norm()) {
+            if decided(remainder.norm()) {
                 break;
             }
         }
@@ -212,125 +218,11 @@ impl Choice<'_> {
         let (mut less, mut more) = (0.0_f64, 1.0_f64);
         for _ in 0..60 {
             let middle = less.midpoint(more);
-            let left = self.remainder(size, &between(middle)).norm();
-            if left <= imbalance { less = middle } else { more = middle }
+            let modulus = self.remainder(size, &between(middle)).norm();
+            if modulus <= imbalance { less = middle } else { more = middle }
         }
         let phi = between(less);
         let turned = self.remainder(size, &phi).arg();
         Some(phi.into_iter().map(|phi| super::balance::wrapped(phi - turned)).collect())
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::amplitude_extremes;
-    use crate::analysis::Balance;
-    use crate::analysis::frictionless_equilibria;
-    use crate::analysis::rest_form::RestForm;
-    use crate::analysis::set_samples::held_positions;
-    use crate::analysis::test_rng::TestRng;
-    use crate::model::{Ball, Machine};
-
-    fn form(speed_rad_s: f64, balls: &[(f64, f64)], imbalance: f64) -> RestForm {
-        let ball = |&(mass_kg, friction_coefficient): &(f64, f64)| Ball {
-            mass_kg,
-            friction_coefficient,
-            ..Ball::default()
-        };
-        let mut machine = Machine { speed_rad_s, ..Machine::default() };
-        machine.balls = balls.iter().map(ball).collect();
-        machine.imbalance_mass_kg *= imbalance;
-        RestForm::new(&machine).unwrap()
-    }
-
-    /// Returns the largest (`sign` 1) or smallest (-1) amplitude, m, that small random moves within
-    /// the set reach from samples of the set, the best ones and others.
-    fn climbed(form: &RestForm, sign: f64) -> f64 {
-        let amplitude = |beta: &[f64]| form.at_rest(beta).amplitude_m;
-        let mut samples: Vec<&[f64]> = held_positions(form).collect();
-        samples.sort_by(|a, b| (sign * amplitude(b)).total_cmp(&(sign * amplitude(a))));
-        assert!(samples.len() > 20, "{}", samples.len());
-        let others = samples.iter().step_by(samples.len() / 10);
-        let mut draws = TestRng::new(3);
-        let climb = |start: &&[f64]| {
-            let (mut beta, mut best, mut reach) = (start.to_vec(), amplitude(start), 0.3);
-            for _ in 0..20_000 {
-                let near: Vec<f64> =
-                    beta.iter().map(|beta| beta + reach * (draws.uniform() - 0.5)).collect();
-                let rest = form.at_rest(&near);
-                if rest.in_set() && sign * (rest.amplitude_m - best) > 0.0 {
-                    (beta, best) = (near, rest.amplitude_m);
-                } else {
-                    reach = (reach * 0.999).max(1e-6);
-                }
-            }
-            best
-        };
-        let ends: Vec<f64> = samples.iter().take(10).chain(others).map(climb).collect();
-        sign * ends.into_iter().map(|end| sign * end).fold(f64::NEG_INFINITY, f64::max)
-    }
-
-    /// Each extreme is attained at a position in the set, and no random search finds a more extreme
-    /// one: for two to five balls, identical or not, on both sides of the natural frequency and
-    /// near it, with an imbalance that they can balance and one that they cannot.
-    #[test]
-    fn extremes_are_in_the_set_and_no_search_exceeds_them() {
-        let usual = (1.4e-4, 2.75e-3);
-        let differ = [(1.4e-4, 2.75e-3), (2.5e-4, 1.0e-3), (0.8e-4, 4.0e-3)];
-        let mut calmest_seen = 0;
-        for (speed, balls, imbalance) in [
-            (-179.2671, &[usual; 2][..], 1.0),
-            (-179.2671, &[usual; 3][..], 1.0),
-            (-216.3772, &[usual; 3][..], 1.0),
-            (-216.3772, &[(1.4e-4, 1.0e-3); 3][..], 4.0),
-            (-183.0, &[usual; 3][..], 1.0),
-            (-160.8103, &differ[..], 1.0),
-            (-191.6372, &differ[..], 4.0),
-            (-216.3772, &[(1.4e-4, 1.0e-3); 5][..], 1.0),
-        ] {
-            let form = form(speed, balls, imbalance);
-            let place = format!("{speed} {balls:?} {imbalance}");
-            let [calmest, most] = amplitude_extremes(&form);
-            for (found, sign) in [(&calmest, -1.0), (&most, 1.0)] {
-                let (size, beta) = found.as_ref().unwrap();
-                let rest = form.at_rest(beta);
-                assert!(rest.friction_used <= 1.0 + 1e-9, "{place}: {}", rest.friction_used);
-                let amplitude = size * form.ring_radius_m;
-                assert!(
-                    (rest.amplitude_m - amplitude).abs()
-                        <= 1e-9 * form.ring_radius_m * most.as_ref().unwrap().0,
-                    "{place}"
-                );
-                if sign < 0.0 && Balance::of(&form) != Balance::Nowhere {
-                    assert_eq!(*size, 0.0, "{place}");
-                    continue;
-                }
-                calmest_seen += u32::from(sign < 0.0);
-                let climbed = climbed(&form, sign);
-                let beyond = sign * (climbed - amplitude) / amplitude;
-                assert!(beyond <= 1e-9, "{place}: {climbed:e} beyond {amplitude:e}");
-            }
-        }
-        assert_eq!(calmest_seen, 2);
-    }
-
-    /// Without friction the set consists of the equilibria, which are known in closed form.
-    #[test]
-    fn extremes_without_friction_are_those_of_the_equilibria() {
-        let ball = Ball { friction_coefficient: 0.0, ..Ball::default() };
-        for count in [2, 3] {
-            let mut machine = Machine { balls: vec![ball; count], ..Machine::default() };
-            machine.imbalance_mass_kg *= 4.0;
-            let known = frictionless_equilibria(&machine, 1.0).unwrap();
-            let known = known.iter().map(|equilibrium| equilibrium.amplitude_m());
-            let (low, high) = known.fold((f64::INFINITY, 0.0_f64), |(low, high), amplitude| {
-                (low.min(amplitude), high.max(amplitude))
-            });
-            let form = RestForm::new(&machine).unwrap();
-            let found =
-                amplitude_extremes(&form).map(|found| found.unwrap().0 * form.ring_radius_m);
-            let errors = [found[0] / low - 1.0, found[1] / high - 1.0];
-            assert!(errors.iter().all(|error| error.abs() < 1e-9), "{found:?} {low} {high}");
-        }
     }
 }

@@ -11,7 +11,7 @@ use serde_json::json;
 use super::exit::{CliError, End};
 use super::output::{Reader, print_json};
 use crate::engine::WorkerPool;
-use crate::responses::{Neighbours, Refusal, Request, respond, to_json};
+use crate::responses::{Neighbours, Request, RequestError, respond, to_json};
 use crate::study::Study;
 
 /// The longest request line, in bytes.
@@ -44,7 +44,9 @@ pub fn serve(study: &Study, workers: &WorkerPool, stop: &AtomicBool) -> Result<E
         };
         let request = match line {
             Some(line) => Request::read(study, &line),
-            None => Request { id: json!(null), design: Err(Refusal::too_long(MAX_LINE_BYTES)) },
+            None => {
+                Request { id: json!(null), design: Err(RequestError::too_long(MAX_LINE_BYTES)) }
+            }
         };
         let answer = match &request.design {
             Err(refusal) => json!({"id": request.id, "error": refusal.to_json()}),

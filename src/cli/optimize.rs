@@ -16,7 +16,7 @@ use super::output::print;
 use crate::classification::Label;
 use crate::engine::{Lock, Planned, Progress, Show, WorkerPool, say, stop_on_signals};
 use crate::optimize::{
-    Evaluation, Finalists, Origin, Role, Search, SearchEnd, evaluation_columns, final_runs,
+    Evaluation, FinalistRole, Finalists, Origin, Search, SearchEnd, evaluation_columns, final_runs,
     finalist_columns, finalists, optimum_json, pareto_columns, read_evaluations, result_in_words,
     search, search_facts, search_line, sensitivities, sensitivity_columns, surrogates,
 };
@@ -123,7 +123,8 @@ pub fn optimize(arguments: &OptimizeArguments) -> Result<End, CliError> {
         SearchEnd::NoMoreDesigns => tell("all possible designs have been evaluated".to_owned()),
         SearchEnd::Finished => {}
     }
-    let instead = evaluations.iter().filter(|one| one.origin == Origin::Instead).count();
+    let instead =
+        evaluations.iter().filter(|one| one.origin == Origin::SpaceFillingInstead).count();
     if instead > 0 {
         let all = evaluations.len();
         tell(format!(
@@ -163,7 +164,7 @@ fn interrupted(directory: &Path) -> End {
 
 fn how_it_ends(evaluations: &[Evaluation], finalists: &Finalists) -> End {
     let met = |role| finalists.of(role).is_some_and(|one| one.met);
-    if !met(Role::Best) && !finalists.all.iter().any(|one| one.on_front == Some(true)) {
+    if !met(FinalistRole::Best) && !finalists.all.iter().any(|one| one.on_front == Some(true)) {
         say("no design meets all limits");
         return End::ExpectationNotMet;
     }
@@ -312,7 +313,7 @@ impl<'a> SearchDirectory<'a> {
         if self.optimization.objectives.len() < 2 {
             return Ok(());
         }
-        let front = finalists.all.iter().filter(|one| one.role == Role::Pareto).cloned();
+        let front = finalists.all.iter().filter(|one| one.role == FinalistRole::Pareto).cloned();
         self.write("pareto", pareto_columns(self.study, self.optimization), front)
     }
 

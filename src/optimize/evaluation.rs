@@ -9,24 +9,28 @@ pub enum Origin {
     /// The design that the best one is compared with.
     CompareWith,
     /// A space-filling design over all ranges and choices.
-    OrderStatistics,
+    SpaceFilling,
     /// A design that the surrogates proposed.
     Surrogates,
     /// The next space-filling design, because the surrogates proposed none or a repeated one.
-    Instead,
+    SpaceFillingInstead,
 }
 
 impl Origin {
-    const ALL: [Origin; 4] =
-        [Origin::CompareWith, Origin::OrderStatistics, Origin::Surrogates, Origin::Instead];
+    const ALL: [Origin; 4] = [
+        Origin::CompareWith,
+        Origin::SpaceFilling,
+        Origin::Surrogates,
+        Origin::SpaceFillingInstead,
+    ];
 
     /// Returns the name in tables.
     pub fn name(self) -> &'static str {
         match self {
             Origin::CompareWith => "compare_with",
-            Origin::OrderStatistics => "spread",
+            Origin::SpaceFilling => "spread",
             Origin::Surrogates => "surrogates",
-            Origin::Instead => "spread_instead",
+            Origin::SpaceFillingInstead => "spread_instead",
         }
     }
 

@@ -90,10 +90,10 @@ pub fn read_evaluations(
         }
     }
     let mut rows = Vec::new();
-    let wanted = wanted(study);
-    let wanted: Vec<(&str, Kind)> =
-        wanted.iter().map(|(name, kind)| (name.as_str(), *kind)).collect();
-    for batch in table.read(&wanted)? {
+    let columns = columns_to_read(study);
+    let columns: Vec<(&str, Kind)> =
+        columns.iter().map(|(name, kind)| (name.as_str(), *kind)).collect();
+    for batch in table.read(&columns)? {
         let batch = batch?;
         for index in 0..batch.rows {
             let row = read_row(study, &batch, index).ok_or_else(|| {
@@ -107,7 +107,7 @@ pub fn read_evaluations(
             rows.push(row);
         }
     }
-    gathered(study, rows).ok_or_else(|| {
+    grouped_by_design(study, rows).ok_or_else(|| {
         EvaluationsError::Other(format!(
             "{}: incomplete designs\n  allowed: the unchanged table, or another directory \
              with --out",
@@ -117,7 +117,7 @@ pub fn read_evaluations(
 }
 
 /// Groups the rows of each design; returns `None` if they are not complete designs in order.
-fn gathered(study: &Study, rows: Vec<(Origin, Answer)>) -> Option<Vec<Evaluation>> {
+fn grouped_by_design(study: &Study, rows: Vec<(Origin, Answer)>) -> Option<Vec<Evaluation>> {
     let mut evaluations: Vec<Evaluation> = Vec::new();
     let points = study.point_count();
     for (number, (origin, answer)) in (0..).zip(rows) {
@@ -140,21 +140,21 @@ fn gathered(study: &Study, rows: Vec<(Origin, Answer)>) -> Option<Vec<Evaluation
 const MOST_RUNS: u64 = 1 << 60;
 const PARTS: [&str; 4] = ["", "_standard_error", "_low", "_high"];
 
-fn wanted(study: &Study) -> Vec<(String, Kind)> {
-    let mut wanted: Vec<(String, Kind)> =
+fn columns_to_read(study: &Study) -> Vec<(String, Kind)> {
+    let mut columns: Vec<(String, Kind)> =
         [("design", Kind::Count), ("origin", Kind::Text), ("point_id", Kind::Count)]
             .map(|(name, kind)| (name.to_owned(), kind))
             .into();
     for variable in study.variables() {
         let kind = if variable.unit().is_some() { Kind::Number } else { Kind::Text };
-        wanted.push((variable.name().to_owned(), kind));
+        columns.push((variable.name().to_owned(), kind));
     }
-    wanted.extend(Label::ALL.map(|label| (label.name().to_owned(), Kind::Count)));
+    columns.extend(Label::ALL.map(|label| (label.name().to_owned(), Kind::Count)));
     for response in study.responses() {
-        wanted.extend(PARTS.map(|part| (format!("{}{part}", response.name), Kind::Number)));
-        wanted.push((format!("{}_reason", response.name), Kind::Text));
+        columns.extend(PARTS.map(|part| (format!("{}{part}", response.name), Kind::Number)));
+        columns.push((format!("{}_reason", response.name), Kind::Text));
     }
-    wanted
+    columns
 }
 
 fn read_row(study: &Study, batch: &Batch, index: usize) -> Option<(Origin, Answer)> {

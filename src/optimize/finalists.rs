@@ -1,6 +1,6 @@
 //! The finalists of a search: its best designs are evaluated again with other and more runs.
 //!
-//! Among many similar designs, the one with the best estimate has it partly by chance. Therefore a few of the best
+//! The best estimate among many similar designs is partly due to chance. Therefore a few of the best
 //! designs are evaluated with new runs, the best of these is chosen, and its reported responses come from further
 //! runs that had no part in the choice. The design that it is compared with has runs of its own, so that both
 //! estimates are independent.
@@ -9,14 +9,13 @@ use super::evaluation::Evaluation;
 use super::goal::{Goal, values};
 use super::pareto::pareto_front;
 use super::search::Search;
-use super::suggest::all_values;
 use crate::classification::Label;
 use crate::responses::{Answer, Estimate, respond};
 use crate::study::{DesignValue, Study};
 
 /// The role of a design in the finalists.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
-pub enum Role {
+pub enum FinalistRole {
     /// One of the best designs of the search, from which the best one is chosen.
     Finalist,
     /// The best design.
@@ -27,14 +26,14 @@ pub enum Role {
     CompareWith,
 }
 
-impl Role {
+impl FinalistRole {
     /// Returns the name in tables.
     pub fn name(self) -> &'static str {
         match self {
-            Role::Finalist => "finalist",
-            Role::Best => "best",
-            Role::Pareto => "pareto",
-            Role::CompareWith => "compare_with",
+            FinalistRole::Finalist => "finalist",
+            FinalistRole::Best => "best",
+            FinalistRole::Pareto => "pareto",
+            FinalistRole::CompareWith => "compare_with",
         }
     }
 }
@@ -43,8 +42,8 @@ impl Role {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Finalist {
     /// The role of the design.
-    pub role: Role,
-    /// Its number in the search; `None` if the search did not evaluate it.
+    pub role: FinalistRole,
+    /// Number of the design in the search; `None` if the search did not evaluate it.
     pub design: Option<u64>,
     /// One value per variable.
     pub values: Vec<DesignValue>,
@@ -58,6 +57,18 @@ pub struct Finalist {
     pub on_front: Option<bool>,
 }
 
+impl Finalist {
+    /// Returns the number of runs at all points.
+    pub fn runs(&self) -> u64 {
+        self.answers.iter().map(|answer| answer.counts.total()).sum()
+    }
+
+    /// Returns the number of failed runs at all points.
+    pub fn failed_runs(&self) -> u64 {
+        self.answers.iter().map(|answer| answer.counts.of(Label::Failed)).sum()
+    }
+}
+
 /// All designs of the finalists.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Finalists {
@@ -67,7 +78,7 @@ pub struct Finalists {
 
 impl Finalists {
     /// Returns the first design with this role.
-    pub fn of(&self, role: Role) -> Option<&Finalist> {
+    pub fn of(&self, role: FinalistRole) -> Option<&Finalist> {
         self.all.iter().find(|one| one.role == role)
     }
 }
@@ -80,30 +91,27 @@ pub fn finalists(
 ) -> Option<Finalists> {
     let optimization = search.optimization;
     let goal = Goal::new(search.study, optimization);
-    let look = |role, design, values: &[DesignValue]| {
-        let answers = again(search, role, design, values, finished)?;
+    let evaluate = |role, design, values: &[DesignValue]| {
+        let answers = respond_with_own_runs(search, role, design, values, finished)?;
         let estimates = goal.estimates(&answers);
         let met = goal.is_met(&self::values(&estimates));
         let values = values.to_vec();
         Some(Finalist { role, design, values, answers, estimates, met, on_front: None })
     };
     let single = goal.objectives().len() == 1;
-    let role = if single { Role::Finalist } else { Role::Pareto };
+    let role = if single { FinalistRole::Finalist } else { FinalistRole::Pareto };
     let mut all: Vec<Finalist> = candidates(search, &goal, evaluations)
         .into_iter()
-        .map(|index| look(role, Some(index as u64), &evaluations.get(index)?.values))
+        .map(|index| evaluate(role, Some(index as u64), &evaluations.get(index)?.values))
         .collect::<Option<_>>()?;
     if single {
         let best = best(all.iter().map(|one| goal.rank(&values(&one.estimates))));
         if let Some(Finalist { design, values, .. }) = best.and_then(|index| all.get(index)) {
-            let best = look(Role::Best, *design, values)?;
+            let best = evaluate(FinalistRole::Best, *design, values)?;
             all.push(best);
         }
     } else {
-        let costs = |one: &Finalist| {
-            let costs = goal.costs(&values(&one.estimates)).into_iter().collect();
-            one.met.then_some(costs).flatten()
-        };
+        let costs = |one: &Finalist| goal.feasible_costs(&values(&one.estimates));
         let front = pareto_front(&all.iter().map(costs).collect::<Vec<_>>());
         for (index, one) in all.iter_mut().enumerate() {
             one.on_front = Some(front.contains(&index));
@@ -111,7 +119,7 @@ pub fn finalists(
     }
     if let Some(values) = &optimization.compare_with {
         let design = evaluations.iter().position(|one| one.values == *values);
-        all.push(look(Role::CompareWith, design.map(|index| index as u64), values)?);
+        all.push(evaluate(FinalistRole::CompareWith, design.map(|index| index as u64), values)?);
     }
     Some(Finalists { all })
 }
@@ -130,33 +138,33 @@ fn samples(search: &Search) -> u64 {
 }
 
 /// Computes the responses of a design in runs that belong to its role alone.
-fn again(
+fn respond_with_own_runs(
     search: &Search,
-    role: Role,
+    role: FinalistRole,
     design: Option<u64>,
     values: &[DesignValue],
     finished: &(dyn Fn(Label) + Sync),
 ) -> Option<Vec<Answer>> {
     let Search { study, workers, stop, .. } = *search;
     let purpose = match role {
-        Role::Finalist | Role::Pareto => "optimize finalists",
-        Role::Best => "optimize best",
-        Role::CompareWith => "optimize compare_with",
+        FinalistRole::Finalist | FinalistRole::Pareto => "optimize finalists",
+        FinalistRole::Best => "optimize best",
+        FinalistRole::CompareWith => "optimize compare_with",
     };
     let with = |number| {
         // The study has been read and the design set before, so both are valid with another seed, too.
         let other = study.with_seed(study.derived_seed(purpose, number)).ok()?;
         other.set(values).ok()
     };
-    let sets: Vec<Study> = (0..samples(search)).map(with).collect::<Option<_>>()?;
-    let asked = (design.unwrap_or(0), values);
-    respond(workers, &sets, study.responses(), asked, stop, finished)
+    let studies: Vec<Study> = (0..samples(search)).map(with).collect::<Option<_>>()?;
+    let numbered = (design.unwrap_or(0), values);
+    respond(workers, &studies, study.responses(), numbered, stop, finished)
 }
 
 /// Returns the designs of the finalists: the best by rank, or the Pareto front of those that meet the limits, thinned
 /// out evenly along its first objective.
 fn candidates(search: &Search, goal: &Goal, evaluations: &[Evaluation]) -> Vec<usize> {
-    let all = all_values(goal, evaluations);
+    let all = goal.values_of_designs(evaluations);
     let most = search.optimization.finalists as usize;
     if goal.objectives().len() == 1 {
         let mut order: Vec<usize> = (0..all.len()).collect();
@@ -165,13 +173,7 @@ fn candidates(search: &Search, goal: &Goal, evaluations: &[Evaluation]) -> Vec<u
         order.truncate(most);
         return order;
     }
-    let costs: Vec<Option<Vec<f64>>> = all
-        .iter()
-        .map(|own| {
-            let costs = goal.costs(own).into_iter().collect();
-            goal.is_met(own).then_some(costs).flatten()
-        })
-        .collect();
+    let costs: Vec<Option<Vec<f64>>> = all.iter().map(|own| goal.feasible_costs(own)).collect();
     let mut front = pareto_front(&costs);
     let first = |index: &usize| {
         costs.get(*index).and_then(|costs| costs.as_ref()?.first().copied()).unwrap_or(0.0)

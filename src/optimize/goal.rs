@@ -1,5 +1,6 @@
 //! The goal of a search in numbers: costs to be minimized, and excesses over limits.
 
+use super::evaluation::Evaluation;
 use super::over_points::over_points;
 use crate::responses::{Answer, Estimate};
 use crate::study::{Limit, Objective, Optimization, OverPoints, Study};
@@ -9,7 +10,7 @@ use crate::study::{Limit, Objective, Optimization, OverPoints, Study};
 pub struct Quantity {
     /// Index among the study's responses.
     pub response: usize,
-    /// Whether the worst of several points is the one with the largest value; otherwise with the smallest.
+    /// Whether the worst of several points has the largest value; otherwise the smallest.
     pub larger_is_worse: bool,
 }
 
@@ -30,7 +31,7 @@ impl Goal {
         // With one point, or with the mean over points, each response is one quantity.
         let one = study.point_count() == 1 || optimization.over_points == OverPoints::Mean;
         let mut quantities: Vec<Quantity> = Vec::new();
-        let mut place = |response, larger_is_worse| {
+        let mut quantity_index = |response, larger_is_worse| {
             let larger_is_worse = larger_is_worse || one;
             let quantity = Quantity { response, larger_is_worse };
             quantities.iter().position(|other| *other == quantity).unwrap_or_else(|| {
@@ -39,9 +40,10 @@ impl Goal {
             })
         };
         let objectives = optimization.objectives.iter();
-        let objectives = objectives.map(|one| (place(one.response, !one.maximize), *one)).collect();
+        let objectives =
+            objectives.map(|one| (quantity_index(one.response, !one.maximize), *one)).collect();
         let limits = optimization.limits.iter();
-        let limits = limits.map(|one| (place(one.response, !one.least), *one)).collect();
+        let limits = limits.map(|one| (quantity_index(one.response, !one.least), *one)).collect();
         Goal { quantities, over_points: optimization.over_points, objectives, limits }
     }
 
@@ -50,10 +52,10 @@ impl Goal {
         &self.quantities
     }
 
-    /// Whether large values of a quantity are bad, by its first use.
-    pub(super) fn large_is_bad(&self, place: usize) -> bool {
-        let objective = self.objectives.iter().find(|(own, _)| *own == place);
-        let limit = self.limits.iter().find(|(own, _)| *own == place);
+    /// Returns whether large values of a quantity, given by its index, are bad. Its first use decides.
+    pub(super) fn large_is_bad(&self, quantity: usize) -> bool {
+        let objective = self.objectives.iter().find(|(index, _)| *index == quantity);
+        let limit = self.limits.iter().find(|(index, _)| *index == quantity);
         match (objective, limit) {
             (Some((_, objective)), _) => !objective.maximize,
             (None, Some((_, limit))) => !limit.least,
@@ -83,8 +85,8 @@ impl Goal {
 
     /// Returns one cost per objective, to be minimized; `None` if it is unknown.
     pub fn costs(&self, values: &[Option<f64>]) -> Vec<Option<f64>> {
-        let cost = |(place, objective): &(usize, Objective)| {
-            let value = values.get(*place).copied().flatten()?;
+        let cost = |(quantity, objective): &(usize, Objective)| {
+            let value = values.get(*quantity).copied().flatten()?;
             Some(if objective.maximize { -value } else { value })
         };
         self.objectives.iter().map(cost).collect()
@@ -92,16 +94,26 @@ impl Goal {
 
     /// Returns one excess per limit, positive if the limit is exceeded; `None` if it is unknown.
     pub fn excesses(&self, values: &[Option<f64>]) -> Vec<Option<f64>> {
-        let excess = |(place, limit): &(usize, Limit)| {
-            let value = values.get(*place).copied().flatten()?;
+        let excess = |(quantity, limit): &(usize, Limit)| {
+            let value = values.get(*quantity).copied().flatten()?;
             Some(if limit.least { limit.value - value } else { value - limit.value })
         };
         self.limits.iter().map(excess).collect()
     }
 
-    /// Whether all limits are met; false if a value is unknown.
+    /// Returns whether all limits are met; false if a value is unknown.
     pub fn is_met(&self, values: &[Option<f64>]) -> bool {
         self.excesses(values).iter().all(|excess| excess.is_some_and(|excess| excess <= 0.0))
+    }
+
+    /// Returns the costs of a design that meets all limits; `None` if it does not, or if a value is unknown.
+    pub(super) fn feasible_costs(&self, values: &[Option<f64>]) -> Option<Vec<f64>> {
+        if self.is_met(values) { self.costs(values).into_iter().collect() } else { None }
+    }
+
+    /// Returns the value of each quantity, by design.
+    pub(super) fn values_of_designs(&self, evaluations: &[Evaluation]) -> Vec<Vec<Option<f64>>> {
+        evaluations.iter().map(|one| values(&self.estimates(&one.answers))).collect()
     }
 
     /// Returns the rank of a design with one objective: first designs that meet all limits, by their cost; then the

@@ -6,7 +6,7 @@
 //! the number of threads does not matter. The estimate of the best design is biased by the selection; therefore its
 //! reported responses come from other and more runs.
 
-mod difference;
+mod comparison;
 mod evaluation;
 mod evaluations_table;
 mod finalists;
@@ -22,15 +22,15 @@ mod suggest;
 mod surrogate;
 mod tables;
 
-pub use difference::{difference, ratio};
+pub use comparison::{estimate_difference, estimate_ratio};
 pub use evaluation::{Evaluation, Origin};
 pub use evaluations_table::{EvaluationsError, evaluation_columns, read_evaluations, search_facts};
-pub use finalists::{Finalist, Finalists, Role, final_runs, finalists};
+pub use finalists::{Finalist, FinalistRole, Finalists, final_runs, finalists};
 pub use goal::{Goal, Quantity};
 pub use pareto::pareto_front;
 pub use report::{optimum_json, result_in_words, search_line};
 pub use search::{Search, SearchEnd, search};
 pub use sensitivity::{Sensitivity, sensitivities, surrogates};
-pub use sobol_indices::{Indices, sobol_indices};
+pub use sobol_indices::{Indices, pick_freeze_sample, sobol_indices};
 pub use surrogate::Surrogate;
 pub use tables::{finalist_columns, pareto_columns, sensitivity_columns};

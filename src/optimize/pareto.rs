@@ -1,39 +1,21 @@
 //! The Pareto front: designs that no other design dominates.
 
-/// Returns the indices of the designs on the Pareto front, in ascending order: those whose costs are all known and that
-/// no other such design dominates, that is, equals or beats in every objective and beats in one. Of equal designs
-/// the first one is taken.
+/// Returns the indices of the designs on the Pareto front, in ascending order: the designs with known costs that no
+/// other such design dominates. A design dominates another one if it is not worse in any objective, and better in at
+/// least one. The first of several equal designs dominates the others.
 pub fn pareto_front(costs: &[Option<Vec<f64>>]) -> Vec<usize> {
-    let beats = |(other, theirs): (usize, &Vec<f64>), (own, mine): (usize, &Vec<f64>)| {
-        let pairs = || theirs.iter().zip(mine);
-        let none_worse = pairs().all(|(theirs, mine)| theirs <= mine);
-        none_worse && (pairs().any(|(theirs, mine)| theirs < mine) || other < own)
+    let dominates = |(one, costs): (usize, &[f64]), (other, others): (usize, &[f64])| {
+        let pairs = || costs.iter().zip(others);
+        let better = pairs().any(|(cost, other)| cost < other);
+        pairs().all(|(cost, other)| cost <= other) && (better || one < other)
     };
-    let known = || costs.iter().enumerate().filter_map(|(one, costs)| Some((one, costs.as_ref()?)));
-    let alone = |mine: &(usize, &Vec<f64>)| {
-        !known().any(|theirs| theirs.0 != mine.0 && beats(theirs, *mine))
-    };
-    known().filter(alone).map(|(one, _)| one).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::pareto_front;
-
-    #[test]
-    fn front_of_a_few() {
-        let costs: Vec<Option<Vec<f64>>> = [
-            Some([1.0, 5.0]),
-            Some([2.0, 2.0]),
-            None,
-            Some([3.0, 2.0]),
-            Some([2.0, 2.0]),
-            Some([5.0, 1.0]),
-            Some([5.0, 5.0]),
-        ]
-        .map(|costs| costs.map(Vec::from))
-        .into();
-        assert_eq!(pareto_front(&costs), [0, 1, 5]);
-        assert!(pareto_front(&[None]).is_empty());
-    }
+    let known: Vec<(usize, &[f64])> = costs
+        .iter()
+        .enumerate()
+        .filter_map(|(design, costs)| Some((design, costs.as_deref()?)))
+        .collect();
+    let on_front = known.iter().filter(|(design, costs)| {
+        !known.iter().any(|other| other.0 != *design && dominates(*other, (*design, costs)))
+    });
+    on_front.map(|(design, _)| *design).collect()
 }

@@ -4,14 +4,13 @@ use std::fmt::Write;
 
 use serde_json::{Value, json};
 
-use super::difference::{difference, ratio};
+use super::comparison::{estimate_difference, estimate_ratio};
 use super::evaluation::Evaluation;
-use super::finalists::{Finalist, Finalists, Role};
-use super::goal::{Goal, values};
+use super::finalists::{Finalist, FinalistRole, Finalists};
+use super::goal::Goal;
 use super::search::{Search, SearchEnd};
 use super::sensitivity::Sensitivity;
-use crate::classification::Label;
-use crate::responses::Estimate;
+use crate::responses::{Estimate, estimate_json};
 use crate::study::{DesignValue, Study};
 
 /// Returns the contents of `optimum.json`.
@@ -26,13 +25,14 @@ pub fn optimum_json(
     let goal = Goal::new(study, optimization);
     let one = |role| finalists.of(role).map(|one| final_json(study, &goal, one));
     let compared = || {
-        let (best, other) = (finalists.of(Role::Best)?, finalists.of(Role::CompareWith)?);
-        let of = |(place, objective): &(usize, crate::study::Objective)| {
-            let (best, other) = (best.estimates.get(*place)?, other.estimates.get(*place)?);
+        let (best, other) =
+            (finalists.of(FinalistRole::Best)?, finalists.of(FinalistRole::CompareWith)?);
+        let of = |(quantity, objective): &(usize, crate::study::Objective)| {
+            let (best, other) = (best.estimates.get(*quantity)?, other.estimates.get(*quantity)?);
             Some(json!({
                 "response": study.responses().get(objective.response)?.name,
-                "difference": estimate_json(&difference(best, other)),
-                "ratio": estimate_json(&ratio(best, other)),
+                "difference": estimate_json(&estimate_difference(best, other)),
+                "ratio": estimate_json(&estimate_ratio(best, other)),
             }))
         };
         Some(goal.objectives().iter().filter_map(of).collect::<Vec<Value>>())
@@ -49,8 +49,8 @@ pub fn optimum_json(
             },
             "designs": evaluations.len(),
         },
-        "best": one(Role::Best),
-        "compare_with": one(Role::CompareWith),
+        "best": one(FinalistRole::Best),
+        "compare_with": one(FinalistRole::CompareWith),
         "best_over_compare_with": compared(),
         "sensitivities": sensitivities.iter().map(sensitivity_json).collect::<Vec<_>>(),
     })
@@ -59,8 +59,8 @@ pub fn optimum_json(
 fn sensitivity_json(one: &Sensitivity) -> Value {
     let indices = one.indices.as_ref();
     let [first, total] = [
-        indices.map(|own| (own.first_order, own.first_order_interval)),
-        indices.map(|own| (own.total, own.total_interval)),
+        indices.map(|both| (both.first_order, both.first_order_interval)),
+        indices.map(|both| (both.total, both.total_interval)),
     ];
     let json = |index: Option<(f64, Option<[f64; 2]>)>| {
         index.map(|(value, interval)| {
@@ -91,8 +91,8 @@ fn final_json(study: &Study, goal: &Goal, one: &Finalist) -> Value {
         "values": design_json(study, &one.values),
         "responses": responses,
         "limits_met": one.met,
-        "runs": one.answers.iter().map(|answer| answer.counts.total()).sum::<u64>(),
-        "failed": one.answers.iter().map(|answer| answer.counts.of(Label::Failed)).sum::<u64>(),
+        "runs": one.runs(),
+        "failed": one.failed_runs(),
     })
 }
 
@@ -107,18 +107,8 @@ fn design_json(study: &Study, values: &[DesignValue]) -> Value {
     study.variables().iter().zip(values).map(entry).collect::<serde_json::Map<_, _>>().into()
 }
 
-fn estimate_json(estimate: &Estimate) -> Value {
-    json!({
-        "value": estimate.value,
-        "standard_error": estimate.standard_error,
-        "low": estimate.low,
-        "high": estimate.high,
-        "reason": estimate.reason,
-    })
-}
-
 /// Returns a number with four significant digits.
-pub(crate) fn short(number: f64) -> String {
+fn short(number: f64) -> String {
     let size = number.abs();
     if number == 0.0 || (1e-3..1e5).contains(&size) {
         let digits = if number == 0.0 { 0 } else { (3 - size.log10().floor() as i32).max(0) };
@@ -128,7 +118,7 @@ pub(crate) fn short(number: f64) -> String {
 }
 
 /// Returns an estimate in words, such as `2.310e-6 m (2.100e-6 to 2.500e-6)`.
-pub(crate) fn in_words(estimate: &Estimate, unit: &str) -> String {
+fn in_words(estimate: &Estimate, unit: &str) -> String {
     let Some(value) = estimate.value else {
         let reason = estimate.reason.as_deref().unwrap_or("not known");
         return format!("none: {reason}");
@@ -139,7 +129,7 @@ pub(crate) fn in_words(estimate: &Estimate, unit: &str) -> String {
 }
 
 /// Returns design values in words.
-pub(crate) fn design_in_words(study: &Study, values: &[DesignValue]) -> String {
+fn design_in_words(study: &Study, values: &[DesignValue]) -> String {
     let each = study.variables().iter().zip(values);
     let each = each
         .map(|(variable, value)| format!("{} = {}", variable.name(), variable.describe(*value)));
@@ -160,12 +150,11 @@ pub fn search_line(search: &Search, evaluations: &[Evaluation]) -> String {
     );
     line.push_str(&estimates_in_words(study, &goal, &goal.estimates(&last.answers)));
     if goal.objectives().len() == 1 {
-        let all: Vec<Vec<Option<f64>>> =
-            evaluations.iter().map(|one| values(&goal.estimates(&one.answers))).collect();
+        let all = goal.values_of_designs(evaluations);
         let best = super::finalists::best(all.iter().map(|own| goal.rank(own)));
         if let Some(index) = best {
             let (grade, _) = goal.rank(&all[index]);
-            let value = goal.objectives().first().and_then(|(place, _)| all[index][*place]);
+            let value = goal.objectives().first().and_then(|(quantity, _)| all[index][*quantity]);
             let value = value.map_or_else(|| "no value".to_owned(), short);
             let what = if grade == 0 { "best so far" } else { "limits not met yet; nearest" };
             // Writing to a string cannot fail.
@@ -189,7 +178,6 @@ pub fn result_in_words(search: &Search, finalists: &Finalists) -> String {
     let goal = Goal::new(study, optimization);
     let mut text = String::new();
     let mut describe = |title: &str, one: &Finalist| {
-        let runs: u64 = one.answers.iter().map(|answer| answer.counts.total()).sum();
         let number = one.design.map_or_else(String::new, |design| format!(" (design {design})"));
         let _ = writeln!(text, "{title}{number}: {}", design_in_words(study, &one.values));
         for (quantity, estimate) in goal.quantities().iter().zip(&one.estimates) {
@@ -199,26 +187,30 @@ pub fn result_in_words(search: &Search, finalists: &Finalists) -> String {
             }
         }
         let met = if one.met { "" } else { "; a limit is not met" };
-        let failed: u64 = one.answers.iter().map(|answer| answer.counts.of(Label::Failed)).sum();
-        let failed = if failed > 0 { format!(", {failed} of them failed") } else { String::new() };
-        let _ = writeln!(text, "  {runs} runs of its own{failed}{met}");
+        let failed = match one.failed_runs() {
+            0 => String::new(),
+            failed => format!(", {failed} of them failed"),
+        };
+        let _ = writeln!(text, "  {} runs of its own{failed}{met}", one.runs());
     };
-    if let Some(best) = finalists.of(Role::Best) {
+    if let Some(best) = finalists.of(FinalistRole::Best) {
         describe("best design", best);
     }
     for one in finalists.all.iter().filter(|one| one.on_front == Some(true)) {
         describe("on the Pareto front", one);
     }
-    if let Some(other) = finalists.of(Role::CompareWith) {
+    if let Some(other) = finalists.of(FinalistRole::CompareWith) {
         describe("compared with", other);
     }
-    if let Some((best, other)) = finalists.of(Role::Best).zip(finalists.of(Role::CompareWith)) {
-        for (place, objective) in goal.objectives() {
-            let both = best.estimates.get(*place).zip(other.estimates.get(*place));
+    if let Some((best, other)) =
+        finalists.of(FinalistRole::Best).zip(finalists.of(FinalistRole::CompareWith))
+    {
+        for (quantity, objective) in goal.objectives() {
+            let both = best.estimates.get(*quantity).zip(other.estimates.get(*quantity));
             let response = study.responses().get(objective.response);
             if let Some(((best, other), response)) = both.zip(response) {
-                let difference = in_words(&difference(best, other), response.unit());
-                let ratio = in_words(&ratio(best, other), "1");
+                let difference = in_words(&estimate_difference(best, other), response.unit());
+                let ratio = in_words(&estimate_ratio(best, other), "1");
                 let _ = writeln!(text, "{}: difference {difference}", response.name);
                 let _ = writeln!(text, "{}: ratio {ratio}", response.name);
             }

@@ -5,14 +5,14 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use super::evaluation::{Evaluation, Origin};
 use super::goal::Goal;
 use super::space::Space;
-use super::suggest::{all_values, suggest};
+use super::suggest::suggest;
 use crate::classification::Label;
 use crate::engine::WorkerPool;
 use crate::responses::respond;
 use crate::study::{DesignValue, Optimization, Study};
 
 /// The number of repeated designs after which the search assumes that there are no others.
-const MOST_PASSED_OVER: u32 = 10_000;
+const MAX_SKIPPED: u32 = 10_000;
 
 /// A search: the study, its goal and the workers.
 pub struct Search<'a> {
@@ -62,9 +62,11 @@ pub fn search<E>(
             return Ok(SearchEnd::Stopped);
         }
         let next = workers.install(|| next_design(study, optimization, &goal, evaluations));
-        let Some(Next { origin, values, set }) = next else { return Ok(SearchEnd::NoMoreDesigns) };
-        let asked = (evaluations.len() as u64, values.as_slice());
-        let answers = respond(workers, &[set], study.responses(), asked, stop, finished);
+        let Some(NextDesign { origin, values, study: set }) = next else {
+            return Ok(SearchEnd::NoMoreDesigns);
+        };
+        let numbered = (evaluations.len() as u64, values.as_slice());
+        let answers = respond(workers, &[set], study.responses(), numbered, stop, finished);
         let Some(answers) = answers else { return Ok(SearchEnd::Stopped) };
         evaluations.push(Evaluation { origin, values, answers });
         observe(evaluations)?;
@@ -73,10 +75,10 @@ pub fn search<E>(
 }
 
 /// The next design, and the study with its values.
-struct Next {
+struct NextDesign {
     origin: Origin,
     values: Vec<DesignValue>,
-    set: Study,
+    study: Study,
 }
 
 /// Returns the design after these, a function of study and designs; `None` if there is no other. Skips designs with
@@ -86,46 +88,46 @@ fn next_design(
     optimization: &Optimization,
     goal: &Goal,
     evaluations: &[Evaluation],
-) -> Option<Next> {
+) -> Option<NextDesign> {
     let space = Space::new(study);
     let number = evaluations.len() as u64;
-    let new = |origin, values: Vec<DesignValue>| {
+    let if_new = |origin, values: Vec<DesignValue>| {
         if evaluations.iter().any(|one| one.values == values) {
             return None;
         }
-        let set = study.set(&values).ok()?;
-        Some(Next { origin, values, set })
+        let study = study.set(&values).ok()?;
+        Some(NextDesign { origin, values, study })
     };
     if let (0, Some(values)) = (number, &optimization.compare_with) {
-        return new(Origin::CompareWith, values.clone());
+        return if_new(Origin::CompareWith, values.clone());
     }
-    let mut origin = Origin::OrderStatistics;
+    let mut origin = Origin::SpaceFilling;
     if number >= optimization.start_designs {
         let seed = study.derived_seed("optimize suggest", number);
         let suggested = suggest(space, goal, evaluations, seed);
-        if let Some(next) = suggested.and_then(|values| new(Origin::Surrogates, values)) {
+        if let Some(next) = suggested.and_then(|values| if_new(Origin::Surrogates, values)) {
             return Some(next);
         }
-        origin = Origin::Instead;
+        origin = Origin::SpaceFillingInstead;
     }
     // A scramble that is independent of that of start states.
     let seed = study.derived_seed("optimize spread", 0) as u32;
-    (0..MOST_PASSED_OVER).find_map(|index| new(origin, space.spread(index, seed)))
+    (0..MAX_SKIPPED).find_map(|index| if_new(origin, space.space_filling(index, seed)))
 }
 
 /// Returns an error message if an objective does not depend on the design.
 fn constant(study: &Study, goal: &Goal, evaluations: &[Evaluation]) -> Option<String> {
-    let all = all_values(goal, evaluations);
-    goal.objectives().iter().find_map(|(place, objective)| {
+    let all = goal.values_of_designs(evaluations);
+    goal.objectives().iter().find_map(|(quantity, objective)| {
         let name = &study.responses().get(objective.response)?.name;
         let values: Vec<Option<f64>> =
-            all.iter().map(|own| own.get(*place).copied().flatten()).collect();
+            all.iter().map(|values| values.get(*quantity).copied().flatten()).collect();
         let known: Vec<f64> = values.iter().copied().flatten().collect();
         let count = all.len();
         match known.first() {
             None => {
                 let first = evaluations.first().map(|one| goal.estimates(&one.answers));
-                let reason = first.and_then(|own| own.get(*place)?.reason.clone());
+                let reason = first.and_then(|estimates| estimates.get(*quantity)?.reason.clone());
                 let failed = evaluations.iter().flat_map(|one| &one.answers);
                 let failed: u64 = failed.map(|answer| answer.counts.of(Label::Failed)).sum();
                 let reason = reason.unwrap_or_default();

@@ -3,7 +3,7 @@
 use super::evaluation::Evaluation;
 use super::goal::Goal;
 use super::search::Search;
-use super::sobol_indices::{Indices, places, sobol_indices};
+use super::sobol_indices::{Indices, pick_freeze_sample, sobol_indices};
 use super::space::Space;
 use super::suggest::training_values;
 use super::surrogate::Surrogate;
@@ -47,8 +47,10 @@ pub fn sensitivities(
     let seed = study.derived_seed("optimize sensitivities", 0);
     let samples = count(optimization.sensitivity_samples);
     let dimensions = count(variables.len() as u64);
-    let designs: Vec<Vec<DesignValue>> =
-        places(samples, dimensions, seed as u32).iter().map(|place| space.at(place)).collect();
+    let designs: Vec<Vec<DesignValue>> = pick_freeze_sample(samples, dimensions, seed as u32)
+        .iter()
+        .map(|unit_coordinates| space.design_at(unit_coordinates))
+        .collect();
     let by_quantity: Vec<Result<Vec<f64>, String>> = match optimization.sensitivity_from {
         SensitivityFrom::Surrogates => {
             let surrogates = workers.install(|| surrogates(search, evaluations));
@@ -97,14 +99,14 @@ pub fn surrogates(
     let (space, goal) = (Space::new(study), Goal::new(study, optimization));
     let estimates: Vec<Vec<Estimate>> =
         evaluations.iter().map(|one| goal.estimates(&one.answers)).collect();
-    let places: Vec<Vec<f64>> =
+    let coordinates: Vec<Vec<f64>> =
         evaluations.iter().map(|one| space.coordinates(&one.values)).collect();
     let seed = study.derived_seed("optimize surrogates", 0);
-    let fit = |(place, quantity): (usize, &super::goal::Quantity)| {
-        let fitted = training_values(&goal, place, &estimates)
+    let fit = |(index, quantity): (usize, &super::goal::Quantity)| {
+        let fitted = training_values(&goal, index, &estimates)
             .ok_or_else(|| "no design has a value".to_owned())
             .and_then(|training_values| {
-                Surrogate::fit(&places, &training_values.values, training_values.noise, seed)
+                Surrogate::fit(&coordinates, &training_values.values, training_values.noise, seed)
             });
         (quantity.response, fitted)
     };
@@ -122,8 +124,9 @@ fn from_runs(
     for (number, design) in (0..).zip(designs) {
         let own = match study.set(design) {
             Ok(set) => {
-                let asked = (number, design.as_slice());
-                let answers = respond(workers, &[set], study.responses(), asked, stop, finished)?;
+                let numbered = (number, design.as_slice());
+                let answers =
+                    respond(workers, &[set], study.responses(), numbered, stop, finished)?;
                 goal.estimates(&answers)
             }
             Err(_) => vec![Estimate::default(); values.len()],

@@ -18,17 +18,17 @@ const RESAMPLES: usize = 1000;
 pub struct Indices {
     /// The fraction of the variance that the variable alone explains.
     pub first_order: f64,
-    /// Its interval.
+    /// Interval of `first_order`.
     pub first_order_interval: Option<[f64; 2]>,
     /// The fraction of the variance that remains if all other variables are known.
     pub total: f64,
-    /// Its interval.
+    /// Interval of `total`.
     pub total_interval: Option<[f64; 2]>,
 }
 
-/// Returns the sample of the pick-freeze design in the unit cube: `A`, `B`, then `A` with each variable from `B` in
-/// turn, `samples` of each.
-pub(super) fn places(samples: u32, variables: u32, seed: u32) -> Vec<Vec<f64>> {
+/// Returns the points of the pick-freeze design in the unit cube: `A`, `B`, then `A` with each variable from `B` in
+/// turn, `samples` of each (at most 65,536, for at most 128 variables).
+pub fn pick_freeze_sample(samples: u32, variables: u32, seed: u32) -> Vec<Vec<f64>> {
     let sample = |first: u32| {
         move |index: u32| -> Vec<f64> {
             let at = |dimension| f64::from(sobol_burley::sample(index, dimension, seed));
@@ -41,17 +41,17 @@ pub(super) fn places(samples: u32, variables: u32, seed: u32) -> Vec<Vec<f64>> {
     all.extend(b.iter().cloned());
     for variable in 0..variables as usize {
         all.extend(a.iter().zip(&b).map(|(a, b)| {
-            let mut place = a.clone();
-            place[variable] = b[variable];
-            place
+            let mut mixed = a.clone();
+            mixed[variable] = b[variable];
+            mixed
         }));
     }
     all
 }
 
-/// Returns the indices of each variable from values at the places of the design, in its order; with intervals if
-/// there is a seed for the bootstrap. For values of a surrogate the bootstrap would give the error of the pick-freeze
-/// design alone, not the larger error of the surrogate.
+/// Returns the indices of each variable from the values at the points of [`pick_freeze_sample`], in order; with
+/// intervals if there is a seed for the bootstrap. For values of a surrogate the bootstrap would give the error of the
+/// pick-freeze design alone, not the larger error of the surrogate.
 ///
 /// # Errors
 /// Returns an error if the number of values is wrong, or if all values are equal.
@@ -62,7 +62,7 @@ pub fn sobol_indices(
 ) -> Result<Vec<Indices>, String> {
     let samples = values.len() / (variables + 2);
     if samples < 2 || values.len() != samples * (variables + 2) {
-        return Err("another number of values than of places".to_owned());
+        return Err("the number of values is not that of the sample".to_owned());
     }
     let parts: Vec<&[f64]> = values.chunks_exact(samples).collect();
     let all: Vec<usize> = (0..samples).collect();
@@ -73,15 +73,16 @@ pub fn sobol_indices(
     let resamples = bootstrap_seed.map(|seed| resamples(samples, seed));
     let estimate = |variable: usize| {
         let [first_order, total] = of(variable, &all).unwrap_or_default();
-        let drawn: Option<Vec<[f64; 2]>> = resamples
+        let of_resamples: Option<Vec<[f64; 2]>> = resamples
             .as_ref()
             .map(|all| all.iter().filter_map(|chosen| of(variable, chosen)).collect());
         let interval = |which: usize| {
-            let mut ascending: Vec<f64> = drawn.as_ref()?.iter().map(|both| both[which]).collect();
+            let mut ascending: Vec<f64> =
+                of_resamples.as_ref()?.iter().map(|both| both[which]).collect();
             ascending.sort_by(f64::total_cmp);
             let at = |fraction: f64| {
-                let place = (fraction * ascending.len().saturating_sub(1) as f64).round() as usize;
-                ascending.get(place).copied()
+                let rank = (fraction * ascending.len().saturating_sub(1) as f64).round() as usize;
+                ascending.get(rank).copied()
             };
             Some([at(0.025)?, at(0.975)?])
         };
@@ -112,64 +113,6 @@ fn indices(parts: &[&[f64]], variable: usize, chosen: &[usize]) -> Option<[f64; 
     let first: f64 =
         chosen.iter().map(|&index| (b[index] - mean) * (mixed[index] - a[index])).sum();
     let total: f64 = chosen.iter().map(|&index| (a[index] - mixed[index]).powi(2)).sum();
-    let scale = variance > 1e-24 * mean * mean && variance > 0.0;
-    scale.then(|| [first / count / variance, total / (2.0 * count) / variance])
-}
-
-#[cfg(test)]
-mod tests {
-    use std::f64::consts::PI;
-
-    use super::{places, sobol_indices};
-
-    /// Ishigami and Homma's function, whose indices are known (Saltelli et al., Global Sensitivity Analysis. The Primer,
-    /// Wiley 2008, section 4.6; a = 7, b = 0.1).
-    #[test]
-    fn ishigami() {
-        let function = |place: &Vec<f64>| {
-            let x: Vec<f64> = place.iter().map(|fraction| PI * (2.0 * fraction - 1.0)).collect();
-            x[0].sin() + 7.0 * x[1].sin().powi(2) + 0.1 * x[2].powi(4) * x[0].sin()
-        };
-        let values: Vec<f64> = places(4096, 3, 3).iter().map(function).collect();
-        let found = sobol_indices(&values, 3, Some(1)).unwrap();
-        for (found, [first, total]) in
-            found.iter().zip([[0.3139, 0.5576], [0.4424, 0.4424], [0.0, 0.2437]])
-        {
-            assert!((found.first_order - first).abs() < 0.02, "{found:?} {first}");
-            assert!((found.total - total).abs() < 0.02, "{found:?} {total}");
-            for (value, interval) in [
-                (found.first_order, found.first_order_interval),
-                (found.total, found.total_interval),
-            ] {
-                let [low, high] = interval.unwrap();
-                assert!(low <= value && value <= high && high - low < 0.12, "{found:?}");
-            }
-        }
-    }
-
-    /// The bootstrap's intervals contain the true first-order index of a sum in most of 200 independent designs: 95 %
-    /// would be 190; fewer than 172 would have a probability below 1e-9.
-    #[test]
-    fn intervals_hold() {
-        let weights = [1.0, 2.0, 0.5];
-        let truth = 4.0 / 5.25;
-        let held = (0..200)
-            .filter(|&seed| {
-                let function = |place: &Vec<f64>| -> f64 {
-                    place.iter().zip(weights).map(|(fraction, weight)| fraction * weight).sum()
-                };
-                let values: Vec<f64> = places(64, 3, seed).iter().map(function).collect();
-                let found = sobol_indices(&values, 3, Some(u64::from(seed))).unwrap()[1];
-                let [low, high] = found.first_order_interval.unwrap();
-                low <= truth && truth <= high
-            })
-            .count();
-        assert!(held >= 172, "{held}");
-    }
-
-    #[test]
-    fn nothing_varies() {
-        assert!(sobol_indices(&[3.0; 40], 3, Some(1)).is_err());
-        assert!(sobol_indices(&[1.0; 7], 3, None).is_err());
-    }
+    let varies = variance > 1e-24 * mean * mean && variance > 0.0;
+    varies.then(|| [first / count / variance, total / (2.0 * count) / variance])
 }

@@ -23,21 +23,21 @@ impl<'a> Space<'a> {
         self.variables.len()
     }
 
-    /// Returns the design at a place in the unit cube: each range from its first to its last value, whole numbers and
-    /// choices with equal shares. Numbers have six significant digits.
-    pub fn at(&self, place: &[f64]) -> Vec<DesignValue> {
+    /// Returns the design at coordinates in the unit cube: each range from its first to its last value, whole numbers
+    /// and choices with equal fractions. Numbers have six significant digits.
+    pub fn design_at(&self, coordinates: &[f64]) -> Vec<DesignValue> {
         let value =
             |(variable, fraction): (&Variable, &f64)| value_at(variable.values(), *fraction);
-        self.variables.iter().zip(place).map(value).collect()
+        self.variables.iter().zip(coordinates).map(value).collect()
     }
 
     /// Returns space-filling design number `index`: a scrambled Sobol' point.
-    pub fn spread(&self, index: u32, seed: u32) -> Vec<DesignValue> {
+    pub fn space_filling(&self, index: u32, seed: u32) -> Vec<DesignValue> {
         let coordinate = |dimension| f64::from(sobol_burley::sample(index, dimension, seed));
         // One dimension per variable, fewer than Sobol' dimensions.
         let dimensions = u32::try_from(self.dimensions()).unwrap_or(u32::MAX);
-        let place: Vec<f64> = (0..dimensions).map(coordinate).collect();
-        self.at(&place)
+        let coordinates: Vec<f64> = (0..dimensions).map(coordinate).collect();
+        self.design_at(&coordinates)
     }
 
     /// Returns the variables as the optimiser defines them: numbers on a scale from 0 to 1.
@@ -66,7 +66,7 @@ impl<'a> Space<'a> {
 
     /// Returns the design of a row of the optimiser.
     pub fn design(&self, row: &[f64]) -> Vec<DesignValue> {
-        let mut design = self.at(&vec![0.0; self.dimensions()]);
+        let mut design = self.design_at(&vec![0.0; self.dimensions()]);
         for ((index, variable), number) in self.varied().zip(row) {
             design[index] = match variable.values() {
                 values @ Values::Numbers(..) => value_at(values, *number),
@@ -138,7 +138,7 @@ mod tests {
     }
 
     #[test]
-    fn designs_and_rows_are_the_same() {
+    fn rows_of_the_optimiser_give_their_designs() {
         let text = "schema: 1\nname: one\nseed: 7\nmodel: {kind: ball_balancer}\n\
             initial_conditions: {design: {monte_carlo: {samples: 2}}}\n\
             design:\n  speed_rad_s: {from: -260, to: -140}\n  balls: {from: 1, to: 3}\n  \
@@ -149,7 +149,7 @@ mod tests {
         assert_eq!((space.dimensions(), space.types().len()), (4, 3));
         let mut found = [0; 3];
         for index in 0..96 {
-            let design = space.spread(index, 5);
+            let design = space.space_filling(index, 5);
             assert_eq!(space.design(&space.row(&design)), design, "{design:?}");
             assert_eq!(design[2], DesignValue::Number(900.0));
             let DesignValue::Number(balls) = design[1] else { panic!("{design:?}") };

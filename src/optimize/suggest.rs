@@ -3,7 +3,7 @@
 use egobox_ego::{CorrelationSpec, EgorServiceBuilder};
 
 use super::evaluation::Evaluation;
-use super::goal::{Goal, values};
+use super::goal::Goal;
 use super::space::Space;
 use super::surrogate::{Surrogate, table};
 use crate::engine::quietly;
@@ -24,25 +24,25 @@ pub(super) struct TrainingValues {
     pub noise: f64,
 }
 
-/// Returns the values of quantity `place`; `None` if no design has a value of it.
+/// Returns the values of a quantity, given by its index; `None` if no design has a value of it.
 pub(super) fn training_values(
     goal: &Goal,
-    place: usize,
+    quantity: usize,
     estimates: &[Vec<Estimate>],
 ) -> Option<TrainingValues> {
-    let of = |design: &Vec<Estimate>| design.get(place).and_then(|one| one.value);
-    let worst = if goal.large_is_bad(place) { f64::max } else { f64::min };
-    let instead = estimates.iter().filter_map(of).reduce(worst)?;
+    let of = |design: &Vec<Estimate>| design.get(quantity).and_then(|one| one.value);
+    let worst = if goal.large_is_bad(quantity) { f64::max } else { f64::min };
+    let substitute = estimates.iter().filter_map(of).reduce(worst)?;
     let mut errors: Vec<f64> = estimates
         .iter()
-        .filter_map(|design| design.get(place)?.standard_error)
+        .filter_map(|design| design.get(quantity)?.standard_error)
         .filter(|error| error.is_finite())
         .collect();
     errors.sort_by(f64::total_cmp);
-    let usual = errors.get(errors.len() / 2).copied().unwrap_or(0.0);
+    let median = errors.get(errors.len() / 2).copied().unwrap_or(0.0);
     Some(TrainingValues {
-        values: estimates.iter().map(|design| of(design).unwrap_or(instead)).collect(),
-        noise: usual * usual,
+        values: estimates.iter().map(|design| of(design).unwrap_or(substitute)).collect(),
+        noise: median * median,
     })
 }
 
@@ -59,24 +59,24 @@ pub(super) fn suggest(
 ) -> Option<Vec<DesignValue>> {
     let estimates: Vec<Vec<Estimate>> =
         evaluations.iter().map(|one| goal.estimates(&one.answers)).collect();
-    let places: Vec<Vec<f64>> =
+    let coordinates: Vec<Vec<f64>> =
         evaluations.iter().map(|one| space.coordinates(&one.values)).collect();
-    let smoothed = |place: usize| {
-        let training_values = training_values(goal, place, &estimates)?;
+    let smoothed = |quantity: usize| {
+        let training_values = training_values(goal, quantity, &estimates)?;
         let surrogate =
-            Surrogate::fit(&places, &training_values.values, training_values.noise, seed);
-        let smooth = surrogate.and_then(|surrogate| surrogate.predict(&places));
+            Surrogate::fit(&coordinates, &training_values.values, training_values.noise, seed);
+        let smooth = surrogate.and_then(|surrogate| surrogate.predict(&coordinates));
         Some(smooth.unwrap_or(training_values.values))
     };
     let quantities: Option<Vec<Vec<f64>>> = (0..goal.quantities().len()).map(smoothed).collect();
     let quantities = quantities?;
-    let told = |index: usize| {
-        let own: Vec<Option<f64>> =
-            quantities.iter().map(|training_values| training_values.get(index).copied()).collect();
-        let both = goal.costs(&own).into_iter().chain(goal.excesses(&own));
-        both.collect::<Option<Vec<f64>>>()
+    let outputs = |index: usize| {
+        let values: Vec<Option<f64>> =
+            quantities.iter().map(|of_designs| of_designs.get(index).copied()).collect();
+        let costs_and_excesses = goal.costs(&values).into_iter().chain(goal.excesses(&values));
+        costs_and_excesses.collect::<Option<Vec<f64>>>()
     };
-    let told: Vec<Vec<f64>> = (0..evaluations.len()).map(told).collect::<Option<_>>()?;
+    let outputs: Vec<Vec<f64>> = (0..evaluations.len()).map(outputs).collect::<Option<_>>()?;
     let rows: Vec<Vec<f64>> = evaluations.iter().map(|one| space.row(&one.values)).collect();
     let (objectives, limits) = (goal.objectives().len(), goal.limits().len());
     let ask = || {
@@ -88,7 +88,7 @@ pub(super) fn suggest(
             })
             .min_within_mixint_space(&space.types())
             .ok()?;
-        let found = optimiser.suggest(&table(&rows).ok()?, &table(&scaled(&told)).ok()?);
+        let found = optimiser.suggest(&table(&rows).ok()?, &table(&scaled(&outputs)).ok()?);
         found.rows().into_iter().next().map(|row| row.to_vec())
     };
     // After a panic the optimiser is not used again.
@@ -96,23 +96,18 @@ pub(super) fn suggest(
     row.iter().all(|number| number.is_finite()).then(|| space.design(&row))
 }
 
-/// Divides columns by their spread, which preserves signs and order.
+/// Divides columns by their standard deviations, which preserves signs and order.
 fn scaled(rows: &[Vec<f64>]) -> Vec<Vec<f64>> {
     let mut rows = rows.to_vec();
     let width = rows.first().map_or(0, Vec::len);
     for column in 0..width {
         let all = || rows.iter().filter_map(|row| row.get(column).copied());
         let mean = all().sum::<f64>() / rows.len() as f64;
-        let spread =
+        let deviation =
             (all().map(|one| (one - mean).powi(2)).sum::<f64>() / rows.len() as f64).sqrt();
-        if spread > 0.0 {
-            rows.iter_mut().filter_map(|row| row.get_mut(column)).for_each(|one| *one /= spread);
+        if deviation > 0.0 {
+            rows.iter_mut().filter_map(|row| row.get_mut(column)).for_each(|one| *one /= deviation);
         }
     }
     rows
-}
-
-/// Returns the values of estimates, by design.
-pub(super) fn all_values(goal: &Goal, evaluations: &[Evaluation]) -> Vec<Vec<Option<f64>>> {
-    evaluations.iter().map(|one| values(&goal.estimates(&one.answers))).collect()
 }

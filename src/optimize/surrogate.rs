@@ -26,11 +26,16 @@ pub struct Surrogate {
 }
 
 impl Surrogate {
-    /// Fits the values at places, with at most this variance of noise.
+    /// Fits values to the coordinates of their designs, with at most this variance of noise.
     ///
     /// # Errors
     /// Returns the reason if all values are equal, or if the library cannot fit them.
-    pub fn fit(places: &[Vec<f64>], values: &[f64], noise: f64, seed: u64) -> Result<Self, String> {
+    pub fn fit(
+        coordinates: &[Vec<f64>],
+        values: &[f64],
+        noise: f64,
+        seed: u64,
+    ) -> Result<Self, String> {
         let count = values.len() as f64;
         let mean = values.iter().sum::<f64>() / count;
         let variance = values.iter().map(|one| (one - mean).powi(2)).sum::<f64>() / count;
@@ -38,7 +43,7 @@ impl Surrogate {
         if scale.is_nan() || scale <= 1e-12 * mean.abs() {
             return Err("all values are equal".to_owned());
         }
-        let x = table(places)?;
+        let x = table(coordinates)?;
         let y: Array1<f64> = values.iter().map(|value| (value - mean) / scale).collect();
         let most = (noise / variance).clamp(10.0 * LEAST_NOISE, 1.0);
         let noise = ParamTuning::Optimized {
@@ -59,12 +64,13 @@ impl Surrogate {
         Ok(Surrogate { process, mean, scale })
     }
 
-    /// Returns the approximation at places.
+    /// Returns the approximation for designs with these coordinates.
     ///
     /// # Errors
-    /// Returns an error if a place has another dimension than the fitted ones, or if a value is not finite.
-    pub fn predict(&self, places: &[Vec<f64>]) -> Result<Vec<f64>, String> {
-        let predicted = self.process.predict(&table(places)?).map_err(|error| error.to_string())?;
+    /// Returns an error if the coordinates differ in number from the fitted ones, or if a value is not finite.
+    pub fn predict(&self, coordinates: &[Vec<f64>]) -> Result<Vec<f64>, String> {
+        let predicted =
+            self.process.predict(&table(coordinates)?).map_err(|error| error.to_string())?;
         let values: Vec<f64> = predicted.iter().map(|one| self.mean + self.scale * one).collect();
         if values.iter().all(|value| value.is_finite()) {
             return Ok(values);
@@ -93,39 +99,4 @@ pub(super) fn table(rows: &[Vec<f64>]) -> Result<Array2<f64>, String> {
     let width = rows.first().map_or(0, Vec::len);
     let flat: Vec<f64> = rows.iter().flatten().copied().collect();
     Array2::from_shape_vec((rows.len(), width), flat).map_err(|error| error.to_string())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::Surrogate;
-
-    /// The fit recovers a smooth function and the noise from noisy values.
-    #[test]
-    fn noise_is_told_from_the_function() {
-        let function = |x: f64| (4.0 * x).sin();
-        let noise = |index: usize| 0.1 * ((index * 7919 % 101) as f64 / 101.0 - 0.5) * 3.46;
-        let places: Vec<Vec<f64>> = (0..40).map(|index| vec![f64::from(index) / 39.0]).collect();
-        let values: Vec<f64> = places
-            .iter()
-            .enumerate()
-            .map(|(index, place)| 5.0 + function(place[0]) + noise(index))
-            .collect();
-        let surrogate = Surrogate::fit(&places, &values, 0.04, 1).unwrap();
-        let found = surrogate.predict(&places).unwrap();
-        let mean_error = places
-            .iter()
-            .zip(&found)
-            .map(|(place, found)| (found - 5.0 - function(place[0])).abs())
-            .sum::<f64>()
-            / 40.0;
-        assert!(mean_error < 0.05, "{mean_error}");
-        assert!((0.05..0.2).contains(&surrogate.noise()), "{}", surrogate.noise());
-    }
-
-    #[test]
-    fn equal_values_have_no_surrogate() {
-        let places = vec![vec![0.0], vec![0.5], vec![1.0]];
-        let refused = Surrogate::fit(&places, &[2.0; 3], 0.1, 1).err();
-        assert_eq!(refused.as_deref(), Some("all values are equal"));
-    }
 }

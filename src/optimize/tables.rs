@@ -1,6 +1,6 @@
 //! Columns of `finalists.parquet`, `pareto.parquet` and `sensitivities.parquet`.
 
-use super::finalists::{Finalist, Role};
+use super::finalists::{Finalist, FinalistRole};
 use super::goal::Goal;
 use super::sensitivity::Sensitivity;
 use crate::responses::Answer;
@@ -10,15 +10,15 @@ use crate::table::column::Column;
 
 /// Returns the columns of `finalists.parquet`: one row per design of the finalists and point of the sweep. `design` is
 /// null if the search did not evaluate the design.
-pub fn finalist_columns(study: &Study) -> Vec<Column<(Role, Answer)>> {
-    let mut columns = answer_columns(study, |row: &(Role, Answer)| &row.1);
+pub fn finalist_columns(study: &Study) -> Vec<Column<(FinalistRole, Answer)>> {
+    let mut columns = answer_columns(study, |row: &(FinalistRole, Answer)| &row.1);
     columns.insert(
         0,
         Column::word(
             "role",
             "what the design is: finalist, best, pareto or compare_with; all roles but pareto and finalist \
              have runs of their own",
-            |row: &(Role, Answer)| row.0.name(),
+            |row: &(FinalistRole, Answer)| row.0.name(),
         ),
     );
     columns

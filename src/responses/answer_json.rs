@@ -2,6 +2,7 @@
 
 use serde_json::{Map, Value, json};
 
+use super::estimate::Estimate;
 use super::respond::Answer;
 use crate::classification::Label;
 use crate::study::{ParameterValue, Study};
@@ -12,7 +13,7 @@ pub fn to_json(study: &Study, id: &Value, answers: &[Answer]) -> Value {
     let mut answer = Map::new();
     answer.insert("id".to_owned(), id.clone());
     match answers {
-        [only] if study.swept().is_empty() => answer.extend(point(study, only)),
+        [only] if study.swept().is_empty() => answer.extend(point_json(study, only)),
         _ => {
             let points = answers.iter().map(|answer| {
                 let mut object = Map::new();
@@ -24,7 +25,7 @@ pub fn to_json(study: &Study, id: &Value, answers: &[Answer]) -> Value {
                     };
                     object.insert(column.name.clone(), value);
                 }
-                object.extend(point(study, answer));
+                object.extend(point_json(study, answer));
                 Value::Object(object)
             });
             answer.insert("points".to_owned(), points.collect());
@@ -33,17 +34,23 @@ pub fn to_json(study: &Study, id: &Value, answers: &[Answer]) -> Value {
     Value::Object(answer)
 }
 
-fn point(study: &Study, answer: &Answer) -> Map<String, Value> {
-    let responses = study.responses().iter().zip(&answer.estimates).map(|(response, estimate)| {
-        let value = json!({
-            "value": estimate.value,
-            "standard_error": estimate.standard_error,
-            "low": estimate.low,
-            "high": estimate.high,
-            "reason": estimate.reason,
-        });
-        (response.name.clone(), value)
-    });
+/// Returns an estimate as an object.
+pub(crate) fn estimate_json(estimate: &Estimate) -> Value {
+    json!({
+        "value": estimate.value,
+        "standard_error": estimate.standard_error,
+        "low": estimate.low,
+        "high": estimate.high,
+        "reason": estimate.reason,
+    })
+}
+
+fn point_json(study: &Study, answer: &Answer) -> Map<String, Value> {
+    let responses = study
+        .responses()
+        .iter()
+        .zip(&answer.estimates)
+        .map(|(response, estimate)| (response.name.clone(), estimate_json(estimate)));
     let mut object = Map::new();
     object.insert("responses".to_owned(), Value::Object(responses.collect()));
     object.insert("runs".to_owned(), json!(answer.counts.total()));

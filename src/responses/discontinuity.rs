@@ -42,7 +42,7 @@ fn pairs(scaled: &[Vec<f64>]) -> Vec<(usize, usize)> {
     for (index, one) in scaled.iter().enumerate() {
         let others = || scaled.iter().enumerate().filter(|(other, _)| *other != index);
         let least = others().map(|(_, other)| distance(one, other)).fold(f64::INFINITY, f64::min);
-        let nearest = others().filter(|(_, other)| near(distance(one, other), least));
+        let nearest = others().filter(|(_, other)| is_nearest(distance(one, other), least));
         pairs.extend(nearest.map(|(other, _)| (index.min(other), index.max(other))));
     }
     pairs.sort_unstable();
@@ -55,12 +55,13 @@ pub(super) fn distance(one: &[f64], other: &[f64]) -> f64 {
     one.iter().zip(other).map(|(one, other)| (one - other) * (one - other)).sum()
 }
 
-/// Whether a distance equals the least one up to rounding, so that the order of designs does not matter.
-pub(super) fn near(distance: f64, least: f64) -> bool {
+/// Returns whether a distance equals the least one. Rounding errors are tolerated, so that the order of designs does
+/// not matter.
+pub(super) fn is_nearest(distance: f64, least: f64) -> bool {
     distance <= least * (1.0 + 1e-9)
 }
 
-/// Whether any label's fraction differs in a test at this level.
+/// Returns whether any label's fraction differs in a test at this level.
 pub(super) fn labels_differ(one: &LabelCounts, other: &LabelCounts, level: f64) -> bool {
     Label::ALL.iter().any(|label| p_value(one, other, *label) <= level)
 }
@@ -79,58 +80,20 @@ fn p_value(one: &LabelCounts, other: &LabelCounts, label: Label) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::{discontinuous, p_value};
+    use super::p_value;
     use crate::analysis::LabelCounts;
-    use crate::analysis::test_rng::TestRng;
     use crate::classification::Label;
-
-    fn counts(equilibria: u64, undecided: u64) -> LabelCounts {
-        let mut counts = LabelCounts::default();
-        (0..equilibria).for_each(|_| counts.add(Label::Equilibrium));
-        (0..undecided).for_each(|_| counts.add(Label::Undecided));
-        counts
-    }
 
     /// Fisher's lady tasting tea: three of four cups right is 0.486, four of four 0.029.
     #[test]
     fn the_lady_tasting_tea() {
-        let p = |right: u64| {
-            p_value(&counts(right, 4 - right), &counts(4 - right, right), Label::Equilibrium)
+        let counts = |equilibria: u64| {
+            let mut counts = LabelCounts::default();
+            counts.add_many(Label::Equilibrium, equilibria);
+            counts.add_many(Label::Undecided, 4 - equilibria);
+            counts
         };
+        let p = |right: u64| p_value(&counts(right), &counts(4 - right), Label::Equilibrium);
         assert!((p(3) - 34.0 / 70.0).abs() < 1e-12 && (p(4) - 2.0 / 70.0).abs() < 1e-12);
-    }
-
-    #[test]
-    fn a_step_is_seen_from_both_sides() {
-        let scaled: Vec<Vec<f64>> = [0.0, 0.1, 0.2, 0.3, 0.4].map(|x| vec![x]).to_vec();
-        let fractions = [60, 62, 61, 20, 22].map(|equilibria| counts(equilibria, 64 - equilibria));
-        let expected = [false, false, true, true, false].map(Some);
-        assert_eq!(discontinuous(&scaled, &fractions), expected);
-        assert_eq!(discontinuous(&scaled[..1], &fractions[..1]), [None]);
-        // Another order gives the same flags.
-        let order = [3, 0, 4, 2, 1];
-        let flags =
-            discontinuous(&order.map(|at| scaled[at].clone()), &order.map(|at| fractions[at]));
-        assert_eq!(flags, order.map(|at| expected[at]));
-    }
-
-    /// Without any change at most 1 % of the tables have a flag: more than 36 of 2000 seeded ones would have a
-    /// probability below 0.001.
-    #[test]
-    fn level() {
-        let mut draws = TestRng::new(5);
-        let scaled: Vec<Vec<f64>> = (0..10).map(|x| vec![f64::from(x)]).collect();
-        let mut flagged = 0;
-        for _ in 0..2000 {
-            let fractions: Vec<LabelCounts> = (0..10)
-                .map(|_| {
-                    let rests = (0..50).filter(|_| draws.uniform() < 0.4).count() as u64;
-                    counts(rests, 50 - rests)
-                })
-                .collect();
-            flagged += u32::from(discontinuous(&scaled, &fractions).contains(&Some(true)));
-        }
-        println!("{flagged} of 2000");
-        assert!(flagged <= 36, "{flagged}");
     }
 }

@@ -4,14 +4,14 @@ use std::borrow::Cow;
 
 use crate::classification::Label;
 
-/// The observed results of one run.
+/// The results of one run that responses use.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Seen {
-    /// Its cell in a stratified design; otherwise zero.
+pub struct RunResult {
+    /// Number of the run's cell in a stratified design; otherwise 0.
     pub cell: u64,
     /// Label of the run.
     pub label: Label,
-    /// Residual amplitude, m or relative to that without balls; `None` if the run failed.
+    /// Residual amplitude, in m or relative to the amplitude without balls; `None` if the run failed.
     pub amplitude: Option<f64>,
     /// Time at which the run came to rest, s.
     pub time_to_rest_s: Option<f64>,
@@ -19,8 +19,8 @@ pub struct Seen {
     pub end_time_s: Option<f64>,
 }
 
-impl Seen {
-    /// Whether the run failed.
+impl RunResult {
+    /// Returns whether the run failed.
     pub fn failed(&self) -> bool {
         self.label == Label::Failed
     }
@@ -32,7 +32,7 @@ pub struct Sample {
     /// Number of cells of equal size from which the start states were drawn; `None` if the sampling is not stratified.
     pub cells: Option<u64>,
     /// The runs.
-    pub runs: Vec<Seen>,
+    pub runs: Vec<RunResult>,
 }
 
 impl Sample {
@@ -47,7 +47,7 @@ impl Sample {
 pub struct Estimate {
     /// The value; `None` if the runs do not determine it.
     pub value: Option<f64>,
-    /// Its standard error.
+    /// Standard error of the value.
     pub standard_error: Option<f64>,
     /// Lower end of the interval; `None` if it is unbounded.
     pub low: Option<f64>,
@@ -60,7 +60,7 @@ pub struct Estimate {
 impl Estimate {
     /// Creates an estimate with its interval. If an end is unbounded, the standard error is omitted for the given
     /// reason.
-    pub fn within(
+    pub fn with_interval(
         value: f64,
         standard_error: Option<f64>,
         [low, high]: [Option<f64>; 2],

@@ -5,8 +5,10 @@
 //! interval of the other runs, divided by the normal quantile 1.96: unlike `√(p (1 - p) / n)` it is not zero if all
 //! runs have the same result.
 
-use super::estimate::{Estimate, Sample, Seen};
-use crate::analysis::{Cells, SurvivalCurve, ValueCounts, Z_95, wilson, wilson_with_failures};
+use super::estimate::{Estimate, RunResult, Sample};
+use crate::analysis::{
+    Cells, SurvivalCurve, ValueCounts, Z_95, rest_or_stop_time, wilson, wilson_with_failures,
+};
 use crate::classification::Label;
 
 const NO_RUN: &str = "all runs failed";
@@ -19,7 +21,7 @@ pub fn above(sample: &Sample, limit: f64) -> Estimate {
 /// Estimates the probability of rest by a time, s. Runs on a limit cycle never rest. If a moving run was stopped
 /// before that time, returns the Kaplan-Meier estimate.
 pub fn at_rest_by(sample: &Sample, time_s: f64) -> Estimate {
-    let censored = |run: &Seen| {
+    let censored = |run: &RunResult| {
         let open = matches!(run.label, Label::Undecided | Label::Irregular);
         open && run.end_time_s.is_some_and(|end| end < time_s)
     };
@@ -32,7 +34,7 @@ pub fn at_rest_by(sample: &Sample, time_s: f64) -> Estimate {
 }
 
 /// Estimates the fraction of runs that succeed; unknown results count as failures.
-fn fraction(sample: &Sample, succeeds: impl Fn(&Seen) -> Option<bool>) -> Estimate {
+fn fraction(sample: &Sample, succeeds: impl Fn(&RunResult) -> Option<bool>) -> Estimate {
     let mut cells = sample.cells.map(Cells::new).unwrap_or_default();
     let mut known_cells = cells.clone();
     let (mut successes, mut failures) = (0, 0);
@@ -63,14 +65,13 @@ fn fraction(sample: &Sample, succeeds: impl Fn(&Seen) -> Option<bool>) -> Estima
     }
 }
 
-/// Returns the times at which runs came to rest (kind 0) or were stopped while moving (kind 1).
+/// Returns the times at which runs came to rest or were stopped while moving, without failed runs.
 pub(super) fn times(sample: &Sample) -> ValueCounts {
     let mut times = ValueCounts::default();
     for run in sample.runs.iter().filter(|run| !run.failed()) {
-        match (run.time_to_rest_s, run.end_time_s) {
-            (Some(time), _) => times.add(time, 0),
-            (None, _) if run.label == Label::LimitCycle => times.add(f64::INFINITY, 1),
-            (None, end) => end.into_iter().for_each(|end| times.add(end, 1)),
+        if let Some((time, kind)) = rest_or_stop_time(run.label, run.time_to_rest_s, run.end_time_s)
+        {
+            times.add(time, kind);
         }
     }
     times
@@ -94,72 +95,5 @@ fn kaplan_meier(sample: &Sample, time_s: f64) -> Estimate {
         low: Some((1.0 - high) * known),
         high: Some((1.0 - low) * known + (1.0 - known)),
         reason: None,
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::{above, at_rest_by};
-    use crate::analysis::{Z_95, wilson};
-    use crate::classification::Label;
-    use crate::responses::{Sample, Seen};
-
-    fn run(label: Label, time_to_rest_s: Option<f64>, end: f64) -> Seen {
-        let amplitude = (label != Label::Failed).then_some(end);
-        Seen { cell: 0, label, amplitude, time_to_rest_s, end_time_s: Some(end) }
-    }
-
-    fn sample(runs: Vec<Seen>) -> Sample {
-        Sample { cells: None, runs }
-    }
-
-    #[test]
-    fn fractions_by_hand() {
-        let mut runs = vec![run(Label::Equilibrium, Some(1.0), 1.0); 6];
-        runs.extend(vec![run(Label::Equilibrium, Some(3.0), 4.0); 2]);
-        runs.extend(vec![run(Label::Undecided, None, 9.0); 1]);
-        runs.extend(vec![run(Label::LimitCycle, None, 1.5); 1]);
-        let found = at_rest_by(&sample(runs.clone()), 2.0);
-        assert_eq!(found.value, Some(0.6));
-        let (low, high) = wilson(6, 10, Z_95);
-        assert_eq!((found.low, found.high), (Some(low), Some(high)));
-        assert_eq!(at_rest_by(&sample(runs.clone()), 9.0).value, Some(0.8));
-        assert_eq!(above(&sample(runs.clone()), 3.9).value, Some(0.3));
-        // Two failed runs: 6 of 12 to 8 of 12.
-        runs.extend(vec![run(Label::Failed, None, 0.0); 2]);
-        let with = at_rest_by(&sample(runs), 2.0);
-        assert_eq!(with.value, Some(0.5));
-        let ends = (wilson(6, 12, Z_95).0, wilson(8, 12, Z_95).1);
-        assert_eq!((with.low, with.high), (Some(ends.0), Some(ends.1)));
-        let failed = at_rest_by(&sample(vec![run(Label::Failed, None, 0.0); 3]), 2.0);
-        assert_eq!((failed.value, failed.reason.as_deref()), (None, Some("all runs failed")));
-        // Equal results are not certainty.
-        let alike = at_rest_by(&sample(vec![run(Label::Equilibrium, Some(1.0), 1.0); 10]), 2.0);
-        assert_eq!((alike.value, alike.high), (Some(1.0), Some(1.0)));
-        assert!(alike.low < Some(0.75) && alike.standard_error > Some(0.05));
-    }
-
-    /// The 6-MP group (Blood 21 (1963) 699): 0.8067 still in remission at 9 weeks, Greenwood's interval 0.5631 to 0.9228;
-    /// unknown after the last observation.
-    #[test]
-    fn stopped_runs_are_censored() {
-        let mut runs: Vec<Seen> = [6.0, 6.0, 6.0, 7.0, 10.0, 13.0, 16.0, 22.0, 23.0]
-            .map(|time| run(Label::Equilibrium, Some(time), time))
-            .to_vec();
-        let stopped = [6.0, 9.0, 10.0, 11.0, 17.0, 19.0, 20.0, 25.0, 32.0, 32.0, 34.0, 35.0];
-        runs.extend(stopped.map(|time| run(Label::Undecided, None, time)));
-        let near = |found: Option<f64>, printed: f64| {
-            assert!((found.unwrap() - printed).abs() < 5.01e-5, "{found:?} {printed}");
-        };
-        let found = at_rest_by(&sample(runs.clone()), 9.0);
-        near(found.value, 1.0 - 0.8067);
-        near(found.low, 1.0 - 0.9228);
-        near(found.high, 1.0 - 0.5631);
-        assert!(at_rest_by(&sample(runs.clone()), 36.0).reason.is_some());
-        // Seven failed of 28: three quarters of the probability are known.
-        runs.extend(vec![run(Label::Failed, None, 0.0); 7]);
-        let with = at_rest_by(&sample(runs), 9.0);
-        near(with.value, 0.75 * (1.0 - 0.8067));
-        near(with.high, 0.75 * (1.0 - 0.5631) + 0.25);
     }
 }

@@ -12,31 +12,31 @@ pub struct Request {
     /// The request's `id`; null if it has none.
     pub id: Value,
     /// One value per variable of the study, and the study with these values; or the reason why the request is invalid.
-    pub design: Result<(Vec<DesignValue>, Box<Study>), Refusal>,
+    pub design: Result<(Vec<DesignValue>, Box<Study>), RequestError>,
 }
 
 /// The reason why a request is invalid.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Refusal {
+pub struct RequestError {
     /// The variable with the invalid value, if it is one.
     variable: Option<String>,
     fault: Fault,
 }
 
-impl Refusal {
-    fn of_all(problem: &str, found: impl Into<String>) -> Refusal {
+impl RequestError {
+    fn of_line(problem: &str, found: impl Into<String>) -> RequestError {
         let allowed = "one JSON object per line, with a value for each variable";
-        Refusal { variable: None, fault: Fault::new(problem, found, allowed) }
+        RequestError { variable: None, fault: Fault::new(problem, found, allowed) }
     }
 
     /// Creates the error for a line that is longer than `most` bytes.
-    pub fn too_long(most: usize) -> Refusal {
-        Refusal::of_all("line too long", format!("more than {most} bytes"))
+    pub fn too_long(most: usize) -> RequestError {
+        RequestError::of_line("line too long", format!("more than {most} bytes"))
     }
 
     /// Returns the error as it stands in an answer.
     pub fn to_json(&self) -> Value {
-        let Refusal { variable, fault } = self;
+        let RequestError { variable, fault } = self;
         let mut error = json!({});
         if let Some(variable) = variable {
             error["variable"] = json!(variable);
@@ -55,7 +55,7 @@ impl Request {
             Err(error) => {
                 let text = String::from_utf8_lossy(line);
                 let found = format!("{} ({error})", shorten(&text));
-                let design = Err(Refusal::of_all("not a request", found));
+                let design = Err(RequestError::of_line("not a request", found));
                 Request { id: Value::Null, design }
             }
             Ok(named) => {
@@ -69,10 +69,10 @@ impl Request {
 fn read_design(
     study: &Study,
     given: &Named<Value>,
-) -> Result<(Vec<DesignValue>, Box<Study>), Refusal> {
+) -> Result<(Vec<DesignValue>, Box<Study>), RequestError> {
     let variables = study.variables();
     for (index, (name, value)) in given.0.iter().enumerate() {
-        let about = |fault| Err(Refusal { variable: Some(shorten(name)), fault });
+        let about = |fault| Err(RequestError { variable: Some(shorten(name)), fault });
         if name != "id" && !variables.iter().any(|variable| variable.name() == name) {
             let names: Vec<&str> = variables.iter().map(|variable| variable.name()).collect();
             let allowed = match list_names(name, &names) {
@@ -100,8 +100,8 @@ fn read_design(
             },
         };
         let name = || Some(variable.name().to_owned());
-        values.push(value.map_err(|fault| Refusal { variable: name(), fault })?);
+        values.push(value.map_err(|fault| RequestError { variable: name(), fault })?);
     }
-    let set = study.with_design(&values).map_err(|fault| Refusal { variable: None, fault })?;
+    let set = study.with_design(&values).map_err(|fault| RequestError { variable: None, fault })?;
     Ok((values, Box::new(set)))
 }

@@ -3,7 +3,7 @@
 use std::sync::atomic::AtomicBool;
 
 use super::amplitude::{mean, quantile, standard_deviation, worst};
-use super::estimate::{Estimate, Sample, Seen};
+use super::estimate::{Estimate, RunResult, Sample};
 use super::probability::{above, at_rest_by};
 use super::rest_time::median_time_to_rest;
 use crate::analysis::{LabelCounts, reference_amplitude};
@@ -27,34 +27,35 @@ pub struct Answer {
     pub estimates: Vec<Estimate>,
     /// Runs per label.
     pub counts: LabelCounts,
-    /// Whether label fractions change abruptly to the nearest other design; `None` if that was not tested.
+    /// Whether label fractions differ abruptly from those of a nearest other design; `None` if the designs were not
+    /// compared.
     pub discontinuous: Option<bool>,
 }
 
-/// Computes a design at all points of the sweep. `sets` holds the study with its variables set to `values`, or
-/// several such studies that differ in their master seeds, whose runs are pooled; calls `finished` for each run.
+/// Computes a design at all points of the sweep. `studies` holds the study with its variables set to `values`, or
+/// several such studies with different master seeds, whose runs are pooled. Calls `finished` for each run.
 /// Returns `None` if `stop` became true.
 pub fn respond(
     workers: &WorkerPool,
-    sets: &[Study],
+    studies: &[Study],
     responses: &[Response],
     (design, values): (u64, &[DesignValue]),
     stop: &AtomicBool,
     finished: &(dyn Fn(Label) + Sync),
 ) -> Option<Vec<Answer>> {
-    let Some(first) = sets.first() else { return Some(Vec::new()) };
+    let Some(first) = studies.first() else { return Some(Vec::new()) };
     let answer = |point_id| {
-        let runs = |set: &Study| workers.sample(set, point_id, stop, finished);
-        let runs: Option<Vec<_>> = sets.iter().map(runs).collect();
+        let runs = |study: &Study| workers.sample(study, point_id, stop, finished);
+        let runs: Option<Vec<_>> = studies.iter().map(runs).collect();
         let runs: Vec<_> = runs?.into_iter().flatten().collect();
         let point = first.point(point_id);
         let sample = |relative| Sample {
             cells: point.cells,
-            runs: runs.iter().map(|run| seen(run, relative)).collect(),
+            runs: runs.iter().map(|run| observed(run, relative)).collect(),
         };
-        let [plain, relative] = [sample(false), sample(true)];
+        let [absolute, relative] = [sample(false), sample(true)];
         let estimate = |response: &Response| {
-            estimate(response.measure, if response.relative { &relative } else { &plain })
+            estimate(response.measure, if response.relative { &relative } else { &absolute })
         };
         let mut counts = LabelCounts::default();
         runs.iter().for_each(|run| counts.add(run.outcome.label()));
@@ -71,18 +72,18 @@ pub fn respond(
     (0..first.point_count()).map(answer).collect()
 }
 
-fn seen(run: &RunRecord, relative: bool) -> Seen {
+fn observed(run: &RunRecord, relative: bool) -> RunResult {
     let RunRecord { planned, outcome, .. } = run;
-    let without = || {
+    let reference = || {
         let machine = planned.case.as_ref().ok()?.model.ball_balancer()?;
         reference_amplitude(machine).filter(|amplitude| *amplitude > 0.0)
     };
     let amplitude = outcome.amplitude_m;
-    Seen {
+    RunResult {
         cell: planned.cell,
         label: outcome.label(),
         amplitude: if relative {
-            amplitude.and_then(|own| Some(own / without()?))
+            amplitude.and_then(|own| Some(own / reference()?))
         } else {
             amplitude
         },

@@ -69,7 +69,7 @@ pub fn frictionless_columns(study: &Study, own_speeds: bool) -> Vec<Column<Frict
     ]);
     for index in 0..2 * (2 + study.model().balls()) {
         let value = move |row: &FrictionlessRow| {
-            row.equilibrium.eigenvalues_1_s.get(index).map(|value| (value.re, value.im))
+            row.equilibrium.eigenvalues_per_s.get(index).map(|value| (value.re, value.im))
         };
         let number = index + 1;
         columns.push(Column::number(

@@ -260,13 +260,13 @@ fn median_and_escape_columns() -> [Column<PointRow>; 6] {
             "escape_rate_low_per_s",
             "1/s",
             "lower end of its 95 % confidence interval (Garwood)",
-            |escape| escape.interval_1_s.0,
+            |escape| escape.interval_per_s.0,
         ),
         escape(
             "escape_rate_high_per_s",
             "1/s",
             "upper end of its 95 % confidence interval (Garwood)",
-            |escape| escape.interval_1_s.1,
+            |escape| escape.interval_per_s.1,
         ),
         escape(
             "escape_from_s",

@@ -1,7 +1,7 @@
 //! Equilibria without friction: the thesis's figure 5.1, a numerical search for equilibria that the
 //! closed forms could miss, and the forces that must vanish.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 
 use nalgebra::{DMatrix, DVector};
 use stickslip::analysis::{
@@ -9,6 +9,8 @@ use stickslip::analysis::{
     frictionless_equilibria, sorted_where_identical,
 };
 use stickslip::model::{Balancer, Ball, Machine};
+
+use crate::support::angular_distance;
 
 /// A high drag in the sense of the thesis.
 const HIGH: f64 = 1e4;
@@ -166,8 +168,7 @@ fn newton(machine: &Machine, start: Vec<f64>) -> Option<Vec<f64>> {
 }
 
 fn distance(one: &[f64], other: &[f64]) -> f64 {
-    let turn = |(a, b): (&f64, &f64)| ((a - b + PI).rem_euclid(TAU) - PI).abs();
-    one.iter().zip(other).map(turn).fold(0.0, f64::max)
+    one.iter().zip(other).map(|(one, other)| angular_distance(*one, *other)).fold(0.0, f64::max)
 }
 
 /// The closed forms are complete: a search from hundreds of starts finds all of them, and in
@@ -212,8 +213,8 @@ fn three_balls_balance_in_a_family() {
     let family = above.iter().find(|one| one.kind == Kind::B1).unwrap();
     assert_eq!(family.family_dimension, 1);
     assert_eq!(stable(&above), [Kind::B1]);
-    let zeros = family.eigenvalues_1_s.iter().filter(|value| value.norm() < 1e-6).count();
-    assert_eq!(zeros, 1, "{:?}", family.eigenvalues_1_s);
+    let zeros = family.eigenvalues_per_s.iter().filter(|value| value.norm() < 1e-6).count();
+    assert_eq!(zeros, 1, "{:?}", family.eigenvalues_per_s);
     // The stability is constant along the family: the third ball anywhere, the others balance it.
     let form = RestForm::new(&Machine { balls: balls.clone(), ..thesis(-216.3772) }).unwrap();
     let slow = RestForm::new(&Machine { balls: balls.clone(), ..thesis(-160.0) }).unwrap();

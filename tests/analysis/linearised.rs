@@ -152,7 +152,7 @@ fn disturbances_grow_as_fast_as_the_first_eigenvalue() {
         let form = RestForm::new(&machine).unwrap();
         for one in frictionless_equilibria(&machine, 1.0).unwrap() {
             let beta = one.beta_rad.unwrap();
-            let eigenvalue = one.eigenvalues_1_s[0] / form.natural_frequency_rad_s;
+            let eigenvalue = one.eigenvalues_per_s[0] / form.natural_frequency_rad_s;
             let seen = left_eigenvector(&state_matrix(&form, &beta, 1.0).unwrap(), eigenvalue);
             let z = form.rest_point(&beta);
             let mut start = DVector::zeros(8);

@@ -1,8 +1,23 @@
-//! Equilibrium sets and frictionless equilibria against closed forms and the thesis; classes of
-//! limit cycles.
+//! Intervals and estimates with their coverage, summaries of points, classes of limit cycles, and
+//! equilibrium sets against closed forms and the thesis.
 
+mod audit;
 mod cycle_classes;
 mod cycle_groups;
+mod equilibrium_histogram;
+mod escape;
 mod frictionless;
+mod identical_balls;
+mod interval;
 mod linearised;
+mod point_summary;
+mod reference_amplitude;
+mod rest_curve;
+mod set_components;
+mod set_extremes;
+mod set_samples;
 mod sets;
+mod stopping;
+mod stratified;
+mod survival;
+mod value_counts;

@@ -5,6 +5,8 @@ use stickslip::model::{
     Balancer, Case, FrictionLaw, Machine, Method, NormalForce, Simulation, Start,
 };
 
+use crate::support::angular_distance;
+
 fn run(machine: &Machine, start: &Start, method: Method, end_time_s: f64) -> Outcome {
     let simulation = Simulation { method, end_time_s, ..Simulation::default() };
     simulate(&Case { model: machine.clone().into(), start: start.clone(), simulation })
@@ -12,11 +14,6 @@ fn run(machine: &Machine, start: &Start, method: Method, end_time_s: f64) -> Out
 
 fn with(friction: FrictionLaw) -> Machine {
     Machine { friction, ..Machine::default() }
-}
-
-fn distance(a: f64, b: f64) -> f64 {
-    let turned = (a - b).rem_euclid(std::f64::consts::TAU);
-    turned.min(std::f64::consts::TAU - turned)
 }
 
 /// Table and balls at rest, where Coulomb friction holds the balls with half of its limit.
@@ -49,7 +46,8 @@ fn smooth_friction_lets_resting_balls_creep() {
             let outcome = run(&machine, &start, method, 20.0);
             assert_ne!(outcome.evidence, Evidence::RestCertified);
             let end = outcome.position.expect("known");
-            let moved = |end: &[f64]| (0..2).map(|i| distance(end[i], beta[i])).fold(0.0, f64::max);
+            let moved =
+                |end: &[f64]| (0..2).map(|i| angular_distance(end[i], beta[i])).fold(0.0, f64::max);
             crept.push(moved(&end));
         }
         // A ball held with a fraction `s` of the limit creeps with `v_0 tan(π s / 2)`, here with 45
@@ -75,7 +73,10 @@ fn viscous_friction_balances() {
             let outcome = run(&machine, &start, Method::Switch, 60.0);
             let mut end = outcome.position.expect("known");
             end.sort_by(f64::total_cmp);
-            assert!(distance(end[0], 2.270) < 1e-3 && distance(end[1], 4.013) < 1e-3, "{end:?}");
+            assert!(
+                angular_distance(end[0], 2.270) < 1e-3 && angular_distance(end[1], 4.013) < 1e-3,
+                "{end:?}"
+            );
             assert_eq!(outcome.effort.switches, 0);
         }
     }

@@ -7,6 +7,7 @@ use stickslip::motion::SimdLevel;
 
 use super::simulate_all::in_lockstep;
 use crate::cli::support::parse;
+use crate::support::angular_distance;
 
 fn cases(samples: u32, simulation: &str, balls: u32, rest: &str) -> Vec<Case> {
     let study = parse(&format!(
@@ -82,8 +83,7 @@ fn endings_are_those_of_runs_computed_alone() {
             at_rest += 1;
             let positions = lanes.position.iter().flatten().zip(alone.position.iter().flatten());
             for (lane, alone) in positions {
-                let apart = (lane - alone).abs();
-                let apart = apart.min(std::f64::consts::TAU - apart);
+                let apart = angular_distance(*lane, *alone);
                 assert!(apart < 1e-3, "{apart} in {case:?}");
             }
         }

@@ -29,7 +29,7 @@ fn the_exponent_at_an_unstable_equilibrium_is_that_of_the_linearised_equations()
         let natural = machine.natural_frequency_rad_s();
         let drag = viscous_coefficient_n_s_m / (machine.balls[0].mass_kg * natural);
         for one in frictionless_equilibria(&machine, drag).expect("two balls") {
-            let rate = one.eigenvalues_1_s[0].re;
+            let rate = one.eigenvalues_per_s[0].re;
             // Fast enough to be measured before rounding errors have grown.
             if one.stability != Stability::Unstable || rate < 1e-3 * natural {
                 continue;

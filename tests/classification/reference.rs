@@ -7,6 +7,7 @@ use stickslip::classification::{Label, Outcome};
 use stickslip::model::{Case, Machine, Method, Simulation, Start};
 
 use super::simulate_all::simulate_all;
+use crate::support::angular_distance;
 
 /// A run of the independent program.
 pub struct Reference {
@@ -62,12 +63,6 @@ pub fn label_agrees(reference: &Reference, outcome: &Outcome) -> bool {
     (reference.label == "equilibrium") == (outcome.label() == Label::Equilibrium)
 }
 
-/// Returns the distance of two angles, rad.
-pub fn distance(a: f64, b: f64) -> f64 {
-    let turn = (a - b).rem_euclid(std::f64::consts::TAU);
-    turn.min(std::f64::consts::TAU - turn)
-}
-
 /// Returns the error of each run's final angles, in ascending order.
 fn angle_errors(references: &[Reference], outcomes: &[Outcome]) -> Vec<f64> {
     let mut errors: Vec<f64> = references
@@ -75,7 +70,7 @@ fn angle_errors(references: &[Reference], outcomes: &[Outcome]) -> Vec<f64> {
         .zip(outcomes)
         .map(|(reference, outcome)| {
             let beta = outcome.position.as_deref().expect("an equilibrium has angles");
-            let error = |ball: usize| distance(beta[ball], reference.end_beta[ball]);
+            let error = |ball: usize| angular_distance(beta[ball], reference.end_beta[ball]);
             error(0).max(error(1))
         })
         .collect();

@@ -11,6 +11,8 @@ use stickslip::model::{
 };
 use stickslip::motion::{Motion, Settings};
 
+use crate::support::angular_distance;
+
 fn run(model: impl Into<Model>, start: &Start, end_time_s: f64) -> Outcome {
     let simulation = Simulation { end_time_s, ..Simulation::default() };
     simulate(&Case { model: model.into(), start: start.clone(), simulation })
@@ -45,13 +47,8 @@ fn equilibria(machine: &Machine) -> Vec<FrictionlessEquilibrium> {
     frictionless_equilibria(machine, drag / unit).expect("balls")
 }
 
-fn distance(a: f64, b: f64) -> f64 {
-    let turned = (a - b).rem_euclid(TAU);
-    turned.min(TAU - turned)
-}
-
 fn apart(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| distance(*a, *b)).fold(0.0, f64::max)
+    a.iter().zip(b).map(|(a, b)| angular_distance(*a, *b)).fold(0.0, f64::max)
 }
 
 /// Returns a start state with table and balls at rest at these angles.
@@ -220,11 +217,13 @@ fn beyond_a_nearby_unstable_equilibrium_nothing_is_claimed() {
     };
     let (mut there, mut gone) = (-179.0, -180.0);
     while let Some((stable, unstable)) = together(there)
-        && distance(stable.0, unstable.0) > 6e-4
+        && angular_distance(stable.0, unstable.0) > 6e-4
     {
         let middle = 0.5 * (there + gone);
         match together(middle) {
-            Some((stable, unstable)) if distance(stable.0, unstable.0) > 3e-4 => there = middle,
+            Some((stable, unstable)) if angular_distance(stable.0, unstable.0) > 3e-4 => {
+                there = middle
+            }
             _ => gone = middle,
         }
     }

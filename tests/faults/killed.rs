@@ -6,19 +6,10 @@ use std::time::Duration;
 
 use super::{CHUNKS, chunks, finished, stopped_at, study};
 use crate::cli::support::{Scratch, assert_has};
+use crate::support::TestRng;
 
 /// Minimum number of kills.
 const KILLS: u32 = 50;
-
-/// A fixed pseudo-random sequence (a multiplicative congruential generator).
-struct Chance(u64);
-
-impl Chance {
-    fn below(&mut self, bound: u64) -> u64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
-        (self.0 >> 33) % bound
-    }
-}
 
 /// Waits until the program has ended or `holds`. Returns whether it has ended.
 fn until(child: &mut Child, mut holds: impl FnMut() -> bool) -> bool {
@@ -42,11 +33,11 @@ fn kills_lose_nothing() {
     scratch.write("a.yaml", study());
     scratch.well("run a.yaml --out whole");
     let out = scratch.path("out");
-    let mut chance = Chance(20_261_121);
+    let mut draws = TestRng::new(20_261_121);
     let (mut kills, mut kept) = (0, Vec::new());
     loop {
-        let threads = 1 + chance.below(3);
-        let command = match out.join("manifest.json").exists() && chance.below(2) == 0 {
+        let threads = 1 + draws.below(3);
+        let command = match out.join("manifest.json").exists() && draws.below(2) == 0 {
             true => "resume out",
             false => "run a.yaml --out out",
         };
@@ -54,12 +45,12 @@ fn kills_lose_nothing() {
         let mut child = scratch.command(&options).spawn().unwrap();
         let early = kills % 3 == 0 && kills < 2 * KILLS;
         let ended = if early {
-            sleep(Duration::from_micros(chance.below(12_000)));
+            sleep(Duration::from_micros(draws.below(12_000)));
             child.try_wait().unwrap().is_some()
         } else {
             let before = kept.len();
             let ended = until(&mut child, || finished(&out).len() > before);
-            sleep(Duration::from_micros(chance.below(4_000)));
+            sleep(Duration::from_micros(draws.below(4_000)));
             ended || child.try_wait().unwrap().is_some()
         };
         if !ended {

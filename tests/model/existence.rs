@@ -4,22 +4,22 @@
 use nalgebra::{DMatrix, DVector};
 use stickslip::model::{Balancer, Ball, ExistenceVerdict, Machine, SAFE_FRICTION};
 
-use super::extended_lagrange::uniform;
+use crate::support::TestRng;
 
 /// A machine with heavy balls, a light table and friction coefficients up to `most_friction`.
-fn extreme(seed: &mut u64, balls: usize, most_friction: f64) -> Machine {
+fn extreme(draws: &mut TestRng, balls: usize, most_friction: f64) -> Machine {
     let mut ball = || Ball {
-        mass_kg: 0.05 + uniform(seed),
+        mass_kg: 0.05 + draws.uniform(),
         diameter_m: 3e-3,
-        friction_coefficient: most_friction * uniform(seed),
+        friction_coefficient: most_friction * draws.uniform(),
     };
     let balls = (0..balls).map(|_| ball()).collect();
-    let table_mass_kg = 1e-3 + 0.3 * uniform(seed) * uniform(seed);
+    let table_mass_kg = 1e-3 + 0.3 * draws.uniform() * draws.uniform();
     Machine { balls, table_mass_kg, ..Machine::default() }
 }
 
-fn positions<const N: usize>(seed: &mut u64) -> [f64; N] {
-    std::array::from_fn(|_| 7.0 * uniform(seed))
+fn positions<const N: usize>(draws: &mut TestRng) -> [f64; N] {
+    std::array::from_fn(|_| 7.0 * draws.uniform())
 }
 
 /// Returns the response of the forces to accelerations, from the equations of motion: `f_w = q - A
@@ -118,10 +118,10 @@ fn solutions<const N: usize>(
     found
 }
 
-fn closed_form_is_the_determinant<const N: usize>(seed: &mut u64) {
+fn closed_form_is_the_determinant<const N: usize>(draws: &mut TestRng) {
     for _ in 0..300 {
-        let balancer = Balancer::<N>::new(&extreme(seed, N, 5.0)).unwrap();
-        let beta = positions(seed);
+        let balancer = Balancer::<N>::new(&extreme(draws, N, 5.0)).unwrap();
+        let beta = positions(draws);
         let (least, _) = least_corner(&balancer, &beta);
         let closed = balancer.least_minor_at(&beta);
         assert!((least - closed).abs() < 1e-11 * (1.0 + least.abs()), "{least} {closed}");
@@ -131,20 +131,20 @@ fn closed_form_is_the_determinant<const N: usize>(seed: &mut u64) {
 /// The 2×2 form of the minors agrees with determinants of `K` itself.
 #[test]
 fn closed_form_of_the_minors() {
-    let mut seed = 7;
-    closed_form_is_the_determinant::<1>(&mut seed);
-    closed_form_is_the_determinant::<2>(&mut seed);
-    closed_form_is_the_determinant::<3>(&mut seed);
-    closed_form_is_the_determinant::<5>(&mut seed);
+    let mut draws = TestRng::new(7);
+    closed_form_is_the_determinant::<1>(&mut draws);
+    closed_form_is_the_determinant::<2>(&mut draws);
+    closed_form_is_the_determinant::<3>(&mut draws);
+    closed_form_is_the_determinant::<5>(&mut draws);
 }
 
 /// If all minors are positive there is exactly one solution for any forces; if one is not, there
 /// are forces with several solutions, by construction.
-fn one_solution_where_minors_are_positive<const N: usize>(seed: &mut u64) -> [u32; 2] {
+fn one_solution_where_minors_are_positive<const N: usize>(draws: &mut TestRng) -> [u32; 2] {
     let mut seen = [0; 2];
     for _ in 0..400 {
-        let balancer = Balancer::<N>::new(&extreme(seed, N, 5.0)).unwrap();
-        let beta = positions(seed);
+        let balancer = Balancer::<N>::new(&extreme(draws, N, 5.0)).unwrap();
+        let beta = positions(draws);
         let answers = answers(&balancer, &beta);
         let (least, corner) = least_corner(&balancer, &beta);
         if least.abs() < 0.02 {
@@ -155,8 +155,8 @@ fn one_solution_where_minors_are_positive<const N: usize>(seed: &mut u64) -> [u3
         seen[usize::from(one)] += 1;
         if one {
             for _ in 0..20 {
-                let q = DVector::from_fn(N, |_, _| 20.0 * uniform(seed) - 10.0);
-                let n = DVector::from_fn(N, |_, _| 5.0 * uniform(seed) - 1.0);
+                let q = DVector::from_fn(N, |_, _| 20.0 * draws.uniform() - 10.0);
+                let n = DVector::from_fn(N, |_, _| 5.0 * draws.uniform() - 1.0);
                 let found = solutions(&balancer, &answers, (&q, &n));
                 assert_eq!(found.len(), 1, "{found:?}");
             }
@@ -193,18 +193,18 @@ fn one_solution_where_minors_are_positive<const N: usize>(seed: &mut u64) -> [u3
 
 #[test]
 fn brute_force_finds_one_solution_exactly_where_minors_are_positive() {
-    let mut seed = 11;
-    let two = one_solution_where_minors_are_positive::<2>(&mut seed);
-    let three = one_solution_where_minors_are_positive::<3>(&mut seed);
+    let mut draws = TestRng::new(11);
+    let two = one_solution_where_minors_are_positive::<2>(&mut draws);
+    let three = one_solution_where_minors_are_positive::<3>(&mut draws);
     assert!(two.into_iter().chain(three).all(|count| count > 30), "{two:?} {three:?}");
 }
 
 /// The closed form of the worst position of two balls agrees with a scan of all positions.
 #[test]
 fn worst_position_of_two_balls() {
-    let mut seed = 3;
+    let mut draws = TestRng::new(3);
     for _ in 0..50 {
-        let machine = extreme(&mut seed, 2, 5.0);
+        let machine = extreme(&mut draws, 2, 5.0);
         let balancer = Balancer::<2>::new(&machine).unwrap();
         let verdict = machine.existence();
         assert!((verdict.least_minor() - balancer.existence().least_minor()).abs() < 1e-12);
@@ -218,18 +218,18 @@ fn worst_position_of_two_balls() {
 /// For more balls, no random position is worse than the named one, whose minor is as stated.
 #[test]
 fn worst_position_of_more_balls() {
-    let (mut seed, mut failing) = (5, 0);
+    let (mut draws, mut failing) = (TestRng::new(5), 0);
     for _ in 0..200 {
-        let machine = extreme(&mut seed, 4, 5.0);
+        let machine = extreme(&mut draws, 4, 5.0);
         let balancer = Balancer::<4>::new(&machine).unwrap();
         let verdict = machine.existence();
         for _ in 0..50 {
-            let beta = positions(&mut seed);
+            let beta = positions(&mut draws);
             assert!(balancer.least_minor_at(&beta) > verdict.least_minor() - 1e-12);
         }
         if let ExistenceVerdict::NotUnique { least_minor, position } = &verdict {
             failing += 1;
-            let mut beta = positions(&mut seed);
+            let mut beta = positions(&mut draws);
             for (ball, angle) in position {
                 beta[ball - 1] = 2.0 + angle;
             }
@@ -243,11 +243,11 @@ fn worst_position_of_more_balls() {
 /// Exchanging balls, turning all of them together, and mirroring do not change the verdict.
 #[test]
 fn symmetries_do_not_change_the_verdict() {
-    let mut seed = 13;
+    let mut draws = TestRng::new(13);
     for _ in 0..100 {
-        let machine = extreme(&mut seed, 3, 5.0);
+        let machine = extreme(&mut draws, 3, 5.0);
         let balancer = Balancer::<3>::new(&machine).unwrap();
-        let [a, b, c] = positions(&mut seed);
+        let [a, b, c] = positions(&mut draws);
         let minor = balancer.least_minor_at(&[a, b, c]);
         let [one, two, three] = balancer.balls;
         let exchanged = Balancer { balls: [three, one, two], ..balancer };
@@ -281,9 +281,9 @@ fn the_thesis_machine_has_one_solution() {
 /// extreme machine fails.
 #[test]
 fn safe_friction_is_safe_and_sharp() {
-    let mut seed = 17;
+    let mut draws = TestRng::new(17);
     for trial in 0..400 {
-        let mut machine = extreme(&mut seed, 1 + trial % 6, SAFE_FRICTION);
+        let mut machine = extreme(&mut draws, 1 + trial % 6, SAFE_FRICTION);
         machine.table_mass_kg *= 1e-6;
         for ball in machine.balls.iter_mut().filter(|_| trial % 2 == 0) {
             ball.friction_coefficient = SAFE_FRICTION;
@@ -291,9 +291,9 @@ fn safe_friction_is_safe_and_sharp() {
         assert_eq!(machine.existence().word(), "unique", "{machine:?}");
     }
     for trial in 0..50 {
-        assert_eq!(extreme(&mut seed, 1, 1e6).existence().word(), "unique", "{trial}");
+        assert_eq!(extreme(&mut draws, 1, 1e6).existence().word(), "unique", "{trial}");
     }
-    let mut machine = extreme(&mut seed, 2, 0.0);
+    let mut machine = extreme(&mut draws, 2, 0.0);
     machine.table_mass_kg = 1e-6;
     machine.imbalance_mass_kg = 1e-6;
     machine.balls = vec![Ball { friction_coefficient: 1.498, ..machine.balls[0] }; 2];
@@ -303,9 +303,9 @@ fn safe_friction_is_safe_and_sharp() {
 /// The verdict changes at the reported fraction of the friction.
 #[test]
 fn unambiguous_fraction_of_friction() {
-    let (mut seed, mut failing) = (19, 0);
+    let (mut draws, mut failing) = (TestRng::new(19), 0);
     for _ in 0..100 {
-        let machine = extreme(&mut seed, 3, 5.0);
+        let machine = extreme(&mut draws, 3, 5.0);
         let fraction = machine.unambiguous_friction_fraction();
         let scaled = |factor: f64| {
             let mut scaled = machine.clone();

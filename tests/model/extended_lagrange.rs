@@ -1,15 +1,8 @@
 //! The 2×2 form of the equations against the thesis's matrices, in all nine configurations.
 
 use super::thesis_matrices::{Configuration, extended_lagrange};
+use crate::support::TestRng;
 use stickslip::model::{Balancer, Contact, Friction, Machine, NormalForce, State};
-
-/// An independent random generator, so that this test is self-contained (xorshift64*).
-pub(super) fn uniform(seed: &mut u64) -> f64 {
-    *seed ^= *seed >> 12;
-    *seed ^= *seed << 25;
-    *seed ^= *seed >> 27;
-    (seed.wrapping_mul(0x2545_F491_4F6C_DD1D) >> 11) as f64 / (1u64 << 53) as f64
-}
 
 fn contact(configuration: Configuration, coefficient: f64) -> Contact {
     match configuration {
@@ -22,20 +15,19 @@ fn contact(configuration: Configuration, coefficient: f64) -> Contact {
 /// to 1e-12 of the largest force, on 2000 random states and machines, in every configuration.
 #[test]
 fn same_accelerations_and_forces_in_all_configurations() {
-    let mut seed = 5;
+    let mut draws = TestRng::new(5);
     let kinds = [Configuration::Stick, Configuration::Slip(1.0), Configuration::Slip(-1.0)];
     for trial in 0..2000 {
-        let mut machine =
-            Machine { speed_rad_s: -400.0 * uniform(&mut seed), ..Machine::default() };
+        let mut machine = Machine { speed_rad_s: -400.0 * draws.uniform(), ..Machine::default() };
         machine.normal_force =
             if trial % 2 == 0 { NormalForce::Lagrange } else { NormalForce::Newton };
         for ball in &mut machine.balls {
-            ball.mass_kg *= 0.1 + 20.0 * uniform(&mut seed);
-            ball.diameter_m *= 0.5 + uniform(&mut seed);
-            ball.friction_coefficient *= 100.0 * uniform(&mut seed);
+            ball.mass_kg *= 0.1 + 20.0 * draws.uniform();
+            ball.diameter_m *= 0.5 + draws.uniform();
+            ball.friction_coefficient *= 100.0 * draws.uniform();
         }
         let balancer = Balancer::<2>::new(&machine).expect("two balls");
-        let mut spread = |width: f64| width * (2.0 * uniform(&mut seed) - 1.0);
+        let mut spread = |width: f64| width * (2.0 * draws.uniform() - 1.0);
         let state = State {
             position: [spread(0.1), spread(0.1)],
             velocity: [spread(0.1), spread(0.1)],

@@ -8,6 +8,7 @@ use stickslip::study::Study;
 use stickslip::table::Manifest;
 
 use crate::cli::support::Scratch;
+use crate::support::angular_distance;
 
 /// Returns the dots of the panel whose title begins with `title`.
 fn dots(figure: &Figure, title: &str) -> Vec<[f64; 2]> {
@@ -24,11 +25,7 @@ fn dots(figure: &Figure, title: &str) -> Vec<[f64; 2]> {
 
 /// Returns the distance on the torus.
 fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
-    let along = |axis: usize| {
-        let away = (a[axis] - b[axis]).rem_euclid(TAU);
-        away.min(TAU - away)
-    };
-    along(0).hypot(along(1))
+    angular_distance(a[0], b[0]).hypot(angular_distance(a[1], b[1]))
 }
 
 /// Dots are densest near the balancing positions (2.27, 4.01) and (4.01, 2.27), thesis section 5.3:

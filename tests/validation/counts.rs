@@ -9,9 +9,10 @@ use stickslip::classification::{Label, Outcome};
 use stickslip::model::{Case, Machine, Method, NormalForce, Simulation};
 use stickslip::study::Study;
 
-use crate::classification::reference::{distance, label_agrees, references, run_all};
+use crate::classification::reference::{label_agrees, references, run_all};
 use crate::classification::simulate_all::simulate_all;
 use crate::docs::generated::compare_or_write_part;
+use crate::support::angular_distance;
 
 /// The thesis's counts (figures 5.7 to 5.9 and section 5.3), in the order of the study's points.
 const THESIS: [u64; 6] = [768, 768, 768, 70, 435, 61];
@@ -268,7 +269,8 @@ switching. The table compares the labels of all runs, and the final angles of th
                 })
                 .map(|(reference, outcome)| {
                     let beta = outcome.position.as_deref().expect("an equilibrium has angles");
-                    let difference = |ball: usize| distance(beta[ball], reference.end_beta[ball]);
+                    let difference =
+                        |ball: usize| angular_distance(beta[ball], reference.end_beta[ball]);
                     difference(0).max(difference(1))
                 })
                 .collect();

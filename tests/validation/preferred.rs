@@ -2,7 +2,6 @@
 
 use std::collections::BTreeMap;
 use std::convert::Infallible;
-use std::f64::consts::TAU;
 use std::fmt::Write;
 
 use stickslip::analysis::{
@@ -13,6 +12,7 @@ use stickslip::classification::{Label, Outcome};
 use stickslip::model::Machine;
 
 use crate::docs::generated::compare_or_write_part;
+use crate::support::angular_distance;
 
 /// Returns the section, from the machines of the thesis's points and the outcomes of their runs.
 pub fn near_frictionless<'a>(points: impl Iterator<Item = (&'a Machine, &'a [Outcome])>) -> String {
@@ -85,11 +85,9 @@ fn stable_equilibria(machine: &Machine) -> Vec<Equilibrium> {
 /// Returns the kind of the nearest stable equilibrium, and the root mean square of the angles to it,
 /// in the better order of the balls.
 fn nearest(stable: &[Equilibrium], beta: &[f64]) -> (FrictionlessKind, f64) {
-    let turn = |a: f64, b: f64| {
-        let away = (a - b).rem_euclid(TAU);
-        away.min(TAU - away)
+    let away = |[a, b]: [f64; 2]| {
+        angular_distance(beta[0], a).hypot(angular_distance(beta[1], b)) / 2.0_f64.sqrt()
     };
-    let away = |[a, b]: [f64; 2]| turn(beta[0], a).hypot(turn(beta[1], b)) / 2.0_f64.sqrt();
     let distances = stable.iter().map(|&(kind, [a, b])| (kind, away([a, b]).min(away([b, a]))));
     distances.min_by(|(_, a), (_, b)| a.total_cmp(b)).expect("a stable equilibrium")
 }

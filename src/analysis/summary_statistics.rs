@@ -15,13 +15,13 @@ const MOST_VALUES: usize = 512;
 /// so that the order of the values does not matter. (`ValueCounts` rounds relative to the value, this
 /// type relative to the range.)
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct OrderStatistics {
+pub struct SummaryStatistics {
     counts: BTreeMap<u64, u64>,
     dropped: u32,
     ends: Option<[f64; 2]>,
 }
 
-impl OrderStatistics {
+impl SummaryStatistics {
     /// Adds a value. A non-finite value is ignored.
     pub fn add(&mut self, value: f64) {
         if !value.is_finite() {
@@ -101,27 +101,27 @@ fn from_ordered_bits(bits: u64) -> f64 {
 mod tests {
     use proptest::prelude::*;
 
-    use super::{MOST_VALUES, OrderStatistics};
+    use super::{MOST_VALUES, SummaryStatistics};
 
-    fn spread(values: impl IntoIterator<Item = f64>) -> OrderStatistics {
-        let mut spread = OrderStatistics::default();
-        values.into_iter().for_each(|value| spread.add(value));
-        spread
+    fn statistics(values: impl IntoIterator<Item = f64>) -> SummaryStatistics {
+        let mut statistics = SummaryStatistics::default();
+        values.into_iter().for_each(|value| statistics.add(value));
+        statistics
     }
 
     #[test]
     fn statistics_of_few_values_are_exact() {
-        let few = spread([4.0, -2.0, 1.0, 3.0, f64::NAN, f64::INFINITY]);
+        let few = statistics([4.0, -2.0, 1.0, 3.0, f64::NAN, f64::INFINITY]);
         assert_eq!(
             (few.median(), few.mean(), few.ends()),
             (Some(2.0), Some(1.5), Some([-2.0, 4.0]))
         );
-        let same = spread([0.1; 7]);
+        let same = statistics([0.1; 7]);
         assert_eq!(
             (same.median(), same.mean(), same.ends()),
             (Some(0.1), Some(0.1), Some([0.1; 2]))
         );
-        let none = spread([]);
+        let none = statistics([]);
         assert_eq!((none.median(), none.mean(), none.ends()), (None, None, None));
     }
 
@@ -138,9 +138,9 @@ mod tests {
             let middle = if negative { -middle } else { middle };
             let width = 10_f64.powf(-digits);
             let mut values: Vec<f64> = fractions.iter().map(|fraction| middle + width * fraction).collect();
-            let found = spread(values.iter().copied());
+            let found = statistics(values.iter().copied());
             prop_assert!(found.counts.len() <= MOST_VALUES);
-            prop_assert_eq!(&found, &spread(values.iter().rev().copied()));
+            prop_assert_eq!(&found, &statistics(values.iter().rev().copied()));
             values.sort_by(f64::total_cmp);
             let count = values.len();
             let median = 0.5 * (values[(count - 1) / 2] + values[count / 2]);

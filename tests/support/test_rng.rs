@@ -2,6 +2,7 @@
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
+use rand_distr::Distribution;
 
 /// A stream of random numbers.
 pub struct TestRng(ChaCha8Rng);
@@ -15,6 +16,16 @@ impl TestRng {
     /// Returns a number uniform in the open interval (0, 1).
     pub fn uniform(&mut self) -> f64 {
         ((self.0.next_u64() >> 11) as f64 + 0.5) / (1_u64 << 53) as f64
+    }
+
+    /// Returns a whole number from 0 to below `bound`.
+    pub fn below(&mut self, bound: u64) -> u64 {
+        self.0.next_u64() % bound
+    }
+
+    /// Returns a normally distributed number with a mean of 0 and a standard deviation of 1.
+    pub fn normal(&mut self) -> f64 {
+        rand_distr::StandardNormal.sample(&mut self.0)
     }
 
     /// Returns an exponentially distributed number with the given rate.

@@ -1,0 +1,55 @@
+//! Intervals of the difference and the ratio of two estimates from independent samples, recovered from the intervals
+//! of the estimates.
+
+use crate::responses::Estimate;
+
+/// Estimates `one - other` (G. Y. Zou, A. Donner, Stat. Med. 27 (2008) 1693, doi:10.1002/sim.3095). The standard
+/// error is that of independent samples.
+pub fn estimate_difference(one: &Estimate, other: &Estimate) -> Estimate {
+    let Some((x, y)) = one.value.zip(other.value) else { return unknown(one, other) };
+    let root = |a: f64, b: f64| (a * a + b * b).sqrt();
+    let half_width = |end: Option<f64>, opposite: Option<f64>| {
+        end.zip(opposite).map(|(end, opposite)| root(x - end, y - opposite))
+    };
+    Estimate {
+        value: Some(x - y),
+        standard_error: one.standard_error.zip(other.standard_error).map(|(a, b)| root(a, b)),
+        low: half_width(one.low, other.high).map(|half| x - y - half),
+        high: half_width(one.high, other.low).map(|half| x - y + half),
+        reason: one.reason.clone().or_else(|| other.reason.clone()),
+    }
+}
+
+/// Estimates `one / other` of positive quantities (A. Donner, G. Y. Zou, Stat. Methods Med. Res. 21 (2012) 347,
+/// doi:10.1177/0962280210383082); unknown if one of their intervals reaches zero. The standard error is that of
+/// independent samples, to first order.
+pub fn estimate_ratio(one: &Estimate, other: &Estimate) -> Estimate {
+    let Some((x, y)) = one.value.zip(other.value) else { return unknown(one, other) };
+    let intervals = one.low.zip(one.high).zip(other.low.zip(other.high));
+    let Some(((l1, u1), (l2, u2))) = intervals else { return unknown(one, other) };
+    if !(l1 > 0.0 && l2 > 0.0) {
+        return Estimate::unknown("an interval that reaches zero");
+    }
+    let ratio_end = |end: f64, opposite: f64, sign: f64| {
+        let radicand = (x * y).powi(2) - end * opposite * (2.0 * x - end) * (2.0 * y - opposite);
+        let denominator = opposite * (2.0 * y - opposite);
+        let ratio = (x * y + sign * radicand.max(0.0).sqrt()) / denominator;
+        (denominator > 0.0 && ratio.is_finite()).then_some(ratio)
+    };
+    let (low, high) = (ratio_end(l1, u2, -1.0), ratio_end(u1, l2, 1.0));
+    let error = one.standard_error.zip(other.standard_error).map(|(a, b)| {
+        let (a, b) = (a / x, b / y);
+        x / y * (a * a + b * b).sqrt()
+    });
+    Estimate::with_interval(
+        x / y,
+        error,
+        [low, high],
+        "the interval of the compared design is too wide",
+    )
+}
+
+fn unknown(one: &Estimate, other: &Estimate) -> Estimate {
+    let reason = one.reason.clone().or_else(|| other.reason.clone());
+    Estimate { reason, ..Estimate::default() }
+}

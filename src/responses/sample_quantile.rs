@@ -1,0 +1,108 @@
+//! Quantiles with standard errors and distribution-free intervals between order statistics.
+//!
+//! The number of values below the quantile of a continuous distribution is binomial. The interval extends from the
+//! `l`-th to the `u`-th smallest value, with the largest `l` and the least `u` for which the quantile lies below the
+//! interval, and above it, with a probability of at most 2.5 % each (H. A. David, H. N. Nagaraja, Order Statistics,
+//! 3rd ed., Wiley 2003, section 7.1, doi:10.1002/0471722162). Stratified values vary less, so that their interval is
+//! conservative.
+
+use statrs::function::beta::checked_beta_reg;
+use statrs::function::factorial::ln_binomial;
+
+use crate::analysis::interpolated_quantile;
+
+/// Returns the quantile of ascending values (see [`interpolated_quantile`]); `None` if there are no values.
+pub(super) fn quantile(ascending: &[f64], fraction: f64) -> Option<f64> {
+    let value = |rank| ascending.get(usize::try_from(rank).ok()?).copied();
+    interpolated_quantile(ascending.len() as u64, fraction, value)
+}
+
+/// Returns the 95 % interval of the quantile; an end is `None` if the values do not bound it.
+pub(super) fn interval(ascending: &[f64], fraction: f64) -> [Option<f64>; 2] {
+    const TAIL: f64 = 0.025;
+    let n = ascending.len();
+    if n == 0 || fraction <= 0.0 || fraction >= 1.0 {
+        return [None, None];
+    }
+    let probability = |k: usize| {
+        let choices = ln_binomial(n as u64, k as u64);
+        let (k, n) = (k as f64, n as f64);
+        libm::exp(choices + k * libm::log(fraction) + (n - k) * libm::log1p(-fraction))
+    };
+    // The number of values below the quantile, up to the tail probability, from either end.
+    let (mut below, mut low) = (0.0, None);
+    for (k, value) in ascending.iter().enumerate() {
+        below += probability(k);
+        if below > TAIL {
+            break;
+        }
+        low = Some(*value);
+    }
+    let (mut above, mut high) = (0.0, None);
+    for k in (1..=n).rev() {
+        above += probability(k);
+        if above > TAIL {
+            break;
+        }
+        high = ascending.get(k - 1).copied();
+    }
+    [low, high]
+}
+
+/// The range of the sum over order statistics, in standard deviations of a proportion. The quantile of a resample lies
+/// outside of this range with a probability below 1e-15.
+const REACH: f64 = 8.0;
+
+/// A value, the fraction of the distribution up to it, and the number of runs behind that fraction (with censoring,
+/// the effective number).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Cumulative {
+    pub value: f64,
+    pub proportion: f64,
+    pub runs: f64,
+}
+
+/// Returns the cumulative distribution of ascending values.
+pub(super) fn cumulative(ascending: &[f64]) -> impl Iterator<Item = Cumulative> {
+    let runs = ascending.len() as f64;
+    let at = move |(index, value): (usize, &f64)| Cumulative {
+        value: *value,
+        proportion: (index + 1) as f64 / runs,
+        runs,
+    };
+    ascending.iter().enumerate().map(at)
+}
+
+/// Returns the standard error of a quantile: that of a bootstrap with infinitely many resamples, in closed form.
+///
+/// In a resample of `n` runs the quantile `q` is at most `x` with the probability `I_F(a, b)`, where `F` is the
+/// fraction of the runs up to `x`, `I` the regularised incomplete beta function, `a = q (n - 1) + 1` and
+/// `b = (1 - q) (n - 1) + 1`. Unlike the width of an interval it accounts for the gap of a bimodal sample. Returns
+/// `None` if more than 2.5 % of the resamples do not reach the quantile.
+///
+/// Source: J. S. Maritz, R. G. Jarrett, J. Am. Stat. Assoc. 73 (1978) 194,
+/// doi:10.1080/01621459.1978.10480027.
+pub(super) fn standard_error(
+    ascending: impl Iterator<Item = Cumulative>,
+    fraction: f64,
+) -> Option<f64> {
+    let (mut weight, mut first, mut second, mut reference) = (0.0, 0.0, 0.0, None);
+    for Cumulative { value, proportion, runs } in ascending {
+        let scale = (fraction * (1.0 - fraction) / runs).sqrt();
+        let off = (proportion - fraction) / (scale + 1.0 / runs);
+        let (a, b) = (fraction * (runs - 1.0) + 1.0, (1.0 - fraction) * (runs - 1.0) + 1.0);
+        let reached = match off {
+            off if off < -REACH => 0.0,
+            off if off > REACH => 1.0,
+            _ => checked_beta_reg(a, b, proportion.clamp(0.0, 1.0)).ok()?,
+        };
+        // With censoring the effective number of runs decreases, and so could the probability.
+        let part = (reached - weight).max(0.0);
+        weight += part;
+        let from = value - *reference.get_or_insert(value);
+        first += part * from;
+        second += part * from * from;
+    }
+    let (mean, square) = (first / weight, second / weight);
+    (weight >= 0.975).then(|| (square - mean * mean).max(0.0).sqrt())
+}
