@@ -114,5 +114,6 @@ fn a_message_shows_file_line_key_finding_remedy_and_source() {
     assert!(lines[2].starts_with(
         "  allowed: table_mass_kg (did you mean this?), stiffness_n_m, damping_n_s_m"
     ));
+    assert!(!lines[2].contains("belt_speed_m_s"), "a balancer has no belt: {}", lines[2]);
     assert_eq!(lines[3], "  7 |     table_mas_kg: 0.3");
 }

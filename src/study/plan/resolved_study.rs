@@ -54,7 +54,7 @@ impl Study {
             };
             // Ranges of all balls concern designs; the balls of this study have their own ranges.
             if let Some(ranges) = &mut determining.initial_conditions.start_box {
-                ranges.0.retain(|(name, _)| !GENERAL_AXES.contains(&name.as_str()));
+                ranges.retain(|name, _| !GENERAL_AXES.contains(&name.as_str()));
             }
             let mut digest = Sha256::new();
             digest.update(b"stickslip study 1\n");

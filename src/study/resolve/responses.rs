@@ -2,13 +2,14 @@
 
 use std::collections::HashSet;
 
-use crate::study::error::{Fault, Locate, StudyError, shorten};
-use crate::study::file::key_path::KeyPath;
+use indexmap::IndexMap;
+
+use crate::study::error::{Fault, StudyError};
 use crate::study::file::response_file::ResponseFile;
-use crate::study::file::values::Named;
-use crate::study::file::yaml_tree::describe_number;
+use crate::study::file::yaml_tree::{Source, describe_number};
 use crate::study::plan::planned_study::Study;
-use crate::study::plan::response::{Measure, Response, SUFFIXES, TAKEN};
+use crate::study::plan::response::{Measure, RESERVED_COLUMNS, Response, SUFFIXES};
+use crate::study::resolve::names::check_column_name;
 
 /// Validates the responses.
 ///
@@ -16,48 +17,37 @@ use crate::study::plan::response::{Measure, Response, SUFFIXES, TAKEN};
 /// Returns an error if a name cannot be the name of a column, if a number is invalid, or if
 /// `relative` is set for a model without balls.
 pub(crate) fn resolve_responses(
-    locate: &dyn Locate,
+    source: &Source,
     study: &Study,
-    written: Option<&Named<ResponseFile>>,
+    written: Option<&IndexMap<String, ResponseFile>>,
 ) -> Result<Vec<Response>, StudyError> {
-    let path = KeyPath::of("responses");
+    let path = source.path("responses");
     let mut columns = HashSet::new();
-    let resolve = |(name, file): &(String, ResponseFile)| {
+    let resolve = |(name, file): (&String, &ResponseFile)| {
         let path = path.key(name);
-        check_name(name).map_err(|fault| locate.refuse_key(&path, fault))?;
+        check_column_name(name).map_err(|fault| path.refuse_key(fault))?;
         let own = std::iter::once("").chain(SUFFIXES).map(|suffix| format!("{name}{suffix}"));
         for column in own {
             let swept = study.swept().iter().any(|swept| swept.name == column);
-            if swept || TAKEN.contains(&column.as_str()) || !columns.insert(column.clone()) {
+            if swept
+                || RESERVED_COLUMNS.contains(&column.as_str())
+                || !columns.insert(column.clone())
+            {
                 let fault = Fault::new("another column has this name", column, "another name");
-                return Err(locate.refuse_key(&path, fault));
+                return Err(path.refuse_key(fault));
             }
         }
-        let (measure, relative) = measure(study, file)
-            .map_err(|(keys, fault)| locate.refuse_value(&below(&path, keys), fault))?;
+        let (measure, relative) = measure(study, file).map_err(|(keys, fault)| {
+            keys.iter().fold(path.clone(), |path, key| path.key(key)).refuse_value(fault)
+        })?;
         if relative && study.model().balls() == 0 {
             let found = format!("kind: {}", study.model().kind());
             let fault = Fault::new("only for a ball balancer", found, "relative: false");
-            return Err(locate.refuse_value(&path, fault));
+            return Err(path.refuse_value(fault));
         }
         Ok(Response { name: name.clone(), measure, relative })
     };
-    written.iter().flat_map(|named| &named.0).map(resolve).collect()
-}
-
-fn below(path: &KeyPath, keys: &[&str]) -> KeyPath {
-    keys.iter().fold(path.clone(), |path, key| path.key(key))
-}
-
-/// Checks the name of a variable or response, which becomes a column and a key of results.
-pub(crate) fn check_name(name: &str) -> Result<(), Fault> {
-    let usual = |character: char| character.is_ascii_alphanumeric() || character == '_';
-    let first = name.starts_with(|first: char| first.is_ascii_alphabetic());
-    if first && name.len() <= 100 && name.chars().all(usual) {
-        return Ok(());
-    }
-    let allowed = "1 to 100 letters, digits and `_`, beginning with a letter";
-    Err(Fault::new("not a name", shorten(name), allowed))
+    written.into_iter().flatten().map(resolve).collect()
 }
 
 type Misplaced = (&'static [&'static str], Fault);
