@@ -47,7 +47,14 @@ fn remove_absent(value: &mut Value) {
     }
 }
 
-pub(in crate::study) fn write_block(value: &Value, indent: usize, out: &mut String) {
+/// Returns the file in block style, with small values on one line.
+pub(in crate::study) fn to_yaml(file: &StudyFile) -> String {
+    let mut out = String::new();
+    write_block(&to_value(file), 0, &mut out);
+    out
+}
+
+fn write_block(value: &Value, indent: usize, out: &mut String) {
     let margin = " ".repeat(indent);
     match value {
         Value::Object(fields) => {

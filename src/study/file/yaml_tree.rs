@@ -2,6 +2,7 @@
 //!
 //! The budgets of the YAML parser stop alias bombs and deep nesting. Duplicate keys are errors.
 
+use std::collections::HashSet;
 use std::fmt;
 use std::path::{Path, PathBuf};
 
@@ -97,21 +98,17 @@ impl Source {
     }
 
     fn check_top(&self) -> Result<(), StudyError> {
+        let beginning = "keys and values, starting with `schema: 1`";
         match self.root.content {
             Content::Map(_) => Ok(()),
-            Content::Nothing => Err(StudyError::about_file(
-                &self.file,
-                Fault::new("the file is empty", "no keys", "a study, starting with `schema: 1`"),
-            )),
-            _ => Err(self.refuse_at(
-                self.root.place,
-                &KeyPath::default(),
-                Fault::new(
-                    "not a study",
-                    self.root.describe(),
-                    "keys and values, starting with `schema: 1`",
-                ),
-            )),
+            Content::Nothing => {
+                let fault = Fault::new("the file is empty", "no keys", beginning);
+                Err(StudyError::about_file(&self.file, fault))
+            }
+            _ => {
+                let fault = Fault::new("not a study", self.root.describe(), beginning);
+                Err(self.refuse_at(self.root.place, &KeyPath::default(), fault))
+            }
         }
     }
 
@@ -304,9 +301,13 @@ impl<'de> Visitor<'de> for ContentVisitor {
     }
 
     fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Content, A::Error> {
-        let mut entries: Vec<(Node, Node)> = Vec::new();
+        let (mut entries, mut names) = (Vec::new(), HashSet::new());
         while let Some(key) = map.next_key::<Spanned<String>>()? {
             let place = place_of(&key.referenced)?;
+            // The parser compares keys with their tags.
+            if !names.insert(key.value.clone()) {
+                return Err(A::Error::custom("the same key twice, with different tags"));
+            }
             if entries.len() >= 10_000 {
                 return Err(A::Error::custom("more than 10000 keys in one map"));
             }

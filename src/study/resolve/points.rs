@@ -68,11 +68,11 @@ fn path<'a>(
     };
     let local = point.point_id - block.first_point;
     let values = block.values(local);
-    let is_meant = |wanted: &dyn Fn(&str) -> bool| {
+    let named = |wanted: &dyn Fn(&str) -> bool| {
         block.columns.iter().find(|(parameter, _)| wanted(&parameter.name()))
     };
-    let column = is_meant(&|other| other == name)
-        .or_else(|| is_meant(&|other| other.contains("friction_coefficient")));
+    let column = named(&|other| other == name)
+        .or_else(|| named(&|other| other.contains("friction_coefficient")));
     let Some((parameter, list)) = column else { return listing };
     let value = values.iter().find(|(other, _)| other == parameter).map(|(_, value)| value);
     let place = match block.listing {

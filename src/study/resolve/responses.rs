@@ -6,6 +6,7 @@ use indexmap::IndexMap;
 
 use crate::study::error::{Fault, StudyError};
 use crate::study::file::response_file::ResponseFile;
+use crate::study::file::source_path::SourcePath;
 use crate::study::file::yaml_tree::{Source, describe_number};
 use crate::study::plan::planned_study::Study;
 use crate::study::plan::response::{Measure, RESERVED_COLUMNS, Response, SUFFIXES};
@@ -37,9 +38,7 @@ pub(crate) fn resolve_responses(
                 return Err(path.refuse_key(fault));
             }
         }
-        let (measure, relative) = measure(study, file).map_err(|(keys, fault)| {
-            keys.iter().fold(path.clone(), |path, key| path.key(key)).refuse_value(fault)
-        })?;
+        let (measure, relative) = measure(study, &path, file)?;
         if relative && study.model().balls() == 0 {
             let found = format!("kind: {}", study.model().kind());
             let fault = Fault::new("only for a ball balancer", found, "relative: false");
@@ -50,9 +49,11 @@ pub(crate) fn resolve_responses(
     written.into_iter().flatten().map(resolve).collect()
 }
 
-type Misplaced = (&'static [&'static str], Fault);
-
-fn measure(study: &Study, file: &ResponseFile) -> Result<(Measure, bool), Misplaced> {
+fn measure(
+    study: &Study,
+    path: &SourcePath<'_>,
+    file: &ResponseFile,
+) -> Result<(Measure, bool), StudyError> {
     Ok(match *file {
         ResponseFile::AmplitudeMean { relative } => (Measure::Mean, relative),
         ResponseFile::AmplitudeStdDev { relative } => (Measure::StandardDeviation, relative),
@@ -61,14 +62,14 @@ fn measure(study: &Study, file: &ResponseFile) -> Result<(Measure, bool), Mispla
             if !(fraction > 0.0 && fraction < 1.0) {
                 let fault =
                     Fault::new("not a fraction", describe_number(fraction), "above 0 and below 1");
-                return Err((&["amplitude_quantile", "fraction"], fault));
+                return Err(path.key("amplitude_quantile").key("fraction").refuse_value(fault));
             }
             (Measure::Quantile(fraction), relative)
         }
         ResponseFile::AmplitudeAbove { limit, relative } => {
             if limit < 0.0 {
                 let fault = Fault::new("not an amplitude", describe_number(limit), "0 or more");
-                return Err((&["amplitude_above", "limit"], fault));
+                return Err(path.key("amplitude_above").key("limit").refuse_value(fault));
             }
             (Measure::Above(limit), relative)
         }
@@ -78,7 +79,7 @@ fn measure(study: &Study, file: &ResponseFile) -> Result<(Measure, bool), Mispla
                 let allowed = format!("above 0, at most the end time, {}", describe_number(end));
                 let fault =
                     Fault::new("a time that no run reaches", describe_number(time), allowed);
-                return Err((&["at_rest_by_s"], fault));
+                return Err(path.key("at_rest_by_s").refuse_value(fault));
             }
             (Measure::AtRestBy(time), false)
         }
