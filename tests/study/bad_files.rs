@@ -42,6 +42,8 @@ fn duplicate_keys_are_refused_at_every_depth() {
     refused(&format!("{}seed: 6\n", good()), Some(7), "given twice");
     let nested = good().replace("{kind: ball_balancer}", "\n  kind: a\n  kind: b");
     refused(&nested, Some(6), "given twice");
+    let tagged = "sweep: [{grid: {speed_rad_s: [1], !other speed_rad_s: [2]}}]\n";
+    assert!(parse(&format!("{}{tagged}", good())).is_err(), "a tag does not make another key");
 }
 
 #[test]

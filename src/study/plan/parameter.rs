@@ -218,7 +218,9 @@ impl Parameter {
             })
         });
         candidates
-            .filter(|parameter| !parameter.is_number() && balls > 0 || parameter.is_in(&mut model))
+            .filter(|parameter| {
+                !parameter.is_number() && balls > 0 || !parameter.fields(&mut model).is_empty()
+            })
             .collect()
     }
 
@@ -283,7 +285,9 @@ impl Parameter {
     /// Sets the value in a model; a value of the wrong kind changes nothing.
     pub fn set(self, model: &mut Model, value: ParameterValue) {
         match value {
-            ParameterValue::Number(number) => self.set_number(model, number),
+            ParameterValue::Number(number) => {
+                self.fields(model).into_iter().for_each(|field| *field = number);
+            }
             ParameterValue::Text(text) => {
                 let force = NORMAL_FORCES.into_iter().find(|(name, _)| *name == text);
                 if let (Q::NormalForce, Some((_, force)), Some(machine)) =
@@ -295,27 +299,22 @@ impl Parameter {
         }
     }
 
-    fn set_number(self, model: &mut Model, number: f64) {
+    /// Returns the numbers of a model that the parameter sets: several for a parameter of all
+    /// balls, none if the model does not have the parameter.
+    fn fields(self, model: &mut Model) -> Vec<&mut f64> {
         let quantity = self.quantity;
-        if let Some(field) = quantity.of_friction(model.friction_mut()) {
-            *field = number;
+        if quantity.of_friction(model.friction_mut()).is_some() {
+            return quantity.of_friction(model.friction_mut()).into_iter().collect();
         }
         match model {
-            Model::Block(block) => {
-                if let Some(field) = quantity.of_block(block) {
-                    *field = number;
-                }
-            }
+            Model::Block(block) => quantity.of_block(block).into_iter().collect(),
             Model::BallBalancer(machine) => {
-                if let Some(field) = quantity.of_machine(machine) {
-                    *field = number;
+                if !quantity.is_of_balls() {
+                    return quantity.of_machine(machine).into_iter().collect();
                 }
-                for (index, ball) in machine.balls.iter_mut().enumerate() {
-                    let meant = self.ball.is_none_or(|ball| ball == index + 1);
-                    if let (true, Some(field)) = (meant, quantity.of_ball(ball)) {
-                        *field = number;
-                    }
-                }
+                let balls = (1..).zip(&mut machine.balls);
+                let balls = balls.filter(|(ball, _)| self.ball.is_none_or(|own| own == *ball));
+                balls.filter_map(|(_, ball)| quantity.of_ball(ball)).collect()
             }
         }
     }
@@ -327,36 +326,15 @@ impl Parameter {
         }
     }
 
-    /// Returns the number in a model, or `None` if the parameter is not a number. For a parameter
-    /// of all balls, this is the value of the first ball.
-    fn number_in(self, model: &mut Model) -> Option<f64> {
-        let quantity = self.quantity;
-        if let Some(number) = quantity.of_friction(model.friction_mut()) {
-            return Some(*number);
-        }
-        let number = match model {
-            Model::Block(block) => quantity.of_block(block),
-            Model::BallBalancer(machine) if quantity.is_of_balls() => {
-                let ball = machine.balls.get_mut(self.ball.unwrap_or(1).saturating_sub(1));
-                ball.and_then(|ball| quantity.of_ball(ball))
-            }
-            Model::BallBalancer(machine) => quantity.of_machine(machine),
-        };
-        number.copied()
-    }
-
-    fn is_in(self, model: &mut Model) -> bool {
-        self.number_in(model).is_some()
-    }
-
     /// Returns the value in a model; `general` contains the default values of the balls.
     pub fn get(self, model: &Model, general: &Ball) -> ParameterValue {
         let mut general = *general;
         if let (true, Some(number)) = (self.is_general(), self.quantity.of_ball(&mut general)) {
             return ParameterValue::Number(*number);
         }
-        if let Some(number) = self.number_in(&mut model.clone()) {
-            return ParameterValue::Number(number);
+        // All balls have the same value, or the general value has been returned.
+        if let Some(number) = self.fields(&mut model.clone()).first() {
+            return ParameterValue::Number(**number);
         }
         let force = model.ball_balancer().map(|machine| machine.normal_force);
         let found = NORMAL_FORCES.iter().find(|(_, other)| Some(*other) == force);
