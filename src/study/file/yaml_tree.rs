@@ -304,9 +304,11 @@ impl<'de> Visitor<'de> for ContentVisitor {
         let (mut entries, mut names) = (Vec::new(), HashSet::new());
         while let Some(key) = map.next_key::<Spanned<String>>()? {
             let place = place_of(&key.referenced)?;
-            // The parser compares keys with their tags.
+            // The parser distinguishes keys by tag, and numbers from texts.
             if !names.insert(key.value.clone()) {
-                return Err(A::Error::custom("the same key twice, with different tags"));
+                return Err(A::Error::custom(
+                    "the same key is given twice, with another tag or notation",
+                ));
             }
             if entries.len() >= 10_000 {
                 return Err(A::Error::custom("more than 10000 keys in one map"));

@@ -332,7 +332,7 @@ impl Parameter {
         if let (true, Some(number)) = (self.is_general(), self.quantity.of_ball(&mut general)) {
             return ParameterValue::Number(*number);
         }
-        // All balls have the same value, or the general value has been returned.
+        // A parameter of all balls has returned its general value above.
         if let Some(number) = self.fields(&mut model.clone()).first() {
             return ParameterValue::Number(**number);
         }

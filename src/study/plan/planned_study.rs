@@ -157,7 +157,7 @@ impl Study {
 
     /// Returns ranges of points with equally many runs: the point numbers, and the largest number
     /// of runs per point.
-    pub fn stretches(&self) -> impl Iterator<Item = (Range<u64>, u64)> {
+    pub fn point_ranges(&self) -> impl Iterator<Item = (Range<u64>, u64)> {
         let points = |block: &Block| block.first_point..block.first_point + block.points;
         self.blocks.iter().map(move |block| (points(block), block.sampling.most))
     }
