@@ -9,6 +9,7 @@ use nalgebra::Complex;
 
 use super::identical_balls::sorted_where_identical;
 use super::rest_form::{RestForm, direction};
+use crate::model::wrap_to_two_pi;
 
 /// Where the balls balance the imbalance.
 #[derive(Clone, Debug, PartialEq)]
@@ -58,7 +59,16 @@ impl Balance {
 }
 
 /// Relative tolerance below which two sums of masses count as equal.
-const ROUNDING: f64 = 1e-14;
+const EQUAL_MASSES: f64 = 1e-14;
+
+/// Relative size below which the sum of all imbalances counts as zero.
+const ZERO_IMBALANCE: f64 = 1e-12;
+
+/// Returns whether the balls at these angles balance the imbalance.
+pub(super) fn balances(form: &RestForm, beta: &[f64]) -> bool {
+    let scale = form.imbalance + form.mass.iter().sum::<f64>();
+    form.imbalance_at(beta).norm() <= ZERO_IMBALANCE * scale
+}
 
 /// Returns one balanced position.
 ///
@@ -79,7 +89,7 @@ fn balanced(form: &RestForm) -> Option<Vec<f64>> {
         // The two heaviest balls can produce any force from their difference to their sum.
         let low = (imbalance - along.abs()).abs().max(mass_1 - mass_2);
         let high = (imbalance + along.abs()).min(mass_1 + mass_2);
-        if low > high * (1.0 + ROUNDING) {
+        if low > high * (1.0 + EQUAL_MASSES) {
             return None;
         }
         let force = low.midpoint(high);
@@ -97,7 +107,7 @@ fn balanced(form: &RestForm) -> Option<Vec<f64>> {
         if let Some(&ball) = pair.get(1) {
             beta[ball] = opposite - side_angle(mass_2, mass_1, force);
         }
-        Some(beta.into_iter().map(wrapped).collect())
+        Some(beta.into_iter().map(wrap_to_two_pi).collect())
     })
 }
 
@@ -118,10 +128,4 @@ fn side_angle(side: f64, other: f64, base: f64) -> f64 {
     }
     let cosine = (base * base + side * side - other * other) / (2.0 * base * side);
     cosine.clamp(-1.0, 1.0).acos()
-}
-
-/// Returns the equivalent angle in [0, 2π).
-pub(super) fn wrapped(angle: f64) -> f64 {
-    let wrapped = angle.rem_euclid(std::f64::consts::TAU);
-    if wrapped < std::f64::consts::TAU { wrapped } else { 0.0 }
 }

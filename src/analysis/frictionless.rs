@@ -17,11 +17,11 @@ use std::f64::consts::PI;
 use nalgebra::Complex;
 use serde::{Deserialize, Serialize};
 
-use super::balance::{Balance, wrapped};
+use super::balance::{Balance, balances};
 use super::identical_balls::{groups_of_identical, sorted_where_identical};
 use super::linearised::{SmallMotions, Stability};
 use super::rest_form::RestForm;
-use crate::model::Machine;
+use crate::model::{Machine, wrap_to_two_pi};
 
 /// The `drag` argument of [`frictionless_equilibria`] that gives the stability of slow balls:
 /// larger values do not change the result.
@@ -149,7 +149,7 @@ pub(super) fn equilibrium_positions(form: &RestForm) -> Vec<Candidate> {
         Balance::Nowhere => {}
         Balance::Family { example, dimension } => all.push(balanced(example, dimension)),
         Balance::Position(beta) => {
-            let mirrored: Vec<f64> = beta.iter().map(|beta| wrapped(-beta)).collect();
+            let mirrored: Vec<f64> = beta.iter().map(|beta| wrap_to_two_pi(-beta)).collect();
             let identical = groups_of_identical(&form.balls).len() == 1;
             all.push(balanced(beta, 0));
             if !identical {
@@ -160,9 +160,6 @@ pub(super) fn equilibrium_positions(form: &RestForm) -> Vec<Candidate> {
     all.sort_by_key(|candidate| candidate.kind);
     all
 }
-
-/// Relative size below which a sum of imbalances counts as zero.
-const ROUNDING: f64 = 1e-12;
 
 fn on_a_line(form: &RestForm) -> Vec<Candidate> {
     let mut found = Vec::new();
@@ -184,9 +181,8 @@ fn on_a_line(form: &RestForm) -> Vec<Candidate> {
         // If the exchange of sides is an exchange of identical balls, the two branches coincide.
         for (turn, branch) in branches.into_iter().take(if self_opposite { 1 } else { 2 }) {
             let side = |sign: &f64| gamma + turn + if *sign > 0.0 { 0.0 } else { PI };
-            let beta: Vec<f64> = signs.iter().map(|sign| wrapped(side(sign))).collect();
-            let scale = form.imbalance + form.mass.iter().sum::<f64>();
-            if form.imbalance_at(&beta).norm() <= ROUNDING * scale {
+            let beta: Vec<f64> = signs.iter().map(|sign| wrap_to_two_pi(side(sign))).collect();
+            if balances(form, &beta) {
                 continue; // balanced, and counted there
             }
             let kind = match (together, balls) {

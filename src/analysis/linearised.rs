@@ -15,6 +15,7 @@
 
 use nalgebra::{Complex, DMatrix, Schur};
 
+use super::balance::balances;
 use super::rest_form::{RestForm, direction};
 
 /// Stability of an equilibrium against small disturbances.
@@ -54,7 +55,7 @@ pub struct SmallMotions {
 }
 
 /// Real parts below this fraction of the matrix norm count as rounding errors.
-const ROUNDING: f64 = 1e-14;
+const ZERO_REAL_PART: f64 = 1e-14;
 /// Maximum number of iterations per eigenvalue; about ten are usual.
 const ITERATIONS: usize = 200;
 
@@ -105,8 +106,7 @@ fn rest_point(form: &RestForm, beta: &[f64]) -> Option<Complex<f64>> {
     if z.is_finite() {
         return Some(z);
     }
-    let scale = form.imbalance + form.mass.iter().sum::<f64>();
-    (form.imbalance_at(beta).norm() < 1e-12 * scale).then(|| Complex::from(0.0))
+    balances(form, beta).then(|| Complex::from(0.0))
 }
 
 impl SmallMotions {
@@ -118,7 +118,7 @@ impl SmallMotions {
         if matrix.iter().any(|entry| !entry.is_finite()) {
             return unknown;
         }
-        let rounding = ROUNDING * (1.0 + matrix.norm());
+        let rounding = ZERO_REAL_PART * (1.0 + matrix.norm());
         let iterations = ITERATIONS * matrix.nrows();
         // Coinciding eigenvalues, as of many identical balls, may need a larger tolerance to
         // converge.

@@ -6,8 +6,8 @@
 
 use std::f64::consts::{PI, TAU};
 
-use super::balance::wrapped;
 use super::rest_form::{RestForm, direction};
+use crate::model::wrap_to_two_pi;
 
 /// Arcs of the circle in which one ball can rest.
 #[derive(Clone, Debug, PartialEq)]
@@ -71,7 +71,7 @@ impl Arcs {
     pub(super) fn candidates(&self) -> impl Iterator<Item = f64> {
         self.arcs.iter().flat_map(|&arc| {
             let special = [0.0, PI].into_iter().filter(move |angle| within(arc, *angle));
-            special.chain(arc.map(wrapped))
+            special.chain(arc.map(wrap_to_two_pi))
         })
     }
 }
@@ -92,7 +92,7 @@ fn ends(form: &RestForm) -> Vec<f64> {
     let backward = (ball.im + limit) / range;
     let places = |sine: f64, turned: f64| {
         let angle = libm::asin(sine);
-        [angle + turned, PI - angle + turned].map(|psi| wrapped(psi + imbalance.arg()))
+        [angle + turned, PI - angle + turned].map(|psi| wrap_to_two_pi(psi + imbalance.arg()))
     };
     let mut ends = Vec::new();
     if forward.abs() <= 1.0 {

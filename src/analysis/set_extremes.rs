@@ -16,6 +16,7 @@ use nalgebra::Complex;
 
 use super::identical_balls::groups_of_identical;
 use super::rest_form::{RestForm, direction};
+use crate::model::wrap_to_two_pi;
 
 /// Number of steps of the search for a displacement, before bisection.
 const STEPS: usize = 128;
@@ -223,6 +224,6 @@ impl ArcChoice<'_> {
         }
         let phi = between(less);
         let turned = self.remainder(size, &phi).arg();
-        Some(phi.into_iter().map(|phi| super::balance::wrapped(phi - turned)).collect())
+        Some(phi.into_iter().map(|phi| wrap_to_two_pi(phi - turned)).collect())
     }
 }

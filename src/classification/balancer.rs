@@ -12,7 +12,9 @@ use super::recorder::Recorder;
 use super::settled::SettledWatch;
 use super::step_limit::effort_limit;
 use super::window::{LatestStep, WINDOW, Window};
-use crate::model::{Balancer, Endings, Machine, RestPoint, Simulation, Start, State};
+use crate::model::{
+    Balancer, Endings, Machine, RestPoint, Simulation, Start, State, wrap_to_two_pi,
+};
 use crate::motion::{Failure, Motion, Settings};
 
 /// The initial state of a run.
@@ -204,17 +206,13 @@ impl<const N: usize> Run for BalancerRun<'_, N> {
     fn outcome(&self, ending: Ending<N>) -> Outcome {
         let Units { natural, radius } = self.units;
         let state = self.motion.state();
-        let in_circle = |angle: f64| {
-            let wrapped = angle.rem_euclid(std::f64::consts::TAU);
-            if wrapped < std::f64::consts::TAU { wrapped } else { 0.0 }
-        };
         let base = Outcome {
             evidence: Evidence::EndTime,
             balls_running: None,
             time_to_rest_s: None,
             end_time_s: Some(self.motion.time() / natural),
             extended: false,
-            position: Some(state.beta.map(in_circle).to_vec()),
+            position: Some(state.beta.map(wrap_to_two_pi).to_vec()),
             amplitude_m: None,
             friction_margin: None,
             period_s: None,

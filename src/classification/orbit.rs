@@ -19,9 +19,9 @@ use std::collections::VecDeque;
 
 use super::closed_orbit::{Orbit, REACH, Verdict, examine};
 use super::return_map::ReturnMap;
-use super::section::{Section, wrapped_small};
+use super::section::Section;
 use super::step_limit::{MOST_LOOKS, MOST_STEPS_OF_A_LOOK};
-use crate::model::{Balancer, State};
+use crate::model::{Balancer, State, wrap_to_pi};
 use crate::motion::{Motion, Phase, Settings, Tolerance};
 
 /// Maximum number of turns of the running ball after which an orbit may close.
@@ -265,7 +265,7 @@ fn difference<const N: usize>(a: &Passage<N>, b: &Passage<N>, reference: usize) 
             largest = largest.max((a.beta_dot[ball] - b.beta_dot[ball]).abs());
         }
         if ball != reference {
-            largest = largest.max(wrapped_small(a.beta[ball] - b.beta[ball]).abs());
+            largest = largest.max(wrap_to_pi(a.beta[ball] - b.beta[ball]).abs());
         }
     }
     largest

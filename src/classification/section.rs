@@ -7,7 +7,7 @@
 
 use nalgebra::DVector;
 
-use crate::model::State;
+use crate::model::{State, wrap_to_pi};
 use crate::motion::Phase;
 
 /// A section and the balls' phases there.
@@ -83,18 +83,6 @@ impl<const N: usize> Section<N> {
 
     /// The difference of two states' coordinates, angles modulo 2π.
     pub(super) fn difference(&self, one: &State<N>, other: &State<N>) -> DVector<f64> {
-        (self.coordinates(one) - self.coordinates(other)).map(wrapped_small)
+        (self.coordinates(one) - self.coordinates(other)).map(wrap_to_pi)
     }
-}
-
-/// Subtracts whole turns from a difference that is otherwise small; smaller differences are
-/// unchanged.
-#[inline]
-pub(super) fn wrapped_small(difference: f64) -> f64 {
-    if difference.abs() > std::f64::consts::PI { wrapped(difference) } else { difference }
-}
-
-/// An angle in [-π, π].
-pub(super) fn wrapped(angle: f64) -> f64 {
-    angle - std::f64::consts::TAU * (angle / std::f64::consts::TAU).round()
 }

@@ -88,7 +88,7 @@ fn whole(parts: &[PathBuf]) -> Result<Study, CliError> {
         if let Some((other, whole, other_text, place)) = &first {
             let place = place.display();
             if study.hash() != other.hash() || text != *other_text {
-                let differs = crate::study::difference(other, &study).join("\n    ");
+                let differs = crate::study::changed_keys(other, &study).join("\n    ");
                 let reason =
                     format!("a different study than in {place}; it differs in\n    {differs}");
                 return refuse(part, reason, "shards of one study");

@@ -7,7 +7,7 @@ use thiserror::Error;
 
 use super::{CHUNKS, Shard, Store, StoreError, say};
 use crate::classification::MODEL_VERSION;
-use crate::study::{Study, difference};
+use crate::study::{Study, changed_keys};
 use crate::table::{
     Circumstances, Destination, EARLIER, Manifest, Results, ResultsError, close_earlier, inspect,
     manifest_of, put_aside,
@@ -166,7 +166,7 @@ impl OutputDir<'_> {
             ));
         }
         match Study::load(&self.directory.join("study.yaml")) {
-            Ok(before) => lines.extend(difference(&before, study)),
+            Ok(before) => lines.extend(changed_keys(&before, study)),
             Err(_) => lines.push("its study.yaml can no longer be read".to_owned()),
         }
         let more = lines.len().saturating_sub(MOST_LINES);

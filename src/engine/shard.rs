@@ -63,10 +63,10 @@ impl Shard {
         if study.precision().is_none() {
             return self.fraction(study.run_count());
         }
-        let of_stretch = |(points, runs): (Range<u64>, u64)| {
+        let of_range = |(points, runs): (Range<u64>, u64)| {
             (self.fraction(points.end) - self.fraction(points.start)) * runs
         };
-        study.stretches().map(of_stretch).sum()
+        study.point_ranges().map(of_range).sum()
     }
 
     /// Returns the numbers of all runs of the shard, in ascending order.

@@ -58,7 +58,7 @@ use super::{Balancer, Machine};
 pub const SAFE_FRICTION: f64 = 1.4966;
 
 /// Minors up to this size count as zero, because of rounding.
-const ROUNDING: f64 = 1e-12;
+const ZERO_MINOR: f64 = 1e-12;
 
 /// Whether stick and slip are decided in exactly one way, at all positions and for all forces.
 ///
@@ -111,7 +111,7 @@ impl Machine {
     pub fn unambiguous_friction_fraction(&self) -> f64 {
         let fine = |share: f64| {
             let (least_minor, _) = least_at_worst_position(&self.couplings(share));
-            least_minor > ROUNDING
+            least_minor > ZERO_MINOR
         };
         if fine(1.0) {
             return 1.0;
@@ -147,7 +147,7 @@ impl<const N: usize> Balancer<N> {
     #[inline]
     pub fn surely_one_solution(&self) -> bool {
         let part = |c: Coupling| c.mass * (1.0 + (1.0 + c.friction * c.friction).sqrt());
-        self.couplings().into_iter().map(part).sum::<f64>() < 2.0 - ROUNDING
+        self.couplings().into_iter().map(part).sum::<f64>() < 2.0 - ZERO_MINOR
     }
 
     /// Returns the least principal minor with the balls at the angles `beta`; if it is positive,
@@ -164,7 +164,7 @@ impl<const N: usize> Balancer<N> {
 
     /// Returns whether stick and slip are decided in exactly one way with the balls at `beta`.
     pub fn one_solution_at(&self, beta: &[f64; N]) -> bool {
-        self.least_minor_at(beta) > ROUNDING
+        self.least_minor_at(beta) > ZERO_MINOR
     }
 
     fn couplings(&self) -> [Coupling; N] {
@@ -186,7 +186,7 @@ struct Coupling {
 
 fn verdict(couplings: &[Coupling]) -> ExistenceVerdict {
     let (least_minor, combination) = least_at_worst_position(couplings);
-    if least_minor > ROUNDING {
+    if least_minor > ZERO_MINOR {
         return ExistenceVerdict::Unique { least_minor };
     }
     // 2β + atan p is the same for all balls.

@@ -5,6 +5,7 @@
 //! motion; [`System`] is their common interface. This module does not depend on how motion is
 //! integrated or how a run ends.
 
+mod angle;
 mod balancer;
 mod block;
 mod case;
@@ -20,6 +21,7 @@ mod number;
 mod rest;
 mod system;
 
+pub use angle::{wrap_to_pi, wrap_to_two_pi};
 pub use balancer::{Balancer, BalancerBall, State};
 pub use block::{Block, Ground, Slider, SliderState};
 pub use case::{Case, Endings, Extend, Method, Simulation, Start};

@@ -48,6 +48,19 @@ impl Phase {
     }
 }
 
+/// Time interval for the rate of change of a condition, non-dimensional.
+pub(super) const AHEAD: f64 = 1e-6;
+
+/// Returns the state after the interval [`AHEAD`], to first order.
+pub(super) fn look_ahead<const N: usize, const FREE: usize>(
+    state: &State<N, f64, FREE>,
+    derivative: &State<N, f64, FREE>,
+) -> State<N, f64, FREE> {
+    let mut ahead = *state;
+    ahead.add_scaled(AHEAD, derivative);
+    ahead
+}
+
 /// How friction acts on every contact.
 #[inline]
 pub fn contacts<S: System<N, FREE>, const N: usize, const FREE: usize>(

@@ -21,7 +21,7 @@
 //!   the same step.
 
 use super::Failure;
-use super::contact::{Phase, derivative, forces, stick_reserve};
+use super::contact::{Phase, derivative, forces, look_ahead, stick_reserve};
 use super::resolve_modes::resolve_modes;
 use crate::model::{Forces, State, System};
 
@@ -30,8 +30,6 @@ const TIE: f64 = 1e-14;
 /// Multiple of the rounding tolerance by which the condition must fail before a ball at rest is
 /// released.
 const RELEASE: f64 = 10.0;
-/// Time interval for the rate of change of a condition.
-const AHEAD: f64 = 1e-6;
 
 /// Returns the slack of the condition for rest, as a force.
 pub(super) fn release_slack<S: System<N, FREE>, const N: usize, const FREE: usize>(
@@ -109,8 +107,7 @@ fn rests_with<S: System<N, FREE>, const N: usize, const FREE: usize>(
     if value.abs() > tie {
         return value > 0.0;
     }
-    let mut ahead = *state;
-    ahead.add_scaled(AHEAD, &derivative(system, phases, state));
+    let ahead = look_ahead(state, &derivative(system, phases, state));
     stick_reserve(system, &forces(system, phases, &ahead), ball) - value >= -tie
 }
 

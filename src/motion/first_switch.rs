@@ -1,6 +1,6 @@
 //! The latest step, and the condition whose failure ends it early.
 
-use super::contact::{Phase, SmoothPhase};
+use super::contact::{AHEAD, Phase, SmoothPhase, look_ahead};
 use super::dop853::Step;
 use super::guard::{Guard, Margins, Point};
 use super::interpolant::Interpolant;
@@ -29,9 +29,6 @@ pub(super) struct FirstSwitch {
     /// The condition that fails.
     pub(super) guard: Guard,
 }
-
-/// Time interval for the rate of change of a condition.
-const AHEAD: f64 = 1e-6;
 
 impl<const N: usize, const FREE: usize> LastStep<N, FREE> {
     /// Returns the dense output over the step, computed on first use.
@@ -118,10 +115,13 @@ impl<const N: usize, const FREE: usize> LastStep<N, FREE> {
             let (at_start, at_end) = (value(start), value((&step_end, end_forces)));
             let slopes = || {
                 let [soon, later] = ahead.get_or_insert_with(|| {
-                    [
-                        look_ahead(&phase, start.0, start_derivative),
-                        look_ahead(&phase, &step_end, &self.end_derivative),
-                    ]
+                    [(start.0, start_derivative), (&step_end, &self.end_derivative)].map(
+                        |(state, derivative)| {
+                            let state = look_ahead(state, derivative);
+                            let forces = phase.forces(&state);
+                            (state, forces)
+                        },
+                    )
                 });
                 let [soon, later] = [soon, later].map(|(state, forces)| value((state, forces)));
                 [(soon - at_start) / AHEAD, (later - at_end) / AHEAD]
@@ -143,16 +143,4 @@ impl<const N: usize, const FREE: usize> LastStep<N, FREE> {
         }
         first
     }
-}
-
-/// Returns the state and the forces a short time later, to first order.
-fn look_ahead<S: System<N, FREE>, const N: usize, const FREE: usize>(
-    phase: &SmoothPhase<S, N, FREE>,
-    state: &State<N, f64, FREE>,
-    derivative: &State<N, f64, FREE>,
-) -> (State<N, f64, FREE>, Forces<N, f64, FREE>) {
-    let mut ahead = *state;
-    ahead.add_scaled(AHEAD, derivative);
-    let forces = phase.forces(&ahead);
-    (ahead, forces)
 }

@@ -1,8 +1,11 @@
 //! A request: one line of JSON with a value for every variable, or the reason why it is invalid.
 
+use std::fmt;
+
+use serde::Deserialize;
+use serde::de::{Deserializer, MapAccess, Visitor};
 use serde_json::{Value, json};
 
-use crate::study::file::values::Named;
 use crate::study::{DesignValue, Study, list_names, shorten};
 use crate::tabular::Fault;
 
@@ -51,24 +54,53 @@ impl RequestError {
 impl Request {
     /// Parses a line.
     pub fn read(study: &Study, line: &[u8]) -> Request {
-        match serde_json::from_slice::<Named<Value>>(line) {
+        match serde_json::from_slice::<Entries>(line) {
             Err(error) => {
                 let text = String::from_utf8_lossy(line);
                 let found = format!("{} ({error})", shorten(&text));
                 let design = Err(RequestError::of_line("not a request", found));
                 Request { id: Value::Null, design }
             }
-            Ok(named) => {
-                let id = named.get("id").cloned().unwrap_or_default();
-                Request { id, design: read_design(study, &named) }
+            Ok(entries) => {
+                let id = entries.get("id").cloned().unwrap_or_default();
+                Request { id, design: read_design(study, &entries) }
             }
         }
     }
 }
 
+/// The entries of a JSON object, also those with the same name, which a map would lose.
+struct Entries(Vec<(String, Value)>);
+
+impl Entries {
+    fn get(&self, name: &str) -> Option<&Value> {
+        self.0.iter().find(|(other, _)| other == name).map(|(_, value)| value)
+    }
+}
+
+impl<'de> Deserialize<'de> for Entries {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct EntriesVisitor;
+        impl<'de> Visitor<'de> for EntriesVisitor {
+            type Value = Entries;
+
+            fn expecting(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+                out.write_str("names and values")
+            }
+
+            fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Entries, A::Error> {
+                std::iter::from_fn(|| map.next_entry().transpose())
+                    .collect::<Result<_, _>>()
+                    .map(Entries)
+            }
+        }
+        deserializer.deserialize_map(EntriesVisitor)
+    }
+}
+
 fn read_design(
     study: &Study,
-    given: &Named<Value>,
+    given: &Entries,
 ) -> Result<(Vec<DesignValue>, Box<Study>), RequestError> {
     let variables = study.variables();
     for (index, (name, value)) in given.0.iter().enumerate() {

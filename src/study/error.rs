@@ -3,7 +3,6 @@
 use std::fmt;
 use std::path::{Path, PathBuf};
 
-use super::file::key_path::KeyPath;
 pub(crate) use crate::sanitize::shorten;
 use crate::sanitize::shown_path;
 pub(crate) use crate::tabular::Fault;
@@ -27,9 +26,7 @@ struct Message {
     file: PathBuf,
     place: Option<Location>,
     key: String,
-    problem: String,
-    found: Option<String>,
-    allowed: Option<String>,
+    fault: Fault,
     snippet: Option<String>,
 }
 
@@ -60,9 +57,7 @@ impl StudyError {
             file: file.to_path_buf(),
             place,
             key,
-            problem: fault.problem,
-            found: fault.found,
-            allowed: fault.allowed,
+            fault,
             snippet: line_text.map(shorten),
         }))
     }
@@ -90,17 +85,17 @@ impl StudyError {
 
     /// Returns the problem, in a few words.
     pub fn problem(&self) -> &str {
-        &self.0.problem
+        &self.0.fault.problem
     }
 
     /// Returns what was found, if anything.
     pub fn found(&self) -> Option<&str> {
-        self.0.found.as_deref()
+        self.0.fault.found.as_deref()
     }
 
     /// Returns what is allowed, or what to do.
     pub fn allowed(&self) -> Option<&str> {
-        self.0.allowed.as_deref()
+        self.0.fault.allowed.as_deref()
     }
 }
 
@@ -114,11 +109,11 @@ impl fmt::Display for StudyError {
         if !message.key.is_empty() {
             write!(out, ": `{}`", message.key)?;
         }
-        write!(out, ": {}", message.problem)?;
-        if let Some(found) = &message.found {
+        write!(out, ": {}", message.fault.problem)?;
+        if let Some(found) = &message.fault.found {
             write!(out, "\n  found:   {found}")?;
         }
-        if let Some(allowed) = &message.allowed {
+        if let Some(allowed) = &message.fault.allowed {
             write!(out, "\n  allowed: {allowed}")?;
         }
         if let (Some(place), Some(snippet)) = (message.place, &message.snippet) {
@@ -129,31 +124,6 @@ impl fmt::Display for StudyError {
 }
 
 impl std::error::Error for StudyError {}
-
-/// The part of an entry that a message points to: its key or its value.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Spot {
-    /// The key.
-    Key,
-    /// The value.
-    Value,
-}
-
-/// Finds the place of a key path in the study file and creates the message.
-pub(crate) trait Locate {
-    /// Creates the message for a fault at this path.
-    fn refuse(&self, path: &KeyPath, spot: Spot, fault: Fault) -> StudyError;
-
-    /// Creates the message for a faulty value.
-    fn refuse_value(&self, path: &KeyPath, fault: Fault) -> StudyError {
-        self.refuse(path, Spot::Value, fault)
-    }
-
-    /// Creates the message for a faulty key.
-    fn refuse_key(&self, path: &KeyPath, fault: Fault) -> StudyError {
-        self.refuse(path, Spot::Key, fault)
-    }
-}
 
 /// Lists the allowed names. The name most similar to `found` comes first and is marked.
 pub(crate) fn list_names<S: AsRef<str>>(found: &str, names: &[S]) -> String {

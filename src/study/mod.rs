@@ -36,7 +36,7 @@ pub(crate) use error::{list_names, shorten};
 pub use file::optimize_file::{OverPoints, SensitivityFrom};
 pub(crate) use file::yaml_tree::describe_number;
 pub use plan::audit::Audit;
-pub use plan::difference::difference;
+pub use plan::changed_keys::changed_keys;
 pub use plan::expectation::Expectation;
 pub use plan::optimization::{Limit, Objective, Optimization};
 pub use plan::parameter::{ParameterKind, ParameterValue, VariedParameter};

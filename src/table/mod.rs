@@ -55,7 +55,7 @@ pub use previous_results::{EARLIER, close_earlier, put_aside};
 pub use provenance::{COMMIT, FORMAT, VERSION, provenance, provenance_with};
 pub use read::{Batches, Table};
 pub use read_values::Batch;
-pub use replay::{Units, in_circle, phase_name, switch_columns, trajectory_columns};
+pub use replay::{Units, phase_name, switch_columns, trajectory_columns};
 pub use results::{Results, ResultsError};
 pub use run_record::RunRecord;
 pub use runs::{planned_columns, run_columns};

@@ -3,7 +3,7 @@
 
 use super::column::{Column, NON_DIMENSIONAL};
 use crate::classification::{ContactSample, Sample, Switch};
-use crate::model::{Ground, Model};
+use crate::model::{Ground, Model, wrap_to_two_pi};
 use crate::motion::Phase;
 
 /// Conversion of non-dimensional values of a model to SI units.
@@ -94,12 +94,6 @@ pub fn phase_name(phase: Phase) -> &'static str {
         Phase::Transition(_) => "transition_backward",
         Phase::Free => "free",
     }
-}
-
-/// Maps an angle to [0, 2π).
-pub fn in_circle(angle: f64) -> f64 {
-    let wrapped = angle.rem_euclid(std::f64::consts::TAU);
-    if wrapped < std::f64::consts::TAU { wrapped } else { 0.0 }
 }
 
 const PHASE: &str = "phase: stick; slip_forward or slip_backward; transition_forward or \
@@ -208,7 +202,7 @@ fn ball_columns(units: &Units, ball: usize) -> Vec<Column<Sample>> {
             &format!("beta_{number}_rad"),
             "rad",
             "angle of the ball from the imbalance, in [0, 2π)",
-            |contact| in_circle(contact.position),
+            |contact| wrap_to_two_pi(contact.position),
         ),
         of_contact(
             ball,
@@ -323,7 +317,7 @@ pub fn switch_columns(model: &Model) -> Vec<Column<Switch>> {
         "place: angle of the ball from the imbalance, in [0, 2π), or position of the block",
         move |row: &Switch| {
             let place = row.after.position * unit;
-            Some(if turns { in_circle(place) } else { place })
+            Some(if turns { wrap_to_two_pi(place) } else { place })
         },
     ));
     let mut force = |name: &str, meaning: &str, value: fn(&Switch) -> f64| {

@@ -28,6 +28,17 @@ pub(super) fn read(bytes: Vec<u8>, limits: &Limits<'_>) -> Result<Cells, Refusal
         let line = line_of(text, record.position());
         if columns.is_empty() {
             columns = record.iter().map(str::to_owned).collect();
+            if let [header] = &columns[..]
+                && header.contains([';', '\t'])
+            {
+                let problem = "the columns are not separated by commas";
+                let fault = Fault::new(
+                    problem,
+                    shorten(header),
+                    "a comma between two columns, and a point in decimal numbers",
+                );
+                return Err(Refusal { line: Some(1), ..fault.into() });
+            }
             let refuse = |refusal| Refusal { line: Some(1), ..refusal };
             limits.check_columns(&columns).map_err(refuse)?;
             continue;

@@ -1,5 +1,7 @@
 mod block_closed_form;
 pub mod closed_forms;
+mod dual;
 mod existence;
 mod extended_lagrange;
+mod rest;
 mod thesis_matrices;

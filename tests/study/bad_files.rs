@@ -42,6 +42,8 @@ fn duplicate_keys_are_refused_at_every_depth() {
     refused(&format!("{}seed: 6\n", good()), Some(7), "given twice");
     let nested = good().replace("{kind: ball_balancer}", "\n  kind: a\n  kind: b");
     refused(&nested, Some(6), "given twice");
+    let tagged = "sweep: [{grid: {speed_rad_s: [1], !other speed_rad_s: [2]}}]\n";
+    assert!(parse(&format!("{}{tagged}", good())).is_err(), "a tag does not make another key");
 }
 
 #[test]
@@ -114,5 +116,6 @@ fn a_message_shows_file_line_key_finding_remedy_and_source() {
     assert!(lines[2].starts_with(
         "  allowed: table_mass_kg (did you mean this?), stiffness_n_m, damping_n_s_m"
     ));
+    assert!(!lines[2].contains("belt_speed_m_s"), "a balancer has no belt: {}", lines[2]);
     assert_eq!(lines[3], "  7 |     table_mas_kg: 0.3");
 }

@@ -57,6 +57,14 @@ fn wrong_shapes_are_refused() {
     refused("speed_rad_s\n1,2\n", Some(2), "row 1", "2 values", "1, one per");
     refused("speed_rad_s\n", Some(1), "", "0 rows", "at least one row");
     refused("", None, "", "no header", "column names");
+    let separated = "speed_rad_s;damping_n_s_m";
+    refused(
+        &format!("{separated}\n1,5;2\n"),
+        Some(1),
+        "",
+        separated,
+        "a comma between two columns",
+    );
     refused("speed\n1\n", Some(1), "column speed", "speed", "speed_rad_s (did you mean this?)");
     refused("speed_rad_s,speed_rad_s\n1,2\n", Some(1), "column speed_rad_s", "", "once");
     refused("balls\n1\n", Some(1), "column balls", "balls", "ball_mass_kg");

@@ -137,6 +137,11 @@ fn wrong_types() {
     refused("[-160, -200]", "[-160, a]", 18, "sweep[0].grid.speed_rad_s[1]", "\"a\"", "a number");
     let design = "stratified: {parts_per_axis: 2, samples_per_cell: 3}";
     refused(design, "sobol", 28, "initial_conditions.design", "sobol", "{sobol: ...}");
+    let friction = "model.friction";
+    let keys = "static_friction_coefficient: ..., stribeck_speed_rad_s: ...";
+    refused("coulomb", "stribeck", 14, friction, "stribeck", keys);
+    let example = "such as {stribeck: {static_friction_coefficient: 0.2";
+    refused("coulomb", "stribeck", 14, friction, "stribeck", example);
     refused(design, "sobol: 5", 28, "initial_conditions.design.sobol", "5", "");
 }
 

@@ -10,6 +10,8 @@ mod bad_files;
 mod bad_tables;
 mod bad_values;
 mod blocks;
+mod changed_keys;
+mod design_tables;
 mod designs;
 mod distributions;
 mod endings;
@@ -21,6 +23,7 @@ mod resolved;
 mod shipped;
 mod stability;
 mod table_places;
+mod variables;
 
 /// Parses a text as the content of `a.yaml`.
 fn parse(text: &str) -> Result<Study, StudyError> {

@@ -76,8 +76,8 @@ fn points_follow_one_another_by_what_is_reserved() {
         let planned = study.planned_run(run);
         assert_eq!((planned.point_id, planned.replicate), (point, replicate));
     }
-    let stretches: Vec<_> = study.stretches().collect();
-    assert_eq!(stretches, [(0..2, 30), (2..3, 32)]);
+    let point_ranges: Vec<_> = study.point_ranges().collect();
+    assert_eq!(point_ranges, [(0..2, 30), (2..3, 32)]);
 }
 
 #[test]

@@ -1,9 +1,9 @@
 //! The balls of a study file: how many, or one entry for each.
 
-use std::borrow::Cow;
 use std::fmt;
 
-use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
+use schemars::JsonSchema;
+use serde::de::value::SeqAccessDeserializer;
 use serde::de::{Deserializer, SeqAccess, Visitor};
 use serde::{Deserialize, Serialize};
 
@@ -12,28 +12,25 @@ use serde::{Deserialize, Serialize};
 #[serde(deny_unknown_fields)]
 pub struct BallFile {
     /// Mass, kg, above 0; the default is `ball_mass_kg`.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub mass_kg: Option<f64>,
     /// Diameter, m, above 0; the default is `ball_diameter_m`.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub diameter_m: Option<f64>,
     /// Coefficient of friction between ball and ring, dimensionless, at least 0; the default is
     /// `friction_coefficient`.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("minimum" = 0))]
     pub friction_coefficient: Option<f64>,
 }
 
-/// The number of balls, or the individual balls.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+/// Number of balls, or a list with one entry per ball.
+#[derive(Clone, Debug, JsonSchema, PartialEq, Serialize)]
 #[serde(untagged)]
 pub enum Balls {
     /// The number of balls, all identical.
-    Number(u64),
+    Number(#[schemars(range(min = 1, max = 8))] u64),
     /// One entry per ball.
-    Each(Vec<BallFile>),
+    Each(#[schemars(length(min = 1, max = 8))] Vec<BallFile>),
 }
 
 impl<'de> Deserialize<'de> for Balls {
@@ -50,31 +47,10 @@ impl<'de> Deserialize<'de> for Balls {
                 Ok(Balls::Number(value))
             }
 
-            fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Balls, A::Error> {
-                let mut balls = Vec::new();
-                while let Some(ball) = list.next_element()? {
-                    balls.push(ball);
-                }
-                Ok(Balls::Each(balls))
+            fn visit_seq<A: SeqAccess<'de>>(self, list: A) -> Result<Balls, A::Error> {
+                Vec::deserialize(SeqAccessDeserializer::new(list)).map(Balls::Each)
             }
         }
         deserializer.deserialize_any(BallsVisitor)
-    }
-}
-
-impl JsonSchema for Balls {
-    fn schema_name() -> Cow<'static, str> {
-        "Balls".into()
-    }
-
-    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
-        let ball = generator.subschema_for::<BallFile>();
-        json_schema!({
-            "description": "Number of balls, or a list with one entry per ball.",
-            "anyOf": [
-                { "type": "integer", "minimum": 1, "maximum": 8 },
-                { "type": "array", "items": ball, "minItems": 1, "maxItems": 8 }
-            ]
-        })
     }
 }

@@ -1,104 +1,105 @@
 //! Deserialisation of located values into the types of the study file, with located errors.
+//!
+//! serde-saphyr alone does not give these messages: it reads the text `"0.3"` as a number and the number 12 as text, its
+//! errors name neither the key path nor the value found, and later checks of the content need the place of any key.
 
-use serde::de::value::StrDeserializer;
+use std::ptr;
+
+use serde::de::value::{MapDeserializer, SeqDeserializer, StrDeserializer};
 use serde::de::{
-    Deserialize, DeserializeSeed, Deserializer, EnumAccess, Error as _, Expected, IntoDeserializer,
-    MapAccess, SeqAccess, Unexpected, VariantAccess, Visitor,
+    Deserialize, DeserializeSeed, Deserializer, EnumAccess, Expected, IntoDeserializer, Unexpected,
+    VariantAccess, Visitor,
 };
 use serde::forward_to_deserialize_any;
 
 use crate::study::error::{Fault, Location, StudyError, list_names, shorten};
 use crate::study::file::key_path::{KeyPath, Segment};
-use crate::study::file::yaml_tree::{Content, Key, Node, Source, describe_number};
+use crate::study::file::study_file::example_of_friction;
+use crate::study::file::yaml_tree::{Content, Node, Source};
 
 /// Deserialises a value of type `T` from the whole source.
 ///
 /// # Errors
 /// Returns the first value that does not fit `T`, with its place and key path.
 pub(crate) fn decode<'de, T: Deserialize<'de>>(source: &'de Source) -> Result<T, StudyError> {
-    T::deserialize(At(&source.root)).map_err(|mut error| {
-        error.steps.reverse();
-        let place = error.place.unwrap_or(source.root.place);
-        source.refuse_at(place, &KeyPath(error.steps), error.fault)
+    T::deserialize(&source.root).map_err(|error| {
+        let node = error.node.unwrap_or(&source.root);
+        let found = source.root.find(&|other| ptr::eq(other, node));
+        let mut path = found.map_or_else(KeyPath::default, |(path, _)| path);
+        path.0.extend(error.missing.map(|field| Segment::Key(field.to_owned())));
+        source.refuse_at(error.place.unwrap_or(node.place), &path, error.fault)
     })
 }
 
-/// An error that is passed upwards: each level adds its step, and the innermost level adds the
-/// place.
+/// A fault of a node. The innermost level that knows the node adds it.
 #[derive(Debug)]
-struct DecodeError {
-    steps: Vec<Segment>,
+pub(crate) struct DecodeError<'de> {
+    /// The key or value whose path the message shows.
+    node: Option<&'de Node>,
+    /// The place that the message shows if it is not the place of the node.
     place: Option<Location>,
+    /// The missing key below the node.
+    missing: Option<&'static str>,
     fault: Fault,
 }
 
-impl DecodeError {
-    fn new(fault: Fault) -> DecodeError {
-        DecodeError { steps: Vec::new(), place: None, fault }
+impl<'de> DecodeError<'de> {
+    fn new(fault: Fault) -> DecodeError<'de> {
+        DecodeError { node: None, place: None, missing: None, fault }
     }
 
-    fn at(mut self, place: Location) -> DecodeError {
-        self.place.get_or_insert(place);
-        self
+    fn with_allowed(problem: &str, allowed: &dyn Expected) -> DecodeError<'de> {
+        let allowed = Some(plain(allowed));
+        DecodeError::new(Fault { problem: problem.to_owned(), found: None, allowed })
     }
 
-    fn below(mut self, step: Segment) -> DecodeError {
-        self.steps.push(step);
+    /// Adds the node, and its content as the value found, unless an inner level has added its own.
+    fn at(mut self, node: &'de Node) -> DecodeError<'de> {
+        if self.node.is_none() {
+            self.node = Some(node);
+            self.fault.found.get_or_insert_with(|| node.describe());
+        }
         self
     }
 }
 
-impl std::fmt::Display for DecodeError {
+impl std::fmt::Display for DecodeError<'_> {
     fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         out.write_str(&self.fault.problem)
     }
 }
 
-impl std::error::Error for DecodeError {}
+impl std::error::Error for DecodeError<'_> {}
 
-impl serde::de::Error for DecodeError {
-    fn custom<T: std::fmt::Display>(problem: T) -> DecodeError {
+impl serde::de::Error for DecodeError<'_> {
+    fn custom<T: std::fmt::Display>(problem: T) -> Self {
         DecodeError::new(Fault { problem: problem.to_string(), found: None, allowed: None })
     }
 
-    fn invalid_type(found: Unexpected<'_>, allowed: &dyn Expected) -> DecodeError {
-        DecodeError::new(Fault::new("wrong type", in_words(found), plain(allowed)))
+    fn invalid_type(_: Unexpected<'_>, allowed: &dyn Expected) -> Self {
+        DecodeError::with_allowed("wrong type", allowed)
     }
 
-    fn invalid_value(found: Unexpected<'_>, allowed: &dyn Expected) -> DecodeError {
-        DecodeError::new(Fault::new("not allowed here", in_words(found), plain(allowed)))
+    fn invalid_value(_: Unexpected<'_>, allowed: &dyn Expected) -> Self {
+        DecodeError::with_allowed("not allowed here", allowed)
     }
 
-    fn invalid_length(length: usize, allowed: &dyn Expected) -> DecodeError {
+    fn invalid_length(length: usize, allowed: &dyn Expected) -> Self {
         let found = format!("a list of {length}");
         DecodeError::new(Fault::new("wrong number of values", found, plain(allowed)))
     }
 
-    fn unknown_variant(found: &str, allowed: &'static [&'static str]) -> DecodeError {
+    fn unknown_variant(found: &str, allowed: &'static [&'static str]) -> Self {
         DecodeError::new(Fault::new("unknown choice", shorten(found), list_names(found, allowed)))
     }
 
-    fn unknown_field(found: &str, allowed: &'static [&'static str]) -> DecodeError {
+    fn unknown_field(found: &str, allowed: &'static [&'static str]) -> Self {
         DecodeError::new(Fault::new("unknown key", shorten(found), list_names(found, allowed)))
     }
 
-    fn missing_field(field: &'static str) -> DecodeError {
+    fn missing_field(field: &'static str) -> Self {
         let fault = Fault::new("missing key", "no such key", format!("a value for `{field}`"));
-        DecodeError::new(fault).below(Segment::Key(field.to_owned()))
-    }
-}
-
-fn in_words(found: Unexpected<'_>) -> String {
-    match found {
-        Unexpected::Bool(truth) => truth.to_string(),
-        Unexpected::Unsigned(number) => number.to_string(),
-        Unexpected::Signed(number) => number.to_string(),
-        Unexpected::Float(number) => describe_number(number),
-        Unexpected::Str(text) => format!("text {:?}", shorten(text)),
-        Unexpected::Unit => "nothing".to_owned(),
-        Unexpected::Seq => "a list".to_owned(),
-        Unexpected::Map => "keys and values".to_owned(),
-        other => other.to_string(),
+        DecodeError { missing: Some(field), ..DecodeError::new(fault) }
     }
 }
 
@@ -109,39 +110,41 @@ fn plain(allowed: &dyn Expected) -> String {
         "u64" => "a whole number from 0 to 2^64 - 1".to_owned(),
         "a string" => "text (quote it if it looks like a number)".to_owned(),
         "a sequence" => "a list".to_owned(),
+        "a map" => "names and values".to_owned(),
         _ if text.starts_with("struct ") => "keys and values".to_owned(),
         _ => text,
     }
 }
 
-/// A node of the tree from which serde deserialises.
-#[derive(Clone, Copy)]
-struct At<'de>(&'de Node);
+impl<'de> IntoDeserializer<'de, DecodeError<'de>> for &'de Node {
+    type Deserializer = Self;
 
-impl<'de> At<'de> {
-    fn read<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, DecodeError> {
-        match &self.0.content {
-            Content::Nothing => visitor.visit_unit(),
-            Content::Truth(truth) => visitor.visit_bool(*truth),
-            Content::Natural(number) => visitor.visit_u64(*number),
-            Content::Negative(number) => visitor.visit_i64(*number),
-            Content::Number(number) => visitor.visit_f64(*number),
-            Content::Text(text) => visitor.visit_borrowed_str(text),
-            Content::List(items) => visitor.visit_seq(Items { items, next: 0 }),
-            Content::Map(entries) => visitor.visit_map(Entries { entries, next: 0 }),
-        }
+    fn into_deserializer(self) -> Self {
+        self
     }
 }
 
-impl<'de> Deserializer<'de> for At<'de> {
-    type Error = DecodeError;
+impl<'de> Deserializer<'de> for &'de Node {
+    type Error = DecodeError<'de>;
 
-    fn deserialize_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, DecodeError> {
-        self.read(visitor).map_err(|error| error.at(self.0.place))
+    fn deserialize_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Self::Error> {
+        let value = match &self.content {
+            Content::Nothing => visitor.visit_unit(),
+            Content::Truth(truth) => visitor.visit_bool(*truth),
+            Content::Natural(number) => visitor.visit_u64(*number),
+            Content::Number(number) => visitor.visit_f64(*number),
+            Content::Text(text) => visitor.visit_borrowed_str(text),
+            Content::List(items) => visitor.visit_seq(SeqDeserializer::new(items.iter())),
+            Content::Map(entries) => {
+                let entries = entries.iter().map(|(key, value)| (key, value));
+                visitor.visit_map(MapDeserializer::new(entries))
+            }
+        };
+        value.map_err(|error| error.at(self))
     }
 
     /// A key in the file must have a value: only an absent key means "not given".
-    fn deserialize_option<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, DecodeError> {
+    fn deserialize_option<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Self::Error> {
         visitor.visit_some(self)
     }
 
@@ -149,7 +152,7 @@ impl<'de> Deserializer<'de> for At<'de> {
         self,
         _name: &'static str,
         visitor: V,
-    ) -> Result<V::Value, DecodeError> {
+    ) -> Result<V::Value, Self::Error> {
         visitor.visit_newtype_struct(self)
     }
 
@@ -158,20 +161,19 @@ impl<'de> Deserializer<'de> for At<'de> {
         _name: &'static str,
         variants: &'static [&'static str],
         visitor: V,
-    ) -> Result<V::Value, DecodeError> {
-        let choice = match &self.0.content {
-            Content::Text(text) => Choice { name: text, place: self.0.place, value: None },
+    ) -> Result<V::Value, Self::Error> {
+        let value = match &self.content {
+            Content::Text(_) => visitor.visit_enum(Choice { name: self, value: None }),
             Content::Map(entries) if entries.len() == 1 => {
-                let (key, value) = &entries[0];
-                Choice { name: &key.name, place: key.place, value: Some(value) }
+                let (name, value) = &entries[0];
+                visitor.visit_enum(Choice { name, value: Some(value) })
             }
             _ => {
                 let allowed = format!("one of {}", variants.join(", "));
-                let fault = Fault::new("not a choice", self.0.describe(), allowed);
-                return Err(DecodeError::new(fault).at(self.0.place));
+                Err(DecodeError::new(Fault::new("not a choice", self.describe(), allowed)))
             }
         };
-        visitor.visit_enum(choice).map_err(|error| error.at(self.0.place))
+        value.map_err(|error| error.at(self))
     }
 
     /// Accepts keys and values only: serde's derived structs would also accept a list of the values
@@ -181,13 +183,13 @@ impl<'de> Deserializer<'de> for At<'de> {
         _name: &'static str,
         fields: &'static [&'static str],
         visitor: V,
-    ) -> Result<V::Value, DecodeError> {
-        if let Content::Map(_) = self.0.content {
+    ) -> Result<V::Value, Self::Error> {
+        if let Content::Map(_) = self.content {
             return self.deserialize_any(visitor);
         }
         let keys: Vec<String> = fields.iter().map(|field| format!("{field}: ...")).collect();
         let allowed = format!("keys and values, {}", shorten(&keys.join(", ")));
-        Err(DecodeError::new(Fault::new("wrong type", self.0.describe(), allowed)).at(self.0.place))
+        Err(DecodeError::new(Fault::new("wrong type", self.describe(), allowed)).at(self))
     }
 
     forward_to_deserialize_any! {
@@ -196,134 +198,77 @@ impl<'de> Deserializer<'de> for At<'de> {
     }
 }
 
-struct Items<'de> {
-    items: &'de [Node],
-    next: usize,
-}
-
-impl<'de> SeqAccess<'de> for Items<'de> {
-    type Error = DecodeError;
-
-    fn next_element_seed<T: DeserializeSeed<'de>>(
-        &mut self,
-        seed: T,
-    ) -> Result<Option<T::Value>, DecodeError> {
-        let Some(item) = self.items.get(self.next) else { return Ok(None) };
-        let step = Segment::Item(self.next);
-        self.next += 1;
-        seed.deserialize(At(item)).map(Some).map_err(|error| error.at(item.place).below(step))
-    }
-
-    fn size_hint(&self) -> Option<usize> {
-        Some(self.items.len() - self.next)
-    }
-}
-
-struct Entries<'de> {
-    entries: &'de [(Key, Node)],
-    next: usize,
-}
-
-impl<'de> MapAccess<'de> for Entries<'de> {
-    type Error = DecodeError;
-
-    fn next_key_seed<K: DeserializeSeed<'de>>(
-        &mut self,
-        seed: K,
-    ) -> Result<Option<K::Value>, DecodeError> {
-        let Some((key, _)) = self.entries.get(self.next) else { return Ok(None) };
-        let name: StrDeserializer<'_, DecodeError> = key.name.as_str().into_deserializer();
-        seed.deserialize(name)
-            .map(Some)
-            .map_err(|error| error.at(key.place).below(Segment::Key(key.name.clone())))
-    }
-
-    fn next_value_seed<T: DeserializeSeed<'de>>(
-        &mut self,
-        seed: T,
-    ) -> Result<T::Value, DecodeError> {
-        let Some((key, value)) = self.entries.get(self.next) else {
-            return Err(DecodeError::custom("a value was read before its key"));
-        };
-        self.next += 1;
-        seed.deserialize(At(value))
-            .map_err(|error| error.at(value.place).below(Segment::Key(key.name.clone())))
-    }
-}
-
 /// A choice: a word alone, or one key with its settings.
 struct Choice<'de> {
-    name: &'de str,
-    place: Location,
+    name: &'de Node,
     value: Option<&'de Node>,
 }
 
+/// Stands for missing settings.
+static NOTHING: Node = Node { place: Location { line: 1, column: 1 }, content: Content::Nothing };
+
 impl<'de> EnumAccess<'de> for Choice<'de> {
-    type Error = DecodeError;
+    type Error = DecodeError<'de>;
     type Variant = Choice<'de>;
 
     fn variant_seed<V: DeserializeSeed<'de>>(
         self,
         seed: V,
-    ) -> Result<(V::Value, Choice<'de>), DecodeError> {
-        let name: StrDeserializer<'_, DecodeError> = self.name.into_deserializer();
-        let variant = seed.deserialize(name).map_err(|error| error.at(self.place))?;
+    ) -> Result<(V::Value, Choice<'de>), Self::Error> {
+        let name: StrDeserializer<'_, Self::Error> = self.name.name().into_deserializer();
+        let place = Some(self.name.place);
+        let variant = seed.deserialize(name).map_err(|error| DecodeError { place, ..error })?;
         Ok((variant, self))
     }
 }
 
 impl<'de> Choice<'de> {
-    fn settings(&self) -> Result<&'de Node, DecodeError> {
-        self.value.ok_or_else(|| {
-            let allowed = format!("{{{}: ...}}", self.name);
-            let fault = Fault::new("settings are missing", self.name, allowed);
-            DecodeError::new(fault).at(self.place)
-        })
-    }
-
     fn read<T>(
         self,
-        read: impl FnOnce(At<'de>) -> Result<T, DecodeError>,
-    ) -> Result<T, DecodeError> {
-        let node = self.settings()?;
-        read(At(node))
-            .map_err(|error| error.at(node.place).below(Segment::Key(self.name.to_owned())))
+        read: impl FnOnce(&'de Node) -> Result<T, DecodeError<'de>>,
+    ) -> Result<T, DecodeError<'de>> {
+        if let Some(value) = self.value {
+            return read(value);
+        }
+        let name = self.name.name();
+        read(&NOTHING).map_err(|error| {
+            let needed = error.fault.allowed.unwrap_or_default();
+            let example = example_of_friction(name).map(|example| format!("; such as {example}"));
+            let allowed = format!("{{{name}: ...}} with {needed}{}", example.unwrap_or_default());
+            DecodeError::new(Fault::new("settings are missing", name, allowed))
+        })
     }
 }
 
 impl<'de> VariantAccess<'de> for Choice<'de> {
-    type Error = DecodeError;
+    type Error = DecodeError<'de>;
 
-    fn unit_variant(self) -> Result<(), DecodeError> {
-        match self.value {
-            None => Ok(()),
-            Some(node) => {
-                let fault = Fault::new("takes no settings", node.describe(), self.name);
-                Err(DecodeError::new(fault).at(node.place))
-            }
-        }
+    fn unit_variant(self) -> Result<(), Self::Error> {
+        let Some(value) = self.value else { return Ok(()) };
+        let fault = Fault::new("takes no settings", value.describe(), self.name.name());
+        Err(DecodeError { place: Some(value.place), ..DecodeError::new(fault) })
     }
 
     fn newtype_variant_seed<T: DeserializeSeed<'de>>(
         self,
         seed: T,
-    ) -> Result<T::Value, DecodeError> {
-        self.read(|node| seed.deserialize(node))
+    ) -> Result<T::Value, Self::Error> {
+        self.read(|value| seed.deserialize(value))
     }
 
     fn tuple_variant<V: Visitor<'de>>(
         self,
         _len: usize,
         visitor: V,
-    ) -> Result<V::Value, DecodeError> {
-        self.read(|node| node.deserialize_any(visitor))
+    ) -> Result<V::Value, Self::Error> {
+        self.read(|value| value.deserialize_any(visitor))
     }
 
     fn struct_variant<V: Visitor<'de>>(
         self,
         fields: &'static [&'static str],
         visitor: V,
-    ) -> Result<V::Value, DecodeError> {
-        self.read(|node| node.deserialize_struct("", fields, visitor))
+    ) -> Result<V::Value, Self::Error> {
+        self.read(|value| value.deserialize_struct("", fields, visitor))
     }
 }

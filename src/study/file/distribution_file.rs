@@ -56,7 +56,6 @@ pub enum DistributionFile {
         values: Vec<f64>,
         /// Weights of the values, at least 0, on any scale; by default, all values are equally
         /// likely.
-        #[serde(skip_serializing_if = "Option::is_none")]
         weights: Option<Vec<f64>>,
     },
     /// The nominal value, which may come from the model, a sweep or a design, multiplied by a

@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use crate::sanitize::shorten;
+
 /// One step of a path.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Segment {
@@ -20,32 +22,14 @@ impl KeyPath {
     pub fn of(keys: &str) -> KeyPath {
         KeyPath(keys.split('.').map(|key| Segment::Key(key.to_owned())).collect())
     }
-
-    /// Returns this path extended by a key.
-    pub fn key(&self, key: &str) -> KeyPath {
-        self.and(Segment::Key(key.to_owned()))
-    }
-
-    /// Returns this path extended by a list item.
-    pub fn item(&self, index: usize) -> KeyPath {
-        self.and(Segment::Item(index))
-    }
-
-    fn and(&self, step: Segment) -> KeyPath {
-        let mut steps = self.0.clone();
-        steps.push(step);
-        KeyPath(steps)
-    }
 }
 
 impl fmt::Display for KeyPath {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         for (depth, step) in self.0.iter().enumerate() {
             match step {
-                Segment::Key(key) if depth == 0 => {
-                    write!(out, "{}", crate::study::error::shorten(key))?
-                }
-                Segment::Key(key) => write!(out, ".{}", crate::study::error::shorten(key))?,
+                Segment::Key(key) if depth == 0 => write!(out, "{}", shorten(key))?,
+                Segment::Key(key) => write!(out, ".{}", shorten(key))?,
                 Segment::Item(index) => write!(out, "[{index}]")?,
             }
         }

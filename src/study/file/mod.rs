@@ -9,6 +9,7 @@ pub(in crate::study) mod read_file;
 pub(in crate::study) mod resolved_yaml;
 pub mod response_file;
 pub(in crate::study) mod schema_parts;
+pub(in crate::study) mod source_path;
 pub mod study_file;
 pub(in crate::study) mod table_folders;
 pub(in crate::study) mod table_input;

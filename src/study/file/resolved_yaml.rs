@@ -7,7 +7,8 @@ use serde_json::Value;
 use crate::study::file::study_file::StudyFile;
 
 /// Words that some YAML parsers do not treat as text.
-const NOT_TEXT: [&str; 9] = ["true", "false", "yes", "no", "on", "off", "null", "nan", "inf"];
+const AMBIGUOUS_WORDS: [&str; 9] =
+    ["true", "false", "yes", "no", "on", "off", "null", "nan", "inf"];
 
 /// A resolved study file with its cached text and hash, which every table needs.
 #[derive(Clone, Debug)]
@@ -28,12 +29,32 @@ impl ResolvedFile {
     }
 }
 
-/// Returns the file as plain values; its types always serialise.
+/// Returns the file as plain values, without keys that are not given. Its types always serialise.
 pub(in crate::study) fn to_value(file: &StudyFile) -> Value {
-    serde_json::to_value(file).unwrap_or_default()
+    let mut value = serde_json::to_value(file).unwrap_or_default();
+    remove_absent(&mut value);
+    value
 }
 
-pub(in crate::study) fn write_block(value: &Value, indent: usize, out: &mut String) {
+fn remove_absent(value: &mut Value) {
+    match value {
+        Value::Object(fields) => {
+            fields.retain(|_, value| !value.is_null());
+            fields.values_mut().for_each(remove_absent);
+        }
+        Value::Array(items) => items.iter_mut().for_each(remove_absent),
+        _ => {}
+    }
+}
+
+/// Returns the file in block style, with small values on one line.
+pub(in crate::study) fn to_yaml(file: &StudyFile) -> String {
+    let mut out = String::new();
+    write_block(&to_value(file), 0, &mut out);
+    out
+}
+
+fn write_block(value: &Value, indent: usize, out: &mut String) {
     let margin = " ".repeat(indent);
     match value {
         Value::Object(fields) => {
@@ -111,7 +132,7 @@ fn write_text(text: &str, out: &mut String) {
     let usual = |character: char| character.is_ascii_alphanumeric() || "-_.".contains(character);
     let plain = text.starts_with(|first: char| first.is_ascii_alphabetic())
         && text.chars().all(usual)
-        && !NOT_TEXT.contains(&text.to_ascii_lowercase().as_str());
+        && !AMBIGUOUS_WORDS.contains(&text.to_ascii_lowercase().as_str());
     if plain {
         out.push_str(text);
     } else {

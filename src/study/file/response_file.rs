@@ -1,23 +1,19 @@
 //! The keys `design` and `responses` of a study file.
 
+use indexmap::IndexMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-
-use crate::study::file::values::Named;
 
 /// A variable of a design: either `from` and `to`, or `choices`.
 #[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct VariableFile {
     /// Smallest value, in the unit of the parameter.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub from: Option<f64>,
     /// Largest value, in the unit of the parameter; at least `from`.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub to: Option<f64>,
     /// Choices by name; each choice sets the same numeric parameters.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub choices: Option<Named<Named<f64>>>,
+    pub choices: Option<IndexMap<String, IndexMap<String, f64>>>,
 }
 
 /// A response of a design, estimated from the residual amplitudes (`amplitude_m` in `runs.parquet`)

@@ -4,7 +4,7 @@ use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde_json::{Map, Value};
 
 use super::distribution_file::DistributionFile;
-use super::values::{Entry, Listed, Range};
+use super::values::{Entry, Range};
 use crate::model::{Ball, Block, FrictionLaw, MAX_BALLS, Machine, Model};
 use crate::study::plan::parameter::Parameter;
 use crate::study::sampling::initial_box::axis_names;
@@ -14,7 +14,7 @@ pub(crate) const EXTENDED_LABELS: [&str; 2] = ["undecided", "irregular"];
 
 /// Returns the schema of lists of values by parameter.
 pub(in crate::study) fn swept(generator: &mut SchemaGenerator) -> Schema {
-    per_parameter(generator.subschema_for::<Listed>(), &all_parameters())
+    per_parameter(generator.subschema_for::<Vec<Entry>>(), &all_parameters())
 }
 
 /// Returns the schema of one value by parameter.

@@ -2,6 +2,7 @@
 //!
 //! These types check the form only; `resolve` validates the content and fills in the defaults.
 
+use indexmap::IndexMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -10,7 +11,7 @@ use crate::study::file::distribution_file::DistributionFile;
 use crate::study::file::optimize_file::OptimizeFile;
 use crate::study::file::response_file::{ResponseFile, VariableFile};
 use crate::study::file::schema_parts as schema;
-use crate::study::file::values::{Count, Entry, Listed, Named, Range, TableSource};
+use crate::study::file::values::{Count, Entry, Range, TableSource};
 
 /// A stickslip study: a model, the points of a sweep, and the sampling of start states.
 #[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
@@ -29,36 +30,28 @@ pub struct StudyFile {
     /// The model and its parameters.
     pub model: ModelFile,
     /// Blocks of points, one block after another; without a sweep, the study has one point.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub sweep: Option<Vec<BlockFile>>,
     /// Distribution of each uncertain parameter; the value is drawn for each run.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(default)]
     #[schemars(schema_with = "schema::uncertain")]
-    pub uncertain: Option<Named<DistributionFile>>,
+    pub uncertain: Option<IndexMap<String, DistributionFile>>,
     /// Start states and how they are sampled.
     pub initial_conditions: InitialConditionsFile,
     /// Integration method, end time, tolerances and the endings to detect.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub simulation: Option<SimulationFile>,
     /// Sequential sampling: adds runs at each point until the 95 % confidence interval of the
     /// fraction of equilibria is narrow enough; by default, each point has the runs of its design.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub precision: Option<PrecisionFile>,
     /// Recomputation of a fraction of the runs by the other method; by default, none.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub audit: Option<AuditFile>,
     /// Expected results, which `stickslip verify` checks.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub expect: Option<Vec<ExpectationFile>>,
     /// Variables of `stickslip evaluate` and `stickslip optimize`, by name: a numeric parameter or
     /// `balls` with `from` and `to`, or another name with `choices`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub design: Option<Named<VariableFile>>,
+    pub design: Option<IndexMap<String, VariableFile>>,
     /// Responses that `stickslip evaluate` estimates for each design, by name.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub responses: Option<Named<ResponseFile>>,
+    pub responses: Option<IndexMap<String, ResponseFile>>,
     /// Objectives, limits and effort of `stickslip optimize`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub optimize: Option<OptimizeFile>,
 }
 
@@ -70,14 +63,11 @@ pub struct ModelFile {
     pub kind: ModelKind,
     /// Parameters in SI units; the defaults are the machine of the thesis, or a block of 1 kg on a
     /// spring of 100 N/m.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub parameters: Option<ParametersFile>,
     /// Friction law; the default is `coulomb`.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub friction: Option<FrictionFile>,
     /// Derivation of the normal force between ball and ring; the default is `lagrange`; only for a
     /// ball balancer.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub normal_force: Option<NormalForceKind>,
 }
 
@@ -116,6 +106,22 @@ pub enum FrictionFile {
     },
 }
 
+/// Returns an example of the settings of a friction law, if this is the name of a law with settings.
+pub(in crate::study) fn example_of_friction(law: &str) -> Option<&'static str> {
+    match law {
+        "stribeck" => Some(
+            "{stribeck: {static_friction_coefficient: 0.2, stribeck_speed_m_s: 0.01}} for a block, \
+             {stribeck: {static_friction_coefficient: 4.0e-3, stribeck_speed_rad_s: 1.0}} for balls",
+        ),
+        "smooth" => Some(
+            "{smooth: {smoothing_speed_m_s: 1.0e-3}} for a block, \
+             {smooth: {smoothing_speed_rad_s: 0.1}} for balls",
+        ),
+        "viscous" => Some("{viscous: {viscous_coefficient_n_s_m: 1.0e-4}}"),
+        _ => None,
+    }
+}
+
 /// Settings of the Stribeck law, with one of the two speeds.
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[serde(deny_unknown_fields)]
@@ -125,12 +131,10 @@ pub struct StribeckFile {
     pub static_friction_coefficient: f64,
     /// Sliding speed of a ball over which the coefficient decays to its kinetic value, rad/s, at
     /// least 0; 0 gives a jump.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("minimum" = 0))]
     pub stribeck_speed_rad_s: Option<f64>,
     /// Sliding speed of a block over which the coefficient decays to its kinetic value, m/s, at
     /// least 0; 0 gives a jump.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("minimum" = 0))]
     pub stribeck_speed_m_s: Option<f64>,
 }
@@ -140,11 +144,9 @@ pub struct StribeckFile {
 #[serde(deny_unknown_fields)]
 pub struct SmoothFile {
     /// Sliding speed of a ball at which friction reaches half of its limit, rad/s, above 0.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub smoothing_speed_rad_s: Option<f64>,
     /// Sliding speed of a block at which friction reaches half of its limit, m/s, above 0.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub smoothing_speed_m_s: Option<f64>,
 }
@@ -166,60 +168,46 @@ pub enum NormalForceKind {
 pub struct ParametersFile {
     /// Mass of table, motor, ring and disc, without imbalance and balls, kg; above 0; default
     /// 0.324.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub table_mass_kg: Option<f64>,
     /// Stiffness, N/m, above 0: of the suspension per direction (default 1.07e4), or of a block's
     /// spring (default 100).
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub stiffness_n_m: Option<f64>,
     /// Viscous damping of the suspension per direction, N s/m; at least 0; default 1.28.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("minimum" = 0))]
     pub damping_n_s_m: Option<f64>,
     /// Distance from the centre of the ring to the centres of the balls, m; above 0; default
     /// 1.15e-2.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub ring_radius_m: Option<f64>,
     /// Mass of the imbalance, kg; above 0; default 5.6e-5.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub imbalance_mass_kg: Option<f64>,
     /// Distance from the centre of the ring to the imbalance, m; above 0; default 3.7e-2.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub imbalance_radius_m: Option<f64>,
     /// Number of balls, 1 to 8, or a list with one entry per ball; default 2.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub balls: Option<Balls>,
     /// Mass of each ball without its own value, kg; above 0; default 1.4e-4.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub ball_mass_kg: Option<f64>,
     /// Diameter of each ball without its own value, m; above 0; default 3e-3.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub ball_diameter_m: Option<f64>,
     /// Friction coefficient of each ball without its own value (default 2.75e-3) or of a block
     /// (default 0.1), dimensionless, at least 0; the kinetic coefficient if the law has two.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("minimum" = 0))]
     pub friction_coefficient: Option<f64>,
     /// Prescribed speed of the disc, rad/s; a negative speed is clockwise; default -216.3772.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub speed_rad_s: Option<f64>,
     /// Mass of a block, kg; above 0; default 1.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub mass_kg: Option<f64>,
     /// Force that presses a block on the ground, N; above 0; default 10.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub normal_force_n: Option<f64>,
     /// Speed of the belt, m/s; above 0; default 0.1.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub belt_speed_m_s: Option<f64>,
 }
@@ -230,19 +218,17 @@ pub struct ParametersFile {
 pub struct BlockFile {
     /// Lists of values by parameter; the points are all combinations, and the last parameter
     /// changes fastest.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(default)]
     #[schemars(schema_with = "schema::swept")]
-    pub grid: Option<Named<Listed>>,
+    pub grid: Option<IndexMap<String, Vec<Entry>>>,
     /// Lists of equal length by parameter; the first point has the first value of each list, and so
     /// on.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(default)]
     #[schemars(schema_with = "schema::swept")]
-    pub zip: Option<Named<Listed>>,
+    pub zip: Option<IndexMap<String, Vec<Entry>>>,
     /// A table with one point per row; the columns are parameters.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub table: Option<TableSource>,
     /// Sampling design of this block; the default is `initial_conditions.design`.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub design: Option<DesignFile>,
 }
 
@@ -254,11 +240,10 @@ pub struct InitialConditionsFile {
     /// balancer: lengths over the ring radius, and time multiplied by the natural frequency; `beta`
     /// and `beta_dot` hold for every ball, `beta_1` and so on for one ball. Block: `position_m` and
     /// `velocity_m_s`.
-    #[serde(rename = "box", default, skip_serializing_if = "Option::is_none")]
+    #[serde(rename = "box", default)]
     #[schemars(schema_with = "schema::start_box")]
-    pub start_box: Option<Named<Range>>,
+    pub start_box: Option<IndexMap<String, Range>>,
     /// Sampling design of the start states; optional if every block of the sweep has its own.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub design: Option<DesignFile>,
 }
 
@@ -303,26 +288,20 @@ pub enum DesignFile {
 #[serde(deny_unknown_fields)]
 pub struct SimulationFile {
     /// How stick and slip are computed; the default is `switch`.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub method: Option<MethodKind>,
     /// Half width of the band around zero sliding speed in the switch model, in units of the
     /// natural frequency (block: natural frequency times `normal_force_n` / `stiffness_n_m`); above
     /// 0, at most 0.01; default 1e-8.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub band: Option<f64>,
     /// Time at which an undecided run stops, s; above 0; default 16.5.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub end_time_s: Option<f64>,
     /// Continuation of undecided and irregular runs past the end time; by default, none.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub extend: Option<ExtendFile>,
     /// Endings that the classification detects; the default is `all`.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub endings: Option<EndingsKind>,
     /// Tolerated error per integration step.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub tolerance: Option<ToleranceFile>,
 }
 
@@ -347,7 +326,7 @@ pub struct ExtendFile {
     pub factor: f64,
     /// Labels at the end time of the runs that are continued; the default is `[undecided,
     /// irregular]`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(default)]
     #[schemars(schema_with = "schema::extended_labels")]
     pub labels: Option<Vec<String>>,
 }
@@ -368,11 +347,9 @@ pub enum MethodKind {
 #[serde(deny_unknown_fields)]
 pub struct ToleranceFile {
     /// Relative error, dimensionless; above 0; default 1e-8.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub relative: Option<f64>,
     /// Absolute error, non-dimensional; above 0; default 1e-10.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub absolute: Option<f64>,
 }
@@ -407,26 +384,20 @@ pub struct AuditFile {
 #[serde(deny_unknown_fields)]
 pub struct ExpectationFile {
     /// Values of swept parameters that select points; by default, all points.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(default)]
     #[schemars(schema_with = "schema::selector")]
-    pub point: Option<Named<Entry>>,
+    pub point: Option<IndexMap<String, Entry>>,
     /// Range of the fraction of runs that come to rest, `[low, high]` within 0 and 1.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub equilibrium_fraction: Option<Range>,
     /// Range of the fraction of runs that end in a limit cycle, `[low, high]` within 0 and 1.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub limit_cycle_fraction: Option<Range>,
     /// Range of the fraction of runs that move irregularly, `[low, high]` within 0 and 1.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub irregular_fraction: Option<Range>,
     /// Range of the fraction of runs without sufficient evidence for any other label, `[low, high]`
     /// within 0 and 1.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub undecided_fraction: Option<Range>,
     /// Range of the fraction of failed runs, `[low, high]` within 0 and 1.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub failed_fraction: Option<Range>,
     /// Range of the fraction of audited runs whose label changes, `[low, high]` within 0 and 1.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub audit_flip_rate: Option<Range>,
 }

@@ -99,7 +99,7 @@ impl TableFolders {
     /// # Errors
     /// Returns an error if the file does not exist or lies outside the allowed directories.
     fn find(&self, name: &str, path: &Path) -> Result<PathBuf, Fault> {
-        if self.named.is_empty() && leads_out(Path::new(name)) {
+        if self.named.is_empty() && leaves_directory(Path::new(name)) {
             return Err(self.outside(name, None));
         }
         let real = |path: &Path| {
@@ -109,7 +109,7 @@ impl TableFolders {
         if real.starts_with(own) || self.named.iter().any(|folder| real.starts_with(folder)) {
             return Ok(real);
         }
-        Err(self.outside(name, (!leads_out(Path::new(name))).then_some(&real)))
+        Err(self.outside(name, (!leaves_directory(Path::new(name))).then_some(&real)))
     }
 
     fn outside(&self, name: &str, link_to: Option<&Path>) -> Fault {
@@ -135,7 +135,7 @@ fn unreadable_table(name: &str, fault: Fault) -> Fault {
 }
 
 /// Returns whether a path leaves the directory that it is relative to, without regard to symbolic links.
-fn leads_out(path: &Path) -> bool {
+fn leaves_directory(path: &Path) -> bool {
     let mut depth = 0_usize;
     for component in path.components() {
         match component {

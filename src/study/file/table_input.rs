@@ -3,23 +3,23 @@
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
-use crate::study::error::{Fault, Locate, Location, StudyError, list_names, shorten};
-use crate::study::file::key_path::KeyPath;
+use crate::study::error::{Fault, Location, StudyError, list_names, shorten};
+use crate::study::file::source_path::SourcePath;
 use crate::study::file::table_folders::{MAX_VALUES, TableFolders};
 use crate::study::file::values::{Entry, InlineTable, TableSource};
 use crate::tabular::{Cell, Cells, Limits, Refusal, check_name, ragged};
 
 /// A table whose column names are valid and distinct.
-pub(crate) struct Rows {
+pub(crate) struct Rows<'a> {
     /// The names of the columns.
     pub columns: Vec<String>,
     /// The rows, with one value per column.
     pub rows: Vec<Vec<Entry>>,
-    origin: Origin,
+    origin: Origin<'a>,
 }
 
-enum Origin {
-    Inline(KeyPath),
+enum Origin<'a> {
+    Inline(SourcePath<'a>),
     File(TableFile),
 }
 
@@ -30,70 +30,57 @@ struct TableFile {
     lines: Option<Vec<usize>>,
 }
 
-impl Rows {
+impl<'a> Rows<'a> {
     /// Reads a table; `allowed` contains the valid column names.
     ///
     /// # Errors
     /// Returns an error if the file cannot or must not be read, if a row has more or fewer values than there are columns,
     /// if a column is unknown or given twice, if a value is missing or not finite, or if the table has no rows.
     pub fn read(
-        locate: &dyn Locate,
         folders: &TableFolders,
-        path: &KeyPath,
+        path: &SourcePath<'a>,
         table: &TableSource,
         allowed: &[String],
-    ) -> Result<Rows, StudyError> {
-        let rows = match table {
-            TableSource::Inline(inline) => Rows::of_inline(locate, path, inline, allowed)?,
-            TableSource::File(name) => Rows::of_file(locate, folders, path, name, allowed)?,
-        };
-        if rows.rows.is_empty() {
-            let fault = Fault::new("a table without rows", "0 rows", "at least one row");
-            return Err(rows.refuse(locate, None, None, fault));
+    ) -> Result<Rows<'a>, StudyError> {
+        match table {
+            TableSource::Inline(inline) => Rows::of_inline(path, inline, allowed),
+            TableSource::File(name) => Rows::of_file(folders, path, name, allowed),
         }
-        Ok(rows)
     }
 
     fn of_inline(
-        locate: &dyn Locate,
-        path: &KeyPath,
+        path: &SourcePath<'a>,
         table: &InlineTable,
         allowed: &[String],
-    ) -> Result<Rows, StudyError> {
+    ) -> Result<Rows<'a>, StudyError> {
         for (row, values) in table.rows.iter().enumerate() {
             if values.len() != table.columns.len() {
                 let fault = ragged(values.len(), table.columns.len());
-                return Err(locate.refuse_value(&path.key("rows").item(row), fault));
+                return Err(path.key("rows").item(row).refuse_value(fault));
             }
         }
-        check_columns(&table.columns, allowed).map_err(|(column, fault)| {
-            locate.refuse_value(&path.key("columns").item(column), fault)
-        })?;
-        Ok(Rows {
-            columns: table.columns.clone(),
-            rows: table.rows.clone(),
-            origin: Origin::Inline(path.clone()),
-        })
+        check_columns(&table.columns, allowed)
+            .map_err(|(column, fault)| path.key("columns").item(column).refuse_value(fault))?;
+        let (columns, rows) = (table.columns.clone(), table.rows.clone());
+        Rows { columns, rows, origin: Origin::Inline(path.clone()) }.not_empty()
     }
 
     fn of_file(
-        locate: &dyn Locate,
         folders: &TableFolders,
-        path: &KeyPath,
+        path: &SourcePath<'a>,
         name: &str,
         allowed: &[String],
-    ) -> Result<Rows, StudyError> {
+    ) -> Result<Rows<'a>, StudyError> {
         let (file, bytes) = folders.read(name).map_err(|mut fault| {
             fault.problem = format!("the table cannot be read: {}", fault.problem);
-            locate.refuse_value(path, fault)
+            path.refuse_value(fault)
         })?;
-        check_name(&file, "a name that ends in .csv or .parquet").map_err(|fault| {
-            locate.refuse_value(path, Fault { found: Some(shorten(name)), ..fault })
-        })?;
+        check_name(&file, "a name that ends in .csv or .parquet")
+            .map_err(|fault| path.refuse_value(Fault { found: Some(shorten(name)), ..fault }))?;
         let rows = Rows::in_file(&file, |limits| Cells::read(&file, bytes, limits), allowed)?;
         folders
             .count(rows.rows.len() * rows.columns.len())
-            .map_err(|fault| locate.refuse_value(path, fault))?;
+            .map_err(|fault| path.refuse_value(fault))?;
         Ok(rows)
     }
 
@@ -105,7 +92,7 @@ impl Rows {
         name: &Path,
         read: impl FnOnce(&Limits<'_>) -> Result<Cells, Refusal>,
         allowed: &[String],
-    ) -> Result<Rows, StudyError> {
+    ) -> Result<Rows<'a>, StudyError> {
         let columns = |columns: &[String]| check_columns(columns, allowed);
         let refuse = |Refusal { line, row, column, fault }| {
             StudyError::new(name, line.map(at_line), key(row, column.as_deref()), *fault, None)
@@ -126,17 +113,19 @@ impl Rows {
             cells.into_iter().zip(&columns).map(|cell| entry(row, cell)).collect()
         };
         let rows = rows.into_iter().enumerate().map(entries).collect::<Result<_, _>>()?;
-        Ok(Rows { columns, rows, origin: Origin::File(file) })
+        Rows { columns, rows, origin: Origin::File(file) }.not_empty()
+    }
+
+    fn not_empty(self) -> Result<Rows<'a>, StudyError> {
+        if self.rows.is_empty() {
+            let fault = Fault::new("a table without rows", "0 rows", "at least one row");
+            return Err(self.refuse(None, None, fault));
+        }
+        Ok(self)
     }
 
     /// Returns the error for a fault in a row, a column, a cell, or the whole table.
-    pub fn refuse(
-        &self,
-        locate: &dyn Locate,
-        row: Option<usize>,
-        column: Option<usize>,
-        fault: Fault,
-    ) -> StudyError {
+    pub fn refuse(&self, row: Option<usize>, column: Option<usize>, fault: Fault) -> StudyError {
         match &self.origin {
             Origin::Inline(path) => {
                 let path = match (row, column) {
@@ -145,7 +134,7 @@ impl Rows {
                     (None, Some(column)) => path.key("columns").item(column),
                     (None, None) => path.clone(),
                 };
-                locate.refuse_value(&path, fault)
+                path.refuse_value(fault)
             }
             Origin::File(file) => {
                 let name = column.and_then(|column| self.columns.get(column));

@@ -2,6 +2,7 @@
 //!
 //! The budgets of the YAML parser stop alias bombs and deep nesting. Duplicate keys are errors.
 
+use std::collections::HashSet;
 use std::fmt;
 use std::path::{Path, PathBuf};
 
@@ -9,7 +10,7 @@ use serde::de::{Deserialize, Deserializer, Error as _, MapAccess, SeqAccess, Vis
 use serde_saphyr::Spanned;
 use serde_saphyr::options::{DuplicateKeyPolicy, MergeKeyPolicy, NonFiniteFloatPolicy};
 
-use crate::study::error::{Fault, Locate, Location, Spot, StudyError, shorten};
+use crate::study::error::{Fault, Location, StudyError, shorten};
 use crate::study::file::key_path::{KeyPath, Segment};
 
 /// The largest study file, and the largest table that a study names, in bytes.
@@ -39,25 +40,14 @@ pub(crate) enum Content {
     Truth(bool),
     /// A whole number, zero or more.
     Natural(u64),
-    /// A negative whole number.
-    Negative(i64),
     /// Any other number, possibly not finite.
     Number(f64),
     /// Text.
     Text(String),
     /// A list.
     List(Vec<Node>),
-    /// A map in the order of the file.
-    Map(Vec<(Key, Node)>),
-}
-
-/// A key of a map and its place.
-#[derive(Clone, Debug)]
-pub(crate) struct Key {
-    /// The key.
-    pub name: String,
-    /// Where the key starts.
-    pub place: Location,
+    /// A map in the order of the file; its keys are texts.
+    Map(Vec<(Node, Node)>),
 }
 
 /// The text of a study file, its tree and its name, which a message needs.
@@ -108,65 +98,32 @@ impl Source {
     }
 
     fn check_top(&self) -> Result<(), StudyError> {
+        let beginning = "keys and values, starting with `schema: 1`";
         match self.root.content {
             Content::Map(_) => Ok(()),
-            Content::Nothing => Err(StudyError::about_file(
-                &self.file,
-                Fault::new("the file is empty", "no keys", "a study, starting with `schema: 1`"),
-            )),
-            _ => Err(self.refuse_value(
-                &KeyPath::default(),
-                Fault::new(
-                    "not a study",
-                    self.root.describe(),
-                    "keys and values, starting with `schema: 1`",
-                ),
-            )),
+            Content::Nothing => {
+                let fault = Fault::new("the file is empty", "no keys", beginning);
+                Err(StudyError::about_file(&self.file, fault))
+            }
+            _ => {
+                let fault = Fault::new("not a study", self.root.describe(), beginning);
+                Err(self.refuse_at(self.root.place, &KeyPath::default(), fault))
+            }
         }
     }
 
     fn check_finite(&self) -> Result<(), StudyError> {
-        let Some((mut steps, node)) = self.root.first_not_finite() else { return Ok(()) };
-        steps.reverse();
+        let is_not_finite =
+            |node: &Node| matches!(node.content, Content::Number(number) if !number.is_finite());
+        let Some((path, node)) = self.root.find(&is_not_finite) else { return Ok(()) };
         let fault = Fault::new("not a finite number", node.describe(), "a finite number");
-        Err(self.refuse_at(node.place, &KeyPath(steps), fault))
+        Err(self.refuse_at(node.place, &path, fault))
     }
 
     /// Creates the message for a fault at a known place.
     pub fn refuse_at(&self, place: Location, path: &KeyPath, fault: Fault) -> StudyError {
         let line = self.text.lines().nth(place.line.saturating_sub(1));
         StudyError::new(&self.file, Some(place), path.to_string(), fault, line)
-    }
-
-    /// Returns the place of a path, or of its deepest part that the file contains.
-    fn place(&self, path: &KeyPath, spot: Spot) -> Location {
-        let mut node = &self.root;
-        let mut place = node.place;
-        for step in &path.0 {
-            match (step, &node.content) {
-                (Segment::Key(name), Content::Map(entries)) => {
-                    let Some((key, value)) = entries.iter().find(|(key, _)| key.name == *name)
-                    else {
-                        return place;
-                    };
-                    node = value;
-                    place = if spot == Spot::Key { key.place } else { node.place };
-                }
-                (Segment::Item(index), Content::List(items)) => {
-                    let Some(item) = items.get(*index) else { return place };
-                    node = item;
-                    place = node.place;
-                }
-                _ => return place,
-            }
-        }
-        place
-    }
-}
-
-impl Locate for Source {
-    fn refuse(&self, path: &KeyPath, spot: Spot, fault: Fault) -> StudyError {
-        self.refuse_at(self.place(path, spot), path, fault)
     }
 }
 
@@ -212,7 +169,6 @@ impl Node {
             Content::Nothing => "nothing".to_owned(),
             Content::Truth(truth) => truth.to_string(),
             Content::Natural(number) => number.to_string(),
-            Content::Negative(number) => number.to_string(),
             Content::Number(number) if number.is_nan() => ".nan".to_owned(),
             Content::Number(number) if number.is_infinite() => {
                 format!("{}.inf (or too large a number)", if *number < 0.0 { "-" } else { "" })
@@ -221,30 +177,53 @@ impl Node {
             Content::Text(text) => format!("text {:?}", shorten(text)),
             Content::List(items) => format!("a list of {}", items.len()),
             Content::Map(entries) => {
-                let names: Vec<&str> =
-                    entries.iter().take(8).map(|(key, _)| key.name.as_str()).collect();
+                let names: Vec<&str> = entries.iter().take(8).map(|(key, _)| key.name()).collect();
                 shorten(&format!("keys {}", names.join(", ")))
             }
         }
     }
 
-    /// Returns the first number that is not finite, with the steps to it from the last to the
-    /// first.
-    fn first_not_finite(&self) -> Option<(Vec<Segment>, &Node)> {
-        let (step, (mut steps, node)) = match &self.content {
-            Content::Number(number) if !number.is_finite() => return Some((Vec::new(), self)),
+    /// Returns the name of a key; empty if this is not a text.
+    pub fn name(&self) -> &str {
+        if let Content::Text(name) = &self.content { name } else { "" }
+    }
+
+    /// Returns the value of a key, if this is a map with this key.
+    pub fn get(&self, key: &str) -> Option<&Node> {
+        Some(self.below(&Segment::Key(key.to_owned()))?.1)
+    }
+
+    /// Returns the key and the value one step below; the key of a list's item is the item itself.
+    pub fn below(&self, step: &Segment) -> Option<(&Node, &Node)> {
+        match (step, &self.content) {
+            (Segment::Key(name), Content::Map(entries)) => {
+                entries.iter().find(|(key, _)| key.name() == name).map(|(key, value)| (key, value))
+            }
+            (Segment::Item(index), Content::List(items)) => {
+                items.get(*index).map(|item| (item, item))
+            }
+            _ => None,
+        }
+    }
+
+    /// Returns the first key or value in this tree that is wanted, with its path.
+    pub fn find(&self, wanted: &dyn Fn(&Node) -> bool) -> Option<(KeyPath, &Node)> {
+        if wanted(self) {
+            return Some((KeyPath::default(), self));
+        }
+        let (step, (mut path, node)) = match &self.content {
             Content::List(items) => items
                 .iter()
                 .enumerate()
-                .find_map(|(index, item)| Some((Segment::Item(index), item.first_not_finite()?)))?,
+                .find_map(|(index, item)| Some((Segment::Item(index), item.find(wanted)?)))?,
             Content::Map(entries) => entries.iter().find_map(|(key, value)| {
-                let found = value.first_not_finite()?;
-                Some((Segment::Key(key.name.clone()), found))
+                let found = key.find(wanted).or_else(|| value.find(wanted))?;
+                Some((Segment::Key(key.name().to_owned()), found))
             })?,
             _ => return None,
         };
-        steps.push(step);
-        Some((steps, node))
+        path.0.insert(0, step);
+        Some((path, node))
     }
 }
 
@@ -302,7 +281,7 @@ impl<'de> Visitor<'de> for ContentVisitor {
     }
 
     fn visit_i64<E>(self, value: i64) -> Result<Content, E> {
-        Ok(u64::try_from(value).map_or(Content::Negative(value), Content::Natural))
+        Ok(u64::try_from(value).map_or(Content::Number(value as f64), Content::Natural))
     }
 
     fn visit_f64<E>(self, value: f64) -> Result<Content, E> {
@@ -322,13 +301,19 @@ impl<'de> Visitor<'de> for ContentVisitor {
     }
 
     fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Content, A::Error> {
-        let mut entries: Vec<(Key, Node)> = Vec::new();
+        let (mut entries, mut names) = (Vec::new(), HashSet::new());
         while let Some(key) = map.next_key::<Spanned<String>>()? {
-            let key = Key { place: place_of(&key.referenced)?, name: key.value };
+            let place = place_of(&key.referenced)?;
+            // The parser distinguishes keys by tag, and numbers from texts.
+            if !names.insert(key.value.clone()) {
+                return Err(A::Error::custom(
+                    "the same key is given twice, with another tag or notation",
+                ));
+            }
             if entries.len() >= 10_000 {
                 return Err(A::Error::custom("more than 10000 keys in one map"));
             }
-            entries.push((key, map.next_value()?));
+            entries.push((Node { place, content: Content::Text(key.value) }, map.next_value()?));
         }
         Ok(Content::Map(entries))
     }

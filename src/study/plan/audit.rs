@@ -1,9 +1,8 @@
 //! The audit: which runs are recomputed by the other method.
 
-use crate::study::error::{Fault, Locate, StudyError};
-use crate::study::file::key_path::KeyPath;
+use crate::study::error::{Fault, StudyError};
 use crate::study::file::study_file::AuditFile;
-use crate::study::file::yaml_tree::describe_number;
+use crate::study::file::yaml_tree::{Source, describe_number};
 use crate::study::plan::parameter::{Parameter, ParameterValue};
 use crate::study::sampling::draw::DrawKey;
 use crate::study::sampling::sampling_design::SampleId;
@@ -25,7 +24,7 @@ impl Audit {
     /// # Errors
     /// Returns an error if the fraction is not above 0 and at most 1.
     pub(in crate::study) fn resolve(
-        locate: &dyn Locate,
+        source: &Source,
         written: Option<&AuditFile>,
     ) -> Result<Option<Audit>, StudyError> {
         let Some(AuditFile { fraction }) = written.copied() else { return Ok(None) };
@@ -34,12 +33,7 @@ impl Audit {
         }
         let allowed = "a fraction above 0 and at most 1, such as 0.05, or no `audit`";
         let fault = Fault::new("not a fraction of the runs", describe_number(fraction), allowed);
-        Err(locate.refuse_value(&KeyPath::of("audit.fraction"), fault))
-    }
-
-    /// Returns the audit in the form of a study file.
-    pub(in crate::study) fn to_file(self) -> AuditFile {
-        AuditFile { fraction: self.fraction }
+        Err(source.path("audit.fraction").refuse_value(fault))
     }
 
     /// Returns whether the audit selects a sample at the point with these swept values.

@@ -5,6 +5,8 @@ use std::fmt;
 use crate::model::{
     Ball, Block, FrictionLaw, Ground, Machine, Model, NormalForce, ball_parameter_name,
 };
+use crate::study::error::Fault;
+use crate::study::file::yaml_tree::describe_number;
 
 /// The value of a parameter at a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,9 +20,7 @@ pub enum ParameterValue {
 impl fmt::Display for ParameterValue {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            ParameterValue::Number(number) => {
-                out.write_str(&crate::study::file::yaml_tree::describe_number(*number))
-            }
+            ParameterValue::Number(number) => out.write_str(&describe_number(*number)),
             ParameterValue::Text(text) => out.write_str(text),
         }
     }
@@ -49,7 +49,7 @@ pub struct VariedParameter {
 }
 
 /// The physical quantity of a parameter.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 enum Quantity {
     TableMass,
     Mass,
@@ -73,25 +73,51 @@ enum Quantity {
 
 use Quantity as Q;
 
-const QUANTITIES: [Quantity; 18] = [
-    Q::TableMass,
-    Q::Mass,
-    Q::Stiffness,
-    Q::Damping,
-    Q::RingRadius,
-    Q::ImbalanceMass,
-    Q::ImbalanceRadius,
-    Q::BallMass,
-    Q::BallDiameter,
-    Q::PressingForce,
-    Q::FrictionCoefficient,
-    Q::StaticFrictionCoefficient,
-    Q::StribeckSpeed,
-    Q::SmoothingSpeed,
-    Q::ViscousCoefficient,
-    Q::Speed,
-    Q::BeltSpeed,
-    Q::NormalForce,
+/// Every quantity with its name, unit and meaning. Sliding speeds have the name and unit for a ball.
+const QUANTITIES: [(Quantity, &str, &str, &str); 18] = [
+    (Q::TableMass, "table_mass_kg", "kg", "mass of table, motor, ring and disc"),
+    (Q::Mass, "mass_kg", "kg", "mass of the block"),
+    (Q::Stiffness, "stiffness_n_m", "N/m", "stiffness of the spring or suspension"),
+    (Q::Damping, "damping_n_s_m", "N s/m", "viscous damping of the suspension"),
+    (Q::RingRadius, "ring_radius_m", "m", "distance from the ring's centre to the balls' centres"),
+    (Q::ImbalanceMass, "imbalance_mass_kg", "kg", "mass of the imbalance"),
+    (
+        Q::ImbalanceRadius,
+        "imbalance_radius_m",
+        "m",
+        "distance of the imbalance from the ring's centre",
+    ),
+    (Q::BallMass, "ball_mass_kg", "kg", "mass"),
+    (Q::BallDiameter, "ball_diameter_m", "m", "diameter"),
+    (Q::PressingForce, "normal_force_n", "N", "force that presses the block on the ground"),
+    (Q::FrictionCoefficient, "friction_coefficient", "1", "coefficient of friction"),
+    (
+        Q::StaticFrictionCoefficient,
+        "static_friction_coefficient",
+        "1",
+        "coefficient of friction at rest",
+    ),
+    (
+        Q::StribeckSpeed,
+        "stribeck_speed_rad_s",
+        "rad/s",
+        "speed over which friction falls from its static value",
+    ),
+    (
+        Q::SmoothingSpeed,
+        "smoothing_speed_rad_s",
+        "rad/s",
+        "speed at which friction reaches half of its limit",
+    ),
+    (
+        Q::ViscousCoefficient,
+        "viscous_coefficient_n_s_m",
+        "N s/m",
+        "viscous drag force divided by sliding speed",
+    ),
+    (Q::Speed, "speed_rad_s", "rad/s", "prescribed speed of the disc"),
+    (Q::BeltSpeed, "belt_speed_m_s", "m/s", "speed of the belt"),
+    (Q::NormalForce, "normal_force", "", "how the normal force is derived"),
 ];
 
 /// The values of `normal_force` by name.
@@ -102,44 +128,13 @@ impl Quantity {
     /// Returns name, unit and meaning. The flag decides between the sliding speed of a ball and of
     /// a block.
     fn describe(self, of_balls: bool) -> (&'static str, &'static str, &'static str) {
-        let speed = |balls, block| if of_balls { (balls, "rad/s") } else { (block, "m/s") };
+        let row = QUANTITIES.iter().find(|(quantity, ..)| *quantity == self);
+        let (name, unit, meaning) =
+            row.map_or(("", "", ""), |(_, name, unit, meaning)| (*name, *unit, *meaning));
         match self {
-            Q::TableMass => ("table_mass_kg", "kg", "mass of table, motor, ring and disc"),
-            Q::Mass => ("mass_kg", "kg", "mass of the block"),
-            Q::Stiffness => ("stiffness_n_m", "N/m", "stiffness of the spring or suspension"),
-            Q::Damping => ("damping_n_s_m", "N s/m", "viscous damping of the suspension"),
-            Q::RingRadius => {
-                ("ring_radius_m", "m", "distance from the ring's centre to the balls' centres")
-            }
-            Q::ImbalanceMass => ("imbalance_mass_kg", "kg", "mass of the imbalance"),
-            Q::ImbalanceRadius => {
-                ("imbalance_radius_m", "m", "distance of the imbalance from the ring's centre")
-            }
-            Q::BallMass => ("ball_mass_kg", "kg", "mass"),
-            Q::BallDiameter => ("ball_diameter_m", "m", "diameter"),
-            Q::PressingForce => {
-                ("normal_force_n", "N", "force that presses the block on the ground")
-            }
-            Q::FrictionCoefficient => ("friction_coefficient", "1", "coefficient of friction"),
-            Q::StaticFrictionCoefficient => {
-                ("static_friction_coefficient", "1", "coefficient of friction at rest")
-            }
-            Q::StribeckSpeed => {
-                let (name, unit) = speed("stribeck_speed_rad_s", "stribeck_speed_m_s");
-                (name, unit, "speed over which friction falls from its static value")
-            }
-            Q::SmoothingSpeed => {
-                let (name, unit) = speed("smoothing_speed_rad_s", "smoothing_speed_m_s");
-                (name, unit, "speed at which friction reaches half of its limit")
-            }
-            Q::ViscousCoefficient => (
-                "viscous_coefficient_n_s_m",
-                "N s/m",
-                "viscous drag force divided by sliding speed",
-            ),
-            Q::Speed => ("speed_rad_s", "rad/s", "prescribed speed of the disc"),
-            Q::BeltSpeed => ("belt_speed_m_s", "m/s", "speed of the belt"),
-            Q::NormalForce => ("normal_force", "", "how the normal force is derived"),
+            Q::StribeckSpeed if !of_balls => ("stribeck_speed_m_s", "m/s", meaning),
+            Q::SmoothingSpeed if !of_balls => ("smoothing_speed_m_s", "m/s", meaning),
+            _ => (name, unit, meaning),
         }
     }
 
@@ -199,7 +194,7 @@ impl Quantity {
 }
 
 /// A parameter of a model, of all its balls, or of one ball.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub(crate) struct Parameter {
     quantity: Quantity,
     /// The ball, counted from one, if this is the parameter of one ball.
@@ -213,7 +208,7 @@ impl Parameter {
     pub fn all(model: &Model) -> Vec<Parameter> {
         let balls = model.balls();
         let mut model = model.clone();
-        let candidates = QUANTITIES.into_iter().flat_map(|quantity| {
+        let candidates = QUANTITIES.into_iter().flat_map(|(quantity, ..)| {
             let own = if quantity.is_of_balls() { balls } else { 0 };
             let general = std::iter::once(None);
             general.chain((1..=own).map(Some)).map(move |ball| Parameter {
@@ -223,7 +218,9 @@ impl Parameter {
             })
         });
         candidates
-            .filter(|parameter| !parameter.is_number() && balls > 0 || parameter.is_in(&mut model))
+            .filter(|parameter| {
+                !parameter.is_number() && balls > 0 || !parameter.fields(&mut model).is_empty()
+            })
             .collect()
     }
 
@@ -288,7 +285,9 @@ impl Parameter {
     /// Sets the value in a model; a value of the wrong kind changes nothing.
     pub fn set(self, model: &mut Model, value: ParameterValue) {
         match value {
-            ParameterValue::Number(number) => self.set_number(model, number),
+            ParameterValue::Number(number) => {
+                self.fields(model).into_iter().for_each(|field| *field = number);
+            }
             ParameterValue::Text(text) => {
                 let force = NORMAL_FORCES.into_iter().find(|(name, _)| *name == text);
                 if let (Q::NormalForce, Some((_, force)), Some(machine)) =
@@ -300,27 +299,22 @@ impl Parameter {
         }
     }
 
-    fn set_number(self, model: &mut Model, number: f64) {
+    /// Returns the numbers of a model that the parameter sets: several for a parameter of all
+    /// balls, none if the model does not have the parameter.
+    fn fields(self, model: &mut Model) -> Vec<&mut f64> {
         let quantity = self.quantity;
-        if let Some(field) = quantity.of_friction(model.friction_mut()) {
-            *field = number;
+        if quantity.of_friction(model.friction_mut()).is_some() {
+            return quantity.of_friction(model.friction_mut()).into_iter().collect();
         }
         match model {
-            Model::Block(block) => {
-                if let Some(field) = quantity.of_block(block) {
-                    *field = number;
-                }
-            }
+            Model::Block(block) => quantity.of_block(block).into_iter().collect(),
             Model::BallBalancer(machine) => {
-                if let Some(field) = quantity.of_machine(machine) {
-                    *field = number;
+                if !quantity.is_of_balls() {
+                    return quantity.of_machine(machine).into_iter().collect();
                 }
-                for (index, ball) in machine.balls.iter_mut().enumerate() {
-                    let meant = self.ball.is_none_or(|ball| ball == index + 1);
-                    if let (true, Some(field)) = (meant, quantity.of_ball(ball)) {
-                        *field = number;
-                    }
-                }
+                let balls = (1..).zip(&mut machine.balls);
+                let balls = balls.filter(|(ball, _)| self.ball.is_none_or(|own| own == *ball));
+                balls.filter_map(|(_, ball)| quantity.of_ball(ball)).collect()
             }
         }
     }
@@ -332,45 +326,27 @@ impl Parameter {
         }
     }
 
-    /// Returns the number in a model, or `None` if the parameter is not a number. For a parameter
-    /// of all balls, this is the value of the first ball.
-    fn number_in(self, model: &mut Model) -> Option<f64> {
-        let quantity = self.quantity;
-        if let Some(number) = quantity.of_friction(model.friction_mut()) {
-            return Some(*number);
-        }
-        let number = match model {
-            Model::Block(block) => quantity.of_block(block),
-            Model::BallBalancer(machine) if quantity.is_of_balls() => {
-                let ball = machine.balls.get_mut(self.ball.unwrap_or(1).saturating_sub(1));
-                ball.and_then(|ball| quantity.of_ball(ball))
-            }
-            Model::BallBalancer(machine) => quantity.of_machine(machine),
-        };
-        number.copied()
-    }
-
-    fn is_in(self, model: &mut Model) -> bool {
-        self.number_in(model).is_some()
-    }
-
     /// Returns the value in a model; `general` contains the default values of the balls.
     pub fn get(self, model: &Model, general: &Ball) -> ParameterValue {
         let mut general = *general;
         if let (true, Some(number)) = (self.is_general(), self.quantity.of_ball(&mut general)) {
             return ParameterValue::Number(*number);
         }
-        if let Some(number) = self.number_in(&mut model.clone()) {
-            return ParameterValue::Number(number);
+        // A parameter of all balls has returned its general value above.
+        if let Some(number) = self.fields(&mut model.clone()).first() {
+            return ParameterValue::Number(**number);
         }
         let force = model.ball_balancer().map(|machine| machine.normal_force);
         let found = NORMAL_FORCES.iter().find(|(_, other)| Some(*other) == force);
         ParameterValue::Text(found.map_or("lagrange", |(name, _)| *name))
     }
 
-    /// Returns what is allowed if the value alone is impossible in a model of this form.
-    /// [`Model::validate`] checks values against each other.
-    pub fn check(self, number: f64, form: &Model) -> Result<(), &'static str> {
+    /// Checks whether the value alone is possible in a model of this form. [`Model::validate`]
+    /// checks values against each other.
+    ///
+    /// # Errors
+    /// Returns a fault if the value is impossible.
+    pub fn check(self, number: f64, form: &Model) -> Result<(), Fault> {
         let mut model = form.clone();
         self.set(&mut model, ParameterValue::Number(number));
         if self.quantity == Q::StaticFrictionCoefficient {
@@ -379,7 +355,9 @@ impl Parameter {
                 .set(&mut model, ParameterValue::Number(0.0));
         }
         match model.validate() {
-            Err(invalid) if invalid.name == self.validated_name() => Err(invalid.allowed),
+            Err(invalid) if invalid.name == self.validated_name() => {
+                Err(Fault::new("no physical meaning", describe_number(number), invalid.allowed))
+            }
             _ => Ok(()),
         }
     }

@@ -157,7 +157,7 @@ impl Study {
 
     /// Returns ranges of points with equally many runs: the point numbers, and the largest number
     /// of runs per point.
-    pub fn stretches(&self) -> impl Iterator<Item = (Range<u64>, u64)> {
+    pub fn point_ranges(&self) -> impl Iterator<Item = (Range<u64>, u64)> {
         let points = |block: &Block| block.first_point..block.first_point + block.points;
         self.blocks.iter().map(move |block| (points(block), block.sampling.most))
     }
@@ -307,33 +307,16 @@ impl Study {
                 let first = self.point(block.first_point);
                 let columns = self.swept_parameters.iter().zip(&self.swept).zip(&first.swept);
                 expectation.point.iter().all(|(name, wanted)| {
-                    columns.clone().filter(|((_, column), _)| column.name == *name).any(
-                        |((parameter, _), base)| {
-                            let swept = block.columns.iter().find(|(other, _)| other == parameter);
-                            match swept {
-                                Some((_, values)) => values.iter().any(|value| same(value, wanted)),
-                                None => self.follows(block, *parameter, wanted, base),
-                            }
-                        },
-                    )
+                    let column = columns.clone().find(|((_, column), _)| column.name == *name);
+                    let Some(((parameter, _), base)) = column else { return false };
+                    // The value of one ball follows the value of all balls.
+                    let general = || block.list(parameter.general()?);
+                    match block.list(*parameter).or_else(general) {
+                        Some(values) => values.iter().any(|value| same(value, wanted)),
+                        None => same(base, wanted),
+                    }
                 })
             }
         })
-    }
-
-    /// Returns whether a column that a grid does not sweep itself takes a value there. The value of
-    /// one ball follows the value of all balls.
-    fn follows(
-        &self,
-        block: &Block,
-        parameter: Parameter,
-        wanted: &ParameterValue,
-        base: &ParameterValue,
-    ) -> bool {
-        let general = block.columns.iter().find(|(other, _)| Some(*other) == parameter.general());
-        match general {
-            Some((_, values)) => values.iter().any(|value| same(value, wanted)),
-            None => same(base, wanted),
-        }
     }
 }

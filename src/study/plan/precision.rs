@@ -1,10 +1,8 @@
 //! The requested precision of the fraction of equilibria, and the number of runs per point.
 
-use crate::study::error::{Fault, Locate, StudyError};
-use crate::study::file::key_path::KeyPath;
+use crate::study::error::{Fault, StudyError};
 use crate::study::file::study_file::PrecisionFile;
-use crate::study::file::values::Count;
-use crate::study::file::yaml_tree::describe_number;
+use crate::study::file::yaml_tree::{Source, describe_number};
 use crate::study::sampling::sampling_design::Design;
 
 /// Sequential sampling: each point receives whole replicates of its design until the fraction of
@@ -36,7 +34,7 @@ impl Precision {
     /// # Errors
     /// Returns an error if the half width is not above 0 and below 0.5.
     pub(in crate::study) fn resolve(
-        locate: &dyn Locate,
+        source: &Source,
         written: Option<&PrecisionFile>,
     ) -> Result<Option<Precision>, StudyError> {
         let Some(PrecisionFile { equilibrium_fraction, max_runs }) = written.copied() else {
@@ -49,13 +47,7 @@ impl Precision {
             "half the width of the confidence interval, above 0 and below 0.5, such as 0.02";
         let found = describe_number(equilibrium_fraction);
         let fault = Fault::new("not a half width", found, allowed);
-        Err(locate.refuse_value(&KeyPath::of("precision.equilibrium_fraction"), fault))
-    }
-
-    /// Returns the precision in the form of a study file.
-    pub(in crate::study) fn to_file(self) -> PrecisionFile {
-        let Precision { equilibrium_fraction, max_runs } = self;
-        PrecisionFile { equilibrium_fraction, max_runs: Count(max_runs) }
+        Err(source.path("precision.equilibrium_fraction").refuse_value(fault))
     }
 }
 

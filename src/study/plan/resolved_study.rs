@@ -6,7 +6,7 @@ use serde_json::Value;
 use sha2::{Digest, Sha256};
 
 use crate::study::error::StudyError;
-use crate::study::file::resolved_yaml::{to_value, write_block};
+use crate::study::file::resolved_yaml::{to_value, to_yaml};
 use crate::study::file::study_file::StudyFile;
 use crate::study::plan::planned_study::Study;
 use crate::study::sampling::initial_box::GENERAL_AXES;
@@ -17,9 +17,8 @@ impl Study {
     /// # Errors
     /// Returns only errors that parsing the study itself would return.
     pub fn with_seed(&self, seed: u64) -> Result<Study, StudyError> {
-        let mut out = String::new();
-        write_block(&to_value(&StudyFile { seed, ..self.resolved.file.clone() }), 0, &mut out);
-        Study::parse(Path::new(&self.name), out)
+        let file = StudyFile { seed, ..self.resolved.file.clone() };
+        Study::parse(Path::new(&self.name), to_yaml(&file))
     }
 
     /// Returns the complete study file as plain values.
@@ -30,12 +29,7 @@ impl Study {
     /// Returns the complete study file in a canonical form, with all defaults and with inline
     /// tables. Parsing it gives the same study with the same hash.
     pub fn resolved_yaml(&self) -> String {
-        let write = || {
-            let mut out = String::new();
-            write_block(&to_value(&self.resolved.file), 0, &mut out);
-            out
-        };
-        self.resolved.yaml.get_or_init(write).clone()
+        self.resolved.yaml.get_or_init(|| to_yaml(&self.resolved.file)).clone()
     }
 
     /// Returns the SHA-256 hash, in hexadecimal, of everything that determines the runs. It
@@ -54,7 +48,7 @@ impl Study {
             };
             // Ranges of all balls concern designs; the balls of this study have their own ranges.
             if let Some(ranges) = &mut determining.initial_conditions.start_box {
-                ranges.0.retain(|(name, _)| !GENERAL_AXES.contains(&name.as_str()));
+                ranges.retain(|name, _| !GENERAL_AXES.contains(&name.as_str()));
             }
             let mut digest = Sha256::new();
             digest.update(b"stickslip study 1\n");

@@ -36,7 +36,7 @@ pub struct Response {
 pub(crate) const SUFFIXES: [&str; 4] = ["_standard_error", "_low", "_high", "_reason"];
 
 /// Names of columns that result tables use themselves.
-pub(in crate::study) const TAKEN: [&str; 15] = [
+pub(in crate::study) const RESERVED_COLUMNS: [&str; 15] = [
     "id",
     "design",
     "point_id",

@@ -44,6 +44,12 @@ impl Listing {
 }
 
 impl Block {
+    /// Returns the values of a parameter if the block sweeps it.
+    pub fn list(&self, parameter: Parameter) -> Option<&[ParameterValue]> {
+        let column = self.columns.iter().find(|(other, _)| *other == parameter);
+        column.map(|(_, values)| values.as_slice())
+    }
+
     /// Returns the swept values at a point, counted from the block's first point.
     pub fn values(&self, point: u64) -> Vec<(Parameter, ParameterValue)> {
         let mut rest = point;

@@ -1,11 +1,11 @@
 //! The expectations of a study, validated.
 
 use crate::model::Endings;
-use crate::study::error::{Fault, Locate, StudyError, list_names, shorten};
-use crate::study::file::key_path::KeyPath;
+use crate::study::error::{Fault, StudyError, list_names, shorten};
+use crate::study::file::source_path::SourcePath;
 use crate::study::file::study_file::ExpectationFile;
 use crate::study::file::values::Range;
-use crate::study::file::yaml_tree::describe_number;
+use crate::study::file::yaml_tree::{Source, describe_number};
 use crate::study::plan::expectation::Expectation;
 use crate::study::plan::parameter::{Parameter, ParameterValue};
 use crate::study::plan::planned_study::Study;
@@ -17,18 +17,18 @@ use crate::study::resolve::sweep::resolve_value;
 /// Returns an error if a selector names a parameter that is not swept or a value that no point has,
 /// if an expectation has no range, or if a range is not within 0 and 1.
 pub(crate) fn resolve_expectations(
-    locate: &dyn Locate,
+    source: &Source,
     study: &Study,
     parameters: &[Parameter],
     written: &[ExpectationFile],
 ) -> Result<Vec<Expectation>, StudyError> {
     let resolve = |(index, file): (usize, &ExpectationFile)| {
-        let path = KeyPath::of("expect").item(index);
-        let point = resolve_selector(locate, study, parameters, &path.key("point"), file)?;
+        let path = source.path("expect").item(index);
+        let point = resolve_selector(study, parameters, &path.key("point"), file)?;
         let expectation = Expectation {
             point,
-            fractions: fractions(locate, study, &path, file)?,
-            audit_flip_rate: audit_flip_rate(locate, study, &path, file)?,
+            fractions: fractions(study, &path, file)?,
+            audit_flip_rate: audit_flip_rate(study, &path, file)?,
         };
         if !study.has_point(&expectation) {
             let found: Vec<String> =
@@ -38,7 +38,7 @@ pub(crate) fn resolve_expectations(
                 found.join(", "),
                 "values of one point of the sweep",
             );
-            return Err(locate.refuse_value(&path.key("point"), fault));
+            return Err(path.key("point").refuse_value(fault));
         }
         Ok(expectation)
     };
@@ -46,14 +46,13 @@ pub(crate) fn resolve_expectations(
 }
 
 fn resolve_selector(
-    locate: &dyn Locate,
     study: &Study,
     parameters: &[Parameter],
-    path: &KeyPath,
+    path: &SourcePath<'_>,
     file: &ExpectationFile,
 ) -> Result<Vec<(String, ParameterValue)>, StudyError> {
     let mut point = Vec::new();
-    for (name, entry) in file.point.iter().flat_map(|named| &named.0) {
+    for (name, entry) in file.point.iter().flatten() {
         let path = path.key(name);
         let Some(parameter) = parameters.iter().find(|parameter| parameter.name() == *name) else {
             let names: Vec<String> = parameters.iter().map(|other| other.name()).collect();
@@ -62,19 +61,18 @@ fn resolve_selector(
                 list => list,
             };
             let fault = Fault::new("not a swept parameter", shorten(name), allowed);
-            return Err(locate.refuse_key(&path, fault));
+            return Err(path.refuse_key(fault));
         };
         let value = resolve_value(*parameter, entry, study.model())
-            .map_err(|fault| locate.refuse_value(&path, fault))?;
+            .map_err(|fault| path.refuse_value(fault))?;
         point.push((name.clone(), value));
     }
     Ok(point)
 }
 
 fn fractions(
-    locate: &dyn Locate,
     study: &Study,
-    path: &KeyPath,
+    path: &SourcePath<'_>,
     file: &ExpectationFile,
 ) -> Result<Vec<(&'static str, [f64; 2])>, StudyError> {
     let mut fractions = Vec::new();
@@ -86,31 +84,29 @@ fn fractions(
         ("failed", file.failed_fraction),
     ] {
         let Some(range) = range else { continue };
+        let path = path.key(&format!("{label}_fraction"));
         let only_rest = study.simulation().endings == Endings::Rest;
         if only_rest && ["limit_cycle", "irregular"].contains(&label) {
             let allowed = "simulation: {endings: all}, or no expectation of this label";
             let found = "a study with `endings: rest`";
             let fault = Fault::new("the study does not detect this label", found, allowed);
-            return Err(locate.refuse_key(&path.key(&format!("{label}_fraction")), fault));
+            return Err(path.refuse_key(fault));
         }
-        fractions.push((
-            label,
-            range_of_fractions(locate, &path.key(&format!("{label}_fraction")), range)?,
-        ));
+        fractions
+            .push((label, range_of_fractions(&path.key(&format!("{label}_fraction")), range)?));
     }
     if fractions.is_empty() && file.audit_flip_rate.is_none() {
         let allowed = "at least one of equilibrium_fraction, limit_cycle_fraction, \
                        irregular_fraction, undecided_fraction, failed_fraction, audit_flip_rate";
         let fault = Fault::new("nothing is expected", "no range", allowed);
-        return Err(locate.refuse_value(path, fault));
+        return Err(path.refuse_value(fault));
     }
     Ok(fractions)
 }
 
 fn audit_flip_rate(
-    locate: &dyn Locate,
     study: &Study,
-    path: &KeyPath,
+    path: &SourcePath<'_>,
     file: &ExpectationFile,
 ) -> Result<Option<[f64; 2]>, StudyError> {
     let Some(range) = file.audit_flip_rate else { return Ok(None) };
@@ -119,21 +115,17 @@ fn audit_flip_rate(
         let allowed =
             "an audit in the study, such as audit: {fraction: 0.05}, or no `audit_flip_rate`";
         let fault = Fault::new("the study has no audit", "a study without `audit`", allowed);
-        return Err(locate.refuse_key(&path, fault));
+        return Err(path.refuse_key(fault));
     }
-    range_of_fractions(locate, &path, range).map(Some)
+    range_of_fractions(&path, range).map(Some)
 }
 
-fn range_of_fractions(
-    locate: &dyn Locate,
-    path: &KeyPath,
-    range: Range,
-) -> Result<[f64; 2], StudyError> {
+fn range_of_fractions(path: &SourcePath<'_>, range: Range) -> Result<[f64; 2], StudyError> {
     let [low, high] = range.0;
     if 0.0 <= low && low <= high && high <= 1.0 {
         return Ok(range.0);
     }
     let found = format!("[{}, {}]", describe_number(low), describe_number(high));
     let fault = Fault::new("not a range of fractions", found, "0 <= low <= high <= 1");
-    Err(locate.refuse_value(path, fault))
+    Err(path.refuse_value(fault))
 }

@@ -1,11 +1,10 @@
 //! Resolution of the key `simulation.extend`.
 
 use crate::model::Extend;
-use crate::study::error::{Fault, Locate, StudyError, list_names, shorten};
-use crate::study::file::key_path::KeyPath;
+use crate::study::error::{Fault, StudyError, list_names, shorten};
 use crate::study::file::schema_parts::EXTENDED_LABELS;
 use crate::study::file::study_file::ExtendFile;
-use crate::study::file::yaml_tree::describe_number;
+use crate::study::file::yaml_tree::{Source, describe_number};
 
 /// The largest ratio of the later end time to the end time.
 const LARGEST_FACTOR: f64 = 1000.0;
@@ -16,7 +15,7 @@ const LARGEST_FACTOR: f64 = 1000.0;
 /// Returns an error if the factor is not above 1, is too large, or makes the end time infinite; if
 /// there are no labels or a label is repeated; or if a run with a label cannot be continued.
 pub(crate) fn resolve_extend(
-    locate: &dyn Locate,
+    source: &Source,
     written: &ExtendFile,
     end_time_s: f64,
 ) -> Result<Extend, StudyError> {
@@ -27,9 +26,9 @@ pub(crate) fn resolve_extend(
         let problem = if factor <= 1.0 { "extends nothing" } else { "too far" };
         let allowed = format!("more than 1, at most {LARGEST_FACTOR}");
         let fault = Fault::new(problem, describe_number(factor), allowed);
-        return Err(locate.refuse_value(&KeyPath::of("simulation.extend.factor"), fault));
+        return Err(source.path("simulation.extend.factor").refuse_value(fault));
     }
-    let path = KeyPath::of("simulation.extend.labels");
+    let path = source.path("simulation.extend.labels");
     let names: Vec<&str> = match &written.labels {
         None => EXTENDED_LABELS.to_vec(),
         Some(labels) => labels.iter().map(String::as_str).collect(),
@@ -37,7 +36,7 @@ pub(crate) fn resolve_extend(
     if names.is_empty() {
         let allowed =
             format!("one of {} at least, or no `labels` for both", EXTENDED_LABELS.join(", "));
-        return Err(locate.refuse_value(&path, Fault::new("no labels", "an empty list", allowed)));
+        return Err(path.refuse_value(Fault::new("no labels", "an empty list", allowed)));
     }
     for (index, name) in names.iter().enumerate() {
         let problem = match *name {
@@ -48,7 +47,7 @@ pub(crate) fn resolve_extend(
             _ => "unknown label",
         };
         let fault = Fault::new(problem, shorten(name), list_names(name, &EXTENDED_LABELS));
-        return Err(locate.refuse_value(&path.item(index), fault));
+        return Err(path.item(index).refuse_value(fault));
     }
     let [undecided, irregular] = EXTENDED_LABELS.map(|label| names.contains(&label));
     Ok(Extend { factor, undecided, irregular })

@@ -1,23 +1,24 @@
 //! Resolution of friction laws, and the reverse.
 
 use crate::model::{FrictionLaw, Model};
-use crate::study::error::{Fault, Locate, StudyError};
-use crate::study::file::key_path::KeyPath;
+use crate::study::error::{Fault, StudyError};
+use crate::study::file::source_path::SourcePath;
 use crate::study::file::study_file::{
     FrictionFile, ModelFile, ModelKind, SmoothFile, StribeckFile,
 };
+use crate::study::file::yaml_tree::Source;
 
 /// Returns the friction law with the speed of this kind of model.
 ///
 /// # Errors
 /// Returns an error if the speed is missing, or has the unit of another kind of model.
 pub(in crate::study) fn resolve_friction(
-    locate: &dyn Locate,
+    source: &Source,
     written: &ModelFile,
 ) -> Result<FrictionLaw, StudyError> {
-    let path = KeyPath::of("model.friction");
+    let path = source.path("model.friction");
     let of_balls = written.kind == ModelKind::BallBalancer;
-    let speed = |path: KeyPath, stem: &str, rad_s: Option<f64>, m_s: Option<f64>| {
+    let speed = |path: SourcePath<'_>, stem: &str, rad_s: Option<f64>, m_s: Option<f64>| {
         let (unit, own, other_unit, other) =
             if of_balls { ("rad_s", rad_s, "m_s", m_s) } else { ("m_s", m_s, "rad_s", rad_s) };
         let allowed = format!("{stem}_{unit}");
@@ -25,12 +26,12 @@ pub(in crate::study) fn resolve_friction(
             let found = format!("{stem}_{other_unit}");
             let path = path.key(&found);
             let fault = Fault::new("a speed in the unit of another kind of model", found, allowed);
-            return Err(locate.refuse_key(&path, fault));
+            return Err(path.refuse_key(fault));
         }
         own.ok_or_else(|| {
             let fault =
                 Fault::new("missing key", "no such key", format!("a value for `{allowed}`"));
-            locate.refuse_value(&path, fault)
+            path.refuse_value(fault)
         })
     };
     Ok(match written.friction {
@@ -62,14 +63,11 @@ pub(in crate::study) fn resolve_friction(
 ///
 /// # Errors
 /// Returns an error if a value of the law is physically impossible.
-pub(in crate::study) fn check_friction(
-    locate: &dyn Locate,
-    model: &Model,
-) -> Result<(), StudyError> {
+pub(in crate::study) fn check_friction(source: &Source, model: &Model) -> Result<(), StudyError> {
     model.validate().map_err(|invalid| {
-        let path = KeyPath::of("model.friction").key(model.friction().name()).key(&invalid.name);
+        let path = source.path("model.friction").key(model.friction().name()).key(&invalid.name);
         let fault = Fault::new("no physical meaning", invalid.found, invalid.allowed);
-        locate.refuse_value(&path, fault)
+        path.refuse_value(fault)
     })
 }
 

@@ -4,6 +4,7 @@ pub(in crate::study) mod expectations;
 pub(in crate::study) mod extend;
 pub(in crate::study) mod friction;
 pub(in crate::study) mod model;
+pub(in crate::study) mod names;
 pub(in crate::study) mod optimization;
 pub(in crate::study) mod points;
 pub(in crate::study) mod responses;

@@ -1,11 +1,15 @@
 //! Resolution of the model, with all defaults.
 
+use serde::Deserialize;
+use serde::de::IntoDeserializer;
+use serde::de::value::StrDeserializer;
+
 use crate::model::{Ball, Block, Ground, MAX_BALLS, Machine, Model, NormalForce};
-use crate::study::error::{Fault, Locate, StudyError};
+use crate::study::error::{Fault, StudyError, list_names, shorten};
 use crate::study::file::balls::{BallFile, Balls};
-use crate::study::file::key_path::KeyPath;
+use crate::study::file::source_path::SourcePath;
 use crate::study::file::study_file::{ModelFile, ModelKind, NormalForceKind, ParametersFile};
-use crate::study::file::yaml_tree::describe_number;
+use crate::study::file::yaml_tree::{Content, Source};
 use crate::study::plan::parameter::{Parameter, ParameterValue};
 use crate::study::resolve::friction::{check_friction, friction_to_file, resolve_friction};
 
@@ -26,31 +30,21 @@ impl Base {
     /// # Errors
     /// Returns an error for the first parameter that the model does not have or that is physically
     /// impossible.
-    pub fn resolve(locate: &dyn Locate, written: &ModelFile) -> Result<Base, StudyError> {
-        let path = KeyPath::of("model.parameters");
-        let given = written.parameters.clone().unwrap_or_default();
-        let friction = resolve_friction(locate, written)?;
+    pub fn resolve(source: &Source, written: &ModelFile) -> Result<Base, StudyError> {
+        let path = source.path("model.parameters");
+        let mut given = written.parameters.clone().unwrap_or_default();
         // One ball represents all balls until all values are known.
-        let mut model = match written.kind {
-            ModelKind::BallBalancer => Model::BallBalancer(Machine {
-                balls: vec![Ball::default()],
-                friction,
-                ..Machine::default()
-            }),
-            ModelKind::BlockOnSpring => Model::Block(Block { friction, ..Block::on_spring() }),
-            ModelKind::BlockOnBelt => Model::Block(Block { friction, ..Block::on_belt() }),
-        };
-        for (name, value) in numbers(&given) {
+        let mut model = default_model(written.kind);
+        *model.friction_mut() = resolve_friction(source, written)?;
+        for (name, value) in numbers(&mut given) {
             let Some(value) = value else { continue };
             let Some(parameter) = Parameter::find(name, &model) else {
-                let own = numbers(&given).map(|(name, _)| name);
-                let own = own.into_iter().filter(|name| Parameter::find(name, &model).is_some());
-                let allowed = own.collect::<Vec<_>>().join(", ");
                 let problem = format!("not a parameter of {}", model.kind());
-                return Err(locate.refuse_key(&path.key(name), Fault::new(problem, name, allowed)));
+                let fault = Fault::new(problem, name, parameter_names(&model).join(", "));
+                return Err(path.key(name).refuse_key(fault));
             };
-            check(locate, &path.key(name), parameter, &model, value)?;
-            parameter.set(&mut model, ParameterValue::Number(value));
+            parameter.check(*value, &model).map_err(|fault| path.key(name).refuse_value(fault))?;
+            parameter.set(&mut model, ParameterValue::Number(*value));
         }
         let (mut general, mut own) = (Ball::default(), Vec::new());
         match &mut model {
@@ -60,23 +54,23 @@ impl Base {
                     Some(NormalForceKind::Newton) => NormalForce::Newton,
                 };
                 general = machine.balls.first().copied().unwrap_or_default();
-                own = own_values(locate, &path.key("balls"), given.balls.as_ref())?;
+                own = own_values(&path.key("balls"), given.balls.as_ref())?;
                 machine.balls = own.iter().map(|ball| overlay(general, ball)).collect();
             }
             Model::Block(_) => {
                 let foreign = [
                     (path.key("balls"), given.balls.is_some()),
-                    (KeyPath::of("model.normal_force"), written.normal_force.is_some()),
+                    (source.path("model.normal_force"), written.normal_force.is_some()),
                 ];
                 if let Some((path, _)) = foreign.into_iter().find(|(_, given)| *given) {
                     let allowed = "kind: ball_balancer, or no such key";
                     let found = format!("kind: {}", model.kind());
                     let fault = Fault::new("only for a ball balancer", found, allowed);
-                    return Err(locate.refuse_key(&path, fault));
+                    return Err(path.refuse_key(fault));
                 }
             }
         }
-        check_friction(locate, &model)?;
+        check_friction(source, &model)?;
         Ok(Base { model, general, own })
     }
 
@@ -119,49 +113,30 @@ impl Base {
 
     /// Returns the model in the form of a study file, with all values.
     pub fn to_file(&self) -> ModelFile {
-        let alike = self.own.iter().all(|ball| *ball == BallFile::default());
-        let balls = if alike {
-            Balls::Number(self.own.len() as u64)
-        } else {
-            Balls::Each(self.own.clone())
-        };
-        let (kind, parameters, normal_force) = match &self.model {
+        let mut parameters = ParametersFile::default();
+        for (name, value) in numbers(&mut parameters) {
+            let parameter = Parameter::find(name, &self.model);
+            let own = parameter.map(|parameter| parameter.get(&self.model, &self.general));
+            if let Some(ParameterValue::Number(number)) = own {
+                *value = Some(number);
+            }
+        }
+        let (kind, normal_force) = match &self.model {
             Model::BallBalancer(machine) => {
-                let parameters = ParametersFile {
-                    table_mass_kg: Some(machine.table_mass_kg),
-                    stiffness_n_m: Some(machine.stiffness_n_m),
-                    damping_n_s_m: Some(machine.damping_n_s_m),
-                    ring_radius_m: Some(machine.ring_radius_m),
-                    imbalance_mass_kg: Some(machine.imbalance_mass_kg),
-                    imbalance_radius_m: Some(machine.imbalance_radius_m),
-                    balls: Some(balls),
-                    ball_mass_kg: Some(self.general.mass_kg),
-                    ball_diameter_m: Some(self.general.diameter_m),
-                    friction_coefficient: Some(self.general.friction_coefficient),
-                    speed_rad_s: Some(machine.speed_rad_s),
-                    ..ParametersFile::default()
-                };
+                parameters.balls = Some(match self.has_own() {
+                    true => Balls::Each(self.own.clone()),
+                    false => Balls::Number(self.own.len() as u64),
+                });
                 let normal_force = match machine.normal_force {
                     NormalForce::Lagrange => NormalForceKind::Lagrange,
                     NormalForce::Newton => NormalForceKind::Newton,
                 };
-                (ModelKind::BallBalancer, parameters, Some(normal_force))
+                (ModelKind::BallBalancer, Some(normal_force))
             }
-            Model::Block(block) => {
-                let (kind, belt_speed_m_s) = match block.ground {
-                    Ground::Fixed => (ModelKind::BlockOnSpring, None),
-                    Ground::Belt { speed_m_s } => (ModelKind::BlockOnBelt, Some(speed_m_s)),
-                };
-                let parameters = ParametersFile {
-                    mass_kg: Some(block.mass_kg),
-                    stiffness_n_m: Some(block.stiffness_n_m),
-                    normal_force_n: Some(block.normal_force_n),
-                    friction_coefficient: Some(block.friction_coefficient),
-                    belt_speed_m_s,
-                    ..ParametersFile::default()
-                };
-                (kind, parameters, None)
-            }
+            Model::Block(block) => match block.ground {
+                Ground::Fixed => (ModelKind::BlockOnSpring, None),
+                Ground::Belt { .. } => (ModelKind::BlockOnBelt, None),
+            },
         };
         ModelFile {
             kind,
@@ -172,29 +147,68 @@ impl Base {
     }
 }
 
-fn numbers(given: &ParametersFile) -> [(&'static str, Option<f64>); 13] {
+/// Returns the numbers among the parameters, by name.
+fn numbers(parameters: &mut ParametersFile) -> [(&'static str, &mut Option<f64>); 13] {
     [
-        ("table_mass_kg", given.table_mass_kg),
-        ("mass_kg", given.mass_kg),
-        ("stiffness_n_m", given.stiffness_n_m),
-        ("damping_n_s_m", given.damping_n_s_m),
-        ("ring_radius_m", given.ring_radius_m),
-        ("imbalance_mass_kg", given.imbalance_mass_kg),
-        ("imbalance_radius_m", given.imbalance_radius_m),
-        ("ball_mass_kg", given.ball_mass_kg),
-        ("ball_diameter_m", given.ball_diameter_m),
-        ("normal_force_n", given.normal_force_n),
-        ("friction_coefficient", given.friction_coefficient),
-        ("speed_rad_s", given.speed_rad_s),
-        ("belt_speed_m_s", given.belt_speed_m_s),
+        ("table_mass_kg", &mut parameters.table_mass_kg),
+        ("mass_kg", &mut parameters.mass_kg),
+        ("stiffness_n_m", &mut parameters.stiffness_n_m),
+        ("damping_n_s_m", &mut parameters.damping_n_s_m),
+        ("ring_radius_m", &mut parameters.ring_radius_m),
+        ("imbalance_mass_kg", &mut parameters.imbalance_mass_kg),
+        ("imbalance_radius_m", &mut parameters.imbalance_radius_m),
+        ("ball_mass_kg", &mut parameters.ball_mass_kg),
+        ("ball_diameter_m", &mut parameters.ball_diameter_m),
+        ("normal_force_n", &mut parameters.normal_force_n),
+        ("friction_coefficient", &mut parameters.friction_coefficient),
+        ("speed_rad_s", &mut parameters.speed_rad_s),
+        ("belt_speed_m_s", &mut parameters.belt_speed_m_s),
     ]
 }
 
-fn own_values(
-    locate: &dyn Locate,
-    path: &KeyPath,
-    balls: Option<&Balls>,
-) -> Result<Vec<BallFile>, StudyError> {
+/// Returns the names of the parameters that a study file may give for this model.
+fn parameter_names(model: &Model) -> Vec<&'static str> {
+    let mut names = numbers(&mut ParametersFile::default()).map(|(name, _)| name).to_vec();
+    names.retain(|name| Parameter::find(name, model).is_some());
+    names.extend((model.balls() > 0).then_some("balls"));
+    names
+}
+
+/// Returns a model of this kind with default parameters. One ball represents all balls.
+fn default_model(kind: ModelKind) -> Model {
+    match kind {
+        ModelKind::BallBalancer => {
+            Model::BallBalancer(Machine { balls: vec![Ball::default()], ..Machine::default() })
+        }
+        ModelKind::BlockOnSpring => Model::Block(Block::on_spring()),
+        ModelKind::BlockOnBelt => Model::Block(Block::on_belt()),
+    }
+}
+
+/// Checks the names of the parameters before the file is decoded, because the message lists only the parameters of this
+/// kind of model.
+///
+/// # Errors
+/// Returns an error for the first parameter that no model has.
+pub(in crate::study) fn check_parameter_names(source: &Source) -> Result<(), StudyError> {
+    let below = |name| source.root.get("model")?.get(name);
+    let (Some(kind), Some(Content::Map(given))) =
+        (below("kind"), below("parameters").map(|node| &node.content))
+    else {
+        return Ok(());
+    };
+    let kind: StrDeserializer<'_, serde::de::value::Error> = kind.name().into_deserializer();
+    let Ok(kind) = ModelKind::deserialize(kind) else { return Ok(()) };
+    let mut any = ParametersFile::default();
+    let known = numbers(&mut any).map(|(name, _)| name);
+    let unknown = |name: &&str| *name != "balls" && !known.contains(name);
+    let Some(name) = given.iter().map(|(key, _)| key.name()).find(unknown) else { return Ok(()) };
+    let allowed = list_names(name, &parameter_names(&default_model(kind)));
+    let fault = Fault::new("unknown key", shorten(name), allowed);
+    Err(source.path("model.parameters").key(name).refuse_key(fault))
+}
+
+fn own_values(path: &SourcePath<'_>, balls: Option<&Balls>) -> Result<Vec<BallFile>, StudyError> {
     let number = match balls {
         None => Machine::default().balls.len() as u64,
         Some(Balls::Number(number)) => *number,
@@ -203,7 +217,7 @@ fn own_values(
     if !(1..=MAX_BALLS as u64).contains(&number) {
         let allowed = format!("between 1 and {MAX_BALLS} balls");
         let fault = Fault::new("wrong number of balls", number.to_string(), allowed);
-        return Err(locate.refuse_value(path, fault));
+        return Err(path.refuse_value(fault));
     }
     let Some(Balls::Each(own)) = balls else {
         return Ok((0..number).map(|_| BallFile::default()).collect());
@@ -216,7 +230,9 @@ fn own_values(
         ] {
             let form = Model::BallBalancer(Machine::default());
             if let (Some(parameter), Some(value)) = (Parameter::find(general, &form), value) {
-                check(locate, &path.item(index).key(key), parameter, &form, value)?;
+                parameter
+                    .check(value, &form)
+                    .map_err(|fault| path.item(index).key(key).refuse_value(fault))?;
             }
         }
     }
@@ -229,17 +245,4 @@ fn overlay(general: Ball, own: &BallFile) -> Ball {
         diameter_m: own.diameter_m.unwrap_or(general.diameter_m),
         friction_coefficient: own.friction_coefficient.unwrap_or(general.friction_coefficient),
     }
-}
-
-fn check(
-    locate: &dyn Locate,
-    path: &KeyPath,
-    parameter: Parameter,
-    form: &Model,
-    value: f64,
-) -> Result<(), StudyError> {
-    parameter.check(value, form).map_err(|allowed| {
-        let fault = Fault::new("no physical meaning", describe_number(value), allowed);
-        locate.refuse_value(path, fault)
-    })
 }

@@ -1,12 +1,14 @@
 //! What the search for the best design is asked for, validated.
 
-use crate::study::error::{Fault, Locate, StudyError, list_names};
-use crate::study::file::key_path::KeyPath;
+use indexmap::IndexMap;
+
+use crate::study::error::{Fault, StudyError, list_names};
 use crate::study::file::optimize_file::{
     LimitFile, Names, OptimizeFile, SensitivityFile, SensitivityFrom,
 };
-use crate::study::file::values::{Count, Entry, Named};
-use crate::study::file::yaml_tree::describe_number;
+use crate::study::file::source_path::SourcePath;
+use crate::study::file::values::{Count, Entry};
+use crate::study::file::yaml_tree::{Source, describe_number};
 use crate::study::plan::optimization::{Limit, Objective, Optimization};
 use crate::study::plan::planned_study::Study;
 use crate::study::plan::response::Measure;
@@ -32,12 +34,12 @@ const MIN_SAMPLES: u64 = 8;
 /// two, if no value meets a limit, if a number of designs is out of range, or if the reference
 /// design is invalid.
 pub(crate) fn resolve_optimization(
-    locate: &dyn Locate,
+    source: &Source,
     study: &Study,
     written: Option<&OptimizeFile>,
 ) -> Result<Option<Optimization>, StudyError> {
     let Some(file) = written else { return Ok(None) };
-    let setting = Setting { locate, study, path: KeyPath::of("optimize") };
+    let setting = Setting { study, path: source.path("optimize") };
     for (empty, key, example) in [
         (study.variables.is_empty(), "design", "speed_rad_s: {from: -260, to: -140}"),
         (study.responses.is_empty(), "responses", "vibration: {amplitude_mean: {}}"),
@@ -48,13 +50,13 @@ pub(crate) fn resolve_optimization(
                 format!("no `{key}`"),
                 format!("`{key}` in the study, such as {example}"),
             );
-            return Err(locate.refuse_key(&setting.path, fault));
+            return Err(setting.path.refuse_key(fault));
         }
     }
     if study.variables.len() > MAX_VARIABLES {
         let found = format!("{} variables", study.variables.len());
         let fault = Fault::new("too many variables", found, format!("at most {MAX_VARIABLES}"));
-        return Err(locate.refuse_key(&KeyPath::of("design"), fault));
+        return Err(source.path("design").refuse_key(fault));
     }
     let objectives = setting.objectives(file)?;
     let limits = setting.limits(file.subject_to.as_ref())?;
@@ -68,11 +70,11 @@ pub(crate) fn resolve_optimization(
     if start_designs > designs {
         let found = format!("{start_designs} of {designs} designs");
         let fault = Fault::new("more designs at the start than in all", found, "at most `designs`");
-        return Err(locate.refuse_value(&setting.path.key("start_designs"), fault));
+        return Err(setting.path.key("start_designs").refuse_value(fault));
     }
     let sensitivity = file.sensitivity.unwrap_or(SensitivityFile { from: None, samples: None });
     let from = sensitivity.from.unwrap_or_default();
-    let own = Setting { path: setting.path.key("sensitivity"), ..setting };
+    let own = Setting { path: setting.path.key("sensitivity"), study };
     let samples = own.count("samples", sensitivity.samples, MIN_SAMPLES..=MAX_SAMPLES)?;
     let default = if from == SensitivityFrom::Runs { 64 } else { 1024 };
     Ok(Some(Optimization {
@@ -97,21 +99,16 @@ pub(crate) fn resolve_optimization(
 
 #[derive(Clone)]
 struct Setting<'a> {
-    locate: &'a dyn Locate,
     study: &'a Study,
-    path: KeyPath,
+    path: SourcePath<'a>,
 }
 
 impl Setting<'_> {
-    fn response(&self, path: &KeyPath, name: &str, key: bool) -> Result<usize, StudyError> {
+    fn response(&self, name: &str) -> Result<usize, Fault> {
         let responses = &self.study.responses;
         responses.iter().position(|one| one.name == name).ok_or_else(|| {
             let names: Vec<&str> = responses.iter().map(|one| one.name.as_str()).collect();
-            let fault = Fault::new("not a response", name, list_names(name, &names));
-            match key {
-                true => self.locate.refuse_key(path, fault),
-                false => self.locate.refuse_value(path, fault),
-            }
+            Fault::new("not a response", name, list_names(name, &names))
         })
     }
 
@@ -121,18 +118,18 @@ impl Setting<'_> {
             [("minimize", &file.minimize, false), ("maximize", &file.maximize, true)]
         {
             let path = self.path.key(key);
-            for name in names.iter().flat_map(|Names(names)| names) {
-                let response = self.response(&path, name, false)?;
+            for name in names.iter().flat_map(Names::as_slice) {
+                let response = self.response(name).map_err(|fault| path.refuse_value(fault))?;
                 if objectives.iter().any(|other| other.response == response) {
                     let fault = Fault::new("an objective twice", name.as_str(), "each once");
-                    return Err(self.locate.refuse_value(&path, fault));
+                    return Err(path.refuse_value(fault));
                 }
                 let worst = self.study.responses.get(response).map(|one| one.measure);
                 if worst == Some(Measure::Worst) {
                     let problem = "an objective that is bounded from below only";
                     let allowed = "a quantile, such as amplitude_quantile: {fraction: 0.95}";
                     let fault = Fault::new(problem, name.as_str(), allowed);
-                    return Err(self.locate.refuse_value(&path, fault));
+                    return Err(path.refuse_value(fault));
                 }
                 objectives.push(Objective { response, maximize });
             }
@@ -143,16 +140,19 @@ impl Setting<'_> {
         let found = format!("{} objectives", objectives.len());
         let allowed = "one or two responses under `minimize` and `maximize` together";
         let fault = Fault::new("no objective, or too many", found, allowed);
-        Err(self.locate.refuse_key(&self.path, fault))
+        Err(self.path.refuse_key(fault))
     }
 
-    fn limits(&self, written: Option<&Named<LimitFile>>) -> Result<Vec<Limit>, StudyError> {
+    fn limits(
+        &self,
+        written: Option<&IndexMap<String, LimitFile>>,
+    ) -> Result<Vec<Limit>, StudyError> {
         let path = self.path.key("subject_to");
         let mut limits = Vec::new();
-        for (name, LimitFile { at_least, at_most }) in written.iter().flat_map(|named| &named.0) {
+        for (name, LimitFile { at_least, at_most }) in written.into_iter().flatten() {
             let path = path.key(name);
-            let response = self.response(&path, name, true)?;
-            let refuse = |fault| Err(self.locate.refuse_value(&path, fault));
+            let response = self.response(name).map_err(|fault| path.refuse_key(fault))?;
+            let refuse = |fault| Err(path.refuse_value(fault));
             match (at_least, at_most) {
                 (None, None) => {
                     let allowed = "`at_least`, `at_most` or both";
@@ -199,17 +199,19 @@ impl Setting<'_> {
         }
         let allowed = format!("a whole number from {} to {}", allowed.start(), allowed.end());
         let fault = Fault::new("out of range", count.to_string(), allowed);
-        Err(self.locate.refuse_value(&self.path.key(key), fault))
+        Err(self.path.key(key).refuse_value(fault))
     }
 
-    fn compare_with(&self, written: &Named<Entry>) -> Result<Vec<DesignValue>, StudyError> {
+    fn compare_with(
+        &self,
+        written: &IndexMap<String, Entry>,
+    ) -> Result<Vec<DesignValue>, StudyError> {
         let path = self.path.key("compare_with");
         let variables = &self.study.variables;
         let names: Vec<&str> = variables.iter().map(|one| one.name()).collect();
-        if let Some((name, _)) = written.0.iter().find(|(name, _)| !names.contains(&name.as_str()))
-        {
+        if let Some(name) = written.keys().find(|name| !names.contains(&name.as_str())) {
             let fault = Fault::new("not a variable", name.as_str(), list_names(name, &names));
-            return Err(self.locate.refuse_key(&path.key(name), fault));
+            return Err(path.key(name).refuse_key(fault));
         }
         let mut values = Vec::with_capacity(variables.len());
         for variable in variables {
@@ -219,9 +221,9 @@ impl Setting<'_> {
                 Some(Entry::Text(word)) => variable.word(word),
                 None => Err(Fault::new("missing key", "no such key", variable.allowed())),
             };
-            values.push(value.map_err(|fault| self.locate.refuse_value(&path, fault))?);
+            values.push(value.map_err(|fault| path.refuse_value(fault))?);
         }
-        self.study.with_design(&values).map_err(|fault| self.locate.refuse_value(&path, fault))?;
+        self.study.with_design(&values).map_err(|fault| path.refuse_value(fault))?;
         Ok(values)
     }
 }

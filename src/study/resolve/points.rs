@@ -4,29 +4,33 @@
 //! one. If one of the two is random, the draws decide, and a run with an impossible draw fails.
 
 use crate::model::{FrictionLaw, InvalidParameter};
-use crate::study::error::{Fault, Locate, StudyError};
-use crate::study::file::key_path::KeyPath;
+use crate::study::error::{Fault, StudyError};
+use crate::study::file::source_path::SourcePath;
 use crate::study::file::study_file::{BlockFile, StudyFile};
+use crate::study::file::yaml_tree::Source;
 use crate::study::plan::planned_study::{Point, Study};
 use crate::study::plan::sweep::Listing;
 
 /// The largest number of points that are checked; in a larger sweep, the runs of an impossible
 /// point fail.
-const MOST_POINTS: u64 = 100_000;
+const MAX_CHECKED_POINTS: u64 = 100_000;
 
 /// Validates the points of a sweep.
 ///
 /// # Errors
 /// Returns an error for the first point whose values are physically impossible together.
 pub(in crate::study) fn check_points(
-    locate: &dyn Locate,
+    source: &Source,
     written: &StudyFile,
     study: &Study,
 ) -> Result<(), StudyError> {
     let law = study.base.model.friction();
     let joined = |name: &str| name.contains("friction_coefficient");
     let drawn = study.uncertain.iter().any(|column| joined(&column.name));
-    if drawn || !matches!(law, FrictionLaw::Stribeck { .. }) || study.point_count() > MOST_POINTS {
+    if drawn
+        || !matches!(law, FrictionLaw::Stribeck { .. })
+        || study.point_count() > MAX_CHECKED_POINTS
+    {
         return Ok(());
     }
     for point_id in 0..study.point_count() {
@@ -40,17 +44,23 @@ pub(in crate::study) fn check_points(
             let InvalidParameter { name, found, allowed } = invalid;
             let found = format!("{name} {found} at point {point_id} ({})", values.join(", "));
             let fault = Fault::new("no physical meaning", found, allowed);
-            return Err(locate.refuse_value(&path(written, study, &point, &name), fault));
+            return Err(path(source, written, study, &point, &name).refuse_value(fault));
         }
     }
     Ok(())
 }
 
 /// Returns the key path at which the sweep sets this parameter, or otherwise another coefficient.
-fn path(written: &StudyFile, study: &Study, point: &Point, name: &str) -> KeyPath {
+fn path<'a>(
+    source: &'a Source,
+    written: &StudyFile,
+    study: &Study,
+    point: &Point,
+    name: &str,
+) -> SourcePath<'a> {
     let index = study.blocks.partition_point(|block| block.first_point <= point.point_id) - 1;
     let block = &study.blocks[index];
-    let path = KeyPath::of("sweep").item(index);
+    let path = source.path("sweep").item(index);
     let listing = match written.sweep.as_deref().and_then(|blocks| blocks.get(index)) {
         Some(BlockFile { grid: Some(_), .. }) => path.key("grid"),
         Some(BlockFile { zip: Some(_), .. }) => path.key("zip"),
@@ -58,11 +68,11 @@ fn path(written: &StudyFile, study: &Study, point: &Point, name: &str) -> KeyPat
     };
     let local = point.point_id - block.first_point;
     let values = block.values(local);
-    let is_meant = |wanted: &dyn Fn(&str) -> bool| {
+    let named = |wanted: &dyn Fn(&str) -> bool| {
         block.columns.iter().find(|(parameter, _)| wanted(&parameter.name()))
     };
-    let column = is_meant(&|other| other == name)
-        .or_else(|| is_meant(&|other| other.contains("friction_coefficient")));
+    let column = named(&|other| other == name)
+        .or_else(|| named(&|other| other.contains("friction_coefficient")));
     let Some((parameter, list)) = column else { return listing };
     let value = values.iter().find(|(other, _)| other == parameter).map(|(_, value)| value);
     let place = match block.listing {

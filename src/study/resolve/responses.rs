@@ -2,13 +2,15 @@
 
 use std::collections::HashSet;
 
-use crate::study::error::{Fault, Locate, StudyError, shorten};
-use crate::study::file::key_path::KeyPath;
+use indexmap::IndexMap;
+
+use crate::study::error::{Fault, StudyError};
 use crate::study::file::response_file::ResponseFile;
-use crate::study::file::values::Named;
-use crate::study::file::yaml_tree::describe_number;
+use crate::study::file::source_path::SourcePath;
+use crate::study::file::yaml_tree::{Source, describe_number};
 use crate::study::plan::planned_study::Study;
-use crate::study::plan::response::{Measure, Response, SUFFIXES, TAKEN};
+use crate::study::plan::response::{Measure, RESERVED_COLUMNS, Response, SUFFIXES};
+use crate::study::resolve::names::check_column_name;
 
 /// Validates the responses.
 ///
@@ -16,53 +18,42 @@ use crate::study::plan::response::{Measure, Response, SUFFIXES, TAKEN};
 /// Returns an error if a name cannot be the name of a column, if a number is invalid, or if
 /// `relative` is set for a model without balls.
 pub(crate) fn resolve_responses(
-    locate: &dyn Locate,
+    source: &Source,
     study: &Study,
-    written: Option<&Named<ResponseFile>>,
+    written: Option<&IndexMap<String, ResponseFile>>,
 ) -> Result<Vec<Response>, StudyError> {
-    let path = KeyPath::of("responses");
+    let path = source.path("responses");
     let mut columns = HashSet::new();
-    let resolve = |(name, file): &(String, ResponseFile)| {
+    let resolve = |(name, file): (&String, &ResponseFile)| {
         let path = path.key(name);
-        check_name(name).map_err(|fault| locate.refuse_key(&path, fault))?;
+        check_column_name(name).map_err(|fault| path.refuse_key(fault))?;
         let own = std::iter::once("").chain(SUFFIXES).map(|suffix| format!("{name}{suffix}"));
         for column in own {
             let swept = study.swept().iter().any(|swept| swept.name == column);
-            if swept || TAKEN.contains(&column.as_str()) || !columns.insert(column.clone()) {
+            if swept
+                || RESERVED_COLUMNS.contains(&column.as_str())
+                || !columns.insert(column.clone())
+            {
                 let fault = Fault::new("another column has this name", column, "another name");
-                return Err(locate.refuse_key(&path, fault));
+                return Err(path.refuse_key(fault));
             }
         }
-        let (measure, relative) = measure(study, file)
-            .map_err(|(keys, fault)| locate.refuse_value(&below(&path, keys), fault))?;
+        let (measure, relative) = measure(study, &path, file)?;
         if relative && study.model().balls() == 0 {
             let found = format!("kind: {}", study.model().kind());
             let fault = Fault::new("only for a ball balancer", found, "relative: false");
-            return Err(locate.refuse_value(&path, fault));
+            return Err(path.refuse_value(fault));
         }
         Ok(Response { name: name.clone(), measure, relative })
     };
-    written.iter().flat_map(|named| &named.0).map(resolve).collect()
+    written.into_iter().flatten().map(resolve).collect()
 }
 
-fn below(path: &KeyPath, keys: &[&str]) -> KeyPath {
-    keys.iter().fold(path.clone(), |path, key| path.key(key))
-}
-
-/// Checks the name of a variable or response, which becomes a column and a key of results.
-pub(crate) fn check_name(name: &str) -> Result<(), Fault> {
-    let usual = |character: char| character.is_ascii_alphanumeric() || character == '_';
-    let first = name.starts_with(|first: char| first.is_ascii_alphabetic());
-    if first && name.len() <= 100 && name.chars().all(usual) {
-        return Ok(());
-    }
-    let allowed = "1 to 100 letters, digits and `_`, beginning with a letter";
-    Err(Fault::new("not a name", shorten(name), allowed))
-}
-
-type Misplaced = (&'static [&'static str], Fault);
-
-fn measure(study: &Study, file: &ResponseFile) -> Result<(Measure, bool), Misplaced> {
+fn measure(
+    study: &Study,
+    path: &SourcePath<'_>,
+    file: &ResponseFile,
+) -> Result<(Measure, bool), StudyError> {
     Ok(match *file {
         ResponseFile::AmplitudeMean { relative } => (Measure::Mean, relative),
         ResponseFile::AmplitudeStdDev { relative } => (Measure::StandardDeviation, relative),
@@ -71,14 +62,14 @@ fn measure(study: &Study, file: &ResponseFile) -> Result<(Measure, bool), Mispla
             if !(fraction > 0.0 && fraction < 1.0) {
                 let fault =
                     Fault::new("not a fraction", describe_number(fraction), "above 0 and below 1");
-                return Err((&["amplitude_quantile", "fraction"], fault));
+                return Err(path.key("amplitude_quantile").key("fraction").refuse_value(fault));
             }
             (Measure::Quantile(fraction), relative)
         }
         ResponseFile::AmplitudeAbove { limit, relative } => {
             if limit < 0.0 {
                 let fault = Fault::new("not an amplitude", describe_number(limit), "0 or more");
-                return Err((&["amplitude_above", "limit"], fault));
+                return Err(path.key("amplitude_above").key("limit").refuse_value(fault));
             }
             (Measure::Above(limit), relative)
         }
@@ -88,7 +79,7 @@ fn measure(study: &Study, file: &ResponseFile) -> Result<(Measure, bool), Mispla
                 let allowed = format!("above 0, at most the end time, {}", describe_number(end));
                 let fault =
                     Fault::new("a time that no run reaches", describe_number(time), allowed);
-                return Err((&["at_rest_by_s"], fault));
+                return Err(path.key("at_rest_by_s").refuse_value(fault));
             }
             (Measure::AtRestBy(time), false)
         }

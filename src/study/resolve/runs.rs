@@ -1,6 +1,6 @@
 //! Numbering of the points and runs of a study.
 
-use crate::study::error::{Fault, Locate, StudyError};
+use crate::study::error::{Fault, StudyError};
 use crate::study::file::values::MAX_COUNT;
 use crate::study::file::yaml_tree::describe_number;
 use crate::study::plan::precision::{Precision, Sampling};
@@ -16,9 +16,8 @@ use crate::study::sampling::sampling_design::Design;
 /// Returns an error if there are too many runs, or if a precision requires a design that cannot be
 /// enlarged.
 pub(in crate::study) fn number_runs(
-    locate: &dyn Locate,
     resolved: Vec<ResolvedBlock>,
-    designs: &[ResolvedDesign],
+    designs: &[ResolvedDesign<'_>],
     start_box: &InitialBox,
     seed: u64,
     precision: Option<&Precision>,
@@ -31,7 +30,7 @@ pub(in crate::study) fn number_runs(
         let sampling = match product(&design.factors(), MAX_COUNT) {
             Err(large) => Err(large),
             Ok(samples) => Ok(Sampling::new(&design, samples, precision)
-                .map_err(|fault| locate.refuse_key(&written.path.key(design.kind()), fault))?),
+                .map_err(|fault| written.path.key(design.kind()).refuse_key(fault))?),
         };
         let runs = sampling.map(|sampling| sampling.most);
         let total = match (points, runs) {
@@ -50,7 +49,7 @@ pub(in crate::study) fn number_runs(
                 describe_number(to_float(runs)),
             );
             let fault = Fault::new("too many runs", found, "at most 1e15 runs");
-            return Err(locate.refuse_value(&written.path, fault));
+            return Err(written.path.refuse_value(fault));
         };
         blocks.push(Block {
             listing: block.listing,

@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use crate::model::Model;
-use crate::study::error::{Fault, Locate, StudyError, shorten};
-use crate::study::file::key_path::KeyPath;
+use crate::study::error::{Fault, StudyError, shorten};
+use crate::study::file::source_path::SourcePath;
 use crate::study::file::study_file::DesignFile;
 use crate::study::file::table_folders::TableFolders;
 use crate::study::file::table_input::Rows;
@@ -14,13 +14,13 @@ use crate::study::sampling::sampling_design::{Layout, MAX_SOBOL_SAMPLES};
 
 /// A validated layout, and the design in the form of a self-contained study file.
 #[derive(Clone)]
-pub(crate) struct ResolvedDesign {
+pub(crate) struct ResolvedDesign<'a> {
     /// The layout.
     pub layout: Layout,
     /// The design with inline tables.
     pub file: DesignFile,
     /// Key path of the design.
-    pub path: KeyPath,
+    pub path: SourcePath<'a>,
 }
 
 /// Validates a sampling design.
@@ -28,13 +28,12 @@ pub(crate) struct ResolvedDesign {
 /// # Errors
 /// Returns an error if a Sobol' sequence has too many samples, or if a table of start states is
 /// invalid.
-pub(crate) fn resolve_design(
-    locate: &dyn Locate,
+pub(crate) fn resolve_design<'a>(
     folders: &TableFolders,
-    path: &KeyPath,
+    path: &SourcePath<'a>,
     written: &DesignFile,
     model: &Model,
-) -> Result<ResolvedDesign, StudyError> {
+) -> Result<ResolvedDesign<'a>, StudyError> {
     let layout = match written {
         DesignFile::Stratified { parts_per_axis, samples_per_cell } => {
             Layout::Stratified { parts: parts_per_axis.0, samples_per_cell: samples_per_cell.0 }
@@ -44,54 +43,48 @@ pub(crate) fn resolve_design(
             if samples.0 > MAX_SOBOL_SAMPLES {
                 let allowed = format!("at most {MAX_SOBOL_SAMPLES}, or another design");
                 let fault = Fault::new("too many samples", samples.0.to_string(), allowed);
-                return Err(locate.refuse_value(&path.key("sobol").key("samples"), fault));
+                return Err(path.key("sobol").key("samples").refuse_value(fault));
             }
             Layout::Sobol { samples: samples.0 }
         }
         DesignFile::MonteCarlo { samples } => Layout::MonteCarlo { samples: samples.0 },
         DesignFile::Grid { points_per_axis } => Layout::Grid { points: points_per_axis.0 },
         DesignFile::Table(table) => {
-            return resolve_starts(locate, folders, path, table, model);
+            return resolve_starts(folders, path, table, model);
         }
     };
     Ok(ResolvedDesign { layout, file: written.clone(), path: path.clone() })
 }
 
-fn resolve_starts(
-    locate: &dyn Locate,
+fn resolve_starts<'a>(
     folders: &TableFolders,
-    path: &KeyPath,
+    path: &SourcePath<'a>,
     table: &TableSource,
     model: &Model,
-) -> Result<ResolvedDesign, StudyError> {
+) -> Result<ResolvedDesign<'a>, StudyError> {
     let names = axis_names(model);
-    let table_path = path.key("table");
-    let read = Rows::read(locate, folders, &table_path, table, &names)?;
-    let mut order = Vec::with_capacity(names.len());
-    for name in &names {
-        let Some(column) = read.columns.iter().position(|column| column == name) else {
+    let read = Rows::read(folders, &path.key("table"), table, &names)?;
+    let column = |name: &String| {
+        read.columns.iter().position(|column| column == name).ok_or_else(|| {
             let found = read.columns.join(", ");
             let fault = Fault::new("a missing column", found, format!("a column `{name}`"));
-            return Err(read.refuse(locate, None, None, fault));
-        };
-        order.push(column);
-    }
-    let mut rows = Vec::with_capacity(read.rows.len());
-    for (row, values) in read.rows.iter().enumerate() {
-        let mut coordinates = Vec::with_capacity(order.len());
-        for &column in &order {
-            match values.get(column) {
-                Some(Entry::Number(number)) => coordinates.push(*number),
-                Some(Entry::Text(text)) => {
-                    let fault =
-                        Fault::new("not a number", format!("text {:?}", shorten(text)), "a number");
-                    return Err(read.refuse(locate, Some(row), Some(column), fault));
-                }
-                None => {}
+            read.refuse(None, None, fault)
+        })
+    };
+    let order = names.iter().map(column).collect::<Result<Vec<usize>, _>>()?;
+    let coordinates = |(row, values): (usize, &Vec<Entry>)| {
+        let number = |&column: &usize| match &values[column] {
+            Entry::Number(number) => Ok(*number),
+            Entry::Text(text) => {
+                let found = format!("text {:?}", shorten(text));
+                let fault = Fault::new("not a number", found, "a number");
+                Err(read.refuse(Some(row), Some(column), fault))
             }
-        }
-        rows.push(coordinates);
-    }
+        };
+        order.iter().map(number).collect()
+    };
+    let rows: Vec<Vec<f64>> =
+        read.rows.iter().enumerate().map(coordinates).collect::<Result<_, _>>()?;
     let inline = InlineTable {
         columns: names,
         rows: rows

@@ -1,10 +1,9 @@
 //! Resolution of the simulation settings, with all defaults.
 
 use crate::model::{Endings, Method, Simulation};
-use crate::study::error::{Fault, Locate, StudyError};
-use crate::study::file::key_path::KeyPath;
+use crate::study::error::{Fault, StudyError};
 use crate::study::file::study_file::{EndingsKind, MethodKind, SimulationFile, ToleranceFile};
-use crate::study::file::yaml_tree::describe_number;
+use crate::study::file::yaml_tree::{Source, describe_number};
 use crate::study::resolve::extend::{extend_to_file, resolve_extend};
 
 /// In a wider band, moving balls count as sticking, and may switch between stick and transition
@@ -17,7 +16,7 @@ const WIDEST_BAND: f64 = 1.0e-2;
 /// Returns an error if a band, tolerance or end time is not positive, if the band is too wide, or
 /// if the extension is invalid.
 pub(crate) fn resolve_simulation(
-    locate: &dyn Locate,
+    source: &Source,
     written: Option<&SimulationFile>,
 ) -> Result<Simulation, StudyError> {
     let default = Simulation::default();
@@ -30,17 +29,17 @@ pub(crate) fn resolve_simulation(
         }
         let allowed = "a positive, finite number";
         let fault = Fault::new("not positive", describe_number(value), allowed);
-        Err(locate.refuse_value(&KeyPath::of(keys), fault))
+        Err(source.path(keys).refuse_value(fault))
     };
     let band = positive("simulation.band", given.band, default.band)?;
     if band > WIDEST_BAND {
         let allowed = format!("at most {WIDEST_BAND}; a narrower band is more accurate");
         let fault = Fault::new("too wide", describe_number(band), allowed);
-        return Err(locate.refuse_value(&KeyPath::of("simulation.band"), fault));
+        return Err(source.path("simulation.band").refuse_value(fault));
     }
     let end_time_s = positive("simulation.end_time_s", given.end_time_s, default.end_time_s)?;
     let extend = given.extend.as_ref();
-    let extend = extend.map(|written| resolve_extend(locate, written, end_time_s)).transpose()?;
+    let extend = extend.map(|written| resolve_extend(source, written, end_time_s)).transpose()?;
     Ok(Simulation {
         method: match given.method {
             None | Some(MethodKind::Switch) => Method::Switch,

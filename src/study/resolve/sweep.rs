@@ -1,12 +1,14 @@
 //! Resolution of the blocks of a sweep.
 
+use indexmap::IndexMap;
+
 use crate::model::Model;
-use crate::study::error::{Fault, Locate, StudyError, list_names, shorten};
-use crate::study::file::key_path::KeyPath;
+use crate::study::error::{Fault, StudyError, list_names, shorten};
+use crate::study::file::source_path::SourcePath;
 use crate::study::file::study_file::BlockFile;
 use crate::study::file::table_folders::TableFolders;
 use crate::study::file::table_input::Rows;
-use crate::study::file::values::{Entry, InlineTable, Listed, Named, TableSource};
+use crate::study::file::values::{Entry, InlineTable, TableSource};
 use crate::study::file::yaml_tree::describe_number;
 use crate::study::plan::parameter::{NORMAL_FORCES, Parameter, ParameterValue};
 use crate::study::plan::sweep::Listing;
@@ -30,28 +32,25 @@ pub(crate) struct ResolvedBlock {
 /// parameter is unknown, a value is impossible, a list is empty, the lists of a zip differ in
 /// length, or the table is invalid.
 pub(crate) fn resolve_block(
-    locate: &dyn Locate,
     folders: &TableFolders,
-    path: &KeyPath,
+    path: &SourcePath<'_>,
     written: &BlockFile,
     base: &Base,
 ) -> Result<ResolvedBlock, StudyError> {
     match (&written.grid, &written.zip, &written.table) {
         (Some(lists), None, None) => {
-            let columns = resolve_lists(locate, &path.key("grid"), lists, base)?;
+            let columns = resolve_lists(&path.key("grid"), lists, base)?;
             let file = BlockFile { grid: Some(lists.clone()), ..BlockFile::default() };
             Ok(ResolvedBlock { listing: Listing::Grid, columns, file })
         }
         (None, Some(lists), None) => {
             let path = path.key("zip");
-            let columns = resolve_lists(locate, &path, lists, base)?;
-            check_equal_lengths(locate, &path, lists)?;
+            let columns = resolve_lists(&path, lists, base)?;
+            check_equal_lengths(&path, lists)?;
             let file = BlockFile { zip: Some(lists.clone()), ..BlockFile::default() };
             Ok(ResolvedBlock { listing: Listing::Rows, columns, file })
         }
-        (None, None, Some(table)) => {
-            resolve_table(locate, folders, &path.key("table"), table, base)
-        }
+        (None, None, Some(table)) => resolve_table(folders, &path.key("table"), table, base),
         (grid, zip, table) => {
             let given = [("grid", grid.is_some()), ("zip", zip.is_some())];
             let given = given.into_iter().chain([("table", table.is_some())]);
@@ -59,33 +58,32 @@ pub(crate) fn resolve_block(
                 given.filter_map(|(name, given)| given.then_some(name)).collect();
             let found = if names.is_empty() { "none of them".into() } else { names.join(", ") };
             let allowed = "exactly one of grid, zip, table";
-            Err(locate.refuse_value(path, Fault::new("not a block of a sweep", found, allowed)))
+            Err(path.refuse_value(Fault::new("not a block of a sweep", found, allowed)))
         }
     }
 }
 
 fn resolve_lists(
-    locate: &dyn Locate,
-    path: &KeyPath,
-    lists: &Named<Listed>,
+    path: &SourcePath<'_>,
+    lists: &IndexMap<String, Vec<Entry>>,
     base: &Base,
 ) -> Result<Vec<(Parameter, Vec<ParameterValue>)>, StudyError> {
-    if lists.0.is_empty() {
+    if lists.is_empty() {
         let fault = Fault::new("nothing is swept", "no parameter", "at least one parameter");
-        return Err(locate.refuse_value(path, fault));
+        return Err(path.refuse_value(fault));
     }
-    let mut columns = Vec::with_capacity(lists.0.len());
-    for (name, list) in &lists.0 {
+    let mut columns = Vec::with_capacity(lists.len());
+    for (name, list) in lists {
         let path = path.key(name);
-        let parameter = find_swept(name, base).map_err(|fault| locate.refuse_key(&path, fault))?;
+        let parameter = find_swept(name, base).map_err(|fault| path.refuse_key(fault))?;
         if list.is_empty() {
             let fault = Fault::new("no values to sweep", "an empty list", "at least one value");
-            return Err(locate.refuse_value(&path, fault));
+            return Err(path.refuse_value(fault));
         }
         let mut values = Vec::with_capacity(list.len());
         for (index, entry) in list.iter().enumerate() {
             let value = resolve_value(parameter, entry, &base.model)
-                .map_err(|fault| locate.refuse_value(&path.item(index), fault))?;
+                .map_err(|fault| path.item(index).refuse_value(fault))?;
             values.push(value);
         }
         columns.push((parameter, values));
@@ -94,43 +92,41 @@ fn resolve_lists(
 }
 
 fn check_equal_lengths(
-    locate: &dyn Locate,
-    path: &KeyPath,
-    lists: &Named<Listed>,
+    path: &SourcePath<'_>,
+    lists: &IndexMap<String, Vec<Entry>>,
 ) -> Result<(), StudyError> {
-    let Some((_, first)) = lists.0.first() else { return Ok(()) };
-    match lists.0.iter().find(|(_, list)| list.len() != first.len()) {
+    let Some((_, first)) = lists.first() else { return Ok(()) };
+    match lists.iter().find(|(_, list)| list.len() != first.len()) {
         None => Ok(()),
         Some((name, _)) => {
             let lengths: Vec<String> =
-                lists.0.iter().map(|(name, list)| format!("{name} {}", list.len())).collect();
+                lists.iter().map(|(name, list)| format!("{name} {}", list.len())).collect();
             let found = format!("numbers of values: {}", lengths.join(", "));
             let allowed =
                 "equally many values for every parameter (or `grid` for all combinations)";
             let fault = Fault::new("unequal lengths in a zip", found, allowed);
-            Err(locate.refuse_value(&path.key(name), fault))
+            Err(path.key(name).refuse_value(fault))
         }
     }
 }
 
 fn resolve_table(
-    locate: &dyn Locate,
     folders: &TableFolders,
-    path: &KeyPath,
+    path: &SourcePath<'_>,
     table: &TableSource,
     base: &Base,
 ) -> Result<ResolvedBlock, StudyError> {
     let names: Vec<String> = Parameter::all(&base.model).into_iter().map(Parameter::name).collect();
-    let read = Rows::read(locate, folders, path, table, &names)?;
+    let read = Rows::read(folders, path, table, &names)?;
     let mut columns = Vec::with_capacity(read.columns.len());
     for (column, name) in read.columns.iter().enumerate() {
-        let parameter = find_swept(name, base)
-            .map_err(|fault| read.refuse(locate, None, Some(column), fault))?;
+        let parameter =
+            find_swept(name, base).map_err(|fault| read.refuse(None, Some(column), fault))?;
         let mut values = Vec::with_capacity(read.rows.len());
         for (row, entries) in read.rows.iter().enumerate() {
             if let Some(entry) = entries.get(column) {
                 let value = resolve_value(parameter, entry, &base.model)
-                    .map_err(|fault| read.refuse(locate, Some(row), Some(column), fault))?;
+                    .map_err(|fault| read.refuse(Some(row), Some(column), fault))?;
                 values.push(value);
             }
         }
@@ -175,12 +171,9 @@ pub(crate) fn resolve_value(
     form: &Model,
 ) -> Result<ParameterValue, Fault> {
     match (entry, parameter.is_number()) {
-        (Entry::Number(number), true) => match parameter.check(*number, form) {
-            Ok(()) => Ok(ParameterValue::Number(*number)),
-            Err(allowed) => {
-                Err(Fault::new("no physical meaning", describe_number(*number), allowed))
-            }
-        },
+        (Entry::Number(number), true) => {
+            parameter.check(*number, form).map(|()| ParameterValue::Number(*number))
+        }
         (Entry::Text(text), true) => {
             Err(Fault::new("not a number", format!("text {:?}", shorten(text)), "a number"))
         }

@@ -1,10 +1,10 @@
 //! Resolution of uncertain parameters.
 
-use crate::study::error::{Fault, Locate, StudyError};
+use indexmap::IndexMap;
+
+use crate::study::error::{Fault, StudyError};
 use crate::study::file::distribution_file::DistributionFile;
-use crate::study::file::key_path::KeyPath;
-use crate::study::file::values::Named;
-use crate::study::file::yaml_tree::describe_number;
+use crate::study::file::yaml_tree::{Source, describe_number};
 use crate::study::plan::parameter::{Parameter, ParameterValue};
 use crate::study::resolve::model::Base;
 use crate::study::resolve::sweep::find_parameter;
@@ -30,21 +30,21 @@ pub(crate) struct Uncertain {
 /// Returns an error if a name is not a numeric parameter, if a parameter is also swept, if a
 /// distribution is invalid, or if its bounds are impossible values of the parameter.
 pub(crate) fn resolve_uncertain(
-    locate: &dyn Locate,
-    written: Option<&Named<DistributionFile>>,
+    source: &Source,
+    written: Option<&IndexMap<String, DistributionFile>>,
     base: &Base,
     swept: &[Parameter],
     seed: u64,
 ) -> Result<Vec<Uncertain>, StudyError> {
     let mut all = Vec::new();
-    for (name, distribution) in written.iter().flat_map(|named| &named.0) {
-        let path = KeyPath::of("uncertain").key(name);
+    for (name, distribution) in written.into_iter().flatten() {
+        let path = source.path("uncertain").key(name);
         let (factor, drawn) = match distribution {
             DistributionFile::Times(of) => (true, of.as_ref()),
             other => (false, other),
         };
-        let parameter = find_uncertain(name, base, swept, factor)
-            .map_err(|fault| locate.refuse_key(&path, fault))?;
+        let parameter =
+            find_uncertain(name, base, swept, factor).map_err(|fault| path.refuse_key(fault))?;
         let path = if factor { path.key(kind(distribution)) } else { path };
         let path = path.key(kind(drawn));
         let own = match parameter.get(&base.model, &base.general) {
@@ -52,16 +52,16 @@ pub(crate) fn resolve_uncertain(
             _ => 1.0,
         };
         let distribution = Distribution::resolve(drawn)
-            .map_err(|(key, fault)| locate.refuse_value(&path.key(key), fault))?;
+            .map_err(|(key, fault)| path.key(key).refuse_value(fault))?;
         for (key, bound) in distribution.bounds() {
             // Draws are strictly inside a range, so its lower end may itself be just too small.
             let inside = if key == "min" { bound.next_up() } else { bound };
-            if let (Err(allowed), Err(_)) = (
+            if let (Err(fault), Err(_)) = (
                 parameter.check(own * bound, &base.model),
                 parameter.check(own * inside, &base.model),
             ) {
-                let fault = Fault::new("no physical meaning", describe_number(bound), allowed);
-                return Err(locate.refuse_value(&path.key(key), fault));
+                let fault = Fault { found: Some(describe_number(bound)), ..fault };
+                return Err(path.key(key).refuse_value(fault));
             }
         }
         let key = DrawKey::new(seed, "uncertain", name);

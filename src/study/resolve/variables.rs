@@ -1,16 +1,17 @@
 //! Resolution of the variables of a design.
 
+use indexmap::IndexMap;
+
 use crate::model::MAX_BALLS;
-use crate::study::error::{Fault, Locate, StudyError, shorten};
-use crate::study::file::key_path::KeyPath;
+use crate::study::error::{Fault, StudyError};
 use crate::study::file::response_file::VariableFile;
-use crate::study::file::values::Named;
-use crate::study::file::yaml_tree::describe_number;
+use crate::study::file::source_path::SourcePath;
+use crate::study::file::yaml_tree::{Source, describe_number};
 use crate::study::plan::parameter::Parameter;
 use crate::study::plan::planned_study::Study;
-use crate::study::plan::response::{SUFFIXES, TAKEN};
+use crate::study::plan::response::{RESERVED_COLUMNS, SUFFIXES};
 use crate::study::plan::variable::{Domain, Variable};
-use crate::study::resolve::responses::check_name;
+use crate::study::resolve::names::{check_column_name, check_name};
 use crate::study::resolve::sweep::find_parameter;
 
 /// Validates the variables.
@@ -19,22 +20,22 @@ use crate::study::resolve::sweep::find_parameter;
 /// Returns an error if a name or range is invalid, if a parameter is set twice, swept or uncertain,
 /// or if choices do not set the same parameters.
 pub(crate) fn resolve_variables(
-    locate: &dyn Locate,
+    source: &Source,
     study: &Study,
-    written: Option<&Named<VariableFile>>,
+    written: Option<&IndexMap<String, VariableFile>>,
 ) -> Result<Vec<Variable>, StudyError> {
-    let path = KeyPath::of("design");
-    let least_balls = written
+    let path = source.path("design");
+    let min_balls = written
         .and_then(|named| named.get("balls"))
         .and_then(|balls| balls.from)
         .map_or(study.model().balls(), |from| from.max(0.0) as usize);
-    let setting = Setting { locate, study, least_balls };
+    let setting = Setting { study, min_balls };
     let mut variables: Vec<Variable> = Vec::new();
     let mut set: Vec<Parameter> = Vec::new();
-    for (name, file) in written.iter().flat_map(|named| &named.0) {
+    for (name, file) in written.into_iter().flatten() {
         let path = path.key(name);
-        let refuse = |fault| locate.refuse_key(&path, fault);
-        check_name(name).and_then(|()| setting.free_name(name)).map_err(refuse)?;
+        let refuse = |fault| path.refuse_key(fault);
+        check_column_name(name).and_then(|()| setting.check_no_column_has(name)).map_err(refuse)?;
         let domain = setting.domain(&path, name, file)?;
         for parameter in domain.parameters() {
             if set.contains(&parameter) {
@@ -62,19 +63,18 @@ impl Domain {
 }
 
 struct Setting<'a> {
-    locate: &'a dyn Locate,
     study: &'a Study,
     /// The smallest number of balls of a design.
-    least_balls: usize,
+    min_balls: usize,
 }
 
 impl Setting<'_> {
-    fn free_name(&self, name: &str) -> Result<(), Fault> {
+    fn check_no_column_has(&self, name: &str) -> Result<(), Fault> {
         let of_response = self.study.responses.iter().any(|response| {
             let rest = name.strip_prefix(response.name.as_str());
             rest.is_some_and(|rest| rest.is_empty() || SUFFIXES.contains(&rest))
         });
-        if of_response || TAKEN.contains(&name) {
+        if of_response || RESERVED_COLUMNS.contains(&name) {
             let problem = "a result column has this name";
             return Err(Fault::new(problem, name, "another name"));
         }
@@ -83,7 +83,7 @@ impl Setting<'_> {
 
     fn domain(
         &self,
-        path: &KeyPath,
+        path: &SourcePath<'_>,
         name: &str,
         file: &VariableFile,
     ) -> Result<Domain, StudyError> {
@@ -94,13 +94,13 @@ impl Setting<'_> {
                     "from or to",
                     "`choices`, or `from` and `to`",
                 );
-                return Err(self.locate.refuse_value(path, fault));
+                return Err(path.refuse_value(fault));
             }
             let range = name == "balls" || find_parameter(name, self.study.model()).is_ok();
             if range {
                 let allowed = "`from` and `to`, or another name for the choices";
                 let fault = Fault::new("choices with the name of a parameter", name, allowed);
-                return Err(self.locate.refuse_key(path, fault));
+                return Err(path.refuse_key(fault));
             }
             return self.choices(&path.key("choices"), choices);
         }
@@ -108,46 +108,45 @@ impl Setting<'_> {
         if name == "balls" {
             return self.balls(path, from, to);
         }
-        let parameter =
-            self.parameter(name).map_err(|fault| self.locate.refuse_key(path, fault))?;
+        let parameter = self.parameter(name).map_err(|fault| path.refuse_key(fault))?;
         for (key, end) in [("from", from), ("to", to)] {
             self.check(&path.key(key), parameter, end)?;
         }
         Ok(Domain::Parameter { parameter, from, to })
     }
 
-    fn range(&self, path: &KeyPath, file: &VariableFile) -> Result<[f64; 2], StudyError> {
+    fn range(&self, path: &SourcePath<'_>, file: &VariableFile) -> Result<[f64; 2], StudyError> {
         let missing = |key: &str| {
             let fault = Fault::new("missing key", "no such key", "`from` and `to`, or `choices`");
-            self.locate.refuse_value(&path.key(key), fault)
+            path.key(key).refuse_value(fault)
         };
         let from = file.from.ok_or_else(|| missing("from"))?;
         let to = file.to.ok_or_else(|| missing("to"))?;
         if from > to {
             let found = format!("from {} to {}", describe_number(from), describe_number(to));
             let fault = Fault::new("reversed range", found, "`from` not above `to`");
-            return Err(self.locate.refuse_value(path, fault));
+            return Err(path.refuse_value(fault));
         }
         Ok([from, to])
     }
 
-    fn balls(&self, path: &KeyPath, from: f64, to: f64) -> Result<Domain, StudyError> {
+    fn balls(&self, path: &SourcePath<'_>, from: f64, to: f64) -> Result<Domain, StudyError> {
         if self.study.model().balls() == 0 {
             let found = format!("kind: {}", self.study.model().kind());
             let fault = Fault::new("only for a ball balancer", found, "kind: ball_balancer");
-            return Err(self.locate.refuse_key(path, fault));
+            return Err(path.refuse_key(fault));
         }
         if self.study.base.has_own() {
             let problem = "balls have their own values";
             let fault =
                 Fault::new(problem, "a list of balls", "a number under `model.parameters.balls`");
-            return Err(self.locate.refuse_key(path, fault));
+            return Err(path.refuse_key(fault));
         }
         for (key, end) in [("from", from), ("to", to)] {
             if end.fract() != 0.0 || !(1.0..=MAX_BALLS as f64).contains(&end) {
                 let allowed = format!("a whole number from 1 to {MAX_BALLS}");
                 let fault = Fault::new("not a number of balls", describe_number(end), allowed);
-                return Err(self.locate.refuse_value(&path.key(key), fault));
+                return Err(path.key(key).refuse_value(fault));
             }
         }
         Ok(Domain::Balls { from: from as u64, to: to as u64 })
@@ -161,8 +160,8 @@ impl Setting<'_> {
         }
         self.study.base.check_varied(parameter)?;
         let exists = |ball| parameter == parameter.of_one_ball(ball);
-        if (self.least_balls + 1..=MAX_BALLS).any(exists) {
-            let allowed = format!("a ball that every design has, 1 to {}", self.least_balls);
+        if (self.min_balls + 1..=MAX_BALLS).any(exists) {
+            let allowed = format!("a ball that every design has, 1 to {}", self.min_balls);
             return Err(Fault::new("some designs do not have this ball", name, allowed));
         }
         // A factor does not set the parameter itself, so a design may vary it.
@@ -187,23 +186,28 @@ impl Setting<'_> {
         Ok(parameter)
     }
 
-    fn check(&self, path: &KeyPath, parameter: Parameter, value: f64) -> Result<(), StudyError> {
-        parameter.check(value, self.study.model()).map_err(|allowed| {
-            let fault = Fault::new("no physical meaning", describe_number(value), allowed);
-            self.locate.refuse_value(path, fault)
-        })
+    fn check(
+        &self,
+        path: &SourcePath<'_>,
+        parameter: Parameter,
+        value: f64,
+    ) -> Result<(), StudyError> {
+        parameter.check(value, self.study.model()).map_err(|fault| path.refuse_value(fault))
     }
 
-    fn choices(&self, path: &KeyPath, choices: &Named<Named<f64>>) -> Result<Domain, StudyError> {
+    fn choices(
+        &self,
+        path: &SourcePath<'_>,
+        choices: &IndexMap<String, IndexMap<String, f64>>,
+    ) -> Result<Domain, StudyError> {
         let mut all: Vec<(String, Vec<(Parameter, f64)>)> = Vec::new();
-        for (name, values) in &choices.0 {
+        for (name, values) in choices {
             let path = path.key(name);
-            check_choice(name).map_err(|fault| self.locate.refuse_key(&path, fault))?;
+            check_choice(name).map_err(|fault| path.refuse_key(fault))?;
             let mut own = Vec::new();
-            for (key, value) in &values.0 {
+            for (key, value) in values {
                 let path = path.key(key);
-                let parameter =
-                    self.parameter(key).map_err(|fault| self.locate.refuse_key(&path, fault))?;
+                let parameter = self.parameter(key).map_err(|fault| path.refuse_key(fault))?;
                 self.check(&path, parameter, *value)?;
                 own.push((parameter, *value));
             }
@@ -214,19 +218,19 @@ impl Setting<'_> {
             };
             if own.is_empty() {
                 let fault = Fault::new("an empty choice", "nothing", "values of parameters");
-                return Err(self.locate.refuse_value(&path, fault));
+                return Err(path.refuse_value(fault));
             }
             let first = all.first().map_or_else(|| names(&own), |(_, first)| names(first));
             if names(&own) != first {
                 let problem = "choices that set different parameters";
                 let fault = Fault::new(problem, names(&own), first);
-                return Err(self.locate.refuse_value(&path, fault));
+                return Err(path.refuse_value(fault));
             }
             all.push((name.clone(), own));
         }
         if all.is_empty() {
             let fault = Fault::new("no choices", "nothing", "at least one choice");
-            return Err(self.locate.refuse_value(path, fault));
+            return Err(path.refuse_value(fault));
         }
         Ok(Domain::Choices(all))
     }
@@ -234,13 +238,9 @@ impl Setting<'_> {
 
 /// Checks the name of a choice, which must also differ from a number in a CSV file.
 fn check_choice(name: &str) -> Result<(), Fault> {
-    let usual = |character: char| character.is_ascii_alphanumeric() || "_-. ".contains(character);
-    let first = name.starts_with(|first: char| first.is_ascii_alphabetic());
-    let number = name.parse::<f64>().is_ok();
-    if first && !number && name.len() <= 100 && name.chars().all(usual) && !name.ends_with(' ') {
-        return Ok(());
-    }
     let allowed =
         "1 to 100 letters, digits, `_`, `-`, `.` and blanks, beginning with a letter, not a number";
-    Err(Fault::new("not a name", shorten(name), allowed))
+    let is_number = name.parse::<f64>().is_ok();
+    let is_first = |first: char| first.is_ascii_alphabetic() && !is_number && !name.ends_with(' ');
+    check_name(name, "_-. ", is_first, allowed)
 }

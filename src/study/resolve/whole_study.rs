@@ -3,17 +3,18 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::study::error::{Fault, Locate, StudyError, shorten};
+use indexmap::{IndexMap, IndexSet};
+
+use crate::study::error::{Fault, StudyError};
 use crate::study::file::balls::Balls;
 use crate::study::file::decode::decode;
 use crate::study::file::distribution_file::DistributionFile;
-use crate::study::file::key_path::KeyPath;
 use crate::study::file::read_file::read_text;
 use crate::study::file::resolved_yaml::ResolvedFile;
 use crate::study::file::study_file::{BlockFile, DesignFile, InitialConditionsFile, StudyFile};
 use crate::study::file::table_folders::MAX_VALUES;
 use crate::study::file::table_folders::TableFolders;
-use crate::study::file::values::{Named, Range};
+use crate::study::file::values::Range;
 use crate::study::file::yaml_tree::{Content, Source};
 use crate::study::plan::audit::Audit;
 use crate::study::plan::parameter::{Parameter, VariedParameter};
@@ -22,7 +23,8 @@ use crate::study::plan::precision::Precision;
 use crate::study::plan::sweep::Listing;
 use crate::study::plan::variable::Variable;
 use crate::study::resolve::expectations::resolve_expectations;
-use crate::study::resolve::model::Base;
+use crate::study::resolve::model::{Base, check_parameter_names};
+use crate::study::resolve::names::check_name;
 use crate::study::resolve::optimization::resolve_optimization;
 use crate::study::resolve::points::check_points;
 use crate::study::resolve::responses::resolve_responses;
@@ -79,6 +81,7 @@ impl Study {
         let folders = TableFolders::new(file, directories)?;
         let source = Source::new(file, text)?;
         check_schema(&source)?;
+        check_parameter_names(&source)?;
         let written: StudyFile = decode(&source)?;
         resolve(&source, &written, &folders)
     }
@@ -86,16 +89,13 @@ impl Study {
 
 /// Checks the version first, because the keys of another version may be unknown.
 fn check_schema(source: &Source) -> Result<(), StudyError> {
-    let Content::Map(entries) = &source.root.content else { return Ok(()) };
-    let Some((_, node)) = entries.iter().find(|(key, _)| key.name == "schema") else {
-        return Ok(());
-    };
+    let Some(node) = source.root.get("schema") else { return Ok(()) };
     match node.content {
         Content::Natural(SCHEMA) => Ok(()),
         _ => {
             let allowed = format!("{SCHEMA}, the version that this program reads");
             let fault = Fault::new("unknown version of the format", node.describe(), allowed);
-            Err(source.refuse_value(&KeyPath::of("schema"), fault))
+            Err(source.path("schema").refuse_value(fault))
         }
     }
 }
@@ -105,14 +105,15 @@ fn resolve(
     written: &StudyFile,
     folders: &TableFolders,
 ) -> Result<Study, StudyError> {
-    check_name(source, &written.name)?;
+    let allowed = "1 to 100 letters, digits, `-`, `_` and `.`, not starting with `.`";
+    check_name(&written.name, "-_.", |first| first != '.', allowed)
+        .map_err(|fault| source.path("name").refuse_value(fault))?;
     let base = Base::resolve(source, &written.model)?;
     let simulation = resolve_simulation(source, written.simulation.as_ref())?;
     let audit = Audit::resolve(source, written.audit.as_ref())?;
     let precision = Precision::resolve(source, written.precision.as_ref())?;
-    let conditions = KeyPath::of("initial_conditions");
+    let conditions = source.path("initial_conditions");
     let start_box = InitialBox::resolve(
-        source,
         &conditions.key("box"),
         written.initial_conditions.start_box.as_ref(),
         &base.model,
@@ -121,18 +122,15 @@ fn resolve(
         None => None,
         Some(design) => {
             let path = conditions.key("design");
-            Some(resolve_design(source, folders, &path, design, &base.model)?)
+            Some(resolve_design(folders, &path, design, &base.model)?)
         }
     };
     let mut blocks = resolve_blocks(source, written, folders, &base)?;
     let designs = designs(source, written, folders, &base, &mut blocks, common.as_ref())?;
     check_values(source, &blocks, common.as_ref())?;
-    let mut swept_parameters: Vec<Parameter> = Vec::new();
-    for (parameter, _) in blocks.iter().flat_map(|block| &block.columns) {
-        if !swept_parameters.contains(parameter) {
-            swept_parameters.push(*parameter);
-        }
-    }
+    let columns = blocks.iter().flat_map(|block| &block.columns);
+    let distinct: IndexSet<Parameter> = columns.map(|(parameter, _)| *parameter).collect();
+    let swept_parameters: Vec<Parameter> = distinct.into_iter().collect();
     let uncertain_parameters = resolve_uncertain(
         source,
         written.uncertain.as_ref(),
@@ -158,8 +156,8 @@ fn resolve(
             design: common.map(|design| design.file),
         },
         simulation: Some(simulation_to_file(&simulation)),
-        audit: audit.map(Audit::to_file),
-        precision: precision.map(Precision::to_file),
+        audit: written.audit,
+        precision: written.precision,
         expect: written.expect.clone(),
         design: written.design.clone(),
         responses: written.responses.clone(),
@@ -172,14 +170,7 @@ fn resolve(
         simulation,
         audit,
         precision,
-        blocks: number_runs(
-            source,
-            blocks,
-            &designs,
-            &start_box,
-            written.seed,
-            precision.as_ref(),
-        )?,
+        blocks: number_runs(blocks, &designs, &start_box, written.seed, precision.as_ref())?,
         swept: swept_parameters.iter().map(column).collect(),
         swept_parameters,
         uncertain,
@@ -223,13 +214,13 @@ fn by_balls(
         other.model.parameters.get_or_insert_default().balls = Some(Balls::Number(balls));
         // These ranges belong to balls that the design does not have.
         if let Some(ranges) = &mut other.initial_conditions.start_box {
-            ranges.0.retain(|(name, _)| ball_of(name).is_none_or(|ball| ball <= balls));
+            ranges.retain(|name, _| ball_of(name).is_none_or(|ball| ball <= balls));
         }
         resolve(source, &other, folders).map_err(|error| {
             let problem = format!("with {balls} balls: `{}`: {}", error.key(), error.problem());
             let found = error.found().map(str::to_owned);
             let fault = Fault { problem, found, allowed: error.allowed().map(str::to_owned) };
-            source.refuse_value(&KeyPath::of("design.balls"), fault)
+            source.path("design.balls").refuse_value(fault)
         })
     };
     numbers.map(with).collect()
@@ -243,24 +234,14 @@ fn ball_of(axis: &str) -> Option<u64> {
 
 /// Returns the box with all axes. If designs vary the number of balls, it also contains the ranges
 /// of all balls.
-fn box_to_file(start_box: &InitialBox, written: &StudyFile) -> Named<Range> {
+fn box_to_file(start_box: &InitialBox, written: &StudyFile) -> IndexMap<String, Range> {
     let mut file = start_box.to_file();
     let chosen = written.design.as_ref().is_some_and(|design| design.get("balls").is_some());
     if let (true, Some(ranges)) = (chosen, &written.initial_conditions.start_box) {
-        let general = ranges.0.iter().filter(|(name, _)| GENERAL_AXES.contains(&name.as_str()));
-        file.0.extend(general.cloned());
+        let general = ranges.iter().filter(|(name, _)| GENERAL_AXES.contains(&name.as_str()));
+        file.extend(general.map(|(name, range)| (name.clone(), *range)));
     }
     file
-}
-
-fn check_name(source: &Source, name: &str) -> Result<(), StudyError> {
-    let usual = |character: char| character.is_ascii_alphanumeric() || "-_.".contains(character);
-    if (1..=100).contains(&name.len()) && name.chars().all(usual) && !name.starts_with('.') {
-        return Ok(());
-    }
-    let allowed = "1 to 100 letters, digits, `-`, `_` and `.`, not starting with `.`";
-    let fault = Fault::new("not a name", format!("text {:?}", shorten(name)), allowed);
-    Err(source.refuse_value(&KeyPath::of("name"), fault))
 }
 
 fn resolve_blocks(
@@ -269,7 +250,7 @@ fn resolve_blocks(
     folders: &TableFolders,
     base: &Base,
 ) -> Result<Vec<ResolvedBlock>, StudyError> {
-    let path = KeyPath::of("sweep");
+    let path = source.path("sweep");
     match written.sweep.as_deref() {
         None => Ok(vec![ResolvedBlock {
             listing: Listing::Grid,
@@ -279,12 +260,12 @@ fn resolve_blocks(
         Some([]) => {
             let allowed = "at least one block, or no `sweep` for a single point";
             let fault = Fault::new("an empty sweep", "an empty list", allowed);
-            Err(source.refuse_value(&path, fault))
+            Err(path.refuse_value(fault))
         }
         Some(blocks) => blocks
             .iter()
             .enumerate()
-            .map(|(index, block)| resolve_block(source, folders, &path.item(index), block, base))
+            .map(|(index, block)| resolve_block(folders, &path.item(index), block, base))
             .collect(),
     }
 }
@@ -292,7 +273,7 @@ fn resolve_blocks(
 fn check_values(
     source: &Source,
     blocks: &[ResolvedBlock],
-    common: Option<&ResolvedDesign>,
+    common: Option<&ResolvedDesign<'_>>,
 ) -> Result<(), StudyError> {
     let swept: usize =
         blocks.iter().flat_map(|block| &block.columns).map(|(_, values)| values.len()).sum();
@@ -304,31 +285,31 @@ fn check_values(
     }
     let found = format!("{swept} swept values and {starts} coordinates of given starts");
     let fault = Fault::new("too many values", found, format!("at most {MAX_VALUES} together"));
-    Err(source.refuse_value(&KeyPath::of("sweep"), fault))
+    Err(source.path("sweep").refuse_value(fault))
 }
 
 /// Returns the design of every block: its own, which is added to the block's file, or the common
 /// design.
-fn designs(
-    source: &Source,
+fn designs<'a>(
+    source: &'a Source,
     written: &StudyFile,
     folders: &TableFolders,
     base: &Base,
     blocks: &mut [ResolvedBlock],
-    common: Option<&ResolvedDesign>,
-) -> Result<Vec<ResolvedDesign>, StudyError> {
+    common: Option<&ResolvedDesign<'a>>,
+) -> Result<Vec<ResolvedDesign<'a>>, StudyError> {
     let own = written.sweep.as_deref().unwrap_or_default();
     let resolve = |(index, block): (usize, &mut ResolvedBlock)| {
         if let Some(design) = own.get(index).and_then(|block| block.design.as_ref()) {
-            let path = KeyPath::of("sweep").item(index).key("design");
-            let design = resolve_design(source, folders, &path, design, &base.model)?;
+            let path = source.path("sweep").item(index).key("design");
+            let design = resolve_design(folders, &path, design, &base.model)?;
             block.file.design = Some(design.file.clone());
             return Ok(design);
         }
         common.cloned().ok_or_else(|| {
-            let path = KeyPath::of("initial_conditions.design");
+            let path = source.path("initial_conditions.design");
             let allowed = "stratified, latin_hypercube, sobol, monte_carlo, grid or table";
-            source.refuse_value(&path, Fault::new("missing key", "no such key", allowed))
+            path.refuse_value(Fault::new("missing key", "no such key", allowed))
         })
     };
     blocks.iter_mut().enumerate().map(resolve).collect()
@@ -337,11 +318,11 @@ fn designs(
 fn uncertain_to_file(
     written: &StudyFile,
     columns: &[VariedParameter],
-) -> Option<Named<DistributionFile>> {
+) -> Option<IndexMap<String, DistributionFile>> {
     let written = written.uncertain.as_ref()?;
-    let entries: Vec<_> = columns
+    let entries: IndexMap<_, _> = columns
         .iter()
         .filter_map(|column| Some((column.name.clone(), written.get(&column.name)?.clone())))
         .collect();
-    (!entries.is_empty()).then_some(Named(entries))
+    (!entries.is_empty()).then_some(entries)
 }

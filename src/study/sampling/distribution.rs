@@ -40,7 +40,7 @@ pub(crate) enum Distribution {
 }
 
 /// The smallest fraction of a normal distribution that truncation may leave.
-const SMALLEST_REST: f64 = 1.0e-12;
+const MIN_TRUNCATED_FRACTION: f64 = 1.0e-12;
 
 impl Distribution {
     /// Validates a distribution of a study file.
@@ -176,7 +176,7 @@ fn truncated(normal: Normal, mean: f64, min: f64, max: f64) -> Checked<Distribut
     let (low, high) = if mirrored { (2.0 * mean - max, 2.0 * mean - min) } else { (min, max) };
     let below = normal.cdf(low);
     let within = normal.cdf(high) - below;
-    if within < SMALLEST_REST {
+    if within < MIN_TRUNCATED_FRACTION {
         let allowed = "a range that holds at least 1e-12 of the normal distribution";
         return Err(("max", fault("almost nothing is left between min and max", max, allowed)));
     }

@@ -2,10 +2,12 @@
 
 use std::f64::consts::TAU;
 
+use indexmap::IndexMap;
+
 use crate::model::Model;
-use crate::study::error::{Fault, Locate, StudyError, list_names};
-use crate::study::file::key_path::KeyPath;
-use crate::study::file::values::{Named, Range};
+use crate::study::error::{Fault, StudyError, list_names};
+use crate::study::file::source_path::SourcePath;
+use crate::study::file::values::Range;
 use crate::study::file::yaml_tree::describe_number;
 
 /// Default half width of positions and table speeds. Like the ball speed below, it is
@@ -60,31 +62,30 @@ impl InitialBox {
     /// Returns an error if a name is not a coordinate, or if the lower end of a range is above the
     /// upper end.
     pub fn resolve(
-        locate: &dyn Locate,
-        path: &KeyPath,
-        written: Option<&Named<Range>>,
+        path: &SourcePath<'_>,
+        written: Option<&IndexMap<String, Range>>,
         model: &Model,
     ) -> Result<InitialBox, StudyError> {
         let names = axis_names(model);
         let general_names: &[&str] = if model.balls() > 0 { &GENERAL_AXES } else { &[] };
-        for (name, Range([low, high])) in written.iter().flat_map(|ranges| &ranges.0) {
+        for (name, Range([low, high])) in written.into_iter().flatten() {
             if !names.contains(name) && !general_names.contains(&name.as_str()) {
                 let mut allowed: Vec<String> =
                     general_names.iter().map(|&name| name.to_owned()).collect();
                 allowed.extend(names);
                 let fault = Fault::new("unknown key", name, list_names(name, &allowed));
-                return Err(locate.refuse_key(&path.key(name), fault));
+                return Err(path.key(name).refuse_key(fault));
             }
             if low > high {
                 let found = format!("[{}, {}]", describe_number(*low), describe_number(*high));
                 let allowed = "[low, high] with low not above high";
                 let fault = Fault::new("reversed range", found, allowed);
-                return Err(locate.refuse_value(&path.key(name), fault));
+                return Err(path.key(name).refuse_value(fault));
             }
             if !(high - low).is_finite() {
                 let found = format!("[{}, {}]", describe_number(*low), describe_number(*high));
                 let fault = Fault::new("too wide a range", found, "a finite width");
-                return Err(locate.refuse_value(&path.key(name), fault));
+                return Err(path.key(name).refuse_value(fault));
             }
         }
         let range = |name: &str| {
@@ -103,9 +104,9 @@ impl InitialBox {
     }
 
     /// Returns the box in the form of a study file.
-    pub fn to_file(&self) -> Named<Range> {
+    pub fn to_file(&self) -> IndexMap<String, Range> {
         let ranges = self.axes.iter().map(|axis| (axis.name.clone(), Range([axis.low, axis.high])));
-        Named(ranges.collect())
+        ranges.collect()
     }
 }
 

@@ -1,0 +1,30 @@
+//! Names that a study gives: its own and those of variables, responses and choices.
+
+use crate::study::error::{Fault, shorten};
+
+/// Checks a name of 1 to 100 ASCII letters, digits and `further` characters. `allowed` describes it in words.
+///
+/// # Errors
+/// Returns a fault if the name is too long, has another character, or begins with another one than `is_first` accepts.
+pub(in crate::study) fn check_name(
+    name: &str,
+    further: &str,
+    is_first: impl Fn(char) -> bool,
+    allowed: &str,
+) -> Result<(), Fault> {
+    let is_usual =
+        |character: char| character.is_ascii_alphanumeric() || further.contains(character);
+    if name.starts_with(is_first) && name.len() <= 100 && name.chars().all(is_usual) {
+        return Ok(());
+    }
+    Err(Fault::new("not a name", format!("text {:?}", shorten(name)), allowed))
+}
+
+/// Checks the name of a variable or response, which becomes a column and a key of results.
+///
+/// # Errors
+/// Returns a fault if the name is not valid.
+pub(in crate::study) fn check_column_name(name: &str) -> Result<(), Fault> {
+    let allowed = "1 to 100 letters, digits and `_`, beginning with a letter";
+    check_name(name, "_", |first| first.is_ascii_alphabetic(), allowed)
+}
