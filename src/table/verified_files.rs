@@ -77,12 +77,6 @@ impl<'a> Listed<'a> {
         }
     }
 
-    /// Checks all files of the list.
-    #[cfg(test)]
-    pub fn check_all(self) -> Result<(), TableError> {
-        self.files.iter().try_for_each(|(name, entry)| self.check(name, entry).map(drop))
-    }
-
     /// Checks all files of a table and returns their paths and numbers of rows.
     ///
     /// # Errors
