@@ -37,8 +37,8 @@ pub fn pareto_columns(study: &Study, optimization: &Optimization) -> Vec<Column<
             });
         }
     }
-    list.truth("met", |row| row.met).meaning("whether all limits are met");
-    list.truth("on_front", |row| row.on_front)
+    list.boolean("met", |row| row.met).meaning("whether all limits are met");
+    list.boolean("on_front", |row| row.on_front)
         .meaning("whether it is also on the Pareto front of these runs");
     list.finish()
 }

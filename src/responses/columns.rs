@@ -13,7 +13,7 @@ pub(super) type OfRow<R> = fn(&R) -> &Answer;
 pub fn response_columns(study: &Study) -> Vec<Column<Answer>> {
     let mut list = Columns::<Answer>::new();
     list.extend(answer_columns(study, |row: &Answer| row));
-    list.truth("discontinuous", |row| row.discontinuous).meaning(
+    list.boolean("discontinuous", |row| row.discontinuous).meaning(
         "whether the fractions of labels differ from those of a nearest other design (all tests of \
          a table together err with 1 %)",
     );

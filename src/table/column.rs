@@ -166,7 +166,7 @@ impl<R> Columns<R> {
     }
 
     /// Adds a column of Boolean values.
-    pub fn truth<V: Into<Option<bool>>>(
+    pub fn boolean<V: Into<Option<bool>>>(
         &mut self,
         name: impl Into<String>,
         value: impl Fn(&R) -> V + Send + Sync + 'static,

@@ -57,7 +57,8 @@ pub fn set_columns(study: &Study) -> Vec<Column<SetRow>> {
         "smallest unused fraction of the friction limit: 0 on the boundary of the equilibrium set, \
          negative outside; null without a limit",
     );
-    list.truth("in_set", |row| row.rest.in_set()).meaning("whether friction holds all balls there");
+    list.boolean("in_set", |row| row.rest.in_set())
+        .meaning("whether friction holds all balls there");
     list.finish()
 }
 

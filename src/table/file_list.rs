@@ -10,11 +10,11 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
+use super::atomic_files::{write_atomically, write_once};
 use super::file_entry::{FileEntry, read_regular};
 use super::provenance::FORMAT;
 use super::table_error::TableError;
-use super::temporary::{write_atomically, write_once};
-use super::verified_files::{Listed, is_file_name};
+use super::verified_files::{ListedFiles, is_file_name};
 use crate::sanitize::shorten;
 use crate::tabular::Fault;
 
@@ -99,7 +99,7 @@ impl FileList {
     }
 
     /// Removes a deleted file from the list.
-    pub fn forget(&mut self, name: &str) {
+    pub fn remove(&mut self, name: &str) {
         self.files.remove(name);
         self.replaced.remove(name);
     }
@@ -124,7 +124,7 @@ impl FileList {
 
     /// Compares the list with the directory: selects the matching one of two entries for a name, and removes the entries of
     /// deleted files. Returns the names of the files that match neither entry.
-    pub fn settle(&mut self, directory: &Path) -> Vec<String> {
+    pub fn reconcile(&mut self, directory: &Path) -> Vec<String> {
         let mut changed = Vec::new();
         for (name, entry) in std::mem::take(&mut self.files) {
             let path = directory.join(&name);
@@ -147,7 +147,7 @@ impl FileList {
     }
 
     /// Returns the listed files with their directory.
-    pub(super) fn in_directory<'a>(&'a self, directory: &'a Path) -> Listed<'a> {
-        Listed { directory, list: FILES, files: &self.files, remedy: REMEDY }
+    pub(super) fn in_directory<'a>(&'a self, directory: &'a Path) -> ListedFiles<'a> {
+        ListedFiles { directory, list: FILES, files: &self.files, remedy: REMEDY }
     }
 }

@@ -69,7 +69,7 @@ pub fn point_columns(study: &Study) -> Vec<Column<PointRow>> {
         .meaning(format!("quantile {percent} % of the amplitude over all runs except failed runs"));
     }
     let widest = study.precision().map(|precision| precision.equilibrium_fraction);
-    list.truth("precision_reached", move |row| {
+    list.boolean("precision_reached", move |row| {
         widest.map(|widest| is_narrow(row.summary.interval.ends(), widest))
     })
     .meaning(

@@ -9,7 +9,7 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use super::directory::{is_inside, make_inside, sync_directory};
+use super::durable_directories::{is_inside, make_inside, sync_directory};
 use super::manifest::MANIFEST;
 use super::results::{DATA_FILES, ResultsError};
 

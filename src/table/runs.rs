@@ -133,7 +133,7 @@ pub fn run_columns(study: &Study) -> Vec<Column<RunRecord>> {
         .meaning("time at which the last ball, or the block, stopped for good; null if it did not");
     list.number("end_time_s", "s", |row| row.outcome.end_time_s)
         .meaning("simulated time at which the run was stopped");
-    list.truth("extended", |row| row.outcome.extended)
+    list.boolean("extended", |row| row.outcome.extended)
         .meaning("whether the run was continued past the study's end time (simulation.extend)");
     let meaning = "angle of the ball from the imbalance at the end, in [0, 2π)";
     add_position(&mut list, study, meaning, |row: &RunRecord| row.outcome.position.as_ref());

@@ -19,7 +19,7 @@ pub(super) fn is_file_name(name: &str) -> bool {
 
 /// The files of a directory, as listed in it.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Listed<'a> {
+pub(super) struct ListedFiles<'a> {
     /// The directory.
     pub directory: &'a Path,
     /// The file name of the list.
@@ -30,7 +30,7 @@ pub(super) struct Listed<'a> {
     pub remedy: &'a str,
 }
 
-impl<'a> Listed<'a> {
+impl<'a> ListedFiles<'a> {
     /// Returns the entries of a table by its name without `.parquet`: its file, or its parts in order.
     pub fn of_table(self, name: &str) -> impl Iterator<Item = (&'a str, &'a FileEntry)> {
         let file = format!("{name}.parquet");

@@ -13,10 +13,10 @@ use parquet::file::metadata::KeyValue;
 use parquet::file::properties::WriterProperties;
 use thiserror::Error;
 
+use super::atomic_files::taken;
 use super::column::{Column, batch, schema};
 use super::file_entry::FileEntry;
-use super::staging::{Staging, part_name};
-use super::temporary::taken;
+use super::unfinished_table::{UnfinishedTable, part_name};
 
 /// Rows per write. This number alone determines the boundaries of pages and row groups, so that the
 /// bytes do not depend on how many runs were computed at a time.
@@ -63,9 +63,9 @@ pub struct TableWriter<R> {
     provenance: String,
     path: PathBuf,
     rows: Vec<R>,
-    // Closed before `staging` removes its directory.
+    // Closed before `unfinished` removes its directory.
     part: OpenPart,
-    staging: Staging,
+    unfinished: UnfinishedTable,
     finished: Vec<FileEntry>,
     rows_per_file: u64,
 }
@@ -86,12 +86,12 @@ impl<R> TableWriter<R> {
         columns: Vec<Column<R>>,
         provenance: &str,
     ) -> Result<Self, WriteError> {
-        let start = || -> Result<(Staging, OpenPart), WriteCause> {
-            let staging = Staging::create(path)?;
-            let part = OpenPart::create(&staging.part(0), &columns, provenance)?;
-            Ok((staging, part))
+        let start = || -> Result<(UnfinishedTable, OpenPart), WriteCause> {
+            let unfinished = UnfinishedTable::create(path)?;
+            let part = OpenPart::create(&unfinished.part(0), &columns, provenance)?;
+            Ok((unfinished, part))
         };
-        let (staging, part) =
+        let (unfinished, part) =
             start().map_err(|cause| WriteError { path: path.to_owned(), cause })?;
         Ok(TableWriter {
             columns,
@@ -99,7 +99,7 @@ impl<R> TableWriter<R> {
             path: path.to_owned(),
             rows: Vec::with_capacity(BLOCK),
             part,
-            staging,
+            unfinished,
             finished: Vec::new(),
             rows_per_file: ROWS_PER_FILE,
         })
@@ -135,10 +135,12 @@ impl<R> TableWriter<R> {
         self,
         announce: impl FnOnce(&[(String, FileEntry)]) -> io::Result<()>,
     ) -> Result<(), WriteError> {
-        self.settle(announce, |path, staging, files| match fs::symlink_metadata(path) {
-            Err(error) if error.kind() == io::ErrorKind::NotFound => staging.settle(files.len()),
+        self.finish_by(announce, |path, unfinished, files| match fs::symlink_metadata(path) {
+            Err(error) if error.kind() == io::ErrorKind::NotFound => {
+                unfinished.publish(files.len())
+            }
             Err(error) => Err(error),
-            Ok(_) if is_table_of(path, files)? => staging.clear(),
+            Ok(_) if is_table_of(path, files)? => unfinished.remove(),
             Ok(_) => Err(taken()),
         })?;
         Ok(())
@@ -149,9 +151,9 @@ impl<R> TableWriter<R> {
     /// # Errors
     /// Returns an error if the written files cannot be removed.
     pub fn abandon(self) -> Result<(), WriteError> {
-        let TableWriter { path, part, staging, .. } = self;
+        let TableWriter { path, part, unfinished, .. } = self;
         drop(part);
-        staging.clear().map_err(|error| WriteError { path, cause: error.into() })
+        unfinished.remove().map_err(|error| WriteError { path, cause: error.into() })
     }
 
     fn error(&self, cause: WriteCause) -> WriteError {
@@ -168,9 +170,9 @@ impl<R> TableWriter<R> {
     fn next_part(&mut self) -> Result<(), WriteCause> {
         let number = self.finished.len();
         let next =
-            OpenPart::create(&self.staging.part(number + 1), &self.columns, &self.provenance)?;
+            OpenPart::create(&self.unfinished.part(number + 1), &self.columns, &self.provenance)?;
         let full = mem::replace(&mut self.part, next);
-        self.finished.push(full.close(&self.staging.part(number))?);
+        self.finished.push(full.close(&self.unfinished.part(number))?);
         Ok(())
     }
 
@@ -193,25 +195,25 @@ impl<R> TableWriter<R> {
         self,
         announce: impl FnOnce(&[(String, FileEntry)]) -> io::Result<()>,
     ) -> Result<Vec<(String, FileEntry)>, WriteError> {
-        self.settle(announce, |_, staging, files| staging.settle(files.len()))
+        self.finish_by(announce, |_, unfinished, files| unfinished.publish(files.len()))
     }
 
-    fn settle(
+    fn finish_by(
         mut self,
         announce: impl FnOnce(&[(String, FileEntry)]) -> io::Result<()>,
-        take_name: impl FnOnce(&Path, Staging, &[(String, FileEntry)]) -> io::Result<()>,
+        publish: impl FnOnce(&Path, UnfinishedTable, &[(String, FileEntry)]) -> io::Result<()>,
     ) -> Result<Vec<(String, FileEntry)>, WriteError> {
         self.flush().map_err(|cause| self.error(cause))?;
-        let TableWriter { path, part, staging, mut finished, .. } = self;
-        let settle = || -> Result<_, WriteCause> {
-            finished.push(part.close(&staging.part(finished.len()))?);
-            let names = staging.names(finished.len());
+        let TableWriter { path, part, unfinished, mut finished, .. } = self;
+        let finish = || -> Result<_, WriteCause> {
+            finished.push(part.close(&unfinished.part(finished.len()))?);
+            let names = unfinished.names(finished.len());
             let files: Vec<_> = names.into_iter().zip(finished).collect();
             announce(&files)?;
-            take_name(&path, staging, &files)?;
+            publish(&path, unfinished, &files)?;
             Ok(files)
         };
-        settle().map_err(|cause| WriteError { path: path.clone(), cause })
+        finish().map_err(|cause| WriteError { path: path.clone(), cause })
     }
 }
 

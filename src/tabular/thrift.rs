@@ -22,7 +22,7 @@ const MAX_HEADER_VALUES: usize = 1000;
 /// The expected type of a value.
 #[derive(Clone, Copy)]
 enum Shape {
-    Truth,
+    Boolean,
     /// The number of columns in a group, a 32-bit integer.
     Children,
     /// A value of this Thrift type that is neither Boolean, nor a list, nor a struct.
@@ -32,7 +32,7 @@ enum Shape {
     Struct(&'static [(i16, Shape)]),
 }
 
-use Shape::{Children, List, Of, Struct, Truth};
+use Shape::{Boolean, Children, List, Of, Struct};
 
 const BYTE: Shape = Of(3);
 const SHORT: Shape = Of(4);
@@ -45,14 +45,14 @@ const STRUCT: u8 = 12;
 
 #[rustfmt::skip]
 mod shapes {
-    use super::{BINARY, BYTE, Children, DOUBLE, INT, LONG, List, SHORT, Shape, Struct, Truth};
+    use super::{BINARY, BYTE, Children, DOUBLE, INT, LONG, List, SHORT, Shape, Struct, Boolean};
 
     const EMPTY: Shape = Struct(&[]);
     const UNIT: Shape = Struct(&[(1, EMPTY), (2, EMPTY), (3, EMPTY)]);
-    const TIME: Shape = Struct(&[(1, Truth), (2, UNIT)]);
+    const TIME: Shape = Struct(&[(1, Boolean), (2, UNIT)]);
     const LOGICAL_TYPE: Shape = Struct(&[
         (1, EMPTY), (2, EMPTY), (3, EMPTY), (4, EMPTY), (5, Struct(&[(1, INT), (2, INT)])), (6, EMPTY),
-        (7, TIME), (8, TIME), (10, Struct(&[(1, BYTE), (2, Truth)])), (11, EMPTY), (12, EMPTY), (13, EMPTY),
+        (7, TIME), (8, TIME), (10, Struct(&[(1, BYTE), (2, Boolean)])), (11, EMPTY), (12, EMPTY), (13, EMPTY),
         (14, EMPTY), (15, EMPTY), (16, Struct(&[(1, BYTE)])), (17, Struct(&[(1, BINARY)])),
         (18, Struct(&[(1, BINARY), (2, INT)])),
     ]);
@@ -62,7 +62,7 @@ mod shapes {
     ]);
     const KEY_VALUE: Shape = Struct(&[(1, BINARY), (2, BINARY)]);
     const STATISTICS: Shape = Struct(&[
-        (1, BINARY), (2, BINARY), (3, LONG), (4, LONG), (5, BINARY), (6, BINARY), (7, Truth), (8, Truth),
+        (1, BINARY), (2, BINARY), (3, LONG), (4, LONG), (5, BINARY), (6, BINARY), (7, Boolean), (8, Boolean),
         (9, LONG),
     ]);
     const BOX: Shape = Struct(&[
@@ -79,7 +79,7 @@ mod shapes {
         (1, BINARY), (2, LONG), (3, COLUMN), (4, LONG), (5, INT), (6, LONG), (7, INT), (8, EMPTY), (9, BINARY),
     ]);
     const ROW_GROUP: Shape = Struct(&[
-        (1, List(&COLUMN_CHUNK)), (2, LONG), (3, LONG), (4, List(&Struct(&[(1, INT), (2, Truth), (3, Truth)]))),
+        (1, List(&COLUMN_CHUNK)), (2, LONG), (3, LONG), (4, List(&Struct(&[(1, INT), (2, Boolean), (3, Boolean)]))),
         (5, LONG), (6, LONG), (7, SHORT),
     ]);
     pub const FOOTER: Shape = Struct(&[
@@ -90,8 +90,8 @@ mod shapes {
         (1, INT), (2, INT), (3, INT), (4, INT),
         (5, Struct(&[(1, INT), (2, INT), (3, INT), (4, INT)])),
         (6, EMPTY),
-        (7, Struct(&[(1, INT), (2, INT), (3, Truth)])),
-        (8, Struct(&[(1, INT), (2, INT), (3, INT), (4, INT), (5, INT), (6, INT), (7, Truth)])),
+        (7, Struct(&[(1, INT), (2, INT), (3, Boolean)])),
+        (8, Struct(&[(1, INT), (2, INT), (3, INT), (4, INT), (5, INT), (6, INT), (7, Boolean)])),
     ]);
 }
 
@@ -140,7 +140,7 @@ impl Reader<'_> {
         let depth = depth.checked_sub(1)?;
         let fits = match shape {
             None => true,
-            Some(Truth) => matches!(kind, 1 | 2),
+            Some(Boolean) => matches!(kind, 1 | 2),
             Some(Children) => kind == 5,
             Some(Of(wanted)) => kind == wanted,
             Some(List(_)) => kind == LIST,

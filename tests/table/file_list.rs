@@ -18,29 +18,29 @@ fn the_list_is_valid_if_a_process_is_killed_before_or_after_a_renaming() {
         list.announce(scratch.path(), &[("a".to_owned(), entry_of(content))]).unwrap();
     };
     // Returns the changed files of the list on disk, and the list without what was replaced.
-    let settled = || {
+    let reconciled = || {
         let mut list = FileList::read(scratch.path()).unwrap().unwrap();
-        let changed = list.settle(scratch.path());
-        assert_eq!(list.clone().settle(scratch.path()), changed, "it is settled once");
+        let changed = list.reconcile(scratch.path());
+        assert_eq!(list.clone().reconcile(scratch.path()), changed, "once is enough");
         (changed, list)
     };
     let mut list = FileList::default();
     list.write(scratch.path(), "a", b"one").unwrap();
     // The process is killed before the renaming, twice.
     announced(&mut list, "two");
-    let (changed, mut list) = settled();
+    let (changed, mut list) = reconciled();
     assert!(changed.is_empty());
     announced(&mut list, "three");
-    assert!(settled().0.is_empty());
+    assert!(reconciled().0.is_empty());
     // The process is killed after the renaming.
     there("three");
-    assert!(settled().0.is_empty());
+    assert!(reconciled().0.is_empty());
     for other in ["two", "thre3", ""] {
         there(other);
-        assert_eq!(settled().0, ["a"], "{other}");
+        assert_eq!(reconciled().0, ["a"], "{other}");
     }
     fs::remove_file(scratch.path().join("a")).unwrap();
-    assert_eq!(settled(), (vec![], FileList::default()));
+    assert_eq!(reconciled(), (vec![], FileList::default()));
 }
 
 #[test]

@@ -36,7 +36,7 @@ fn columns() -> Vec<Column<u64>> {
     list.count("count", |n| there(*n).map(|n| u64::MAX - n));
     list.small_count("small_count", |n| there(*n).map(|n| (n % 256) as u8));
     list.integer("integer", |n| there(*n).map(|n| 5 - n as i32));
-    list.truth("truth", |n| there(*n).map(|n| n % 3 == 0));
+    list.boolean("truth", |n| there(*n).map(|n| n % 3 == 0));
     list.word("word", |n| there(*n).map(|n| WORDS[n as usize % 3]));
     list.text("text", |n| there(*n).map(|n| format!("run {n}")));
     list.numbers("list", "rad", |n| self::list(*n));
@@ -49,7 +49,7 @@ fn all_kinds() -> [(&'static str, Kind); 8] {
         ("count", Kind::Count),
         ("small_count", Kind::Count),
         ("integer", Kind::Integer),
-        ("truth", Kind::Truth),
+        ("truth", Kind::Boolean),
         ("word", Kind::Text),
         ("text", Kind::Text),
         ("list", Kind::Numbers),

@@ -1,4 +1,4 @@
-//! Files and directories with temporary names, until they are complete.
+//! Writes files that are complete or absent: they have temporary names until they are complete.
 //!
 //! A temporary name is the final name with six random characters and an extension that no other program
 //! uses: `r.parquet.x4kT0b.stickslip-partial`. The name is created exclusively, belongs to one
@@ -9,19 +9,20 @@ use std::fs;
 use std::io;
 use std::path::Path;
 
-use super::directory::sync_directory;
+use super::durable_directories::sync_directory;
 use super::file_entry::read_regular;
 use tempfile::{Builder, NamedTempFile, TempDir};
 
 /// The extension of all temporary names.
-const ENDING: &str = ".stickslip-partial";
+const EXTENSION: &str = ".stickslip-partial";
 /// The number of random characters.
-const RANDOM: usize = 6;
+const RANDOM_CHARACTERS: usize = 6;
 
 /// Returns the final name for a temporary name, or `None` for any other name.
-pub(super) fn will_become(name: &str) -> Option<&str> {
-    let (target, random) = name.strip_suffix(ENDING)?.rsplit_once('.')?;
-    let usual = random.len() == RANDOM && random.bytes().all(|byte| byte.is_ascii_alphanumeric());
+pub(super) fn final_name(name: &str) -> Option<&str> {
+    let (target, random) = name.strip_suffix(EXTENSION)?.rsplit_once('.')?;
+    let usual = random.len() == RANDOM_CHARACTERS
+        && random.bytes().all(|byte| byte.is_ascii_alphanumeric());
     (usual && !target.is_empty()).then_some(target)
 }
 
@@ -33,7 +34,7 @@ fn beside<T>(
     let mut prefix = target.file_name().unwrap_or_default().to_owned();
     prefix.push(".");
     let mut builder = Builder::new();
-    make(builder.prefix(&prefix).suffix(ENDING).rand_bytes(RANDOM), parent(target))
+    make(builder.prefix(&prefix).suffix(EXTENSION).rand_bytes(RANDOM_CHARACTERS), parent(target))
 }
 
 /// Returns the directory of a file.
@@ -42,13 +43,13 @@ pub(super) fn parent(path: &Path) -> &Path {
 }
 
 /// Creates a directory beside `target` for this process.
-pub(super) fn directory(target: &Path) -> io::Result<TempDir> {
+pub(super) fn temporary_directory(target: &Path) -> io::Result<TempDir> {
     beside(target, |builder, parent| builder.tempdir_in(parent))
 }
 
 /// Creates an empty file beside `target` for this process; other processes may read it after the
 /// rename.
-fn file(target: &Path) -> io::Result<NamedTempFile> {
+fn temporary_file(target: &Path) -> io::Result<NamedTempFile> {
     beside(target, |builder, parent| {
         #[cfg(unix)]
         {
@@ -65,7 +66,7 @@ fn file(target: &Path) -> io::Result<NamedTempFile> {
 /// Returns an error if the file cannot be written or renamed; the temporary file is then removed.
 pub fn write_atomically(path: &Path, content: &[u8]) -> io::Result<()> {
     use std::io::Write;
-    let mut file = file(path)?;
+    let mut file = temporary_file(path)?;
     file.write_all(content)?;
     file.as_file().sync_all()?;
     file.persist(path).map_err(|error| error.error)?;
@@ -99,7 +100,7 @@ pub(super) fn taken() -> io::Error {
 
 /// Returns whether a name is one of `names`, or a temporary name of one of them.
 pub(crate) fn is_one_of(name: &str, names: &[&str]) -> bool {
-    names.contains(&will_become(name).unwrap_or(name))
+    names.contains(&final_name(name).unwrap_or(name))
 }
 
 /// Removes what killed processes have left of the files `names` in a locked directory. It removes
@@ -111,7 +112,7 @@ pub fn clear_temporaries(directory: &Path, names: &[&str]) -> io::Result<()> {
     for entry in fs::read_dir(directory)? {
         let entry = entry?;
         let name = entry.file_name();
-        if !name.to_str().and_then(will_become).is_some_and(|target| names.contains(&target)) {
+        if !name.to_str().and_then(final_name).is_some_and(|target| names.contains(&target)) {
             continue;
         }
         // Removes a link itself, not its target.

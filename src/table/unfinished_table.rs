@@ -13,19 +13,19 @@ use std::path::{Path, PathBuf};
 
 use tempfile::TempDir;
 
-use super::directory::sync_directory;
-use super::temporary::{self, parent};
+use super::atomic_files::{parent, temporary_directory};
+use super::durable_directories::sync_directory;
 use crate::sanitize::shorten;
 
-/// In the directory: the parts.
-const TABLE: &str = "table";
-/// In the directory, with a number: the replaced table.
+/// The folder of the parts in the temporary directory.
+const PARTS: &str = "table";
+/// The beginning of the name of a replaced table in the temporary directory; a number follows.
 const REPLACED: &str = "replaced";
 /// The number of attempts if other processes take the name at the same time.
 const MOST_TRIES: u32 = 100;
 
 /// The directory of an unfinished table.
-pub(super) struct Staging {
+pub(super) struct UnfinishedTable {
     target: PathBuf,
     directory: TempDir,
 }
@@ -42,27 +42,27 @@ fn is_part(name: &str) -> bool {
     number.is_some_and(|number| number.len() >= 5 && number.bytes().all(|b| b.is_ascii_digit()))
 }
 
-impl Staging {
+impl UnfinishedTable {
     /// Creates the directory for the table `target`.
     pub(super) fn create(target: &Path) -> io::Result<Self> {
-        let staging =
-            Staging { target: target.to_owned(), directory: temporary::directory(target)? };
-        fs::create_dir(staging.table())?;
-        Ok(staging)
+        let directory = temporary_directory(target)?;
+        let unfinished = UnfinishedTable { target: target.to_owned(), directory };
+        fs::create_dir(unfinished.parts())?;
+        Ok(unfinished)
     }
 
     /// Removes the directory with the parts.
-    pub(super) fn clear(self) -> io::Result<()> {
+    pub(super) fn remove(self) -> io::Result<()> {
         self.directory.close()
     }
 
-    fn table(&self) -> PathBuf {
-        self.directory.path().join(TABLE)
+    fn parts(&self) -> PathBuf {
+        self.directory.path().join(PARTS)
     }
 
     /// Returns the path of part `number` while it is being written.
     pub(super) fn part(&self, number: usize) -> PathBuf {
-        self.table().join(part_name(number))
+        self.parts().join(part_name(number))
     }
 
     /// Returns the final names of the parts, relative to the directory of the table.
@@ -76,14 +76,14 @@ impl Staging {
 
     /// Gives the table its name and replaces an earlier table; `parts` parts have been written and
     /// synced.
-    pub(super) fn settle(self, parts: usize) -> io::Result<()> {
-        sync_directory(&self.table())?;
-        self.take_name(&if parts == 1 { self.part(0) } else { self.table() })?;
+    pub(super) fn publish(self, parts: usize) -> io::Result<()> {
+        sync_directory(&self.parts())?;
+        self.rename_to_target(&if parts == 1 { self.part(0) } else { self.parts() })?;
         sync_directory(parent(&self.target))?;
         self.directory.close()
     }
 
-    fn take_name(&self, source: &Path) -> io::Result<()> {
+    fn rename_to_target(&self, source: &Path) -> io::Result<()> {
         for number in 0..MOST_TRIES {
             // A rename replaces a file by a file, but never a directory that is not empty.
             let Err(refused) = fs::rename(source, &self.target) else { return Ok(()) };
@@ -93,7 +93,7 @@ impl Staging {
                 Err(error) if is_missing(&error) && !is_missing(&refused) => continue,
                 _ => return Err(refused),
             }
-            if let Some(name) = foreign(&self.target)? {
+            if let Some(name) = foreign_entry(&self.target)? {
                 return Err(io::Error::other(format!(
                     "a directory of this name is in the way: it holds {}, which is not part of a \
                      table",
@@ -117,7 +117,7 @@ fn is_missing(error: &io::Error) -> bool {
 
 /// Returns the name of something in a directory that is not part of a table, or `None` if there is
 /// nothing or no such directory.
-fn foreign(directory: &Path) -> io::Result<Option<String>> {
+fn foreign_entry(directory: &Path) -> io::Result<Option<String>> {
     if !fs::symlink_metadata(directory).is_ok_and(|found| found.is_dir()) {
         return Ok(None);
     }
