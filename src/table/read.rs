@@ -173,7 +173,7 @@ fn columns(file: &ParquetFile) -> Vec<(String, Option<Kind>)> {
 /// Opens a file and reads its provenance, or `None` if it has none.
 fn open_file(path: &Path) -> Result<(ParquetFile, Option<Value>), TableError> {
     let file = open(path)?;
-    let provenance = file.said("stickslip").and_then(|text| serde_json::from_str(text).ok());
+    let provenance = file.metadata("stickslip").and_then(|text| serde_json::from_str(text).ok());
     Ok((file, provenance))
 }
 

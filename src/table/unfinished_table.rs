@@ -22,7 +22,7 @@ const PARTS: &str = "table";
 /// The beginning of the name of a replaced table in the temporary directory; a number follows.
 const REPLACED: &str = "replaced";
 /// The number of attempts if other processes take the name at the same time.
-const MOST_TRIES: u32 = 100;
+const MAX_ATTEMPTS: u32 = 100;
 
 /// The directory of an unfinished table.
 pub(super) struct UnfinishedTable {
@@ -84,7 +84,7 @@ impl UnfinishedTable {
     }
 
     fn rename_to_target(&self, source: &Path) -> io::Result<()> {
-        for number in 0..MOST_TRIES {
+        for number in 0..MAX_ATTEMPTS {
             // A rename replaces a file by a file, but never a directory that is not empty.
             let Err(refused) = fs::rename(source, &self.target) else { return Ok(()) };
             match fs::symlink_metadata(&self.target) {

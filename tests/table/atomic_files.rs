@@ -46,7 +46,11 @@ fn files_are_written_whole_or_not_at_all() {
 fn temporary_names_are_unique_and_recognised() {
     let scratch = tempdir().unwrap();
     let target = scratch.path().join("r.parquet");
-    let start = || TableWriter::create(&target, Columns::<u64>::new().finish(), "here").unwrap();
+    let start = || {
+        let mut list = Columns::<u64>::new();
+        list.count("row", |row| *row).meaning("number of the row");
+        TableWriter::create(&target, list.finish(), "here").unwrap()
+    };
     let (_one, _other) = (start(), start());
     let found = names(scratch.path());
     assert!(found.len() == 2 && found[0] != found[1], "{found:?}");
