@@ -1,6 +1,16 @@
 //! Results as files: Parquet tables with units and provenance, and the manifest beside them.
 //!
 //! Only this module writes Parquet files; `tabular` reads them for both studies and results.
+//!
+//! - Columns: each table declares its columns in a file of its name, with the methods of `column`.
+//! - Writing: `writer` writes a table into an `unfinished_table`, which gets its name last.
+//!   `results` and `equilibrium_files` hold the tables of a command; `manifest` and `file_list`
+//!   list their files.
+//! - Output directories: `output_state` inspects a directory before a run, `previous_results` moves
+//!   earlier results aside, and `atomic_files` and `durable_directories` survive kills and power
+//!   loss.
+//! - Reading: `read` and `stored_run` read tables after `verified_files` has checked their hashes.
+//! - In memory: `memory_results` makes the same tables without files.
 
 mod atomic_files;
 mod batch;

@@ -6,7 +6,7 @@ use std::io;
 use std::path::{Component, Path, PathBuf};
 
 use super::atomic_files::final_name;
-use super::file_entry::{FileEntry, read_regular};
+use super::file_entry::{FileEntry, read_regular, short_hash};
 use super::manifest::{MANIFEST, Manifest};
 use super::provenance::{FORMAT, VERSION};
 use super::results::{DATA_FILES, ResultsError, STUDY};
@@ -71,19 +71,17 @@ pub fn inspect(
     let Some(manifest) = manifest_of(directory)? else {
         return without_manifest(directory, study, ours);
     };
-    let another = |manifest: &Manifest| {
-        format!(
-            "study {}, hash {}, shard {} (this one: {}, hash {}, shard {shard})",
-            manifest.study,
-            &manifest.study_hash.chars().take(12).collect::<String>(),
-            manifest.shard,
-            study.name(),
-            &study.hash()[..12],
-        )
-    };
     if manifest.shard != shard {
         let reason = "this directory holds the results of another shard";
-        return Err(occupied(directory, reason, &another(&manifest)));
+        let found = format!(
+            "study {}, hash {}, shard {} (this one: {}, hash {}, shard {shard})",
+            manifest.study,
+            short_hash(&manifest.study_hash),
+            manifest.shard,
+            study.name(),
+            short_hash(&study.hash()),
+        );
+        return Err(occupied(directory, reason, &found));
     }
     let manifest = Box::new(manifest);
     let same_layout = (manifest.version.as_str(), manifest.format) == (VERSION, FORMAT);

@@ -23,74 +23,73 @@ pub const EARLIER: &str = "earlier";
 /// Returns an error if a file cannot be moved; the next call moves the remaining files.
 pub fn put_aside(directory: &Path) -> Result<PathBuf, ResultsError> {
     let unusable = |cause| ResultsError::Unusable { path: directory.to_owned(), cause };
-    put_aside_by(directory, &mut |from, to| fs::rename(from, to)).map_err(unusable)
+    put_aside_by(directory, |from, to| fs::rename(from, to)).map_err(unusable)
 }
 
-/// Closes the folders that a killed program left incomplete. Call this before writing anything into
-/// an output directory unless [`put_aside`] was called.
+/// Gives their final names to the folders that a killed program left incomplete. Call this before
+/// writing anything into an output directory unless [`put_aside`] was called.
 ///
 /// # Errors
 /// Returns an error if a folder cannot be renamed.
 pub fn close_earlier(directory: &Path) -> Result<(), ResultsError> {
-    let unusable = |cause| ResultsError::Unusable { path: directory.to_owned(), cause };
-    close_by(directory, &mut |from, to| fs::rename(from, to)).map_err(unusable)
-}
-
-/// A function that renames a file.
-type Rename<'a> = &'a mut dyn FnMut(&Path, &Path) -> io::Result<()>;
-
-fn put_aside_by(directory: &Path, rename: Rename<'_>) -> io::Result<PathBuf> {
-    let folder = directory.join(EARLIER);
-    make_inside(&folder)?;
-    let is_there = |name: &&str| fs::symlink_metadata(directory.join(name)).is_ok();
-    // The manifest comes last, because it identifies the remaining files.
-    let names: Vec<&str> = DATA_FILES.into_iter().chain([MANIFEST]).filter(is_there).collect();
-    let mut half_full = None;
-    for filling in unfinished(&folder)? {
-        let taken = names.iter().any(|name| fs::symlink_metadata(filling.join(name)).is_ok());
-        if taken || half_full.is_some() {
-            close(&folder, &filling, rename)?;
-        } else {
-            half_full = Some(filling);
+    let close_all = || -> io::Result<()> {
+        let earlier = directory.join(EARLIER);
+        if is_inside(&earlier)? {
+            for folder in unfinished_folders(&earlier)? {
+                close(&earlier, &folder, |from, to| fs::rename(from, to))?;
+            }
         }
-    }
-    let filling = match half_full {
-        Some(filling) => filling,
-        None => partial(&free(&folder)),
+        Ok(())
     };
-    make_inside(&filling)?;
-    for name in names {
-        rename(&directory.join(name), &filling.join(name))?;
-    }
-    sync_directory(&filling)?;
-    let place = close(&folder, &filling, rename)?;
-    sync_directory(directory)?;
-    Ok(place)
+    close_all().map_err(|cause| ResultsError::Unusable { path: directory.to_owned(), cause })
 }
 
-fn close_by(directory: &Path, rename: Rename<'_>) -> io::Result<()> {
-    let folder = directory.join(EARLIER);
-    if is_inside(&folder)? {
-        for filling in unfinished(&folder)? {
-            close(&folder, &filling, rename)?;
+fn put_aside_by(
+    directory: &Path,
+    mut rename: impl FnMut(&Path, &Path) -> io::Result<()>,
+) -> io::Result<PathBuf> {
+    let earlier = directory.join(EARLIER);
+    make_inside(&earlier)?;
+    let exists = |name: &&str| fs::symlink_metadata(directory.join(name)).is_ok();
+    // The manifest comes last, because it identifies the remaining files.
+    let names: Vec<&str> = DATA_FILES.into_iter().chain([MANIFEST]).filter(exists).collect();
+    let mut reusable = None;
+    for folder in unfinished_folders(&earlier)? {
+        let taken = names.iter().any(|name| fs::symlink_metadata(folder.join(name)).is_ok());
+        if taken || reusable.is_some() {
+            close(&earlier, &folder, &mut rename)?;
+        } else {
+            reusable = Some(folder);
         }
     }
-    Ok(())
+    let folder = reusable.unwrap_or_else(|| unfinished_name(&unused_name(&earlier)));
+    make_inside(&folder)?;
+    for name in names {
+        rename(&directory.join(name), &folder.join(name))?;
+    }
+    sync_directory(&folder)?;
+    let final_name = close(&earlier, &folder, rename)?;
+    sync_directory(directory)?;
+    Ok(final_name)
 }
 
 /// Gives a folder its final name: its own number, or another number if that name is taken.
-fn close(folder: &Path, filling: &Path, rename: Rename<'_>) -> io::Result<PathBuf> {
-    let own = filling.with_extension("");
-    let place = if fs::symlink_metadata(&own).is_ok() { free(folder) } else { own };
-    rename(filling, &place)?;
-    sync_directory(folder)?;
-    Ok(place)
+fn close(
+    earlier: &Path,
+    folder: &Path,
+    mut rename: impl FnMut(&Path, &Path) -> io::Result<()>,
+) -> io::Result<PathBuf> {
+    let own = folder.with_extension("");
+    let final_name = if fs::symlink_metadata(&own).is_ok() { unused_name(earlier) } else { own };
+    rename(folder, &final_name)?;
+    sync_directory(earlier)?;
+    Ok(final_name)
 }
 
 /// Returns the unfinished folders, in the order of their numbers.
-fn unfinished(folder: &Path) -> io::Result<Vec<PathBuf>> {
+fn unfinished_folders(earlier: &Path) -> io::Result<Vec<PathBuf>> {
     let mut found: Vec<(u64, PathBuf)> = Vec::new();
-    for entry in fs::read_dir(folder)? {
+    for entry in fs::read_dir(earlier)? {
         let path = entry?.path();
         let number = path.file_name().and_then(|name| name.to_str()?.strip_suffix(".partial"));
         if let Some(number) = number.and_then(|number| number.parse().ok()) {
@@ -103,16 +102,16 @@ fn unfinished(folder: &Path) -> io::Result<Vec<PathBuf>> {
 }
 
 /// Returns the first number that neither a finished nor an unfinished folder has.
-fn free(folder: &Path) -> PathBuf {
-    let names = (1..u64::MAX).map(|number| folder.join(number.to_string()));
-    let is_free = |name: &PathBuf| {
-        [name, &partial(name)].into_iter().all(|path| fs::symlink_metadata(path).is_err())
+fn unused_name(earlier: &Path) -> PathBuf {
+    let mut names = (1..u64::MAX).map(|number| earlier.join(number.to_string()));
+    let is_unused = |name: &PathBuf| {
+        [name, &unfinished_name(name)].into_iter().all(|path| fs::symlink_metadata(path).is_err())
     };
-    names.into_iter().find(is_free).unwrap_or_else(|| folder.join(u64::MAX.to_string()))
+    names.find(is_unused).unwrap_or_else(|| earlier.join(u64::MAX.to_string()))
 }
 
-fn partial(place: &Path) -> PathBuf {
-    place.with_added_extension("partial")
+fn unfinished_name(final_name: &Path) -> PathBuf {
+    final_name.with_added_extension("partial")
 }
 
 #[cfg(test)]
@@ -130,7 +129,7 @@ mod tests {
             fs::write(scratch.path().join(name), "").unwrap();
         }
         let mut renamed = Vec::new();
-        put_aside_by(scratch.path(), &mut |from, to| {
+        put_aside_by(scratch.path(), |from, to| {
             renamed.push(from.file_name().unwrap().to_owned());
             fs::rename(from, to)
         })

@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Component, Path, PathBuf};
 
-use super::file_entry::FileEntry;
+use super::file_entry::{FileEntry, short_hash};
 use super::table_error::TableError;
 use crate::sanitize::is_acted_on;
 use crate::tabular::Fault;
@@ -51,7 +51,7 @@ impl<'a> ListedFiles<'a> {
             let FileEntry { bytes, sha256, .. } = expected;
             let allowed = format!(
                 "{bytes} bytes with SHA-256 {}..., as listed in {}; {}",
-                sha256.chars().take(12).collect::<String>(),
+                short_hash(sha256),
                 self.list,
                 self.remedy
             );
@@ -72,7 +72,7 @@ impl<'a> ListedFiles<'a> {
             true => Ok(path),
             false => Err(changed(format!(
                 "other content, with SHA-256 {}...",
-                content.sha256.chars().take(12).collect::<String>()
+                short_hash(&content.sha256)
             ))),
         }
     }
