@@ -11,7 +11,7 @@ use super::output::{Reader, print};
 use crate::engine::Shard;
 use crate::study::PlannedRun;
 use crate::table::cell::cell_text;
-use crate::table::column::{Column, batch, schema};
+use crate::table::column::{Column, Columns, batch, schema};
 use crate::table::{TableWriter, planned_columns, provenance};
 
 const EXAMPLES: &str = "\
@@ -48,10 +48,11 @@ const PIECE: usize = 1024;
 /// Returns an error if the study cannot be used, if the output file exists, or if it cannot be written.
 pub fn expand(arguments: &ExpandArguments) -> Result<End, CliError> {
     let study = arguments.study.load()?;
-    let mut columns = planned_columns::<PlannedRun>(&study, |planned| planned);
-    columns.push(Column::text("error", "why the case cannot be computed", |row: &PlannedRun| {
-        row.case.as_ref().err().map(ToString::to_string)
-    }));
+    let mut list = Columns::<PlannedRun>::new();
+    list.extend(planned_columns::<PlannedRun>(&study, |planned| planned));
+    list.text("error", |row| row.case.as_ref().err().map(ToString::to_string))
+        .meaning("why the case cannot be computed");
+    let columns = list.finish();
     let mut cases = arguments.shard.run_ids(&study).map(|run_id| study.planned_run(run_id));
     match &arguments.out {
         Some(path) if path.exists() => Err(CliError::Usage(format!(

@@ -263,7 +263,7 @@ impl<'a> SearchDirectory<'a> {
         clear_temporaries(directory, &OWN).map_err(unusable)?;
         let found = FileList::read(directory)?;
         let mut list = found.clone().unwrap_or_default();
-        let changed = list.settle(directory);
+        let changed = list.reconcile(directory);
         if found.is_some_and(|found| !found.has_files_of(&list)) {
             list.save(directory).map_err(unusable)?;
         }
@@ -276,7 +276,7 @@ impl<'a> SearchDirectory<'a> {
         for name in OWN.iter().filter(|name| !kept.contains(name)) {
             // A missing file needs no removal, and one that cannot be removed is overwritten at the end.
             let _ = fs::remove_file(self.directory.join(name));
-            self.list.forget(name);
+            self.list.remove(name);
         }
     }
 

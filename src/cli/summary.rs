@@ -242,7 +242,7 @@ fn cell(values: &Values, row: usize) -> Value {
         Values::Number(values) => json!(values.get(row)),
         Values::Count(values) => json!(values.get(row)),
         Values::Integer(values) => json!(values.get(row)),
-        Values::Truth(values) => json!(values.get(row)),
+        Values::Boolean(values) => json!(values.get(row)),
         Values::Text(values) => json!(values.get(row)),
         Values::Numbers(values) => json!(values.get(row)),
     }

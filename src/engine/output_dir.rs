@@ -9,7 +9,7 @@ use super::{CHUNKS, Shard, Store, StoreError, say};
 use crate::classification::MODEL_VERSION;
 use crate::study::{Study, changed_keys};
 use crate::table::{
-    Circumstances, Destination, EARLIER, Manifest, Results, ResultsError, close_earlier, inspect,
+    Circumstances, EARLIER, Manifest, OutputState, Results, ResultsError, close_earlier, inspect,
     manifest_of, put_aside,
 };
 
@@ -69,16 +69,16 @@ impl OutputDir<'_> {
         let directory = self.directory.display();
         let failed = |manifest: &Manifest| manifest.labels.get("failed").is_some_and(|&n| n > 0);
         let (mut store, put_them_aside) = match &found {
-            Destination::Complete(manifest) if !(self.retry_failed && failed(manifest)) => {
+            OutputState::Complete(manifest) if !(self.retry_failed && failed(manifest)) => {
                 return Ok(Ready::Complete(manifest.clone()));
             }
-            Destination::Free | Destination::Begun(_) => {
+            OutputState::Unused | OutputState::Incomplete(_) => {
                 (Store::open(self.directory, study)?, false)
             }
-            Destination::Complete(_) | Destination::Loose | Destination::Changed(..) => {
+            OutputState::Complete(_) | OutputState::WithoutManifest | OutputState::Changed(..) => {
                 (Store::open(self.directory, study)?, true)
             }
-            Destination::Another(manifest) => (self.reopen(study, manifest)?, true),
+            OutputState::OtherStudy(manifest) => (self.reopen(study, manifest)?, true),
         };
         // Another process may have written here before the lock was taken, so the directory is inspected again.
         let locked = inspect(self.directory, study, &shard, &[CHUNKS, EARLIER])?;
@@ -86,7 +86,7 @@ impl OutputDir<'_> {
             drop(store);
             return self.prepare(study);
         }
-        if let Destination::Changed(manifest, difference) = &found {
+        if let OutputState::Changed(manifest, difference) = &found {
             let problem = match manifest.complete {
                 true => "these results have been changed since they were written",
                 false => "another file has the name of a result",
@@ -107,8 +107,8 @@ impl OutputDir<'_> {
             }
         }
         let unfinished = match &found {
-            Destination::Begun(_) => true,
-            Destination::Changed(manifest, _) => !manifest.complete,
+            OutputState::Incomplete(_) => true,
+            OutputState::Changed(manifest, _) => !manifest.complete,
             _ => false,
         };
         if unfinished && self.shards.is_empty() {
@@ -125,7 +125,8 @@ impl OutputDir<'_> {
         }
         let results = Results::create(self.directory, study)?;
         let merging = self.merging();
-        let announced = matches!(&found, Destination::Begun(before) if before.merging == merging);
+        let announced =
+            matches!(&found, OutputState::Incomplete(before) if before.merging == merging);
         if !announced {
             let begun = Circumstances::begin(shard, self.shard.most_runs(study));
             results.announce(study, Circumstances { merging, ..begun })?;

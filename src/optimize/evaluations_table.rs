@@ -14,22 +14,20 @@ use crate::classification::Label;
 use crate::responses::columns::answer_columns;
 use crate::responses::{Answer, Estimate};
 use crate::study::{DesignValue, Study};
-use crate::table::column::Column;
+use crate::table::column::{Column, Columns};
 use crate::table::{Batch, Kind, Table, TableError};
 
 /// Returns the columns of `evaluations.parquet`: one row per design and point of the sweep.
 pub fn evaluation_columns(study: &Study) -> Vec<Column<(Origin, Answer)>> {
     let mut columns = answer_columns(study, |row: &(Origin, Answer)| &row.1);
-    columns.insert(
-        1,
-        Column::word(
-            "origin",
-            "why the design was evaluated: compare_with, spread over all ranges and choices, chosen by \
-             surrogates, or spread_instead if the surrogates proposed no new design",
-            |row: &(Origin, Answer)| row.0.name(),
-        ),
+    let mut list = Columns::<(Origin, Answer)>::new();
+    list.extend(columns.drain(..1));
+    list.word("origin", |row| row.0.name()).meaning(
+        "why the design was evaluated: compare_with, spread over all ranges and choices, chosen by \
+         surrogates, or spread_instead if the surrogates proposed no new design",
     );
-    columns
+    list.extend(columns);
+    list.finish()
 }
 
 /// Returns the parts of a study that determine the next design. The number of designs and the finalists do not.

@@ -4,116 +4,101 @@ use super::estimate::Estimate;
 use super::respond::Answer;
 use crate::classification::Label;
 use crate::study::{DesignValue, ParameterKind, ParameterValue, Study};
-use crate::table::column::Column;
+use crate::table::column::{Column, Columns};
 
 /// Returns the answer of a row.
 pub(super) type OfRow<R> = fn(&R) -> &Answer;
 
 /// Returns the columns of `responses.parquet`.
 pub fn response_columns(study: &Study) -> Vec<Column<Answer>> {
-    let mut columns = answer_columns(study, |row: &Answer| row);
-    columns.push(Column::truth(
-        "discontinuous",
-        "whether the fractions of labels differ from those of a nearest other design (all tests of a \
-         table together err with 1 %)",
-        |row: &Answer| row.discontinuous,
-    ));
-    columns
+    let mut list = Columns::<Answer>::new();
+    list.extend(answer_columns(study, |row: &Answer| row));
+    list.boolean("discontinuous", |row| row.discontinuous).meaning(
+        "whether the fractions of labels differ from those of a nearest other design (all tests of \
+         a table together err with 1 %)",
+    );
+    list.finish()
 }
 
 /// Returns the columns of an answer, for any type of row that contains one.
 pub(crate) fn answer_columns<R: 'static>(study: &Study, of: OfRow<R>) -> Vec<Column<R>> {
-    let mut columns = vec![Column::count(
-        "design",
-        "number of the design, from 0 in the order of the table of designs",
-        move |row| Some(of(row).design),
-    )];
-    columns.extend(variable_columns(study, move |row: &R| of(row).values.as_slice()));
-    columns.push(Column::count("point_id", "number of the sweep's point, from 0", move |row| {
-        Some(of(row).point_id)
-    }));
-    columns.extend(swept_columns(study, of));
-    for (index, response) in study.responses().iter().enumerate() {
-        let (name, unit, meaning) = (&response.name, response.unit(), response.meaning());
-        columns.extend(estimate_columns(name, unit, &meaning, move |row: &R| {
-            of(row).estimates.get(index)
-        }));
-    }
-    columns.push(Column::count("runs", "runs of the design at the point", move |row| {
-        Some(of(row).counts.total())
-    }));
-    for label in Label::ALL {
-        let meaning = match label {
-            Label::Failed => "runs that failed".to_owned(),
-            _ => format!("runs that ended as {}", label.name()),
-        };
-        columns
-            .push(Column::count(label.name(), &meaning, move |row| Some(of(row).counts.of(label))));
-    }
-    columns
-}
-
-/// Returns the columns of an estimate: value, standard error, interval, and the reason for missing values.
-pub(crate) fn estimate_columns<R: 'static>(
-    name: &str,
-    unit: &str,
-    meaning: &str,
-    of: impl Fn(&R) -> Option<&Estimate> + Copy + Send + Sync + 'static,
-) -> Vec<Column<R>> {
-    let number = |suffix: &str, meaning: &str, part: fn(&Estimate) -> Option<f64>| {
-        Column::number(&format!("{name}{suffix}"), unit, meaning, move |row| of(row).and_then(part))
-    };
-    vec![
-        number("", meaning, |estimate| estimate.value),
-        number("_standard_error", "its standard error", |estimate| estimate.standard_error),
-        number("_low", "lower end of its 95 % interval", |estimate| estimate.low),
-        number("_high", "upper end of its 95 % interval", |estimate| estimate.high),
-        Column::text(&format!("{name}_reason"), "why one of these values is missing", move |row| {
-            Some(of(row)?.reason.as_ref()?.to_string())
-        }),
-    ]
-}
-
-/// Returns one column per variable of a design.
-pub(crate) fn variable_columns<R: 'static>(
-    study: &Study,
-    of: impl Fn(&R) -> &[DesignValue] + Copy + Send + Sync + 'static,
-) -> Vec<Column<R>> {
-    let column = |(index, variable): (usize, &crate::study::Variable)| match variable.unit() {
-        Some(unit) => Column::number(variable.name(), unit, &variable.meaning(), move |row: &R| {
-            match of(row).get(index)? {
-                DesignValue::Number(number) => Some(*number),
-                DesignValue::Choice(_) => None,
-            }
-        }),
-        None => {
-            let own = variable.clone();
-            Column::text(variable.name(), &variable.meaning(), move |row: &R| {
-                Some(own.describe(*of(row).get(index)?))
-            })
-        }
-    };
-    study.variables().iter().enumerate().map(column).collect()
-}
-
-fn swept_columns<R: 'static>(study: &Study, of: OfRow<R>) -> Vec<Column<R>> {
-    let column = |(index, swept): (usize, &crate::study::VariedParameter)| match swept.kind {
-        ParameterKind::Number => {
-            Column::number(&swept.name, swept.unit, &swept.meaning, move |row: &R| {
+    let mut list = Columns::new();
+    list.count("design", move |row| of(row).design)
+        .meaning("number of the design, from 0 in the order of the table of designs");
+    add_variables(&mut list, study, move |row| of(row).values.as_slice());
+    list.count("point_id", move |row| of(row).point_id)
+        .meaning("number of the sweep's point, from 0");
+    for (index, swept) in study.swept().iter().enumerate() {
+        let column = match swept.kind {
+            ParameterKind::Number => list.number(&*swept.name, swept.unit, move |row| {
                 match of(row).swept.get(index)? {
                     ParameterValue::Number(number) => Some(*number),
                     ParameterValue::Text(_) => None,
                 }
-            })
-        }
-        ParameterKind::Text => {
-            Column::optional_word(&swept.name, &swept.meaning, move |row: &R| {
-                match of(row).swept.get(index)? {
+            }),
+            ParameterKind::Text => {
+                list.word(&*swept.name, move |row| match of(row).swept.get(index)? {
                     ParameterValue::Number(_) => None,
                     ParameterValue::Text(text) => Some(*text),
-                }
-            })
-        }
+                })
+            }
+        };
+        column.meaning(&*swept.meaning);
+    }
+    for (index, response) in study.responses().iter().enumerate() {
+        let (name, unit, meaning) = (&response.name, response.unit(), response.meaning());
+        add_estimate(&mut list, name, unit, &meaning, move |row| of(row).estimates.get(index));
+    }
+    list.count("runs", move |row| of(row).counts.total())
+        .meaning("runs of the design at the point");
+    for label in Label::ALL {
+        list.count(label.name(), move |row| of(row).counts.of(label)).meaning(match label {
+            Label::Failed => "runs that failed".to_owned(),
+            _ => format!("runs that ended as {}", label.name()),
+        });
+    }
+    list.finish()
+}
+
+/// Adds the columns of an estimate: value, standard error, interval, and the reason for missing values.
+pub(crate) fn add_estimate<R: 'static>(
+    list: &mut Columns<R>,
+    name: &str,
+    unit: &str,
+    meaning: &str,
+    of: impl Fn(&R) -> Option<&Estimate> + Copy + Send + Sync + 'static,
+) {
+    let mut number = |suffix: &str, meaning: &str, part: fn(&Estimate) -> Option<f64>| {
+        list.number(format!("{name}{suffix}"), unit, move |row| of(row).and_then(part))
+            .meaning(meaning);
     };
-    study.swept().iter().enumerate().map(column).collect()
+    number("", meaning, |estimate| estimate.value);
+    number("_standard_error", "its standard error", |estimate| estimate.standard_error);
+    number("_low", "lower end of its 95 % interval", |estimate| estimate.low);
+    number("_high", "upper end of its 95 % interval", |estimate| estimate.high);
+    list.text(format!("{name}_reason"), move |row| Some(of(row)?.reason.as_ref()?.to_string()))
+        .meaning("why one of these values is missing");
+}
+
+/// Adds one column per variable of a design.
+pub(crate) fn add_variables<R: 'static>(
+    list: &mut Columns<R>,
+    study: &Study,
+    of: impl Fn(&R) -> &[DesignValue] + Copy + Send + Sync + 'static,
+) {
+    for (index, variable) in study.variables().iter().enumerate() {
+        let column = match variable.unit() {
+            Some(unit) => {
+                list.number(variable.name(), unit, move |row| match of(row).get(index)? {
+                    DesignValue::Number(number) => Some(*number),
+                    DesignValue::Choice(_) => None,
+                })
+            }
+            None => {
+                let own = variable.clone();
+                list.text(variable.name(), move |row| Some(own.describe(*of(row).get(index)?)))
+            }
+        };
+        column.meaning(variable.meaning());
+    }
 }

@@ -2,7 +2,7 @@
 //!
 //! A table is a list of columns; its schema and its record batches are derived from the same list.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::HashSet;
 use std::sync::Arc;
 
 use arrow_array::builder::{Float64Builder, ListBuilder, StringDictionaryBuilder};
@@ -27,137 +27,184 @@ pub struct Column<R> {
 pub const NON_DIMENSIONAL: &str = "1 (non-dimensional)";
 
 impl<R> Column<R> {
-    fn new(name: &str, kind: DataType, unit: &str, meaning: &str, build: Build<R>) -> Self {
-        let metadata = [("unit", unit), ("meaning", meaning)]
-            .into_iter()
-            .filter(|(_, text)| !text.is_empty())
-            .map(|(key, text)| (key.to_owned(), text.to_owned()))
-            .collect::<HashMap<_, _>>();
-        Column { field: Field::new(name, kind, true).with_metadata(metadata), build }
-    }
-
     /// Returns the name.
     pub fn name(&self) -> &str {
         self.field.name()
     }
 
-    /// Creates a column of numbers; a value that is not finite counts as missing.
-    pub fn number(
-        name: &str,
+    /// Describes the values; the text may be empty.
+    pub fn meaning(&mut self, meaning: impl Into<String>) {
+        self.describe("meaning", meaning.into());
+    }
+
+    fn describe(&mut self, key: &str, text: String) {
+        if !text.is_empty() {
+            self.field.metadata_mut().insert(key.to_owned(), text);
+        }
+    }
+}
+
+fn optional<V>(value: impl Into<Option<V>>) -> Option<V> {
+    value.into()
+}
+
+/// A list of columns that is being made.
+///
+/// Each method adds a column with the value that it has in a row, and returns the column for its
+/// description. A value is optional, for example a number `f64` or `Option<f64>`.
+///
+/// ```
+/// use stickslip::table::column::Columns;
+///
+/// let mut list = Columns::<f64>::new();
+/// list.number("time_s", "s", |row| *row).meaning("simulated time");
+/// assert_eq!(list.finish()[0].name(), "time_s");
+/// ```
+pub struct Columns<R> {
+    list: Vec<Column<R>>,
+}
+
+impl<R> Default for Columns<R> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl<R> Columns<R> {
+    /// Creates an empty list.
+    pub fn new() -> Self {
+        Columns { list: Vec::new() }
+    }
+
+    /// Returns the columns in order.
+    pub fn finish(self) -> Vec<Column<R>> {
+        self.list
+    }
+
+    /// Returns whether there is a column of this name.
+    pub fn contains(&self, name: &str) -> bool {
+        self.list.iter().any(|column| column.name() == name)
+    }
+
+    fn add(
+        &mut self,
+        name: impl Into<String>,
+        kind: DataType,
+        build: impl Fn(&[R]) -> ArrayRef + Send + Sync + 'static,
+    ) -> &mut Column<R> {
+        let field = Field::new(name, kind, true);
+        self.list.push(Column { field, build: Box::new(build) });
+        let last = self.list.len() - 1;
+        &mut self.list[last]
+    }
+
+    /// Adds a column of numbers; a value that is not finite counts as missing.
+    pub fn number<V: Into<Option<f64>>>(
+        &mut self,
+        name: impl Into<String>,
         unit: &str,
-        meaning: &str,
-        value: impl Fn(&R) -> Option<f64> + Send + Sync + 'static,
-    ) -> Self {
-        let build = move |rows: &[R]| -> ArrayRef {
-            let values = rows.iter().map(|row| value(row).filter(|number| number.is_finite()));
-            Arc::new(values.collect::<Float64Array>())
-        };
-        Self::new(name, DataType::Float64, unit, meaning, Box::new(build))
+        value: impl Fn(&R) -> V + Send + Sync + 'static,
+    ) -> &mut Column<R> {
+        let column = self.add(name, DataType::Float64, move |rows| {
+            let finite = |row: &R| optional::<f64>(value(row)).filter(|number| number.is_finite());
+            Arc::new(rows.iter().map(finite).collect::<Float64Array>())
+        });
+        column.describe("unit", unit.to_owned());
+        column
     }
 
-    /// Creates a column of counts or indices.
-    pub fn count(
-        name: &str,
-        meaning: &str,
-        value: impl Fn(&R) -> Option<u64> + Send + Sync + 'static,
-    ) -> Self {
-        let build = move |rows: &[R]| -> ArrayRef {
-            Arc::new(rows.iter().map(&value).collect::<UInt64Array>())
-        };
-        Self::new(name, DataType::UInt64, "", meaning, Box::new(build))
-    }
-
-    /// Creates a column of small counts.
-    pub fn small_count(
-        name: &str,
-        meaning: &str,
-        value: impl Fn(&R) -> Option<u8> + Send + Sync + 'static,
-    ) -> Self {
-        let build = move |rows: &[R]| -> ArrayRef {
-            Arc::new(rows.iter().map(&value).collect::<UInt8Array>())
-        };
-        Self::new(name, DataType::UInt8, "", meaning, Box::new(build))
-    }
-
-    /// Creates a column of signed integers.
-    pub fn integer(
-        name: &str,
-        meaning: &str,
-        value: impl Fn(&R) -> Option<i32> + Send + Sync + 'static,
-    ) -> Self {
-        let build = move |rows: &[R]| -> ArrayRef {
-            Arc::new(rows.iter().map(&value).collect::<Int32Array>())
-        };
-        Self::new(name, DataType::Int32, "", meaning, Box::new(build))
-    }
-
-    /// Creates a column of lists of numbers.
-    pub fn numbers(
-        name: &str,
+    /// Adds a column of lists of numbers.
+    pub fn numbers<V: Into<Option<Vec<f64>>>>(
+        &mut self,
+        name: impl Into<String>,
         unit: &str,
-        meaning: &str,
-        value: impl Fn(&R) -> Option<Vec<f64>> + Send + Sync + 'static,
-    ) -> Self {
-        let build = move |rows: &[R]| -> ArrayRef {
+        value: impl Fn(&R) -> V + Send + Sync + 'static,
+    ) -> &mut Column<R> {
+        let column = self.add(name, DataType::new_list(DataType::Float64, true), move |rows| {
             let mut lists = ListBuilder::new(Float64Builder::new());
             for row in rows {
-                lists.append_option(value(row).map(|numbers| numbers.into_iter().map(Some)));
+                let numbers = optional::<Vec<f64>>(value(row));
+                lists.append_option(numbers.map(|numbers| numbers.into_iter().map(Some)));
             }
             Arc::new(lists.finish())
-        };
-        let kind = DataType::new_list(DataType::Float64, true);
-        Self::new(name, kind, unit, meaning, Box::new(build))
+        });
+        column.describe("unit", unit.to_owned());
+        column
     }
 
-    /// Creates a column of booleans.
-    pub fn truth(
-        name: &str,
-        meaning: &str,
-        value: impl Fn(&R) -> Option<bool> + Send + Sync + 'static,
-    ) -> Self {
-        let build = move |rows: &[R]| -> ArrayRef {
-            Arc::new(rows.iter().map(&value).collect::<BooleanArray>())
-        };
-        Self::new(name, DataType::Boolean, "", meaning, Box::new(build))
+    /// Adds a column of counts or indices.
+    pub fn count<V: Into<Option<u64>>>(
+        &mut self,
+        name: impl Into<String>,
+        value: impl Fn(&R) -> V + Send + Sync + 'static,
+    ) -> &mut Column<R> {
+        self.add(name, DataType::UInt64, move |rows| {
+            Arc::new(rows.iter().map(|row| optional::<u64>(value(row))).collect::<UInt64Array>())
+        })
     }
 
-    /// Creates a dictionary-encoded column of words from a small set.
-    pub fn word(
-        name: &str,
-        meaning: &str,
-        value: impl Fn(&R) -> &'static str + Send + Sync + 'static,
-    ) -> Self {
-        Self::optional_word(name, meaning, move |row| Some(value(row)))
+    /// Adds a column of small counts.
+    pub fn small_count<V: Into<Option<u8>>>(
+        &mut self,
+        name: impl Into<String>,
+        value: impl Fn(&R) -> V + Send + Sync + 'static,
+    ) -> &mut Column<R> {
+        self.add(name, DataType::UInt8, move |rows| {
+            Arc::new(rows.iter().map(|row| optional::<u8>(value(row))).collect::<UInt8Array>())
+        })
     }
 
-    /// Creates a dictionary-encoded column of words from a small set, in which values may be
-    /// missing.
-    pub fn optional_word(
-        name: &str,
-        meaning: &str,
-        value: impl Fn(&R) -> Option<&'static str> + Send + Sync + 'static,
-    ) -> Self {
-        let build = move |rows: &[R]| -> ArrayRef {
-            let mut words = StringDictionaryBuilder::<Int32Type>::new();
-            for row in rows {
-                words.append_option(value(row));
-            }
-            Arc::new(words.finish())
-        };
+    /// Adds a column of signed integers.
+    pub fn integer<V: Into<Option<i32>>>(
+        &mut self,
+        name: impl Into<String>,
+        value: impl Fn(&R) -> V + Send + Sync + 'static,
+    ) -> &mut Column<R> {
+        self.add(name, DataType::Int32, move |rows| {
+            Arc::new(rows.iter().map(|row| optional::<i32>(value(row))).collect::<Int32Array>())
+        })
+    }
+
+    /// Adds a column of Boolean values.
+    pub fn boolean<V: Into<Option<bool>>>(
+        &mut self,
+        name: impl Into<String>,
+        value: impl Fn(&R) -> V + Send + Sync + 'static,
+    ) -> &mut Column<R> {
+        self.add(name, DataType::Boolean, move |rows| {
+            Arc::new(rows.iter().map(|row| optional::<bool>(value(row))).collect::<BooleanArray>())
+        })
+    }
+
+    /// Adds a dictionary-encoded column of words from a small set.
+    pub fn word<V: Into<Option<&'static str>>>(
+        &mut self,
+        name: impl Into<String>,
+        value: impl Fn(&R) -> V + Send + Sync + 'static,
+    ) -> &mut Column<R> {
         let kind = DataType::Dictionary(Box::new(DataType::Int32), Box::new(DataType::Utf8));
-        Self::new(name, kind, "", meaning, Box::new(build))
+        self.add(name, kind, move |rows| {
+            let mut words = StringDictionaryBuilder::<Int32Type>::new();
+            rows.iter().for_each(|row| words.append_option(optional::<&str>(value(row))));
+            Arc::new(words.finish())
+        })
     }
 
-    /// Creates a column of free text.
-    pub fn text(
-        name: &str,
-        meaning: &str,
-        value: impl Fn(&R) -> Option<String> + Send + Sync + 'static,
-    ) -> Self {
-        let build = move |rows: &[R]| -> ArrayRef {
-            Arc::new(rows.iter().map(&value).collect::<StringArray>())
-        };
-        Self::new(name, DataType::Utf8, "", meaning, Box::new(build))
+    /// Adds a column of free text.
+    pub fn text<V: Into<Option<String>>>(
+        &mut self,
+        name: impl Into<String>,
+        value: impl Fn(&R) -> V + Send + Sync + 'static,
+    ) -> &mut Column<R> {
+        self.add(name, DataType::Utf8, move |rows| {
+            Arc::new(rows.iter().map(|row| optional::<String>(value(row))).collect::<StringArray>())
+        })
+    }
+}
+
+impl<R> Extend<Column<R>> for Columns<R> {
+    fn extend<T: IntoIterator<Item = Column<R>>>(&mut self, columns: T) {
+        self.list.extend(columns);
     }
 }
 

@@ -1,8 +1,9 @@
 //! `equilibria.parquet`: the equilibria of the runs that came to rest.
 
-use super::column::Column;
+use super::column::{Column, Columns};
+use super::point_key::add_point_id;
 use super::run_record::RunRecord;
-use super::runs::{drawn_columns, nominal_columns, position_columns};
+use super::runs::{add_drawn, add_nominal, add_position};
 use crate::analysis::{bin, sorted_where_identical};
 use crate::classification::Label;
 use crate::study::{ParameterValue, Study};
@@ -49,54 +50,28 @@ impl EquilibriumRow {
 
 /// Returns the columns of `equilibria.parquet`.
 pub fn equilibrium_columns(study: &Study) -> Vec<Column<EquilibriumRow>> {
-    let mut columns = vec![
-        Column::count(
-            "run_id",
-            "number of the run in the study, from 0",
-            |row: &EquilibriumRow| Some(row.run_id),
-        ),
-        Column::count("point_id", "number of the sweep's point, from 0", |row: &EquilibriumRow| {
-            Some(row.point_id)
-        }),
-    ];
-    columns.extend(nominal_columns(study, |row: &EquilibriumRow| &row.swept));
-    columns.extend(drawn_columns(study, |row: &EquilibriumRow| &row.uncertain));
-    columns.extend(position_columns(
-        study,
-        "angle at which the ball rests, from the imbalance, in [0, 2π); in ascending order for \
-         identical balls",
-        |row: &EquilibriumRow| Some(&row.position),
-    ));
-    columns.extend([
-        Column::number(
-            "amplitude_m",
-            "m",
-            "amplitude of the table's vibration",
-            |row: &EquilibriumRow| row.amplitude_m,
-        ),
-        Column::number(
-            "friction_margin",
-            "1",
-            "smallest unused fraction of the friction limit; 0 on the boundary of the equilibrium \
-             set, where balls creep",
-            |row: &EquilibriumRow| row.friction_margin,
-        ),
-        Column::number(
-            "time_to_rest_s",
-            "s",
-            "time at which the last ball, or the block, stopped for good",
-            |row: &EquilibriumRow| row.time_to_rest_s,
-        ),
-        Column::word("evidence", "evidence for the equilibrium", |row: &EquilibriumRow| {
-            row.evidence
-        }),
-    ]);
-    columns.extend((0..study.model().balls()).map(|ball| {
-        Column::count(
-            &format!("bin_{}", ball + 1),
-            "bin of the ball's angle in equilibrium_histogram.parquet, from 0, 10° wide",
-            move |row: &EquilibriumRow| row.position.get(ball).map(|&angle| bin(angle) as u64),
-        )
-    }));
-    columns
+    let mut list = Columns::<EquilibriumRow>::new();
+    list.count("run_id", |row| row.run_id).meaning("number of the run in the study, from 0");
+    add_point_id(&mut list, |row| row.point_id);
+    add_nominal(&mut list, study, |row: &EquilibriumRow| &row.swept);
+    add_drawn(&mut list, study, |row: &EquilibriumRow| &row.uncertain);
+    let meaning = "angle at which the ball rests, from the imbalance, in [0, 2π); in ascending \
+                   order for identical balls";
+    add_position(&mut list, study, meaning, |row: &EquilibriumRow| Some(&row.position));
+    list.number("amplitude_m", "m", |row| row.amplitude_m)
+        .meaning("amplitude of the table's vibration");
+    list.number("friction_margin", "1", |row| row.friction_margin).meaning(
+        "smallest unused fraction of the friction limit; 0 on the boundary of the equilibrium set, \
+         where balls creep",
+    );
+    list.number("time_to_rest_s", "s", |row| row.time_to_rest_s)
+        .meaning("time at which the last ball, or the block, stopped for good");
+    list.word("evidence", |row| row.evidence).meaning("evidence for the equilibrium");
+    for ball in 0..study.model().balls() {
+        list.count(format!("bin_{}", ball + 1), move |row| {
+            row.position.get(ball).map(|&angle| bin(angle) as u64)
+        })
+        .meaning("bin of the ball's angle in equilibrium_histogram.parquet, from 0, 10° wide");
+    }
+    list.finish()
 }

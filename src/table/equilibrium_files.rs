@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 
+use super::column::Column;
 use super::equilibrium_set::{SetRow, SetSummaryRow, set_columns, set_summary_columns};
 use super::file_list::FileList;
 use super::frictionless_equilibria::{FrictionlessRow, frictionless_columns};
@@ -45,29 +46,28 @@ impl EquilibriumFiles {
     /// # Errors
     /// Returns an error if the directory is not writable.
     pub fn create(&self, directory: &Path, study: &Study) -> Result<EquilibriumTables, WriteError> {
-        let provenance = |table| provenance_with(study, table, &self.options);
-        let path = |table| directory.join(format!("{table}.parquet"));
-        let set = || {
-            TableWriter::create(
-                &path("equilibrium_positions"),
-                set_columns(study),
-                &provenance("equilibrium_positions"),
-            )
-        };
+        let positions = self.positions.then(|| {
+            self.create_table(directory, study, "equilibrium_positions", set_columns(study))
+        });
+        let (summary, frictionless) = ("equilibrium_set_summary", "frictionless_equilibria");
+        let columns = frictionless_columns(study, self.own_speeds);
         Ok(EquilibriumTables {
             directory: directory.to_owned(),
-            set: self.positions.then(set).transpose()?,
-            sets: TableWriter::create(
-                &path("equilibrium_set_summary"),
-                set_summary_columns(study),
-                &provenance("equilibrium_set_summary"),
-            )?,
-            frictionless: TableWriter::create(
-                &path("frictionless_equilibria"),
-                frictionless_columns(study, self.own_speeds),
-                &provenance("frictionless_equilibria"),
-            )?,
+            set: positions.transpose()?,
+            sets: self.create_table(directory, study, summary, set_summary_columns(study))?,
+            frictionless: self.create_table(directory, study, frictionless, columns)?,
         })
+    }
+
+    fn create_table<R>(
+        &self,
+        directory: &Path,
+        study: &Study,
+        name: &str,
+        columns: Vec<Column<R>>,
+    ) -> Result<TableWriter<R>, WriteError> {
+        let path = directory.join(format!("{name}.parquet"));
+        TableWriter::create(&path, columns, &provenance_with(study, name, &self.options))
     }
 }
 

@@ -41,6 +41,11 @@ impl FileEntry {
     }
 }
 
+/// Returns the first digits of a hash, for messages.
+pub(super) fn short_hash(hash: &str) -> String {
+    hash.chars().take(12).collect()
+}
+
 fn hexadecimal(digest: &[u8]) -> String {
     digest.iter().map(|byte| format!("{byte:02x}")).collect()
 }

@@ -10,11 +10,11 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
+use super::atomic_files::{write_atomically, write_once};
 use super::file_entry::{FileEntry, read_regular};
 use super::provenance::FORMAT;
 use super::table_error::TableError;
-use super::temporary::{write_atomically, write_once};
-use super::verified_files::{Listed, is_file_name};
+use super::verified_files::{ListedFiles, is_file_name};
 use crate::sanitize::shorten;
 use crate::tabular::Fault;
 
@@ -99,7 +99,7 @@ impl FileList {
     }
 
     /// Removes a deleted file from the list.
-    pub fn forget(&mut self, name: &str) {
+    pub fn remove(&mut self, name: &str) {
         self.files.remove(name);
         self.replaced.remove(name);
     }
@@ -124,7 +124,7 @@ impl FileList {
 
     /// Compares the list with the directory: selects the matching one of two entries for a name, and removes the entries of
     /// deleted files. Returns the names of the files that match neither entry.
-    pub fn settle(&mut self, directory: &Path) -> Vec<String> {
+    pub fn reconcile(&mut self, directory: &Path) -> Vec<String> {
         let mut changed = Vec::new();
         for (name, entry) in std::mem::take(&mut self.files) {
             let path = directory.join(&name);
@@ -147,73 +147,7 @@ impl FileList {
     }
 
     /// Returns the listed files with their directory.
-    pub(super) fn in_directory<'a>(&'a self, directory: &'a Path) -> Listed<'a> {
-        Listed { directory, list: FILES, files: &self.files, remedy: REMEDY }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use std::fs;
-
-    use tempfile::tempdir;
-
-    use super::{FILES, FileList};
-    use crate::table::FileEntry;
-
-    #[test]
-    fn the_list_is_valid_if_a_process_is_killed_before_or_after_a_renaming() {
-        let scratch = tempdir().unwrap();
-        let there =
-            |name: &str, content: &str| fs::write(scratch.path().join(name), content).unwrap();
-        let announced = |list: &mut FileList, content: &str| {
-            let entry = FileEntry::of_content(content.as_bytes());
-            list.announce(scratch.path(), &[("a".to_owned(), entry)]).unwrap();
-        };
-        let settled = || {
-            let mut list = FileList::read(scratch.path()).unwrap().unwrap();
-            (list.settle(scratch.path()), list)
-        };
-        let mut list = FileList::default();
-        list.write(scratch.path(), "a", b"one").unwrap();
-        // The process is killed before the renaming, twice.
-        announced(&mut list, "two");
-        let (changed, mut list) = settled();
-        assert!(changed.is_empty() && list.in_directory(scratch.path()).check_all().is_ok());
-        announced(&mut list, "three");
-        assert!(settled().0.is_empty());
-        // The process is killed after the renaming.
-        there("a", "three");
-        let (changed, list) = settled();
-        assert!(changed.is_empty() && list.in_directory(scratch.path()).check_all().is_ok());
-        for other in ["two", "thre3", ""] {
-            there("a", other);
-            let (changed, list) = settled();
-            assert_eq!((changed, other), (vec!["a".to_owned()], other));
-            assert!(list.in_directory(scratch.path()).check_all().is_err());
-        }
-        fs::remove_file(scratch.path().join("a")).unwrap();
-        let (changed, list) = settled();
-        assert_eq!((changed, list), (vec![], FileList::default()));
-    }
-
-    #[test]
-    fn invalid_lists_are_refused() {
-        let scratch = tempdir().unwrap();
-        assert!(FileList::read(scratch.path()).unwrap().is_none());
-        let hash = "0".repeat(64);
-        let entry = format!("{{\"rows\": null, \"bytes\": 1, \"sha256\": \"{hash}\"}}");
-        for text in [
-            "",
-            "{}",
-            "{\"format\": 99, \"files\": {}}",
-            &format!("{{\"format\": 1, \"files\": {{\"../a\": {entry}}}}}"),
-            &format!("{{\"format\": 1, \"files\": {{\"/a\": {entry}}}}}"),
-            &format!("{{\"format\": 1, \"files\": {{\"a\\u001b\": {entry}}}}}"),
-        ] {
-            fs::write(scratch.path().join(FILES), text).unwrap();
-            let error = FileList::read(scratch.path()).unwrap_err().to_string();
-            assert!(error.contains("not a list of files") && !error.contains('\u{1b}'), "{error}");
-        }
+    pub(super) fn in_directory<'a>(&'a self, directory: &'a Path) -> ListedFiles<'a> {
+        ListedFiles { directory, list: FILES, files: &self.files, remedy: REMEDY }
     }
 }

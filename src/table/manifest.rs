@@ -7,11 +7,11 @@ use std::time::{SystemTime, UNIX_EPOCH};
 
 use serde::{Deserialize, Serialize};
 
+use super::atomic_files::write_atomically;
 use super::file_entry::{FileEntry, read_regular};
 use super::provenance::{COMMIT, FORMAT, VERSION};
 use super::table_error::TableError;
-use super::temporary::write_atomically;
-use super::verified_files::{Listed, is_file_name};
+use super::verified_files::{ListedFiles, is_file_name};
 use crate::analysis::LabelCounts;
 use crate::classification::{Label, MODEL_VERSION};
 use crate::sanitize::{is_acted_on, one_line, shell_word, shorten};
@@ -226,8 +226,12 @@ impl Manifest {
     }
 
     /// Returns the files of the manifest in their directory, with [`Self::remedy`].
-    pub(super) fn in_directory<'a>(&'a self, directory: &'a Path, remedy: &'a str) -> Listed<'a> {
-        Listed { directory, list: MANIFEST, files: &self.files, remedy }
+    pub(super) fn in_directory<'a>(
+        &'a self,
+        directory: &'a Path,
+        remedy: &'a str,
+    ) -> ListedFiles<'a> {
+        ListedFiles { directory, list: MANIFEST, files: &self.files, remedy }
     }
 
     /// Returns what to do about a file that differs from the manifest.

@@ -5,7 +5,7 @@ use arrow_schema::ArrowError;
 use super::cycles::{CycleRow, cycle_columns};
 use super::equilibria::{EquilibriumRow, equilibrium_columns};
 use super::equilibrium_histogram::{HistogramRow, histogram_columns};
-use super::memory::{MemoryTable, MemoryWriter};
+use super::memory_table::{MemoryTable, MemoryWriter};
 use super::points::{PointRow, point_columns};
 use super::provenance::provenance;
 use super::run_record::RunRecord;

@@ -1,12 +1,23 @@
 //! Results as files: Parquet tables with units and provenance, and the manifest beside them.
 //!
 //! Only this module writes Parquet files; `tabular` reads them for both studies and results.
+//!
+//! - Columns: each table declares its columns in a file of its name, with the methods of `column`.
+//! - Writing: `writer` writes a table into an `unfinished_table`, which gets its name last.
+//!   `results` and `equilibrium_files` hold the tables of a command; `manifest` and `file_list`
+//!   list their files.
+//! - Output directories: `output_state` inspects a directory before a run, `previous_results` moves
+//!   earlier results aside, and `atomic_files` and `durable_directories` survive kills and power
+//!   loss.
+//! - Reading: `read` and `stored_run` read tables after `verified_files` has checked their hashes.
+//! - In memory: `memory_results` makes the same tables without files.
 
+mod atomic_files;
+mod batch;
 pub mod cell;
 pub mod column;
 mod cycles;
-mod destination;
-mod directory;
+mod durable_directories;
 mod equilibria;
 mod equilibrium_files;
 mod equilibrium_histogram;
@@ -15,53 +26,54 @@ mod file_entry;
 mod file_list;
 mod frictionless_equilibria;
 mod manifest;
-mod memory;
 mod memory_results;
+mod memory_table;
+mod output_state;
+mod point_key;
 mod points;
 mod previous_results;
 mod provenance;
 mod read;
 mod read_memory;
-mod read_values;
 mod replay;
 mod results;
 mod run_record;
 mod runs;
-mod staging;
 mod stored_run;
 mod table_error;
-mod temporary;
 mod time_to_rest;
+mod unfinished_table;
 mod verified_files;
 mod writer;
 
 pub use crate::tabular::{Kind, Values};
+pub(crate) use atomic_files::is_one_of;
+pub use atomic_files::{clear_temporaries, write_atomically, write_once};
+pub use batch::Batch;
 pub use cycles::{CycleRow, cycle_columns};
-pub use destination::{Destination, check_path, inspect, manifest_of};
-pub use directory::{is_inside, make_directory, make_inside, sync_directory};
+pub use durable_directories::{is_inside, make_directory, make_inside, sync_directory};
 pub use equilibria::{EquilibriumRow, equilibrium_columns};
 pub use equilibrium_files::{EquilibriumFiles, EquilibriumTables};
 pub use equilibrium_histogram::{HistogramRow, histogram_columns};
-pub use equilibrium_set::{PointKey, SetRow, SetSummaryRow, set_columns, set_summary_columns};
+pub use equilibrium_set::{SetRow, SetSummaryRow, set_columns, set_summary_columns};
 pub use file_entry::FileEntry;
 pub(crate) use file_entry::read_regular;
 pub use file_list::{FILES, FileList};
 pub use frictionless_equilibria::{FrictionlessRow, frictionless_columns};
 pub use manifest::{Circumstances, MANIFEST, Manifest};
-pub use memory::{MemoryTable, MemoryWriter, in_memory};
 pub use memory_results::{MemoryResults, TABLES};
+pub use memory_table::{MemoryTable, MemoryWriter, in_memory};
+pub use output_state::{OutputState, check_path, inspect, manifest_of};
+pub use point_key::{OfPoint, PointKey};
 pub use points::{PointRow, point_columns};
 pub use previous_results::{EARLIER, close_earlier, put_aside};
 pub use provenance::{COMMIT, FORMAT, VERSION, provenance, provenance_with};
 pub use read::{Batches, Table};
-pub use read_values::Batch;
 pub use replay::{Units, phase_name, switch_columns, trajectory_columns};
 pub use results::{Results, ResultsError};
 pub use run_record::RunRecord;
 pub use runs::{planned_columns, run_columns};
 pub use stored_run::{Difference, StoredRun};
 pub use table_error::TableError;
-pub(crate) use temporary::is_one_of;
-pub use temporary::{clear_temporaries, write_atomically, write_once};
 pub use time_to_rest::{RestRow, rest_columns};
 pub use writer::{TableWriter, WriteCause, WriteError};

@@ -9,10 +9,11 @@ use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 
+use super::batch::Batch;
+use super::file_entry::short_hash;
 use super::file_list::{FILES, FileList};
 use super::manifest::{MANIFEST, Manifest};
 use super::provenance::FORMAT;
-use super::read_values::Batch;
 use super::table_error::TableError;
 use crate::sanitize::shorten;
 use crate::study::list_names;
@@ -138,7 +139,7 @@ impl Table {
                 value["format"].as_u64().map_or("none".to_owned(), |format| format.to_string()),
                 text("table"),
                 text("study"),
-                text("study_hash").chars().take(12).collect::<String>(),
+                short_hash(&text("study_hash")),
             )
         };
         let own = provenance.as_ref().is_some_and(|value| {
@@ -148,8 +149,11 @@ impl Table {
         });
         if !own {
             let found = provenance.as_ref().map_or("no key `stickslip`".to_owned(), facts);
-            let hash: String = self.study_hash.chars().take(12).collect();
-            let allowed = format!("layout {FORMAT}, table {}, hash {hash}", self.name);
+            let allowed = format!(
+                "layout {FORMAT}, table {}, hash {}",
+                self.name,
+                short_hash(&self.study_hash)
+            );
             let problem = "this is not a table of these results";
             return Err(refuse(Fault::new(problem, found, allowed)));
         }
@@ -173,7 +177,7 @@ fn columns(file: &ParquetFile) -> Vec<(String, Option<Kind>)> {
 /// Opens a file and reads its provenance, or `None` if it has none.
 fn open_file(path: &Path) -> Result<(ParquetFile, Option<Value>), TableError> {
     let file = open(path)?;
-    let provenance = file.said("stickslip").and_then(|text| serde_json::from_str(text).ok());
+    let provenance = file.metadata("stickslip").and_then(|text| serde_json::from_str(text).ok());
     Ok((file, provenance))
 }
 

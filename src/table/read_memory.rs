@@ -7,7 +7,7 @@ use arrow_array::RecordBatch;
 use arrow_schema::{Schema, SchemaRef};
 use arrow_select::concat::concat_batches;
 
-use super::memory::MemoryTable;
+use super::memory_table::MemoryTable;
 use super::read::Table;
 use super::table_error::TableError;
 use crate::tabular::Fault;

@@ -1,7 +1,7 @@
 //! `trajectory.parquet` and `switches.parquet`: the motion of one run, in SI units and
 //! non-dimensional.
 
-use super::column::{Column, NON_DIMENSIONAL};
+use super::column::{Column, Columns, NON_DIMENSIONAL};
 use crate::classification::{ContactSample, Sample, Switch};
 use crate::model::{Ground, Model, wrap_to_two_pi};
 use crate::motion::Phase;
@@ -107,235 +107,162 @@ const LIMIT: &str = "friction limit: static coefficient times normal force";
 pub fn trajectory_columns(model: &Model) -> Vec<Column<Sample>> {
     let units = Units::of(model);
     let natural = units.natural_rad_s;
-    let mut columns = vec![
-        Column::number("time_s", "s", "time since the start", move |row: &Sample| {
-            Some(row.time / natural)
-        }),
-        Column::count(
-            "step",
-            "number of the integration step that contains the row or ends there; 0 at the start",
-            |row: &Sample| Some(row.step),
-        ),
-    ];
+    let mut list = Columns::<Sample>::new();
+    list.number("time_s", "s", move |row| row.time / natural).meaning("time since the start");
+    list.count("step", |row| row.step).meaning(
+        "number of the integration step that contains the row or ends there; 0 at the start",
+    );
     if model.balls() > 0 {
-        columns.extend(table_columns(&units));
+        add_table(&mut list, &units);
         for ball in 0..model.balls() {
-            columns.extend(ball_columns(&units, ball));
+            add_ball(&mut list, &units, ball);
         }
     } else {
-        columns.extend(block_columns(&units));
+        add_block(&mut list, &units);
     }
-    columns.push(Column::number(
-        "time",
-        NON_DIMENSIONAL,
-        "time times the natural frequency",
-        |row: &Sample| Some(row.time),
-    ));
+    list.number("time", NON_DIMENSIONAL, |row| row.time)
+        .meaning("time times the natural frequency");
     if model.balls() > 0 {
-        let names = [
-            ("x", "position of the ring's centre towards the imbalance, in the rotating frame"),
-            ("y", "position of the ring's centre perpendicular to x, in the rotating frame"),
-            ("x_dot", "velocity along x in the rotating frame"),
-            ("y_dot", "velocity along y in the rotating frame"),
-        ];
-        columns.extend(names.into_iter().enumerate().map(|(axis, (name, meaning))| {
-            let value = move |row: &Sample| Some(row.table?[axis]);
-            Column::number(name, NON_DIMENSIONAL, meaning, value)
-        }));
+        for (axis, name, meaning) in [
+            (0, "x", "position of the ring's centre towards the imbalance, in the rotating frame"),
+            (1, "y", "position of the ring's centre perpendicular to x, in the rotating frame"),
+            (2, "x_dot", "velocity along x in the rotating frame"),
+            (3, "y_dot", "velocity along y in the rotating frame"),
+        ] {
+            list.number(name, NON_DIMENSIONAL, move |row| Some(row.table?[axis])).meaning(meaning);
+        }
         for ball in 0..model.balls() {
-            columns.extend(plain_columns(ball, &format!("_{}", ball + 1)));
+            add_non_dimensional(&mut list, ball, "beta_dot", &format!("_{}", ball + 1));
         }
     } else {
-        columns.push(of_contact(0, "position", NON_DIMENSIONAL, "position over F_n / k", |c| {
-            c.position
-        }));
-        columns.extend(plain_columns(0, ""));
+        of_contact(&mut list, 0, "position", NON_DIMENSIONAL, |block| block.position)
+            .meaning("position over F_n / k");
+        add_non_dimensional(&mut list, 0, "sliding_speed", "");
     }
-    columns
+    list.finish()
 }
 
-fn of_contact(
+/// Adds a column of a contact.
+fn of_contact<'a>(
+    list: &'a mut Columns<Sample>,
     contact: usize,
-    name: &str,
+    name: impl Into<String>,
     unit: &str,
-    meaning: &str,
     value: impl Fn(&ContactSample) -> f64 + Send + Sync + 'static,
-) -> Column<Sample> {
-    Column::number(name, unit, meaning, move |row: &Sample| row.contacts.get(contact).map(&value))
+) -> &'a mut Column<Sample> {
+    list.number(name, unit, move |row| row.contacts.get(contact).map(&value))
 }
 
-fn table_columns(units: &Units) -> Vec<Column<Sample>> {
+/// Adds position and velocity of the ring's centre.
+fn add_table(list: &mut Columns<Sample>, units: &Units) {
     let (length, speed) = (units.length_m, units.length_m * units.natural_rad_s);
-    let turning = [
-        ("x_m", "m", "position of the ring's centre towards the imbalance", length),
-        ("y_m", "m", "position of the ring's centre perpendicular to x", length),
-        ("x_dot_m_s", "m/s", "velocity of the ring's centre along x", speed),
-        ("y_dot_m_s", "m/s", "velocity of the ring's centre along y", speed),
-    ];
-    let space = [
-        (
-            "x_inertial_m",
-            "m",
-            "position of the ring's centre along the imbalance's direction at t = 0",
-        ),
-        ("y_inertial_m", "m", "position of the ring's centre perpendicular to x_inertial"),
-        ("x_dot_inertial_m_s", "m/s", "velocity of the ring's centre along x_inertial"),
-        ("y_dot_inertial_m_s", "m/s", "velocity of the ring's centre along y_inertial"),
-    ];
-    let turning = turning.into_iter().enumerate().map(|(axis, (name, unit, meaning, factor))| {
-        let meaning = format!("{meaning}, in the frame that rotates with the disc");
-        Column::number(name, unit, &meaning, move |row: &Sample| Some(factor * row.table?[axis]))
-    });
-    let space = space.into_iter().enumerate().map(|(axis, (name, unit, meaning))| {
-        let (units, meaning) = (units.clone(), format!("{meaning}, in the inertial frame"));
-        Column::number(name, unit, &meaning, move |row: &Sample| Some(units.in_space(row)?[axis]))
-    });
-    turning.chain(space).collect()
+    for (axis, name, unit, factor, meaning) in [
+        (0, "x_m", "m", length, "position of the ring's centre towards the imbalance"),
+        (1, "y_m", "m", length, "position of the ring's centre perpendicular to x"),
+        (2, "x_dot_m_s", "m/s", speed, "velocity of the ring's centre along x"),
+        (3, "y_dot_m_s", "m/s", speed, "velocity of the ring's centre along y"),
+    ] {
+        list.number(name, unit, move |row| Some(factor * row.table?[axis]))
+            .meaning(format!("{meaning}, in the frame that rotates with the disc"));
+    }
+    let along = "position of the ring's centre along the imbalance's direction at t = 0";
+    for (axis, name, unit, meaning) in [
+        (0, "x_inertial_m", "m", along),
+        (1, "y_inertial_m", "m", "position of the ring's centre perpendicular to x_inertial"),
+        (2, "x_dot_inertial_m_s", "m/s", "velocity of the ring's centre along x_inertial"),
+        (3, "y_dot_inertial_m_s", "m/s", "velocity of the ring's centre along y_inertial"),
+    ] {
+        let units = units.clone();
+        list.number(name, unit, move |row| Some(units.in_space(row)?[axis]))
+            .meaning(format!("{meaning}, in the inertial frame"));
+    }
 }
 
-fn ball_columns(units: &Units, ball: usize) -> Vec<Column<Sample>> {
+fn add_ball(list: &mut Columns<Sample>, units: &Units, ball: usize) {
     let number = ball + 1;
     let natural = units.natural_rad_s;
-    let mut columns = vec![
-        of_contact(
-            ball,
-            &format!("beta_{number}_rad"),
-            "rad",
-            "angle of the ball from the imbalance, in [0, 2π)",
-            |contact| wrap_to_two_pi(contact.position),
-        ),
-        of_contact(
-            ball,
-            &format!("beta_unwrapped_{number}_rad"),
-            "rad",
-            "angle of the ball from the imbalance, including complete turns since the start",
-            |contact| contact.position,
-        ),
-        of_contact(
-            ball,
-            &format!("ball_speed_{number}_rad_s"),
-            "rad/s",
-            "speed of the ball relative to the ring, positive where its angle grows",
-            move |contact| contact.speed * natural,
-        ),
-    ];
-    columns.extend(contact_columns(units, ball, &format!("_{number}")));
-    columns
+    of_contact(list, ball, format!("beta_{number}_rad"), "rad", |ball| wrap_to_two_pi(ball.position))
+        .meaning("angle of the ball from the imbalance, in [0, 2π)");
+    of_contact(list, ball, format!("beta_unwrapped_{number}_rad"), "rad", |ball| ball.position)
+        .meaning("angle of the ball from the imbalance, including complete turns since the start");
+    of_contact(list, ball, format!("ball_speed_{number}_rad_s"), "rad/s", move |ball| {
+        ball.speed * natural
+    })
+    .meaning("speed of the ball relative to the ring, positive where its angle grows");
+    add_forces(list, units, ball, &format!("_{number}"));
 }
 
-fn block_columns(units: &Units) -> Vec<Column<Sample>> {
+fn add_block(list: &mut Columns<Sample>, units: &Units) {
     let (length, speed) = (units.length_m, units.length_m * units.natural_rad_s);
     let ground = units.ground_m_s;
-    let mut columns = vec![
-        of_contact(
-            0,
-            "position_m",
-            "m",
-            "position of the block, from where the spring is free",
-            move |block| block.position * length,
-        ),
-        of_contact(0, "velocity_m_s", "m/s", "velocity of the block", move |block| {
-            block.speed * speed + ground
-        }),
-        of_contact(
-            0,
-            "sliding_speed_m_s",
-            "m/s",
-            "speed of the block relative to the ground",
-            move |block| block.speed * speed,
-        ),
-    ];
-    columns.extend(contact_columns(units, 0, ""));
-    columns
+    of_contact(list, 0, "position_m", "m", move |block| block.position * length)
+        .meaning("position of the block, from where the spring is free");
+    of_contact(list, 0, "velocity_m_s", "m/s", move |block| block.speed * speed + ground)
+        .meaning("velocity of the block");
+    of_contact(list, 0, "sliding_speed_m_s", "m/s", move |block| block.speed * speed)
+        .meaning("speed of the block relative to the ground");
+    add_forces(list, units, 0, "");
 }
 
-/// Phase and forces in N.
-fn contact_columns(units: &Units, contact: usize, suffix: &str) -> Vec<Column<Sample>> {
+/// Adds the phase of a contact, and its forces in N.
+fn add_forces(list: &mut Columns<Sample>, units: &Units, contact: usize, suffix: &str) {
     let force = units.force_n.get(contact).copied().unwrap_or(f64::NAN);
-    vec![
-        Column::optional_word(&format!("phase{suffix}"), PHASE, move |row: &Sample| {
-            row.contacts.get(contact).map(|contact| phase_name(contact.phase))
-        }),
-        of_contact(contact, &format!("friction{suffix}_n"), "N", FRICTION, move |c| {
-            c.friction * force
-        }),
-        of_contact(contact, &format!("friction_limit{suffix}_n"), "N", LIMIT, move |c| {
-            c.limit * force
-        }),
-        of_contact(
-            contact,
-            &format!("normal{suffix}_n"),
-            "N",
-            "normal force, compression positive",
-            move |c| c.normal * force,
-        ),
-    ]
+    list.word(format!("phase{suffix}"), move |row| {
+        row.contacts.get(contact).map(|contact| phase_name(contact.phase))
+    })
+    .meaning(PHASE);
+    of_contact(list, contact, format!("friction{suffix}_n"), "N", move |c| c.friction * force)
+        .meaning(FRICTION);
+    of_contact(list, contact, format!("friction_limit{suffix}_n"), "N", move |c| c.limit * force)
+        .meaning(LIMIT);
+    of_contact(list, contact, format!("normal{suffix}_n"), "N", move |c| c.normal * force)
+        .meaning("normal force, compression positive");
 }
 
-/// Speed and forces, non-dimensional.
-fn plain_columns(contact: usize, suffix: &str) -> Vec<Column<Sample>> {
-    let column = |stem: &str, meaning: &str, value: fn(&ContactSample) -> f64| {
-        of_contact(contact, &format!("{stem}{suffix}"), NON_DIMENSIONAL, meaning, value)
+/// Adds the non-dimensional speed and forces of a contact.
+fn add_non_dimensional(list: &mut Columns<Sample>, contact: usize, speed: &str, suffix: &str) {
+    let mut number = |name: &str, value: fn(&ContactSample) -> f64, meaning: &str| {
+        of_contact(list, contact, format!("{name}{suffix}"), NON_DIMENSIONAL, value)
+            .meaning(meaning);
     };
-    let speed = if suffix.is_empty() { "sliding_speed" } else { "beta_dot" };
-    vec![
-        column(speed, "sliding speed divided by natural frequency and unit of length", |c| c.speed),
-        column(
-            "friction",
-            "friction force divided by its unit (m ω_n² L; for a block, its normal force)",
-            |c| c.friction,
-        ),
-        column("friction_limit", "friction limit, divided by the same unit", |c| c.limit),
-        column("normal", "normal force divided by the same unit", |c| c.normal),
-    ]
+    let meaning = "sliding speed divided by natural frequency and unit of length";
+    number(speed, |contact| contact.speed, meaning);
+    let meaning = "friction force divided by its unit (m ω_n² L; for a block, its normal force)";
+    number("friction", |contact| contact.friction, meaning);
+    let meaning = "friction limit, divided by the same unit";
+    number("friction_limit", |contact| contact.limit, meaning);
+    number("normal", |contact| contact.normal, "normal force divided by the same unit");
 }
 
 /// Returns the columns of `switches.parquet`.
 pub fn switch_columns(model: &Model) -> Vec<Column<Switch>> {
     let units = Units::of(model);
     let natural = units.natural_rad_s;
-    let mut columns =
-        vec![Column::number("time_s", "s", "time since the start", move |row: &Switch| {
-            Some(row.time / natural)
-        })];
-    if model.balls() > 0 {
-        columns.push(Column::count("ball", "number of the ball, from 1", |row: &Switch| {
-            Some(row.contact as u64 + 1)
-        }));
+    let has_balls = model.balls() > 0;
+    let mut list = Columns::<Switch>::new();
+    list.number("time_s", "s", move |row| row.time / natural).meaning("time since the start");
+    if has_balls {
+        list.count("ball", |row| row.contact as u64 + 1).meaning("number of the ball, from 1");
     }
-    columns.push(Column::word("from", PHASE, |row: &Switch| phase_name(row.before.phase)));
-    columns.push(Column::word("to", "phase after the switch", |row: &Switch| {
-        phase_name(row.after.phase)
-    }));
-    let (position, position_unit) =
-        if model.balls() > 0 { ("beta_rad", "rad") } else { ("position_m", "m") };
-    let turns = model.balls() > 0;
-    let unit = units.position;
-    columns.push(Column::number(
-        position,
-        position_unit,
-        "place: angle of the ball from the imbalance, in [0, 2π), or position of the block",
-        move |row: &Switch| {
-            let place = row.after.position * unit;
-            Some(if turns { wrap_to_two_pi(place) } else { place })
-        },
-    ));
+    list.word("from", |row| phase_name(row.before.phase)).meaning(PHASE);
+    list.word("to", |row| phase_name(row.after.phase)).meaning("phase after the switch");
+    let (name, unit) = if has_balls { ("beta_rad", "rad") } else { ("position_m", "m") };
+    let factor = units.position;
+    list.number(name, unit, move |row| {
+        let position = row.after.position * factor;
+        if has_balls { wrap_to_two_pi(position) } else { position }
+    })
+    .meaning("place: angle of the ball from the imbalance, in [0, 2π), or position of the block");
     let mut force = |name: &str, meaning: &str, value: fn(&Switch) -> f64| {
         let units = units.clone();
-        columns.push(Column::number(name, "N", meaning, move |row: &Switch| {
-            units.newtons(row.contact, value(row))
-        }));
+        list.number(name, "N", move |row| units.newtons(row.contact, value(row))).meaning(meaning);
     };
     force("friction_n", "friction force just before", |row| row.before.friction);
     force("friction_after_n", "friction force just after", |row| row.after.friction);
     force("friction_limit_n", LIMIT, |row| row.before.limit);
     force("normal_n", "normal force just before", |row| row.before.normal);
     force("normal_after_n", "normal force just after", |row| row.after.normal);
-    columns.push(Column::number(
-        "time",
-        NON_DIMENSIONAL,
-        "time times the natural frequency",
-        |row: &Switch| Some(row.time),
-    ));
-    columns
+    list.number("time", NON_DIMENSIONAL, |row| row.time)
+        .meaning("time times the natural frequency");
+    list.finish()
 }

@@ -6,8 +6,10 @@ use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
+use super::atomic_files::{clear_temporaries, write_once};
+use super::column::Column;
 use super::cycles::{CycleRow, cycle_columns};
-use super::directory::make_directory;
+use super::durable_directories::make_directory;
 use super::equilibria::{EquilibriumRow, equilibrium_columns};
 use super::equilibrium_histogram::{HistogramRow, histogram_columns};
 use super::file_entry::FileEntry;
@@ -16,7 +18,6 @@ use super::points::{PointRow, point_columns};
 use super::provenance::provenance;
 use super::run_record::RunRecord;
 use super::runs::run_columns;
-use super::temporary::{clear_temporaries, write_once};
 use super::time_to_rest::{RestRow, rest_columns};
 use super::writer::{TableWriter, WriteError};
 use crate::analysis::{LabelCounts, PointDetail};
@@ -67,13 +68,17 @@ pub struct Results {
 }
 
 /// The data files of an output directory.
-pub(super) const DATA_FILES: [&str; 7] = [RUNS, POINTS, REST, CYCLES, EQUILIBRIA, HISTOGRAM, STUDY];
+pub(super) const DATA_FILES: [&str; 7] = [
+    RUNS,
+    "points.parquet",
+    "time_to_rest.parquet",
+    "cycles.parquet",
+    "equilibria.parquet",
+    "equilibrium_histogram.parquet",
+    STUDY,
+];
 
-const POINTS: &str = "points.parquet";
-const REST: &str = "time_to_rest.parquet";
-const CYCLES: &str = "cycles.parquet";
-const EQUILIBRIA: &str = "equilibria.parquet";
-const HISTOGRAM: &str = "equilibrium_histogram.parquet";
+/// The name of the study file in an output directory.
 pub(super) const STUDY: &str = "study.yaml";
 
 impl Results {
@@ -93,36 +98,12 @@ impl Results {
         write_once(&study_file, study.resolved_yaml().as_bytes())
             .map_err(|cause| ResultsError::Unusable { path: study_file, cause })?;
         Ok(Results {
-            runs: TableWriter::create(
-                &directory.join(RUNS),
-                run_columns(study),
-                &provenance(study, "runs"),
-            )?,
-            points: TableWriter::create(
-                &directory.join(POINTS),
-                point_columns(study),
-                &provenance(study, "points"),
-            )?,
-            rest: TableWriter::create(
-                &directory.join(REST),
-                rest_columns(study),
-                &provenance(study, "time_to_rest"),
-            )?,
-            cycles: TableWriter::create(
-                &directory.join(CYCLES),
-                cycle_columns(study),
-                &provenance(study, "cycles"),
-            )?,
-            equilibria: TableWriter::create(
-                &directory.join(EQUILIBRIA),
-                equilibrium_columns(study),
-                &provenance(study, "equilibria"),
-            )?,
-            histogram: TableWriter::create(
-                &directory.join(HISTOGRAM),
-                histogram_columns(study),
-                &provenance(study, "equilibrium_histogram"),
-            )?,
+            runs: create(directory, study, "runs", run_columns(study))?,
+            points: create(directory, study, "points", point_columns(study))?,
+            rest: create(directory, study, "time_to_rest", rest_columns(study))?,
+            cycles: create(directory, study, "cycles", cycle_columns(study))?,
+            equilibria: create(directory, study, "equilibria", equilibrium_columns(study))?,
+            histogram: create(directory, study, "equilibrium_histogram", histogram_columns(study))?,
             directory: directory.to_owned(),
             counts: LabelCounts::default(),
         })
@@ -197,4 +178,15 @@ impl Results {
         manifest.write(&directory).map_err(unusable)?;
         Ok(manifest)
     }
+}
+
+/// Starts a table, called by its name without `.parquet`.
+fn create<R>(
+    directory: &Path,
+    study: &Study,
+    name: &str,
+    columns: Vec<Column<R>>,
+) -> Result<TableWriter<R>, WriteError> {
+    let path = directory.join(format!("{name}.parquet"));
+    TableWriter::create(&path, columns, &provenance(study, name))
 }

@@ -1,10 +1,10 @@
 //! `runs.parquet`: one row per run, including failed runs; and the columns of planned runs.
 
-use super::column::{Column, NON_DIMENSIONAL};
+use super::column::{Column, Columns, NON_DIMENSIONAL};
+use super::point_key::add_point_id;
 use super::run_record::RunRecord;
 use crate::analysis::CycleClass;
 use crate::classification::{Evidence, LyapunovExponent};
-use crate::model::Coordinate;
 use crate::study::{ParameterKind, ParameterValue, PlannedRun, Study, VariedParameter};
 
 /// Returns the columns that identify a run and its start state; `planned` gets the planned run from
@@ -13,301 +13,225 @@ pub fn planned_columns<R: 'static>(
     study: &Study,
     planned: fn(&R) -> &PlannedRun,
 ) -> Vec<Column<R>> {
-    let mut columns = vec![
-        Column::count("run_id", "number of the run in the study, from 0", move |row| {
-            Some(planned(row).run_id)
-        }),
-        Column::count("point_id", "number of the sweep's point, from 0", move |row| {
-            Some(planned(row).point_id)
-        }),
-        Column::count("cell", "cell of the sampling design, from 0", move |row| {
-            Some(planned(row).cell)
-        }),
-        Column::count("replicate", "number of the sample in its cell, from 0", move |row| {
-            Some(planned(row).replicate)
-        }),
-    ];
-    columns.extend(nominal_columns(study, move |row| &planned(row).swept));
-    columns.extend(drawn_columns(study, move |row| &planned(row).uncertain));
-    columns.extend(start_columns(study, planned));
-    columns
+    let mut list = Columns::new();
+    list.count("run_id", move |row| planned(row).run_id)
+        .meaning("number of the run in the study, from 0");
+    add_point_id(&mut list, move |row| planned(row).point_id);
+    list.count("cell", move |row| planned(row).cell).meaning("cell of the sampling design, from 0");
+    list.count("replicate", move |row| planned(row).replicate)
+        .meaning("number of the sample in its cell, from 0");
+    add_nominal(&mut list, study, move |row| &planned(row).swept);
+    add_drawn(&mut list, study, move |row| &planned(row).uncertain);
+    for (index, coordinate) in study.model().coordinates().into_iter().enumerate() {
+        let name = format!("initial_{}", coordinate.name);
+        list.number(name, coordinate.unit.unwrap_or(NON_DIMENSIONAL), move |row| {
+            planned(row).start.0.get(index).copied()
+        })
+        .meaning(coordinate.meaning);
+    }
+    list.finish()
 }
 
-/// Returns one column for each swept parameter in a table with one row per point; `values` gets the
+/// Adds one column for each swept parameter to a table with one row per point; `values` gets the
 /// values from a row.
-pub fn swept_columns<R: 'static>(
+pub fn add_swept<R: 'static>(
+    list: &mut Columns<R>,
     study: &Study,
     values: impl Fn(&R) -> &[ParameterValue] + Copy + Send + Sync + 'static,
-) -> Vec<Column<R>> {
-    let columns = study.swept().iter().enumerate();
-    columns
-        .map(|(index, swept)| swept_column(&swept.name, &swept.meaning, swept, index, values))
-        .collect()
+) {
+    for (index, swept) in study.swept().iter().enumerate() {
+        add_parameter(list, &swept.name, swept, index, values).meaning(&*swept.meaning);
+    }
 }
 
-/// Returns one column for each swept parameter in a table with one row per run. If a parameter is
+/// Adds one column for each swept parameter to a table with one row per run. If a parameter is
 /// swept and multiplied by a random factor (`times`), its own name denotes the value of the run,
-/// see [`drawn_columns`], and the swept value is called `nominal_<parameter>`.
-pub fn nominal_columns<R: 'static>(
+/// see [`add_drawn`], and the swept value is called `nominal_<parameter>`.
+pub fn add_nominal<R: 'static>(
+    list: &mut Columns<R>,
     study: &Study,
     values: impl Fn(&R) -> &[ParameterValue] + Copy + Send + Sync + 'static,
-) -> Vec<Column<R>> {
-    let column = |(index, swept): (usize, &VariedParameter)| {
+) {
+    for (index, swept) in study.swept().iter().enumerate() {
         let VariedParameter { name, meaning, .. } = swept;
         if study.uncertain().iter().all(|drawn| drawn.name != *name) {
-            return swept_column(name, meaning, swept, index, values);
+            add_parameter(list, name, swept, index, values).meaning(&**meaning);
+        } else {
+            add_parameter(list, &format!("nominal_{name}"), swept, index, values).meaning(format!(
+                "{meaning}: the swept value, before the factor drawn for this run"
+            ));
         }
-        let meaning = format!("{meaning}: the swept value, before the factor drawn for this run");
-        swept_column(&format!("nominal_{name}"), &meaning, swept, index, values)
-    };
-    study.swept().iter().enumerate().map(column).collect()
+    }
 }
 
-/// Returns one column for each uncertain parameter, under its own name, with the value of the run.
-pub fn drawn_columns<R: 'static>(
+/// Adds one column for each uncertain parameter, under its own name, with the value of the run.
+pub fn add_drawn<R: 'static>(
+    list: &mut Columns<R>,
     study: &Study,
     values: impl Fn(&R) -> &[f64] + Copy + Send + Sync + 'static,
-) -> Vec<Column<R>> {
-    let column = |(index, drawn): (usize, &VariedParameter)| {
-        let meaning = format!("{} (drawn for this run)", drawn.meaning);
-        Column::number(&drawn.name, drawn.unit, &meaning, move |row| {
-            values(row).get(index).copied()
-        })
-    };
-    study.uncertain().iter().enumerate().map(column).collect()
+) {
+    for (index, drawn) in study.uncertain().iter().enumerate() {
+        list.number(&*drawn.name, drawn.unit, move |row| values(row).get(index).copied())
+            .meaning(format!("{} (drawn for this run)", drawn.meaning));
+    }
 }
 
-fn swept_column<R: 'static>(
+fn add_parameter<'a, R: 'static>(
+    list: &'a mut Columns<R>,
     name: &str,
-    meaning: &str,
     parameter: &VariedParameter,
     index: usize,
     values: impl Fn(&R) -> &[ParameterValue] + Copy + Send + Sync + 'static,
-) -> Column<R> {
+) -> &'a mut Column<R> {
     match parameter.kind {
         ParameterKind::Number => {
-            Column::number(name, parameter.unit, meaning, move |row| match values(row).get(index) {
+            list.number(name, parameter.unit, move |row| match values(row).get(index) {
                 Some(ParameterValue::Number(number)) => Some(*number),
                 _ => None,
             })
         }
-        ParameterKind::Text => {
-            Column::word(name, meaning, move |row| match values(row).get(index) {
-                Some(ParameterValue::Text(text)) => text,
-                _ => "",
-            })
-        }
+        ParameterKind::Text => list.word(name, move |row| match values(row).get(index) {
+            Some(ParameterValue::Text(text)) => *text,
+            _ => "",
+        }),
     }
 }
 
-fn start_columns<R: 'static>(study: &Study, planned: fn(&R) -> &PlannedRun) -> Vec<Column<R>> {
-    let coordinates = study.model().coordinates().into_iter().enumerate();
-    coordinates
-        .map(|(index, Coordinate { name, unit, meaning })| {
-            let name = format!("initial_{name}");
-            Column::number(&name, unit.unwrap_or(NON_DIMENSIONAL), meaning, move |row| {
-                planned(row).start.0.get(index).copied()
-            })
-        })
-        .collect()
-}
-
-/// Returns the final position of each contact: the angle of a ball or the position of a block;
-/// `value` gets the position from a row.
-pub fn position_columns<R: 'static>(
+/// Adds the final position of each contact: the angle of a ball or the position of a block; `value`
+/// gets the positions from a row.
+pub fn add_position<R: 'static>(
+    list: &mut Columns<R>,
     study: &Study,
     meaning: &str,
     value: impl Fn(&R) -> Option<&Vec<f64>> + Copy + Send + Sync + 'static,
-) -> Vec<Column<R>> {
-    let of_contact = move |row: &R, contact: usize| value(row)?.get(contact).copied();
+) {
     if study.model().balls() == 0 {
-        let meaning = "position of the block at the end, from where the spring is free";
-        return vec![Column::number("position_m", "m", meaning, move |row| of_contact(row, 0))];
+        list.number("position_m", "m", move |row| value(row)?.first().copied())
+            .meaning("position of the block at the end, from where the spring is free");
     }
-    let column = |ball: usize| {
-        let name = format!("beta_{}_rad", ball + 1);
-        Column::number(&name, "rad", meaning, move |row| of_contact(row, ball))
-    };
-    (0..study.model().balls()).map(column).collect()
+    for ball in 0..study.model().balls() {
+        list.number(format!("beta_{}_rad", ball + 1), "rad", move |row| {
+            value(row)?.get(ball).copied()
+        })
+        .meaning(meaning);
+    }
 }
 
 /// Returns the columns of `runs.parquet`.
 pub fn run_columns(study: &Study) -> Vec<Column<RunRecord>> {
-    let mut columns = planned_columns::<RunRecord>(study, |row| &row.planned);
-    columns.extend([
-        Column::word("label", "how the run ended", |row: &RunRecord| row.outcome.label().name()),
-        Column::word(
-            "evidence",
-            "evidence for the label, or the kind of \
-             failure",
-            |row: &RunRecord| row.outcome.evidence.name(),
-        ),
-    ]);
-    if study.model().balls() > 0 {
-        columns.push(Column::small_count(
-            "balls_running",
-            "balls that circulate in the ring",
-            |row: &RunRecord| row.outcome.balls_running,
-        ));
+    let balls = study.model().balls();
+    let mut list = Columns::<RunRecord>::new();
+    list.extend(planned_columns(study, |row: &RunRecord| &row.planned));
+    list.word("label", |row| row.outcome.label().name()).meaning("how the run ended");
+    list.word("evidence", |row| row.outcome.evidence.name())
+        .meaning("evidence for the label, or the kind of failure");
+    if balls > 0 {
+        list.small_count("balls_running", |row| row.outcome.balls_running)
+            .meaning("balls that circulate in the ring");
     }
-    columns.extend([
-        Column::number(
-            "time_to_rest_s",
-            "s",
-            "time at which the last ball, or the block, stopped for good; null if it did \
-             not",
-            |row: &RunRecord| row.outcome.time_to_rest_s,
-        ),
-        Column::number(
-            "end_time_s",
-            "s",
-            "simulated time at which the run was stopped",
-            |row: &RunRecord| row.outcome.end_time_s,
-        ),
-        Column::truth(
-            "extended",
-            "whether the run was continued past the study's end time (simulation.extend)",
-            |row: &RunRecord| Some(row.outcome.extended),
-        ),
-    ]);
-    columns.extend(position_columns(
-        study,
-        "angle of the ball from the imbalance at the end, in [0, 2π)",
-        |row: &RunRecord| row.outcome.position.as_ref(),
-    ));
-    columns.extend([
-        Column::number("amplitude_m", "m", amplitude_meaning(study), |row: &RunRecord| {
-            row.outcome.amplitude_m
-        }),
-        Column::number(
-            "friction_margin",
-            "1",
-            "smallest unused fraction of the friction limit at rest; 0 on the boundary of the \
-             equilibrium set, where balls creep",
-            |row: &RunRecord| row.outcome.friction_margin,
-        ),
-        Column::number("period_s", "s", "period of the limit cycle", |row: &RunRecord| {
-            row.outcome.period_s
-        }),
-    ]);
-    columns.extend(cycle_columns(study));
-    for ball in 0..study.model().balls() {
-        columns.push(Column::number(
-            &format!("ball_speed_{}_rad_s", ball + 1),
-            "rad/s",
+    list.number("time_to_rest_s", "s", |row| row.outcome.time_to_rest_s)
+        .meaning("time at which the last ball, or the block, stopped for good; null if it did not");
+    list.number("end_time_s", "s", |row| row.outcome.end_time_s)
+        .meaning("simulated time at which the run was stopped");
+    list.boolean("extended", |row| row.outcome.extended)
+        .meaning("whether the run was continued past the study's end time (simulation.extend)");
+    let meaning = "angle of the ball from the imbalance at the end, in [0, 2π)";
+    add_position(&mut list, study, meaning, |row: &RunRecord| row.outcome.position.as_ref());
+    list.number("amplitude_m", "m", |row| row.outcome.amplitude_m).meaning(match balls {
+        0 => {
+            "half the distance between the extreme positions of the block over the cycle or the \
+             last tenth of the time; 0 at rest"
+        }
+        _ => {
+            "amplitude of the table's vibration: at rest, or the root mean square over the cycle \
+             or the last tenth of the time"
+        }
+    });
+    list.number("friction_margin", "1", |row| row.outcome.friction_margin).meaning(
+        "smallest unused fraction of the friction limit at rest; 0 on the boundary of the \
+         equilibrium set, where balls creep",
+    );
+    list.number("period_s", "s", |row| row.outcome.period_s).meaning("period of the limit cycle");
+    list.text("cycle_class", |RunRecord { planned, outcome, .. }| {
+        let case = planned.case.as_ref().ok()?;
+        Some(CycleClass::of(&case.model, outcome)?.name)
+    })
+    .meaning(class_meaning(balls));
+    list.number("largest_multiplier", "1", |row| {
+        row.outcome.cycle.as_ref()?.multipliers.first().copied()
+    })
+    .meaning(
+        "largest modulus of the Floquet multipliers off the neutral directions, of the limit cycle \
+         or of the unstable orbit near the run",
+    );
+    list.small_count("neutral_directions", |row| {
+        row.outcome.cycle.as_ref().map(|cycle| cycle.neutral_directions)
+    })
+    .meaning(
+        "dimension of the continuous family of the limit cycle, in which resting balls have other \
+         positions",
+    );
+    for ball in 0..balls {
+        list.number(format!("ball_speed_{}_rad_s", ball + 1), "rad/s", move |row| {
+            row.outcome.mean_speed.as_ref()?.get(ball).copied()
+        })
+        .meaning(
             "mean speed of the ball relative to the ring, positive for a growing angle, over the \
              cycle or the last tenth of the time; 0 at rest",
-            move |row: &RunRecord| row.outcome.mean_speed.as_ref()?.get(ball).copied(),
-        ));
+        );
     }
-    if study.model().balls() > 0 {
-        columns.extend(lyapunov_columns());
+    if balls > 0 {
+        add_lyapunov(&mut list);
     }
-    columns.extend([
-        Column::count("steps", "accepted integration steps", |row: &RunRecord| {
-            Some(row.outcome.effort.steps)
-        }),
-        Column::count(
-            "rejected_steps",
-            "integration steps rejected by error control or by event \
-             location",
-            |row: &RunRecord| Some(row.outcome.effort.rejected_steps),
-        ),
-        Column::count(
-            "switches",
-            "changes between stick, transition and slip",
-            |row: &RunRecord| Some(row.outcome.effort.switches),
-        ),
-        Column::text("error", "description of the failure", |row: &RunRecord| {
-            row.outcome.error.clone()
-        }),
-        Column::optional_word(
-            "audit_label",
-            "label of the audit: the run recomputed by the other method with a tenth of both \
-             tolerances; null if the run was not audited",
-            |row: &RunRecord| row.audit.map(|evidence| evidence.label().name()),
-        ),
-        Column::optional_word(
-            "audit_evidence",
-            "evidence for that label, or the kind of failure; null if the run was not audited",
-            |row: &RunRecord| row.audit.map(Evidence::name),
-        ),
-    ]);
-    columns
+    list.count("steps", |row| row.outcome.effort.steps).meaning("accepted integration steps");
+    list.count("rejected_steps", |row| row.outcome.effort.rejected_steps)
+        .meaning("integration steps rejected by error control or by event location");
+    list.count("switches", |row| row.outcome.effort.switches)
+        .meaning("changes between stick, transition and slip");
+    list.text("error", |row| row.outcome.error.clone()).meaning("description of the failure");
+    list.word("audit_label", |row| row.audit.map(|evidence| evidence.label().name())).meaning(
+        "label of the audit: the run recomputed by the other method with a tenth of both \
+         tolerances; null if the run was not audited",
+    );
+    list.word("audit_evidence", |row| row.audit.map(Evidence::name)).meaning(
+        "evidence for that label, or the kind of failure; null if the run was not audited",
+    );
+    list.finish()
 }
 
-/// Columns of the Lyapunov exponent.
-fn lyapunov_columns() -> [Column<RunRecord>; 4] {
-    let column = |name: &str, unit: &str, meaning: &str, value: fn(&LyapunovExponent) -> f64| {
-        Column::number(name, unit, meaning, move |row: &RunRecord| {
-            row.outcome.lyapunov.as_ref().map(value)
-        })
-    };
-    [
-        column(
-            "lyapunov_exponent_per_s",
-            "1/s",
-            "largest finite-time Lyapunov exponent over the window, for runs that still move at \
-             the end time: the mean rate at which neighbouring motions separate",
-            |exponent| exponent.exponent_1_s,
-        ),
-        column(
-            "lyapunov_exponent_low_per_s",
-            "1/s",
-            "lower end of its 95 % confidence interval (Student, from parts of the window)",
-            |exponent| exponent.interval_1_s[0],
-        ),
-        column(
-            "lyapunov_exponent_high_per_s",
-            "1/s",
-            "upper end of its 95 % confidence interval",
-            |exponent| exponent.interval_1_s[1],
-        ),
-        column(
-            "lyapunov_window_s",
-            "s",
-            "length of the window: the last three quarters of the time, or less than half of that \
-             if neighbouring motions only converged",
-            |exponent| exponent.window_s,
-        ),
-    ]
-}
-
-/// Columns of the limit cycle.
-fn cycle_columns(study: &Study) -> [Column<RunRecord>; 3] {
-    [
-        Column::text(
-            "cycle_class",
-            &class_meaning(study.model().balls()),
-            |RunRecord { planned, outcome, .. }: &RunRecord| {
-                let case = planned.case.as_ref().ok()?;
-                Some(CycleClass::of(&case.model, outcome)?.name)
-            },
-        ),
-        Column::number(
-            "largest_multiplier",
-            "1",
-            "largest modulus of the Floquet multipliers off the neutral directions, of the limit \
-             cycle or of the unstable orbit near the run",
-            |row: &RunRecord| row.outcome.cycle.as_ref()?.multipliers.first().copied(),
-        ),
-        Column::small_count(
-            "neutral_directions",
-            "dimension of the continuous family of the limit cycle, in which resting balls have \
-             other positions",
-            |row: &RunRecord| Some(row.outcome.cycle.as_ref()?.neutral_directions),
-        ),
-    ]
-}
-
-fn amplitude_meaning(study: &Study) -> &'static str {
-    if study.model().balls() > 0 {
-        "amplitude of the table's vibration: at rest, or the root mean square over the cycle or \
-         the last tenth of the time"
-    } else {
-        "half the distance between the extreme positions of the block over the cycle or the last \
-         tenth of the time; 0 at rest"
-    }
+/// Adds the columns of the Lyapunov exponent.
+fn add_lyapunov(list: &mut Columns<RunRecord>) {
+    let mut number =
+        |name: &str, unit: &str, value: fn(&LyapunovExponent) -> f64, meaning: &str| {
+            list.number(name, unit, move |row| row.outcome.lyapunov.as_ref().map(value))
+                .meaning(meaning);
+        };
+    number(
+        "lyapunov_exponent_per_s",
+        "1/s",
+        |exponent| exponent.exponent_1_s,
+        "largest finite-time Lyapunov exponent over the window, for runs that still move at the \
+         end time: the mean rate at which neighbouring motions separate",
+    );
+    number(
+        "lyapunov_exponent_low_per_s",
+        "1/s",
+        |exponent| exponent.interval_1_s[0],
+        "lower end of its 95 % confidence interval (Student, from parts of the window)",
+    );
+    number(
+        "lyapunov_exponent_high_per_s",
+        "1/s",
+        |exponent| exponent.interval_1_s[1],
+        "upper end of its 95 % confidence interval",
+    );
+    number(
+        "lyapunov_window_s",
+        "s",
+        |exponent| exponent.window_s,
+        "length of the window: the last three quarters of the time, or less than half of that if \
+         neighbouring motions only converged",
+    );
 }
 
 /// Returns the meaning of the text of a class.

@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Component, Path, PathBuf};
 
-use super::file_entry::FileEntry;
+use super::file_entry::{FileEntry, short_hash};
 use super::table_error::TableError;
 use crate::sanitize::is_acted_on;
 use crate::tabular::Fault;
@@ -19,7 +19,7 @@ pub(super) fn is_file_name(name: &str) -> bool {
 
 /// The files of a directory, as listed in it.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Listed<'a> {
+pub(super) struct ListedFiles<'a> {
     /// The directory.
     pub directory: &'a Path,
     /// The file name of the list.
@@ -30,7 +30,7 @@ pub(super) struct Listed<'a> {
     pub remedy: &'a str,
 }
 
-impl<'a> Listed<'a> {
+impl<'a> ListedFiles<'a> {
     /// Returns the entries of a table by its name without `.parquet`: its file, or its parts in order.
     pub fn of_table(self, name: &str) -> impl Iterator<Item = (&'a str, &'a FileEntry)> {
         let file = format!("{name}.parquet");
@@ -51,7 +51,7 @@ impl<'a> Listed<'a> {
             let FileEntry { bytes, sha256, .. } = expected;
             let allowed = format!(
                 "{bytes} bytes with SHA-256 {}..., as listed in {}; {}",
-                sha256.chars().take(12).collect::<String>(),
+                short_hash(sha256),
                 self.list,
                 self.remedy
             );
@@ -72,15 +72,9 @@ impl<'a> Listed<'a> {
             true => Ok(path),
             false => Err(changed(format!(
                 "other content, with SHA-256 {}...",
-                content.sha256.chars().take(12).collect::<String>()
+                short_hash(&content.sha256)
             ))),
         }
-    }
-
-    /// Checks all files of the list.
-    #[cfg(test)]
-    pub fn check_all(self) -> Result<(), TableError> {
-        self.files.iter().try_for_each(|(name, entry)| self.check(name, entry).map(drop))
     }
 
     /// Checks all files of a table and returns their paths and numbers of rows.

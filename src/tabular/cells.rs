@@ -166,7 +166,7 @@ fn cells(column: &ArrayRef) -> Option<Vec<Cell>> {
         Values::Text(values) => {
             all(values, |text| if text.is_empty() { Cell::Empty } else { Cell::Text(text) })
         }
-        Values::Truth(_) | Values::Numbers(_) => return None,
+        Values::Boolean(_) | Values::Numbers(_) => return None,
     })
 }
 

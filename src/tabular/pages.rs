@@ -22,8 +22,8 @@ use super::unpack::unpack;
 /// The least number of bytes that a page is charged.
 const LEAST_PAGE_BYTES: u64 = 1024;
 /// The largest mean length of the lists in a row group, and the largest total length.
-const MAX_LIST: i64 = 1024;
-const MAX_IN_LISTS: i64 = 1 << 24;
+const MAX_LIST_LENGTH: i64 = 1024;
+const MAX_LIST_VALUES: i64 = 1 << 24;
 
 /// The pages of a column in all row groups.
 pub(super) struct Chunks {
@@ -52,9 +52,11 @@ impl Iterator for Chunks {
                 compression: chunk.compression(),
                 rows,
                 // A list has any number of values; an empty list counts as one.
-                most: match column.max_rep_level() {
+                max_values: match column.max_rep_level() {
                     0 => rows,
-                    _ => rows.saturating_mul(MAX_LIST).min(rows.saturating_add(MAX_IN_LISTS)),
+                    _ => rows
+                        .saturating_mul(MAX_LIST_LENGTH)
+                        .min(rows.saturating_add(MAX_LIST_VALUES)),
                 },
                 column,
                 values: 0,
@@ -75,14 +77,14 @@ struct Pages {
     column: ColumnDescPtr,
     /// The number of rows, and the largest number of values.
     rows: i64,
-    most: i64,
+    max_values: i64,
     /// The number of values so far, and whether a dictionary page has been read.
     values: i64,
     dictionary: bool,
     peeked: Option<Page>,
 }
 
-fn unless(holds: bool, found: &str) -> Result<(), Fault> {
+fn ensure(holds: bool, found: &str) -> Result<(), Fault> {
     if holds { Ok(()) } else { Err(Fault::damaged(found)) }
 }
 
@@ -90,10 +92,10 @@ impl Pages {
     /// Decompresses and checks a page; `None` is the end of the column.
     fn check(&mut self, mut page: Option<Page>) -> Result<Option<Page>, Fault> {
         match &mut page {
-            None => unless(self.values >= self.rows, "fewer values than rows")?,
+            None => ensure(self.values >= self.rows, "fewer values than rows")?,
             Some(Page::DictionaryPage { buf, num_values, encoding, .. }) => {
                 self.unpack(buf, 0, true)?;
-                let begins = !self.dictionary && self.values == 0;
+                let is_first = !self.dictionary && self.values == 0;
                 self.dictionary = true;
                 // The length of a text takes four bytes.
                 let least = match self.column.physical_type() {
@@ -105,9 +107,9 @@ impl Pages {
                 let bytes = (*num_values as usize).checked_mul(least);
                 let fits = bytes.is_some_and(|bytes| bytes <= buf.len());
                 let known = matches!(encoding, Encoding::PLAIN | Encoding::PLAIN_DICTIONARY);
-                unless(begins, "a dictionary that is not the first page of its column")?;
-                unless(fits, "a dictionary of more values than its page can hold")?;
-                unless(known, "a dictionary in an unknown encoding")?;
+                ensure(is_first, "a dictionary that is not the first page of its column")?;
+                ensure(fits, "a dictionary of more values than its page can hold")?;
+                ensure(known, "a dictionary in an unknown encoding")?;
                 self.check_values(buf, 0, Encoding::PLAIN, *num_values)?;
             }
             Some(Page::DataPage { buf, num_values, encoding, .. }) => {
@@ -138,7 +140,7 @@ impl Pages {
         }
         if let Some(page) = page.as_ref().filter(|page| page.is_data_page()) {
             self.values = self.values.saturating_add(i64::from(page.num_values()));
-            unless(self.values <= self.most, "more values than rows")?;
+            ensure(self.values <= self.max_values, "more values than rows")?;
         }
         Ok(page)
     }
@@ -151,7 +153,7 @@ impl Pages {
             unpack(&bytes[levels..], self.compression, &mut unpacked)?;
             *bytes = unpacked.into();
         }
-        self.source.pay((bytes.len() as u64).max(LEAST_PAGE_BYTES))
+        self.source.charge((bytes.len() as u64).max(LEAST_PAGE_BYTES))
     }
 
     /// Checks the values of a page, which follow its levels.
@@ -165,7 +167,7 @@ impl Pages {
         let values = bytes.get(levels..);
         let values = values.ok_or_else(|| Fault::damaged("a truncated page"))?;
         let coded = matches!(encoding, Encoding::PLAIN_DICTIONARY | Encoding::RLE_DICTIONARY);
-        unless(!coded || self.dictionary, "values of a missing dictionary")?;
+        ensure(!coded || self.dictionary, "values of a missing dictionary")?;
         match (self.column.physical_type(), encoding) {
             (Type::BYTE_ARRAY, _) | (Type::FIXED_LEN_BYTE_ARRAY, Encoding::DELTA_BYTE_ARRAY) => {
                 check_texts(encoding, values, most as usize)
@@ -189,7 +191,7 @@ impl PageReader for Pages {
             return Ok(Some(page));
         }
         let page = self.packed.get_next_page()?;
-        self.check(page).map_err(|fault| self.source.refuse(fault))
+        self.check(page).map_err(|fault| self.source.store(fault))
     }
 
     fn peek_next_page(&mut self) -> ParquetResult<Option<PageMetadata>> {

@@ -42,7 +42,7 @@ pub(crate) struct ParquetFile {
 }
 
 /// Converts an error of the Parquet library into a fault.
-fn said<T>(result: Result<ParquetResult<T>, Fault>) -> Result<T, Fault> {
+fn library_result<T>(result: Result<ParquetResult<T>, Fault>) -> Result<T, Fault> {
     result?.map_err(|error| Fault::damaged(&error.to_string()))
 }
 
@@ -85,15 +85,15 @@ impl ParquetFile {
     /// # Errors
     /// Returns an error if the stored types cannot be read.
     pub fn written_schema(&self) -> Result<SchemaRef, Fault> {
-        arrow_schema(&self.source.metadata, self.pairs())
+        arrow_schema(&self.source.metadata, self.key_values())
     }
 
     /// Returns the file's metadata under a key.
-    pub fn said(&self, key: &str) -> Option<&str> {
-        self.pairs()?.iter().find(|pair| pair.key == key)?.value.as_deref()
+    pub fn metadata(&self, key: &str) -> Option<&str> {
+        self.key_values()?.iter().find(|pair| pair.key == key)?.value.as_deref()
     }
 
-    fn pairs(&self) -> Option<&Vec<KeyValue>> {
+    fn key_values(&self) -> Option<&Vec<KeyValue>> {
         self.source.metadata.file_metadata().key_value_metadata()
     }
 
@@ -132,7 +132,7 @@ impl ParquetFile {
             return Err(wrong_type(kind));
         }
         let values = rows.saturating_mul(columns.len() as u64);
-        self.source.allow(values.saturating_mul(UNPACKED_PER_VALUE).saturating_add(UNPACKED));
+        self.source.set_budget(values.saturating_mul(UNPACKED_PER_VALUE).saturating_add(UNPACKED));
         let mask = ProjectionMask::roots(described, columns.iter().copied());
         let open = || {
             let levels = parquet_to_arrow_field_levels(described, mask, Some(types.fields()))?;
@@ -142,17 +142,17 @@ impl ParquetFile {
             ParquetRecordBatchReader::try_new_with_row_groups(&levels, &groups, BATCH, one)
         };
         let reader = guarded(open)?.map_err(|error| self.source.fault(&error.to_string()))?;
-        let (source, left) = (Arc::clone(&self.source), row.map_or(rows, |_| 1));
-        Ok(Batches { source, reader: Some(reader), left })
+        let (source, rows_left) = (Arc::clone(&self.source), row.map_or(rows, |_| 1));
+        Ok(Batches { source, reader: Some(reader), rows_left })
     }
 }
 
 fn arrow_schema(
     metadata: &ParquetMetaData,
-    pairs: Option<&Vec<KeyValue>>,
+    key_values: Option<&Vec<KeyValue>>,
 ) -> Result<SchemaRef, Fault> {
     let columns = metadata.file_metadata().schema_descr();
-    said(guarded(|| parquet_to_arrow_schema(columns, pairs))).map(Arc::new)
+    library_result(guarded(|| parquet_to_arrow_schema(columns, key_values))).map(Arc::new)
 }
 
 /// Returns the fault of a column with an unsupported type.
@@ -188,7 +188,7 @@ pub(crate) struct Batches {
     /// `None` after the end and after a fault.
     reader: Option<ParquetRecordBatchReader>,
     /// The number of rows still to be read.
-    left: u64,
+    rows_left: u64,
 }
 
 impl Batches {
@@ -197,8 +197,8 @@ impl Batches {
         let batch = guarded(|| reader.next())?.transpose();
         let batch = batch.map_err(|error| self.source.fault(&error.to_string()))?;
         let rows = batch.as_ref().map_or(0, |batch| batch.num_rows() as u64);
-        let left = self.left.checked_sub(rows).filter(|left| batch.is_some() || *left == 0);
-        self.left = left.ok_or_else(|| {
+        let left = self.rows_left.checked_sub(rows).filter(|left| batch.is_some() || *left == 0);
+        self.rows_left = left.ok_or_else(|| {
             Fault::damaged("a number of values that differs from the number of rows")
         })?;
         self.reader = batch.is_some().then_some(reader);

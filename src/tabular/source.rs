@@ -78,8 +78,8 @@ pub(super) struct Source {
     place: Place,
     /// The decoded footer.
     pub metadata: ParquetMetaData,
-    /// The remaining decompressed size that its pages may have, bytes.
-    left: Mutex<u64>,
+    /// The decompressed size that further pages may have, bytes.
+    budget: Mutex<u64>,
     /// The first fault; the library reports errors only as text.
     fault: Mutex<Option<Fault>>,
 }
@@ -96,37 +96,37 @@ impl Source {
     /// Returns an error if the footer is missing, too large or damaged, or if columns are nested too deeply.
     pub fn new(place: Place) -> Result<Source, Fault> {
         let metadata = place.footer()?;
-        Ok(Source { place, metadata, left: Mutex::new(0), fault: Mutex::new(None) })
+        Ok(Source { place, metadata, budget: Mutex::new(0), fault: Mutex::new(None) })
     }
 
     /// Sets the decompressed size that the pages may have in total from now on, bytes.
-    pub fn allow(&self, bytes: u64) {
-        *locked(&self.left) = bytes;
+    pub fn set_budget(&self, bytes: u64) {
+        *locked(&self.budget) = bytes;
     }
 
-    /// Subtracts the size of a page from the remaining size.
+    /// Subtracts the size of a page from the budget.
     ///
     /// # Errors
     /// Returns an error if the pages exceed the allowed size.
-    pub fn pay(&self, bytes: u64) -> Result<(), Fault> {
-        let mut left = locked(&self.left);
+    pub fn charge(&self, bytes: u64) -> Result<(), Fault> {
+        let mut budget = locked(&self.budget);
         let allowed = "the size that this number of rows and columns needs";
         let too_large =
             || Fault::new("the file is too large when decompressed", "larger pages", allowed);
-        *left = left.checked_sub(bytes).ok_or_else(too_large)?;
+        *budget = budget.checked_sub(bytes).ok_or_else(too_large)?;
         Ok(())
     }
 
     /// Stores a fault and returns the library's error with its text.
-    pub fn refuse(&self, fault: Fault) -> ParquetError {
+    pub fn store(&self, fault: Fault) -> ParquetError {
         let text = ParquetError::General(fault.problem.clone());
         *locked(&self.fault) = Some(fault);
         text
     }
 
-    /// Returns the stored fault, or one with the library's text `said` if none is stored.
-    pub fn fault(&self, said: &str) -> Fault {
-        locked(&self.fault).take().unwrap_or_else(|| Fault::damaged(said))
+    /// Returns the stored fault, or one with the library's message if none is stored.
+    pub fn fault(&self, message: &str) -> Fault {
+        locked(&self.fault).take().unwrap_or_else(|| Fault::damaged(message))
     }
 }
 
@@ -143,7 +143,7 @@ impl ChunkReader for Source {
     fn get_read(&self, start: u64) -> ParquetResult<Self::T> {
         let rest = self.len().saturating_sub(start).min(MAX_HEADER_BYTES);
         let bytes = self.get_bytes(start, usize::try_from(rest).unwrap_or(0))?;
-        let length = thrift::page_header(&bytes).map_err(|fault| self.refuse(fault))?;
+        let length = thrift::page_header(&bytes).map_err(|fault| self.store(fault))?;
         Ok(Cursor::new(bytes.slice(..length)))
     }
 
@@ -151,8 +151,8 @@ impl ChunkReader for Source {
         if length > MAX_PAGE_BYTES {
             let found = format!("a page of {length} bytes");
             let allowed = format!("pages of at most {MAX_PAGE_BYTES} bytes");
-            return Err(self.refuse(Fault::new("the file is too large", found, allowed)));
+            return Err(self.store(Fault::new("the file is too large", found, allowed)));
         }
-        self.place.read(start, length).map_err(|fault| self.refuse(fault))
+        self.place.read(start, length).map_err(|fault| self.store(fault))
     }
 }

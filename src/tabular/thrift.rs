@@ -1,10 +1,12 @@
 //! Checks the structure of Parquet footers and page headers, which use Thrift's compact protocol.
 //!
-//! The Parquet library (60.1) allocates memory for as many columns as a group announces (up to 2^31), recurses at each level
-//! of nested columns, and iterates over lists of Boolean values, which take no bytes. A footer of a hundred bytes can thus
-//! abort the process or occupy it for hours. The library also decodes a known field with its expected type even if the file
-//! gives another one. The structures accepted here have only one reading and are read in time and memory proportional to
-//! their length.
+//! The Parquet library (60.1) trusts footers in four ways. It allocates memory for as many columns as a group announces, up
+//! to 2^31. It recurses at each level of nested columns. It skips lists of Boolean values, which take no bytes, one by one.
+//! Decoded values take many times as much memory as their bytes. A footer of a hundred bytes can thus
+//! abort the process or occupy it for hours.
+//!
+//! These checks need the type of every known field, because the library decodes a known field with its expected type even if
+//! the file states another one: a schema could otherwise be hidden in a text, where only the library finds it.
 //!
 //! Sources: Apache Thrift, `doc/specs/thrift-compact-protocol.md`; Apache Parquet, `parquet.thrift` of format 2.12.
 
@@ -15,14 +17,13 @@ const MAX_DEPTH: usize = 12;
 const MAX_COLUMN_DEPTH: usize = 3;
 /// The largest number of columns in a group.
 const MAX_COLUMNS: i64 = 100_000;
-/// The largest number of values in a footer, and in the header of a page.
-const MAX_FOOTER_VALUES: usize = 1_000_000;
-const MAX_HEADER_VALUES: usize = 1000;
+/// The largest number of values in a footer or in the header of a page.
+const MAX_VALUES: usize = 1_000_000;
 
 /// The expected type of a value.
 #[derive(Clone, Copy)]
 enum Shape {
-    Truth,
+    Boolean,
     /// The number of columns in a group, a 32-bit integer.
     Children,
     /// A value of this Thrift type that is neither Boolean, nor a list, nor a struct.
@@ -32,7 +33,7 @@ enum Shape {
     Struct(&'static [(i16, Shape)]),
 }
 
-use Shape::{Children, List, Of, Struct, Truth};
+use Shape::{Boolean, Children, List, Of, Struct};
 
 const BYTE: Shape = Of(3);
 const SHORT: Shape = Of(4);
@@ -45,14 +46,14 @@ const STRUCT: u8 = 12;
 
 #[rustfmt::skip]
 mod shapes {
-    use super::{BINARY, BYTE, Children, DOUBLE, INT, LONG, List, SHORT, Shape, Struct, Truth};
+    use super::{BINARY, BYTE, Children, DOUBLE, INT, LONG, List, SHORT, Shape, Struct, Boolean};
 
     const EMPTY: Shape = Struct(&[]);
     const UNIT: Shape = Struct(&[(1, EMPTY), (2, EMPTY), (3, EMPTY)]);
-    const TIME: Shape = Struct(&[(1, Truth), (2, UNIT)]);
+    const TIME: Shape = Struct(&[(1, Boolean), (2, UNIT)]);
     const LOGICAL_TYPE: Shape = Struct(&[
         (1, EMPTY), (2, EMPTY), (3, EMPTY), (4, EMPTY), (5, Struct(&[(1, INT), (2, INT)])), (6, EMPTY),
-        (7, TIME), (8, TIME), (10, Struct(&[(1, BYTE), (2, Truth)])), (11, EMPTY), (12, EMPTY), (13, EMPTY),
+        (7, TIME), (8, TIME), (10, Struct(&[(1, BYTE), (2, Boolean)])), (11, EMPTY), (12, EMPTY), (13, EMPTY),
         (14, EMPTY), (15, EMPTY), (16, Struct(&[(1, BYTE)])), (17, Struct(&[(1, BINARY)])),
         (18, Struct(&[(1, BINARY), (2, INT)])),
     ]);
@@ -62,7 +63,7 @@ mod shapes {
     ]);
     const KEY_VALUE: Shape = Struct(&[(1, BINARY), (2, BINARY)]);
     const STATISTICS: Shape = Struct(&[
-        (1, BINARY), (2, BINARY), (3, LONG), (4, LONG), (5, BINARY), (6, BINARY), (7, Truth), (8, Truth),
+        (1, BINARY), (2, BINARY), (3, LONG), (4, LONG), (5, BINARY), (6, BINARY), (7, Boolean), (8, Boolean),
         (9, LONG),
     ]);
     const BOX: Shape = Struct(&[
@@ -79,7 +80,7 @@ mod shapes {
         (1, BINARY), (2, LONG), (3, COLUMN), (4, LONG), (5, INT), (6, LONG), (7, INT), (8, EMPTY), (9, BINARY),
     ]);
     const ROW_GROUP: Shape = Struct(&[
-        (1, List(&COLUMN_CHUNK)), (2, LONG), (3, LONG), (4, List(&Struct(&[(1, INT), (2, Truth), (3, Truth)]))),
+        (1, List(&COLUMN_CHUNK)), (2, LONG), (3, LONG), (4, List(&Struct(&[(1, INT), (2, Boolean), (3, Boolean)]))),
         (5, LONG), (6, LONG), (7, SHORT),
     ]);
     pub const FOOTER: Shape = Struct(&[
@@ -90,8 +91,8 @@ mod shapes {
         (1, INT), (2, INT), (3, INT), (4, INT),
         (5, Struct(&[(1, INT), (2, INT), (3, INT), (4, INT)])),
         (6, EMPTY),
-        (7, Struct(&[(1, INT), (2, INT), (3, Truth)])),
-        (8, Struct(&[(1, INT), (2, INT), (3, INT), (4, INT), (5, INT), (6, INT), (7, Truth)])),
+        (7, Struct(&[(1, INT), (2, INT), (3, Boolean)])),
+        (8, Struct(&[(1, INT), (2, INT), (3, INT), (4, INT), (5, INT), (6, INT), (7, Boolean)])),
     ]);
 }
 
@@ -102,7 +103,7 @@ use shapes::{FOOTER, PAGE_HEADER};
 /// # Errors
 /// Returns an error if the footer is ambiguous, damaged or too long, or if columns are nested too deeply.
 pub(super) fn check_footer(bytes: &[u8]) -> Result<(), Fault> {
-    let mut reader = Reader { bytes, left: MAX_FOOTER_VALUES, open: Vec::new(), too_deep: false };
+    let mut reader = Reader::new(bytes);
     match reader.value(STRUCT, Some(FOOTER), MAX_DEPTH) {
         Some(_) => Ok(()),
         None if reader.too_deep => {
@@ -118,7 +119,7 @@ pub(super) fn check_footer(bytes: &[u8]) -> Result<(), Fault> {
 /// # Errors
 /// Returns an error if the header is missing, damaged or ambiguous.
 pub(super) fn page_header(bytes: &[u8]) -> Result<usize, Fault> {
-    let mut reader = Reader { bytes, left: MAX_HEADER_VALUES, open: Vec::new(), too_deep: false };
+    let mut reader = Reader::new(bytes);
     let read = reader.value(STRUCT, Some(PAGE_HEADER), MAX_DEPTH);
     read.map(|_| bytes.len() - reader.bytes.len())
         .ok_or_else(|| Fault::damaged("a page without a readable header"))
@@ -127,20 +128,24 @@ pub(super) fn page_header(bytes: &[u8]) -> Result<usize, Fault> {
 struct Reader<'a> {
     /// The bytes still to be read, and the largest number of values in them.
     bytes: &'a [u8],
-    left: usize,
+    values_left: usize,
     /// The number of columns still missing in each open group of columns.
-    open: Vec<i64>,
+    open_groups: Vec<i64>,
     too_deep: bool,
 }
 
-impl Reader<'_> {
+impl<'a> Reader<'a> {
+    fn new(bytes: &'a [u8]) -> Self {
+        Reader { bytes, values_left: MAX_VALUES, open_groups: Vec::new(), too_deep: false }
+    }
+
     /// Reads a value of this type and shape. Returns its number, or 0 if it is not an integer.
     fn value(&mut self, kind: u8, shape: Option<Shape>, depth: usize) -> Option<i64> {
-        self.left = self.left.checked_sub(1)?;
+        self.values_left = self.values_left.checked_sub(1)?;
         let depth = depth.checked_sub(1)?;
         let fits = match shape {
             None => true,
-            Some(Truth) => matches!(kind, 1 | 2),
+            Some(Boolean) => matches!(kind, 1 | 2),
             Some(Children) => kind == 5,
             Some(Of(wanted)) => kind == wanted,
             Some(List(_)) => kind == LIST,
@@ -203,16 +208,16 @@ impl Reader<'_> {
 
     /// Counts an element of the schema; each element precedes its children.
     fn column(&mut self, children: i64) -> Option<i64> {
-        if let Some(left) = self.open.last_mut() {
+        if let Some(left) = self.open_groups.last_mut() {
             *left -= 1;
         }
-        self.too_deep = children > 0 && self.open.len() >= MAX_COLUMN_DEPTH;
+        self.too_deep = children > 0 && self.open_groups.len() >= MAX_COLUMN_DEPTH;
         if self.too_deep || !(0..=MAX_COLUMNS).contains(&children) {
             return None;
         }
-        self.open.push(children);
-        while self.open.last() == Some(&0) {
-            self.open.pop();
+        self.open_groups.push(children);
+        while self.open_groups.last() == Some(&0) {
+            self.open_groups.pop();
         }
         Some(0)
     }

@@ -20,7 +20,7 @@ pub enum Kind {
     /// Signed whole numbers.
     Integer,
     /// Boolean values.
-    Truth,
+    Boolean,
     /// Text, such as labels.
     Text,
     /// Lists of numbers.
@@ -34,7 +34,7 @@ impl Kind {
             Kind::Number => "numbers",
             Kind::Count => "whole numbers from 0",
             Kind::Integer => "whole numbers with a sign",
-            Kind::Truth => "Boolean values",
+            Kind::Boolean => "Boolean values",
             Kind::Text => "text",
             Kind::Numbers => "lists of numbers",
         }
@@ -46,7 +46,7 @@ impl Kind {
             kind if kind.is_signed_integer() => Kind::Integer,
             kind if kind.is_unsigned_integer() => Kind::Count,
             kind if kind.is_floating() || kind.is_decimal() => Kind::Number,
-            DataType::Boolean => Kind::Truth,
+            DataType::Boolean => Kind::Boolean,
             DataType::Utf8 | DataType::LargeUtf8 | DataType::Utf8View => Kind::Text,
             DataType::Dictionary(_, values) => Kind::of(values)?,
             DataType::List(values) if *values.data_type() == DataType::Float64 => Kind::Numbers,
@@ -65,7 +65,7 @@ pub enum Values {
     /// Signed whole numbers.
     Integer(Vec<Option<i64>>),
     /// Boolean values.
-    Truth(Vec<Option<bool>>),
+    Boolean(Vec<Option<bool>>),
     /// Text, such as labels.
     Text(Vec<Option<String>>),
     /// Lists of numbers.
@@ -79,7 +79,7 @@ impl Values {
             Values::Number(_) => Kind::Number,
             Values::Count(_) => Kind::Count,
             Values::Integer(_) => Kind::Integer,
-            Values::Truth(_) => Kind::Truth,
+            Values::Boolean(_) => Kind::Boolean,
             Values::Text(_) => Kind::Text,
             Values::Numbers(_) => Kind::Numbers,
         }
@@ -120,7 +120,7 @@ impl Values {
             DataType::Decimal64(_, scale) => decimal::<Decimal64Type>(column, *scale)?,
             DataType::Decimal128(_, scale) => decimal::<Decimal128Type>(column, *scale)?,
             DataType::Decimal256(_, scale) => decimal::<Decimal256Type>(column, *scale)?,
-            DataType::Boolean => Values::Truth(column.as_boolean_opt()?.iter().collect()),
+            DataType::Boolean => Values::Boolean(column.as_boolean_opt()?.iter().collect()),
             DataType::Utf8 => {
                 Values::Text(column.as_string_opt::<i32>()?.iter().map(text).collect())
             }

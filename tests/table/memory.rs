@@ -1,14 +1,18 @@
 //! Tables in memory equal the tables in files.
 
 use std::fs;
+use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
+use arrow::array::{AsArray, StringArray};
+use arrow::datatypes::{Int32Type, UInt64Type};
 use arrow::error::ArrowError;
 use stickslip::analysis::PointDetail;
 use stickslip::engine::{EngineOptions, Progress, Sink, run_study};
 use stickslip::study::Study;
+use stickslip::table::column::Columns;
 use stickslip::table::{
-    MemoryResults, MemoryTable, PointRow, RunRecord, TABLES, Table, manifest_of,
+    MemoryResults, MemoryTable, PointRow, RunRecord, TABLES, Table, in_memory, manifest_of,
 };
 
 use crate::cli::support::{Scratch, study_text};
@@ -81,4 +85,36 @@ fn what_is_computed_is_what_is_written() {
         }
     }
     assert!(refused > 5, "{refused}");
+}
+
+/// Rows per batch.
+const BATCH: u64 = 65_536;
+
+/// All batches have one dictionary for their words.
+#[test]
+fn rows_keep_their_order_over_batches() {
+    for rows in [0, 1, BATCH, 2 * BATCH + 5] {
+        let word = |row: &u64| if *row < 5000 { "early" } else { "late" };
+        let mut list = Columns::<u64>::new();
+        list.count("row", |row| *row).meaning("number of the row");
+        list.word("when", word).meaning("early or late");
+        let table = in_memory(list.finish(), "here".to_owned(), 0..rows).unwrap();
+        assert_eq!(table.rows() as u64, rows);
+        assert_eq!(table.batches().len() as u64, rows.div_ceil(BATCH));
+        assert_eq!(table.schema().metadata()["stickslip"], "here");
+        let numbers = table.batches().iter().flat_map(|batch| {
+            assert_eq!(batch.schema(), *table.schema());
+            let words = batch.column(1).as_dictionary::<Int32Type>();
+            let first = table.batches()[0].column(1).as_dictionary::<Int32Type>();
+            assert!(Arc::ptr_eq(words.values(), first.values()));
+            assert!(words.values().len() <= 2);
+            let words = words.downcast_dict::<StringArray>().unwrap();
+            let numbers = batch.column(0).as_primitive::<UInt64Type>();
+            for (number, found) in numbers.values().iter().zip(words) {
+                assert_eq!(found, Some(word(number)));
+            }
+            numbers.values().to_vec()
+        });
+        assert!(numbers.eq(0..rows));
+    }
 }

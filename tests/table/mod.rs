@@ -1,10 +1,15 @@
 //! The tables from the reader's point of view.
 
+mod atomic_files;
+mod cell;
 mod contract;
 mod cycles;
+mod file_list;
 mod intervals;
 mod memory;
 mod parts;
 mod preferred;
+mod previous_results;
 mod provenance;
 mod read;
+mod writer;

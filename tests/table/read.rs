@@ -5,7 +5,7 @@ use std::fs;
 use std::path::Path;
 
 use serde_json::json;
-use stickslip::table::column::Column;
+use stickslip::table::column::{Column, Columns};
 use stickslip::table::{
     FORMAT, FileEntry, Kind, Manifest, Table, TableError, TableWriter, Values, manifest_of,
 };
@@ -31,16 +31,16 @@ fn list(n: u64) -> Option<Vec<f64>> {
 const WORDS: [&str; 3] = ["coulomb", "stribeck", "Reibung ü"];
 
 fn columns() -> Vec<Column<u64>> {
-    vec![
-        Column::number("number", "m", "", |n: &u64| number(*n)),
-        Column::count("count", "", |n: &u64| there(*n).map(|n| u64::MAX - n)),
-        Column::small_count("small_count", "", |n: &u64| there(*n).map(|n| (n % 256) as u8)),
-        Column::integer("integer", "", |n: &u64| there(*n).map(|n| 5 - n as i32)),
-        Column::truth("truth", "", |n: &u64| there(*n).map(|n| n % 3 == 0)),
-        Column::optional_word("word", "", |n: &u64| there(*n).map(|n| WORDS[n as usize % 3])),
-        Column::text("text", "", |n: &u64| there(*n).map(|n| format!("run {n}"))),
-        Column::numbers("list", "rad", "", |n: &u64| list(*n)),
-    ]
+    let mut list = Columns::<u64>::new();
+    list.number("number", "m", |n| number(*n));
+    list.count("count", |n| there(*n).map(|n| u64::MAX - n));
+    list.small_count("small_count", |n| there(*n).map(|n| (n % 256) as u8));
+    list.integer("integer", |n| there(*n).map(|n| 5 - n as i32));
+    list.boolean("truth", |n| there(*n).map(|n| n % 3 == 0));
+    list.word("word", |n| there(*n).map(|n| WORDS[n as usize % 3]));
+    list.text("text", |n| there(*n).map(|n| format!("run {n}")));
+    list.numbers("list", "rad", |n| self::list(*n));
+    list.finish()
 }
 
 fn all_kinds() -> [(&'static str, Kind); 8] {
@@ -49,7 +49,7 @@ fn all_kinds() -> [(&'static str, Kind); 8] {
         ("count", Kind::Count),
         ("small_count", Kind::Count),
         ("integer", Kind::Integer),
-        ("truth", Kind::Truth),
+        ("truth", Kind::Boolean),
         ("word", Kind::Text),
         ("text", Kind::Text),
         ("list", Kind::Numbers),

@@ -128,23 +128,4 @@ mod tests {
         assert_eq!(again, [deep.as_path()]);
         assert_eq!(synced(|mut sync| make_with(&deep, &mut sync)), [top.join("a/b")]);
     }
-
-    #[cfg(unix)]
-    #[test]
-    fn a_link_is_no_directory_inside() {
-        let scratch = tempdir().unwrap();
-        let (elsewhere, link) = (scratch.path().join("elsewhere"), scratch.path().join("link"));
-        for there in [false, true] {
-            if there {
-                fs::create_dir(&elsewhere).unwrap();
-                fs::remove_file(&link).unwrap();
-            }
-            std::os::unix::fs::symlink(&elsewhere, &link).unwrap();
-            let error = make_inside(&link).unwrap_err().to_string();
-            assert_eq!(error, "link is a link to somewhere else");
-            assert_eq!(elsewhere.exists(), there);
-        }
-        // The user may name a link as the output directory.
-        make_directory(&link).unwrap();
-    }
 }

@@ -5,11 +5,11 @@ use std::fs;
 use std::io;
 use std::path::{Component, Path, PathBuf};
 
-use super::file_entry::{FileEntry, read_regular};
+use super::atomic_files::final_name;
+use super::file_entry::{FileEntry, read_regular, short_hash};
 use super::manifest::{MANIFEST, Manifest};
 use super::provenance::{FORMAT, VERSION};
 use super::results::{DATA_FILES, ResultsError, STUDY};
-use super::temporary::will_become;
 use crate::classification::MODEL_VERSION;
 use crate::sanitize::one_line;
 use crate::study::Study;
@@ -19,20 +19,20 @@ const LONGEST_FOUND: usize = 400;
 
 /// The state of an output directory before a run.
 #[derive(Debug)]
-pub enum Destination {
+pub enum OutputState {
     /// Contains nothing that would be replaced: the study can run.
-    Free,
+    Unused,
     /// Contains result files without a manifest, which do not name their study.
-    Loose,
+    WithoutManifest,
     /// Contains incomplete results of this study and shard, which can be resumed.
-    Begun(Box<Manifest>),
+    Incomplete(Box<Manifest>),
     /// Contains all results of this study and shard.
     Complete(Box<Manifest>),
     /// Contains results of this study and shard whose files differ from the manifest, with a
     /// description of the difference.
     Changed(Box<Manifest>, String),
     /// Contains results of another study, or of this study by another version of the program.
-    Another(Box<Manifest>),
+    OtherStudy(Box<Manifest>),
 }
 
 /// Reads the manifest of an output directory, if there is one.
@@ -65,49 +65,47 @@ pub fn inspect(
     study: &Study,
     shard: &str,
     ours: &[&str],
-) -> Result<Destination, ResultsError> {
+) -> Result<OutputState, ResultsError> {
     check_path(directory)?;
     let unusable = |cause| ResultsError::Unusable { path: directory.to_owned(), cause };
     let Some(manifest) = manifest_of(directory)? else {
         return without_manifest(directory, study, ours);
     };
-    let another = |manifest: &Manifest| {
-        format!(
-            "study {}, hash {}, shard {} (this one: {}, hash {}, shard {shard})",
-            manifest.study,
-            &manifest.study_hash.chars().take(12).collect::<String>(),
-            manifest.shard,
-            study.name(),
-            &study.hash()[..12],
-        )
-    };
     if manifest.shard != shard {
         let reason = "this directory holds the results of another shard";
-        return Err(occupied(directory, reason, &another(&manifest)));
+        let found = format!(
+            "study {}, hash {}, shard {} (this one: {}, hash {}, shard {shard})",
+            manifest.study,
+            short_hash(&manifest.study_hash),
+            manifest.shard,
+            study.name(),
+            short_hash(&study.hash()),
+        );
+        return Err(occupied(directory, reason, &found));
     }
     let manifest = Box::new(manifest);
     let same_layout = (manifest.version.as_str(), manifest.format) == (VERSION, FORMAT);
     if manifest.study_hash != study.hash() || manifest.model_version != MODEL_VERSION {
-        return Ok(Destination::Another(manifest));
+        return Ok(OutputState::OtherStudy(manifest));
     }
     if manifest.complete && !same_layout {
         let found = format!("tables of stickslip {} (this is {VERSION})", manifest.version);
-        return Ok(Destination::Changed(manifest, found));
+        return Ok(OutputState::Changed(manifest, found));
     }
     let changed = match manifest.complete {
         true => missing_or_changed(directory, &manifest),
         false => unnamed_or_changed(directory, &manifest, study),
     };
     if let Some(found) = changed.map_err(unusable)? {
-        return Ok(Destination::Changed(manifest, found));
+        return Ok(OutputState::Changed(manifest, found));
     }
     if !manifest.complete {
-        return Ok(Destination::Begun(manifest));
+        return Ok(OutputState::Incomplete(manifest));
     }
     if !is_own_study(&directory.join(STUDY), study).map_err(unusable)? {
-        return Ok(Destination::Changed(manifest, another_study()));
+        return Ok(OutputState::Changed(manifest, another_study()));
     }
-    Ok(Destination::Complete(manifest))
+    Ok(OutputState::Complete(manifest))
 }
 
 /// Refuses an empty path, which operating systems interpret inconsistently.
@@ -140,21 +138,21 @@ fn without_manifest(
     directory: &Path,
     study: &Study,
     ours: &[&str],
-) -> Result<Destination, ResultsError> {
+) -> Result<OutputState, ResultsError> {
     let unusable = |cause| ResultsError::Unusable { path: directory.to_owned(), cause };
     let refused = |found: String| {
         let reason = "this directory is not empty and holds no finished study";
         Err(occupied(directory, reason, &found))
     };
     let entries = match fs::read_dir(directory) {
-        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Destination::Free),
+        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(OutputState::Unused),
         entries => entries.map_err(unusable)?,
     };
     let (mut tables, mut of_results, mut other) = (false, false, None);
     for entry in entries {
         let entry = entry.map_err(unusable)?;
         let name = entry.file_name().to_string_lossy().into_owned();
-        let unfinished = will_become(&name);
+        let unfinished = final_name(&name);
         if ours.contains(&&*name) {
             of_results = true;
         } else if DATA_FILES.contains(&&*name) && name != STUDY {
@@ -171,8 +169,8 @@ fn without_manifest(
         Some(name) if !(tables || of_results) => {
             refused(format!("a {name} that is not what this study writes, and no {MANIFEST}"))
         }
-        None if !tables => Ok(Destination::Free),
-        _ => Ok(Destination::Loose),
+        None if !tables => Ok(OutputState::Unused),
+        _ => Ok(OutputState::WithoutManifest),
     }
 }
 
@@ -194,18 +192,9 @@ fn content(path: &Path, most: usize) -> io::Result<Option<Vec<u8>>> {
 /// Describes the first file of complete results that differs from the manifest, if there is one.
 fn missing_or_changed(directory: &Path, manifest: &Manifest) -> io::Result<Option<String>> {
     for (name, entry) in &manifest.files {
-        let bytes = regular_file(directory, name);
-        if bytes.as_ref().ok() != Some(&entry.bytes) {
-            return Ok(Some(match bytes {
-                Ok(bytes) => format!("{name} of {bytes} bytes, {} in the manifest", entry.bytes),
-                Err(error) if error.kind() == io::ErrorKind::NotFound => {
-                    format!("{name} is missing")
-                }
-                Err(error) => format!("{name}: {error}"),
-            }));
-        }
-        if FileEntry::of(&directory.join(name), entry.rows)? != *entry {
-            return Ok(Some(format!("the content of {name}")));
+        let difference = difference(directory, name, entry)?;
+        if difference.is_some() {
+            return Ok(difference);
         }
     }
     Ok(None)
@@ -229,17 +218,12 @@ fn unnamed_or_changed(
             names = parts.map(|part| part.map(name)).collect::<io::Result<_>>()?;
         }
         for name in names {
-            let bytes = regular_file(directory, &name);
-            match (manifest.files.get(&name), bytes) {
-                (None, _) => return Ok(Some(format!("{name}, which {MANIFEST} does not name"))),
-                (Some(_), Err(error)) => return Ok(Some(format!("{name}: {error}"))),
-                (Some(entry), Ok(bytes)) => {
-                    if bytes != entry.bytes
-                        || FileEntry::of(&directory.join(&name), entry.rows)? != *entry
-                    {
-                        return Ok(Some(format!("the content of {name}")));
-                    }
-                }
+            let difference = match manifest.files.get(&name) {
+                None => Some(format!("{name}, which {MANIFEST} does not name")),
+                Some(entry) => difference(directory, &name, entry)?,
+            };
+            if difference.is_some() {
+                return Ok(difference);
             }
         }
     }
@@ -247,6 +231,21 @@ fn unnamed_or_changed(
         return Ok(Some(another_study()));
     }
     Ok(None)
+}
+
+/// Describes how a file differs from its entry in the manifest, or returns `None` if it does not.
+fn difference(directory: &Path, name: &str, entry: &FileEntry) -> io::Result<Option<String>> {
+    Ok(match regular_file(directory, name) {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Some(format!("{name} is missing")),
+        Err(error) => Some(format!("{name}: {error}")),
+        Ok(bytes) if bytes != entry.bytes => {
+            Some(format!("{name} of {bytes} bytes, {} in the manifest", entry.bytes))
+        }
+        Ok(_) if FileEntry::of(&directory.join(name), entry.rows)? != *entry => {
+            Some(format!("the content of {name}"))
+        }
+        Ok(_) => None,
+    })
 }
 
 fn another_study() -> String {

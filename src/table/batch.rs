@@ -36,7 +36,7 @@ impl Batch {
     typed!(numbers, Number, f64, "Returns a column of numbers.");
     typed!(counts, Count, u64, "Returns a column of whole numbers from 0.");
     typed!(integers, Integer, i64, "Returns a column of signed whole numbers.");
-    typed!(truths, Truth, bool, "Returns a column of Boolean values.");
+    typed!(truths, Boolean, bool, "Returns a column of Boolean values.");
     typed!(texts, Text, String, "Returns a column of text.");
     typed!(lists, Numbers, Vec<f64>, "Returns a column of lists of numbers.");
 

@@ -1,0 +1,125 @@
+//! Writes files that are complete or absent: they have temporary names until they are complete.
+//!
+//! A temporary name is the final name with six random characters and an extension that no other program
+//! uses: `r.parquet.x4kT0b.stickslip-partial`. The name is created exclusively, belongs to one
+//! process, and is removed when the value is dropped. The files of a killed process are recognised
+//! by their names; in a locked directory, the next process removes them.
+
+use std::fs;
+use std::io;
+use std::path::Path;
+
+use super::durable_directories::sync_directory;
+use super::file_entry::read_regular;
+use tempfile::{Builder, NamedTempFile, TempDir};
+
+/// The extension of all temporary names.
+const EXTENSION: &str = ".stickslip-partial";
+/// The number of random characters.
+const RANDOM_CHARACTERS: usize = 6;
+
+/// Returns the final name for a temporary name, or `None` for any other name.
+pub(super) fn final_name(name: &str) -> Option<&str> {
+    let (target, random) = name.strip_suffix(EXTENSION)?.rsplit_once('.')?;
+    let usual = random.len() == RANDOM_CHARACTERS
+        && random.bytes().all(|byte| byte.is_ascii_alphanumeric());
+    (usual && !target.is_empty()).then_some(target)
+}
+
+/// Calls a function with a builder of temporary names beside `target`, and the directory.
+fn beside<T>(
+    target: &Path,
+    make: impl FnOnce(&mut Builder<'_, '_>, &Path) -> io::Result<T>,
+) -> io::Result<T> {
+    let mut prefix = target.file_name().unwrap_or_default().to_owned();
+    prefix.push(".");
+    let mut builder = Builder::new();
+    make(builder.prefix(&prefix).suffix(EXTENSION).rand_bytes(RANDOM_CHARACTERS), parent(target))
+}
+
+/// Returns the directory of a file.
+pub(super) fn parent(path: &Path) -> &Path {
+    path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."))
+}
+
+/// Creates a directory beside `target` for this process.
+pub(super) fn temporary_directory(target: &Path) -> io::Result<TempDir> {
+    beside(target, |builder, parent| builder.tempdir_in(parent))
+}
+
+/// Creates an empty file beside `target` for this process; other processes may read it after the
+/// rename.
+fn temporary_file(target: &Path) -> io::Result<NamedTempFile> {
+    beside(target, |builder, parent| {
+        #[cfg(unix)]
+        {
+            use std::os::unix::fs::PermissionsExt;
+            builder.permissions(fs::Permissions::from_mode(0o666));
+        }
+        builder.tempfile_in(parent)
+    })
+}
+
+/// Writes a file under a temporary name, syncs it and renames it.
+///
+/// # Errors
+/// Returns an error if the file cannot be written or renamed; the temporary file is then removed.
+pub fn write_atomically(path: &Path, content: &[u8]) -> io::Result<()> {
+    use std::io::Write;
+    let mut file = temporary_file(path)?;
+    file.write_all(content)?;
+    file.as_file().sync_all()?;
+    file.persist(path).map_err(|error| error.error)?;
+    sync_directory(parent(path))
+}
+
+/// Writes a file that never replaces anything. An existing file with the same content is left
+/// unchanged.
+///
+/// # Errors
+/// Returns an error of the kind `AlreadyExists` if the name is taken, or another error if the file
+/// cannot be written.
+pub fn write_once(path: &Path, content: &[u8]) -> io::Result<()> {
+    match fs::symlink_metadata(path) {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => write_atomically(path, content),
+        Err(error) => Err(error),
+        Ok(found) => {
+            let same = found.is_file()
+                && found.len() == content.len() as u64
+                && read_regular(path, found.len())? == content;
+            if same { Ok(()) } else { Err(taken()) }
+        }
+    }
+}
+
+/// Returns the error for a file whose name is taken.
+pub(super) fn taken() -> io::Error {
+    let problem = "another file has this name, and is not replaced";
+    io::Error::new(io::ErrorKind::AlreadyExists, problem)
+}
+
+/// Returns whether a name is one of `names`, or a temporary name of one of them.
+pub(crate) fn is_one_of(name: &str, names: &[&str]) -> bool {
+    names.contains(&final_name(name).unwrap_or(name))
+}
+
+/// Removes what killed processes have left of the files `names` in a locked directory. It removes
+/// temporary names only.
+///
+/// # Errors
+/// Returns an error if something cannot be removed.
+pub fn clear_temporaries(directory: &Path, names: &[&str]) -> io::Result<()> {
+    for entry in fs::read_dir(directory)? {
+        let entry = entry?;
+        let name = entry.file_name();
+        if !name.to_str().and_then(final_name).is_some_and(|target| names.contains(&target)) {
+            continue;
+        }
+        // Removes a link itself, not its target.
+        match entry.file_type()?.is_dir() {
+            true => fs::remove_dir_all(entry.path())?,
+            false => fs::remove_file(entry.path())?,
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,57 @@
+//! Rows that belong to a point of the sweep, and the columns that identify the point.
+
+use super::column::Columns;
+use super::points::PointRow;
+use super::runs::add_swept;
+use crate::study::{ParameterValue, Point, Study};
+
+/// The point of the sweep that a row belongs to.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PointKey {
+    /// Number of the point, from 0.
+    pub point_id: u64,
+    /// Values of the swept parameters, in the order of [`Study::swept`].
+    pub swept: Vec<ParameterValue>,
+}
+
+impl PointKey {
+    /// Returns the key of a point.
+    pub fn of(point: &Point) -> Self {
+        PointKey { point_id: point.point_id, swept: point.swept.clone() }
+    }
+}
+
+/// A row of a table that has any number of rows for each point.
+#[derive(Clone, Debug, PartialEq)]
+pub struct OfPoint<T> {
+    /// The point.
+    pub point: PointKey,
+    /// The other values of the row.
+    pub value: T,
+}
+
+impl<T> OfPoint<T> {
+    /// Creates a row of a point.
+    pub fn new(point: &PointRow, value: T) -> Self {
+        let point = PointKey { point_id: point.point_id, swept: point.swept.clone() };
+        OfPoint { point, value }
+    }
+}
+
+/// Adds the columns that identify the point of the sweep; `point` gets it from a row.
+pub(super) fn add_point<R: 'static>(
+    list: &mut Columns<R>,
+    study: &Study,
+    point: fn(&R) -> &PointKey,
+) {
+    add_point_id(list, move |row| point(row).point_id);
+    add_swept(list, study, move |row| &point(row).swept);
+}
+
+/// Adds the column `point_id`.
+pub(super) fn add_point_id<R: 'static>(
+    list: &mut Columns<R>,
+    point_id: impl Fn(&R) -> u64 + Send + Sync + 'static,
+) {
+    list.count("point_id", point_id).meaning("number of the sweep's point, from 0");
+}
