@@ -11,10 +11,11 @@ use std::path::Path;
 pub use cycles::{CycleFacts, QUANTITIES};
 pub use names::{axis_of, heading, said};
 pub use points::{Fraction, PointFacts};
-pub use runs::{LABELS, Notable, RunSample, scattered};
+pub use runs::{Notable, RunSample, scattered};
 pub use time_to_rest::RestCurve;
 
 use super::chart::{Axis, AxisKind};
+use crate::classification::Label;
 use crate::study::Study;
 use crate::table::{Manifest, Table, TableError};
 
@@ -143,12 +144,11 @@ impl<'a> ReportData<'a> {
 
     /// Returns a sentence on the failed runs that a figure cannot show; empty if there are none.
     pub fn failures_left_out(&self) -> String {
-        let failed = super::figures::failed_runs;
-        let of: Vec<String> = self
-            .details()
-            .filter(|point| failed(point) > 0)
-            .map(|point| format!("{} of {} at {}", failed(point), point.runs, point.title))
-            .collect();
+        let failed = |point: &PointFacts| match point.label(Label::Failed).runs {
+            0 => None,
+            failed => Some(format!("{failed} of {} at {}", point.runs, point.title)),
+        };
+        let of: Vec<String> = self.details().filter_map(failed).collect();
         match of.len() {
             0 => String::new(),
             few @ 1..=6 => {

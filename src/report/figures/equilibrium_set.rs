@@ -66,11 +66,7 @@ pub fn set_layers(machine: &Machine) -> Option<SetLayers> {
     }
     let range = rounded(if in_set[0] <= in_set[1] { in_set } else { everywhere })?;
     let scale = ColourScale { name: "amplitude [µm]".to_owned(), range };
-    let set = Layer {
-        name: String::new(),
-        colour: Colour::Scale,
-        mark: Mark::Raster { size: [CELLS; 2], values },
-    };
+    let set = Layer::new("", Colour::Scale, Mark::Raster { size: [CELLS; 2], values });
     Some(SetLayers { scale, set, frictionless: frictionless(machine)? })
 }
 
@@ -97,14 +93,15 @@ fn nice(step: f64) -> f64 {
 /// Returns the equilibria without friction; for identical balls also with the balls exchanged.
 fn frictionless(machine: &Machine) -> Option<Vec<Layer>> {
     let found = frictionless_equilibria(machine, HIGH_DRAG)?;
-    let alike = groups_of_identical(&machine.balls).len() == 1;
+    let identical = groups_of_identical(&machine.balls).len() == 1;
     let layer = |name: &str, symbol, stable: bool| {
         let of_kind = found.iter().filter(|one| (one.stability == Stability::Stable) == stable);
         let places: Vec<(&FrictionlessEquilibrium, [f64; 2])> = of_kind
             .flat_map(|one| {
                 let beta = one.beta_rad.as_deref().unwrap_or_default();
                 let here = <[f64; 2]>::try_from(beta).ok();
-                let there = here.map(|[a, b]| [b, a]).filter(|there| alike && here != Some(*there));
+                let there =
+                    here.map(|[a, b]| [b, a]).filter(|there| identical && here != Some(*there));
                 [here, there].into_iter().flatten().map(move |place| (one, place))
             })
             .collect();
@@ -121,7 +118,7 @@ fn frictionless(machine: &Machine) -> Option<Vec<Layer>> {
             y: places.iter().map(|(_, place)| place[1]).collect(),
             tooltips: Tooltips { run_ids: Vec::new(), columns },
         };
-        Layer { name: name.to_owned(), colour: Colour::Series(1), mark }
+        Layer::new(name, Colour::Series(1), mark)
     };
     Some(vec![
         layer("stable without friction", Symbol::Star, true),

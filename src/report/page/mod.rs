@@ -3,7 +3,6 @@
 //! The file contains style, script, the charting library (Apache ECharts, see `assets/echarts-LICENSE`) and the
 //! data. Its content security policy forbids all network requests.
 
-mod encode;
 mod html;
 mod tables;
 
@@ -73,7 +72,7 @@ pub fn page(directory: &Path, data: &ReportData<'_>, figures: &[Figure]) -> Stri
     }
     let data = json!({
         "directory": shell_word(directory),
-        "figures": figures.iter().map(encode::figure).collect::<Vec<_>>(),
+        "figures": figures,
     });
     // Escaping `<` keeps data from ending the script element that holds it.
     let data = harmless_json(&data.to_string()).replace('<', "\\u003c");
