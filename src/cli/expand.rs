@@ -7,12 +7,12 @@ use clap::Args;
 
 use super::arguments::StudyArgument;
 use super::exit::{CliError, End};
-use super::output::{Reader, print};
+use super::output::{Reader, new_table, print};
 use crate::engine::Shard;
 use crate::study::PlannedRun;
 use crate::table::cell::cell_text;
 use crate::table::column::{Column, batch, schema};
-use crate::table::{TableWriter, planned_columns, provenance};
+use crate::table::{planned_columns, provenance};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -54,16 +54,8 @@ pub fn expand(arguments: &ExpandArguments) -> Result<End, CliError> {
     }));
     let mut cases = arguments.shard.run_ids(&study).map(|run_id| study.planned_run(run_id));
     match &arguments.out {
-        Some(path) if path.exists() => Err(CliError::Usage(format!(
-            "{}: exists already\n  allowed: the name of a new file",
-            path.display()
-        ))),
         Some(path) => {
-            let mut table = TableWriter::create(path, columns, &provenance(&study, "cases"))
-                .map_err(|error| {
-                    let allowed = "the name of a new file in a directory that can be written to";
-                    CliError::Usage(format!("{error}\n  allowed: {allowed}"))
-                })?;
+            let mut table = new_table(path, columns, &provenance(&study, "cases"))?;
             for case in cases {
                 table.push(case)?;
             }

@@ -57,12 +57,8 @@ pub fn merge(arguments: &MergeArguments) -> Result<End, CliError> {
     let mut options = arguments.engine.options(Shard::WHOLE);
     options.chunk = AT_A_TIME.saturating_mul(arguments.parts.len()).min(MOST_AT_A_TIME);
     let output_dir = OutputDir {
-        directory: &directory,
-        shard: Shard::WHOLE,
-        retry_failed: options.retry_failed,
-        recompute: false,
         shards: &arguments.parts,
-        quiet: arguments.engine.quiet,
+        ..OutputDir::new(&directory, &options, arguments.engine.quiet)
     };
     carry_out(&study, &output_dir, options, &arguments.engine)
 }

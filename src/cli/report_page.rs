@@ -7,8 +7,6 @@ use super::overwrite::{beside, outside, replace, replaceable, sealed};
 use super::results_study::results_study;
 use super::summary::no_tables;
 use crate::report::{Budget, OWN, ReportData, ResultTables, of_results, page};
-use crate::sanitize::{shell_word, shown_path};
-use crate::table::manifest_of;
 
 /// The largest page, in bytes, small enough to mail; pages of larger results show less detail.
 const MOST_BYTES: usize = 4_900_000;
@@ -18,17 +16,6 @@ const MOST_BYTES: usize = 4_900_000;
 /// # Errors
 /// Returns an error if the directory holds no readable results, or if the page cannot be written.
 pub fn write(directory: &Path, out: Option<&Path>) -> Result<PathBuf, CliError> {
-    let of_figures = ["frictionless_equilibria.parquet", "trajectory.parquet"];
-    if manifest_of(directory)?.is_none()
-        && let Some(found) = of_figures.iter().find(|name| directory.join(name).exists())
-    {
-        return Err(CliError::Usage(format!(
-            "{0}: not results of `stickslip run`\n  found:   {found}, but no manifest.json\n  allowed: results of \
-             `stickslip run`; the Python package's `stickslip-figures {1}` draws these tables",
-            shown_path(directory),
-            shell_word(directory)
-        )));
-    }
     let (study, manifest) = results_study(directory)?;
     if manifest.files.is_empty() {
         return Err(no_tables(directory, &study, &manifest)?);

@@ -2,17 +2,18 @@
 //!
 //! Workers update a few atomic counters; text is produced only when a line is due.
 
-use std::io::{self, IsTerminal, Write};
+use std::io::{self, IsTerminal};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
+use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 use serde_json::{Value, json};
 
+use super::message::{say, say_json};
 use crate::analysis::{Z_95, wilson_with_failures};
 use crate::classification::Label;
-use crate::sanitize::{harmless, harmless_json};
+use crate::sanitize::harmless;
 
 /// How progress is shown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -55,6 +56,8 @@ pub struct Planned<'a> {
 /// Progress over the runs of a study.
 pub struct Progress {
     show: Show,
+    /// Number of planned runs; if `at_most`, an upper bound.
+    planned: u64,
     bar: ProgressBar,
     counts: Arc<Counts>,
     points: Mutex<PointLines>,
@@ -62,14 +65,15 @@ pub struct Progress {
 
 struct Counts {
     started: Instant,
-    planned: AtomicU64,
-    /// Words before the number of planned runs and the remaining time.
-    bound: &'static str,
+    /// Upper bound of the number of runs from what is known so far.
+    most_runs: AtomicU64,
+    /// Whether `most_runs` may decrease.
+    at_most: bool,
     runs: AtomicU64,
     equilibria: AtomicU64,
     failed: AtomicU64,
     /// Runs that were already on disk.
-    found: AtomicU64,
+    reused: AtomicU64,
     /// Seconds since the start at which the next line is due.
     next_line: AtomicU64,
 }
@@ -92,9 +96,10 @@ const LINES_APART: Duration = Duration::from_secs(1);
 #[derive(Clone, Copy)]
 struct Now {
     elapsed_s: f64,
-    planned: u64,
+    most_runs: u64,
+    at_most: bool,
     runs: u64,
-    found: u64,
+    reused: u64,
     equilibria: u64,
     failed: u64,
 }
@@ -104,22 +109,26 @@ impl Counts {
         let read = |count: &AtomicU64| count.load(Ordering::Relaxed);
         // Parts are read before the total, so that no part exceeds it.
         let (equilibria, failed) = (read(&self.equilibria), read(&self.failed));
-        let (found, runs) = (read(&self.found), read(&self.runs));
+        let (reused, runs) = (read(&self.reused), read(&self.runs));
         let elapsed_s = self.started.elapsed().as_secs_f64();
-        Now { elapsed_s, planned: read(&self.planned), runs, found, equilibria, failed }
+        let (most_runs, at_most) = (read(&self.most_runs), self.at_most);
+        Now { elapsed_s, most_runs, at_most, runs, reused, equilibria, failed }
     }
 }
 
 impl Now {
     /// Returns the rate of computed runs per second, without those that were on disk.
     fn rate(&self) -> f64 {
-        self.runs.saturating_sub(self.found) as f64 / self.elapsed_s.max(1e-9)
+        self.runs.saturating_sub(self.reused) as f64 / self.elapsed_s.max(1e-9)
     }
 
-    /// Returns the estimated remaining seconds; `None` if nothing has been computed yet.
-    fn left_s(&self) -> Option<f64> {
-        let left = self.planned.saturating_sub(self.runs) as f64 / self.rate();
-        Duration::try_from_secs_f64(left).ok().map(|left| left.as_secs_f64())
+    fn runs_left(&self) -> u64 {
+        self.most_runs.saturating_sub(self.runs)
+    }
+
+    /// Returns the estimated remaining time; `None` if nothing has been computed yet.
+    fn left(&self) -> Option<Duration> {
+        Duration::try_from_secs_f64(self.runs_left() as f64 / self.rate()).ok()
     }
 
     /// Returns the fraction of equilibria with its 95 % interval.
@@ -129,50 +138,42 @@ impl Now {
         (self.runs > 0).then_some((fraction, ends))
     }
 
-    fn fraction_text(&self) -> String {
-        self.fraction().map_or_else(
-            || "-".to_owned(),
-            |(fraction, (low, high))| format!("{fraction:.3} ({low:.3} .. {high:.3})"),
-        )
+    /// Returns the counts as one line of text, for the bar and for lines.
+    fn text(&self) -> String {
+        let Now { runs, most_runs, failed, .. } = self;
+        let bound = if self.at_most { "at most " } else { "" };
+        let mut parts = vec![format!("{runs} of {bound}{most_runs} runs")];
+        if self.runs > self.reused {
+            parts.push(format!("{:.0}/s", self.rate()));
+        }
+        if let Some((fraction, (low, high))) = self.fraction() {
+            parts.push(format!("equilibria {fraction:.3} ({low:.3} .. {high:.3})"));
+        }
+        if *failed > 0 {
+            parts.push(format!("{failed} failed"));
+        }
+        parts.extend(self.left().map(|left| format!("{bound}{:#} left", HumanDuration(left))));
+        parts.join(", ")
     }
 
-    /// Returns the number of failed runs after a separator; empty if there are none.
-    fn failed_text(&self, separator: &str) -> String {
-        if self.failed > 0 { format!("{separator}{} failed", self.failed) } else { String::new() }
-    }
-
-    fn event(&self, event: &str) -> Value {
+    /// Returns an event; `planned` is the number of runs that were planned at the start.
+    fn event(&self, event: &str, planned: u64) -> Value {
         let fraction = self.fraction();
         json!({
             "event": event,
             "elapsed_s": self.elapsed_s,
             "runs_finished": self.runs,
-            "runs_planned": self.planned,
-            "runs_kept": self.found,
+            "runs_planned": planned,
+            "runs_left_at_most": self.runs_left(),
+            "runs_kept": self.reused,
             "runs_per_s": self.rate(),
-            "left_s": self.left_s(),
+            "left_s": self.left().map(|left| left.as_secs_f64()),
             "equilibrium_fraction": fraction.map(|(fraction, _)| fraction),
             "ci_low": fraction.map(|(_, (low, _))| low),
             "ci_high": fraction.map(|(_, (_, high))| high),
             "failed_runs": self.failed,
         })
     }
-}
-
-/// Writes a message to standard error, without terminal control characters. Ignores write errors, such as from a
-/// closed terminal, so that the computation continues; `eprintln` would panic.
-pub fn say(message: &str) {
-    write_line(&harmless(message).replace('\t', " "));
-}
-
-/// Writes a JSON event to standard error.
-fn say_json(event: &Value) {
-    write_line(&harmless_json(&event.to_string()));
-}
-
-fn write_line(line: &str) {
-    // A single write keeps the lines of several threads apart.
-    let _ = io::stderr().lock().write_all(format!("{line}\n").as_bytes());
 }
 
 impl Progress {
@@ -187,12 +188,12 @@ impl Progress {
         let Planned { study, runs, at_most, points } = planned;
         let counts = Arc::new(Counts {
             started: Instant::now(),
-            planned: runs.into(),
-            bound: if at_most { "at most " } else { "" },
+            most_runs: runs.into(),
+            at_most,
             runs: 0.into(),
             equilibria: 0.into(),
             failed: 0.into(),
-            found: 0.into(),
+            reused: 0.into(),
             next_line: show.every().into(),
         });
         if show == Show::Json {
@@ -207,23 +208,23 @@ impl Progress {
             say_json(&begun);
         }
         let bar = match show {
-            Show::Bar => bar(runs, at_most, &counts),
+            Show::Bar => bar(runs, &counts),
             _ => ProgressBar::hidden(),
         };
         let points = PointLines { many: points > FEW_POINTS, last: None, left_out: 0 };
-        Progress { show, bar, counts, points: Mutex::new(points) }
+        Progress { show, planned: runs, bar, counts, points: Mutex::new(points) }
     }
 
-    /// Sets the number of planned runs.
-    pub fn expect(&self, planned: u64) {
-        if self.counts.planned.swap(planned, Ordering::Relaxed) != planned {
-            self.bar.set_length(planned);
+    /// Sets the upper bound of the number of runs from what is known so far.
+    pub fn limit(&self, most_runs: u64) {
+        if self.counts.most_runs.swap(most_runs, Ordering::Relaxed) != most_runs {
+            self.bar.set_length(most_runs);
         }
     }
 
     /// Counts a run that was already on disk.
-    pub fn found(&self, label: Label) {
-        self.counts.found.fetch_add(1, Ordering::Relaxed);
+    pub fn reused(&self, label: Label) {
+        self.counts.reused.fetch_add(1, Ordering::Relaxed);
         self.finished(label);
     }
 
@@ -253,21 +254,10 @@ impl Progress {
             return;
         }
         let now = self.counts.now();
-        if self.show == Show::Json {
-            say_json(&now.event("progress"));
-            return;
+        match self.show {
+            Show::Json => say_json(&now.event("progress", self.planned)),
+            _ => say(&now.text()),
         }
-        let left = now.left_s().map_or_else(|| "?".to_owned(), |left| format!("{left:.0}"));
-        let bound = self.counts.bound;
-        let about = if bound.is_empty() { "about " } else { bound };
-        say(&format!(
-            "{} of {bound}{} runs, {:.0} runs/s, equilibria {}{}, {about}{left} s left",
-            now.runs,
-            now.planned,
-            now.rate(),
-            now.fraction_text(),
-            now.failed_text(", "),
-        ));
     }
 
     /// Reports a point whose runs have all finished: `text` is a line of text, `facts` are the fields of an event.
@@ -322,91 +312,69 @@ impl Progress {
     /// Writes the final event: all planned runs have finished, or the computation was `interrupted`.
     pub fn ended(&self, interrupted: bool) {
         if self.show == Show::Json {
-            let mut event = self.counts.now().event("ended");
+            let mut event = self.counts.now().event("ended", self.planned);
             event["interrupted"] = interrupted.into();
             say_json(&event);
         }
     }
 }
 
-fn bar(planned: u64, at_most: bool, counts: &Arc<Counts>) -> ProgressBar {
-    let target = ProgressDrawTarget::stderr_with_hz(10);
-    let bar = ProgressBar::with_draw_target(Some(planned), target);
-    let sign = if at_most { "≤" } else { "" };
-    let template = format!(
-        "{{wide_bar}} {{human_pos}}/{sign}{{human_len}} runs  {{rate}}/s  equilibria \
-         {{fraction}}{{failed}}  {sign}{{left}} left"
-    );
-    let key = |text: fn(Now) -> String| {
-        let counts = Arc::clone(counts);
-        move |_: &ProgressState, out: &mut dyn std::fmt::Write| {
-            // A bar that cannot be drawn is ignored.
-            let _ = out.write_str(&text(counts.now()));
-        }
+fn bar(runs: u64, counts: &Arc<Counts>) -> ProgressBar {
+    let bar = ProgressBar::with_draw_target(Some(runs), ProgressDrawTarget::stderr_with_hz(10));
+    let counts = Arc::clone(counts);
+    let text = move |_: &ProgressState, out: &mut dyn std::fmt::Write| {
+        // A bar that cannot be drawn is ignored.
+        let _ = out.write_str(&counts.now().text());
     };
-    if let Ok(style) = ProgressStyle::with_template(&template) {
-        bar.set_style(
-            style
-                .with_key("rate", key(|now| format!("{:.0}", now.rate())))
-                .with_key("fraction", key(|now| now.fraction_text()))
-                .with_key("failed", key(|now| now.failed_text("  ")))
-                .with_key("left", key(|now| time_text(now.left_s()))),
-        );
+    if let Ok(style) = ProgressStyle::with_template("{wide_bar} {text}") {
+        bar.set_style(style.with_key("text", text));
     }
     bar
 }
 
-/// Returns a time in words.
-fn time_text(seconds: Option<f64>) -> String {
-    // A cast from a floating-point number saturates.
-    match seconds.map(|seconds| seconds.ceil() as u64) {
-        None => "?".to_owned(),
-        Some(seconds @ 0..120) => format!("{seconds} s"),
-        Some(seconds @ 120..7200) => format!("{} min", seconds.div_ceil(60)),
-        Some(seconds) => format!("{} h", seconds.div_ceil(3600)),
-    }
-}
-
 #[cfg(test)]
 mod tests {
-    use super::{Now, time_text};
+    use std::time::Duration;
+
+    use super::Now;
     use crate::analysis::{Z_95, wilson};
 
     #[test]
     fn what_is_computed_of_the_counts() {
         let now = Now {
             elapsed_s: 10.0,
-            planned: 1000,
+            most_runs: 1000,
+            at_most: false,
             runs: 300,
-            found: 100,
+            reused: 100,
             equilibria: 150,
             failed: 0,
         };
-        assert_eq!((now.rate(), now.left_s()), (20.0, Some(35.0)));
+        assert_eq!((now.rate(), now.left()), (20.0, Some(Duration::from_secs(35))));
         assert_eq!(now.fraction(), Some((0.5, wilson(150, 300, Z_95))));
-        assert_eq!(now.failed_text(", "), "");
+        assert_eq!(
+            now.text(),
+            "300 of 1000 runs, 20/s, equilibria 0.500 (0.444 .. 0.556), 35s left"
+        );
         // Failed runs widen the interval upwards only.
-        let failed = Now { failed: 30, ..now };
+        let failed = Now { failed: 30, at_most: true, ..now };
         let ends = (wilson(150, 300, Z_95).0, wilson(180, 300, Z_95).1);
         assert_eq!(failed.fraction(), Some((0.5, ends)));
-        assert_eq!(failed.failed_text(", "), ", 30 failed");
+        let text = failed.text();
+        assert!(text.starts_with("300 of at most 1000 runs, ") && text.contains(", 30 failed, "));
+        assert!(text.ends_with("at most 35s left"));
         // Before the first computed run the rate and the remaining time are unknown.
-        let begun = Now { runs: 0, found: 0, equilibria: 0, ..now };
+        let begun = Now { runs: 0, reused: 0, equilibria: 0, ..now };
+        assert_eq!((begun.fraction(), begun.left()), (None, None));
+        assert_eq!(begun.text(), "0 of 1000 runs");
+        let reused = Now { reused: 300, ..now };
+        assert!(reused.left().is_none() && !reused.text().contains("/s"));
+        // The planned number of runs stays when the bound decreases.
+        let event = Now { most_runs: 900, ..begun }.event("progress", 1000);
         assert_eq!(
-            (begun.fraction(), begun.left_s(), begun.fraction_text()),
-            (None, None, "-".into())
+            (&event["runs_planned"], &event["runs_left_at_most"]),
+            (&1000.into(), &900.into())
         );
-        assert_eq!(Now { found: 300, ..now }.left_s(), None);
-        assert_eq!(begun.event("progress")["left_s"], serde_json::Value::Null);
-    }
-
-    #[test]
-    fn times() {
-        for (seconds, text) in
-            [(0.0, "0 s"), (119.0, "119 s"), (119.5, "2 min"), (7140.0, "119 min"), (7201.0, "3 h")]
-        {
-            assert_eq!(time_text(Some(seconds)), text);
-        }
-        assert_eq!(time_text(None), "?");
+        assert_eq!(event["left_s"], serde_json::Value::Null);
     }
 }

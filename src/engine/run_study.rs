@@ -24,7 +24,7 @@ use crate::classification::Outcome;
 use crate::model::Case;
 use crate::motion::{Cancellation, SimdLevel};
 use crate::study::Study;
-use crate::table::{PointRow, RunRecord};
+use crate::table::{PointRow, Results, ResultsError, RunRecord};
 
 /// Receives runs and points in the order of the study.
 pub trait Sink: Send {
@@ -43,6 +43,19 @@ pub trait Sink: Send {
     /// # Errors
     /// An error stops the study.
     fn point(&mut self, point: PointRow, detail: PointDetail) -> Result<(), Self::Error>;
+}
+
+/// Writes runs and points to the tables of an output directory.
+impl Sink for Results {
+    type Error = ResultsError;
+
+    fn run(&mut self, record: RunRecord) -> Result<(), ResultsError> {
+        self.push_run(record)
+    }
+
+    fn point(&mut self, point: PointRow, detail: PointDetail) -> Result<(), ResultsError> {
+        self.push_point(point, detail)
+    }
 }
 
 /// The reason why a study could not be computed.
@@ -181,14 +194,14 @@ impl StudyRun<'_> {
         let StudyRun { study, ref options, ref stop_condition, progress } = *self;
         let pool = WorkerPool::new(options.threads)?;
         let computed = |label| progress.finished(label);
-        let taken = |label| progress.found(label);
+        let taken = |label| progress.reused(label);
         let size = options.chunk.max(1) as u64;
         let kept = AtomicU64::new(0);
         let mut intake = Intake { study, sink, point: None, counts: LabelCounts::default() };
         let mut batches = Batches::new(study, options.shard);
         let mut due = 0;
         while let Some(batch) = batches.next(intake.so_far()) {
-            progress.expect(batches.most_runs());
+            progress.limit(batches.most_runs());
             due += batch.runs;
             let mut finished: Vec<RunRecord> = Vec::new();
             let mut first = 0;
