@@ -248,6 +248,7 @@ impl StudyRun<'_> {
                 break;
             }
         }
+        progress.limit(batches.most_runs());
         let counts = intake.finish().map_err(EngineError::Sink)?;
         let stopped =
             (counts.total() < due).then(|| stop_condition.reason().unwrap_or(StopReason::Asked));

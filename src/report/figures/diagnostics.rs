@@ -40,8 +40,8 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
             .to_owned()
     };
     Some(Figure {
-        id: "doubt".to_owned(),
-        title: "Failed, undecided and flipped runs".to_owned(),
+        id: "diagnostics".to_owned(),
+        title: "Fractions of failed, undecided and flipped runs".to_owned(),
         caption: format!(
             "Fractions of failed runs, of undecided runs, and of labels that changed in the audit, with 95 % \
              intervals, also at zero.{}",

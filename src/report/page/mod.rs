@@ -44,7 +44,7 @@ pub fn page(directory: &Path, data: &ReportData<'_>, figures: &[Figure]) -> Stri
             escaped(&figure.title)
         ));
     }
-    body.line("<li><a href=\"#notable\">Failed and flipped runs</a></li>");
+    body.line("<li><a href=\"#notable\">List of failed and flipped runs</a></li>");
     body.line("<li><a href=\"#study\">Study</a></li>");
     body.line("</ul></nav>\n<main>");
     tables::points(&mut body, directory, data);
