@@ -89,11 +89,11 @@ struct Writer {
 impl Writer {
     fn start() -> Self {
         let (texts, to_write) = sync_channel::<String>(1);
-        let (tell, written) = sync_channel(1);
+        let (results, written) = sync_channel(1);
         thread::spawn(move || {
             for text in to_write {
                 // A closed channel means that the server has ended.
-                if tell.send(print_json(&text)).is_err() {
+                if results.send(print_json(&text)).is_err() {
                     return;
                 }
             }

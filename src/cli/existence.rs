@@ -81,30 +81,36 @@ impl Existence {
         }
     }
 
-    /// Returns the verdicts as lines of text.
-    pub(super) fn text(&self) -> String {
-        let place = match (self.looked_at == self.points, self.points) {
+    /// Returns the verdict as rows of a table: a key and its text.
+    pub(super) fn rows(&self) -> Vec<(&'static str, String)> {
+        let (looked_at, points) = (self.looked_at, self.points);
+        if self.not_unique > 0 {
+            let verdict = format!(
+                "at {} of {looked_at} points stick and slip are not always decided in one way; runs \
+                 there can end in no_solution",
+                self.not_unique
+            );
+            return vec![("existence", verdict)];
+        }
+        let place = match (looked_at == points, points) {
             (true, 1) => "at the only point".to_owned(),
             (true, points) => format!("at all {points} points"),
-            (false, points) => {
-                format!("at {} of {points} points, spread over the sweep,", self.looked_at)
-            }
+            (false, points) => format!("at {looked_at} of {points} points, spread over the sweep,"),
         };
-        let (least_minor, at) = self.least;
         let nominal = if self.uncertain { " with nominal parameters" } else { "" };
-        let mut text = if self.not_unique == 0 {
-            format!(
-                "existence     {place}{nominal} stick and slip are decided in exactly one way, proven \
-                 for all positions and forces;\n              least principal minor \
-                 {least_minor:.8} at point {at} (1: uncoupled, 0: fails)\n",
-            )
-        } else {
-            format!(
-                "existence     at {} of {} points stick and slip are not always decided in one \
-                 way; runs there can end in no_solution\n",
-                self.not_unique, self.looked_at,
-            )
-        };
+        let verdict = format!(
+            "{place}{nominal} stick and slip are decided in exactly one way, proven for all positions \
+             and forces;"
+        );
+        let (minor, at) = self.least;
+        let least =
+            format!("least principal minor {minor:.8} at point {at} (1: uncoupled, 0: fails)");
+        vec![("existence", verdict), ("", least)]
+    }
+
+    /// Returns lines of text on the points that are not unique, and on what is not checked.
+    pub(super) fn details(&self) -> String {
+        let mut text = String::new();
         for failing in &self.named {
             text += &failing.text();
         }

@@ -22,7 +22,6 @@ mod range;
 mod replay;
 mod replay_animation;
 mod report;
-mod report_page;
 mod results_study;
 mod resume;
 mod run;

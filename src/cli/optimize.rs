@@ -193,11 +193,7 @@ fn with_progress<T>(
         return work(&|_| {});
     }
     let study = what.study.name();
-    let progress = Progress::begin(Planned { study, runs, at_most: true, points: 1 }, show);
-    let done = work(&|label| progress.finished(label));
-    progress.close();
-    progress.ended(done.is_none());
-    done
+    Progress::during(Planned { study, runs, at_most: true, points: 1 }, show, work)
 }
 
 /// The output directory of a search.

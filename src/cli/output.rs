@@ -60,3 +60,14 @@ pub fn new_table<R>(
     TableWriter::create(path, columns, provenance)
         .map_err(|error| refused(error.to_string(), allowed))
 }
+
+/// Returns cells as one line of CSV.
+///
+/// # Errors
+/// Returns an error if the cells cannot be written.
+pub fn csv_line(cells: impl IntoIterator<Item = String>) -> io::Result<String> {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    writer.write_record(cells)?;
+    let bytes = writer.into_inner().map_err(|error| io::Error::other(error.to_string()))?;
+    Ok(String::from_utf8_lossy(&bytes).into_owned())
+}

@@ -53,7 +53,7 @@ impl Ran {
         let runs = self.totals.counts.total();
         if arguments.json {
             let facts = json!({
-                "runs_kept": self.totals.kept,
+                "runs_kept": self.totals.reused,
                 "interrupted": self.totals.interrupted(),
                 "already_complete": false,
                 "wall_s": self.circumstances.wall_s,
@@ -86,17 +86,17 @@ impl Ran {
 
     fn speed_line(&self) -> String {
         let Circumstances { wall_s, threads, .. } = self.circumstances;
-        let (runs, kept) = (self.totals.counts.total(), self.totals.kept);
-        let computed = runs.saturating_sub(kept);
+        let (runs, reused) = (self.totals.counts.total(), self.totals.reused);
+        let computed = runs.saturating_sub(reused);
         let rate = match computed {
             0 => String::new(),
             _ => format!(": {:.0} runs/s", computed as f64 / wall_s.max(1e-9)),
         };
         let speed = format!("in {wall_s:.1} s on {threads} threads{rate}");
-        if kept == 0 {
+        if reused == 0 {
             format!("{runs} runs {speed}")
         } else {
-            format!("{runs} runs: {kept} finished earlier, {computed} computed {speed}")
+            format!("{runs} runs: {reused} finished earlier, {computed} computed {speed}")
         }
     }
 
@@ -183,7 +183,7 @@ pub fn run_on_engine(
         circumstances: Circumstances {
             shard: options.shard.to_string(),
             runs_planned,
-            runs_kept: totals.kept,
+            runs_kept: totals.reused,
             started_unix_s: started.as_secs_f64(),
             wall_s: wall.as_secs_f64(),
             threads: options.threads,

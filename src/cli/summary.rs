@@ -7,7 +7,7 @@ use clap::{Args, ValueEnum};
 use serde_json::{Map, Value, json};
 
 use super::exit::{CliError, End};
-use super::output::{Reader, print, print_json};
+use super::output::{Reader, csv_line, print, print_json};
 use super::points_table::{MOST_LINES, PointsTable};
 use super::results_study::results_study;
 use crate::classification::Label;
@@ -73,11 +73,11 @@ pub fn summary(arguments: &SummaryArguments) -> Result<End, CliError> {
         return Err(no_tables(directory, &study, &manifest)?);
     }
     let table = Table::open(directory, &manifest, "points")?;
-    let kept = match arguments.format {
+    let printed = match arguments.format {
         Format::Table | Format::Markdown => arguments.points.unwrap_or(MOST_LINES),
         Format::Csv | Format::Json => 0,
     };
-    let points = PointsTable::read(&study, &table, kept)?;
+    let points = PointsTable::read(&study, &table, printed)?;
     let title = title(&study, &manifest, &points, directory);
     let most = arguments.points.unwrap_or(usize::MAX);
     match arguments.format {
@@ -190,14 +190,8 @@ fn print_rows(
 }
 
 fn print_csv(table: &Table, most: usize) -> Result<(), CliError> {
-    let record = |cells: &[String]| -> Result<String, CliError> {
-        let mut writer = csv::Writer::from_writer(Vec::new());
-        writer.write_record(cells).map_err(io::Error::other)?;
-        let bytes = writer.into_inner().map_err(|error| io::Error::other(error.to_string()))?;
-        Ok(String::from_utf8_lossy(&bytes).into_owned())
-    };
-    let names: Vec<String> = table.columns().iter().map(|(name, _)| name.clone()).collect();
-    if print(&record(&names)?)? == Reader::Gone {
+    let names = table.columns().iter().map(|(name, _)| name.clone());
+    if print(&csv_line(names)?)? == Reader::Gone {
         return Ok(());
     }
     print_rows(table, most, print, |batch, row| {
@@ -210,8 +204,7 @@ fn print_csv(table: &Table, most: usize) -> Result<(), CliError> {
             },
             other => other.to_string(),
         });
-        let cells: Vec<String> = cells.collect();
-        record(&cells)
+        Ok(csv_line(cells)?)
     })?;
     Ok(())
 }

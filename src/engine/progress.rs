@@ -215,6 +215,20 @@ impl Progress {
         Progress { show, planned: runs, bar, counts, points: Mutex::new(points) }
     }
 
+    /// Shows progress while `work` computes `planned`; `work` calls its argument for each finished run and returns `None`
+    /// if it was interrupted.
+    pub fn during<T>(
+        planned: Planned<'_>,
+        show: Show,
+        work: impl FnOnce(&(dyn Fn(Label) + Sync)) -> Option<T>,
+    ) -> Option<T> {
+        let progress = Self::begin(planned, show);
+        let result = work(&|label| progress.finished(label));
+        progress.close();
+        progress.ended(result.is_none());
+        result
+    }
+
     /// Sets the upper bound of the number of runs from what is known so far.
     pub fn limit(&self, most_runs: u64) {
         if self.counts.most_runs.swap(most_runs, Ordering::Relaxed) != most_runs {

@@ -80,7 +80,7 @@ pub struct RunTotals {
     /// Why the computation stopped early, if it did.
     pub stopped: Option<StopReason>,
     /// Number of finished runs that did not have to be computed.
-    pub kept: u64,
+    pub reused: u64,
     /// Number of runs that had begun and were abandoned without a result.
     pub given_up: u64,
 }
@@ -174,13 +174,13 @@ impl StudyRun<'_> {
             let writer =
                 scope.spawn(move || write_chunks(appender, &finished, chunk, stop_condition));
             let reading = Some(StoreReader { chunk_index, result_cache, new_results });
-            let tally = self.compute_all(cancellation, engine, reading, sink);
+            let totals = self.compute_all(cancellation, engine, reading, sink);
             // The writer is not expected to panic; a panic is a fault of the program.
             writer
                 .join()
                 .unwrap_or_else(|panic| std::panic::resume_unwind(panic))
                 .map_err(EngineError::Store)?;
-            tally
+            totals
         })
     }
 
@@ -194,9 +194,9 @@ impl StudyRun<'_> {
         let StudyRun { study, ref options, ref stop_condition, progress } = *self;
         let pool = WorkerPool::new(options.threads)?;
         let computed = |label| progress.finished(label);
-        let taken = |label| progress.reused(label);
+        let reused = |label| progress.reused(label);
         let size = options.chunk.max(1) as u64;
-        let kept = AtomicU64::new(0);
+        let reused_count = AtomicU64::new(0);
         let mut intake = Intake { study, sink, point: None, counts: LabelCounts::default() };
         let mut batches = Batches::new(study, options.shard);
         let mut due = 0;
@@ -220,11 +220,11 @@ impl StudyRun<'_> {
                 let disk =
                     disk.as_ref().map(|StoreReader { result_cache, new_results, .. }| Storage {
                         found: &found,
-                        taken: &taken,
+                        reused: &reused,
                         result_cache,
                         retry_failed: options.retry_failed,
                         new_results: new_results.clone(),
-                        kept: &kept,
+                        reused_count: &reused_count,
                     });
                 let begun = AtomicU64::new(0);
                 let batch = RunQueue {
@@ -255,7 +255,7 @@ impl StudyRun<'_> {
         Ok(RunTotals {
             counts,
             stopped,
-            kept: kept.into_inner(),
+            reused: reused_count.into_inner(),
             given_up: stop_condition.given_up(),
         })
     }

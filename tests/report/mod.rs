@@ -5,3 +5,5 @@ mod animation;
 mod equilibrium_set;
 /// Rest positions of the balls.
 mod preferred;
+/// Cells of maps, and points in detail.
+mod sweeps;

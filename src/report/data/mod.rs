@@ -206,17 +206,3 @@ pub fn evenly(count: usize, most: usize) -> Vec<usize> {
     }
     (0..most).map(|k| k * (count - 1) / (most - 1)).collect()
 }
-
-#[cfg(test)]
-mod tests {
-    use super::evenly;
-
-    #[test]
-    fn places_at_even_distances() {
-        assert_eq!(evenly(3, 24), [0, 1, 2]);
-        assert_eq!(evenly(0, 24), [0; 0]);
-        let some = evenly(1000, 24);
-        assert_eq!((some.len(), some[0], some[23]), (24, 0, 999));
-        assert!(some.windows(2).all(|pair| (43..=44).contains(&(pair[1] - pair[0]))));
-    }
-}

@@ -171,28 +171,3 @@ fn around(values: &[f64], edges: &[f64], value: f64) -> Option<[f64; 2]> {
     let place = values.binary_search_by(|other| other.total_cmp(&value)).ok()?;
     Some([*edges.get(place)?, *edges.get(place + 1)?])
 }
-
-#[cfg(test)]
-mod tests {
-    use super::{around, edges};
-
-    #[test]
-    fn cells_touch() {
-        let values = [1.0, 2.0, 4.0];
-        let edges = edges(&values);
-        assert_eq!(edges, [0.5, 1.5, 3.0, 5.0]);
-        assert_eq!(around(&values, &edges, 2.0), Some([1.5, 3.0]));
-        assert_eq!(around(&values, &edges, 3.0), None);
-    }
-
-    #[test]
-    fn cells_over_decades_touch_in_the_middle_of_the_axis() {
-        let found = edges(&[1e-4, 1e-3, 1e-2]);
-        let middle = 10.0_f64.sqrt();
-        for (found, due) in
-            found.iter().zip([1e-4 / middle, 1e-4 * middle, 1e-3 * middle, 1e-2 * middle])
-        {
-            assert!((found / due - 1.0).abs() < 1e-12);
-        }
-    }
-}
