@@ -32,7 +32,7 @@ impl Ran {
     /// Returns how the command ends.
     pub fn end(&self) -> End {
         match self.totals.stopped {
-            Some(StopReason::Asked | StopReason::Time) => End::Interrupted,
+            Some(StopReason::Interrupted | StopReason::Time) => End::Interrupted,
             Some(StopReason::Failures) => End::TooManyFailed,
             None if self.totals.counts.of(Label::Failed) > 0 => End::RunsFailed,
             None => End::Well,
@@ -105,7 +105,7 @@ impl Ran {
         let too_many =
             format!("stopped: {failed} runs have failed, more than --on-failure allows,");
         let (cause, continuation) = match self.totals.stopped? {
-            StopReason::Asked => ("interrupted", "the same command continues"),
+            StopReason::Interrupted => ("interrupted", "the same command continues"),
             StopReason::Time => ("out of time (--max-seconds)", "the same command continues"),
             StopReason::Failures => {
                 (too_many.as_str(), "--on-failure continue computes the others")
@@ -114,13 +114,13 @@ impl Ran {
         let runs = self.totals.counts.total();
         let planned = self.circumstances.runs_planned;
         let bound = if study.precision().is_some() { "at most " } else { "" };
-        let given_up = match self.totals.given_up {
+        let abandoned = match self.totals.abandoned {
             0 => String::new(),
             1 => "; 1 run in progress was abandoned".to_owned(),
             more => format!("; {more} runs in progress were abandoned"),
         };
         Some(format!(
-            "{cause} after {runs} of {bound}{planned} runs{given_up}; finished runs are saved; {continuation}"
+            "{cause} after {runs} of {bound}{planned} runs{abandoned}; finished runs are saved; {continuation}"
         ))
     }
 }

@@ -11,6 +11,7 @@ mod message;
 mod options;
 mod output_dir;
 mod progress;
+mod progress_counts;
 mod record_motion;
 mod run_study;
 mod shard;

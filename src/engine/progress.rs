@@ -3,15 +3,15 @@
 //! Workers update a few atomic counters; text is produced only when a line is due.
 
 use std::io::{self, IsTerminal};
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::Ordering;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 use serde_json::{Value, json};
 
 use super::message::{say, say_json};
-use crate::analysis::{Z_95, wilson_with_failures};
+use super::progress_counts::Counts;
 use crate::classification::Label;
 use crate::sanitize::harmless;
 
@@ -63,21 +63,6 @@ pub struct Progress {
     points: Mutex<PointLines>,
 }
 
-struct Counts {
-    started: Instant,
-    /// Upper bound of the number of runs from what is known so far.
-    most_runs: AtomicU64,
-    /// Whether `most_runs` may decrease.
-    at_most: bool,
-    runs: AtomicU64,
-    equilibria: AtomicU64,
-    failed: AtomicU64,
-    /// Runs that were already on disk.
-    reused: AtomicU64,
-    /// Seconds since the start at which the next line is due.
-    next_line: AtomicU64,
-}
-
 /// State of the lines about points, which are rate-limited when there are many points.
 struct PointLines {
     /// Whether the lines are rate-limited.
@@ -91,90 +76,6 @@ struct PointLines {
 const FEW_POINTS: u64 = 40;
 /// The least time between lines of more points.
 const LINES_APART: Duration = Duration::from_secs(1);
-
-/// A snapshot of the counters.
-#[derive(Clone, Copy)]
-struct Now {
-    elapsed_s: f64,
-    most_runs: u64,
-    at_most: bool,
-    runs: u64,
-    reused: u64,
-    equilibria: u64,
-    failed: u64,
-}
-
-impl Counts {
-    fn now(&self) -> Now {
-        let read = |count: &AtomicU64| count.load(Ordering::Relaxed);
-        // Parts are read before the total, so that no part exceeds it.
-        let (equilibria, failed) = (read(&self.equilibria), read(&self.failed));
-        let (reused, runs) = (read(&self.reused), read(&self.runs));
-        let elapsed_s = self.started.elapsed().as_secs_f64();
-        let (most_runs, at_most) = (read(&self.most_runs), self.at_most);
-        Now { elapsed_s, most_runs, at_most, runs, reused, equilibria, failed }
-    }
-}
-
-impl Now {
-    /// Returns the rate of computed runs per second, without those that were on disk.
-    fn rate(&self) -> f64 {
-        self.runs.saturating_sub(self.reused) as f64 / self.elapsed_s.max(1e-9)
-    }
-
-    fn runs_left(&self) -> u64 {
-        self.most_runs.saturating_sub(self.runs)
-    }
-
-    /// Returns the estimated remaining time; `None` if nothing has been computed yet.
-    fn left(&self) -> Option<Duration> {
-        Duration::try_from_secs_f64(self.runs_left() as f64 / self.rate()).ok()
-    }
-
-    /// Returns the fraction of equilibria with its 95 % interval.
-    fn fraction(&self) -> Option<(f64, (f64, f64))> {
-        let fraction = self.equilibria as f64 / self.runs as f64;
-        let ends = wilson_with_failures(self.equilibria, self.failed, self.runs, Z_95);
-        (self.runs > 0).then_some((fraction, ends))
-    }
-
-    /// Returns the counts as one line of text, for the bar and for lines.
-    fn text(&self) -> String {
-        let Now { runs, most_runs, failed, .. } = self;
-        let bound = if self.at_most { "at most " } else { "" };
-        let mut parts = vec![format!("{runs} of {bound}{most_runs} runs")];
-        if self.runs > self.reused {
-            parts.push(format!("{:.0}/s", self.rate()));
-        }
-        if let Some((fraction, (low, high))) = self.fraction() {
-            parts.push(format!("equilibria {fraction:.3} ({low:.3} .. {high:.3})"));
-        }
-        if *failed > 0 {
-            parts.push(format!("{failed} failed"));
-        }
-        parts.extend(self.left().map(|left| format!("{bound}{:#} left", HumanDuration(left))));
-        parts.join(", ")
-    }
-
-    /// Returns an event; `planned` is the number of runs that were planned at the start.
-    fn event(&self, event: &str, planned: u64) -> Value {
-        let fraction = self.fraction();
-        json!({
-            "event": event,
-            "elapsed_s": self.elapsed_s,
-            "runs_finished": self.runs,
-            "runs_planned": planned,
-            "runs_left_at_most": self.runs_left(),
-            "runs_kept": self.reused,
-            "runs_per_s": self.rate(),
-            "left_s": self.left().map(|left| left.as_secs_f64()),
-            "equilibrium_fraction": fraction.map(|(fraction, _)| fraction),
-            "ci_low": fraction.map(|(_, (low, _))| low),
-            "ci_high": fraction.map(|(_, (_, high))| high),
-            "failed_runs": self.failed,
-        })
-    }
-}
 
 impl Progress {
     /// Starts progress over `planned` runs of one point, shown as standard error allows.
@@ -267,10 +168,10 @@ impl Progress {
         if elapsed < due || claim().is_err() {
             return;
         }
-        let now = self.counts.now();
+        let counts = self.counts.snapshot();
         match self.show {
-            Show::Json => say_json(&now.event("progress", self.planned)),
-            _ => say(&now.text()),
+            Show::Json => say_json(&counts.event("progress", self.planned)),
+            _ => say(&counts.text()),
         }
     }
 
@@ -326,7 +227,7 @@ impl Progress {
     /// Writes the final event: all planned runs have finished, or the computation was `interrupted`.
     pub fn ended(&self, interrupted: bool) {
         if self.show == Show::Json {
-            let mut event = self.counts.now().event("ended", self.planned);
+            let mut event = self.counts.snapshot().event("ended", self.planned);
             event["interrupted"] = interrupted.into();
             say_json(&event);
         }
@@ -338,57 +239,10 @@ fn bar(runs: u64, counts: &Arc<Counts>) -> ProgressBar {
     let counts = Arc::clone(counts);
     let text = move |_: &ProgressState, out: &mut dyn std::fmt::Write| {
         // A bar that cannot be drawn is ignored.
-        let _ = out.write_str(&counts.now().text());
+        let _ = out.write_str(&counts.snapshot().text());
     };
     if let Ok(style) = ProgressStyle::with_template("{wide_bar} {text}") {
         bar.set_style(style.with_key("text", text));
     }
     bar
-}
-
-#[cfg(test)]
-mod tests {
-    use std::time::Duration;
-
-    use super::Now;
-    use crate::analysis::{Z_95, wilson};
-
-    #[test]
-    fn what_is_computed_of_the_counts() {
-        let now = Now {
-            elapsed_s: 10.0,
-            most_runs: 1000,
-            at_most: false,
-            runs: 300,
-            reused: 100,
-            equilibria: 150,
-            failed: 0,
-        };
-        assert_eq!((now.rate(), now.left()), (20.0, Some(Duration::from_secs(35))));
-        assert_eq!(now.fraction(), Some((0.5, wilson(150, 300, Z_95))));
-        assert_eq!(
-            now.text(),
-            "300 of 1000 runs, 20/s, equilibria 0.500 (0.444 .. 0.556), 35s left"
-        );
-        // Failed runs widen the interval upwards only.
-        let failed = Now { failed: 30, at_most: true, ..now };
-        let ends = (wilson(150, 300, Z_95).0, wilson(180, 300, Z_95).1);
-        assert_eq!(failed.fraction(), Some((0.5, ends)));
-        let text = failed.text();
-        assert!(text.starts_with("300 of at most 1000 runs, ") && text.contains(", 30 failed, "));
-        assert!(text.ends_with("at most 35s left"));
-        // Before the first computed run the rate and the remaining time are unknown.
-        let begun = Now { runs: 0, reused: 0, equilibria: 0, ..now };
-        assert_eq!((begun.fraction(), begun.left()), (None, None));
-        assert_eq!(begun.text(), "0 of 1000 runs");
-        let reused = Now { reused: 300, ..now };
-        assert!(reused.left().is_none() && !reused.text().contains("/s"));
-        // The planned number of runs stays when the bound decreases.
-        let event = Now { most_runs: 900, ..begun }.event("progress", 1000);
-        assert_eq!(
-            (&event["runs_planned"], &event["runs_left_at_most"]),
-            (&1000.into(), &900.into())
-        );
-        assert_eq!(event["left_s"], serde_json::Value::Null);
-    }
 }

@@ -134,7 +134,7 @@ impl Runs for Worker<'_> {
             return Some(again);
         }
         loop {
-            if self.batch.stop_condition.at_once() {
+            if self.batch.stop_condition.stops_reading() {
                 return None;
             }
             let place = self.batch.begun.fetch_add(1, Ordering::Relaxed);
@@ -142,7 +142,7 @@ impl Runs for Worker<'_> {
             let mut planned = self.batch.study.planned_run(run_id);
             planned.audited &= self.batch.audits;
             let Some(planned) = self.take_stored(planned) else { continue };
-            if self.batch.stop_condition.now() {
+            if self.batch.stop_condition.begins_no_run() {
                 continue;
             }
             match &planned.case {
