@@ -118,13 +118,9 @@ fn whole(parts: &[PathBuf]) -> Result<Study, CliError> {
         .map(|number| format!("{number}/{}", shard.parts()))
         .collect();
     if !missing.is_empty() {
-        return Err(CliError::Usage(format!(
-            "shards are missing: {} of {} given\n  found:   no directory of {}\n  allowed: the \
-             directories of all shards",
-            places.len(),
-            shard.parts(),
-            missing.join(", "),
-        )));
+        let what = format!("shards are missing: {} of {} given", places.len(), shard.parts());
+        let found = format!("no directory of {}", missing.join(", "));
+        return Err(CliError::refusal(what, found, "the directories of all shards"));
     }
     Ok(study)
 }

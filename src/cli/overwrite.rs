@@ -45,11 +45,8 @@ pub fn replace(path: &Path, content: &[u8]) -> Result<(), CliError> {
         write_atomically(path, content)
     };
     written().map_err(|error| {
-        CliError::Usage(format!(
-            "{}: cannot be written\n  found:   {error}\n  allowed: a path that can be written to, with --out \
-             FILE",
-            path.display()
-        ))
+        let what = format!("{}: cannot be written", path.display());
+        CliError::refusal(what, error, "a path that can be written to, with --out FILE")
     })
 }
 
@@ -65,12 +62,10 @@ pub fn outside(directory: &Path, out: &Path) -> Result<(), CliError> {
         fs::canonicalize(part).ok()
     });
     if there.is_some_and(|there| there.starts_with(&directory)) {
-        return Err(CliError::Usage(format!(
-            "{}: lies in the directory of results\n  found:   an output in {}\n  allowed: another place; that \
-             directory holds only files of the study",
-            out.display(),
-            directory.display()
-        )));
+        let what = format!("{}: lies in the directory of results", out.display());
+        let found = format!("an output in {}", directory.display());
+        let allowed = "another place; that directory holds only files of the study";
+        return Err(CliError::refusal(what, found, allowed));
     }
     Ok(())
 }

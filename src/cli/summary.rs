@@ -159,14 +159,16 @@ pub fn no_tables(
 ) -> Result<CliError, CliError> {
     let listed = listed_runs(directory, study)?.min(manifest.runs_planned);
     let bound = if study.precision().is_some() { "at most " } else { "" };
-    Ok(CliError::Usage(format!(
-        "{0}: there are no tables yet: this study is being run, or was killed\n  found:   {listed} of \
-         {bound}{1} runs finished, in chunks/\n  allowed: results with tables; if no process is \
-         computing this study, `stickslip resume {2}` continues it",
-        shown_path(directory),
-        manifest.runs_planned,
-        shell_word(directory),
-    )))
+    let what = format!(
+        "{}: there are no tables yet: this study is being run, or was killed",
+        shown_path(directory)
+    );
+    let found = format!("{listed} of {bound}{} runs finished, in chunks/", manifest.runs_planned);
+    let allowed = format!(
+        "results with tables; if no process is computing this study, `stickslip resume {}` continues it",
+        shell_word(directory)
+    );
+    Ok(CliError::refusal(what, found, allowed))
 }
 
 /// Prints the first `most` rows of a table, batch by batch.
