@@ -53,3 +53,4 @@ mod sanitize;
 pub mod study;
 pub mod table;
 mod tabular;
+mod text_table;

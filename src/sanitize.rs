@@ -22,7 +22,7 @@ pub(crate) fn is_acted_on(character: char) -> bool {
 }
 
 /// Replaces white space by a blank, and any other active character by a replacement character.
-fn tamed(character: char) -> char {
+fn without_effect(character: char) -> char {
     match character {
         acted if !is_acted_on(acted) => acted,
         space if space.is_whitespace() => ' ',
@@ -33,7 +33,7 @@ fn tamed(character: char) -> char {
 /// Returns the beginning of a text as one line without control characters.
 pub(crate) fn one_line(text: &str, most: usize) -> String {
     let mut characters = text.trim_end().chars();
-    let mut short: String = characters.by_ref().take(most).map(tamed).collect();
+    let mut short: String = characters.by_ref().take(most).map(without_effect).collect();
     if characters.next().is_some() {
         short.push_str(" ...");
     }
@@ -65,23 +65,23 @@ pub(crate) fn shell_word(path: &Path) -> String {
 
 /// Returns a text of any length in which line breaks and tabs are the only active characters.
 pub(crate) fn harmless(text: &str) -> Cow<'_, str> {
-    let kept = |c: char| c == '\n' || c == '\t' || !is_acted_on(c);
-    if text.chars().all(kept) {
+    let is_harmless = |c: char| c == '\n' || c == '\t' || !is_acted_on(c);
+    if text.chars().all(is_harmless) {
         return Cow::Borrowed(text);
     }
-    Cow::Owned(text.chars().map(|c| if kept(c) { c } else { tamed(c) }).collect())
+    Cow::Owned(text.chars().map(|c| if is_harmless(c) { c } else { without_effect(c) }).collect())
 }
 
 /// Returns equivalent JSON in which line breaks are the only active characters. serde_json leaves
 /// some control characters in strings unescaped; this function escapes them.
 pub(crate) fn harmless_json(json: &str) -> Cow<'_, str> {
-    let kept = |c: char| c == '\n' || !is_acted_on(c);
-    if json.chars().all(kept) {
+    let is_harmless = |c: char| c == '\n' || !is_acted_on(c);
+    if json.chars().all(is_harmless) {
         return Cow::Borrowed(json);
     }
     let mut escaped = String::with_capacity(json.len());
     for c in json.chars() {
-        if kept(c) {
+        if is_harmless(c) {
             escaped.push(c);
         } else {
             // All active characters are in the basic plane; writing into a string cannot fail.

@@ -177,7 +177,7 @@ impl Run {
                 let wall_s = progress.close().as_secs_f64();
                 let totals = ended?;
                 store.check()?;
-                let (runs_kept, threads) = (totals.kept, options.threads);
+                let (runs_kept, threads) = (totals.reused, options.threads);
                 let complete = !totals.interrupted();
                 results.finish(
                     study,

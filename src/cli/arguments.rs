@@ -6,7 +6,8 @@ use std::time::{Duration, Instant};
 
 use clap::{Args, ValueEnum};
 
-use crate::engine::{EngineOptions, Shard, Show};
+use super::exit::CliError;
+use crate::engine::{EngineOptions, Shard, Show, WorkerPool};
 use crate::study::{Study, StudyError};
 
 /// The study file argument, with the directories in which its tables may lie.
@@ -45,12 +46,35 @@ pub struct ShardArgument {
     pub shard: Shard,
 }
 
-/// Arguments of the computation. No value here changes a result.
+/// The argument `--threads`.
 #[derive(Clone, Debug, Args)]
-pub struct EngineArguments {
+pub struct ThreadsArgument {
     /// Worker threads [default: one per core]
     #[arg(long, value_name = "N", value_parser = threads, allow_negative_numbers = true)]
     threads: Option<NonZeroUsize>,
+}
+
+impl ThreadsArgument {
+    /// Returns the number of worker threads.
+    pub fn count(&self) -> usize {
+        let cores = || std::thread::available_parallelism().unwrap_or(NonZeroUsize::MIN);
+        self.threads.unwrap_or_else(cores).get()
+    }
+
+    /// Starts the worker threads.
+    ///
+    /// # Errors
+    /// Returns an error if the operating system cannot start them.
+    pub fn start(&self) -> Result<WorkerPool, CliError> {
+        WorkerPool::new(self.count()).map_err(CliError::Threads)
+    }
+}
+
+/// Arguments of the computation. No value here changes a result.
+#[derive(Clone, Debug, Args)]
+pub struct EngineArguments {
+    #[command(flatten)]
+    threads: ThreadsArgument,
 
     /// Number of runs computed before they are written to disk and to the tables; bounds the memory
     #[arg(long, value_name = "RUNS", default_value = "1024", value_parser = positive)]
@@ -70,7 +94,8 @@ pub struct EngineArguments {
     on_failure: OnFailure,
 
     /// Short form of --on-failure limit=N
-    #[arg(long, value_name = "N", conflicts_with = "on_failure")]
+    #[arg(long, value_name = "N", conflicts_with = "on_failure", value_parser = failed_runs)]
+    #[arg(allow_negative_numbers = true)]
     max_failed: Option<u64>,
 
     /// Compute failed runs again, each from the same start state and parameters
@@ -125,9 +150,8 @@ impl EngineArguments {
 
     /// Returns the engine's options; the time limit starts now.
     pub fn options(&self, shard: Shard) -> EngineOptions {
-        let cores = || std::thread::available_parallelism().unwrap_or(NonZeroUsize::MIN);
         EngineOptions {
-            threads: self.threads.unwrap_or_else(cores).get(),
+            threads: self.threads.count(),
             chunk: self.chunk.get(),
             shard,
             deadline: self.max_seconds.and_then(|time| Instant::now().checked_add(time)),
@@ -154,14 +178,16 @@ fn on_failure(text: &str) -> Result<OnFailure, String> {
     }
 }
 
+fn failed_runs(text: &str) -> Result<u64, String> {
+    text.parse().map_err(|_| {
+        format!("found {text:?}, allowed: the number of runs that may fail, a whole number from 0, as in 10")
+    })
+}
+
 /// The largest number of threads: more than any machine has cores, and only a waste of memory above.
 const MOST_THREADS: usize = 1024;
 
-/// Parses a number of worker threads.
-///
-/// # Errors
-/// Returns what was found and what is allowed.
-pub fn threads(text: &str) -> Result<NonZeroUsize, String> {
+fn threads(text: &str) -> Result<NonZeroUsize, String> {
     let threads = text.parse().ok().filter(|threads: &NonZeroUsize| threads.get() <= MOST_THREADS);
     threads
         .ok_or_else(|| format!("found {text:?}, allowed: a whole number from 1 to {MOST_THREADS}"))

@@ -9,7 +9,8 @@ use super::existence::Existence;
 use super::exit::{CliError, End};
 use super::output::{print, print_json};
 use crate::model::{Endings, Extend, Method};
-use crate::study::{Response, Variable, VariedParameter, describe_number};
+use crate::study::{Precision, Response, Study, Variable, VariedParameter, describe_number};
+use crate::text_table::text_table;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -80,76 +81,82 @@ pub fn check(arguments: &CheckArguments) -> Result<End, CliError> {
         print_json(&format!("{report:#}\n"))?;
         return Ok(End::Well);
     }
-    let listed = |names: &[String]| {
+    let mut rows = rows(&study, &cost);
+    rows.extend(existence.iter().flat_map(Existence::rows));
+    let rows: Vec<Vec<String>> =
+        rows.into_iter().map(|(key, text)| vec![key.to_owned(), text]).collect();
+    print(&text_table(&rows, &[0, 1]))?;
+    if let Some(existence) = existence {
+        print(&existence.details())?;
+    }
+    Ok(End::Well)
+}
+
+/// Returns the rows of the plan: a key and its text.
+fn rows(study: &Study, cost: &Cost) -> Vec<(&'static str, String)> {
+    let listed = |names: Vec<&str>| {
         if names.is_empty() { "nothing".to_owned() } else { names.join(", ") }
+    };
+    let names = |columns: &'_ [VariedParameter]| {
+        listed(columns.iter().map(|column| column.name.as_str()).collect())
     };
     let what = match study.model().balls() {
         0 => study.model().kind().to_owned(),
         1 => "ball_balancer with 1 ball".to_owned(),
         balls => format!("ball_balancer with {balls} balls"),
     };
-    let natural = study.model().natural_frequency_rad_s();
+    let (friction, natural) =
+        (study.model().friction().name(), study.model().natural_frequency_rad_s());
+    let (hash, seed) = (&study.hash()[..12], study.seed());
+    let mut rows = vec![
+        ("study", format!("{} (hash {hash}, seed {seed})", study.name())),
+        ("model", format!("{what}, {friction} friction, natural frequency {natural:.3} rad/s")),
+        ("swept", names(study.swept())),
+        ("uncertain", names(study.uncertain())),
+    ];
+    if !(study.variables().is_empty() && study.responses().is_empty()) {
+        rows.push(("design", listed(study.variables().iter().map(Variable::name).collect())));
+        let responses = study.responses().iter().map(|one| one.name.as_str());
+        rows.push(("responses", listed(responses.collect())));
+    }
+    rows.push(("points", study.point_count().to_string()));
+    rows.push(("runs", runs(study)));
+    if let Some(audit) = study.audit() {
+        let method = method_name(study.simulation().counter_check().method);
+        let fraction = audit.fraction;
+        let text =
+            format!("{fraction} of the runs again, method {method}, a tenth of the tolerances");
+        rows.push(("audit", text));
+    }
+    rows.push(("expectations", study.expectations().len().to_string()));
+    let (estimate, bound) = (about(cost.core_seconds), at_most(cost.most_core_seconds));
+    let cost = format!("{estimate} on one core, less where runs come to rest early; {bound}");
+    rows.push(("cost", cost));
+    rows
+}
+
+/// Returns the number of runs, and when each of them ends.
+fn runs(study: &Study) -> String {
     let simulation = study.simulation();
+    let count = study.run_count();
+    let runs = match study.precision() {
+        None => count.to_string(),
+        Some(Precision { equilibrium_fraction, .. }) => format!(
+            "{} to {count} (until the fraction is known to +-{equilibrium_fraction})",
+            study.least_run_count(),
+        ),
+    };
     let [_, later] = simulation.end_times_s();
     let extended = match simulation.extend {
         Some(extend) => format!(" ({} ones to {} s)", labels(extend), describe_number(later)),
         None => String::new(),
     };
-    let runs = match study.precision() {
-        None => study.run_count().to_string(),
-        Some(precision) => format!(
-            "{} to {} (until the fraction is known to +-{})",
-            study.least_run_count(),
-            study.run_count(),
-            precision.equilibrium_fraction,
-        ),
-    };
-    let only = match study.simulation().endings {
+    let only = match simulation.endings {
         Endings::All => "",
         Endings::Rest => ", detects rest only",
     };
-    let audit = study.audit().map_or_else(String::new, |audit| {
-        let method = method_name(study.simulation().counter_check().method);
-        let fraction = audit.fraction;
-        format!(
-            "audit         {fraction} of the runs again, method {method}, a tenth of the tolerances\n"
-        )
-    });
-    let evaluate = if study.variables().is_empty() && study.responses().is_empty() {
-        String::new()
-    } else {
-        let variables = study.variables().iter().map(|one| one.name().to_owned());
-        let responses = study.responses().iter().map(|one| one.name.clone());
-        let [variables, responses] =
-            [variables.collect::<Vec<_>>(), responses.collect()].map(|names| listed(&names));
-        format!("design        {variables}\nresponses     {responses}\n")
-    };
-    print(&format!(
-        "study         {} (hash {}, seed {})\n\
-         model         {what}, {} friction, natural frequency {natural:.3} rad/s\n\
-         swept         {}\n\
-         uncertain     {}\n\
-         {evaluate}\
-         points        {}\n\
-         runs          {runs}, each to {} s{extended} or until its ending is known, method {method}{only}\n\
-         {audit}expectations  {}\n\
-         cost          {} on one core, less where runs come to rest early; {}\n",
-        study.name(),
-        &study.hash()[..12],
-        study.seed(),
-        study.model().friction().name(),
-        listed(&swept),
-        listed(&uncertain),
-        study.point_count(),
-        describe_number(simulation.end_time_s),
-        study.expectations().len(),
-        about(cost.core_seconds),
-        at_most(cost.most_core_seconds),
-    ))?;
-    if let Some(existence) = existence {
-        print(&existence.text())?;
-    }
-    Ok(End::Well)
+    let (end, method) = (describe_number(simulation.end_time_s), method_name(simulation.method));
+    format!("{runs}, each to {end} s{extended} or until its ending is known, method {method}{only}")
 }
 
 /// Returns what an optimiser needs to know of a variable.

@@ -1,6 +1,5 @@
 //! `stickslip equilibria`: computes equilibrium sets in closed form, without simulation.
 
-use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
@@ -9,12 +8,12 @@ use clap::Args;
 use rayon::prelude::*;
 use serde_json::json;
 
-use super::arguments::{StudyArgument, threads};
+use super::arguments::{StudyArgument, ThreadsArgument};
 use super::equilibria_report::Report;
 use super::exclusive_directory::ExclusiveDirectory;
 use super::exit::{CliError, End};
 use super::output::{print, print_json};
-use super::speeds::Speeds;
+use super::range::Speeds;
 use crate::analysis::{
     EquilibriumSet, FEWEST_GRID_POINTS, FrictionlessEquilibrium, MOST_BALL_DAMPING, REPLICATES,
     Resolution, RestForm, SAMPLE_COUNTS, frictionless_equilibria,
@@ -78,9 +77,8 @@ pub struct EquilibriaArguments {
     #[arg(long)]
     no_set: bool,
 
-    /// Worker threads [default: one per core]
-    #[arg(long, value_name = "N", value_parser = threads, allow_negative_numbers = true)]
-    threads: Option<NonZeroUsize>,
+    #[command(flatten)]
+    threads: ThreadsArgument,
 
     /// Print neither table nor messages
     #[arg(long, short)]
@@ -133,10 +131,7 @@ pub fn equilibria(arguments: &EquilibriaArguments) -> Result<End, CliError> {
         own_speeds: arguments.speeds.is_some(),
         options: options(arguments, resolution),
     };
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(arguments.threads.map_or(0, NonZeroUsize::get))
-        .build()
-        .map_err(CliError::Threads)?;
+    let pool = arguments.threads.start()?;
     let started = Instant::now();
     let mut place = ExclusiveDirectory::open(&directory, &files.names())?;
     let mut tables = files.create(&directory, &study)?;
@@ -171,19 +166,15 @@ fn check_model(study: &Study) -> Result<(), CliError> {
         return Ok(());
     }
     let kind = study.model().kind();
-    Err(CliError::Usage(format!(
-        "this command serves the ball balancer\n  found:   a study of kind {kind}\n  allowed: kind \
-         ball_balancer; a block on a spring rests anywhere in |x| <= friction_coefficient * \
-         normal_force_n / stiffness_n_m"
-    )))
+    let allowed = "kind ball_balancer; a block on a spring rests anywhere in |x| <= friction_coefficient * \
+                   normal_force_n / stiffness_n_m";
+    let found = format!("a study of kind {kind}");
+    Err(CliError::refusal("this command serves the ball balancer", found, allowed))
 }
 
 /// Returns the resolution of the sets, or an error if it does not fit the study.
 fn resolution(arguments: &EquilibriaArguments, study: &Study) -> Result<Resolution, CliError> {
     let balls = study.model().balls();
-    let refused = |option: &str, found: &str, allowed: &str| {
-        Err(CliError::Usage(format!("{option}\n  found:   {found}\n  allowed: {allowed}")))
-    };
     let resolution =
         Resolution::choose(balls, arguments.grid, arguments.samples).map_err(CliError::Usage)?;
     let positions = resolution.positions(balls);
@@ -198,7 +189,8 @@ fn resolution(arguments: &EquilibriaArguments, study: &Study) -> Result<Resoluti
             "{MOST_ROWS} rows; use --no-set to leave that table out, or a coarser grid, fewer \
              samples or fewer points"
         );
-        return refused("equilibrium_positions.parquet would be too large", &found, &allowed);
+        let what = "equilibrium_positions.parquet would be too large";
+        return Err(CliError::refusal(what, found, allowed));
     }
     Ok(resolution)
 }

@@ -2,12 +2,14 @@
 
 use std::path::Path;
 
-use serde_json::{Map, Value, json};
+use serde_json::{Value, json};
 
-use super::points_table::{MOST_LINES, aligned};
+use super::point_keys::{merged, point_keys};
+use super::points_table::MOST_LINES;
 use crate::analysis::{FrictionlessEquilibrium, FrictionlessKind, Stability};
 use crate::study::{ParameterValue, Study};
 use crate::table::SetSummaryRow;
+use crate::text_table::text_table;
 
 /// The part of the result that is printed.
 pub struct Report {
@@ -108,7 +110,7 @@ impl Report {
         };
         let mut lines = vec![header];
         lines.extend(self.points.iter().take(MOST_LINES).map(line));
-        let mut text = aligned(&lines);
+        let mut text = text_table(&lines, &[]);
         if self.more > 0 {
             text +=
                 &format!("... and {} more points in equilibrium_set_summary.parquet\n", self.more);
@@ -136,22 +138,14 @@ impl Report {
                 ]);
             }
         }
-        aligned(&lines)
+        text_table(&lines, &[])
     }
 
     /// Returns the report as JSON.
     pub fn json(&self, options: &Value, directory: &Path) -> Value {
         let point = |(row, stable): &(SetSummaryRow, Vec<&str>)| {
             let SetSummaryRow { point, set, positions } = row;
-            let mut object = Map::new();
-            object.insert("point_id".to_owned(), json!(point.point_id));
-            for (name, value) in self.names.iter().zip(&point.swept) {
-                let value = match value {
-                    ParameterValue::Number(number) => json!(number),
-                    ParameterValue::Text(text) => json!(text),
-                };
-                object.insert(name.clone(), value);
-            }
+            let keys = point_keys(point.point_id, &self.names, &point.swept);
             let facts = json!({
                 "grid_positions": positions,
                 "fraction": set.fraction,
@@ -167,10 +161,7 @@ impl Report {
                 "balance_beta_rad": set.balance.position(),
                 "stable_without_friction": (!self.own_speeds).then_some(stable),
             });
-            if let Value::Object(facts) = facts {
-                object.extend(facts);
-            }
-            Value::Object(object)
+            merged(keys, facts)
         };
         let kinds = FrictionlessKind::ALL.iter().zip(&self.kinds);
         let kinds = kinds.filter(|(_, counts)| counts.found > 0).map(|(kind, counts)| {

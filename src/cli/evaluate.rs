@@ -1,22 +1,21 @@
 //! `stickslip evaluate`: computes responses of designs for optimisers.
 
-use std::num::NonZeroUsize;
 use std::path::PathBuf;
-use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use clap::Args;
 
-use super::arguments::{StudyArgument, threads};
+use super::arguments::{StudyArgument, ThreadsArgument};
 use super::evaluate_server::serve;
 use super::exit::{CliError, End};
+use super::output::new_table;
 use crate::classification::Label;
 use crate::engine::{Planned, Progress, Show, WorkerPool, say, stop_on_signals};
 use crate::responses::{
     Answer, MOST_DESIGNS, check_answerable, respond_to_all, response_columns, run_count,
 };
 use crate::study::{DesignValue, Study};
-use crate::table::{TableWriter, provenance};
+use crate::table::provenance;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -48,9 +47,8 @@ pub struct EvaluateArguments {
     #[arg(long, short, value_name = "FILE")]
     out: Option<PathBuf>,
 
-    /// Worker threads [default: one per core]
-    #[arg(long, value_name = "N", value_parser = threads, allow_negative_numbers = true)]
-    threads: Option<NonZeroUsize>,
+    #[command(flatten)]
+    threads: ThreadsArgument,
 
     /// Print no progress
     #[arg(long, short)]
@@ -64,29 +62,15 @@ pub struct EvaluateArguments {
 pub fn evaluate(arguments: &EvaluateArguments) -> Result<End, CliError> {
     let study = arguments.study.load()?;
     check(arguments, &study)?;
-    let cores = || std::thread::available_parallelism().unwrap_or(NonZeroUsize::MIN);
-    let start = || {
-        let workers = WorkerPool::new(arguments.threads.unwrap_or_else(cores).get());
-        workers.map_err(CliError::Threads)
-    };
-    let stop = || {
-        stop_on_signals().unwrap_or_else(|error| {
-            say(&format!("warning: cannot handle Ctrl-C: {error}"));
-            Arc::new(AtomicBool::new(false))
-        })
-    };
     match &arguments.out {
-        None => serve(&study, &start()?, &stop()),
+        None => serve(&study, &arguments.threads.start()?, &stop_on_signals()),
         Some(out) => {
             let designs = study.designs(&arguments.designs)?;
             let columns = response_columns(&study);
-            let mut table = TableWriter::create(out, columns, &provenance(&study, "responses"))
-                .map_err(|error| {
-                    let allowed = "the name of a new file in a directory that can be written to";
-                    CliError::Usage(format!("{error}\n  allowed: {allowed}"))
-                })?;
+            let mut table = new_table(out, columns, &provenance(&study, "responses"))?;
             let show = if arguments.quiet { Show::Nothing } else { Show::auto() };
-            let Some(answers) = compute(&study, &designs, &start()?, &stop(), show)? else {
+            let (workers, stop) = (arguments.threads.start()?, stop_on_signals());
+            let Some(answers) = compute(&study, &designs, &workers, &stop, show)? else {
                 table.abandon()?;
                 say("interrupted; nothing is written");
                 return Ok(End::Interrupted);
@@ -123,10 +107,6 @@ fn check(arguments: &EvaluateArguments, study: &Study) -> Result<(), CliError> {
         None if !requests => usage(
             "--out is missing\n  allowed: the name of a new Parquet file, or --designs -".to_owned(),
         ),
-        Some(path) if path.exists() => usage(format!(
-            "{}: exists already\n  allowed: the name of a new file",
-            path.display()
-        )),
         _ => Ok(()),
     }
 }

@@ -91,11 +91,11 @@ struct Writer {
 impl Writer {
     fn start() -> Self {
         let (texts, to_write) = sync_channel::<String>(1);
-        let (tell, written) = sync_channel(1);
+        let (results, written) = sync_channel(1);
         thread::spawn(move || {
             for text in to_write {
                 // A closed channel means that the server has ended.
-                if tell.send(print_json(&text)).is_err() {
+                if results.send(print_json(&text)).is_err() {
                     return;
                 }
             }
@@ -158,26 +158,4 @@ fn next_line(input: &mut impl BufRead) -> io::Result<Option<Line>> {
         }
     }
     Ok(Some(None))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::{MAX_LINE_BYTES, next_line};
-
-    #[test]
-    fn long_lines_are_passed_over() {
-        let text = [
-            vec![b'a'; MAX_LINE_BYTES - 1],
-            b"\n".to_vec(),
-            vec![b'b'; 3 * MAX_LINE_BYTES],
-            b"\nlast".to_vec(),
-        ];
-        let text = text.concat();
-        let mut input = text.as_slice();
-        let mut lengths = Vec::new();
-        while let Some(line) = next_line(&mut input).unwrap() {
-            lengths.push(line.map(|line| line.len()));
-        }
-        assert_eq!(lengths, [Some(MAX_LINE_BYTES), None, Some(4)]);
-    }
 }

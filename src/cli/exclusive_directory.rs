@@ -36,12 +36,6 @@ impl ExclusiveDirectory {
     /// Returns an error if the directory holds anything else or cannot be read.
     pub fn inspect(directory: &Path, files: &[&str]) -> Result<(), ResultsError> {
         check_path(directory)?;
-        let unusable = |cause| ResultsError::Unusable { path: directory.to_owned(), cause };
-        let entries = match fs::read_dir(directory) {
-            Ok(entries) => entries.collect::<io::Result<Vec<_>>>().map_err(unusable)?,
-            Err(error) if error.kind() == io::ErrorKind::NotFound => Vec::new(),
-            Err(error) => return Err(unusable(error)),
-        };
         // A marker with content belongs to someone else.
         let unfinished = fs::symlink_metadata(directory.join(UNFINISHED))
             .is_ok_and(|found| found.is_file() && found.len() == 0);
@@ -49,21 +43,7 @@ impl ExclusiveDirectory {
             unfinished
                 && (name == UNFINISHED || is_one_of(name, files) || is_one_of(name, &[FILES]))
         };
-        let mut names: Vec<String> = entries
-            .iter()
-            .map(|entry| entry.file_name().to_string_lossy().into_owned())
-            .filter(|name| !own(name))
-            .collect();
-        names.sort();
-        names.first().map_or(Ok(()), |name| {
-            Err(ResultsError::Occupied {
-                path: directory.to_owned(),
-                reason: "this directory is not empty".to_owned(),
-                found: format!("{} and perhaps more", shorten(name)),
-                allowed: "another directory, with --out DIR, or this one removed or renamed first"
-                    .to_owned(),
-            })
-        })
+        check_entries(directory, "this directory is not empty", own)
     }
 
     /// Creates the directory if needed and locks it for filling.
@@ -99,5 +79,33 @@ impl ExclusiveDirectory {
             .and_then(|()| sync_directory(&directory))
             .map_err(|cause| ResultsError::Unusable { path: directory, cause })?;
         Ok(())
+    }
+}
+
+/// Checks that all entries of a directory are `own` ones; a missing directory has no entries.
+///
+/// # Errors
+/// Returns an error with `reason` and the first other entry, or an error if the directory cannot be read.
+pub fn check_entries(
+    directory: &Path,
+    reason: &str,
+    own: impl Fn(&str) -> bool,
+) -> Result<(), ResultsError> {
+    let unusable = |cause| ResultsError::Unusable { path: directory.to_owned(), cause };
+    let entries = match fs::read_dir(directory) {
+        Ok(entries) => entries.collect::<io::Result<Vec<_>>>().map_err(unusable)?,
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Vec::new(),
+        Err(error) => return Err(unusable(error)),
+    };
+    let names = entries.iter().map(|entry| entry.file_name().to_string_lossy().into_owned());
+    match names.filter(|name| !own(name)).min() {
+        None => Ok(()),
+        Some(name) => Err(ResultsError::Occupied {
+            path: directory.to_owned(),
+            reason: reason.to_owned(),
+            found: format!("{} and perhaps more", shorten(&name)),
+            allowed: "another directory, with --out DIR, or this one removed or renamed first"
+                .to_owned(),
+        }),
     }
 }

@@ -2,6 +2,7 @@
 
 use serde_json::{Value, json};
 
+use super::point_keys::{point_keys, swept_text};
 use crate::model::{ExistenceVerdict, SAFE_FRICTION};
 use crate::study::{ParameterValue, Point, Study};
 
@@ -15,7 +16,8 @@ const MOST_NAMED: usize = 20;
 /// A point at which the stick-slip decision is not always unique.
 struct Failing {
     point_id: u64,
-    swept: Vec<(String, ParameterValue)>,
+    names: Vec<String>,
+    swept: Vec<ParameterValue>,
     least_minor: f64,
     position: Vec<(usize, f64)>,
     friction_fraction: f64,
@@ -68,10 +70,10 @@ impl Existence {
         let ExistenceVerdict::NotUnique { position, .. } = verdict else { return };
         self.not_unique += 1;
         if self.named.len() < MOST_NAMED {
-            let names = study.swept().iter().map(|column| column.name.clone());
             self.named.push(Failing {
                 point_id: point.point_id,
-                swept: names.zip(point.swept.iter().copied()).collect(),
+                names: study.swept().iter().map(|column| column.name.clone()).collect(),
+                swept: point.swept.clone(),
                 least_minor,
                 position,
                 friction_fraction: machine.unambiguous_friction_fraction(),
@@ -79,30 +81,36 @@ impl Existence {
         }
     }
 
-    /// Returns the verdicts as lines of text.
-    pub(super) fn text(&self) -> String {
-        let place = match (self.looked_at == self.points, self.points) {
+    /// Returns the verdict as rows of a table: a key and its text.
+    pub(super) fn rows(&self) -> Vec<(&'static str, String)> {
+        let (looked_at, points) = (self.looked_at, self.points);
+        if self.not_unique > 0 {
+            let verdict = format!(
+                "at {} of {looked_at} points stick and slip are not always decided in one way; runs \
+                 there can end in no_solution",
+                self.not_unique
+            );
+            return vec![("existence", verdict)];
+        }
+        let place = match (looked_at == points, points) {
             (true, 1) => "at the only point".to_owned(),
             (true, points) => format!("at all {points} points"),
-            (false, points) => {
-                format!("at {} of {points} points, spread over the sweep,", self.looked_at)
-            }
+            (false, points) => format!("at {looked_at} of {points} points, spread over the sweep,"),
         };
-        let (least_minor, at) = self.least;
         let nominal = if self.uncertain { " with nominal parameters" } else { "" };
-        let mut text = if self.not_unique == 0 {
-            format!(
-                "existence     {place}{nominal} stick and slip are decided in exactly one way, proven \
-                 for all positions and forces;\n              least principal minor \
-                 {least_minor:.8} at point {at} (1: uncoupled, 0: fails)\n",
-            )
-        } else {
-            format!(
-                "existence     at {} of {} points stick and slip are not always decided in one \
-                 way; runs there can end in no_solution\n",
-                self.not_unique, self.looked_at,
-            )
-        };
+        let verdict = format!(
+            "{place}{nominal} stick and slip are decided in exactly one way, proven for all positions \
+             and forces;"
+        );
+        let (minor, at) = self.least;
+        let least =
+            format!("least principal minor {minor:.8} at point {at} (1: uncoupled, 0: fails)");
+        vec![("existence", verdict), ("", least)]
+    }
+
+    /// Returns lines of text on the points that are not unique, and on what is not checked.
+    pub(super) fn details(&self) -> String {
+        let mut text = String::new();
         for failing in &self.named {
             text += &failing.text();
         }
@@ -148,8 +156,7 @@ fn spread(index: u64, looked_at: u64, points: u64) -> u64 {
 
 impl Failing {
     fn text(&self) -> String {
-        let swept: String =
-            self.swept.iter().map(|(name, value)| format!(" {name}={value}")).collect();
+        let swept = swept_text(&self.names, &self.swept);
         let position: Vec<String> = self
             .position
             .iter()
@@ -174,22 +181,14 @@ impl Failing {
     }
 
     fn json(&self) -> Value {
-        let mut object = serde_json::Map::new();
-        object.insert("point_id".to_owned(), json!(self.point_id));
-        for (name, value) in &self.swept {
-            let value = match value {
-                ParameterValue::Number(number) => json!(number),
-                ParameterValue::Text(text) => json!(text),
-            };
-            object.insert(name.clone(), value);
-        }
+        let mut object = point_keys(self.point_id, &self.names, &self.swept);
         let position = self.position.iter();
         let position: Vec<Value> =
             position.map(|(ball, angle)| json!({"ball": ball, "beta_rad": angle})).collect();
-        object.insert("min_principal_minor".to_owned(), json!(self.least_minor));
-        object.insert("worst_position".to_owned(), json!(position));
-        object.insert("unambiguous_friction_fraction".to_owned(), json!(self.friction_fraction));
-        object.insert("remedy".to_owned(), json!(self.remedy()));
-        Value::Object(object)
+        object["min_principal_minor"] = json!(self.least_minor);
+        object["worst_position"] = json!(position);
+        object["unambiguous_friction_fraction"] = json!(self.friction_fraction);
+        object["remedy"] = json!(self.remedy());
+        object
     }
 }

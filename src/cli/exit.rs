@@ -1,5 +1,6 @@
 //! The ways a command ends, and their exit codes.
 
+use std::fmt::Display;
 use std::io;
 use std::process::ExitCode;
 
@@ -89,6 +90,11 @@ impl From<EngineError<ResultsError>> for CliError {
 }
 
 impl CliError {
+    /// Returns the error of an argument or a file that cannot be used: what it is, what was found, and what is allowed.
+    pub fn refusal(what: impl Display, found: impl Display, allowed: impl Display) -> Self {
+        CliError::Usage(format!("{what}\n  found:   {found}\n  allowed: {allowed}"))
+    }
+
     /// Returns the exit code: 2 if the user can fix the cause in the study or on the command line, otherwise 1.
     pub fn code(&self) -> ExitCode {
         ExitCode::from(match self {

@@ -1,18 +1,18 @@
 //! `stickslip expand`: writes the cases of a study without computing them.
 
+use std::io;
 use std::path::PathBuf;
 
-use arrow_schema::ArrowError;
 use clap::Args;
 
 use super::arguments::StudyArgument;
 use super::exit::{CliError, End};
-use super::output::{Reader, print};
+use super::output::{Reader, csv_line, new_table, print};
 use crate::engine::Shard;
 use crate::study::PlannedRun;
 use crate::table::cell::cell_text;
-use crate::table::column::{Column, Columns, batch, schema};
-use crate::table::{TableWriter, planned_columns, provenance};
+use crate::table::column::{Columns, batch, schema};
+use crate::table::{planned_columns, provenance};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -55,16 +55,8 @@ pub fn expand(arguments: &ExpandArguments) -> Result<End, CliError> {
     let columns = list.finish();
     let mut cases = arguments.shard.run_ids(&study).map(|run_id| study.planned_run(run_id));
     match &arguments.out {
-        Some(path) if path.exists() => Err(CliError::Usage(format!(
-            "{}: exists already\n  allowed: the name of a new file",
-            path.display()
-        ))),
         Some(path) => {
-            let mut table = TableWriter::create(path, columns, &provenance(&study, "cases"))
-                .map_err(|error| {
-                    let allowed = "the name of a new file in a directory that can be written to";
-                    CliError::Usage(format!("{error}\n  allowed: {allowed}"))
-                })?;
+            let mut table = new_table(path, columns, &provenance(&study, "cases"))?;
             for case in cases {
                 table.push(case)?;
             }
@@ -80,20 +72,12 @@ pub fn expand(arguments: &ExpandArguments) -> Result<End, CliError> {
                 if rows.is_empty() {
                     break;
                 }
-                reader = print(&csv(&columns, &rows).map_err(std::io::Error::other)?)?;
+                let batch = batch(&columns, &rows).map_err(io::Error::other)?;
+                let line =
+                    |row| csv_line(batch.columns().iter().map(|column| cell_text(column, row, "")));
+                reader = print(&(0..rows.len()).map(line).collect::<io::Result<String>>()?)?;
             }
             Ok(End::Well)
         }
     }
-}
-
-fn csv(columns: &[Column<PlannedRun>], rows: &[PlannedRun]) -> Result<String, ArrowError> {
-    let batch = batch(columns, rows)?;
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    for row in 0..rows.len() {
-        let cells = batch.columns().iter().map(|column| cell_text(column, row, ""));
-        writer.write_record(cells).map_err(|error| ArrowError::CsvError(error.to_string()))?;
-    }
-    let bytes = writer.into_inner().map_err(|error| ArrowError::CsvError(error.to_string()))?;
-    Ok(String::from_utf8_lossy(&bytes).into_owned())
 }

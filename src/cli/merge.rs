@@ -57,12 +57,8 @@ pub fn merge(arguments: &MergeArguments) -> Result<End, CliError> {
     let mut options = arguments.engine.options(Shard::WHOLE);
     options.chunk = AT_A_TIME.saturating_mul(arguments.parts.len()).min(MOST_AT_A_TIME);
     let output_dir = OutputDir {
-        directory: &directory,
-        shard: Shard::WHOLE,
-        retry_failed: options.retry_failed,
-        recompute: false,
         shards: &arguments.parts,
-        quiet: arguments.engine.quiet,
+        ..OutputDir::new(&directory, &options, arguments.engine.quiet)
     };
     carry_out(&study, &output_dir, options, &arguments.engine)
 }
@@ -122,13 +118,9 @@ fn whole(parts: &[PathBuf]) -> Result<Study, CliError> {
         .map(|number| format!("{number}/{}", shard.parts()))
         .collect();
     if !missing.is_empty() {
-        return Err(CliError::Usage(format!(
-            "shards are missing: {} of {} given\n  found:   no directory of {}\n  allowed: the \
-             directories of all shards",
-            places.len(),
-            shard.parts(),
-            missing.join(", "),
-        )));
+        let what = format!("shards are missing: {} of {} given", places.len(), shard.parts());
+        let found = format!("no directory of {}", missing.join(", "));
+        return Err(CliError::refusal(what, found, "the directories of all shards"));
     }
     Ok(study)
 }

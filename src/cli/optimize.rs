@@ -1,27 +1,25 @@
 //! `stickslip optimize`: searches for the best design.
 
 use std::fs;
-use std::io;
-use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::Ordering;
 
 use clap::Args;
 use serde_json::json;
 
-use super::arguments::{StudyArgument, threads};
+use super::arguments::{StudyArgument, ThreadsArgument};
+use super::exclusive_directory::check_entries;
 use super::exit::{CliError, End};
 use super::output::print;
 use crate::classification::Label;
-use crate::engine::{Lock, Planned, Progress, Show, WorkerPool, say, stop_on_signals};
+use crate::engine::{Lock, Planned, Progress, Show, say, stop_on_signals};
 use crate::optimize::{
     Evaluation, FinalistRole, Finalists, Origin, Search, SearchEnd, evaluation_columns, final_runs,
     finalist_columns, finalists, optimum_json, pareto_columns, read_evaluations, result_in_words,
     search, search_facts, search_line, sensitivities, sensitivity_columns, surrogates,
 };
 use crate::responses::check_answerable;
-use crate::sanitize::{shell_word, shorten};
+use crate::sanitize::shell_word;
 use crate::study::{Optimization, SensitivityFrom, Study};
 use crate::table::column::Column;
 use crate::table::{
@@ -56,9 +54,8 @@ pub struct OptimizeArguments {
     #[arg(long, short, value_name = "DIR")]
     out: Option<PathBuf>,
 
-    /// Worker threads [default: one per core]
-    #[arg(long, value_name = "N", value_parser = threads, allow_negative_numbers = true)]
-    threads: Option<NonZeroUsize>,
+    #[command(flatten)]
+    threads: ThreadsArgument,
 
     /// Print no progress
     #[arg(long, short)]
@@ -88,28 +85,22 @@ pub fn optimize(arguments: &OptimizeArguments) -> Result<End, CliError> {
     for name in &search_directory.changed {
         say(&format!("{name} has been changed since it was written; writing it anew"));
     }
-    let cores = || std::thread::available_parallelism().unwrap_or(NonZeroUsize::MIN);
-    let workers = WorkerPool::new(arguments.threads.unwrap_or_else(cores).get());
-    let workers = workers.map_err(CliError::Threads)?;
-    let stop = stop_on_signals().unwrap_or_else(|error| {
-        say(&format!("warning: cannot handle Ctrl-C: {error}"));
-        Arc::new(AtomicBool::new(false))
-    });
+    let (workers, stop) = (arguments.threads.start()?, stop_on_signals());
     let what = Search { study: &study, optimization, workers: &workers, stop: &stop };
     let show = if arguments.quiet { Show::Nothing } else { Show::auto() };
-    let tell = |text: String| {
+    let report = |text: String| {
         if !arguments.quiet {
             say(&text);
         }
     };
     if !evaluations.is_empty() {
         let designs = evaluations.len();
-        tell(format!("continuing after {designs} designs in {}", directory.display()));
+        report(format!("continuing after {designs} designs in {}", directory.display()));
     }
     let end = search(&what, &mut evaluations, &|_| {}, |evaluations| {
         search_directory.remove_ends();
         search_directory.write_evaluations(evaluations)?;
-        tell(search_line(&what, evaluations));
+        report(search_line(&what, evaluations));
         Ok::<(), CliError>(())
     })?;
     match &end {
@@ -120,14 +111,14 @@ pub fn optimize(arguments: &OptimizeArguments) -> Result<End, CliError> {
                 "{file}: `optimize`: {problem}\n  allowed: {allowed}"
             )));
         }
-        SearchEnd::NoMoreDesigns => tell("all possible designs have been evaluated".to_owned()),
+        SearchEnd::NoMoreDesigns => report("all possible designs have been evaluated".to_owned()),
         SearchEnd::Finished => {}
     }
     let instead =
         evaluations.iter().filter(|one| one.origin == Origin::SpaceFillingInstead).count();
     if instead > 0 {
         let all = evaluations.len();
-        tell(format!(
+        report(format!(
             "{instead} of {all} designs are space-filling: the surrogates proposed no new design"
         ));
     }
@@ -150,7 +141,7 @@ pub fn optimize(arguments: &OptimizeArguments) -> Result<End, CliError> {
     let summary = optimum_json(&what, &end, &evaluations, &finalists, &sensitivities);
     search_directory.write_json("optimum.json", &summary)?;
     print(&result_in_words(&what, &finalists))?;
-    tell(format!("results in {}", directory.display()));
+    report(format!("results in {}", directory.display()));
     Ok(how_it_ends(&evaluations, &finalists))
 }
 
@@ -203,11 +194,7 @@ fn with_progress<T>(
         return work(&|_| {});
     }
     let study = what.study.name();
-    let progress = Progress::begin(Planned { study, runs, at_most: true, points: 1 }, show);
-    let done = work(&|label| progress.finished(label));
-    progress.close();
-    progress.ended(done.is_none());
-    done
+    Progress::during(Planned { study, runs, at_most: true, points: 1 }, show, work)
 }
 
 /// The output directory of a search.
@@ -242,22 +229,8 @@ impl<'a> SearchDirectory<'a> {
         directory: &'a Path,
     ) -> Result<Self, CliError> {
         let unusable = |cause| ResultsError::Unusable { path: directory.to_owned(), cause };
-        let entries = match fs::read_dir(directory) {
-            Ok(entries) => entries.collect::<Result<Vec<_>, _>>().map_err(unusable)?,
-            Err(error) if error.kind() == io::ErrorKind::NotFound => Vec::new(),
-            Err(error) => return Err(unusable(error).into()),
-        };
-        let names = entries.iter().map(|entry| entry.file_name().to_string_lossy().into_owned());
-        if let Some(other) = names.into_iter().find(|name| !is_one_of(name, &OWN)) {
-            return Err(ResultsError::Occupied {
-                path: directory.to_owned(),
-                reason: "this directory is not empty and holds no search".to_owned(),
-                found: format!("{} and perhaps more", shorten(&other)),
-                allowed: "another directory, with --out DIR, or this one removed or renamed first"
-                    .to_owned(),
-            }
-            .into());
-        }
+        let reason = "this directory is not empty and holds no search";
+        check_entries(directory, reason, |name| is_one_of(name, &OWN))?;
         make_directory(directory).map_err(unusable)?;
         let lock = Lock::take(directory.join("lock"), directory)?;
         clear_temporaries(directory, &OWN).map_err(unusable)?;
@@ -272,8 +245,8 @@ impl<'a> SearchDirectory<'a> {
 
     /// Removes the results of an earlier end of the search, because there are more designs now.
     fn remove_ends(&mut self) {
-        let kept = ["evaluations.parquet", FILES, "lock"];
-        for name in OWN.iter().filter(|name| !kept.contains(name)) {
+        let remaining = ["evaluations.parquet", FILES, "lock"];
+        for name in OWN.iter().filter(|name| !remaining.contains(name)) {
             // A missing file needs no removal, and one that cannot be removed is overwritten at the end.
             let _ = fs::remove_file(self.directory.join(name));
             self.list.remove(name);

@@ -1,8 +1,12 @@
-//! Standard output: data only; a reader that stops reading is not an error.
+//! Standard output, which holds data only and whose reader may stop reading, and new tables.
 
 use std::io::{self, Write};
+use std::path::Path;
 
+use super::exit::CliError;
 use crate::sanitize::{harmless, harmless_json};
+use crate::table::TableWriter;
+use crate::table::column::Column;
 
 /// Whether standard output still has a reader.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -35,4 +39,35 @@ fn write(text: &str) -> io::Result<Reader> {
         Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(Reader::Gone),
         result => result.map(|()| Reader::Reading),
     }
+}
+
+/// Starts a table in a new file, which the user has named.
+///
+/// # Errors
+/// Returns an error if the file exists or cannot be created.
+pub fn new_table<R>(
+    path: &Path,
+    columns: Vec<Column<R>>,
+    provenance: &str,
+) -> Result<TableWriter<R>, CliError> {
+    let refused =
+        |problem: String, allowed| CliError::Usage(format!("{problem}\n  allowed: {allowed}"));
+    if path.exists() {
+        let problem = format!("{}: exists already", path.display());
+        return Err(refused(problem, "the name of a new file"));
+    }
+    let allowed = "the name of a new file in a directory that can be written to";
+    TableWriter::create(path, columns, provenance)
+        .map_err(|error| refused(error.to_string(), allowed))
+}
+
+/// Returns cells as one line of CSV.
+///
+/// # Errors
+/// Returns an error if the cells cannot be written.
+pub fn csv_line(cells: impl IntoIterator<Item = String>) -> io::Result<String> {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    writer.write_record(cells)?;
+    let bytes = writer.into_inner().map_err(|error| io::Error::other(error.to_string()))?;
+    Ok(String::from_utf8_lossy(&bytes).into_owned())
 }

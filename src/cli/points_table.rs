@@ -1,12 +1,16 @@
 //! The table of points on the terminal, in Markdown and as JSON.
 
+use std::path::Path;
+
 use serde_json::{Value, json};
 
-use super::point_line::PointLine;
+use super::point_keys::{merged, point_keys, swept_text};
 use crate::analysis::{AuditCounts, is_narrow};
 use crate::classification::Label;
-use crate::study::{Precision, Study};
-use crate::table::{Kind, Table, TableError};
+use crate::report::{Fraction, PointFacts};
+use crate::study::{ParameterValue, Precision, Study};
+use crate::table::{Table, TableError};
+use crate::text_table::text_table;
 
 /// The number of points that are printed by default; the others are in `points.parquet`.
 pub const MOST_LINES: usize = 40;
@@ -15,7 +19,7 @@ pub const MOST_LINES: usize = 40;
 #[derive(Clone, Debug)]
 pub struct PointsTable {
     names: Vec<String>,
-    rows: Vec<PointLine>,
+    rows: Vec<PointFacts>,
     most: usize,
     audit: bool,
     flips: AuditCounts,
@@ -46,40 +50,34 @@ impl PointsTable {
     /// Returns an error if the table cannot be read.
     pub fn read(study: &Study, table: &Table, most: usize) -> Result<Self, TableError> {
         let mut points = Self::new(study, most);
-        let columns = PointLine::columns(study);
-        let columns: Vec<(&str, Kind)> =
-            columns.iter().map(|(name, kind)| (name.as_str(), *kind)).collect();
-        for batch in table.read(&columns)? {
-            PointLine::read(study, &batch?)?.into_iter().for_each(|line| points.push(line));
-        }
+        PointFacts::for_each(study, table, 1, |point| points.push(point))?;
         Ok(points)
     }
 
     /// Returns a point as one line of text.
-    pub fn sentence(&self, line: &PointLine) -> String {
-        let names = self.names.iter().zip(&line.swept);
-        let place: String = names.map(|(name, (text, _))| format!(" {name}={text}")).collect();
-        let failed = match line.label_runs(Label::Failed) {
+    pub fn sentence(&self, point: &PointFacts) -> String {
+        let swept = swept_text(&self.names, &point.swept);
+        let failed = match point.label(Label::Failed).runs {
             0 => String::new(),
             failed => format!(", {failed} failed"),
         };
-        let (low, high) = line.interval;
+        let Fraction { fraction, low, high, .. } = point.equilibrium;
         format!(
-            "point {}{place}: {} runs, equilibria {:.4} ({low:.4} .. {high:.4}){failed}",
-            line.point_id, line.runs, line.equilibrium_fraction
+            "point {}{swept}: {} runs, equilibria {fraction:.4} ({low:.4} .. {high:.4}){failed}",
+            point.point_id, point.runs
         )
     }
 
     /// Adds a point.
-    pub fn push(&mut self, line: PointLine) {
+    pub fn push(&mut self, point: PointFacts) {
         self.points += 1;
-        self.not_precise += u64::from(self.is_precise(&line) == Some(false));
-        let AuditCounts { runs, flips, rest_flips } = line.audit;
+        self.not_precise += u64::from(self.is_precise(&point) == Some(false));
+        let AuditCounts { runs, flips, rest_flips } = point.audit;
         self.flips.runs = self.flips.runs.saturating_add(runs);
         self.flips.flips = self.flips.flips.saturating_add(flips);
         self.flips.rest_flips = self.flips.rest_flips.saturating_add(rest_flips);
         if self.rows.len() < self.most {
-            self.rows.push(line);
+            self.rows.push(point);
         }
     }
 
@@ -88,9 +86,9 @@ impl PointsTable {
         self.audit.then_some(self.flips)
     }
 
-    fn is_precise(&self, line: &PointLine) -> Option<bool> {
+    fn is_precise(&self, point: &PointFacts) -> Option<bool> {
         let widest = self.precision?.equilibrium_fraction;
-        Some(is_narrow(line.interval, widest))
+        Some(is_narrow((point.equilibrium.low, point.equilibrium.high), widest))
     }
 
     /// Returns the number of points at which the requested precision was not reached.
@@ -111,7 +109,7 @@ impl PointsTable {
 
     /// Returns the table as text, aligned to the right.
     pub fn text(&self) -> String {
-        aligned(&self.lines()) + &self.more_line("")
+        text_table(&self.lines(), &[]) + &self.more_line("")
     }
 
     /// Returns the table in Markdown.
@@ -148,22 +146,19 @@ impl PointsTable {
         let others: Vec<Label> = Label::ALL[1..]
             .iter()
             .copied()
-            .filter(|&label| self.rows.iter().any(|row| row.label_runs(label) > 0))
+            .filter(|&label| self.rows.iter().any(|row| row.label(label).runs > 0))
             .collect();
         header.extend(others.iter().map(|label| label.name().to_owned()));
         header.extend(self.audit.then(|| "flips".to_owned()));
-        let line = |row: &PointLine| -> Vec<String> {
+        let line = |row: &PointFacts| -> Vec<String> {
+            let Fraction { runs, fraction, low, high } = row.equilibrium;
             let mut cells = vec![row.point_id.to_string()];
-            cells.extend(row.swept.iter().map(|(text, _)| text.clone()));
-            cells.push(row.runs.to_string());
-            cells.push(row.label_runs(Label::Equilibrium).to_string());
-            cells.push(format!("{:.4}", row.equilibrium_fraction));
-            cells.push(format!("{:.4} .. {:.4}", row.interval.0, row.interval.1));
-            cells.push(match row.time_to_rest_p50_s {
-                Some(median) => format!("{median:.2}"),
-                None => "not reached".to_owned(),
-            });
-            cells.extend(others.iter().map(|&label| row.label_runs(label).to_string()));
+            cells.extend(row.swept.iter().map(ParameterValue::to_string));
+            cells.extend([row.runs.to_string(), runs.to_string(), format!("{fraction:.4}")]);
+            cells.push(format!("{low:.4} .. {high:.4}"));
+            let median = row.time_to_rest_s[1];
+            cells.push(median.map_or("not reached".to_owned(), |median| format!("{median:.2}")));
+            cells.extend(others.iter().map(|&label| row.label(label).runs.to_string()));
             let AuditCounts { runs, flips, .. } = row.audit;
             cells.extend(self.audit.then(|| format!("{flips} of {runs}")));
             cells
@@ -173,57 +168,54 @@ impl PointsTable {
         lines
     }
 
-    /// Returns the table as JSON.
-    pub fn json(&self) -> Value {
-        self.rows.iter().map(|row| self.point_json(row)).collect()
+    /// Returns the result of a command as JSON: `facts` of the command, and the points.
+    pub fn result_json(
+        &self,
+        study: &Study,
+        out: Option<&Path>,
+        [planned, finished]: [u64; 2],
+        facts: Value,
+    ) -> Value {
+        let keys = json!({
+            "study": study.name(),
+            "out": out.map(|out| out.display().to_string()),
+            "runs_planned": planned,
+            "runs_finished": finished,
+        });
+        let mut report = merged(keys, facts);
+        report["points"] = self.rows.iter().map(|row| self.point_json(row)).collect();
+        if self.precision.is_some() {
+            report["points_not_precise"] = self.not_precise.into();
+        }
+        report
     }
 
     /// Returns a point as JSON.
-    pub fn point_json(&self, row: &PointLine) -> Value {
-        let mut object = serde_json::Map::new();
-        object.insert("point_id".to_owned(), json!(row.point_id));
-        for (name, (_, value)) in self.names.iter().zip(&row.swept) {
-            object.insert(name.clone(), value.clone());
-        }
-        object.insert("runs".to_owned(), json!(row.runs));
+    pub fn point_json(&self, row: &PointFacts) -> Value {
+        let mut object = point_keys(row.point_id, &self.names, &row.swept);
+        object["runs"] = json!(row.runs);
         for label in Label::ALL {
-            object.insert(format!("{}_runs", label.name()), json!(row.label_runs(label)));
+            object[format!("{}_runs", label.name())] = json!(row.label(label).runs);
         }
-        object.insert("equilibrium_fraction".to_owned(), json!(row.equilibrium_fraction));
-        object.insert("ci_low".to_owned(), json!(row.interval.0));
-        object.insert("ci_high".to_owned(), json!(row.interval.1));
-        object.insert("ci_method".to_owned(), json!(row.ci_method));
-        object.insert("time_to_rest_p50_s".to_owned(), json!(row.time_to_rest_p50_s));
+        let Fraction { fraction, low, high, .. } = row.equilibrium;
+        object["equilibrium_fraction"] = json!(fraction);
+        object["ci_low"] = json!(low);
+        object["ci_high"] = json!(high);
+        object["ci_method"] = json!(row.ci_method);
+        object["time_to_rest_p50_s"] = json!(row.time_to_rest_s[1]);
         if let Some(precise) = self.is_precise(row) {
-            object.insert("precision_reached".to_owned(), json!(precise));
+            object["precision_reached"] = json!(precise);
         }
         if self.audit {
             let audit = &row.audit;
-            object.insert("audited_runs".to_owned(), json!(audit.runs));
-            object.insert("audit_flips".to_owned(), json!(audit.flips));
-            object.insert("audit_rest_flips".to_owned(), json!(audit.rest_flips));
-            object.insert("audit_flip_rate".to_owned(), json!(audit.flip_rate()));
-            object.insert("audit_flip_low".to_owned(), json!(audit.interval().0));
-            object.insert("audit_flip_high".to_owned(), json!(audit.interval().1));
+            object["audited_runs"] = json!(audit.runs);
+            object["audit_flips"] = json!(audit.flips);
+            object["audit_rest_flips"] = json!(audit.rest_flips);
+            object["audit_flip_rate"] = json!(audit.flip_rate());
+            object["audit_flip_low"] = json!(audit.interval().0);
+            object["audit_flip_high"] = json!(audit.interval().1);
         }
-        object.insert("set_fraction".to_owned(), json!(row.set_fraction));
-        Value::Object(object)
+        object["set_fraction"] = json!(row.set_fraction);
+        object
     }
-}
-
-/// Returns lines of cells as text, with each column as wide as its widest cell.
-pub fn aligned(lines: &[Vec<String>]) -> String {
-    let columns = lines.first().map_or(0, Vec::len);
-    let width = |column: usize| {
-        let cells = lines.iter().filter_map(|line| line.get(column));
-        cells.map(|cell| cell.chars().count()).max().unwrap_or(0)
-    };
-    let widths: Vec<usize> = (0..columns).map(width).collect();
-    let mut text = String::new();
-    for line in lines {
-        let cells = line.iter().zip(&widths).map(|(cell, width)| format!("{cell:>width$}"));
-        text += cells.collect::<Vec<_>>().join("  ").trim_end();
-        text.push('\n');
-    }
-    text
 }

@@ -1,6 +1,5 @@
 //! `stickslip replay`: computes one run again with its motion.
 
-use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
@@ -9,8 +8,9 @@ use serde_json::{Value, json};
 use super::exclusive_directory::ExclusiveDirectory;
 use super::exit::{CliError, End};
 use super::output::{print, print_json};
+use super::overwrite::beside;
+use super::range::{MOST_TIMES, Times};
 use super::replay_animation::{ANIMATION, animate};
-use super::replay_times::{MOST_TIMES, Times};
 use super::results_study::results_study;
 use crate::classification::{Recording, Switch};
 use crate::engine::{record, say};
@@ -18,9 +18,10 @@ use crate::sanitize::{one_line, shorten};
 use crate::study::Study;
 use crate::table::column::Column;
 use crate::table::{
-    Difference, FILES, FileList, Manifest, ResultsError, RunRecord, StoredRun, TableWriter, Units,
+    Difference, FILES, FileList, Kind, Manifest, RunRecord, StoredRun, Table, TableWriter, Units,
     phase_name, provenance_with, switch_columns, trajectory_columns,
 };
+use crate::text_table::text_table;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -46,7 +47,7 @@ pub struct ReplayArguments {
     directory: PathBuf,
 
     /// Number of the run: column run_id of runs.parquet
-    #[arg(value_name = "RUN_ID")]
+    #[arg(value_name = "RUN_ID", value_parser = run_number, allow_negative_numbers = true)]
     run_id: u64,
 
     /// Directory for the motion; never overwritten [default: DIR-replay-RUN_ID]
@@ -71,6 +72,10 @@ pub struct ReplayArguments {
     json: bool,
 }
 
+fn run_number(text: &str) -> Result<u64, String> {
+    text.parse().map_err(|_| format!("found {text:?}, allowed: a whole number from 0, as in 17"))
+}
+
 const TRAJECTORY: &str = "trajectory.parquet";
 const SWITCHES: &str = "switches.parquet";
 /// All files that a replay may write.
@@ -84,15 +89,16 @@ pub fn replay(arguments: &ReplayArguments) -> Result<End, CliError> {
     let ReplayArguments { directory, run_id, .. } = arguments;
     let (study, manifest) = results_study(directory)?;
     let stored = stored_run(directory, &study, &manifest, *run_id)?;
-    let out = arguments.out.clone().map_or_else(|| beside(directory, *run_id), Ok)?;
+    let usual = || beside(directory, &format!("-replay-{run_id}"));
+    let out = arguments.out.clone().map_or_else(usual, Ok)?;
     ExclusiveDirectory::inspect(&out, &OWN)?;
     let times = arguments.times.map(|times| times.values().collect::<Vec<f64>>());
     let (record, recording) = record(&study, *run_id, times.as_deref(), MOST_TIMES as usize);
     if recording.cut_off {
-        return Err(CliError::Usage(format!(
-            "the motion of run {run_id} is too long\n  found:   more than {MOST_TIMES} steps, or switches\n  \
-             allowed: fewer; choose an interval with --times FROM:TO:N"
-        )));
+        let what = format!("the motion of run {run_id} is too long");
+        let found = format!("more than {MOST_TIMES} steps, or switches");
+        let allowed = "fewer; choose an interval with --times FROM:TO:N";
+        return Err(CliError::refusal(what, found, allowed));
     }
     let differences = match &stored {
         Some(stored) => Some(stored.differences(&study, &record)?),
@@ -127,10 +133,8 @@ fn stored_run(
 ) -> Result<Option<StoredRun>, CliError> {
     let runs = study.run_count();
     let refused = |found: String, allowed: String| {
-        Err(CliError::Usage(format!(
-            "{}: there is no such run\n  found:   {found}\n  allowed: {allowed}",
-            directory.display()
-        )))
+        let what = format!("{}: there is no such run", directory.display());
+        Err(CliError::refusal(what, found, allowed))
     };
     if run_id >= runs {
         let allowed = match runs {
@@ -140,29 +144,41 @@ fn stored_run(
         return refused(format!("run {run_id} of a study with {runs} runs"), allowed);
     }
     let stored = StoredRun::find(directory, manifest, run_id)?;
-    if stored.is_none() && manifest.complete {
-        let found = format!(
-            "run {run_id}, which is not among the {} runs of these results (shard {})",
-            manifest.runs_finished, manifest.shard
-        );
-        let allowed = "a run_id of runs.parquet; other runs are in other shards, or were not needed for \
-                       the precision asked for";
-        return refused(found, allowed.to_owned());
+    if stored.is_some() || !manifest.complete {
+        return Ok(stored);
     }
-    Ok(stored)
+    if study.precision().is_some() {
+        let point = study.point(study.planned_run(run_id).point_id);
+        let computed = runs_of_point(directory, manifest, point.point_id)?;
+        if computed > 0 {
+            let (first, number) = (point.first_run, point.point_id);
+            let found = format!(
+                "run {run_id}, which was not computed: point {number} reached the `precision` of the study \
+                 after {computed} runs"
+            );
+            let last = first + computed - 1;
+            let allowed = format!("run numbers from {first} to {last} at point {number}");
+            return refused(found, allowed);
+        }
+    }
+    let found = format!(
+        "run {run_id}, which is not among the {} runs of these results (shard {})",
+        manifest.runs_finished, manifest.shard
+    );
+    refused(found, "a run_id of runs.parquet; other shards have the other runs".to_owned())
 }
 
-/// Returns the default directory for the motion.
-fn beside(directory: &Path, run_id: u64) -> Result<PathBuf, ResultsError> {
-    let unusable = |cause| ResultsError::Unusable { path: directory.to_owned(), cause };
-    let named = match directory.file_name() {
-        Some(_) => directory.to_owned(),
-        // `.` and `..` have names only after resolution.
-        None => directory.canonicalize().map_err(unusable)?,
-    };
-    let mut name = named.file_name().unwrap_or_default().to_owned();
-    name.push(format!("-replay-{run_id}"));
-    Ok(named.with_file_name(name))
+/// Returns the number of computed runs of a point, which are its first ones; 0 if another shard has the point.
+fn runs_of_point(directory: &Path, manifest: &Manifest, point_id: u64) -> Result<u64, CliError> {
+    let points = Table::open(directory, manifest, "points")?;
+    for batch in points.read(&[("point_id", Kind::Count), ("runs", Kind::Count)])? {
+        let batch = batch?;
+        let row = batch.counts("point_id")?.iter().position(|found| *found == Some(point_id));
+        if let Some(row) = row {
+            return Ok(batch.count("runs", row)?.unwrap_or(0));
+        }
+    }
+    Ok(0)
 }
 
 fn write(
@@ -265,25 +281,22 @@ impl Report<'_> {
         let Report { study, record, recording, .. } = self;
         let model = record.planned.case.as_ref().map_or(study.model(), |case| &case.model);
         let units = Units::of(model);
-        let mut text = String::from(
-            "        time_s  ball  from                 to                     friction_n  friction_limit_n      normal_n\n",
-        );
-        for Switch { time, contact, before, after } in &recording.switches {
-            let newtons = |force| units.newtons(*contact, force).unwrap_or(f64::NAN);
-            let ball = if model.balls() > 0 { format!("{}", contact + 1) } else { "-".to_owned() };
-            // Writing to a string cannot fail.
-            let _ = writeln!(
-                text,
-                "{:>14.9}  {ball:>4}  {:<19}  {:<19}  {:>13.6e}  {:>16.6e}  {:>12.6e}",
-                units.seconds(*time),
-                phase_name(before.phase),
-                phase_name(after.phase),
+        let header = ["time_s", "ball", "from", "to", "friction_n", "friction_limit_n", "normal_n"];
+        let mut rows = vec![header.map(String::from).to_vec()];
+        rows.extend(recording.switches.iter().map(|Switch { time, contact, before, after }| {
+            let newtons =
+                |force| format!("{:.6e}", units.newtons(*contact, force).unwrap_or(f64::NAN));
+            vec![
+                format!("{:.9}", units.seconds(*time)),
+                if model.balls() > 0 { format!("{}", contact + 1) } else { "-".to_owned() },
+                phase_name(before.phase).to_owned(),
+                phase_name(after.phase).to_owned(),
                 newtons(before.friction),
                 newtons(before.limit),
                 newtons(before.normal),
-            );
-        }
-        text
+            ]
+        }));
+        text_table(&rows, &[2, 3])
     }
 
     fn json(&self) -> Value {

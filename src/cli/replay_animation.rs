@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::exit::CliError;
-use super::replay_times::Times;
+use super::range::Times;
 use crate::classification::{Evidence, Instants, Recorder, simulate_recorded};
 use crate::report::{animation, frames, time_text};
 use crate::study::Study;

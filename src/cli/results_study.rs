@@ -6,9 +6,20 @@ use super::exit::CliError;
 use crate::classification::MODEL_VERSION;
 use crate::sanitize::shell_word;
 use crate::study::Study;
-use crate::table::{Manifest, ResultsError, VERSION, manifest_of};
+use crate::table::{MANIFEST, Manifest, ResultsError, VERSION, manifest_of};
 
 const STUDY: &str = "study.yaml";
+/// Other commands with directories of their own: a file, the command that writes it, and what reads the directory.
+const OTHER_COMMANDS: [(&str, &str, &str); 3] = [
+    (
+        "evaluations.parquet",
+        "optimize",
+        "`stickslip optimize STUDY --out DIR` continues the search",
+    ),
+    ("equilibrium_set_summary.parquet", "equilibria", FIGURES),
+    ("trajectory.parquet", "replay", FIGURES),
+];
+const FIGURES: &str = "the Python package's `stickslip-figures DIR` draws its tables";
 
 /// Returns the study and the manifest of a directory of results, finished or not, whose study file is unchanged.
 ///
@@ -33,10 +44,22 @@ pub fn begun_study(directory: &Path) -> Result<(Study, Manifest), CliError> {
         allowed,
     };
     let Some(manifest) = manifest_of(directory)? else {
-        let reason = "this directory holds no results";
-        let found = "no manifest.json".to_owned();
-        let allowed = "a directory that `stickslip run` has written to";
-        return Err(occupied(reason, found, allowed.to_owned()).into());
+        let reason = "this directory holds no results of `stickslip run`";
+        let (found, allowed) =
+            match OTHER_COMMANDS.iter().find(|(file, ..)| directory.join(file).exists()) {
+                Some((file, command, reader)) => (
+                    format!("{file}, which `stickslip {command}` writes, and no {MANIFEST}"),
+                    format!(
+                        "results of `stickslip run`; {}",
+                        reader.replace("DIR", &shell_word(directory))
+                    ),
+                ),
+                None => (
+                    format!("no {MANIFEST}"),
+                    "a directory that `stickslip run` has written to".to_owned(),
+                ),
+            };
+        return Err(occupied(reason, found, allowed).into());
     };
     if manifest.model_version != MODEL_VERSION {
         let found = format!(

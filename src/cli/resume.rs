@@ -45,14 +45,7 @@ pub fn resume(arguments: &ResumeArguments) -> Result<End, CliError> {
         CliError::Usage(format!("{}: `shard` in manifest.json: {error}", directory.display()))
     })?;
     let options = arguments.engine.options(shard);
-    let output_dir = OutputDir {
-        directory,
-        shard,
-        retry_failed: options.retry_failed,
-        recompute: false,
-        shards: &[],
-        quiet: arguments.engine.quiet,
-    };
+    let output_dir = OutputDir::new(directory, &options, arguments.engine.quiet);
     carry_out(&study, &output_dir, options, &arguments.engine)
 }
 

@@ -68,12 +68,8 @@ pub fn run(arguments: &RunArguments) -> Result<End, CliError> {
         arguments.out.clone().unwrap_or_else(|| Path::new("results").join(study.name()));
     let options = arguments.engine.options(arguments.shard.shard);
     let output_dir = OutputDir {
-        directory: &directory,
-        shard: options.shard,
-        retry_failed: options.retry_failed,
         recompute: arguments.recompute,
-        shards: &[],
-        quiet: arguments.engine.quiet,
+        ..OutputDir::new(&directory, &options, arguments.engine.quiet)
     };
     carry_out(&study, &output_dir, options, &arguments.engine)
 }
@@ -94,14 +90,7 @@ pub fn carry_out(
         }
         Ready::Open(store, results) => (store, results),
     };
-    let ran =
-        run_on_engine(study, options, arguments, Some(&mut *store), |record, point| {
-            match (record, point) {
-                (Some(record), _) => results.push_run(record),
-                (_, Some((point, detail))) => results.push_point(point.clone(), detail),
-                (None, None) => Ok(()),
-            }
-        })?;
+    let ran = run_on_engine(study, options, arguments, Some(&mut *store), &mut *results)?;
     store.check()?;
     let circumstances =
         Circumstances { merging: output_dir.merging(), ..ran.circumstances.clone() };
@@ -126,18 +115,9 @@ fn complete(
         let most = if arguments.json { usize::MAX } else { MOST_LINES };
         let table = PointsTable::read(study, &Table::open(path, manifest, "points")?, most)?;
         if arguments.json {
-            let mut report = json!({
-                "study": study.name(),
-                "out": directory.to_string(),
-                "runs_planned": manifest.runs_planned,
-                "runs_finished": manifest.runs_finished,
-                "interrupted": false,
-                "already_complete": true,
-                "points": table.json(),
-            });
-            if study.precision().is_some() {
-                report["points_not_precise"] = table.not_precise().into();
-            }
+            let counts = [manifest.runs_planned, manifest.runs_finished];
+            let facts = json!({"interrupted": false, "already_complete": true});
+            let report = table.result_json(study, Some(path), counts, facts);
             print_json(&format!("{report:#}\n"))?;
         } else {
             print(&table.text())?;

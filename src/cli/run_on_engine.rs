@@ -1,8 +1,6 @@
 //! Computes a study with progress and prints its result.
 
 use std::path::Path;
-use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 use std::time::{SystemTime, UNIX_EPOCH};
 
 use serde_json::{Value, json};
@@ -10,7 +8,6 @@ use serde_json::{Value, json};
 use super::arguments::EngineArguments;
 use super::exit::{CliError, End};
 use super::output::{print, print_json};
-use super::point_line::PointLine;
 use super::points_table::{MOST_LINES, PointsTable};
 use crate::analysis::PointDetail;
 use crate::classification::Label;
@@ -18,6 +15,7 @@ use crate::engine::{
     EngineOptions, Planned, Progress, RunTotals, Sink, StopReason, Store, run_study, say,
     stop_on_signals,
 };
+use crate::report::PointFacts;
 use crate::study::Study;
 use crate::table::{Circumstances, PointRow, ResultsError, RunRecord};
 
@@ -34,7 +32,7 @@ impl Ran {
     /// Returns how the command ends.
     pub fn end(&self) -> End {
         match self.totals.stopped {
-            Some(StopReason::Asked | StopReason::Time) => End::Interrupted,
+            Some(StopReason::Interrupted | StopReason::Time) => End::Interrupted,
             Some(StopReason::Failures) => End::TooManyFailed,
             None if self.totals.counts.of(Label::Failed) > 0 => End::RunsFailed,
             None => End::Well,
@@ -54,20 +52,14 @@ impl Ran {
     ) -> Result<(), CliError> {
         let runs = self.totals.counts.total();
         if arguments.json {
-            let mut report = json!({
-                "study": study.name(),
-                "out": directory.map(|directory| directory.display().to_string()),
-                "runs_planned": self.circumstances.runs_planned,
-                "runs_finished": runs,
-                "runs_kept": self.totals.kept,
+            let facts = json!({
+                "runs_kept": self.totals.reused,
                 "interrupted": self.totals.interrupted(),
                 "already_complete": false,
                 "wall_s": self.circumstances.wall_s,
-                "points": self.table.json(),
             });
-            if study.precision().is_some() {
-                report["points_not_precise"] = self.table.not_precise().into();
-            }
+            let planned = self.circumstances.runs_planned;
+            let mut report = self.table.result_json(study, directory, [planned, runs], facts);
             if let Some(expectations) = expectations {
                 report["expectations"] = expectations;
             }
@@ -94,14 +86,17 @@ impl Ran {
 
     fn speed_line(&self) -> String {
         let Circumstances { wall_s, threads, .. } = self.circumstances;
-        let (runs, kept) = (self.totals.counts.total(), self.totals.kept);
-        let computed = runs.saturating_sub(kept);
-        let rate = computed as f64 / wall_s.max(1e-9);
-        let speed = format!("in {wall_s:.1} s on {threads} threads: {rate:.0} runs/s");
-        if kept == 0 {
+        let (runs, reused) = (self.totals.counts.total(), self.totals.reused);
+        let computed = runs.saturating_sub(reused);
+        let rate = match computed {
+            0 => String::new(),
+            _ => format!(": {:.0} runs/s", computed as f64 / wall_s.max(1e-9)),
+        };
+        let speed = format!("in {wall_s:.1} s on {threads} threads{rate}");
+        if reused == 0 {
             format!("{runs} runs {speed}")
         } else {
-            format!("{runs} runs: {kept} finished earlier, {computed} computed {speed}")
+            format!("{runs} runs: {reused} finished earlier, {computed} computed {speed}")
         }
     }
 
@@ -110,7 +105,7 @@ impl Ran {
         let too_many =
             format!("stopped: {failed} runs have failed, more than --on-failure allows,");
         let (cause, continuation) = match self.totals.stopped? {
-            StopReason::Asked => ("interrupted", "the same command continues"),
+            StopReason::Interrupted => ("interrupted", "the same command continues"),
             StopReason::Time => ("out of time (--max-seconds)", "the same command continues"),
             StopReason::Failures => {
                 (too_many.as_str(), "--on-failure continue computes the others")
@@ -119,62 +114,54 @@ impl Ran {
         let runs = self.totals.counts.total();
         let planned = self.circumstances.runs_planned;
         let bound = if study.precision().is_some() { "at most " } else { "" };
-        let given_up = match self.totals.given_up {
+        let abandoned = match self.totals.abandoned {
             0 => String::new(),
             1 => "; 1 run in progress was abandoned".to_owned(),
             more => format!("; {more} runs in progress were abandoned"),
         };
         Some(format!(
-            "{cause} after {runs} of {bound}{planned} runs{given_up}; finished runs are saved; {continuation}"
+            "{cause} after {runs} of {bound}{planned} runs{abandoned}; finished runs are saved; {continuation}"
         ))
     }
 }
 
-/// A point, and its rows of other tables.
-pub type PointWithDetail<'a> = (&'a PointRow, PointDetail);
-
-/// Passes runs and points to a function and collects the points that are printed.
-struct Collector<'a, F> {
-    take: F,
+/// Passes runs and points to another sink, reports each point, and collects the points that are printed.
+struct Collector<'a, S> {
+    study: &'a Study,
+    sink: &'a mut S,
     table: PointsTable,
     progress: &'a Progress,
 }
 
-impl<F> Sink for Collector<'_, F>
-where
-    F: FnMut(Option<RunRecord>, Option<PointWithDetail<'_>>) -> Result<(), ResultsError> + Send,
-{
-    type Error = ResultsError;
+impl<S: Sink> Sink for Collector<'_, S> {
+    type Error = S::Error;
 
-    fn run(&mut self, record: RunRecord) -> Result<(), ResultsError> {
-        (self.take)(Some(record), None)
+    fn run(&mut self, record: RunRecord) -> Result<(), S::Error> {
+        self.sink.run(record)
     }
 
-    fn point(&mut self, point: PointRow, detail: PointDetail) -> Result<(), ResultsError> {
-        let line = PointLine::of(&point);
+    fn point(&mut self, row: PointRow, detail: PointDetail) -> Result<(), S::Error> {
+        let point = PointFacts::of(self.study, &row);
         let (table, progress) = (&self.table, self.progress);
-        progress.point(|| table.sentence(&line), || table.point_json(&line));
-        self.table.push(line);
-        (self.take)(None, Some((&point, detail)))
+        progress.point(|| table.sentence(&point), || table.point_json(&point));
+        self.table.push(point);
+        self.sink.point(row, detail)
     }
 }
 
-/// Computes a study with progress; `take` receives each run and each point.
+/// Computes a study with progress; `sink` receives each run and each point.
 ///
 /// # Errors
-/// Returns an error if the worker threads cannot be started, if `take` returns one, or if a chunk cannot be written.
+/// Returns an error if the worker threads cannot be started, if `sink` returns one, or if a chunk cannot be written.
 pub fn run_on_engine(
     study: &Study,
     options: EngineOptions,
     arguments: &EngineArguments,
     store: Option<&mut Store>,
-    take: impl FnMut(Option<RunRecord>, Option<PointWithDetail<'_>>) -> Result<(), ResultsError> + Send,
+    sink: &mut impl Sink<Error = ResultsError>,
 ) -> Result<Ran, CliError> {
     let runs_planned = options.shard.most_runs(study);
-    let stop = stop_on_signals().unwrap_or_else(|error| {
-        say(&format!("warning: cannot handle Ctrl-C: {error}"));
-        Arc::new(AtomicBool::new(false))
-    });
+    let stop = stop_on_signals();
     // A clock before 1970 is wrong; the manifest then holds 0.
     let started = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
     let planned = Planned {
@@ -186,7 +173,7 @@ pub fn run_on_engine(
     let progress = Progress::begin(planned, arguments.show());
     let most = if arguments.json { usize::MAX } else { MOST_LINES };
     let table = PointsTable::new(study, most);
-    let mut collector = Collector { take, table, progress: &progress };
+    let mut collector = Collector { study, sink, table, progress: &progress };
     let ended = run_study(study, options, &stop, &progress, store, &mut collector);
     let wall = progress.close();
     let totals = ended?;
@@ -196,7 +183,7 @@ pub fn run_on_engine(
         circumstances: Circumstances {
             shard: options.shard.to_string(),
             runs_planned,
-            runs_kept: totals.kept,
+            runs_kept: totals.reused,
             started_unix_s: started.as_secs_f64(),
             wall_s: wall.as_secs_f64(),
             threads: options.threads,

@@ -7,7 +7,7 @@ use clap::{Args, ValueEnum};
 use serde_json::{Map, Value, json};
 
 use super::exit::{CliError, End};
-use super::output::{Reader, print, print_json};
+use super::output::{Reader, csv_line, print, print_json};
 use super::points_table::{MOST_LINES, PointsTable};
 use super::results_study::results_study;
 use crate::classification::Label;
@@ -73,11 +73,11 @@ pub fn summary(arguments: &SummaryArguments) -> Result<End, CliError> {
         return Err(no_tables(directory, &study, &manifest)?);
     }
     let table = Table::open(directory, &manifest, "points")?;
-    let kept = match arguments.format {
+    let printed = match arguments.format {
         Format::Table | Format::Markdown => arguments.points.unwrap_or(MOST_LINES),
         Format::Csv | Format::Json => 0,
     };
-    let points = PointsTable::read(&study, &table, kept)?;
+    let points = PointsTable::read(&study, &table, printed)?;
     let title = title(&study, &manifest, &points, directory);
     let most = arguments.points.unwrap_or(usize::MAX);
     match arguments.format {
@@ -159,14 +159,16 @@ pub fn no_tables(
 ) -> Result<CliError, CliError> {
     let listed = listed_runs(directory, study)?.min(manifest.runs_planned);
     let bound = if study.precision().is_some() { "at most " } else { "" };
-    Ok(CliError::Usage(format!(
-        "{0}: there are no tables yet: this study is being run, or was killed\n  found:   {listed} of \
-         {bound}{1} runs finished, in chunks/\n  allowed: results with tables; if no process is \
-         computing this study, `stickslip resume {2}` continues it",
-        shown_path(directory),
-        manifest.runs_planned,
-        shell_word(directory),
-    )))
+    let what = format!(
+        "{}: there are no tables yet: this study is being run, or was killed",
+        shown_path(directory)
+    );
+    let found = format!("{listed} of {bound}{} runs finished, in chunks/", manifest.runs_planned);
+    let allowed = format!(
+        "results with tables; if no process is computing this study, `stickslip resume {}` continues it",
+        shell_word(directory)
+    );
+    Ok(CliError::refusal(what, found, allowed))
 }
 
 /// Prints the first `most` rows of a table, batch by batch.
@@ -190,14 +192,8 @@ fn print_rows(
 }
 
 fn print_csv(table: &Table, most: usize) -> Result<(), CliError> {
-    let record = |cells: &[String]| -> Result<String, CliError> {
-        let mut writer = csv::Writer::from_writer(Vec::new());
-        writer.write_record(cells).map_err(io::Error::other)?;
-        let bytes = writer.into_inner().map_err(|error| io::Error::other(error.to_string()))?;
-        Ok(String::from_utf8_lossy(&bytes).into_owned())
-    };
-    let names: Vec<String> = table.columns().iter().map(|(name, _)| name.clone()).collect();
-    if print(&record(&names)?)? == Reader::Gone {
+    let names = table.columns().iter().map(|(name, _)| name.clone());
+    if print(&csv_line(names)?)? == Reader::Gone {
         return Ok(());
     }
     print_rows(table, most, print, |batch, row| {
@@ -210,8 +206,7 @@ fn print_csv(table: &Table, most: usize) -> Result<(), CliError> {
             },
             other => other.to_string(),
         });
-        let cells: Vec<String> = cells.collect();
-        record(&cells)
+        Ok(csv_line(cells)?)
     })?;
     Ok(())
 }

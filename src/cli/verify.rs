@@ -8,11 +8,13 @@ use serde_json::{Value, json};
 use super::arguments::{EngineArguments, StudyArgument};
 use super::exit::{CliError, End};
 use super::output::print;
+use super::point_keys::swept_text;
 use super::run_on_engine::run_on_engine;
+use crate::analysis::PointDetail;
 use crate::classification::Label;
-use crate::engine::{OutputDir, Ready, Shard, say};
+use crate::engine::{OutputDir, Ready, Shard, Sink, say};
 use crate::study::Study;
-use crate::table::PointRow;
+use crate::table::{PointRow, Results, ResultsError, RunRecord};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -45,23 +47,14 @@ pub struct VerifyArguments {
 pub fn verify(arguments: &VerifyArguments) -> Result<End, CliError> {
     let study = arguments.study.load()?;
     if study.expectations().is_empty() {
-        return Err(CliError::Usage(format!(
-            "{}: `expect`: missing key\n  found:   a study without expectations\n  allowed: a list \
-             such as expect: [{{point: {{speed_rad_s: -160.0}}, equilibrium_fraction: [0.9, 1.0]}}]",
-            arguments.study.study.display()
-        )));
+        let what = format!("{}: `expect`: missing key", arguments.study.study.display());
+        let allowed = "a list such as expect: [{point: {speed_rad_s: -160.0}, equilibrium_fraction: [0.9, 1.0]}]";
+        return Err(CliError::refusal(what, "a study without expectations", allowed));
     }
     let options = arguments.engine.options(Shard::WHOLE);
     let mut ready = match &arguments.out {
         Some(directory) => {
-            let output_dir = OutputDir {
-                directory,
-                shard: options.shard,
-                retry_failed: options.retry_failed,
-                recompute: false,
-                shards: &[],
-                quiet: arguments.engine.quiet,
-            };
+            let output_dir = OutputDir::new(directory, &options, arguments.engine.quiet);
             match output_dir.prepare(&study)? {
                 Ready::Complete(_) => {
                     let message = format!(
@@ -76,37 +69,30 @@ pub fn verify(arguments: &VerifyArguments) -> Result<End, CliError> {
         }
         None => None,
     };
-    let (store, mut results) = match &mut ready {
-        Some((store, results)) => (Some(&mut **store), Some(results)),
+    let (store, results) = match &mut ready {
+        Some((store, results)) => (Some(&mut **store), Some(&mut **results)),
         None => (None, None),
     };
-    let mut findings = Findings::default();
-    let ran = run_on_engine(&study, options, &arguments.engine, store, |record, point| {
-        if let Some((point, _)) = &point {
-            findings.check(&study, point);
-        }
-        match (&mut results, record, point) {
-            (Some(results), Some(record), _) => results.push_run(record),
-            (Some(results), _, Some((point, detail))) => results.push_point(point.clone(), detail),
-            _ => Ok(()),
-        }
-    })?;
+    let (lines, json) = (String::new(), Vec::new());
+    let mut findings = Findings { study: &study, results, lines, json, not_met: 0 };
+    let ran = run_on_engine(&study, options, &arguments.engine, store, &mut findings)?;
+    let Findings { lines, json, not_met, .. } = findings;
     if let Some((store, results)) = ready {
         store.check()?;
         results.finish(&study, ran.circumstances.clone())?;
     }
-    let expectations = (!ran.totals.interrupted()).then(|| Value::from(findings.json));
+    let expectations = (!ran.totals.interrupted()).then(|| Value::from(json));
     ran.report(&study, &arguments.engine, arguments.out.as_deref(), expectations)?;
     if ran.totals.interrupted() {
         return Ok(ran.end());
     }
     if !arguments.engine.json && !arguments.engine.quiet {
-        print(&findings.lines)?;
+        print(&lines)?;
     }
-    Ok(if findings.not_met > 0 {
+    Ok(if not_met > 0 {
         if !arguments.engine.quiet {
-            let plural = if findings.not_met == 1 { "" } else { "s" };
-            say(&format!("{} expectation{plural} not met", findings.not_met));
+            let plural = if not_met == 1 { "" } else { "s" };
+            say(&format!("{not_met} expectation{plural} not met"));
         }
         End::ExpectationNotMet
     } else if ran.totals.counts.of(Label::Failed) > 0 {
@@ -116,18 +102,25 @@ pub fn verify(arguments: &VerifyArguments) -> Result<End, CliError> {
     })
 }
 
-/// The checks so far.
-#[derive(Default)]
-struct Findings {
+/// Checks each point, and passes runs and points to the tables, if any.
+struct Findings<'a> {
+    study: &'a Study,
+    results: Option<&'a mut Results>,
     lines: String,
     json: Vec<Value>,
     not_met: u64,
 }
 
-impl Findings {
-    fn check(&mut self, study: &Study, point: &PointRow) {
-        for expectation in study.expectations() {
-            if !expectation.selects(study.swept(), &point.swept) {
+impl Sink for Findings<'_> {
+    type Error = ResultsError;
+
+    fn run(&mut self, record: RunRecord) -> Result<(), ResultsError> {
+        self.results.as_mut().map_or(Ok(()), |results| results.push_run(record))
+    }
+
+    fn point(&mut self, point: PointRow, detail: PointDetail) -> Result<(), ResultsError> {
+        for expectation in self.study.expectations() {
+            if !expectation.selects(self.study.swept(), &point.swept) {
                 continue;
             }
             for (name, range) in &expectation.fractions {
@@ -136,21 +129,23 @@ impl Findings {
                 };
                 let fraction = point.summary.counts.fraction(label);
                 let keys = [("label", json!(name)), ("fraction", json!(fraction))];
-                self.add(study, point, &format!("{name} fraction"), Some(fraction), *range, &keys);
+                self.add(&point, &format!("{name} fraction"), Some(fraction), *range, &keys);
             }
             if let Some(range) = expectation.audit_flip_rate {
                 let rate = point.summary.audit.flip_rate();
                 let keys = [("audit_flip_rate", json!(rate))];
-                self.add(study, point, "audit flip rate", rate, range, &keys);
+                self.add(&point, "audit flip rate", rate, range, &keys);
             }
         }
+        self.results.as_mut().map_or(Ok(()), |results| results.push_point(point, detail))
     }
+}
 
+impl Findings<'_> {
     /// Adds one fraction and its expected range; `None`, the fraction of no runs, does not meet it. `keys` go into the
     /// JSON.
     fn add(
         &mut self,
-        study: &Study,
         point: &PointRow,
         what: &str,
         fraction: Option<f64>,
@@ -166,14 +161,13 @@ impl Findings {
         entry["expected"] = json!([low, high]);
         entry["met"] = met.into();
         self.json.push(entry);
-        let columns = study.swept().iter().zip(&point.swept);
-        let place: Vec<String> =
-            columns.map(|(column, value)| format!("{}={value}", column.name)).collect();
+        let names: Vec<String> =
+            self.study.swept().iter().map(|column| column.name.clone()).collect();
+        let swept = swept_text(&names, &point.swept);
         self.lines += &format!(
-            "{}  point {} {}: {what} {}, expected {low} to {high}\n",
+            "{}  point {}{swept}: {what} {}, expected {low} to {high}\n",
             if met { "met    " } else { "NOT MET" },
             point.point_id,
-            place.join(" "),
             fraction.map_or_else(|| "of no run".to_owned(), |fraction| format!("{fraction:.4}")),
         );
     }

@@ -53,7 +53,7 @@ pub(super) fn write_chunks(
         if written.is_ok() && !runs.is_empty() {
             written = appender.append(&runs);
             if written.is_err() {
-                stop_condition.break_off();
+                stop_condition.stop_for_storage();
             }
         }
     }

@@ -8,21 +8,24 @@ use std::sync::atomic::AtomicBool;
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::flag;
 
+use super::message::say;
+
 /// Exit code after an interruption.
 const INTERRUPTED: i32 = 130;
 
-/// Returns a flag that Ctrl-C and SIGTERM set; a second signal ends the program with exit code 130.
-///
-/// # Errors
-/// Returns an error if the operating system refuses the handlers.
-pub fn stop_on_signals() -> io::Result<Arc<AtomicBool>> {
+/// Returns a flag that Ctrl-C and SIGTERM set; a second signal ends the program with exit code 130. Prints a warning
+/// if the operating system refuses the handlers.
+pub fn stop_on_signals() -> Arc<AtomicBool> {
     let stop = Arc::new(AtomicBool::new(false));
     for signal in [SIGINT, SIGTERM] {
         // The order matters: only the second signal may find the flag set.
-        flag::register_conditional_shutdown(signal, INTERRUPTED, Arc::clone(&stop))?;
-        flag::register(signal, Arc::clone(&stop))?;
+        let handled = flag::register_conditional_shutdown(signal, INTERRUPTED, Arc::clone(&stop))
+            .and_then(|_| flag::register(signal, Arc::clone(&stop)));
+        if let Err(error) = handled {
+            say(&format!("warning: cannot handle Ctrl-C: {error}"));
+        }
     }
-    Ok(stop)
+    stop
 }
 
 /// Makes a write above the file size limit (`ulimit -f`) fail like one to a full disk. By default its signal,

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
-use super::{CHUNKS, Shard, Store, StoreError, say};
+use super::{CHUNKS, EngineOptions, Shard, Store, StoreError, say};
 use crate::classification::MODEL_VERSION;
 use crate::study::{Study, changed_keys};
 use crate::table::{
@@ -51,7 +51,13 @@ pub enum Ready {
     Open(Box<Store>, Box<Results>),
 }
 
-impl OutputDir<'_> {
+impl<'a> OutputDir<'a> {
+    /// Returns a directory for a study without shards.
+    pub fn new(directory: &'a Path, options: &EngineOptions, quiet: bool) -> Self {
+        let EngineOptions { shard, retry_failed, .. } = *options;
+        OutputDir { directory, shard, retry_failed, recompute: false, shards: &[], quiet }
+    }
+
     /// Prepares the directory for a study.
     ///
     /// # Errors
@@ -61,14 +67,14 @@ impl OutputDir<'_> {
     pub fn prepare(&self, study: &Study) -> Result<Ready, OutputDirError> {
         let shard = self.shard.to_string();
         let found = inspect(self.directory, study, &shard, &[CHUNKS, EARLIER])?;
-        let tell = |line: String| {
+        let report = |line: String| {
             if !self.quiet {
                 say(&line);
             }
         };
         let directory = self.directory.display();
         let failed = |manifest: &Manifest| manifest.labels.get("failed").is_some_and(|&n| n > 0);
-        let (mut store, put_them_aside) = match &found {
+        let (mut store, has_earlier_results) = match &found {
             OutputState::Complete(manifest) if !(self.retry_failed && failed(manifest)) => {
                 return Ok(Ready::Complete(manifest.clone()));
             }
@@ -91,7 +97,7 @@ impl OutputDir<'_> {
                 true => "these results have been changed since they were written",
                 false => "another file has the name of a result",
             };
-            tell(format!(
+            report(format!(
                 "{directory}: {problem}: {difference}; writing them anew from the finished runs"
             ));
         }
@@ -112,14 +118,14 @@ impl OutputDir<'_> {
             _ => false,
         };
         if unfinished && self.shards.is_empty() {
-            tell(format!(
+            report(format!(
                 "{directory}: continuing this study; up to {} of its runs are finished",
                 store.listed_runs(),
             ));
         }
-        if put_them_aside {
+        if has_earlier_results {
             let place = put_aside(self.directory)?;
-            tell(format!("earlier results moved to {}", place.display()));
+            report(format!("earlier results moved to {}", place.display()));
         } else {
             close_earlier(self.directory)?;
         }

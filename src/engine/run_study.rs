@@ -24,7 +24,7 @@ use crate::classification::Outcome;
 use crate::model::Case;
 use crate::motion::{Cancellation, SimdLevel};
 use crate::study::Study;
-use crate::table::{PointRow, RunRecord};
+use crate::table::{PointRow, Results, ResultsError, RunRecord};
 
 /// Receives runs and points in the order of the study.
 pub trait Sink: Send {
@@ -43,6 +43,19 @@ pub trait Sink: Send {
     /// # Errors
     /// An error stops the study.
     fn point(&mut self, point: PointRow, detail: PointDetail) -> Result<(), Self::Error>;
+}
+
+/// Writes runs and points to the tables of an output directory.
+impl Sink for Results {
+    type Error = ResultsError;
+
+    fn run(&mut self, record: RunRecord) -> Result<(), ResultsError> {
+        self.push_run(record)
+    }
+
+    fn point(&mut self, point: PointRow, detail: PointDetail) -> Result<(), ResultsError> {
+        self.push_point(point, detail)
+    }
 }
 
 /// The reason why a study could not be computed.
@@ -67,9 +80,9 @@ pub struct RunTotals {
     /// Why the computation stopped early, if it did.
     pub stopped: Option<StopReason>,
     /// Number of finished runs that did not have to be computed.
-    pub kept: u64,
+    pub reused: u64,
     /// Number of runs that had begun and were abandoned without a result.
-    pub given_up: u64,
+    pub abandoned: u64,
 }
 
 impl RunTotals {
@@ -95,9 +108,8 @@ pub fn run_study<S: Sink>(
     store: Option<&mut Store>,
     sink: &mut S,
 ) -> Result<RunTotals, EngineError<S::Error>> {
-    let run =
-        StudyRun { study, options, stop_condition: StopCondition::new(stop, &options), progress };
-    run.run(&InLockstep(SimdLevel::best()), store, sink)
+    let engine = InLockstep(SimdLevel::best());
+    StudyRun::new(study, options, stop, progress).run(&engine, store, sink)
 }
 
 /// Computes a study like [`run_study`], but simulates each case with the given function.
@@ -113,9 +125,7 @@ pub fn run_study_with<S: Sink>(
     store: Option<&mut Store>,
     sink: &mut S,
 ) -> Result<RunTotals, EngineError<S::Error>> {
-    let run =
-        StudyRun { study, options, stop_condition: StopCondition::new(stop, &options), progress };
-    run.run(&OneByOne(simulate), store, sink)
+    StudyRun::new(study, options, stop, progress).run(&OneByOne(simulate), store, sink)
 }
 
 /// The computation of a study.
@@ -133,7 +143,16 @@ struct StoreReader<'a> {
     new_results: SyncSender<NewResult>,
 }
 
-impl StudyRun<'_> {
+impl<'a> StudyRun<'a> {
+    fn new(
+        study: &'a Study,
+        options: EngineOptions,
+        stop: &'a AtomicBool,
+        progress: &'a Progress,
+    ) -> Self {
+        StudyRun { study, options, stop_condition: StopCondition::new(stop, &options), progress }
+    }
+
     fn run<S: Sink>(
         &self,
         engine: &impl Engine,
@@ -141,7 +160,7 @@ impl StudyRun<'_> {
         sink: &mut S,
     ) -> Result<RunTotals, EngineError<S::Error>> {
         let mut stopped = None;
-        let is_over = || self.stop_condition.gives_up(&mut stopped);
+        let is_over = || self.stop_condition.abandons_runs(&mut stopped);
         with_grace_period(is_over, |cancellation| self.run_under(cancellation, engine, store, sink))
     }
 
@@ -161,13 +180,13 @@ impl StudyRun<'_> {
             let writer =
                 scope.spawn(move || write_chunks(appender, &finished, chunk, stop_condition));
             let reading = Some(StoreReader { chunk_index, result_cache, new_results });
-            let tally = self.compute_all(cancellation, engine, reading, sink);
+            let totals = self.compute_all(cancellation, engine, reading, sink);
             // The writer is not expected to panic; a panic is a fault of the program.
             writer
                 .join()
                 .unwrap_or_else(|panic| std::panic::resume_unwind(panic))
                 .map_err(EngineError::Store)?;
-            tally
+            totals
         })
     }
 
@@ -181,22 +200,25 @@ impl StudyRun<'_> {
         let StudyRun { study, ref options, ref stop_condition, progress } = *self;
         let pool = WorkerPool::new(options.threads)?;
         let computed = |label| progress.finished(label);
-        let taken = |label| progress.found(label);
+        let reused = |label| progress.reused(label);
         let size = options.chunk.max(1) as u64;
-        let kept = AtomicU64::new(0);
-        let mut intake = Intake { study, sink, point: None, counts: LabelCounts::default() };
+        let reused_count = AtomicU64::new(0);
+        let mut collector =
+            PointCollector { study, sink, point: None, counts: LabelCounts::default() };
         let mut batches = Batches::new(study, options.shard);
         let mut due = 0;
-        while let Some(batch) = batches.next(intake.so_far()) {
-            progress.expect(batches.most_runs());
+        while let Some(batch) = batches.next(collector.so_far()) {
+            progress.limit(batches.most_runs());
             due += batch.runs;
             let mut finished: Vec<RunRecord> = Vec::new();
             let mut first = 0;
             let more_on_disk = |disk: &Option<StoreReader<'_>>, first| {
                 let reaches = |disk: &StoreReader<'_>| disk.chunk_index.reach(batch.run_id(first));
-                !stop_condition.at_once() && disk.as_ref().is_some_and(reaches)
+                !stop_condition.stops_reading() && disk.as_ref().is_some_and(reaches)
             };
-            while first < batch.runs && (!stop_condition.now() || more_on_disk(&disk, first)) {
+            while first < batch.runs
+                && (!stop_condition.begins_no_run() || more_on_disk(&disk, first))
+            {
                 let end = batch.runs.min(first.saturating_add(size));
                 let run_ids: Vec<u64> = (first..end).map(|index| batch.run_id(index)).collect();
                 first = end;
@@ -207,11 +229,11 @@ impl StudyRun<'_> {
                 let disk =
                     disk.as_ref().map(|StoreReader { result_cache, new_results, .. }| Storage {
                         found: &found,
-                        taken: &taken,
+                        reused: &reused,
                         result_cache,
                         retry_failed: options.retry_failed,
                         new_results: new_results.clone(),
-                        kept: &kept,
+                        reused_count: &reused_count,
                     });
                 let begun = AtomicU64::new(0);
                 let batch = RunQueue {
@@ -225,43 +247,44 @@ impl StudyRun<'_> {
                 };
                 let waiting = std::mem::take(&mut finished);
                 let compute = || pool.compute(cancellation, engine, &batch);
-                let (records, passed_on) =
-                    pool.install(|| rayon::join(compute, || intake.take_all(waiting)));
-                passed_on.map_err(EngineError::Sink)?;
+                let (records, delivered) =
+                    pool.install(|| rayon::join(compute, || collector.add_all(waiting)));
+                delivered.map_err(EngineError::Sink)?;
                 finished = records;
             }
-            intake.take_all(finished).map_err(EngineError::Sink)?;
-            if intake.counts.total() < due {
+            collector.add_all(finished).map_err(EngineError::Sink)?;
+            if collector.counts.total() < due {
                 break;
             }
         }
-        let counts = intake.finish().map_err(EngineError::Sink)?;
-        let stopped =
-            (counts.total() < due).then(|| stop_condition.reason().unwrap_or(StopReason::Asked));
+        progress.limit(batches.most_runs());
+        let counts = collector.finish().map_err(EngineError::Sink)?;
+        let stopped = (counts.total() < due)
+            .then(|| stop_condition.reason().unwrap_or(StopReason::Interrupted));
         Ok(RunTotals {
             counts,
             stopped,
-            kept: kept.into_inner(),
-            given_up: stop_condition.given_up(),
+            reused: reused_count.into_inner(),
+            abandoned: stop_condition.abandoned(),
         })
     }
 }
 
 /// Passes runs to the sink and collects them point by point.
-struct Intake<'a, S> {
+struct PointCollector<'a, S> {
     study: &'a Study,
     sink: &'a mut S,
     point: Option<(u64, PointAccumulator)>,
     counts: LabelCounts,
 }
 
-impl<S: Sink> Intake<'_, S> {
+impl<S: Sink> PointCollector<'_, S> {
     /// Returns the runs of the last point so far.
     fn so_far(&self) -> Option<&PointAccumulator> {
         self.point.as_ref().map(|(_, runs)| runs)
     }
 
-    fn take_all(&mut self, records: Vec<RunRecord>) -> Result<(), S::Error> {
+    fn add_all(&mut self, records: Vec<RunRecord>) -> Result<(), S::Error> {
         for record in records {
             let point_id = record.planned.point_id;
             if self.point.as_ref().is_some_and(|(current, _)| *current != point_id) {

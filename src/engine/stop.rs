@@ -11,7 +11,7 @@ use super::grace_period::GRACE;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StopReason {
     /// Ctrl-C or a termination signal.
-    Asked,
+    Interrupted,
     /// The time limit.
     Time,
     /// More failed runs than allowed.
@@ -20,25 +20,25 @@ pub enum StopReason {
 
 /// Decides when to begin no further run, and when to abandon runs in progress.
 pub(super) struct StopCondition<'a> {
-    asked: &'a AtomicBool,
+    interrupted: &'a AtomicBool,
     deadline: Option<Instant>,
     most_failed: Option<u64>,
     failed: AtomicU64,
-    broken: AtomicBool,
-    given_up: AtomicU64,
+    storage_failed: AtomicBool,
+    abandoned: AtomicU64,
 }
 
 impl<'a> StopCondition<'a> {
-    pub(super) fn new(asked: &'a AtomicBool, options: &EngineOptions) -> Self {
+    pub(super) fn new(interrupted: &'a AtomicBool, options: &EngineOptions) -> Self {
         let EngineOptions { deadline, most_failed, .. } = *options;
-        let [failed, given_up] = [AtomicU64::new(0), AtomicU64::new(0)];
+        let [failed, abandoned] = [AtomicU64::new(0), AtomicU64::new(0)];
         StopCondition {
-            asked,
+            interrupted,
             deadline,
             most_failed,
             failed,
-            broken: AtomicBool::new(false),
-            given_up,
+            storage_failed: AtomicBool::new(false),
+            abandoned,
         }
     }
 
@@ -48,45 +48,45 @@ impl<'a> StopCondition<'a> {
     }
 
     /// Stops the study because finished runs can no longer be stored.
-    pub(super) fn break_off(&self) {
-        self.broken.store(true, Ordering::Relaxed);
+    pub(super) fn stop_for_storage(&self) {
+        self.storage_failed.store(true, Ordering::Relaxed);
     }
 
     /// Whether to begin no further run.
-    pub(super) fn now(&self) -> bool {
-        self.broken.load(Ordering::Relaxed) || self.reason().is_some()
+    pub(super) fn begins_no_run(&self) -> bool {
+        self.storage_failed.load(Ordering::Relaxed) || self.reason().is_some()
     }
 
     /// Whether to stop reading runs from disk, too.
-    pub(super) fn at_once(&self) -> bool {
-        self.broken.load(Ordering::Relaxed) || self.asked.load(Ordering::Relaxed)
+    pub(super) fn stops_reading(&self) -> bool {
+        self.storage_failed.load(Ordering::Relaxed) || self.interrupted.load(Ordering::Relaxed)
     }
 
     /// Whether to abandon runs in progress. Must be called repeatedly; `stopped` stores the time of the first reason to
     /// stop. Runs that cannot be stored are abandoned immediately.
-    pub(super) fn gives_up(&self, stopped: &mut Option<Instant>) -> bool {
+    pub(super) fn abandons_runs(&self, stopped: &mut Option<Instant>) -> bool {
         if self.reason().is_some() {
             stopped.get_or_insert_with(Instant::now);
         }
         let waited = stopped.is_some_and(|since| since.elapsed() >= GRACE);
-        waited || self.broken.load(Ordering::Relaxed)
+        waited || self.storage_failed.load(Ordering::Relaxed)
     }
 
     /// Counts runs that had begun and were abandoned.
-    pub(super) fn gave_up(&self, runs: u64) {
-        self.given_up.fetch_add(runs, Ordering::Relaxed);
+    pub(super) fn abandon(&self, runs: u64) {
+        self.abandoned.fetch_add(runs, Ordering::Relaxed);
     }
 
     /// Returns the number of abandoned runs.
-    pub(super) fn given_up(&self) -> u64 {
-        self.given_up.load(Ordering::Relaxed)
+    pub(super) fn abandoned(&self) -> u64 {
+        self.abandoned.load(Ordering::Relaxed)
     }
 
     /// Returns the reason to stop, if any.
     pub(super) fn reason(&self) -> Option<StopReason> {
         let failed = self.failed.load(Ordering::Relaxed);
-        if self.asked.load(Ordering::Relaxed) {
-            Some(StopReason::Asked)
+        if self.interrupted.load(Ordering::Relaxed) {
+            Some(StopReason::Interrupted)
         } else if self.most_failed.is_some_and(|most| failed > most) {
             Some(StopReason::Failures)
         } else if self.deadline.is_some_and(|deadline| Instant::now() >= deadline) {

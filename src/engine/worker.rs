@@ -32,7 +32,7 @@ pub(super) struct Storage<'a> {
     /// Finished runs of this study, by number.
     pub(super) found: &'a HashMap<u64, StoredResult>,
     /// Called for each run that need not be computed.
-    pub(super) taken: &'a (dyn Fn(Label) + Sync),
+    pub(super) reused: &'a (dyn Fn(Label) + Sync),
     /// Finished runs of other studies, by case.
     pub(super) result_cache: &'a ResultCache,
     /// Whether failed runs are computed again.
@@ -40,7 +40,7 @@ pub(super) struct Storage<'a> {
     /// Channel for runs that are not in the output directory.
     pub(super) new_results: SyncSender<NewResult>,
     /// Number of runs that did not have to be computed.
-    pub(super) kept: &'a AtomicU64,
+    pub(super) reused_count: &'a AtomicU64,
 }
 
 /// The part of a batch that one worker computes.
@@ -49,13 +49,13 @@ pub(super) struct Worker<'a> {
     disk: Option<Storage<'a>>,
     /// Second computations of audited runs that have not begun.
     again: VecDeque<(u64, Case)>,
-    open: HashMap<u64, Open>,
+    open: HashMap<u64, Incomplete>,
     /// Finished runs, in any order.
     pub(super) finished: Vec<RunRecord>,
 }
 
 /// A run whose result is incomplete.
-struct Open {
+struct Incomplete {
     planned: PlannedRun,
     outcome: Option<Outcome>,
     again: Option<Evidence>,
@@ -72,14 +72,10 @@ impl<'a> Worker<'a> {
         self.open.len() as u64
     }
 
-    fn key(&self, planned: &PlannedRun) -> CaseKey {
-        CaseKey::of(planned)
-    }
-
     /// Takes a run from disk if it is stored with everything that its plan requires; otherwise returns the plan.
     fn take_stored(&mut self, planned: PlannedRun) -> Option<PlannedRun> {
         let Some(disk) = &self.disk else { return Some(planned) };
-        let key = self.key(&planned);
+        let key = CaseKey::of(&planned);
         let found = disk.found.get(&planned.run_id).filter(|found| found.key == key);
         let own = found.is_some_and(|found| found.own);
         let content =
@@ -92,8 +88,8 @@ impl<'a> Worker<'a> {
         });
         let Some(StoredOutcome { outcome, audit }) = usable else { return Some(planned) };
         let audit = audit.filter(|_| planned.audited);
-        disk.kept.fetch_add(1, Ordering::Relaxed);
-        (disk.taken)(outcome.label());
+        disk.reused_count.fetch_add(1, Ordering::Relaxed);
+        (disk.reused)(outcome.label());
         let record = RunRecord { planned, outcome, audit };
         self.finish(record, (!own).then_some(key));
         None
@@ -105,28 +101,28 @@ impl<'a> Worker<'a> {
             self.batch.stop_condition.failed();
         }
         if let (Some(disk), Some(key)) = (&self.disk, key) {
-            let fresh = NewResult {
+            let result = NewResult {
                 run_id: record.planned.run_id,
                 key,
                 content: StoredOutcome::encode(&record),
             };
             // A closed channel means that the disk failed, which is reported at the end.
-            let _ = disk.new_results.send(fresh);
+            let _ = disk.new_results.send(result);
         }
         self.finished.push(record);
     }
 
     /// Adds a result of a run, and finishes the run when all its results are present.
-    fn add_result(&mut self, place: u64, open: Open) {
-        let Open { planned, outcome, again } = open;
+    fn add_result(&mut self, place: u64, open: Incomplete) {
+        let Incomplete { planned, outcome, again } = open;
         let complete = !planned.audited || again.is_some();
         let (Some(outcome), true) = (&outcome, complete) else {
-            self.open.insert(place, Open { planned, outcome, again });
+            self.open.insert(place, Incomplete { planned, outcome, again });
             return;
         };
         (self.batch.finished)(outcome.label());
         let record = RunRecord { planned, outcome: outcome.clone(), audit: again };
-        let key = self.disk.is_some().then(|| self.key(&record.planned));
+        let key = self.disk.is_some().then(|| CaseKey::of(&record.planned));
         self.finish(record, key);
     }
 }
@@ -138,7 +134,7 @@ impl Runs for Worker<'_> {
             return Some(again);
         }
         loop {
-            if self.batch.stop_condition.at_once() {
+            if self.batch.stop_condition.stops_reading() {
                 return None;
             }
             let place = self.batch.begun.fetch_add(1, Ordering::Relaxed);
@@ -146,7 +142,7 @@ impl Runs for Worker<'_> {
             let mut planned = self.batch.study.planned_run(run_id);
             planned.audited &= self.batch.audits;
             let Some(planned) = self.take_stored(planned) else { continue };
-            if self.batch.stop_condition.now() {
+            if self.batch.stop_condition.begins_no_run() {
                 continue;
             }
             match &planned.case {
@@ -156,14 +152,14 @@ impl Runs for Worker<'_> {
                         let simulation = case.simulation.counter_check();
                         self.again.push_back((2 * place + 1, Case { simulation, ..case.clone() }));
                     }
-                    self.open.insert(place, Open { planned, outcome: None, again: None });
+                    self.open.insert(place, Incomplete { planned, outcome: None, again: None });
                     return Some((2 * place, case));
                 }
                 Err(invalid) => {
                     let evidence = Evidence::InvalidParameters;
                     let outcome = Some(Outcome::failed(evidence, invalid.to_string()));
                     let again = planned.audited.then_some(evidence);
-                    self.add_result(place, Open { planned, outcome, again });
+                    self.add_result(place, Incomplete { planned, outcome, again });
                 }
             }
         }

@@ -82,7 +82,7 @@ impl WorkerPool {
                 let mut work = Worker::new(batch);
                 let computed = cancellation.unless_cancelled(|| engine.compute(&mut work));
                 if computed.is_none() {
-                    batch.stop_condition.gave_up(work.in_progress());
+                    batch.stop_condition.abandon(work.in_progress());
                 }
                 work.finished
             })

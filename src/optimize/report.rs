@@ -12,6 +12,7 @@ use super::search::{Search, SearchEnd};
 use super::sensitivity::Sensitivity;
 use crate::responses::{Estimate, estimate_json};
 use crate::study::{DesignValue, Study};
+use crate::text_table::text_table;
 
 /// Returns the contents of `optimum.json`.
 pub fn optimum_json(
@@ -180,12 +181,12 @@ pub fn result_in_words(search: &Search, finalists: &Finalists) -> String {
     let mut describe = |title: &str, one: &Finalist| {
         let number = one.design.map_or_else(String::new, |design| format!(" (design {design})"));
         let _ = writeln!(text, "{title}{number}: {}", design_in_words(study, &one.values));
-        for (quantity, estimate) in goal.quantities().iter().zip(&one.estimates) {
-            if let Some(response) = study.responses().get(quantity.response) {
-                let value = in_words(estimate, response.unit());
-                let _ = writeln!(text, "  {:<20} {value}", response.name);
-            }
-        }
+        let estimates = goal.quantities().iter().zip(&one.estimates);
+        let rows = estimates.filter_map(|(quantity, estimate)| {
+            let response = study.responses().get(quantity.response)?;
+            Some(vec![format!("  {}", response.name), in_words(estimate, response.unit())])
+        });
+        text += &text_table(&rows.collect::<Vec<_>>(), &[0, 1]);
         let met = if one.met { "" } else { "; a limit is not met" };
         let failed = match one.failed_runs() {
             0 => String::new(),

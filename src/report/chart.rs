@@ -1,9 +1,11 @@
 //! The contents of a figure before it is drawn: panels with axes, and marks at coordinates.
 //!
-//! Rust code builds figures from tables, and the page's script draws them. Tests check marks and coordinates, not
-//! pixels.
+//! Rust code builds figures from tables, and the page's script draws them from their JSON, in which long columns are
+//! packed. Tests check marks and coordinates, not pixels.
 
 use serde::Serialize;
+
+use super::packed;
 
 /// A figure: one or more panels with their texts.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -13,6 +15,7 @@ pub struct Figure {
     /// Title, one line.
     pub title: String,
     /// How to read the figure, and what it omits.
+    #[serde(skip)]
     pub caption: String,
     /// Text alternative for readers who do not see the figure.
     pub alternative: String,
@@ -49,12 +52,13 @@ pub struct Axis {
     /// The ends of the axis; chosen from the marks if `None`.
     pub range: Option<[f64; 2]>,
     /// The scale of the axis.
+    #[serde(flatten)]
     pub kind: AxisKind,
 }
 
 /// The scale of an axis.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
+#[serde(rename_all = "snake_case", tag = "kind", content = "names")]
 pub enum AxisKind {
     /// Linear.
     Linear,
@@ -83,6 +87,7 @@ pub struct Layer {
     /// Its colour.
     pub colour: Colour,
     /// The marks.
+    #[serde(flatten)]
     pub mark: Mark,
 }
 
@@ -134,11 +139,12 @@ pub enum Symbol {
 
 /// Marks at coordinates of the panel. All lists of one mark have the same length.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-#[serde(rename_all = "snake_case")]
+#[serde(rename_all = "snake_case", tag = "mark")]
 pub enum Mark {
     /// A line through points, in order; broken at a point that is not finite.
     Line {
         /// The points.
+        #[serde(serialize_with = "packed::pairs")]
         points: Vec<[f64; 2]>,
         /// Whether it is dashed.
         dashed: bool,
@@ -146,15 +152,19 @@ pub enum Mark {
     /// A line that stays at a value until the next point.
     Steps {
         /// The points.
+        #[serde(serialize_with = "packed::pairs")]
         points: Vec<[f64; 2]>,
     },
     /// The area between two lines with the same abscissas.
     Band {
         /// Abscissas.
+        #[serde(serialize_with = "packed::numbers")]
         x: Vec<f64>,
         /// The lower line.
+        #[serde(serialize_with = "packed::numbers")]
         low: Vec<f64>,
         /// The upper line.
+        #[serde(serialize_with = "packed::numbers")]
         high: Vec<f64>,
         /// Whether both lines stay at a value until the next point.
         steps: bool,
@@ -162,30 +172,24 @@ pub enum Mark {
     /// Vertical bars from low to high: intervals.
     Intervals {
         /// Abscissas.
+        #[serde(serialize_with = "packed::numbers")]
         x: Vec<f64>,
         /// Lower ends.
+        #[serde(serialize_with = "packed::numbers")]
         low: Vec<f64>,
         /// Upper ends.
+        #[serde(serialize_with = "packed::numbers")]
         high: Vec<f64>,
-    },
-    /// Columns from a base to a top, with a width in units of the abscissa.
-    Bars {
-        /// Abscissas of their centres.
-        x: Vec<f64>,
-        /// Lower ends.
-        base: Vec<f64>,
-        /// Upper ends.
-        top: Vec<f64>,
-        /// Their width.
-        width: f64,
     },
     /// Dots.
     Dots {
         /// Symbol.
         symbol: Symbol,
         /// Abscissas.
+        #[serde(serialize_with = "packed::coordinates")]
         x: Vec<f64>,
         /// Ordinates.
+        #[serde(serialize_with = "packed::coordinates")]
         y: Vec<f64>,
         /// Data of each dot.
         tooltips: Tooltips,
@@ -195,13 +199,16 @@ pub enum Mark {
         /// Number of cells along the abscissa and along the ordinate.
         size: [usize; 2],
         /// A value for each cell, row by row from the lower edge; NaN leaves a cell open.
+        #[serde(serialize_with = "packed::steps")]
         values: Vec<f64>,
     },
     /// Rectangles with a value each for the colour scale.
     Cells {
         /// Left, right, lower and upper edge of each.
+        #[serde(serialize_with = "packed::edges")]
         edges: Vec<[f64; 4]>,
         /// The values; `None` leaves a cell open.
+        #[serde(serialize_with = "packed::known_numbers")]
         values: Vec<Option<f64>>,
         /// Data of each cell.
         tooltips: Tooltips,
@@ -221,6 +228,7 @@ pub enum Mark {
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Tooltips {
     /// Run numbers, for `stickslip replay`; empty if the dots are not runs.
+    #[serde(serialize_with = "packed::whole_numbers")]
     pub run_ids: Vec<u64>,
     /// Further data, column by column.
     pub columns: Vec<TooltipColumn>,
@@ -232,7 +240,33 @@ pub struct TooltipColumn {
     /// Name with unit, as `amplitude [µm]`.
     pub name: String,
     /// A value for each dot.
+    #[serde(flatten)]
     pub values: TooltipValues,
+}
+
+impl Panel {
+    /// Returns a panel without titles and colour scale.
+    pub fn new(x: Axis, y: Axis, layers: Vec<Layer>) -> Self {
+        Panel { title: String::new(), part: String::new(), x, y, scale: None, layers }
+    }
+}
+
+impl Layer {
+    /// Returns a layer.
+    pub fn new(name: &str, colour: Colour, mark: Mark) -> Self {
+        Layer { name: name.to_owned(), colour, mark }
+    }
+}
+
+impl Tooltips {
+    /// Returns the data of dots that are not runs: named columns of numbers.
+    pub fn numbers<const N: usize>(columns: [(&str, Vec<f64>); N]) -> Self {
+        let column = |(name, values): (&str, Vec<f64>)| TooltipColumn {
+            name: name.to_owned(),
+            values: TooltipValues::Numbers(values),
+        };
+        Tooltips { run_ids: Vec::new(), columns: columns.map(column).into() }
+    }
 }
 
 /// Values of a column.
@@ -240,6 +274,7 @@ pub struct TooltipColumn {
 #[serde(rename_all = "snake_case")]
 pub enum TooltipValues {
     /// Numbers; NaN if there is none.
+    #[serde(rename = "values", serialize_with = "packed::numbers")]
     Numbers(Vec<f64>),
     /// Words.
     Words(Vec<String>),

@@ -4,9 +4,10 @@ mod animation;
 pub mod chart;
 mod data;
 mod figures;
+mod packed;
 mod page;
 
 pub use animation::{animation, frames, time_text};
-pub use data::{Budget, ReportData, ResultTables};
+pub use data::{Budget, Fraction, PointFacts, ReportData, ResultTables};
 pub use figures::of_results;
 pub use page::{OWN, page};

@@ -18,8 +18,8 @@ pub struct Batch {
 }
 
 macro_rules! typed {
-    ($name:ident, $kind:ident, $value:ty, $meaning:literal) => {
-        #[doc = $meaning]
+    ($name:ident, $one:ident, $kind:ident, $value:ty, $of:literal) => {
+        #[doc = concat!("Returns a column of ", $of, ".")]
         ///
         /// # Errors
         /// Returns an error if the column was not requested or has another type.
@@ -29,16 +29,24 @@ macro_rules! typed {
                 other => Err(self.wrong(column, other.kind().name(), Kind::$kind)),
             }
         }
+
+        #[doc = concat!("Returns the value in one row of a column of ", $of, ".")]
+        ///
+        /// # Errors
+        /// Returns an error if the column was not requested or has another type.
+        pub fn $one(&self, column: &str, row: usize) -> Result<Option<$value>, TableError> {
+            Ok(self.$name(column)?.get(row).cloned().flatten())
+        }
     };
 }
 
 impl Batch {
-    typed!(numbers, Number, f64, "Returns a column of numbers.");
-    typed!(counts, Count, u64, "Returns a column of whole numbers from 0.");
-    typed!(integers, Integer, i64, "Returns a column of signed whole numbers.");
-    typed!(truths, Boolean, bool, "Returns a column of Boolean values.");
-    typed!(texts, Text, String, "Returns a column of text.");
-    typed!(lists, Numbers, Vec<f64>, "Returns a column of lists of numbers.");
+    typed!(numbers, number, Number, f64, "numbers");
+    typed!(counts, count, Count, u64, "whole numbers from 0");
+    typed!(integers, integer, Integer, i64, "signed whole numbers");
+    typed!(truths, truth, Boolean, bool, "Boolean values");
+    typed!(texts, text, Text, String, "text");
+    typed!(lists, list, Numbers, Vec<f64>, "lists of numbers");
 
     fn column(&self, name: &str) -> Result<&Values, TableError> {
         let found = self.columns.iter().find(|(column, _)| column == name);

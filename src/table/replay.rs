@@ -181,8 +181,10 @@ fn add_table(list: &mut Columns<Sample>, units: &Units) {
 fn add_ball(list: &mut Columns<Sample>, units: &Units, ball: usize) {
     let number = ball + 1;
     let natural = units.natural_rad_s;
-    of_contact(list, ball, format!("beta_{number}_rad"), "rad", |ball| wrap_to_two_pi(ball.position))
-        .meaning("angle of the ball from the imbalance, in [0, 2π)");
+    of_contact(list, ball, format!("beta_{number}_rad"), "rad", |ball| {
+        wrap_to_two_pi(ball.position)
+    })
+    .meaning("angle of the ball from the imbalance, in [0, 2π)");
     of_contact(list, ball, format!("beta_unwrapped_{number}_rad"), "rad", |ball| ball.position)
         .meaning("angle of the ball from the imbalance, including complete turns since the start");
     of_contact(list, ball, format!("ball_speed_{number}_rad_s"), "rad/s", move |ball| {

@@ -238,3 +238,27 @@ fn directories_that_cannot_be_made() {
         scratch.refused(&format!("run a.yaml --out {out}"), &message);
     }
 }
+
+/// Commands that read results name the command that has written another directory, and what reads it.
+#[test]
+fn directories_of_other_commands_are_named() {
+    let scratch = Scratch::new();
+    scratch.write("a.yaml", small("seed: 5\n"));
+    scratch.well("run a.yaml --out out");
+    scratch.well("replay out 0 --out motion");
+    scratch.well("equilibria a.yaml --no-set --grid 8 --out sets");
+    fs::create_dir(scratch.path("search")).unwrap();
+    scratch.write("search/evaluations.parquet", "");
+    for (directory, file, writer, reader) in [
+        ("motion", "trajectory.parquet", "replay", "`stickslip-figures motion` draws"),
+        ("sets", "equilibrium_set_summary.parquet", "equilibria", "`stickslip-figures sets` draws"),
+        ("search", "evaluations.parquet", "optimize", "`stickslip optimize STUDY --out search`"),
+    ] {
+        let found =
+            format!("found:   {file}, which `stickslip {writer}` writes, and no manifest.json");
+        for command in ["summary", "report", "resume"] {
+            let said = ["holds no results of `stickslip run`", &found, reader];
+            scratch.refused(&format!("{command} {directory}"), &said);
+        }
+    }
+}

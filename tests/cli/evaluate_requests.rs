@@ -66,7 +66,8 @@ fn odd_lines_are_answered_and_the_next_one_is_served() {
     let mut lines = not_a_request.clone();
     lines.push(too_long.into());
     lines.extend(of_the_speed.iter().map(|(speed, _)| with_speed(speed).into()));
-    lines.push(format!("{RIGHT}\r").into());
+    // The longest line, with its end.
+    lines.push(format!("{RIGHT}{}\r", " ".repeat((1 << 20) - RIGHT.len() - 2)).into());
     lines.push(RIGHT.replacen('{', "{\"id\": 2, ", 1).into());
     lines.push(RIGHT.replace("\"right\"", &format!("[{}]", "7,".repeat(50_000) + "7")).into());
     lines.push(RIGHT.into());

@@ -60,6 +60,8 @@ fn failures_stop_a_study_that_says_so() {
         ("--max-seconds -1", "found \"-1\", allowed: a number of seconds"),
         ("--max-seconds nan", "found \"nan\", allowed: a number of seconds"),
         ("--max-failed 1 --on-failure stop", "cannot be used with"),
+        ("--max-failed x", "found \"x\", allowed: the number of runs that may fail"),
+        ("--max-failed -1", "found \"-1\", allowed: the number of runs that may fail"),
     ] {
         scratch.refused(&format!("run a.yaml --out new {wrong}"), &[found]);
     }

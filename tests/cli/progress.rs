@@ -47,6 +47,7 @@ fn events_are_json_line_by_line() {
     assert!(failed > 0);
     assert_eq!((&last["runs_finished"], &last["failed_runs"]), (&400.into(), &failed.into()));
     assert_eq!((&last["interrupted"], &last["runs_kept"]), (&false.into(), &0.into()));
+    assert_eq!((&last["runs_planned"], &last["runs_left_at_most"]), (&400.into(), &0.into()));
     assert_eq!(last["equilibrium_fraction"], 0.0);
     assert!(last["ci_high"].as_f64().unwrap() > failed as f64 / 400.0);
     let times: Vec<f64> = events.iter().map(|event| event["elapsed_s"].as_f64().unwrap()).collect();
@@ -60,6 +61,22 @@ fn events_are_json_line_by_line() {
     assert_eq!((&last["event"], &last["interrupted"]), (&"ended".into(), &true.into()));
     assert_eq!((&last["equilibrium_fraction"], &last["left_s"]), (&Value::Null, &Value::Null));
     assert_has(&messages.join("\n"), &["tables in more", "out of time"]);
+}
+
+/// In a study with a precision the planned number of runs stays the largest one; the remaining number decreases.
+#[test]
+fn planned_runs_have_one_meaning() {
+    let scratch = Scratch::new();
+    let precision = "precision: {equilibrium_fraction: 0.1, max_runs: 50}\n";
+    scratch.write("a.yaml", study_text("a", "{monte_carlo: {samples: 15}}", AT_ONCE, precision));
+    let ended = scratch.stickslip("run a.yaml --out out --quiet --progress json");
+    assert_eq!(ended.code, Some(0), "{}", ended.err);
+    let events = events(&ended.err);
+    let (begun, last) = (&events[0], &events[events.len() - 1]);
+    assert_eq!((&begun["runs_are_at_most"], &last["runs_left_at_most"]), (&true.into(), &0.into()));
+    assert_eq!(begun["runs_planned"], last["runs_planned"]);
+    assert_eq!(begun["runs_planned"], scratch.manifest("out")["runs_planned"]);
+    assert!(last["runs_finished"].as_u64() < last["runs_planned"].as_u64());
 }
 
 #[test]

@@ -227,8 +227,11 @@ fn what_cannot_be_replayed() {
             ["empty: this directory holds no results", "no manifest.json"],
         ),
         ("replay a 9".to_owned(), ["run 9 of a study with 9 runs", "run numbers from 0 to 8"]),
-        ("replay a x".to_owned(), ["invalid value 'x'", "RUN_ID"]),
-        ("replay a -- -1".to_owned(), ["invalid value '-1'", "RUN_ID"]),
+        (
+            "replay a x".to_owned(),
+            ["RUN_ID", "found \"x\", allowed: a whole number from 0, as in 17"],
+        ),
+        ("replay a -- -1".to_owned(), ["RUN_ID", "found \"-1\", allowed: a whole number from 0"]),
         (format!("replay part {other}"), ["which is not among the 3 runs", "shard 1/3"]),
         ("replay a 0 --out full".to_owned(), ["full: this directory is not empty", "--out DIR"]),
         ("replay a 0 --times 1:0:5".to_owned(), ["5 times from 1 to 0 s", example]),

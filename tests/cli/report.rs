@@ -220,10 +220,16 @@ fn what_cannot_be_shown_is_refused() {
     fs::create_dir(scratch.path("folder")).unwrap();
     scratch.refused("report out --out folder", &["folder", "a directory", "allowed: "]);
     // A page that was edited is not overwritten.
-    let mine = page(&scratch, "out-report.html") + "<!-- my notes -->";
-    scratch.write("out-report.html", &mine);
-    scratch.refused("report out", &["found:   a report that has been changed since", "allowed: "]);
-    assert_eq!(page(&scratch, "out-report.html"), mine);
+    let written = page(&scratch, "out-report.html");
+    let notes = format!("{written}<!-- my notes -->");
+    for mine in
+        [notes, format!("{written} "), format!(" {written}"), written.replace("<h1>", "<h2>")]
+    {
+        scratch.write("out-report.html", &mine);
+        let said = ["found:   a report that has been changed since", "allowed: "];
+        scratch.refused("report out", &said);
+        assert_eq!(page(&scratch, "out-report.html"), mine);
+    }
     fs::remove_file(scratch.path("out-report.html")).unwrap();
     // A table without a column, and a missing table.
     rewrite(&scratch, "time_to_rest", |batch| without(batch, "probability_at_rest"));

@@ -147,7 +147,7 @@ fn the_terminal_and_the_json_show_flips_where_there_is_an_audit() {
     assert!(!scratch.well("run plain.yaml --out a").contains("flips"));
     let table = scratch.well("verify audit.yaml");
     assert_has(&table, &["undecided    flips\n", "0 of 10\n"]);
-    assert_has(&table, &["met      point 0 : audit flip rate 0.0000, expected 0 to 0\n"]);
+    assert_has(&table, &["met      point 0: audit flip rate 0.0000, expected 0 to 0\n"]);
     let report: Value =
         serde_json::from_str(&scratch.well("run audit.yaml --out b --json")).unwrap();
     let point = &report["points"][0];
@@ -156,7 +156,7 @@ fn the_terminal_and_the_json_show_flips_where_there_is_an_audit() {
     // An audit without runs does not meet an expectation.
     let ended = scratch.stickslip("verify rare.yaml");
     assert_eq!(ended.code, Some(4), "{}", ended.err);
-    assert_has(&ended.out, &["NOT MET  point 0 : audit flip rate of no run, expected 0 to 0\n"]);
+    assert_has(&ended.out, &["NOT MET  point 0: audit flip rate of no run, expected 0 to 0\n"]);
     let check = scratch.well("check audit.yaml");
     assert_has(
         &check,

@@ -1,10 +1,12 @@
 //! The engine: scheduling does not affect results, and a failed run is a row.
 
 mod audit;
+mod chunk;
 mod exchanged_balls;
 mod extended_runs;
 mod failures;
 pub mod in_memory;
 mod precision;
 mod same_bytes;
+mod shard;
 mod stored_rows;

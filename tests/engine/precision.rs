@@ -202,6 +202,13 @@ fn the_tables_and_the_terminal_say_what_was_reached() {
     assert_eq!(again.code, Some(0));
     assert_has(&again.err, &["out already holds all 76 runs of this study: nothing to do"]);
 
+    // A run that was not needed cannot be replayed; the message names the runs of its point.
+    let said = [
+        "run 40, which was not computed: point 0 reached the `precision` of the study after 30 runs",
+        "allowed: run numbers from 0 to 29 at point 0",
+    ];
+    scratch.refused("replay out 40", &said);
+
     // A failed run could have been an equilibrium or not: the interval stays wide.
     let negative = "uncertain: {ball_mass_1_kg: {normal: {mean: 1.4e-4, std_dev: 1.4e-4}}}\n";
     scratch.write("b.yaml", text(0.09, 50, AT_ONCE) + negative);

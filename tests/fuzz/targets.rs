@@ -306,11 +306,11 @@ fn run_in_scratch(directory: &Path, study: &Study) -> u64 {
     let store = Some(&mut store);
     let ended = run_study(study, EngineOptions::default(), &stop, &progress, store, &mut sink);
     progress.close();
-    let tally = ended.expect("a scratch folder");
+    let totals = ended.expect("a scratch folder");
     assert_eq!(sink.runs, study.run_count());
     let circumstances = Circumstances::begin("1/1".to_owned(), study.run_count());
     sink.results.finish(study, circumstances).expect("a scratch folder");
-    tally.kept
+    totals.reused
 }
 
 struct Tables {

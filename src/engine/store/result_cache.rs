@@ -20,27 +20,27 @@ pub(in crate::engine) struct ResultCache {
     /// Chunk number and index in the chunk, by case.
     index: HashMap<CaseKey, (u32, u32)>,
     /// The chunks read last, the most recent at the end.
-    kept: Mutex<VecDeque<(u32, Arc<Chunk>)>>,
+    loaded: Mutex<VecDeque<(u32, Arc<Chunk>)>>,
 }
 
 impl ResultCache {
     /// Indexes all chunks of these folders; reports and skips damaged chunks.
     pub(super) fn of(folders: Vec<Folder>) -> Self {
-        let mut reuse = ResultCache { folders, ..ResultCache::default() };
-        for (number, folder) in reuse.folders.iter().enumerate() {
+        let mut cache = ResultCache { folders, ..ResultCache::default() };
+        for (number, folder) in cache.folders.iter().enumerate() {
             for listed in &folder.listed {
-                let Ok(place) = u32::try_from(reuse.chunks.len()) else { break };
+                let Ok(place) = u32::try_from(cache.chunks.len()) else { break };
                 match folder.read(listed) {
                     Ok(chunk) => {
                         let keys = chunk.keys().zip(0_u32..);
-                        reuse.index.extend(keys.map(|(key, at)| (key, (place, at))));
-                        reuse.chunks.push((number, listed.clone()));
+                        cache.index.extend(keys.map(|(key, at)| (key, (place, at))));
+                        cache.chunks.push((number, listed.clone()));
                     }
                     Err(fault) => say(&format!("{fault}: its runs cannot be reused")),
                 }
             }
         }
-        reuse
+        cache
     }
 
     /// Whether there are no runs.
@@ -57,17 +57,17 @@ impl ResultCache {
 
     fn chunk(&self, place: u32) -> Option<Arc<Chunk>> {
         // Every entry is complete, even after a panic of another thread.
-        let mut kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some((_, chunk)) = kept.iter().find(|(other, _)| *other == place) {
+        let mut loaded = self.loaded.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, chunk)) = loaded.iter().find(|(other, _)| *other == place) {
             return Some(Arc::clone(chunk));
         }
         let (folder, listed) = self.chunks.get(usize::try_from(place).ok()?)?;
         // The chunk was valid when it was indexed; if it no longer is, its runs are computed.
         let chunk = Arc::new(self.folders[*folder].read(listed).ok()?);
-        if kept.len() == CACHED_CHUNKS {
-            kept.pop_front();
+        if loaded.len() == CACHED_CHUNKS {
+            loaded.pop_front();
         }
-        kept.push_back((place, Arc::clone(&chunk)));
+        loaded.push_back((place, Arc::clone(&chunk)));
         Some(chunk)
     }
 }

@@ -41,19 +41,17 @@ pub fn read(table: &Table) -> Result<Vec<CycleFacts>, TableError> {
     let mut rows = Vec::new();
     for batch in table.read(&wanted)? {
         let batch = batch?;
-        let (points, runs) = (batch.counts("point_id")?, batch.counts("runs")?);
-        let classes = batch.texts("class")?;
         for row in 0..batch.rows.min(MOST_ROWS - rows.len()) {
             let mut values = [[None; 3]; 6];
             for (of, (.., columns)) in values.iter_mut().zip(&QUANTITIES) {
                 for (value, name) in of.iter_mut().zip(columns).filter(|(_, name)| has(name)) {
-                    *value = batch.numbers(name)?.get(row).copied().flatten();
+                    *value = batch.number(name, row)?;
                 }
             }
             rows.push(CycleFacts {
-                point_id: points.get(row).copied().flatten().unwrap_or(u64::MAX),
-                class: classes.get(row).cloned().flatten().unwrap_or_default(),
-                runs: runs.get(row).copied().flatten().unwrap_or(0),
+                point_id: batch.count("point_id", row)?.unwrap_or(u64::MAX),
+                class: batch.text("class", row)?.unwrap_or_default(),
+                runs: batch.count("runs", row)?.unwrap_or(0),
                 values,
             });
         }

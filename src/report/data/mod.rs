@@ -11,10 +11,11 @@ use std::path::Path;
 pub use cycles::{CycleFacts, QUANTITIES};
 pub use names::{axis_of, heading, said};
 pub use points::{Fraction, PointFacts};
-pub use runs::{LABELS, Notable, RunSample, scattered};
+pub use runs::{Notable, RunSample, scattered};
 pub use time_to_rest::RestCurve;
 
 use super::chart::{Axis, AxisKind};
+use crate::classification::Label;
 use crate::study::Study;
 use crate::table::{Manifest, Table, TableError};
 
@@ -143,12 +144,11 @@ impl<'a> ReportData<'a> {
 
     /// Returns a sentence on the failed runs that a figure cannot show; empty if there are none.
     pub fn failures_left_out(&self) -> String {
-        let failed = super::figures::failed_runs;
-        let of: Vec<String> = self
-            .details()
-            .filter(|point| failed(point) > 0)
-            .map(|point| format!("{} of {} at {}", failed(point), point.runs, point.title))
-            .collect();
+        let failed = |point: &PointFacts| match point.label(Label::Failed).runs {
+            0 => None,
+            failed => Some(format!("{failed} of {} at {}", point.runs, point.title)),
+        };
+        let of: Vec<String> = self.details().filter_map(failed).collect();
         match of.len() {
             0 => String::new(),
             few @ 1..=6 => {
@@ -205,18 +205,4 @@ pub fn evenly(count: usize, most: usize) -> Vec<usize> {
         return (0..count).collect();
     }
     (0..most).map(|k| k * (count - 1) / (most - 1)).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::evenly;
-
-    #[test]
-    fn places_at_even_distances() {
-        assert_eq!(evenly(3, 24), [0, 1, 2]);
-        assert_eq!(evenly(0, 24), [0; 0]);
-        let some = evenly(1000, 24);
-        assert_eq!((some.len(), some[0], some[23]), (24, 0, 999));
-        assert!(some.windows(2).all(|pair| (43..=44).contains(&(pair[1] - pair[0]))));
-    }
 }

@@ -1,10 +1,10 @@
-//! Points from `points.parquet`.
+//! The values of a point, from its finished runs or from a row of `points.parquet`.
 
 use crate::analysis::AuditCounts;
 use crate::classification::Label;
 use crate::report::data::heading;
 use crate::study::{ParameterValue, Study};
-use crate::table::{Batch, Kind, Table, TableError};
+use crate::table::{Batch, Kind, PointRow, Table, TableError};
 
 /// The largest number of points in memory; of larger sweeps every second, third and so on is read.
 const MOST_POINTS: u64 = 50_000;
@@ -37,6 +37,8 @@ pub struct PointFacts {
     pub labels: [Fraction; 5],
     /// Fraction of equilibria with the interval that the study asks for, which includes failures.
     pub equilibrium: Fraction,
+    /// Method of that interval.
+    pub ci_method: String,
     /// Quartiles and 95 % quantile of time to rest, s.
     pub time_to_rest_s: [Option<f64>; 4],
     /// 5 %, 50 % and 95 % quantiles of residual amplitude, m.
@@ -56,6 +58,7 @@ const TIMES: [&str; 4] =
 const AMPLITUDES: [&str; 3] = ["amplitude_p05_m", "amplitude_p50_m", "amplitude_p95_m"];
 const FLIPS: [&str; 3] = ["audit_flip_rate", "audit_flip_low", "audit_flip_high"];
 const COUNTS: [&str; 5] = ["point_id", "runs", "audited_runs", "audit_flips", "audit_rest_flips"];
+const METHOD: &str = "ci_method";
 const FRACTION: [&str; 3] = ["equilibrium_fraction", "ci_low", "ci_high"];
 const BALANCER: [&str; 2] = ["amplitude_without_balls_m", "set_fraction"];
 
@@ -65,84 +68,138 @@ fn of_label(label: Label, what: &str) -> String {
 
 /// Reads all points, or evenly spaced ones. Values of swept parameters are taken from the study.
 pub fn read(study: &Study, table: &Table) -> Result<Vec<PointFacts>, TableError> {
-    let balls = study.model().balls() > 0;
-    let mut columns: Vec<(String, Kind)> =
-        COUNTS.iter().map(|name| ((*name).to_owned(), Kind::Count)).collect();
-    columns.extend(Label::ALL.map(|label| (of_label(label, "runs"), Kind::Count)));
-    let numbers = FRACTION.iter().chain(&TIMES).chain(&AMPLITUDES).chain(&FLIPS);
-    let numbers = numbers.chain(BALANCER.iter().filter(|_| balls));
-    columns.extend(numbers.map(|name| ((*name).to_owned(), Kind::Number)));
-    for label in Label::ALL {
-        columns.extend(["low", "high"].map(|end| (of_label(label, end), Kind::Number)));
-    }
-    let wanted: Vec<(&str, Kind)> =
-        columns.iter().map(|(name, kind)| (name.as_str(), *kind)).collect();
     let every = table.rows().div_ceil(MOST_POINTS).max(1);
     let mut points = Vec::new();
-    for batch in table.read(&wanted)? {
-        let batch = batch?;
-        for row in 0..batch.rows {
-            if (batch.first_row + row as u64).is_multiple_of(every) {
-                points.push(point(study, &batch, row, balls)?);
-            }
-        }
-    }
+    PointFacts::for_each(study, table, every, |point| points.push(point))?;
     Ok(points)
 }
 
-fn point(study: &Study, batch: &Batch, row: usize, balls: bool) -> Result<PointFacts, TableError> {
-    let number = |name: &str| Ok::<_, TableError>(batch.numbers(name)?.get(row).copied().flatten());
-    let count = |name: &str| {
-        Ok::<_, TableError>(batch.counts(name)?.get(row).copied().flatten().unwrap_or(0))
-    };
-    let many =
-        |names: &[&str]| names.iter().map(|name| number(name)).collect::<Result<Vec<_>, _>>();
-    let (point_id, runs) = (count("point_id")?, count("runs")?);
-    let mut labels = [Fraction { runs: 0, fraction: f64::NAN, low: f64::NAN, high: f64::NAN }; 5];
-    for (fraction, label) in labels.iter_mut().zip(Label::ALL) {
-        let counted = count(&of_label(label, "runs"))?;
-        *fraction = Fraction {
-            runs: counted,
-            fraction: counted as f64 / runs as f64,
-            low: number(&of_label(label, "low"))?.unwrap_or(f64::NAN),
-            high: number(&of_label(label, "high"))?.unwrap_or(f64::NAN),
-        };
+impl PointFacts {
+    /// Returns the values of a point whose runs have finished.
+    pub fn of(study: &Study, row: &PointRow) -> Self {
+        let PointRow { point_id, swept, summary, amplitude_without_balls_m, set_fraction, .. } =
+            row;
+        let (counts, runs) = (&summary.counts, summary.counts.total());
+        let intervals = counts.intervals();
+        let mut labels = Label::ALL.map(|label| Fraction::of(counts.of(label), runs));
+        for (fraction, (low, high)) in labels.iter_mut().zip(intervals) {
+            *fraction = Fraction { low, high, ..*fraction };
+        }
+        let (low, high) = summary.interval.ends();
+        let fraction = summary.equilibrium_fraction;
+        let (audit, (flip_low, flip_high)) = (summary.audit, summary.audit.interval());
+        PointFacts {
+            point_id: *point_id,
+            swept: swept.clone(),
+            title: title(study, *point_id, swept),
+            runs,
+            labels,
+            equilibrium: Fraction { fraction, low, high, ..labels[0] },
+            ci_method: summary.interval.method.name().to_owned(),
+            time_to_rest_s: summary.time_to_rest_s,
+            amplitude_m: summary.amplitude_m,
+            without_balls_m: *amplitude_without_balls_m,
+            set_fraction: *set_fraction,
+            audit,
+            flip_rate: audit.flip_rate().map(|rate| [rate, flip_low, flip_high]),
+        }
     }
-    let of_equilibria: Vec<f64> =
-        many(&FRACTION)?.into_iter().map(|value| value.unwrap_or(f64::NAN)).collect();
-    let equilibrium = match of_equilibria[..] {
-        [fraction, low, high] => Fraction { fraction, low, high, ..labels[0] },
-        _ => labels[0],
-    };
-    let swept =
-        if point_id < study.point_count() { study.point(point_id).swept } else { Vec::new() };
-    let title = match heading(study, &swept, |_| true) {
+
+    /// Reads one of every `every` points of `points.parquet` and passes each to `take`.
+    ///
+    /// # Errors
+    /// Returns an error if the table lacks a column or cannot be read.
+    pub fn for_each(
+        study: &Study,
+        table: &Table,
+        every: u64,
+        mut take: impl FnMut(PointFacts),
+    ) -> Result<(), TableError> {
+        let balls = study.model().balls() > 0;
+        let of_labels = |what| Label::ALL.map(|label| of_label(label, what));
+        let [runs, low, high] = ["runs", "low", "high"].map(of_labels);
+        let counts = COUNTS.into_iter().chain(runs.iter().map(String::as_str));
+        let numbers = FRACTION.iter().chain(&TIMES).chain(&AMPLITUDES).chain(&FLIPS);
+        let numbers = numbers.chain(BALANCER.iter().filter(|_| balls)).copied();
+        let numbers = numbers.chain(low.iter().chain(&high).map(String::as_str));
+        let mut columns: Vec<(&str, Kind)> = counts.map(|name| (name, Kind::Count)).collect();
+        columns.extend(numbers.map(|name| (name, Kind::Number)));
+        columns.push((METHOD, Kind::Text));
+        for batch in table.read(&columns)? {
+            let batch = batch?;
+            for row in 0..batch.rows {
+                if (batch.first_row + row as u64).is_multiple_of(every) {
+                    take(Self::in_row(study, &batch, row)?);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn in_row(study: &Study, batch: &Batch, row: usize) -> Result<PointFacts, TableError> {
+        let number = |name: &str| batch.number(name, row);
+        // A missing count belongs to a kind of run that did not occur.
+        let count = |name: &str| Ok::<_, TableError>(batch.count(name, row)?.unwrap_or(0));
+        let value = |name: &str| Ok::<_, TableError>(number(name)?.unwrap_or(f64::NAN));
+        let (point_id, runs) = (count(COUNTS[0])?, count(COUNTS[1])?);
+        let mut labels = [Fraction::of(0, runs); 5];
+        for (fraction, label) in labels.iter_mut().zip(Label::ALL) {
+            let [low, high] = ["low", "high"].map(|end| value(&of_label(label, end)));
+            *fraction = Fraction {
+                low: low?,
+                high: high?,
+                ..Fraction::of(count(&of_label(label, "runs"))?, runs)
+            };
+        }
+        let [fraction, low, high] = FRACTION.map(value);
+        let [rate, flip_low, flip_high] = FLIPS.map(number);
+        let flip_rate = rate?.zip(flip_low?).zip(flip_high?);
+        let [without_balls_m, set_fraction] = match study.model().balls() {
+            0 => [None; 2],
+            _ => [number(BALANCER[0])?, number(BALANCER[1])?],
+        };
+        let swept =
+            if point_id < study.point_count() { study.point(point_id).swept } else { Vec::new() };
+        let [p25, p50, p75, p95] = TIMES.map(number);
+        let [p05, median, p95_m] = AMPLITUDES.map(number);
+        Ok(PointFacts {
+            point_id,
+            title: title(study, point_id, &swept),
+            swept,
+            runs,
+            labels,
+            equilibrium: Fraction { fraction: fraction?, low: low?, high: high?, ..labels[0] },
+            ci_method: batch.text(METHOD, row)?.unwrap_or_default(),
+            time_to_rest_s: [p25?, p50?, p75?, p95?],
+            amplitude_m: [p05?, median?, p95_m?],
+            without_balls_m,
+            set_fraction,
+            audit: AuditCounts {
+                runs: count(COUNTS[2])?,
+                flips: count(COUNTS[3])?,
+                rest_flips: count(COUNTS[4])?,
+            },
+            flip_rate: flip_rate.map(|((rate, low), high)| [rate, low, high]),
+        })
+    }
+
+    /// Returns the runs with this label.
+    pub fn label(&self, label: Label) -> Fraction {
+        let found = Label::ALL.iter().zip(self.labels).find(|(other, _)| **other == label);
+        found.map_or(Fraction::of(0, self.runs), |(_, fraction)| fraction)
+    }
+}
+
+impl Fraction {
+    /// Returns the fraction of `runs` in `all` runs, without an interval.
+    fn of(runs: u64, all: u64) -> Self {
+        Fraction { runs, fraction: runs as f64 / all as f64, low: f64::NAN, high: f64::NAN }
+    }
+}
+
+fn title(study: &Study, point_id: u64, swept: &[ParameterValue]) -> String {
+    match heading(study, swept, |_| true) {
         title if title.is_empty() => format!("point {point_id}"),
         title => title,
-    };
-    let times = many(&TIMES)?;
-    let amplitudes = many(&AMPLITUDES)?;
-    let flips = many(&FLIPS)?;
-    let at = |values: &[Option<f64>], index: usize| values.get(index).copied().flatten();
-    Ok(PointFacts {
-        point_id,
-        swept,
-        title,
-        runs,
-        labels,
-        equilibrium,
-        time_to_rest_s: [0, 1, 2, 3].map(|index| at(&times, index)),
-        amplitude_m: [0, 1, 2].map(|index| at(&amplitudes, index)),
-        without_balls_m: if balls { number(BALANCER[0])? } else { None },
-        set_fraction: if balls { number(BALANCER[1])? } else { None },
-        audit: AuditCounts {
-            runs: count("audited_runs")?,
-            flips: count("audit_flips")?,
-            rest_flips: count("audit_rest_flips")?,
-        },
-        flip_rate: match flips[..] {
-            [Some(rate), Some(low), Some(high)] => Some([rate, low, high]),
-            _ => None,
-        },
-    })
+    }
 }

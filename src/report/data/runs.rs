@@ -13,9 +13,6 @@ const MOST_AMPLITUDES: u64 = 2_000_000;
 /// The largest number of failed and flipped runs in the list.
 const MOST_NOTABLE: usize = 200;
 
-/// Labels in the order of their numbers in [`RunSample::label`].
-pub const LABELS: [Label; 5] = Label::ALL;
-
 /// A sample of runs, column by column.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RunSample {
@@ -34,7 +31,7 @@ pub struct RunSample {
     pub run_id: Vec<u64>,
     /// Numbers of their points.
     pub point_id: Vec<u64>,
-    /// Indices of their labels in [`LABELS`].
+    /// Indices of their labels in [`Label::ALL`].
     pub label: Vec<u8>,
     /// Amplitude of the table at the end, m; NaN if the run has none.
     pub amplitude_m: Vec<f64>,
@@ -106,58 +103,48 @@ pub fn read(
     let mut notable = Vec::new();
     for batch in table.read(&wanted)? {
         let batch = batch?;
-        let (ids, points) = (batch.counts("run_id")?, batch.counts("point_id")?);
-        let [labels, evidence, errors] =
-            [batch.texts("label")?, batch.texts("evidence")?, batch.texts("error")?];
-        let audited = if audit { Some(batch.texts("audit_label")?) } else { None };
-        let amplitudes = batch.numbers(NUMBERS[0])?;
-        let text = |texts: &[Option<String>], row: usize| texts.get(row).cloned().flatten();
-        let mut kept = Vec::new();
+        let mut chosen = Vec::new();
         for row in 0..batch.rows {
-            let Some(run_id) = ids.get(row).copied().flatten() else { continue };
-            let label = text(labels, row).unwrap_or_default();
-            let flipped = audited.and_then(|audited| text(audited, row));
-            let flipped = flipped.filter(|other| *other != label);
-            let is_notable = label == Label::Failed.name() || flipped.is_some();
-            sample.notable += u64::from(is_notable);
-            if is_notable && notable.len() < MOST_NOTABLE {
-                notable.push(Notable {
-                    run_id,
-                    label: label.clone(),
-                    evidence: text(evidence, row).unwrap_or_default(),
-                    audited: flipped,
-                    error: text(errors, row).unwrap_or_default(),
-                });
+            let Some(run_id) = batch.count("run_id", row)? else { continue };
+            let text = |name: &str| Ok::<_, TableError>(batch.text(name, row)?.unwrap_or_default());
+            let label = text("label")?;
+            let audited = if audit { batch.text("audit_label", row)? } else { None };
+            let flipped = audited.filter(|other| *other != label);
+            if label == Label::Failed.name() || flipped.is_some() {
+                sample.notable += 1;
+                if notable.len() < MOST_NOTABLE {
+                    notable.push(Notable {
+                        run_id,
+                        label: label.clone(),
+                        evidence: text("evidence")?,
+                        audited: flipped,
+                        error: text("error")?,
+                    });
+                }
             }
-            let Some(label) = LABELS.iter().position(|known| known.name() == label) else {
+            let label = Label::ALL.iter().position(|known| known.name() == label);
+            let Some((label, point_id)) = label.zip(batch.count("point_id", row)?) else {
                 continue;
             };
-            let Some(point_id) = points.get(row).copied().flatten() else { continue };
-            let Some(held) = sample.amplitudes_m.get_mut(&point_id) else { continue };
+            let Some(amplitudes) = sample.amplitudes_m.get_mut(&point_id) else { continue };
             if scattered(run_id, amplitude_one_in) {
-                held.extend(amplitudes.get(row).copied().flatten());
+                amplitudes.extend(batch.number(NUMBERS[0], row)?);
             }
             if scattered(run_id, one_in) {
-                kept.push(row);
+                chosen.push(row);
                 sample.run_id.push(run_id);
                 sample.point_id.push(point_id);
                 sample.label.push(label as u8);
             }
         }
-        let keep = |name: &str, values: &mut Vec<f64>| {
-            let column = batch.numbers(name)?;
-            let value = |row: &usize| column.get(*row).copied().flatten().unwrap_or(f64::NAN);
-            values.extend(kept.iter().map(value));
-            Ok::<_, TableError>(())
-        };
-        keep(NUMBERS[0], &mut sample.amplitude_m)?;
-        keep(NUMBERS[1], &mut sample.friction_margin)?;
-        keep(NUMBERS[2], &mut sample.time_to_rest_s)?;
-        for (name, values) in positions.iter().zip(&mut sample.position) {
-            keep(name, values)?;
-        }
-        for (name, values) in starts.iter().zip(&mut sample.start) {
-            keep(name, values)?;
+        let RunSample { amplitude_m, friction_margin, time_to_rest_s, position, start, .. } =
+            &mut sample;
+        let columns = NUMBERS.into_iter().zip([amplitude_m, friction_margin, time_to_rest_s]);
+        let columns = columns.chain(positions.iter().map(String::as_str).zip(position));
+        for (name, values) in columns.chain(starts.iter().map(String::as_str).zip(start)) {
+            for row in &chosen {
+                values.push(batch.number(name, *row)?.unwrap_or(f64::NAN));
+            }
         }
     }
     Ok((sample, notable))

@@ -28,16 +28,9 @@ pub fn read(table: &Table, points: &[u64]) -> Result<Vec<RestCurve>, TableError>
     let mut curves: Vec<RestCurve> = Vec::new();
     for batch in table.read(&wanted)? {
         let batch = batch?;
-        let ids = batch.counts("point_id")?;
-        let [times, probabilities, lows, highs] = [
-            batch.numbers(numbers[0])?,
-            batch.numbers(numbers[1])?,
-            batch.numbers(numbers[2])?,
-            batch.numbers(numbers[3])?,
-        ];
         for row in 0..batch.rows {
-            let value = |values: &[Option<f64>]| values.get(row).copied().flatten();
-            let (Some(point_id), Some(time)) = (ids.get(row).copied().flatten(), value(times))
+            let value = |name| batch.number(name, row);
+            let (Some(point_id), Some(time)) = (batch.count("point_id", row)?, value(numbers[0])?)
             else {
                 continue;
             };
@@ -52,9 +45,10 @@ pub fn read(table: &Table, points: &[u64]) -> Result<Vec<RestCurve>, TableError>
             }
             if let Some(curve) = curves.last_mut() {
                 curve.time_s.push(time);
-                curve.probability.push(value(probabilities).unwrap_or(f64::NAN));
-                curve.low.push(value(lows).unwrap_or(f64::NAN));
-                curve.high.push(value(highs).unwrap_or(f64::NAN));
+                let RestCurve { probability, low, high, .. } = curve;
+                for (values, name) in [probability, low, high].into_iter().zip(&numbers[1..]) {
+                    values.push(value(name)?.unwrap_or(f64::NAN));
+                }
             }
         }
     }
@@ -67,11 +61,8 @@ pub fn read(table: &Table, points: &[u64]) -> Result<Vec<RestCurve>, TableError>
 /// Thins out the steps evenly, keeping the first and the last one.
 fn thin(curve: &mut RestCurve) {
     let places = super::evenly(curve.time_s.len(), MOST_STEPS);
-    let keep = |values: &mut Vec<f64>| {
+    let RestCurve { time_s, probability, low, high, .. } = curve;
+    for values in [time_s, probability, low, high] {
         *values = places.iter().filter_map(|&place| values.get(place).copied()).collect();
-    };
-    keep(&mut curve.time_s);
-    keep(&mut curve.probability);
-    keep(&mut curve.low);
-    keep(&mut curve.high);
+    }
 }

@@ -64,26 +64,17 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
         axis("amplitude at the end", "m")
     };
     let layers = |few: &[CurveOf<'_, Vec<[f64; 2]>>]| {
-        let curve = |(place, (point, points)): (usize, &CurveOf<'_, Vec<[f64; 2]>>)| Layer {
-            name: data.curve_name(point),
-            colour: Colour::Series(place),
-            mark: Mark::Steps { points: points.clone() },
+        let curve = |(place, (point, points)): (usize, &CurveOf<'_, Vec<[f64; 2]>>)| {
+            let mark = Mark::Steps { points: points.clone() };
+            Layer::new(&data.curve_name(point), Colour::Series(place), mark)
         };
         let rule = Mark::Rule { upright: true, at: 1.0, label: "without balls".to_owned() };
-        let rule = Layer { name: String::new(), colour: Colour::Ink, mark: rule };
-        few.iter().enumerate().map(curve).chain(balls.then_some(rule)).collect()
+        let rule = balls.then(|| Layer::new("", Colour::Ink, rule));
+        few.iter().enumerate().map(curve).chain(rule).collect()
     };
-    let panels: Vec<Panel> = few_each(&curves)
-        .into_iter()
-        .map(|(part, few)| Panel {
-            title: String::new(),
-            part,
-            x: x.clone(),
-            y: fraction_axis("fraction of runs below"),
-            scale: None,
-            layers: layers(few),
-        })
-        .collect();
+    let y = fraction_axis("fraction of runs below");
+    let panel = |(part, few)| Panel { part, ..Panel::new(x.clone(), y.clone(), layers(few)) };
+    let panels: Vec<Panel> = few_each(&curves).into_iter().map(panel).collect();
     let sampled = match data.runs.amplitude_one_in {
         1 => String::new(),
         one_in => format!(" Subsample: about one in {one_in} runs of these points is counted."),

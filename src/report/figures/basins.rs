@@ -42,8 +42,8 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
                     };
                     let chosen: Vec<usize> = runs.iter().copied().filter(is).collect();
                     let run_ids = chosen.iter().filter_map(|&run| data.runs.run_id.get(run));
-                    let tooltips =
-                        Tooltips { run_ids: run_ids.copied().collect(), columns: Vec::new() };
+                    let run_ids = run_ids.copied().collect();
+                    let tooltips = Tooltips { run_ids, ..Tooltips::default() };
                     let look = (&*label_words(label), label_colour(label), label_symbol(label));
                     (!chosen.is_empty()).then(|| run_dots(look, (x, y), &chosen, tooltips))
                 })
@@ -51,10 +51,7 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
             panels.push(Panel {
                 title: point.title.clone(),
                 part: format!("{} and {}", words(of_x), words(of_y)),
-                x: start_axis(of_x, x),
-                y: start_axis(of_y, y),
-                scale: None,
-                layers,
+                ..Panel::new(start_axis(of_x, x), start_axis(of_y, y), layers)
             });
         }
     }
@@ -65,9 +62,8 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
     } else {
         String::new()
     };
-    let counts = Label::ALL.into_iter().enumerate().filter_map(|(place, label)| {
-        let of = data.details().filter_map(|point| point.labels.get(place));
-        let count: u64 = of.map(|fraction| fraction.runs).sum();
+    let counts = Label::ALL.into_iter().filter_map(|label| {
+        let count: u64 = data.details().map(|point| point.label(label).runs).sum();
         (count > 0).then(|| format!("{count} {}", label_words(label)))
     });
     let counts: Vec<String> = counts.collect();

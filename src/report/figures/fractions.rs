@@ -1,10 +1,10 @@
 //! Figure: the fraction of each label with its interval, over a swept parameter.
 
-use super::layers::{fraction_axis, label_colour, label_symbol, label_words, numbers};
+use super::layers::{Estimate, fraction_axis, label_colour, label_symbol, label_words};
 use super::sweep_axis::SweepAxis;
 use crate::classification::Label;
-use crate::report::chart::{Figure, Layer, Mark, Panel, Tooltips};
-use crate::report::data::{PointFacts, ReportData};
+use crate::report::chart::{Figure, Layer, Panel, Tooltips};
+use crate::report::data::{Fraction, PointFacts, ReportData};
 
 /// Plots over the parameter with the most values, or over the points if no number is swept.
 pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
@@ -27,11 +27,7 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
             }
             let panel = |group: &super::sweep_axis::Group<'_>| Panel {
                 title: group.title.clone(),
-                part: String::new(),
-                x: sweep.axis.clone(),
-                y: fraction(),
-                scale: None,
-                layers: layers(data, &group.points),
+                ..Panel::new(sweep.axis.clone(), fraction(), layers(data, &group.points))
             };
             (groups.iter().map(panel).collect(), sweep.axis.name.clone())
         }
@@ -40,15 +36,7 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
                 data.details().enumerate().map(|(place, point)| (place as f64, point)).collect();
             let named: Vec<&PointFacts> = points.iter().map(|(_, point)| *point).collect();
             let x = data.axis_of_points(&named);
-            let layers = layers(data, &points);
-            let panel = Panel {
-                title: String::new(),
-                part: String::new(),
-                x,
-                y: fraction(),
-                scale: None,
-                layers,
-            };
+            let panel = Panel::new(x, fraction(), layers(data, &points));
             (vec![panel], String::new())
         }
     };
@@ -83,47 +71,34 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
 }
 
 fn layers(data: &ReportData<'_>, points: &[(f64, &PointFacts)]) -> Vec<Layer> {
-    let mut layers = Vec::new();
-    for (place, label) in Label::ALL.into_iter().enumerate() {
-        let fraction = |point: &PointFacts| match label {
-            Label::Equilibrium => Some(point.equilibrium),
-            _ => point.labels.get(place).copied(),
+    let fraction = |point: &PointFacts, label| match label {
+        Label::Equilibrium => point.equilibrium,
+        _ => point.label(label),
+    };
+    let of_label = |label: Label| {
+        let estimate = |(x, point): &(f64, &PointFacts)| {
+            let Fraction { fraction, low, high, .. } = fraction(point, label);
+            Estimate { x: *x, value: fraction, low, high }
         };
-        let seen = data.points.iter().any(|point| fraction(point).is_some_and(|s| s.runs > 0));
-        if !seen && label != Label::Equilibrium {
-            continue;
-        }
-        let known: Vec<_> =
-            points.iter().filter_map(|(x, point)| Some((*x, fraction(point)?, *point))).collect();
-        let colour = label_colour(label);
-        let name = label_words(label);
-        let x: Vec<f64> = known.iter().map(|(x, ..)| *x).collect();
-        let mark = Mark::Intervals {
-            x: x.clone(),
-            low: known.iter().map(|(_, fraction, _)| fraction.low).collect(),
-            high: known.iter().map(|(_, fraction, _)| fraction.high).collect(),
+        let estimates: Vec<Estimate> = points.iter().map(estimate).collect();
+        let column = |value: &dyn Fn(&PointFacts) -> u64| {
+            points.iter().map(|(_, one)| value(one) as f64).collect()
         };
-        layers.push(Layer { name: name.clone(), colour, mark });
-        let line = known.iter().map(|(x, fraction, _)| [*x, fraction.fraction]).collect();
-        let mark = Mark::Line { points: line, dashed: label != Label::Equilibrium };
-        layers.push(Layer { name: name.clone(), colour, mark });
-        let tooltips = Tooltips {
-            run_ids: Vec::new(),
-            columns: vec![
-                numbers("fraction", known.iter().map(|(_, fraction, _)| fraction.fraction)),
-                numbers("from", known.iter().map(|(_, fraction, _)| fraction.low)),
-                numbers("to", known.iter().map(|(_, fraction, _)| fraction.high)),
-                numbers(
-                    "runs with this label",
-                    known.iter().map(|(_, fraction, _)| fraction.runs as f64),
-                ),
-                numbers("runs", known.iter().map(|(.., point)| point.runs as f64)),
-                numbers("point", known.iter().map(|(.., point)| point.point_id as f64)),
-            ],
-        };
-        let y = known.iter().map(|(_, fraction, _)| fraction.fraction).collect();
-        let mark = Mark::Dots { symbol: label_symbol(label), x, y, tooltips };
-        layers.push(Layer { name, colour, mark });
-    }
-    layers
+        let [value, from, to] = Estimate::columns("fraction", &estimates);
+        let tooltips = Tooltips::numbers([
+            value,
+            from,
+            to,
+            ("runs with this label", column(&|point| fraction(point, label).runs)),
+            ("runs", column(&|point| point.runs)),
+            ("point", column(&|point| point.point_id)),
+        ]);
+        let look = (&*label_words(label), label_colour(label), label_symbol(label));
+        Estimate::layers(look, Some(label != Label::Equilibrium), &estimates, tooltips)
+    };
+    let seen = |label: &Label| {
+        *label == Label::Equilibrium
+            || data.points.iter().any(|point| fraction(point, *label).runs > 0)
+    };
+    Label::ALL.into_iter().filter(seen).flat_map(of_label).collect()
 }

@@ -1,10 +1,8 @@
 //! Elements that several figures share: axes, colours and symbols of labels, tooltips of runs.
 
 use crate::classification::Label;
-use crate::report::chart::{
-    Axis, AxisKind, Colour, Layer, Mark, Symbol, TooltipColumn, TooltipValues, Tooltips,
-};
-use crate::report::data::{LABELS, PointFacts, RunSample};
+use crate::report::chart::{Axis, AxisKind, Colour, Layer, Mark, Symbol, Tooltips};
+use crate::report::data::{PointFacts, RunSample};
 use crate::study::Study;
 
 /// Returns an axis with its quantity and unit.
@@ -50,27 +48,69 @@ pub fn label_symbol(label: Label) -> Symbol {
     }
 }
 
-/// Returns a tooltip column of numbers.
-pub fn numbers(name: &str, values: impl Iterator<Item = f64>) -> TooltipColumn {
-    TooltipColumn { name: name.to_owned(), values: TooltipValues::Numbers(values.collect()) }
+/// A value with its interval at an abscissa.
+#[derive(Clone, Copy, Debug)]
+pub struct Estimate {
+    /// Abscissa.
+    pub x: f64,
+    /// The value.
+    pub value: f64,
+    /// Lower end of its interval.
+    pub low: f64,
+    /// Upper end of its interval.
+    pub high: f64,
+}
+
+/// The columns of a tooltip: names with values.
+pub type Columns<const N: usize> = [(&'static str, Vec<f64>); N];
+
+impl Estimate {
+    /// Returns the tooltip columns of the values, named `name`, and of the ends of their intervals.
+    pub fn columns(name: &'static str, estimates: &[Estimate]) -> Columns<3> {
+        let column = |pick: fn(&Estimate) -> f64| estimates.iter().map(pick).collect();
+        [
+            (name, column(|one| one.value)),
+            ("from", column(|one| one.low)),
+            ("to", column(|one| one.high)),
+        ]
+    }
+
+    /// Returns the intervals, the values as dots and, if `line` says whether it is dashed, a line through them.
+    pub fn layers(
+        (name, colour, symbol): (&str, Colour, Symbol),
+        line: Option<bool>,
+        estimates: &[Estimate],
+        tooltips: Tooltips,
+    ) -> Vec<Layer> {
+        let column = |pick: fn(&Estimate) -> f64| estimates.iter().map(pick).collect::<Vec<f64>>();
+        let x = column(|one| one.x);
+        let (low, high) = (column(|one| one.low), column(|one| one.high));
+        let points = || estimates.iter().map(|one| [one.x, one.value]).collect();
+        let marks = [
+            Some(Mark::Intervals { x: x.clone(), low, high }),
+            line.map(|dashed| Mark::Line { points: points(), dashed }),
+            Some(Mark::Dots { symbol, x, y: column(|one| one.value), tooltips }),
+        ];
+        marks.into_iter().flatten().map(|mark| Layer::new(name, colour, mark)).collect()
+    }
 }
 
 /// Returns the tooltips of runs at these places of a sample, besides their angles.
 pub fn run_tooltips(runs: &RunSample, places: &[usize]) -> Tooltips {
     let of = |values: &[f64], factor: f64| -> Vec<f64> {
-        places
-            .iter()
-            .map(|&place| factor * values.get(place).copied().unwrap_or(f64::NAN))
-            .collect()
+        at_places(values, places).map(|value| factor * value).collect()
     };
-    Tooltips {
-        run_ids: places.iter().filter_map(|&place| runs.run_id.get(place).copied()).collect(),
-        columns: vec![
-            numbers("amplitude [µm]", of(&runs.amplitude_m, 1e6).into_iter()),
-            numbers("friction margin", of(&runs.friction_margin, 1.0).into_iter()),
-            numbers("time to rest [s]", of(&runs.time_to_rest_s, 1.0).into_iter()),
-        ],
-    }
+    let run_ids = places.iter().filter_map(|&place| runs.run_id.get(place).copied()).collect();
+    let columns = [
+        ("amplitude [µm]", of(&runs.amplitude_m, 1e6)),
+        ("friction margin", of(&runs.friction_margin, 1.0)),
+        ("time to rest [s]", of(&runs.time_to_rest_s, 1.0)),
+    ];
+    Tooltips { run_ids, ..Tooltips::numbers(columns) }
+}
+
+fn at_places(values: &[f64], places: &[usize]) -> impl Iterator<Item = f64> {
+    places.iter().map(|&place| values.get(place).copied().unwrap_or(f64::NAN))
 }
 
 /// Returns dots of runs at these places of a sample, with coordinates from its columns.
@@ -80,18 +120,15 @@ pub fn run_dots(
     places: &[usize],
     tooltips: Tooltips,
 ) -> Layer {
-    let of = |values: &[f64]| {
-        places.iter().map(|&place| values.get(place).copied().unwrap_or(f64::NAN)).collect()
-    };
-    let mark = Mark::Dots { symbol, x: of(x), y: of(y), tooltips };
-    Layer { name: name.to_owned(), colour, mark }
+    let [x, y] = [x, y].map(|values| at_places(values, places).collect());
+    Layer::new(name, colour, Mark::Dots { symbol, x, y, tooltips })
 }
 
 /// Returns the places of the runs of a point, with the given label if any.
 pub fn places(runs: &RunSample, point_id: u64, label: Option<Label>) -> Vec<usize> {
     let of_point = runs.point_id.iter().enumerate().filter(|(_, id)| **id == point_id);
     let is = |place: usize| {
-        let found = runs.label.get(place).and_then(|&label| LABELS.get(usize::from(label)));
+        let found = runs.label.get(place).and_then(|&label| Label::ALL.get(usize::from(label)));
         label.is_none() || found.copied() == label
     };
     of_point.map(|(place, _)| place).filter(|&place| is(place)).collect()
@@ -116,16 +153,6 @@ pub fn few_each<'c, 'a, T>(curves: &'c [CurveOf<'a, T>]) -> Vec<(String, &'c [Cu
         _ => String::new(),
     };
     curves.chunks(each).map(|few| (part(few), few)).collect()
-}
-
-/// Returns the number of failed runs of a point.
-pub fn failed(point: &PointFacts) -> u64 {
-    LABELS
-        .iter()
-        .zip(&point.labels)
-        .filter(|(label, _)| **label == Label::Failed)
-        .map(|(_, fraction)| fraction.runs)
-        .sum()
 }
 
 /// Returns a number with four significant digits.

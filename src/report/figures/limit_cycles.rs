@@ -1,6 +1,6 @@
 //! Figure: limit cycles over a swept parameter, one branch per class.
 
-use super::layers::{axis, numbers};
+use super::layers::{Estimate, axis};
 use super::sweep_axis::{Group, SweepAxis};
 use crate::report::chart::{Colour, Figure, Layer, Mark, Panel, Symbol, Tooltips};
 use crate::report::data::{CycleFacts, QUANTITIES, ReportData};
@@ -44,7 +44,7 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
             if place == QUANTITIES.len() - 1 && !layers.is_empty() {
                 let label = "stable below".to_owned();
                 let mark = Mark::Rule { upright: false, at: 1.0, label };
-                layers.push(Layer { name: String::new(), colour: Colour::Faint, mark });
+                layers.push(Layer::new("", Colour::Faint, mark));
             }
             if layers.is_empty() {
                 continue;
@@ -52,10 +52,7 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
             panels.push(Panel {
                 title: group.title.clone(),
                 part: (*name).to_owned(),
-                x: x.clone(),
-                y: axis(name, unit),
-                scale: None,
-                layers,
+                ..Panel::new(x.clone(), axis(name, unit), layers)
             });
         }
     }
@@ -88,44 +85,24 @@ fn branch(
     class: &str,
     (quantity, index): (usize, usize),
 ) -> Vec<Layer> {
-    let known: Vec<(f64, f64, [f64; 2], &CycleFacts)> = group
-        .points
-        .iter()
-        .filter_map(|(x, point)| {
-            let of_class =
-                |cycle: &&CycleFacts| cycle.point_id == point.point_id && cycle.class == class;
-            let cycle = cycles.iter().find(of_class)?;
-            let [value, low, high] = *cycle.values.get(quantity)?;
-            let value = value?;
-            Some((*x, value, [low.unwrap_or(value), high.unwrap_or(value)], cycle))
-        })
-        .collect();
-    if known.is_empty() {
+    let known = group.points.iter().filter_map(|(x, point)| {
+        let of_class =
+            |cycle: &&CycleFacts| cycle.point_id == point.point_id && cycle.class == class;
+        let cycle = cycles.iter().find(of_class)?;
+        let [value, low, high] = *cycle.values.get(quantity)?;
+        let value = value?;
+        let (low, high) = (low.unwrap_or(value), high.unwrap_or(value));
+        Some((Estimate { x: *x, value, low, high }, cycle))
+    });
+    let (estimates, cycles): (Vec<Estimate>, Vec<&CycleFacts>) = known.unzip();
+    if estimates.is_empty() {
         return Vec::new();
     }
-    let (name, colour) = (format!("class {class}"), Colour::Series(index));
-    let x: Vec<f64> = known.iter().map(|(x, ..)| *x).collect();
-    let column = |pick: fn(&CycleFacts) -> f64| known.iter().map(move |(.., cycle)| pick(cycle));
-    let tooltips = Tooltips {
-        run_ids: Vec::new(),
-        columns: vec![
-            numbers("value", known.iter().map(|(_, value, ..)| *value)),
-            numbers("from", known.iter().map(|(_, _, [low, _], _)| *low)),
-            numbers("to", known.iter().map(|(_, _, [_, high], _)| *high)),
-            numbers("runs", column(|cycle| cycle.runs as f64)),
-            numbers("point", column(|cycle| cycle.point_id as f64)),
-        ],
-    };
-    let intervals = Mark::Intervals {
-        x: x.clone(),
-        low: known.iter().map(|(_, _, [low, _], _)| *low).collect(),
-        high: known.iter().map(|(_, _, [_, high], _)| *high).collect(),
-    };
-    let line =
-        Mark::Line { points: known.iter().map(|(x, y, ..)| [*x, *y]).collect(), dashed: false };
+    let column = |pick: fn(&CycleFacts) -> u64| cycles.iter().map(|one| pick(one) as f64).collect();
+    let [value, from, to] = Estimate::columns("value", &estimates);
+    let (runs, point) = (column(|cycle| cycle.runs), column(|cycle| cycle.point_id));
+    let tooltips = Tooltips::numbers([value, from, to, ("runs", runs), ("point", point)]);
     let symbol = SYMBOLS.get(index % SYMBOLS.len()).copied().unwrap_or(Symbol::Disc);
-    let y = known.iter().map(|(_, y, ..)| *y).collect();
-    let dots = Mark::Dots { symbol, x, y, tooltips };
-    let layer = |mark| Layer { name: name.clone(), colour, mark };
-    vec![layer(intervals), layer(line), layer(dots)]
+    let look = (&*format!("class {class}"), Colour::Series(index), symbol);
+    Estimate::layers(look, Some(false), &estimates, tooltips)
 }

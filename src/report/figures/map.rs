@@ -1,10 +1,9 @@
 //! Figure: a sweep over two parameters as a map, with one coloured cell per point.
 
-use super::layers::{failed, numbers};
-use super::sweep_axis::{SweepAxis, distinct, is_by_decades};
-use crate::report::chart::{Colour, ColourScale, Figure, Layer, Mark, Panel, Tooltips};
+use super::sweep_axis::{SweepAxis, distinct, is_by_decades, number};
+use crate::classification::Label;
+use crate::report::chart::{Axis, Colour, ColourScale, Figure, Layer, Mark, Panel, Tooltips};
 use crate::report::data::{PointFacts, ReportData, heading};
-use crate::study::ParameterValue;
 
 /// The least number of values of each parameter.
 const LEAST: usize = 3;
@@ -32,14 +31,9 @@ const SHOWN: [Shown; 4] = [
 pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
     let axes = SweepAxis::all(data, LEAST);
     let [across, up, ..] = &axes[..] else { return None };
-    let number = |point: &PointFacts, column: usize| match point.swept.get(column) {
-        Some(ParameterValue::Number(number)) => Some(*number),
-        _ => None,
-    };
     let values = |column| distinct(&data.points, column);
-    let (x_values, y_values) = (values(across.column)?, values(up.column)?);
+    let (mut x_values, mut y_values) = (values(across.column)?, values(up.column)?);
     // With too many cells, only every second, third and so on value of each parameter is shown.
-    let (mut x_values, mut y_values) = (x_values, y_values);
     let mut one_in = 1;
     while x_values.len().div_ceil(one_in) * y_values.len().div_ceil(one_in) > data.budget.points {
         one_in += 1;
@@ -112,8 +106,8 @@ fn plane(
         Some([left, right, below, above])
     };
     let cells: Vec<[f64; 4]> = points.iter().filter_map(|(_, x, y)| cell(*x, *y)).collect();
-    let column = |name: &str, value: &dyn Fn(&PointFacts) -> Option<f64>| {
-        numbers(name, points.iter().map(|(p, ..)| value(p).unwrap_or(f64::NAN)))
+    let column = |value: &dyn Fn(&PointFacts) -> Option<f64>| {
+        points.iter().map(|(point, ..)| value(point).unwrap_or(f64::NAN)).collect()
     };
     let mut panels = Vec::new();
     for (name, value, range) in SHOWN {
@@ -123,26 +117,25 @@ fn plane(
         if known().next().is_none() {
             continue;
         }
-        let tooltips = Tooltips {
-            run_ids: Vec::new(),
-            columns: vec![
-                numbers(&label(across), points.iter().map(|(_, x, _)| *x)),
-                numbers(&label(up), points.iter().map(|(_, _, y)| *y)),
-                column(name, &value),
-                column("runs", &|point| Some(point.runs as f64)),
-                column("failed runs", &|point| Some(failed(point) as f64)),
-                column("point", &|point| Some(point.point_id as f64)),
-            ],
-        };
+        let tooltips = Tooltips::numbers([
+            (&*label(across), points.iter().map(|(_, x, _)| *x).collect()),
+            (&*label(up), points.iter().map(|(_, _, y)| *y).collect()),
+            (name, column(&value)),
+            ("runs", column(&|point| Some(point.runs as f64))),
+            ("failed runs", column(&|point| Some(point.label(Label::Failed).runs as f64))),
+            ("point", column(&|point| Some(point.point_id as f64))),
+        ]);
         let mark = Mark::Cells { edges: cells.clone(), values, tooltips };
         let range = range.unwrap_or([least, if most > least { most } else { least + 1.0 }]);
         panels.push(Panel {
             title: title.to_owned(),
             part: name.to_owned(),
-            x: bounded(across, &x_edges),
-            y: bounded(up, &y_edges),
             scale: Some(ColourScale { name: name.to_owned(), range }),
-            layers: vec![Layer { name: String::new(), colour: Colour::Scale, mark }],
+            ..Panel::new(
+                bounded(across, &x_edges),
+                bounded(up, &y_edges),
+                vec![Layer::new("", Colour::Scale, mark)],
+            )
         });
     }
     panels
@@ -155,9 +148,9 @@ fn label(sweep: &SweepAxis) -> String {
     }
 }
 
-fn bounded(sweep: &SweepAxis, edges: &[f64]) -> crate::report::chart::Axis {
+fn bounded(sweep: &SweepAxis, edges: &[f64]) -> Axis {
     let ends = edges.first().zip(edges.last()).map(|(a, b)| [*a, *b]);
-    crate::report::chart::Axis { range: ends, ..sweep.axis.clone() }
+    Axis { range: ends, ..sweep.axis.clone() }
 }
 
 /// Returns the edges of cells around ascending values, midway between neighbours on the axis's scale.
@@ -177,29 +170,4 @@ fn edges(values: &[f64]) -> Vec<f64> {
 fn around(values: &[f64], edges: &[f64], value: f64) -> Option<[f64; 2]> {
     let place = values.binary_search_by(|other| other.total_cmp(&value)).ok()?;
     Some([*edges.get(place)?, *edges.get(place + 1)?])
-}
-
-#[cfg(test)]
-mod tests {
-    use super::{around, edges};
-
-    #[test]
-    fn cells_touch() {
-        let values = [1.0, 2.0, 4.0];
-        let edges = edges(&values);
-        assert_eq!(edges, [0.5, 1.5, 3.0, 5.0]);
-        assert_eq!(around(&values, &edges, 2.0), Some([1.5, 3.0]));
-        assert_eq!(around(&values, &edges, 3.0), None);
-    }
-
-    #[test]
-    fn cells_over_decades_touch_in_the_middle_of_the_axis() {
-        let found = edges(&[1e-4, 1e-3, 1e-2]);
-        let middle = 10.0_f64.sqrt();
-        for (found, due) in
-            found.iter().zip([1e-4 / middle, 1e-4 * middle, 1e-3 * middle, 1e-2 * middle])
-        {
-            assert!((found / due - 1.0).abs() < 1e-12);
-        }
-    }
 }

@@ -12,7 +12,7 @@ mod preferred;
 mod sweep_axis;
 mod time_to_rest;
 
-pub use layers::{failed as failed_runs, label_words, significant};
+pub use layers::{label_words, significant};
 
 use super::chart::Figure;
 use super::data::ReportData;

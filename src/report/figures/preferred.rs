@@ -3,7 +3,7 @@
 use super::equilibrium_set::{SetLayers, angle_axis, set_layers};
 use super::layers::{axis, label_colour, label_words, places, run_dots, run_tooltips, subscript};
 use crate::classification::Label;
-use crate::report::chart::{Axis, AxisKind, Colour, Figure, Layer, Panel, Symbol};
+use crate::report::chart::{Axis, Colour, Figure, Layer, Panel, Symbol};
 use crate::report::data::{PointFacts, ReportData};
 
 /// The largest number of pairs of balls.
@@ -96,7 +96,7 @@ fn pair(data: &ReportData<'_>, point: &PointFacts, [first, second]: [usize; 2]) 
         None => (None, vec![dots]),
     };
     let (x, y) = (angle_axis(first), angle_axis(second));
-    Panel { title: counted(point), part, x, y, scale, layers }
+    Panel { title: counted(point), part, scale, ..Panel::new(x, y, layers) }
 }
 
 fn one_contact(data: &ReportData<'_>, point: &PointFacts, balls: usize) -> Panel {
@@ -107,8 +107,7 @@ fn one_contact(data: &ReportData<'_>, point: &PointFacts, balls: usize) -> Panel
         0 => (axis("position at rest", "m"), axis("time to rest", "s"), &runs.time_to_rest_s),
         _ => (angle_axis(1), axis("amplitude", "µm"), &amplitude),
     };
-    let y = Axis { kind: AxisKind::Linear, ..y };
     let mut layer = dots(data, point, place, over);
     layer.colour = label_colour(Label::Equilibrium);
-    Panel { title: counted(point), part: String::new(), x, y, scale: None, layers: vec![layer] }
+    Panel { title: counted(point), ..Panel::new(x, y, vec![layer]) }
 }

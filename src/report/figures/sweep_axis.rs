@@ -20,7 +20,8 @@ pub struct Group<'a> {
     pub points: Vec<(f64, &'a PointFacts)>,
 }
 
-fn number(point: &PointFacts, column: usize) -> Option<f64> {
+/// Returns the value of a swept parameter at a point; `None` if it is not a number.
+pub fn number(point: &PointFacts, column: usize) -> Option<f64> {
     match point.swept.get(column) {
         Some(ParameterValue::Number(number)) => Some(*number),
         _ => None,

@@ -1,6 +1,7 @@
 //! Figure: the probability of rest over time, of each point.
 
-use super::layers::{CurveOf, axis, failed, few_each, fraction_axis, moving};
+use super::layers::{CurveOf, axis, few_each, fraction_axis, moving};
+use crate::classification::Label;
 use crate::report::chart::{Axis, Colour, Figure, Layer, Mark, Panel};
 use crate::report::data::{PointFacts, ReportData, RestCurve};
 
@@ -16,17 +17,10 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
     }
     let last = with_curves.iter().filter_map(|(_, curve)| curve.time_s.last().copied());
     let x = Axis { range: Some([0.0, last.fold(end, f64::max)]), ..axis("time", "s") };
-    let panels: Vec<Panel> = few_each(&with_curves)
-        .into_iter()
-        .map(|(part, few)| Panel {
-            title: String::new(),
-            part,
-            x: x.clone(),
-            y: fraction_axis("probability of being at rest"),
-            scale: None,
-            layers: layers(data, few, end),
-        })
-        .collect();
+    let y = fraction_axis("probability of being at rest");
+    let panel =
+        |(part, few)| Panel { part, ..Panel::new(x.clone(), y.clone(), layers(data, few, end)) };
+    let panels: Vec<Panel> = few_each(&with_curves).into_iter().map(panel).collect();
     let medians: Vec<String> = with_curves
         .iter()
         .map(|(point, _)| {
@@ -63,13 +57,12 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
 }
 
 fn layers(data: &ReportData<'_>, curves: &[CurveOf<'_, &RestCurve>], end: f64) -> Vec<Layer> {
-    let layer = |place: usize, point: &PointFacts, mark| Layer {
-        name: match failed(point) {
+    let layer = |place: usize, point: &PointFacts, mark| {
+        let name = match failed(point) {
             0 => data.curve_name(point),
             failed => format!("{} ({failed} failed)", data.curve_name(point)),
-        },
-        colour: Colour::Series(place),
-        mark,
+        };
+        Layer::new(&name, Colour::Series(place), mark)
     };
     let bands = curves.iter().enumerate().map(|(place, (point, curve))| {
         let RestCurve { time_s, low, high, .. } = curve;
@@ -95,4 +88,8 @@ fn layers(data: &ReportData<'_>, curves: &[CurveOf<'_, &RestCurve>], end: f64) -
         layer(place, point, Mark::Steps { points })
     });
     bands.chain(lines).collect()
+}
+
+fn failed(point: &PointFacts) -> u64 {
+    point.label(Label::Failed).runs
 }

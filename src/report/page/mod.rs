@@ -3,7 +3,6 @@
 //! The file contains style, script, the charting library (Apache ECharts, see `assets/echarts-LICENSE`) and the
 //! data. Its content security policy forbids all network requests.
 
-mod encode;
 mod html;
 mod tables;
 
@@ -45,7 +44,7 @@ pub fn page(directory: &Path, data: &ReportData<'_>, figures: &[Figure]) -> Stri
             escaped(&figure.title)
         ));
     }
-    body.line("<li><a href=\"#notable\">Failed and flipped runs</a></li>");
+    body.line("<li><a href=\"#notable\">List of failed and flipped runs</a></li>");
     body.line("<li><a href=\"#study\">Study</a></li>");
     body.line("</ul></nav>\n<main>");
     tables::points(&mut body, directory, data);
@@ -73,7 +72,7 @@ pub fn page(directory: &Path, data: &ReportData<'_>, figures: &[Figure]) -> Stri
     }
     let data = json!({
         "directory": shell_word(directory),
-        "figures": figures.iter().map(encode::figure).collect::<Vec<_>>(),
+        "figures": figures,
     });
     // Escaping `<` keeps data from ending the script element that holds it.
     let data = harmless_json(&data.to_string()).replace('<', "\\u003c");

@@ -184,7 +184,7 @@ pub fn points(body: &mut Html, directory: &Path, data: &ReportData<'_>) {
 /// Adds the table of runs that failed and of runs whose label changed in the audit.
 pub fn notable(body: &mut Html, directory: &Path, data: &ReportData<'_>) {
     body.line(
-        "<section aria-labelledby=\"notable\"><h2 id=\"notable\">Failed and flipped runs</h2>",
+        "<section aria-labelledby=\"notable\"><h2 id=\"notable\">List of failed and flipped runs</h2>",
     );
     if data.notable.is_empty() {
         let audit = if data.study.audit().is_some() { ", and no label changed" } else { "" };

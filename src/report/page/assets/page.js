@@ -36,7 +36,7 @@
   function unpack(layer) {
     if (layer.ready) return layer;
     if (layer.points) layer.points = pairs(layer.points);
-    for (const key of ['x', 'y', 'low', 'high', 'base', 'top', 'edges', 'values']) {
+    for (const key of ['x', 'y', 'low', 'high', 'edges', 'values']) {
       if (layer[key]) layer[key] = column(layer[key]);
     }
     if (layer.tooltips) {
@@ -255,14 +255,6 @@
               line(low[0] - 4, low[1], low[0] + 4, low[1]),
               line(high[0] - 4, high[1], high[0] + 4, high[1]),
             ] };
-          } });
-      case 'bars':
-        return Object.assign(base, { type: 'custom',
-          data: layer.x.map((x, i) => [x, layer.base[i], layer.top[i]]), encode: { x: 0, y: [1, 2] },
-          renderItem: (params, api) => {
-            const a = api.coord([api.value(0) - layer.width / 2, api.value(1)]);
-            const b = api.coord([api.value(0) + layer.width / 2, api.value(2)]);
-            return { type: 'rect', shape: { x: a[0], y: b[1], width: b[0] - a[0], height: a[1] - b[1] }, style: { fill: colour } };
           } });
       case 'cells':
         return Object.assign(base, { type: 'custom', data: layer.values.map((v, i) =>

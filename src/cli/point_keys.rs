@@ -1,0 +1,30 @@
+//! A point of the sweep in messages and JSON: its number and the values of its swept parameters.
+
+use serde_json::{Value, json};
+
+use crate::study::ParameterValue;
+
+/// Returns the start of a point's JSON object: its number and the values of its swept parameters.
+pub fn point_keys(point_id: u64, names: &[String], swept: &[ParameterValue]) -> Value {
+    let mut object = json!({"point_id": point_id});
+    for (name, value) in names.iter().zip(swept) {
+        object[name] = match value {
+            ParameterValue::Number(number) => json!(number),
+            ParameterValue::Text(text) => json!(text),
+        };
+    }
+    object
+}
+
+/// Returns the values of the swept parameters for a message, each after a blank, as ` speed_rad_s=-160`.
+pub fn swept_text(names: &[String], swept: &[ParameterValue]) -> String {
+    names.iter().zip(swept).map(|(name, value)| format!(" {name}={value}")).collect()
+}
+
+/// Returns the object `first` with the keys of the object `second` added.
+pub fn merged(mut first: Value, second: Value) -> Value {
+    if let (Value::Object(first), Value::Object(second)) = (&mut first, second) {
+        first.extend(second);
+    }
+    first
+}

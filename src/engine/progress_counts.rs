@@ -1,0 +1,156 @@
+//! The counters of a computation, and what progress reports about them.
+
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::{Duration, Instant};
+
+use indicatif::HumanDuration;
+use serde_json::{Value, json};
+
+use crate::analysis::{Z_95, wilson_with_failures};
+
+/// Counters that workers update.
+pub(super) struct Counts {
+    pub started: Instant,
+    /// Upper bound of the number of runs from what is known so far.
+    pub most_runs: AtomicU64,
+    /// Whether `most_runs` may decrease.
+    pub at_most: bool,
+    pub runs: AtomicU64,
+    pub equilibria: AtomicU64,
+    pub failed: AtomicU64,
+    /// Runs that were already on disk.
+    pub reused: AtomicU64,
+    /// Seconds since the start at which the next line is due.
+    pub next_line: AtomicU64,
+}
+
+/// A snapshot of the counters.
+#[derive(Clone, Copy)]
+pub(super) struct Snapshot {
+    pub elapsed_s: f64,
+    pub most_runs: u64,
+    pub at_most: bool,
+    pub runs: u64,
+    pub reused: u64,
+    pub equilibria: u64,
+    pub failed: u64,
+}
+
+impl Counts {
+    pub fn snapshot(&self) -> Snapshot {
+        let read = |count: &AtomicU64| count.load(Ordering::Relaxed);
+        // Parts are read before the total, so that no part exceeds it.
+        let (equilibria, failed) = (read(&self.equilibria), read(&self.failed));
+        let (reused, runs) = (read(&self.reused), read(&self.runs));
+        let elapsed_s = self.started.elapsed().as_secs_f64();
+        let (most_runs, at_most) = (read(&self.most_runs), self.at_most);
+        Snapshot { elapsed_s, most_runs, at_most, runs, reused, equilibria, failed }
+    }
+}
+
+impl Snapshot {
+    /// Returns the rate of computed runs per second, without those that were on disk.
+    pub fn rate(&self) -> f64 {
+        self.runs.saturating_sub(self.reused) as f64 / self.elapsed_s.max(1e-9)
+    }
+
+    pub fn runs_left(&self) -> u64 {
+        self.most_runs.saturating_sub(self.runs)
+    }
+
+    /// Returns the estimated remaining time; `None` if nothing has been computed yet.
+    pub fn left(&self) -> Option<Duration> {
+        Duration::try_from_secs_f64(self.runs_left() as f64 / self.rate()).ok()
+    }
+
+    /// Returns the fraction of equilibria with its 95 % interval.
+    pub fn fraction(&self) -> Option<(f64, (f64, f64))> {
+        let fraction = self.equilibria as f64 / self.runs as f64;
+        let ends = wilson_with_failures(self.equilibria, self.failed, self.runs, Z_95);
+        (self.runs > 0).then_some((fraction, ends))
+    }
+
+    /// Returns the counts as one line of text, for the bar and for lines.
+    pub fn text(&self) -> String {
+        let Snapshot { runs, most_runs, failed, .. } = self;
+        let bound = if self.at_most { "at most " } else { "" };
+        let mut parts = vec![format!("{runs} of {bound}{most_runs} runs")];
+        if self.runs > self.reused {
+            parts.push(format!("{:.0}/s", self.rate()));
+        }
+        if let Some((fraction, (low, high))) = self.fraction() {
+            parts.push(format!("equilibria {fraction:.3} ({low:.3} .. {high:.3})"));
+        }
+        if *failed > 0 {
+            parts.push(format!("{failed} failed"));
+        }
+        parts.extend(self.left().map(|left| format!("{bound}{:#} left", HumanDuration(left))));
+        parts.join(", ")
+    }
+
+    /// Returns an event; `planned` is the number of runs that were planned at the start.
+    pub fn event(&self, event: &str, planned: u64) -> Value {
+        let fraction = self.fraction();
+        json!({
+            "event": event,
+            "elapsed_s": self.elapsed_s,
+            "runs_finished": self.runs,
+            "runs_planned": planned,
+            "runs_left_at_most": self.runs_left(),
+            "runs_kept": self.reused,
+            "runs_per_s": self.rate(),
+            "left_s": self.left().map(|left| left.as_secs_f64()),
+            "equilibrium_fraction": fraction.map(|(fraction, _)| fraction),
+            "ci_low": fraction.map(|(_, (low, _))| low),
+            "ci_high": fraction.map(|(_, (_, high))| high),
+            "failed_runs": self.failed,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::time::Duration;
+
+    use super::Snapshot;
+    use crate::analysis::{Z_95, wilson};
+
+    #[test]
+    fn what_is_computed_of_the_counts() {
+        let counts = Snapshot {
+            elapsed_s: 10.0,
+            most_runs: 1000,
+            at_most: false,
+            runs: 300,
+            reused: 100,
+            equilibria: 150,
+            failed: 0,
+        };
+        assert_eq!((counts.rate(), counts.left()), (20.0, Some(Duration::from_secs(35))));
+        assert_eq!(counts.fraction(), Some((0.5, wilson(150, 300, Z_95))));
+        assert_eq!(
+            counts.text(),
+            "300 of 1000 runs, 20/s, equilibria 0.500 (0.444 .. 0.556), 35s left"
+        );
+        // Failed runs widen the interval upwards only.
+        let failed = Snapshot { failed: 30, at_most: true, ..counts };
+        let ends = (wilson(150, 300, Z_95).0, wilson(180, 300, Z_95).1);
+        assert_eq!(failed.fraction(), Some((0.5, ends)));
+        let text = failed.text();
+        assert!(text.starts_with("300 of at most 1000 runs, ") && text.contains(", 30 failed, "));
+        assert!(text.ends_with("at most 35s left"));
+        // Before the first computed run the rate and the remaining time are unknown.
+        let begun = Snapshot { runs: 0, reused: 0, equilibria: 0, ..counts };
+        assert_eq!((begun.fraction(), begun.left()), (None, None));
+        assert_eq!(begun.text(), "0 of 1000 runs");
+        let reused = Snapshot { reused: 300, ..counts };
+        assert!(reused.left().is_none() && !reused.text().contains("/s"));
+        // The planned number of runs stays when the bound decreases.
+        let event = Snapshot { most_runs: 900, ..begun }.event("progress", 1000);
+        assert_eq!(
+            (&event["runs_planned"], &event["runs_left_at_most"]),
+            (&1000.into(), &900.into())
+        );
+        assert_eq!(event["left_s"], serde_json::Value::Null);
+    }
+}
