@@ -16,7 +16,7 @@ mod targets;
 
 use std::env;
 use std::fs::{self, File};
-use std::io::{self, BufRead, BufReader, Write};
+use std::io::{BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode, Stdio};
 use std::sync::mpsc;
@@ -24,6 +24,7 @@ use std::thread;
 use std::time::Duration;
 
 use cap::Cap;
+use rayon::prelude::*;
 use targets::{TARGETS, target};
 
 /// An allocator that refuses more memory than its limit.
@@ -83,29 +84,34 @@ fn parent(words: &[&str]) -> ExitCode {
     };
     let setting = |name: &str| env::var(name).ok().map(|text| number(&text));
     let seed = setting("STICKSLIP_FUZZ_SEED").unwrap_or(1);
-    let mut well = true;
-    for (name, _) in TARGETS.iter().filter(|(name, _)| wanted(name)) {
-        let least = if *name == SLOW { SLOW_RUNS } else { RUNS };
-        let end = setting("STICKSLIP_FUZZ_RUNS").unwrap_or(least);
-        print!("test fuzz::{name}, {end} inputs ... ");
-        io::stdout().flush().unwrap();
-        let (read, faults) = faults(name, seed, end);
-        let end = if faults.is_empty() { "ok" } else { "FAILED" };
-        println!("{read} read, the others refused ... {end}");
-        faults.iter().for_each(|fault| println!("{fault}"));
-        well &= faults.is_empty();
-    }
+    let targets: Vec<&str> = TARGETS.iter().map(|(name, _)| *name).filter(|n| wanted(n)).collect();
+    let mut checks: Vec<Box<dyn Fn() -> (String, Vec<String>) + Sync>> = Vec::new();
     if wanted("net") {
-        print!("test fuzz::net ... ");
-        let holes: Vec<&str> =
-            BAD.iter().map(|(name, _)| *name).filter(|name| !caught(name)).collect();
-        println!(
-            "{}",
-            if holes.is_empty() { "ok".to_owned() } else { format!("FAILED: {holes:?}") }
-        );
-        well &= holes.is_empty();
+        checks.push(Box::new(|| {
+            let names = BAD.par_iter().map(|(name, _)| *name);
+            let holes: Vec<&str> = names.filter(|name| !caught(name)).collect();
+            ("net".to_owned(), holes.into_iter().map(str::to_owned).collect())
+        }));
     }
-    if well { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+    for name in targets {
+        let least = if name == SLOW { SLOW_RUNS } else { RUNS };
+        let end = setting("STICKSLIP_FUZZ_RUNS").unwrap_or(least);
+        checks.push(Box::new(move || {
+            let (read, faults) = faults(name, seed, end);
+            (format!("{name}, {end} inputs ... {read} read, the others refused"), faults)
+        }));
+    }
+    let faults: Vec<String> = checks
+        .par_iter()
+        .with_max_len(1)
+        .flat_map_iter(|check| {
+            let (what, faults) = check();
+            println!("test fuzz::{what} ... {}", if faults.is_empty() { "ok" } else { "FAILED" });
+            faults
+        })
+        .collect();
+    faults.iter().for_each(|fault| println!("{fault}"));
+    if faults.is_empty() { ExitCode::SUCCESS } else { ExitCode::FAILURE }
 }
 
 /// Faults that the parent must detect; each occurs at the second input.
@@ -207,7 +213,7 @@ fn child(name: &str, seed: u64, numbers: std::ops::Range<u64>) {
     let (target, corpus) = (target(name), corpus::read(name));
     let folder = tempfile::tempdir().unwrap();
     let folder: PathBuf = folder.path().canonicalize().unwrap();
-    let mut output = io::stdout().lock();
+    let mut output = std::io::stdout().lock();
     for number in numbers {
         let input = mutate::input(&corpus, seed, number);
         writeln!(output, "{number}").unwrap();

@@ -206,7 +206,7 @@ fn listing(path: &Path, manifest: &Manifest) -> Manifest {
 /// A table with one changed bit is refused before any of its content is read.
 #[test]
 fn a_file_with_one_changed_bit_is_refused() {
-    let (folder, manifest) = one_table(300, &right());
+    let (folder, manifest) = one_table(100, &right());
     let path = folder.path().join("t.parquet");
     let right = fs::read(&path).unwrap();
     let bits = right.len() * 8;
@@ -225,7 +225,7 @@ fn a_file_with_one_changed_bit_is_refused() {
 /// A table with a changed byte whose hash the manifest lists is read or refused without a panic.
 #[test]
 fn damaged_files_are_read_or_refused() {
-    let (folder, manifest) = one_table(300, &right());
+    let (folder, manifest) = one_table(100, &right());
     let path = folder.path().join("t.parquet");
     let right = fs::read(&path).unwrap();
     let mut refusals = 0;
@@ -238,7 +238,7 @@ fn damaged_files_are_read_or_refused() {
             table.read_all()?.map(|batch| batch.map(|batch| batch.rows)).sum()
         };
         match read() {
-            Ok(rows) => assert_eq!(rows, 300, "byte {place}"),
+            Ok(rows) => assert_eq!(rows, 100, "byte {place}"),
             Err(error) => {
                 refusals += 1;
                 assert!(error.to_string().len() < 5000, "{error}");

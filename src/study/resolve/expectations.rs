@@ -92,8 +92,7 @@ fn fractions(
             let fault = Fault::new("the study does not detect this label", found, allowed);
             return Err(path.refuse_key(fault));
         }
-        fractions
-            .push((label, range_of_fractions(&path.key(&format!("{label}_fraction")), range)?));
+        fractions.push((label, range_of_fractions(&path, range)?));
     }
     if fractions.is_empty() && file.audit_flip_rate.is_none() {
         let allowed = "at least one of equilibrium_fraction, limit_cycle_fraction, \
