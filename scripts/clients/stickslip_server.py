@@ -36,7 +36,7 @@ class Variable:
     unit: str = None  # "1" for a dimensionless variable, None for choices
     low: float = None
     high: float = None
-    whole: bool = False  # whole numbers only
+    integer: bool = False  # whole numbers only
     choices: tuple = ()
 
 
@@ -191,7 +191,7 @@ def _variable(entry):
         unit=entry.get("unit"),
         low=entry.get("from"),
         high=entry.get("to"),
-        whole=entry.get("whole", False),
+        integer=entry.get("integer", False),
         choices=tuple(entry.get("choices", ())),
     )
 

@@ -16,7 +16,7 @@ class TestServer(Clients):
                 (speed.name, speed.unit, speed.low, speed.high),
                 ("speed_rad_s", "rad/s", -260, -140),
             )
-            self.assertEqual((balls.whole, balls.low, balls.high), (True, 1, 3))
+            self.assertEqual((balls.integer, balls.low, balls.high), (True, 1, 3))
             self.assertEqual(material.choices, ("steel", "ceramic"))
             self.assertEqual(server.responses["time_to_rest"], "s")
 

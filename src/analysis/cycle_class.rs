@@ -13,7 +13,7 @@
 //! ```
 //!
 //! `-1|rest`: one ball falls back by one turn per period while the other rests. `-1:SB|0:BF`: the
-//! first ball sticks and slips, and the second swings without going round. The letters of several
+//! first ball sticks and slips, and the second swings without revolving. The letters of several
 //! balls are synchronous: the third letters are the phases of all balls at the same time, so that a
 //! ball whose phase does not change has the same letter twice. A ball without letters never
 //! switches and is omitted from the sequence. A block has one part with 0 turns, and the belt's

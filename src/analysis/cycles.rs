@@ -39,7 +39,7 @@ pub struct CycleRole {
     /// Least and greatest speed relative to the ring, rad/s, in the disc's sense, or relative to
     /// the belt, m/s.
     pub speed_extremes: [f64; 2],
-    /// For a ball that does not go round: start and end of the shortest arc that contains all its
+    /// For a ball that does not revolve: start and end of the shortest arc that contains all its
     /// angles, rad, in [0, 2π). The arc passes through 0 if its start exceeds its end.
     pub stays_between: Option<[f64; 2]>,
 }
@@ -76,7 +76,7 @@ impl CycleGroup {
     /// Name under which the classes in excess of the limit are counted together.
     pub const OTHER: &'static str = "other";
 
-    /// Returns the number of balls that go round the ring; `None` if unknown.
+    /// Returns the number of balls that revolve in the ring; `None` if unknown.
     pub fn balls_running(&self) -> Option<u8> {
         let running = self.roles.iter().filter(|role| role.role.turns != 0).count();
         u8::try_from(running).ok().filter(|_| !self.roles.is_empty())

@@ -2,7 +2,7 @@
 //!
 //! With `ψ` the ball's angle relative to the table displacement caused by the imbalance, the
 //! tangential and the normal force are each a constant plus a sine of `ψ`. The two limits `T = ±μ
-//! N` are therefore reached at `sin(ψ ± δ) = s`, `δ = atan μ`: at two angles each, or nowhere.
+//! N` are therefore reached at `sin(ψ ± δ) = s`, `δ = atan μ`: at two angles each, or at no angle.
 
 use std::f64::consts::{PI, TAU};
 

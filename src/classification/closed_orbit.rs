@@ -55,7 +55,7 @@ pub struct Orbit<const N: usize> {
     pub peak: f64,
     /// The smallest friction margin of a resting ball; `None` if no ball rests.
     pub margin: Option<f64>,
-    /// Moduli of the multipliers off the neutral directions, descending.
+    /// Moduli of the multipliers, without those of neutral directions, descending.
     pub multipliers: Vec<f64>,
     /// Number of balls that rest throughout, each anywhere in an interval: one neutral direction
     /// each.

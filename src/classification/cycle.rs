@@ -42,12 +42,12 @@ pub struct Cycle {
     /// Least and greatest speed of each contact relative to its support: rad/s for a ball, m/s for
     /// a block.
     pub speed_extremes: Vec<[f64; 2]>,
-    /// Least and greatest angle of each ball that does not go round, rad, each within a turn of [0,
-    /// 2π); `None` for a ball that does, and for a block.
+    /// Least and greatest angle of each ball that does not revolve, rad, each within a turn of [0,
+    /// 2π); `None` for a ball that revolves, and for a block.
     pub angle_extremes: Vec<Option<[f64; 2]>>,
     /// Greatest displacement of the table, or of a block from the middle of its cycle, m.
     pub peak_amplitude_m: f64,
-    /// Moduli of the Floquet multipliers off the neutral directions, descending.
+    /// Moduli of the Floquet multipliers, without those of neutral directions, descending.
     pub multipliers: Vec<f64>,
     /// Number of directions in which the cycle belongs to a continuous family: each resting ball
     /// can rest elsewhere.

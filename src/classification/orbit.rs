@@ -1,6 +1,6 @@
 //! Closed orbits: evidence that a run has settled on a limit cycle.
 //!
-//! A running ball goes round the ring, so that an orbit closes only modulo 2π. The section is the
+//! A running ball revolves in the ring, so that an orbit closes only modulo 2π. The section is the
 //! ball's passage through the angle 0; the return map takes the state at one passage to that some
 //! turns later. An orbit is a limit cycle by three criteria:
 //!
@@ -12,7 +12,7 @@
 //!    one return to the next: these neutral directions (the cycles form a continuous family) are
 //!    excluded from the map and counted instead of being mistaken for instability.
 //!
-//! At least one ball must go round without stopping; the others may run, rest, or stick and slip.
+//! At least one ball must revolve without stopping; the others may run, rest, or stick and slip.
 
 use std::cell::Cell;
 use std::collections::VecDeque;

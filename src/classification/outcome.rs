@@ -127,9 +127,9 @@ pub struct LyapunovExponent {
 pub struct Outcome {
     /// The reason for the label.
     pub evidence: Evidence,
-    /// Number of balls that went round the ring in the last tenth of the time, or in the cycle.
+    /// Number of balls that revolved in the ring in the last tenth of the time, or in the cycle.
     pub balls_running: Option<u8>,
-    /// When the last ball came to rest for good, s.
+    /// Time at which the last ball stopped for good, s.
     pub time_to_rest_s: Option<f64>,
     /// Simulated time at which the run was stopped, s.
     pub end_time_s: Option<f64>,

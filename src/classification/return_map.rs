@@ -20,7 +20,7 @@ pub(super) struct ReturnMap<'a, const N: usize> {
     pub(super) settings: Settings,
     pub(super) section: Section<N>,
     pub(super) turns: usize,
-    /// Time after which the map is given up.
+    /// Time after which the computation of the map ends without a result.
     pub(super) longest: f64,
     /// Remaining number of steps, shared by all uses of this map.
     pub(super) steps_left: &'a Cell<u64>,

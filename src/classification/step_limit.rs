@@ -1,10 +1,10 @@
 //! Limits on the computational effort of a run.
 //!
-//! There are two limits, and both count steps, not time, so that a run is given up at the same step
-//! on every machine. A motion with far more steps per unit of time than any well-behaved one is
-//! given up early ([`most_steps_by`]). A well-behaved but very long motion is given up after a
-//! number of steps that corresponds to [`LONGEST_S`] of computing, or to one second if it cannot
-//! reach its end time within that limit.
+//! There are two limits, and both count steps, not time, so that a run fails at the same step on
+//! every machine. A motion with far more steps per unit of time than any regular motion fails early
+//! ([`most_steps_by`]). A regular but very long motion fails after a number of steps that
+//! corresponds to [`LONGEST_S`] of computing, or to one second if it cannot reach its end time within
+//! that limit.
 
 use crate::model::{Balancer, Machine, Model, Simulation, System};
 use crate::motion::most_steps_by;

@@ -20,7 +20,7 @@ pub struct StudyArgument {
     /// Also allow table files in this directory; may be repeated
     ///
     /// A `table:` path that leads out of the study file's directory is an error unless its directory is named
-    /// here. Grants access only; paths stay relative to the study file.
+    /// here. The option only grants access; paths remain relative to the study file.
     #[arg(long, value_name = "DIR")]
     tables: Vec<PathBuf>,
 }
@@ -40,8 +40,9 @@ impl StudyArgument {
 pub struct ShardArgument {
     /// Compute only part K of N
     ///
-    /// A part has every Nth run, so that all parts cost about the same. In a study with `precision` it has
-    /// every Nth point with all runs of the point, because the number of runs depends on all of them.
+    /// A part has one run out of every N consecutive runs, so that all parts cost about the same. In a study
+    /// with `precision`, it has one point out of every N consecutive points, with all runs of the point, because
+    /// the number of runs of a point depends on all its runs.
     #[arg(long, value_name = "K/N", default_value = "1/1")]
     pub shard: Shard,
 }
@@ -76,7 +77,7 @@ pub struct EngineArguments {
     #[command(flatten)]
     threads: ThreadsArgument,
 
-    /// Number of runs computed before they are written to disk and to the tables; bounds the memory
+    /// Number of runs that are computed before they are written to disk and to the tables; limits the memory
     #[arg(long, value_name = "RUNS", default_value = "1024", value_parser = positive)]
     #[arg(allow_negative_numbers = true)]
     chunk: NonZeroUsize,
@@ -184,7 +185,7 @@ fn failed_runs(text: &str) -> Result<u64, String> {
     })
 }
 
-/// The largest number of threads: more than any machine has cores, and only a waste of memory above.
+/// The largest number of threads. No machine has more cores, and further threads would only take memory.
 const MOST_THREADS: usize = 1024;
 
 fn threads(text: &str) -> Result<NonZeroUsize, String> {

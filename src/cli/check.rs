@@ -18,14 +18,14 @@ Examples:
   stickslip check study.yaml --json
   stickslip check study.yaml --existence";
 
-/// Check a study file and print what it would compute and what that costs; computes nothing
+/// Check a study file and print its plan and its estimated cost, without computing it
 #[derive(Clone, Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct CheckArguments {
     #[command(flatten)]
     study: StudyArgument,
 
-    /// Also print at which points of the sweep the stick-slip decision is unique
+    /// Also print at which points of the sweep stick and slip always have exactly one solution
     #[arg(long)]
     existence: bool,
 
@@ -56,7 +56,7 @@ pub fn check(arguments: &CheckArguments) -> Result<End, CliError> {
             "runs": study.run_count(),
             "model": study.model().kind(),
             "method": method,
-            "only_rest": study.simulation().endings == Endings::Rest,
+            "endings": endings_name(study.simulation().endings),
             "balls": study.model().balls(),
             "swept": swept,
             "uncertain": uncertain,
@@ -124,13 +124,15 @@ fn rows(study: &Study, cost: &Cost) -> Vec<(&'static str, String)> {
     if let Some(audit) = study.audit() {
         let method = method_name(study.simulation().counter_check().method);
         let fraction = audit.fraction;
-        let text =
-            format!("{fraction} of the runs again, method {method}, a tenth of the tolerances");
+        let text = format!(
+            "a fraction {fraction} of the runs again, with method {method} and a tenth of the \
+                 tolerances"
+        );
         rows.push(("audit", text));
     }
     rows.push(("expectations", study.expectations().len().to_string()));
     let (estimate, bound) = (about(cost.core_seconds), at_most(cost.most_core_seconds));
-    let cost = format!("{estimate} on one core, less where runs come to rest early; {bound}");
+    let cost = format!("{estimate} on one core, less if runs come to rest early; {bound}");
     rows.push(("cost", cost));
     rows
 }
@@ -142,13 +144,14 @@ fn runs(study: &Study) -> String {
     let runs = match study.precision() {
         None => count.to_string(),
         Some(Precision { equilibrium_fraction, .. }) => format!(
-            "{} to {count} (until the fraction is known to +-{equilibrium_fraction})",
+            "{} to {count} (until the half width of the 95 % interval is at most \
+             {equilibrium_fraction})",
             study.least_run_count(),
         ),
     };
     let [_, later] = simulation.end_times_s();
     let extended = match simulation.extend {
-        Some(extend) => format!(" ({} ones to {} s)", labels(extend), describe_number(later)),
+        Some(extend) => format!(" ({} runs to {} s)", labels(extend), describe_number(later)),
         None => String::new(),
     };
     let only = match simulation.endings {
@@ -168,7 +171,7 @@ fn variable(variable: &Variable) -> Value {
     if let Some([from, to]) = variable.range() {
         about["from"] = json!(from);
         about["to"] = json!(to);
-        about["whole"] = json!(variable.is_whole());
+        about["integer"] = json!(variable.is_whole());
     }
     if let Some(choices) = variable.choices() {
         about["choices"] = choices.collect();
@@ -197,6 +200,13 @@ fn method_name(method: Method) -> &'static str {
     }
 }
 
+fn endings_name(endings: Endings) -> &'static str {
+    match endings {
+        Endings::All => "all",
+        Endings::Rest => "rest",
+    }
+}
+
 const HUNDRED_YEARS_S: f64 = 100.0 * 365.25 * 86_400.0;
 
 fn about(seconds: f64) -> String {
@@ -206,7 +216,7 @@ fn about(seconds: f64) -> String {
 }
 
 fn at_most(seconds: f64) -> String {
-    let words = |duration| format!("at most {duration}, where runs go on until they are given up");
+    let words = |duration| format!("at most {duration}, if every run reaches its step limit");
     duration(seconds).map_or_else(|| "no bound below 100 years".to_owned(), words)
 }
 

@@ -75,8 +75,8 @@ impl Cost {
 /// Estimates the steps of a run that lasts until its latest end time. The estimate assumes that every ball sticks
 /// twice and slips twice per turn, as balls do where the damping is weak.
 ///
-/// The constants hold at a relative tolerance of 1e-8. At a stricter tolerance power series of order 16 take more
-/// steps by the sixteenth root of the ratio, DOP853 by the eighth root.
+/// The constants hold at a relative tolerance of 1e-8. At a stricter tolerance, the number of steps grows by a root of
+/// the ratio of the tolerances: the sixteenth root for power series of order 16, and the eighth root for DOP853.
 fn steps_to_the_end(model: &Model, simulation: &Simulation) -> f64 {
     let natural = model.natural_frequency_rad_s();
     let [_, latest_end_time_s] = simulation.end_times_s();
@@ -91,7 +91,7 @@ fn steps_to_the_end(model: &Model, simulation: &Simulation) -> f64 {
     latest_end_time_s * natural * steps.max(model.damping_rate() / STABLE)
 }
 
-/// Seconds per step on a core of 2024 with vectors of four numbers, when all lanes are busy.
+/// Returns the seconds per step on a core of the year 2024 with vectors of four numbers if all lanes are in use.
 fn usual_seconds_per_step(model: &Model) -> f64 {
     let balls = model.balls() as f64;
     if goes_in_lockstep(model) {

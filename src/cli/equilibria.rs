@@ -62,13 +62,15 @@ pub struct EquilibriaArguments {
     #[arg(long, value_name = "SAMPLES", value_parser = samples, allow_negative_numbers = true)]
     samples: Option<u32>,
 
-    /// Compute the frictionless equilibria of the study's machine, without its sweep, at COUNT speeds
-    /// from FROM to TO [rad/s] instead of at the points of the sweep
+    /// Compute the frictionless equilibria at COUNT speeds from FROM to TO [rad/s], with the parameters under
+    /// `model`, instead of at the points of the sweep
     #[arg(long, value_name = "FROM:TO:COUNT", allow_hyphen_values = true)]
     speeds: Option<Speeds>,
 
-    /// Viscous drag on the balls, over ball mass and natural frequency, for the stability of
-    /// frictionless equilibria; so high by default, as in the thesis, that stability does not depend on it
+    /// Viscous drag on the balls, divided by ball mass and natural frequency, which determines the stability of
+    /// the frictionless equilibria
+    ///
+    /// The default is that of the thesis, so high that larger values do not change the stability.
     #[arg(long, value_name = "C", default_value = "1e4", value_parser = ball_damping)]
     #[arg(allow_negative_numbers = true)]
     ball_damping: f64,
@@ -91,6 +93,7 @@ pub struct EquilibriaArguments {
 
 /// The largest number of rows of `equilibrium_positions.parquet`.
 const MOST_ROWS: u64 = 1 << 30;
+
 fn grid(text: &str) -> Result<usize, String> {
     let points = text.parse().ok().filter(|points| *points >= FEWEST_GRID_POINTS);
     points
@@ -149,8 +152,8 @@ pub fn equilibria(arguments: &EquilibriaArguments) -> Result<End, CliError> {
         say(&format!("{points} equilibrium {sets} in {seconds:.1} s"));
         if report.too_coarse() > 0 {
             say(&format!(
-                "warning: at {} of them the set has components smaller than the grid's spacing, which are not \
-                 all counted (column unresolved_equilibria); choose a finer --grid",
+                "warning: at {} of them the set has components that are smaller than the grid's spacing and \
+                 therefore not all counted (column unresolved_equilibria); choose a finer --grid",
                 report.too_coarse()
             ));
         }

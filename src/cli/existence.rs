@@ -1,4 +1,4 @@
-//! `stickslip check --existence`: finds the points of the sweep at which the stick-slip decision is unique.
+//! `stickslip check --existence`: finds the points at which stick and slip always have exactly one solution.
 
 use serde_json::{Value, json};
 
@@ -6,14 +6,15 @@ use super::point_keys::{point_keys, swept_text};
 use crate::model::{ExistenceVerdict, SAFE_FRICTION};
 use crate::study::{ParameterValue, Point, Study};
 
-/// The largest number of points times `3^N` for `N` balls; larger sweeps are sampled evenly.
+/// The largest product of the number of points and `3^N` for `N` balls; of larger sweeps, evenly spread points are
+/// examined.
 const MOST_WORK: u64 = 65_610_000;
 /// The largest number of points for any number of balls.
 const MOST_POINTS: u64 = 1_000_000;
 /// The largest number of points that are listed.
 const MOST_NAMED: usize = 20;
 
-/// A point at which the stick-slip decision is not always unique.
+/// A point at which stick and slip do not always have exactly one solution.
 struct Failing {
     point_id: u64,
     names: Vec<String>,
@@ -26,7 +27,7 @@ struct Failing {
 /// The verdicts over the sweep.
 pub(super) struct Existence {
     points: u64,
-    looked_at: u64,
+    examined: u64,
     /// The smallest principal minor, and the point that has it.
     least: (f64, u64),
     not_unique: u64,
@@ -41,17 +42,17 @@ impl Existence {
     pub(super) fn of(study: &Study) -> Self {
         let points = study.point_count();
         let work = 3_u64.saturating_pow(study.model().balls() as u32);
-        let looked_at = points.min(MOST_POINTS).min(MOST_WORK / work).max(1);
+        let examined = points.min(MOST_POINTS).min(MOST_WORK / work).max(1);
         let mut found = Existence {
             points,
-            looked_at,
+            examined,
             least: (f64::INFINITY, 0),
             not_unique: 0,
             named: Vec::new(),
             uncertain: !study.uncertain().is_empty(),
         };
-        for index in 0..looked_at {
-            found.add(study, &study.point(spread(index, looked_at, points)));
+        for index in 0..examined {
+            found.add(study, &study.point(spread(index, examined, points)));
         }
         found
     }
@@ -83,28 +84,30 @@ impl Existence {
 
     /// Returns the verdict as rows of a table: a key and its text.
     pub(super) fn rows(&self) -> Vec<(&'static str, String)> {
-        let (looked_at, points) = (self.looked_at, self.points);
+        let (examined, points) = (self.examined, self.points);
         if self.not_unique > 0 {
             let verdict = format!(
-                "at {} of {looked_at} points stick and slip are not always decided in one way; runs \
-                 there can end in no_solution",
+                "at {} of {examined} points stick and slip do not always have exactly one solution; \
+                 runs at these points can fail with no_solution",
                 self.not_unique
             );
             return vec![("existence", verdict)];
         }
-        let place = match (looked_at == points, points) {
+        let place = match (examined == points, points) {
             (true, 1) => "at the only point".to_owned(),
             (true, points) => format!("at all {points} points"),
-            (false, points) => format!("at {looked_at} of {points} points, spread over the sweep,"),
+            (false, points) => format!("at {examined} of {points} points, spread over the sweep,"),
         };
         let nominal = if self.uncertain { " with nominal parameters" } else { "" };
         let verdict = format!(
-            "{place}{nominal} stick and slip are decided in exactly one way, proven for all positions \
-             and forces;"
+            "{place}{nominal} stick and slip have exactly one solution, proven for all positions and \
+             forces;"
         );
         let (minor, at) = self.least;
-        let least =
-            format!("least principal minor {minor:.8} at point {at} (1: uncoupled, 0: fails)");
+        let least = format!(
+            "smallest principal minor {minor:.8} at point {at} (1: decoupled balls, 0 or less: not \
+             unique)"
+        );
         vec![("existence", verdict), ("", least)]
     }
 
@@ -118,14 +121,15 @@ impl Existence {
         if more > 0 {
             text += &format!("  ... and {more} more points\n");
         }
-        if self.not_unique > 0 && self.looked_at < self.points {
+        if self.not_unique > 0 && self.examined < self.points {
             text += &format!(
                 "  checked {} of {} points, evenly spread over the sweep\n",
-                self.looked_at, self.points
+                self.examined, self.points
             );
         }
         if self.uncertain {
-            text += "  the random draws of uncertain parameters are not checked and can differ\n";
+            text += "  the random draws of uncertain parameters are not checked; their results can \
+                     differ\n";
         }
         text
     }
@@ -134,21 +138,21 @@ impl Existence {
     pub(super) fn json(&self) -> Value {
         json!({
             "points": self.points,
-            "points_looked_at": self.looked_at,
+            "points_examined": self.examined,
             "not_unique_points": self.not_unique,
             "min_principal_minor": self.least.0,
-            "least_at_point": self.least.1,
-            "uncertain_draws_left_out": self.uncertain,
+            "min_at_point": self.least.1,
+            "nominal_parameters_only": self.uncertain,
             "not_unique": self.named.iter().map(Failing::json).collect::<Vec<_>>(),
         })
     }
 }
 
-/// Returns the point to check as number `index` out of `looked_at`. The sweep is divided into `looked_at` equal
-/// parts with one point each, whose place within the part follows the golden ratio and so avoids the sweep's
-/// own periods. If `looked_at` equals `points`, every point is checked.
-fn spread(index: u64, looked_at: u64, points: u64) -> u64 {
-    let mark = |k: u64| (u128::from(k) * u128::from(points) / u128::from(looked_at)) as u64;
+/// Returns the point that is examined as number `index`. The sweep is divided into `examined` equal parts, and one
+/// point of each part is examined. Its place within the part follows the golden ratio, so that the examined points
+/// do not coincide with a period of the sweep. If `examined` equals `points`, every point is examined.
+fn spread(index: u64, examined: u64, points: u64) -> u64 {
+    let mark = |k: u64| (u128::from(k) * u128::from(points) / u128::from(examined)) as u64;
     let (from, to) = (mark(index), mark(index + 1));
     let place = (index as f64 * 0.618_033_988_749_894_9).fract();
     from + (place * (to - from) as f64) as u64
@@ -163,8 +167,8 @@ impl Failing {
             .map(|(ball, angle)| format!("ball {ball} at {angle:.4}"))
             .collect();
         format!(
-            "  point {}{swept}: least principal minor {:.4}, with {} rad (relative, give or take \
-             half turns)\n    remedy: {}\n",
+            "  point {}{swept}: smallest principal minor {:.4}, with {} rad (relative angles; each \
+             angle may also be larger or smaller by π)\n    remedy: {}\n",
             self.point_id,
             self.least_minor,
             position.join(", "),
@@ -174,8 +178,8 @@ impl Failing {
 
     fn remedy(&self) -> String {
         format!(
-            "at most {:.4} times the friction (coefficients below {SAFE_FRICTION} always do), or \
-             balls that are lighter against the table",
+            "multiply all friction coefficients by at most {:.4} (the solution is always unique for \
+             coefficients below {SAFE_FRICTION}), or use balls that are lighter relative to the table",
             self.friction_fraction,
         )
     }

@@ -22,7 +22,8 @@ Examples:
 
 /// Write the cases of a study (parameters and start states) without computing them
 ///
-/// In a study with `precision` these are all cases that may be computed. `stickslip run` computes them.
+/// In a study with `precision`, the output contains all cases up to `max_runs` of each point. `stickslip run`
+/// computes the runs.
 #[derive(Clone, Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct ExpandArguments {

@@ -20,9 +20,9 @@ Examples:
   stickslip merge results/part-1 results/part-2 --out results/whole
 
 Reads the finished runs of all shards and writes the tables of the whole study, byte for byte those of a single \
-run. Every shard must be there exactly once and finished, and all must be of the same study and program version. \
-Only runs of a damaged chunk are computed again; a warning names the chunk. Afterwards `stickslip summary` and \
-`stickslip report` show the result.";
+run. Each shard must be given exactly once and be finished, and all shards must be of the same study and program \
+version. Only runs of a damaged chunk are computed again; a warning names the chunk. Afterwards `stickslip \
+summary` and `stickslip report` show the result.";
 
 /// The largest number of runs per batch; larger batches take more memory without faster reading.
 const MOST_AT_A_TIME: usize = 1 << 17;

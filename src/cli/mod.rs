@@ -50,9 +50,12 @@ Examples:
   stickslip verify studies/smoke.yaml                   compute it and check its expectations
 
 Exit codes:
-  0  success                          3    some runs failed
-  1  could not run, or replay differs 4    verify: an expectation is not met
-  2  wrong usage, study or directory  130  interrupted or out of time; finished runs are saved";
+  0    success
+  1    not completed, too many failed runs, or replay differs
+  2    wrong usage, study or directory
+  3    some runs failed
+  4    verify: an expectation is not met; optimize: a limit is not met
+  130  interrupted or out of time; finished runs are saved";
 
 /// Parallel parameter studies and Monte Carlo for mechanical systems with dry friction.
 #[derive(Debug, Parser)]

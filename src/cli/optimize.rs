@@ -65,7 +65,7 @@ pub struct OptimizeArguments {
 /// Searches for the best design.
 ///
 /// # Errors
-/// Returns an error if the study cannot be used or has no `optimize`, if the directory holds anything else, if a
+/// Returns an error if the study cannot be used or has no `optimize`, if the directory holds other files, if a
 /// table cannot be written, or if an objective does not depend on the design.
 pub fn optimize(arguments: &OptimizeArguments) -> Result<End, CliError> {
     let study = arguments.study.load()?;
@@ -106,7 +106,8 @@ pub fn optimize(arguments: &OptimizeArguments) -> Result<End, CliError> {
     match &end {
         SearchEnd::Stopped => return Ok(interrupted(&directory)),
         SearchEnd::Constant(problem) => {
-            let allowed = "an objective that these designs have, and that depends on the design";
+            let allowed =
+                "an objective that has a value for these designs and depends on the design";
             return Err(CliError::Usage(format!(
                 "{file}: `optimize`: {problem}\n  allowed: {allowed}"
             )));

@@ -101,7 +101,8 @@ impl PointsTable {
         let Precision { equilibrium_fraction, max_runs } = self.precision?;
         let (points, not) = (self.points, self.not_precise);
         Some(format!(
-            "fraction known to +-{equilibrium_fraction} at {} of {points} points{}",
+            "the half width of the 95 % interval is at most {equilibrium_fraction} at {} of {points} \
+             points{}",
             points - not,
             if not > 0 { format!(", not at {not} (max_runs {max_runs})") } else { String::new() }
         ))

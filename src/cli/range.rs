@@ -58,9 +58,8 @@ impl Range {
             return refused(format!("the number of {name} {count:?}"), &allowed);
         };
         if (*ascending && from > to) || (from == to) != (count == 1) {
-            let order =
-                if *ascending { "with the later one last" } else { "between different ends" };
-            let allowed = format!("two {name} or more {order}, one where both are the same");
+            let order = if *ascending { "FROM below TO" } else { "different FROM and TO" };
+            let allowed = format!("two or more {name} with {order}, or one with equal FROM and TO");
             let unit = if *ascending { " s" } else { "" };
             return refused(format!("{count} {name} from {from} to {to}{unit}"), &allowed);
         }

@@ -30,10 +30,10 @@ Examples:
   stickslip replay results/night 17 | head
 
 Computes the run again with the same engine and compares it with its row in runs.parquet: all columns, to the \
-last bit. Differences, such as from another kind of processor, are printed, and the exit code is then 1. Writes \
-trajectory.parquet (angle and speed of table and balls, phase, friction and friction limit of each ball), \
-switches.parquet (each change between stick and slip, also on standard output) and replay.html (an animation \
-for any browser). The Python package's `stickslip-figures` draws figures for papers from these tables.";
+last bit. If they differ, for example on another kind of processor, it prints the differences and ends with exit \
+code 1. Writes trajectory.parquet (angle and speed of table and balls, phase, friction and friction limit of \
+each ball), switches.parquet (each change between stick and slip, also on standard output) and replay.html (an \
+animation for any browser). The Python package's `stickslip-figures` draws figures for papers from these tables.";
 
 /// The number of characters of a run's error message that are printed.
 const LONGEST_ERROR: usize = 400;
@@ -267,7 +267,7 @@ impl Report<'_> {
         let asked = times.map_or(0, |times| times.values().count());
         let rows = recording.samples.len();
         if rows < asked {
-            say(&format!("{rows} of {asked} times; the others lie after the end of the run"));
+            say(&format!("{rows} of {asked} times; the other times are after the end of the run"));
         }
         let model = record.planned.case.as_ref().map_or(self.study.model(), |case| &case.model);
         if model.balls() > 0 && !files.contains(&ANIMATION) {

@@ -1,4 +1,4 @@
-//! Batches: sets of runs that are computed without deciding in between whether more are needed.
+//! Batches: sets of runs that are all computed before it is decided whether more runs are needed.
 
 use super::Shard;
 use crate::analysis::{PointAccumulator, StoppingRule};
@@ -31,7 +31,7 @@ impl RunBatch {
 }
 
 /// The batches of a shard: one batch with all its runs, or, in a study with a precision, as many batches per point
-/// as the precision takes, point by point.
+/// as the precision requires, point by point.
 pub(super) struct Batches<'a> {
     study: &'a Study,
     shard: Shard,

@@ -145,7 +145,7 @@ fn quieten_panics_in_runs() {
 static QUIET: AtomicUsize = AtomicUsize::new(0);
 
 /// Runs `work`, which may panic in a library on any thread, and returns `None` if it panics. Suppresses all panic
-/// messages meanwhile. After a panic the caller must not use what it gave to `work`.
+/// messages meanwhile. After a panic, the caller must not use any value that `work` could change.
 pub fn quietly<T>(work: impl FnOnce() -> T) -> Option<T> {
     quieten_panics_in_runs();
     QUIET.fetch_add(1, Ordering::Relaxed);
@@ -190,10 +190,10 @@ mod tests {
         sound(case)
     }
 
-    /// Of each batch of three runs some panic: every run ends once, the bad ones with a panic, all others with the
-    /// outcome that they have without the bad ones.
+    /// In batches of three runs, two of twenty runs panic: each of these ends once, as a panic, and all other runs have
+    /// the outcome that they have in a batch without panics.
     #[test]
-    fn a_panic_is_nobody_elses() {
+    fn a_panic_does_not_change_other_runs() {
         let three_at_once = |runs: &mut dyn Runs| loop {
             let batch: Vec<_> = (0..3).map_while(|_| runs.next()).collect();
             if batch.is_empty() {

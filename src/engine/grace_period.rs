@@ -28,7 +28,7 @@ pub(super) fn with_grace_period<T>(
                 }
             }
         };
-        // Without a watching thread, runs in progress finish normally.
+        // If the watching thread cannot be started, runs in progress finish normally.
         let _watching = thread::Builder::new().spawn_scoped(scope, watch);
         let result = work(&cancellation);
         drop(working);

@@ -13,9 +13,9 @@ pub struct EngineOptions {
     pub chunk: usize,
     /// The part of the study to compute.
     pub shard: Shard,
-    /// When to begin no further run; runs in progress are abandoned a second later.
+    /// The time from which no further run begins; runs in progress are abandoned a second later.
     pub deadline: Option<Instant>,
-    /// The number of failed runs after which no further run begins; no limit if `None`.
+    /// The number of failed runs above which no further run begins; no limit if `None`.
     pub most_failed: Option<u64>,
     /// Whether failed runs are computed again, from the same case.
     pub retry_failed: bool,

@@ -1,6 +1,6 @@
 //! Computes a study: workers compute batches of runs, and the sink receives finished runs in order.
 //!
-//! A batch is a set of runs that are computed without deciding in between whether more are needed; a study without
+//! A batch is a set of runs that are all computed before it is decided whether more runs are needed; a study without
 //! a precision has one batch. Batches are computed in parts, which bound the memory: the sink receives one part
 //! while the next one is computed.
 

@@ -11,8 +11,9 @@ use crate::study::{Sampling, Study};
 
 /// Part `K` of `N`: one of every `N` consecutive runs or, in a study with a precision, one of every `N` points.
 ///
-/// A fixed pseudo-random rule selects the run within each block of `N`. With a fixed place a shard could hold the
-/// same cells of a stratified design again and again, whose runs may take longer than others.
+/// A fixed pseudo-random rule selects the run within each block of `N`. If the place within each block
+/// were fixed, one shard could have the same cells of a stratified design at every point, and the runs of these cells
+/// may take longer than others.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Shard {
     part: u64,

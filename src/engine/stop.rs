@@ -18,7 +18,7 @@ pub enum StopReason {
     Failures,
 }
 
-/// Decides when to begin no further run, and when to abandon runs in progress.
+/// Decides when no further run begins, and when runs in progress are abandoned.
 pub(super) struct StopCondition<'a> {
     interrupted: &'a AtomicBool,
     deadline: Option<Instant>,
@@ -52,12 +52,12 @@ impl<'a> StopCondition<'a> {
         self.storage_failed.store(true, Ordering::Relaxed);
     }
 
-    /// Whether to begin no further run.
+    /// Whether no further run may begin.
     pub(super) fn begins_no_run(&self) -> bool {
         self.storage_failed.load(Ordering::Relaxed) || self.reason().is_some()
     }
 
-    /// Whether to stop reading runs from disk, too.
+    /// Whether reading runs from disk stops, too.
     pub(super) fn stops_reading(&self) -> bool {
         self.storage_failed.load(Ordering::Relaxed) || self.interrupted.load(Ordering::Relaxed)
     }

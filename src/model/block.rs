@@ -113,7 +113,7 @@ impl Block {
 pub struct Slider {
     /// Friction between block and ground.
     pub friction: Friction,
-    /// Speed of the ground; 0 where it is rigid.
+    /// Speed of the ground; 0 if the ground does not move.
     pub belt_speed: f64,
 }
 

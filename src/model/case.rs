@@ -66,8 +66,8 @@ pub enum Endings {
     /// Rest, limit cycles and irregular motion.
     #[default]
     All,
-    /// Rest only: all other runs are undecided, and most computations beside the motion are
-    /// skipped.
+    /// Rest only: all other runs are undecided, and the searches for limit cycles and irregular
+    /// motion are skipped.
     Rest,
 }
 

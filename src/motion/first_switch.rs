@@ -130,11 +130,11 @@ impl<const N: usize, const FREE: usize> LastStep<N, FREE> {
                 continue;
             }
             let interpolant = self.interpolant(system);
-            let failure = guard.first_failure((at_start, at_end), |theta| {
+            let event = guard.first_event((at_start, at_end), |theta| {
                 let state = interpolant.at(theta);
                 value((&state, &phase.forces(&state)))
             });
-            if let Some(theta) = failure
+            if let Some(theta) = event
                 && theta > after
                 && first.is_none_or(|first| theta < first.theta)
             {

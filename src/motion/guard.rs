@@ -135,7 +135,7 @@ impl Guard {
 
     /// Returns the first instant in the step, as a fraction of it, at which the condition has just
     /// failed. `value` returns the condition's value at a fraction.
-    pub(super) fn first_failure(
+    pub(super) fn first_event(
         self,
         (start, end): (f64, f64),
         mut value: impl FnMut(f64) -> f64,

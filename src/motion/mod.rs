@@ -47,7 +47,7 @@ pub enum Failure {
         ball: usize,
     },
     /// The limit of steps and switches was reached, or the step length fell below the minimum.
-    #[error("more steps than the limit, or steps too short to go on")]
+    #[error("more steps than the limit, or a step length below the smallest possible one")]
     StepLimit,
     /// Stick and slip cannot be decided: no combination meets all conditions, or several do.
     #[error("{} all conditions", resolve_modes::combinations_meet(*.solutions))]

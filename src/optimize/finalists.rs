@@ -2,8 +2,8 @@
 //!
 //! The best estimate among many similar designs is partly due to chance. Therefore a few of the best
 //! designs are evaluated with new runs, the best of these is chosen, and its reported responses come from further
-//! runs that had no part in the choice. The design that it is compared with has runs of its own, so that both
-//! estimates are independent.
+//! runs that had no part in the choice. The reference design is computed with other runs than the best design,
+//! so that both estimates are independent.
 
 use super::evaluation::Evaluation;
 use super::goal::{Goal, values};

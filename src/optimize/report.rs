@@ -192,7 +192,7 @@ pub fn result_in_words(search: &Search, finalists: &Finalists) -> String {
             0 => String::new(),
             failed => format!(", {failed} of them failed"),
         };
-        let _ = writeln!(text, "  {} runs of its own{failed}{met}", one.runs());
+        let _ = writeln!(text, "  {} further runs{failed}{met}", one.runs());
     };
     if let Some(best) = finalists.of(FinalistRole::Best) {
         describe("best design", best);

@@ -37,7 +37,7 @@ impl RequestError {
         RequestError::of_line("line too long", format!("more than {most} bytes"))
     }
 
-    /// Returns the error as it stands in an answer.
+    /// Returns the error as the JSON object in an answer.
     pub fn to_json(&self) -> Value {
         let RequestError { variable, fault } = self;
         let mut error = json!({});

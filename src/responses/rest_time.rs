@@ -25,7 +25,8 @@ pub fn median_time_to_rest(sample: &Sample) -> Estimate {
     Estimate::with_interval(value, error, [low, high], too_few)
 }
 
-/// Returns the fraction at rest after a step, and the number of runs that would give it Greenwood's variance.
+/// Returns the fraction at rest after a step, and the number of independent runs for which the binomial variance equals
+/// Greenwood's variance.
 fn cumulative(step: &SurvivalStep) -> Cumulative {
     let (moving, rest) = (step.moving, 1.0 - step.moving);
     // Without moving runs the number does not matter.

@@ -14,8 +14,9 @@ pub fn cycle_columns(study: &Study) -> Vec<Column<CycleRow>> {
     let balls = study.model().balls();
     let mut list = Columns::new();
     add_point(&mut list, study, |row: &CycleRow| &row.point);
-    list.text("class", |row| row.value.class.clone())
-        .meaning(class_meaning(balls) + "; other where there are more than 1000");
+    list.text("class", |row| row.value.class.clone()).meaning(
+        class_meaning(balls) + "; other for the remaining classes if there are more than 1000",
+    );
     if balls > 0 {
         list.small_count("balls_running", |row| row.value.balls_running())
             .meaning("balls that circulate in the ring");
@@ -59,15 +60,15 @@ pub fn cycle_columns(study: &Study) -> Vec<Column<CycleRow>> {
             .meaning("smallest unused fraction of the friction limit of a resting ball in any run");
     }
     list.number("largest_multiplier", "1", |row| row.value.largest_multiplier()).meaning(
-        "largest modulus of the Floquet multipliers off the neutral directions in any run; below 1 \
-         if the cycle is attracting",
+        "largest modulus of the Floquet multipliers, without those of neutral directions, in any \
+         run; below 1 if the cycle is attracting",
     );
     list.numbers("multipliers", "1", |row| row.value.multipliers.clone()).meaning(
         "moduli of the Floquet multipliers of the run with the largest one, in descending order",
     );
     list.small_count("neutral_directions", |row| row.value.neutral_directions).meaning(
-        "dimension of the continuous family of the cycles, in which resting balls have other \
-         positions",
+        "dimension of the continuous family to which the cycles belong; its members differ in the \
+         positions of the resting balls",
     );
     list.finish()
 }
@@ -76,9 +77,9 @@ pub fn cycle_columns(study: &Study) -> Vec<Column<CycleRow>> {
 fn add_amplitude(list: &mut Columns<CycleRow>, [mean, low, high]: [&str; 3], meaning: &str) {
     list.number(mean, "m", |row| row.value.amplitude_m.map(|range| range.middle)).meaning(meaning);
     list.number(low, "m", |row| row.value.amplitude_m.map(|range| range.least))
-        .meaning("smallest such amplitude");
+        .meaning("smallest amplitude over the runs");
     list.number(high, "m", |row| row.value.amplitude_m.map(|range| range.greatest))
-        .meaning("largest such amplitude");
+        .meaning("largest amplitude over the runs");
 }
 
 /// Adds the columns of the ball at one place of the class.
@@ -95,14 +96,16 @@ fn add_ball(list: &mut Columns<CycleRow>, place: usize) {
         row.value.roles.get(place).map(|role| role.mean_speed)
     })
     .meaning(
-        "its mean speed relative to the ring in the median period, negative against the rotation \
-         of the disc",
+        "mean speed of that ball relative to the ring over the median period, negative against the \
+         rotation of the disc",
     );
     for (end, name, word) in [(0, "min_speed", "smallest"), (1, "max_speed", "largest")] {
         list.number(format!("{name}_{ball}_rad_s"), "rad/s", move |row| {
             row.value.roles.get(place).map(|role| role.speed_extremes[end])
         })
-        .meaning(format!("its {word} speed in any run, negative against the rotation of the disc"));
+        .meaning(format!(
+            "{word} speed of that ball in any run, negative against the rotation of the disc"
+        ));
     }
     list.number(format!("rest_from_{ball}_rad"), "rad", move |row| {
         row.value.roles.get(place)?.stays_between.map(|[from, _]| from)

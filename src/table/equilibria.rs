@@ -71,7 +71,7 @@ pub fn equilibrium_columns(study: &Study) -> Vec<Column<EquilibriumRow>> {
         list.count(format!("bin_{}", ball + 1), move |row| {
             row.position.get(ball).map(|&angle| bin(angle) as u64)
         })
-        .meaning("bin of the ball's angle in equilibrium_histogram.parquet, from 0, 10° wide");
+        .meaning("interval of the ball's angle in equilibrium_histogram.parquet, from 0, 10° wide");
     }
     list.finish()
 }

@@ -28,7 +28,8 @@ pub fn histogram_columns(study: &Study) -> Vec<Column<HistogramRow>> {
             row.value.bins.get(angle).map(|&bin| bin as u64)
         })
         .meaning(
-            "bin of the angle, from 0; for two identical balls, the smaller angle comes first",
+            "interval of the angle, from 0, 10° wide; for two identical balls, the smaller angle comes \
+             first; for three or more balls, the angle of any ball in the group of the column ball",
         );
         for (end, word, verb) in [(0, "from", "begins"), (1, "to", "ends")] {
             list.number(format!("beta_{number}_{word}_rad"), "rad", move |row| {

@@ -71,7 +71,7 @@ pub fn frictionless_columns(study: &Study, own_speeds: bool) -> Vec<Column<Frict
         list.number(format!("eigenvalue_{number}_imag_rad_s"), "rad/s", move |row| {
             row.equilibrium.eigenvalues_per_s.get(index).map(|value| value.im)
         })
-        .meaning("its angular frequency in the rotating frame");
+        .meaning("angular frequency of that disturbance in the rotating frame");
     }
     list.finish()
 }

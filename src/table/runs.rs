@@ -161,15 +161,15 @@ pub fn run_columns(study: &Study) -> Vec<Column<RunRecord>> {
         row.outcome.cycle.as_ref()?.multipliers.first().copied()
     })
     .meaning(
-        "largest modulus of the Floquet multipliers off the neutral directions, of the limit cycle \
-         or of the unstable orbit near the run",
+        "largest modulus of the Floquet multipliers, without those of neutral directions, of the \
+         limit cycle or of the unstable orbit near the run",
     );
     list.small_count("neutral_directions", |row| {
         row.outcome.cycle.as_ref().map(|cycle| cycle.neutral_directions)
     })
     .meaning(
-        "dimension of the continuous family of the limit cycle, in which resting balls have other \
-         positions",
+        "dimension of the continuous family to which the limit cycle belongs; its members differ \
+         in the positions of the resting balls",
     );
     for ball in 0..balls {
         list.number(format!("ball_speed_{}_rad_s", ball + 1), "rad/s", move |row| {

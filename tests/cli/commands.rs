@@ -59,7 +59,7 @@ fn check_says_where_only_rest_is_looked_for() {
         assert_eq!(text.contains("method switch, detects rest only\n"), only, "{text}");
         let report: Value =
             serde_json::from_str(&scratch.well(&format!("check {name} --json"))).unwrap();
-        assert_eq!(report["only_rest"], json!(only));
+        assert_eq!(report["endings"], json!(written));
     }
 }
 
@@ -83,8 +83,8 @@ responses: {half: median_time_to_rest, mean: {amplitude_mean: {relative: true}}}
     assert_has(&scratch.well("check b.yaml"), &[expected]);
     let report: Value = serde_json::from_str(&scratch.well("check b.yaml --json")).unwrap();
     let variables = json!([
-        {"name": "speed_rad_s", "unit": "rad/s", "from": -260.0, "to": -140.0, "whole": false},
-        {"name": "balls", "unit": "1", "from": 1.0, "to": 3.0, "whole": true},
+        {"name": "speed_rad_s", "unit": "rad/s", "from": -260.0, "to": -140.0, "integer": false},
+        {"name": "balls", "unit": "1", "from": 1.0, "to": 3.0, "integer": true},
         {"name": "material", "choices": ["steel", "ceramic"]},
     ]);
     assert_eq!(report["design"], variables);

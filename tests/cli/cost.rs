@@ -86,6 +86,6 @@ fn a_cost_beyond_a_lifetime_is_not_counted_in_days() {
     assert_has(&many, &["  more than 100 years on one core,", "; no bound below 100 years"]);
     // Each of these runs is given up after a second.
     let long = cost(1e150, 4);
-    assert_has(&long, &["  about ", "; at most ", ", where runs go on until they are given up"]);
+    assert_has(&long, &["  about ", "; at most ", ", if every run reaches its step limit"]);
     assert!(!long.contains("years"), "{long}");
 }

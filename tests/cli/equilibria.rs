@@ -252,7 +252,7 @@ fn wrong_arguments_are_refused_before_anything_is_computed() {
     let grid = format!("speed_rad_s: [{}], stiffness_n_m: [{}]", values(100), values(9000));
     let sweep = format!("sweep: [{{grid: {{{grid}}}}}]\n");
     scratch.write("many.yaml", study(&sweep));
-    let ends = "two speeds or more between different ends";
+    let ends = "two or more speeds with different FROM and TO";
     for (arguments, parts) in [
         (
             "a.yaml --grid 1000000",

@@ -17,8 +17,8 @@ fn the_thesis_study_is_certain_at_all_points() {
     let scratch = Scratch::new();
     let path = shipped("preferred-equilibria.yaml");
     let text = scratch.well(&format!("check {path} --existence"));
-    assert_has(&text, &["existence     at all 6 points stick and slip are decided in exactly one"]);
-    assert_has(&text, &["least principal minor 0.9999999"]);
+    assert_has(&text, &["existence     at all 6 points stick and slip have exactly one solution"]);
+    assert_has(&text, &["smallest principal minor 0.9999999"]);
     assert!(!scratch.well(&format!("check {path}")).contains("existence"));
 }
 
@@ -30,15 +30,15 @@ fn failing_points_are_named_with_position_and_remedy() {
     assert_has(
         &text,
         &[
-            "existence     at 1 of 2 points stick and slip are not always decided in one way",
-            "\n  point 1 friction_coefficient=3: least principal minor -1.",
+            "existence     at 1 of 2 points stick and slip do not always have exactly one solution",
+            "\n  point 1 friction_coefficient=3: smallest principal minor -1.",
             "ball 1 at 0.0000, ball 2 at ",
-            "remedy: at most 0.5",
+            "remedy: multiply all friction coefficients by at most 0.5",
         ],
     );
     let report = scratch.well(&format!("check {path} --existence --json"));
     let existence = &serde_json::from_str::<Value>(&report).unwrap()["existence"];
-    let whole = ["points", "points_looked_at", "not_unique_points", "least_at_point"];
+    let whole = ["points", "points_examined", "not_unique_points", "min_at_point"];
     let expected = json!([2, 2, 1, 1]);
     assert_eq!(Value::from(whole.map(|key| existence[key].clone()).to_vec()), expected);
     let named = &existence["not_unique"][0];
@@ -84,6 +84,6 @@ fn a_block_is_decided_in_one_way() {
     let text = scratch.well("check a.yaml --existence");
     assert_has(
         &text,
-        &["at all 2 points", "proven", "least principal minor 1.00000000 at point 0"],
+        &["at all 2 points", "proven", "smallest principal minor 1.00000000 at point 0"],
     );
 }

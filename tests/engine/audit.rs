@@ -160,7 +160,9 @@ fn the_terminal_and_the_json_show_flips_where_there_is_an_audit() {
     let check = scratch.well("check audit.yaml");
     assert_has(
         &check,
-        &["audit         1 of the runs again, method event, a tenth of the tolerances"],
+        &[
+            "audit         a fraction 1 of the runs again, with method event and a tenth of the tolerances",
+        ],
     );
     let cost = |name: &str| {
         let report = scratch.well(&format!("check {name}.yaml --json"));

@@ -75,9 +75,9 @@ fn the_curve_goes_to_both_end_times() {
     scratch.well("run none.yaml --out none");
     assert_eq!(last("none"), last("short"));
     let said = scratch.well("check none.yaml");
-    assert_has(&said, &["each to 3 s (irregular ones to 6 s) or until"]);
+    assert_has(&said, &["each to 3 s (irregular runs to 6 s) or until"]);
     let said = scratch.well("check extended.yaml");
-    assert_has(&said, &["each to 3 s (undecided and irregular ones to 6 s) or until"]);
+    assert_has(&said, &["each to 3 s (undecided and irregular runs to 6 s) or until"]);
     let cost = |name: &str| -> f64 {
         let text = scratch.well(&format!("check {name}.yaml --json"));
         let report: serde_json::Value = serde_json::from_str(&text).unwrap();

@@ -193,7 +193,10 @@ fn the_tables_and_the_terminal_say_what_was_reached() {
     // No run rests so early: 15 runs give a half width of 0.102, 12 runs one of 0.121.
     let ended = scratch.stickslip("run a.yaml --out out");
     assert_eq!(ended.code, Some(0), "{}", ended.err);
-    assert_has(&ended.err, &["fraction known to +-0.1 at 3 of 3 points\n"]);
+    assert_has(
+        &ended.err,
+        &["the half width of the 95 % interval is at most 0.1 at 3 of 3 points\n"],
+    );
     assert_eq!(counts(&scratch.table("out", "points"), "runs"), [30, 30, 16]);
     let manifest = scratch.manifest("out");
     let planned = ["runs_planned", "runs_finished", "complete"].map(|key| manifest[key].clone());
@@ -216,7 +219,9 @@ fn the_tables_and_the_terminal_say_what_was_reached() {
     assert_eq!(ended.code, Some(3), "{}", ended.err);
     assert_has(
         &ended.err,
-        &["fraction known to +-0.09 at 0 of 3 points, not at 3 (max_runs 50)\n"],
+        &[
+            "the half width of the 95 % interval is at most 0.09 at 0 of 3 points, not at 3 (max_runs 50)\n",
+        ],
     );
     let points = scratch.table("failed", "points");
     assert_eq!(counts(&points, "runs"), [45, 45, 48]);
@@ -243,7 +248,9 @@ fn check_and_expand_say_how_many_there_may_be() {
     let check = scratch.well("check a.yaml");
     assert_has(
         &check,
-        &["runs          42 to 138 (until the fraction is known to +-0.1), each to"],
+        &[
+            "runs          42 to 138 (until the half width of the 95 % interval is at most 0.1), each to",
+        ],
     );
     let report: Value = serde_json::from_str(&scratch.well("check a.yaml --json")).unwrap();
     assert_eq!((&report["runs"], &report["least_runs"]), (&138.into(), &42.into()));

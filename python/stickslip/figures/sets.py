@@ -35,7 +35,7 @@ class Grid:
     margin: Numbers
 
     @property
-    def alike(self) -> bool:
+    def identical_balls(self) -> bool:
         """Whether the balls are identical, so that exchanging them changes nothing."""
         return bool(np.allclose(self.amplitude_um, self.amplitude_um.T, rtol=1e-6, atol=1e-9))
 
@@ -159,7 +159,7 @@ class EquilibriumSets:
                 stable = found["stability"] == "stable"
                 of = stable if name.startswith("stable") else ~stable
                 x, y = found["beta_1_rad"][of].astype(float), found["beta_2_rad"][of].astype(float)
-                if grid.alike:
+                if grid.identical_balls:
                     other = x != y
                     x, y = np.r_[x, y[other]], np.r_[y, x[other]]
                 if not x.size:

@@ -1,8 +1,8 @@
 //! The chunks of one study in one directory, and the list of finished chunks.
 //!
 //! A chunk is finished when the list names it with its hash. It is written under a temporary name and synced; then
-//! its line is appended to the list, which is synced; then it is renamed. After a crash a chunk on the list is
-//! either renamed or, if its bytes differ from the listed hash, never read.
+//! its line is appended to the list, which is synced; then it is renamed. After a crash, a listed chunk that still has its
+//! temporary name is renamed when it is read. A chunk whose bytes differ from the listed hash is never used.
 
 use std::collections::HashSet;
 use std::fs::{self, File, OpenOptions};

@@ -41,7 +41,7 @@ pub enum StoreError {
     /// A folder or file cannot be used.
     #[error(
         "{}: cannot be used as output directory\n  found:   {cause}\n  allowed: a directory that can \
-         be made, read and written to",
+         be created, read and written to",
         path.display()
     )]
     Unusable {
@@ -65,8 +65,8 @@ pub enum StoreError {
     /// The lock was removed while this process had it.
     #[error(
         "{}: this process lost its lock on the directory\n  found:   {} was removed, so that another \
-         process may write here, too\n  allowed: no other process; the same command then continues from the \
-         finished runs",
+         process may write here, too\n  allowed: no other process that uses this directory; the same command then \
+         continues from the finished runs",
         path.display(), lock.display()
     )]
     Lost {

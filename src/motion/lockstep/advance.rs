@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 use fearless_simd::{Simd, mask64x8, prelude::*};
 
 use super::event_functions::look_over;
-use super::event_location::{Ends, first_failure};
+use super::event_location::{Ends, first_event};
 use super::group::{Group, Room};
 use super::lane::Trouble;
 use super::mode_selection::{InPlace, next_phases};
@@ -99,7 +99,7 @@ fn step<S: Simd, const N: usize>(
         let lane = looks.trailing_zeros() as usize;
         looks &= looks - 1;
         let Some(own) = &g.lanes[lane] else { continue };
-        match first_failure(series, own, lane, length[lane], doubts) {
+        match first_event(series, own, lane, length[lane], doubts) {
             Ends::Nothing => {}
             Ends::At(part, condition) => {
                 length[lane] *= part;

@@ -9,7 +9,7 @@
 //! | free | | | pressed |
 //!
 //! For all lanes it is first shown which conditions obviously hold; the remaining lanes, in one
-//! step out of five, are examined one at a time (`first_failure`).
+//! step out of five, are examined one at a time (`first_event`).
 
 use fearless_simd::{Simd, prelude::*};
 

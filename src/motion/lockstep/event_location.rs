@@ -22,7 +22,7 @@ pub(super) enum Ends {
 
 /// Returns the end of a step of one lane.
 #[inline(never)]
-pub(super) fn first_failure<S: Simd, const N: usize>(
+pub(super) fn first_event<S: Simd, const N: usize>(
     series: &Series<S, N>,
     own: &Lane<N>,
     lane: usize,
@@ -188,7 +188,7 @@ fn normal_force<S: Simd, const N: usize>(
 mod tests {
     use super::super::event_functions::look_over;
     use super::super::{Group, LANES, Lanes, Room, Saved, SimdLevel};
-    use super::{Ends, first_failure};
+    use super::{Ends, first_event};
     use crate::model::{Balancer, FrictionLaw, Machine, Method, NormalForce, State};
     use crate::motion::contact::SmoothPhase;
     use crate::motion::{Settings, Tolerance};
@@ -274,7 +274,7 @@ mod tests {
                 };
                 left += 1;
                 assert!(doubts.any() & 1 << lane != 0, "{round} {lane}: at {fails}");
-                match first_failure(series, own, lane, length, doubts) {
+                match first_event(series, own, lane, length, doubts) {
                     Ends::At(part, _) => assert!(part <= fails, "{part} {fails}"),
                     Ends::AtOnce | Ends::Nothing => panic!("{round} {lane}: at {fails}"),
                 }
