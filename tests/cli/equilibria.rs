@@ -166,7 +166,7 @@ fn a_grid_that_is_too_coarse_is_said_to_be() {
     let coarse = scratch.stickslip("equilibria a.yaml --grid 16 --out coarse");
     assert_has(
         &coarse.err,
-        &["warning: at 1 of them the set has components smaller than the grid's"],
+        &["warning: at 1 of them the set has components that are smaller than the grid's"],
     );
     let unseen =
         counts(&scratch.table("coarse", "equilibrium_set_summary"), "unresolved_equilibria");

@@ -100,7 +100,7 @@ fn other_models_and_a_precision() {
     let again = scratch.stickslip("run a.yaml --out out");
     assert_eq!(again.out, ended.out);
     let line = |text: &str| {
-        text.lines().find(|line| line.starts_with("fraction known")).map(str::to_owned)
+        text.lines().find(|line| line.starts_with("the half width")).map(str::to_owned)
     };
     assert!(line(&ended.err).is_some());
     assert_eq!(line(&again.err), line(&ended.err));
