@@ -3,6 +3,7 @@
 use serde_json::{Value, json};
 
 use super::point_keys::{point_keys, swept_text};
+use crate::check::spread;
 use crate::model::{ExistenceVerdict, SAFE_FRICTION};
 use crate::study::{ParameterValue, Point, Study};
 
@@ -142,16 +143,6 @@ impl Existence {
             "not_unique": self.named.iter().map(Failing::json).collect::<Vec<_>>(),
         })
     }
-}
-
-/// Returns the point to check as number `index` out of `looked_at`. The sweep is divided into `looked_at` equal
-/// parts with one point each, whose place within the part follows the golden ratio and so avoids the sweep's
-/// own periods. If `looked_at` equals `points`, every point is checked.
-fn spread(index: u64, looked_at: u64, points: u64) -> u64 {
-    let mark = |k: u64| (u128::from(k) * u128::from(points) / u128::from(looked_at)) as u64;
-    let (from, to) = (mark(index), mark(index + 1));
-    let place = (index as f64 * 0.618_033_988_749_894_9).fract();
-    from + (place * (to - from) as f64) as u64
 }
 
 impl Failing {
