@@ -91,13 +91,20 @@ impl RestFacts {
     }
 }
 
+/// The transfer function from imbalance to amplitude below which the disc stands still.
+const STANDSTILL: f64 = 1e-100;
+
 /// Returns the largest amplitude at a position of rest, m.
 fn max_amplitude_m(machine: &Machine) -> Option<f64> {
     if machine.balls.len() == 1 {
         // The set of one ball has a closed form, in which the resolution has no effect.
         return EquilibriumSet::of(machine, Resolution::Grid(1))?.amplitude_m.map(|(_, most)| most);
     }
-    let [_, largest] = amplitude_extremes(&RestForm::new(machine)?);
+    let form = RestForm::new(machine)?;
+    if form.transfer.norm() < STANDSTILL {
+        return Some(0.0);
+    }
+    let [_, largest] = amplitude_extremes(&form);
     largest.map(|(amplitude, _)| amplitude * machine.ring_radius_m)
 }
 

@@ -29,10 +29,11 @@ pub fn warnings(study: &Study) -> Vec<Warning> {
     found.into_iter().map(|finding| finding.in_file(study)).collect()
 }
 
-/// Returns the models at the examined points, with uncertain parameters at their medians.
+/// Returns the models at the examined points, with uncertain parameters at their medians, without impossible models.
 fn models(study: &Study) -> Vec<(u64, Model)> {
     let points = points_to_examine(study.point_count(), MOST_POINTS);
-    points.into_iter().map(|point| (point, study.median_model(point))).collect()
+    let model = |point| Some((point, study.median_model(point).ok()?));
+    points.into_iter().filter_map(model).collect()
 }
 
 /// Returns the findings about the values at the points, one for each kind and key.
@@ -101,7 +102,7 @@ fn of_designs(study: &Study) -> Option<Finding> {
         let values = space.space_filling(index, 0);
         // A design with impossible values has an error of its own in `evaluate`.
         let Ok(design) = study.set(&values) else { continue };
-        let model = design.median_model(0);
+        let Ok(model) = design.median_model(0) else { continue };
         let Some(machine) = model.ball_balancer() else { continue };
         examined += 1;
         if !has_room(machine) {

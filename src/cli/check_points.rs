@@ -31,11 +31,12 @@ fn is_friction(name: &str) -> bool {
 }
 
 impl ClosedForms {
-    /// Computes the closed forms at no more than `most` points, spread evenly over the sweep.
+    /// Computes the closed forms at no more than `most` points, spread evenly over the sweep. Points at which the
+    /// medians are impossible values are left out.
     pub(super) fn of(study: &Study, most: u64) -> Self {
         let positions = BallPositions::new(study.model().balls());
         let facts = |point_id: u64| {
-            let facts = match study.median_model(point_id) {
+            let facts = match study.median_model(point_id).ok()? {
                 Model::Block(block) => Facts::Block(BlockFacts::of(&block)),
                 Model::BallBalancer(machine) => {
                     let facts = BalancerFacts::of(&machine, &positions)?;
@@ -108,7 +109,7 @@ fn friction_range(
     study.uncertain().iter().find(|column| is_friction(&column.name))?;
     let at = |fraction: f64| {
         let of = |name: &str| if is_friction(name) { fraction } else { 0.5 };
-        let model = study.model_at_quantiles(point_id, of);
+        let model = study.model_at_quantiles(point_id, of).ok()?;
         RestFacts::of(model.ball_balancer()?, positions)
     };
     Some([at(0.025)?, at(0.975)?])

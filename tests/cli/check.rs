@@ -213,6 +213,38 @@ fn slips_are_warnings_with_their_key_and_line() {
     }
 }
 
+/// Values at the limits of the numbers neither stop the command nor keep it busy.
+#[test]
+fn extreme_values_have_closed_forms() {
+    let scratch = Scratch::new();
+    for (from, to) in [
+        ("speed_rad_s: -216.4", "speed_rad_s: 1.0e-160"),
+        ("speed_rad_s: -216.4", "speed_rad_s: 0"),
+        ("speed_rad_s: -216.4", "speed_rad_s: 1.0e300"),
+        ("friction_coefficient: 2.75e-3", "friction_coefficient: 1.0e300"),
+        ("ball_diameter_m: 0.003", "ball_diameter_m: 1.0e-300"),
+        ("ball_diameter_m: 0.003", "ball_diameter_m: 1.0e300"),
+        ("ball_mass_kg: 1.4e-4", "ball_mass_kg: 1.0e300"),
+        ("imbalance_mass_kg: 5.6e-5", "imbalance_mass_kg: 1.0e-300"),
+        ("stiffness_n_m: 10700", "stiffness_n_m: 1.0e300"),
+        ("table_mass_kg: 0.324", "table_mass_kg: 1.0e300"),
+        ("damping_n_s_m: 1.28", "damping_n_s_m: 0"),
+    ] {
+        scratch.write("a.yaml", study(&MACHINE.replace(from, to), ""));
+        let report = report(&scratch, "a.yaml");
+        assert_eq!(report["closed_form"]["points_looked_at"], json!(1), "{to}");
+        scratch.well("check a.yaml");
+    }
+    let impossible = "uncertain: {ball_mass_kg: {normal: {mean: -1.0, std_dev: 1.0e-3}}}\n";
+    scratch.write("a.yaml", study(MACHINE, impossible));
+    let report = report(&scratch, "a.yaml");
+    assert_eq!(
+        (kinds(&report), &report["closed_form"]["points"]),
+        (vec!["invalid_draws".into()], &json!([]))
+    );
+    assert_has(&scratch.well("check a.yaml"), &["at 0 of 1 points"]);
+}
+
 /// Two points with the same parameters but with other start states are two points.
 #[test]
 fn a_point_with_another_design_is_not_repeated() {
