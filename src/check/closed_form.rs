@@ -2,7 +2,7 @@
 
 use crate::analysis::{
     Balance, EquilibriumSet, HIGH_DRAG, Resolution, RestForm, SmallMotions, Stability,
-    amplitude_extremes, reference_amplitude, set_fraction,
+    largest_amplitude, reference_amplitude, set_fraction,
 };
 use crate::check::BallPositions;
 use crate::model::{Block, Ground, Machine};
@@ -104,8 +104,7 @@ fn max_amplitude_m(machine: &Machine) -> Option<f64> {
     if form.transfer.norm() < STANDSTILL {
         return Some(0.0);
     }
-    let [_, largest] = amplitude_extremes(&form);
-    largest.map(|(amplitude, _)| amplitude * machine.ring_radius_m)
+    largest_amplitude(&form).map(|(amplitude, _)| amplitude * machine.ring_radius_m)
 }
 
 /// What the closed forms say about a block on a spring.

@@ -117,18 +117,20 @@ pub fn check(arguments: &CheckArguments) -> Result<End, CliError> {
         print(&existence.details())?;
     }
     print(&format!("\n{}", machine_text(&study)))?;
-    print(&format!("\n{}", ClosedForms::of(&study, MOST_PRINTED).text()))?;
+    print(&format!("\n{}", ClosedForms::of(&study, most_printed(&study)).text()))?;
     say_all(&warnings, arguments.strict);
     Ok(end)
 }
 
-/// The largest number of points in the printed table.
-const MOST_PRINTED: u64 = 20;
+/// Returns the largest number of points in the printed table. The closed forms of many balls take longer.
+fn most_printed(study: &Study) -> u64 {
+    if study.model().balls() <= 4 { 20 } else { 8 }
+}
 
-/// Returns the largest number of points in JSON. The closed forms of many balls take longer.
+/// Returns the largest number of points in JSON.
 fn most_points(study: &Study) -> u64 {
     let balls = study.model().balls().max(1) as u64;
-    (1000 / (balls * balls)).max(MOST_PRINTED)
+    (1000 / (balls * balls)).max(most_printed(study))
 }
 
 fn say_all(warnings: &[Warning], strict: bool) {

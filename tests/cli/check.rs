@@ -157,7 +157,7 @@ fn slips_are_warnings_with_their_key_and_line() {
     for (model, rest, expected, key) in [
         (
             MACHINE,
-            "uncertain: {imbalance_mass_kg: {normal: {mean: 5.6e-5, std_dev: 1.0e-4}}}\n",
+            "uncertain: {imbalance_mass_kg: {normal: {mean: 5.6e-5, std_dev: 1.0e-3}}}\n",
             "invalid_draws",
             "uncertain.imbalance_mass_kg",
         ),
