@@ -19,6 +19,7 @@
 //! - [`report`]: the HTML page of results and the animation of a run.
 //! - [`responses`]: the responses of a design, for optimisers.
 //! - [`optimize`]: the search for the best design, and sensitivity indices.
+//! - [`check`]: closed forms and warnings, before a study is computed.
 //! - [`cli`]: the commands.
 //!
 //! A case is a pure function of the study and the number of the run, and an outcome is a pure
@@ -41,6 +42,7 @@
 #![deny(missing_docs)]
 
 pub mod analysis;
+pub mod check;
 pub mod classification;
 pub mod cli;
 pub mod engine;

@@ -2,6 +2,8 @@
 
 /// Intervals and estimates, equilibrium sets, frictionless equilibria and classes of limit cycles.
 mod analysis;
+/// Closed forms and warnings before a study is computed.
+mod check;
 /// Endings of runs.
 mod classification;
 /// The command line: input, output, exit codes, interruption, memory.

@@ -52,7 +52,7 @@ pub use resolution::{FEWEST_GRID_POINTS, MOST_BALL_DAMPING, SAMPLE_COUNTS};
 pub use rest_curve::{RestStep, rest_curve};
 pub use rest_form::{AtRest, RestForm};
 pub use set_components::SetRuns;
-pub use set_extremes::amplitude_extremes;
+pub use set_extremes::{amplitude_extremes, largest_amplitude};
 pub use set_grid::{GridRow, GridSummary, SetGrid};
 pub use set_samples::{REPLICATES, sample};
 pub use stopping::{StoppingRule, is_narrow};

@@ -29,19 +29,28 @@ const ROUNDS: usize = 200;
 /// `None` for an empty set, for balls that can balance (whose smallest amplitude is 0), and without
 /// imbalance, where all directions are equivalent.
 pub fn amplitude_extremes(form: &RestForm) -> [Option<(f64, Vec<f64>)>; 2] {
+    let Some(above) = above_all(form) else { return [None, None] };
+    [found(form, 0.0, above), found(form, above, 0.0)]
+}
+
+/// Returns the second result of [`amplitude_extremes`], the largest amplitude, in half of the time.
+pub fn largest_amplitude(form: &RestForm) -> Option<(f64, Vec<f64>)> {
+    found(form, above_all(form)?, 0.0)
+}
+
+/// Returns an amplitude above all others, or `None` without imbalance and without a finite response.
+fn above_all(form: &RestForm) -> Option<f64> {
     let most: f64 = form.transfer.norm() * (form.imbalance + form.mass.iter().sum::<f64>());
-    if !(most > 0.0 && most.is_finite() && form.imbalance > 0.0) {
-        return [None, None];
-    }
-    let above = most * (1.0 + 1e-9);
-    let found = |from: f64, to: f64| {
-        arc_choices(form).into_iter().fold(None, |best: Option<(f64, Vec<f64>)>, far| {
-            // Only displacements better than the best one so far matter.
-            let to = best.as_ref().map_or(to, |(size, _)| *size);
-            ArcChoice { form, far }.first_displacement(from, to).or(best)
-        })
-    };
-    [found(0.0, above), found(above, 0.0)]
+    (most > 0.0 && most.is_finite() && form.imbalance > 0.0).then_some(most * (1.0 + 1e-9))
+}
+
+/// Returns the first amplitude in the set on the way from one to another, with the angles of the balls.
+fn found(form: &RestForm, from: f64, to: f64) -> Option<(f64, Vec<f64>)> {
+    arc_choices(form).into_iter().fold(None, |best: Option<(f64, Vec<f64>)>, far| {
+        // Only displacements better than the best one so far matter.
+        let to = best.as_ref().map_or(to, |(size, _)| *size);
+        ArcChoice { form, far }.first_displacement(from, to).or(best)
+    })
 }
 
 /// Returns all choices of the balls opposite to the displacement that differ; among identical

@@ -1,13 +1,21 @@
-//! `stickslip check`: validates a study and prints its size and estimated cost, without computing it.
+//! `stickslip check`: validates a study and prints its size, cost, machine, closed forms and warnings, without
+//! computing a run.
 
 use clap::Args;
 use serde_json::{Value, json};
 
 use super::arguments::StudyArgument;
+use super::check_machine::{machine_json, machine_text};
+use super::check_points::ClosedForms;
 use super::cost::Cost;
+use super::design_cost::DesignCost;
+use super::duration::cost_in_words;
 use super::existence::Existence;
 use super::exit::{CliError, End};
 use super::output::{print, print_json};
+use super::point_keys::merged;
+use crate::check::{Warning, warnings};
+use crate::engine::say;
 use crate::model::{Endings, Extend, Method};
 use crate::study::{Precision, Response, Study, Variable, VariedParameter, describe_number};
 use crate::text_table::text_table;
@@ -16,9 +24,14 @@ const EXAMPLES: &str = "\
 Examples:
   stickslip check study.yaml
   stickslip check study.yaml --json
-  stickslip check study.yaml --existence";
+  stickslip check study.yaml --existence
+  stickslip check study.yaml --strict && stickslip run study.yaml
 
-/// Check a study file and print its plan and its estimated cost, without computing it
+Prints the size and the cost of the study, its machine with every default, and what closed forms say at each point: \
+whether the balls can balance, and how strongly the machine can vibrate when they rest elsewhere. Values that are \
+probably slips are warnings on standard error.";
+
+/// Check a study file and print its size, cost, machine and closed forms; computes no run
 #[derive(Clone, Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct CheckArguments {
@@ -28,6 +41,10 @@ pub struct CheckArguments {
     /// Also print at which points of the sweep stick and slip always have exactly one solution
     #[arg(long)]
     existence: bool,
+
+    /// Exit with 2 if there are warnings
+    #[arg(long)]
+    strict: bool,
 
     /// Print the result as JSON
     #[arg(long)]
@@ -46,7 +63,10 @@ pub fn check(arguments: &CheckArguments) -> Result<End, CliError> {
     let (swept, uncertain) = (names(study.swept()), names(study.uncertain()));
     let method = method_name(study.simulation().method);
     let cost = Cost::of(&study);
+    let designs = DesignCost::of(&study);
     let existence = arguments.existence.then(|| Existence::of(&study));
+    let warnings = warnings(&study);
+    let end = if arguments.strict && !warnings.is_empty() { End::Warned } else { End::Well };
     if arguments.json {
         let mut report = json!({
             "study": study.name(),
@@ -75,13 +95,20 @@ pub fn check(arguments: &CheckArguments) -> Result<End, CliError> {
             report["least_runs"] = study.least_run_count().into();
             report["precision"] = json!(precision.equilibrium_fraction);
         }
+        report["machine"] = machine_json(&study);
+        report["closed_form"] = ClosedForms::of(&study, most_points(&study)).json();
+        report["warnings"] = warnings.iter().map(Warning::json).collect();
+        if let Some(designs) = designs {
+            report = merged(report, designs.json());
+        }
         if let Some(existence) = existence {
             report["existence"] = existence.json();
         }
         print_json(&format!("{report:#}\n"))?;
-        return Ok(End::Well);
+        say_all(&warnings, arguments.strict);
+        return Ok(end);
     }
-    let mut rows = rows(&study, &cost);
+    let mut rows = rows(&study, &cost, designs.as_ref());
     rows.extend(existence.iter().flat_map(Existence::rows));
     let rows: Vec<Vec<String>> =
         rows.into_iter().map(|(key, text)| vec![key.to_owned(), text]).collect();
@@ -89,11 +116,34 @@ pub fn check(arguments: &CheckArguments) -> Result<End, CliError> {
     if let Some(existence) = existence {
         print(&existence.details())?;
     }
-    Ok(End::Well)
+    print(&format!("\n{}", machine_text(&study)))?;
+    print(&format!("\n{}", ClosedForms::of(&study, most_printed(&study)).text()))?;
+    say_all(&warnings, arguments.strict);
+    Ok(end)
+}
+
+/// Returns the largest number of points in the printed table. The closed forms of many balls take longer.
+fn most_printed(study: &Study) -> u64 {
+    if study.model().balls() <= 4 { 20 } else { 8 }
+}
+
+/// Returns the largest number of points in JSON.
+fn most_points(study: &Study) -> u64 {
+    let balls = study.model().balls().max(1) as u64;
+    (1000 / (balls * balls)).max(most_printed(study))
+}
+
+fn say_all(warnings: &[Warning], strict: bool) {
+    warnings.iter().for_each(|warning| say(&format!("warning: {warning}")));
+    if strict && !warnings.is_empty() {
+        let count = warnings.len();
+        let warnings = if count == 1 { "warning" } else { "warnings" };
+        say(&format!("error: {count} {warnings}, which --strict does not allow"));
+    }
 }
 
 /// Returns the rows of the plan: a key and its text.
-fn rows(study: &Study, cost: &Cost) -> Vec<(&'static str, String)> {
+fn rows(study: &Study, cost: &Cost, designs: Option<&DesignCost>) -> Vec<(&'static str, String)> {
     let listed = |names: Vec<&str>| {
         if names.is_empty() { "nothing".to_owned() } else { names.join(", ") }
     };
@@ -131,9 +181,10 @@ fn rows(study: &Study, cost: &Cost) -> Vec<(&'static str, String)> {
         rows.push(("audit", text));
     }
     rows.push(("expectations", study.expectations().len().to_string()));
-    let (estimate, bound) = (about(cost.core_seconds), at_most(cost.most_core_seconds));
-    let cost = format!("{estimate} on one core, less if runs come to rest early; {bound}");
-    rows.push(("cost", cost));
+    rows.push(("cost", cost_in_words(cost)));
+    if let Some(designs) = designs {
+        rows.extend(designs.rows());
+    }
     rows
 }
 
@@ -205,30 +256,4 @@ fn endings_name(endings: Endings) -> &'static str {
         Endings::All => "all",
         Endings::Rest => "rest",
     }
-}
-
-const HUNDRED_YEARS_S: f64 = 100.0 * 365.25 * 86_400.0;
-
-fn about(seconds: f64) -> String {
-    let duration = duration(seconds);
-    duration
-        .map_or_else(|| "more than 100 years".to_owned(), |duration| format!("about {duration}"))
-}
-
-fn at_most(seconds: f64) -> String {
-    let words = |duration| format!("at most {duration}, if every run reaches its step limit");
-    duration(seconds).map_or_else(|| "no bound below 100 years".to_owned(), words)
-}
-
-/// Returns a duration in words; `None` above a hundred years.
-fn duration(seconds: f64) -> Option<String> {
-    Some(match seconds {
-        s if s < 1.0 => "a second".to_owned(),
-        s if s < 120.0 => format!("{s:.0} s"),
-        s if s < 7200.0 => format!("{:.0} min", s / 60.0),
-        s if s < 172_800.0 => format!("{:.0} h", s / 3600.0),
-        s if s < 2.0 * 365.25 * 86_400.0 => format!("{:.0} days", s / 86_400.0),
-        s if s < HUNDRED_YEARS_S => format!("{:.0} years", s / (365.25 * 86_400.0)),
-        _ => return None,
-    })
 }

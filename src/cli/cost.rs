@@ -22,20 +22,65 @@ pub(super) struct Cost {
     pub(super) most_core_seconds: f64,
 }
 
+/// Which runs a cost counts.
+#[derive(Clone, Copy, Debug)]
+struct Counted {
+    /// Whether audited runs count twice.
+    audit: bool,
+    /// Whether the runs are those of a design, whose parameters differ from those of the study.
+    designs: bool,
+}
+
 impl Cost {
     /// Estimates the cost of a study.
     pub(super) fn of(study: &Study) -> Cost {
+        Cost::with(study, Counted { audit: true, designs: false })
+    }
+
+    /// Estimates the cost of one design, as `evaluate` and `optimize` compute it: the first sample at each point,
+    /// without an audit. The estimate is the mean over the possible numbers of balls, and the bound is the largest of
+    /// their bounds.
+    pub(super) fn of_a_design(study: &Study) -> Cost {
+        let counted = Counted { audit: false, designs: true };
+        let own = study.by_number_of_balls();
+        let all: Vec<Cost> = own.iter().map(|study| Cost::with(study, counted)).collect();
+        let count = all.len() as f64;
+        let total = all.into_iter().fold(Cost::default(), |sum, one| Cost {
+            steps: sum.steps + one.steps / count,
+            core_seconds: sum.core_seconds + one.core_seconds / count,
+            most_steps: sum.most_steps.max(one.most_steps),
+            most_core_seconds: sum.most_core_seconds.max(one.most_core_seconds),
+        });
+        // An estimate of few balls never exceeds a bound of many.
+        Cost { core_seconds: total.core_seconds.min(total.most_core_seconds), ..total }
+    }
+
+    /// Returns the cost of several times as many runs.
+    pub(super) fn times(self, factor: f64) -> Cost {
+        Cost {
+            steps: factor * self.steps,
+            core_seconds: factor * self.core_seconds,
+            most_steps: factor * self.most_steps,
+            most_core_seconds: factor * self.most_core_seconds,
+        }
+    }
+
+    fn with(study: &Study, counted: Counted) -> Cost {
         let points = study.point_count();
         let stride = points.div_ceil(MOST_POINTS).max(1);
         // Uncertain parameters and points outside the sample are unknown.
-        let all_known = study.uncertain().is_empty() && stride == 1;
+        let all_known = study.uncertain().is_empty() && stride == 1 && !counted.designs;
         let (mut cost, mut runs) = (Cost::default(), 0.0);
         for number in (0..points).step_by(usize::try_from(stride).unwrap_or(usize::MAX)) {
             let point = study.point(number);
-            runs += point.sampling.most as f64;
-            cost.add(study, point.model(), point.sampling.most, all_known);
+            let of_point = if counted.designs { point.sampling.first } else { point.sampling.most };
+            runs += of_point as f64;
+            let audit_fraction =
+                study.audit().filter(|_| counted.audit).map(|audit| audit.fraction);
+            cost.add(study.simulation(), audit_fraction, point.model(), of_point, all_known);
         }
-        let all = study.run_count() as f64 / f64::max(runs, 1.0);
+        let of_study = if counted.designs { study.least_run_count() } else { study.run_count() };
+        let all = of_study as f64 / f64::max(runs, 1.0);
         Cost {
             steps: all * cost.steps,
             core_seconds: all * cost.core_seconds,
@@ -45,8 +90,14 @@ impl Cost {
     }
 
     /// Adds `runs` runs of a model; `known` says that all of them have exactly its parameters.
-    fn add(&mut self, study: &Study, model: &Model, runs: u64, known: bool) {
-        let simulation = study.simulation();
+    fn add(
+        &mut self,
+        simulation: &Simulation,
+        audit_fraction: Option<f64>,
+        model: &Model,
+        runs: u64,
+        known: bool,
+    ) {
         // A lockstep run whose event cannot be located is computed a second time on its own, and a run that is
         // continued to a later end time restarts before the first end time.
         let lockstep = if goes_in_lockstep(model) { 2.0 } else { 1.0 };
@@ -58,10 +109,10 @@ impl Cost {
             [steps_to_the_end(model, simulation).min(most), most]
         };
         let [mut steps, mut most_steps] = of_a_run(simulation);
-        if let Some(audit) = study.audit() {
+        if let Some(fraction) = audit_fraction {
             let [again, most_again] = of_a_run(&simulation.counter_check());
             // In the worst case all runs are audited.
-            (steps, most_steps) = (steps + audit.fraction * again, most_steps + most_again);
+            (steps, most_steps) = (steps + fraction * again, most_steps + most_again);
         }
         let [steps, most_steps] = [steps, most_steps].map(|one| one * runs as f64);
         let most_core_seconds = most_steps * seconds_per_step(model);

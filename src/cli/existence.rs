@@ -3,6 +3,7 @@
 use serde_json::{Value, json};
 
 use super::point_keys::{point_keys, swept_text};
+use crate::check::spread;
 use crate::model::{ExistenceVerdict, SAFE_FRICTION};
 use crate::study::{ParameterValue, Point, Study};
 
@@ -146,16 +147,6 @@ impl Existence {
             "not_unique": self.named.iter().map(Failing::json).collect::<Vec<_>>(),
         })
     }
-}
-
-/// Returns the point that is examined as number `index`. The sweep is divided into `examined` equal parts, and one
-/// point of each part is examined. Its place within the part follows the golden ratio, so that the examined points
-/// do not coincide with a period of the sweep. If `examined` equals `points`, every point is examined.
-fn spread(index: u64, examined: u64, points: u64) -> u64 {
-    let mark = |k: u64| (u128::from(k) * u128::from(points) / u128::from(examined)) as u64;
-    let (from, to) = (mark(index), mark(index + 1));
-    let place = (index as f64 * 0.618_033_988_749_894_9).fract();
-    from + (place * (to - from) as f64) as u64
 }
 
 impl Failing {

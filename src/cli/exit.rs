@@ -19,6 +19,8 @@ pub enum End {
     RunsFailed,
     /// Stopped because more runs failed than `--on-failure` allows.
     TooManyFailed,
+    /// `check --strict` has warned.
+    Warned,
     /// An expectation of the study is not met.
     ExpectationNotMet,
     /// A replayed run differs from its row.
@@ -34,6 +36,7 @@ impl End {
             End::Well => 0,
             End::TooManyFailed => 1,
             End::NotReproduced => 1,
+            End::Warned => 2,
             End::RunsFailed => 3,
             End::ExpectationNotMet => 4,
             End::Interrupted => 130,

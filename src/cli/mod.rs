@@ -2,8 +2,12 @@
 
 mod arguments;
 mod check;
+mod check_machine;
+mod check_points;
 mod completions;
 mod cost;
+mod design_cost;
+mod duration;
 mod equilibria;
 mod equilibria_report;
 mod evaluate;

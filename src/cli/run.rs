@@ -10,6 +10,7 @@ use super::exit::{CliError, End};
 use super::output::{print, print_json};
 use super::points_table::{MOST_LINES, PointsTable};
 use super::run_on_engine::run_on_engine;
+use crate::check::warnings;
 use crate::classification::Label;
 use crate::engine::{EngineOptions, OutputDir, Ready, say};
 use crate::study::Study;
@@ -64,6 +65,9 @@ pub struct RunArguments {
 /// Returns an error if the study or the output directory cannot be used, or if a table cannot be written.
 pub fn run(arguments: &RunArguments) -> Result<End, CliError> {
     let study = arguments.study.load()?;
+    if !arguments.engine.quiet {
+        warnings(&study).iter().for_each(|warning| say(&format!("warning: {warning}")));
+    }
     let directory =
         arguments.out.clone().unwrap_or_else(|| Path::new("results").join(study.name()));
     let options = arguments.engine.options(arguments.shard.shard);

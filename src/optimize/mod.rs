@@ -32,5 +32,6 @@ pub use report::{optimum_json, result_in_words, search_line};
 pub use search::{Search, SearchEnd, search};
 pub use sensitivity::{Sensitivity, sensitivities, surrogates};
 pub use sobol_indices::{Indices, pick_freeze_sample, sobol_indices};
+pub(crate) use space::Space;
 pub use surrogate::Surrogate;
 pub use tables::{finalist_columns, pareto_columns, sensitivity_columns};

@@ -9,7 +9,7 @@ const DIGITS: usize = 6;
 
 /// All designs of a study.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Space<'a> {
+pub(crate) struct Space<'a> {
     variables: &'a [Variable],
 }
 

@@ -67,7 +67,7 @@ fn huge_sweeps_stay_quick() {
     assert!(started.elapsed() < Duration::from_secs(20), "{:?}", started.elapsed());
     assert_has(&text, &["of 10000 points stick and slip", " more points\n", "uncertain"]);
     assert_has(&text, &["checked 10000 of 40000 points, evenly spread over the sweep"]);
-    assert!(text.lines().count() < 60, "{text}");
+    assert!(text.lines().count() < 100, "{text}");
     println!("{:?}", started.elapsed());
 }
 

@@ -4,6 +4,7 @@ pub mod support;
 
 mod abandoned_runs;
 mod changed_bits;
+mod check;
 mod commands;
 mod concurrent;
 mod cost;

@@ -8,7 +8,8 @@ use std::sync::{Mutex, PoisonError};
 static PAGES: Mutex<()> = Mutex::new(());
 
 /// Every computed part of a page.
-const PARTS: [(&str, &[&str]); 4] = [
+const PARTS: [(&str, &[&str]); 5] = [
+    ("docs/check.md", &["check"]),
     ("docs/verification.md", &["labels-below", "labels-above", "labels-irregular"]),
     (
         "docs/methods.md",

@@ -91,6 +91,19 @@ fn output_of_equilibria() {
     named::columns_are_on_pages(&out.path().join("sets"));
 }
 
+/// The page on `check` has its output for the thesis's study, which has no warnings.
+#[test]
+fn output_of_check() {
+    let output = stickslip(&["check", "studies/preferred-equilibria.yaml", "--strict"]);
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    let printed = String::from_utf8_lossy(&output.stdout);
+    generated::compare_or_write_part(
+        "docs/check.md",
+        "check",
+        &format!("\n```text\n{printed}```\n"),
+    );
+}
+
 /// Returns the first study of a page.
 fn first_study(page: &str) -> (String, stickslip::study::Study) {
     let start = page.find("```yaml\n").expect("a YAML block") + "```yaml\n".len();

@@ -1,6 +1,7 @@
 //! A resolved study and its plan: every point and every run is a function of its number.
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use crate::model::{Case, InvalidParameter, Model, Simulation, Start};
 use crate::study::file::resolved_yaml::ResolvedFile;
@@ -12,10 +13,10 @@ use crate::study::plan::precision::{Precision, Sampling};
 use crate::study::plan::response::Response;
 use crate::study::plan::sweep::{Block, Listing};
 use crate::study::plan::variable::Variable;
+use crate::study::plan::written::Written;
 use crate::study::resolve::model::Base;
 use crate::study::resolve::uncertain::Uncertain;
 use crate::study::sampling::draw::DrawKey;
-use crate::study::sampling::sampling_design::SampleId;
 
 /// A validated study with every default filled in; it is immutable.
 ///
@@ -42,6 +43,8 @@ pub struct Study {
     /// order.
     pub(in crate::study) by_balls: Vec<Study>,
     pub(in crate::study) resolved: ResolvedFile,
+    /// The study file as it is written, for messages about its keys.
+    pub(in crate::study) written: Arc<Written>,
 }
 
 /// One point of the sweep.
@@ -120,6 +123,12 @@ impl Study {
     pub fn most_runs_of_a_design(&self) -> u64 {
         let all = self.by_balls.iter().map(Study::run_count);
         all.max().unwrap_or(self.run_count())
+    }
+
+    /// Returns this study for each number of balls that a design may have, or this study alone if all designs have
+    /// the same number.
+    pub fn by_number_of_balls(&self) -> &[Study] {
+        if self.by_balls.is_empty() { std::slice::from_ref(self) } else { &self.by_balls }
     }
 
     /// Returns the model before any parameter is swept or drawn. All cases share its kind and its
@@ -236,7 +245,7 @@ impl Study {
         let id = block.design.identify(local % block.sampling.most);
         let start = Start(block.design.coordinates(id));
         let mut values = block.values(local_point);
-        let uncertain = self.draw(id, &values);
+        let uncertain = self.drawn(&values, |one| one.key.uniform(id.cell, id.replicate));
         let audited = self.audit.is_some_and(|audit| audit.chooses(self.seed, &values, id));
         let model = if uncertain.is_empty() {
             point.model
@@ -264,9 +273,15 @@ impl Study {
         }
     }
 
-    fn draw(&self, id: SampleId, set: &[(Parameter, ParameterValue)]) -> Vec<f64> {
+    /// Returns the value of each uncertain parameter at the quantile of a fraction, at a point with the swept values
+    /// `set`.
+    pub(in crate::study) fn drawn(
+        &self,
+        set: &[(Parameter, ParameterValue)],
+        fraction: impl Fn(&Uncertain) -> f64,
+    ) -> Vec<f64> {
         let draw = |one: &Uncertain| {
-            let drawn = one.distribution.quantile(one.key.uniform(id.cell, id.replicate));
+            let drawn = one.distribution.quantile(fraction(one));
             if !one.factor {
                 return drawn;
             }
@@ -285,7 +300,7 @@ impl Study {
 
     /// Returns the base model with these values. Values of all balls are set before those of one
     /// ball.
-    fn model_with(&self, values: &[(Parameter, ParameterValue)]) -> Model {
+    pub(in crate::study) fn model_with(&self, values: &[(Parameter, ParameterValue)]) -> Model {
         let mut model = self.base.model.clone();
         for of_one_ball in [false, true] {
             for (parameter, value) in values {

@@ -89,11 +89,7 @@ impl Base {
             return Ok(());
         }
         let name = parameter.name();
-        let has_own = |ball: &BallFile| match name.as_str() {
-            "ball_mass_kg" => ball.mass_kg.is_some(),
-            "ball_diameter_m" => ball.diameter_m.is_some(),
-            _ => ball.friction_coefficient.is_some(),
-        };
+        let has_own = |ball: &BallFile| own_value(ball, &name).is_some();
         match self.own.iter().position(has_own) {
             None => Ok(()),
             Some(index) => {
@@ -109,6 +105,21 @@ impl Base {
     /// Returns whether any ball has its own values.
     pub fn has_own(&self) -> bool {
         self.own.iter().any(|ball| *ball != BallFile::default())
+    }
+
+    /// Returns whether the study gives a ball its own value of this parameter of one ball.
+    pub fn has_own_value(&self, parameter: Parameter) -> bool {
+        let Some(general) = parameter.general() else { return false };
+        let mut own = (1..).zip(&self.own);
+        own.any(|(number, ball)| {
+            general.of_one_ball(number) == parameter && own_value(ball, &general.name()).is_some()
+        })
+    }
+
+    /// Returns whether every ball has its own value of this parameter of all balls, which is then not used.
+    pub fn has_only_own_values(&self, general: Parameter) -> bool {
+        let name = general.name();
+        general.is_general() && self.own.iter().all(|ball| own_value(ball, &name).is_some())
     }
 
     /// Returns the model in the form of a study file, with all values.
@@ -237,6 +248,15 @@ fn own_values(path: &SourcePath<'_>, balls: Option<&Balls>) -> Result<Vec<BallFi
         }
     }
     Ok(own.clone())
+}
+
+/// Returns a ball's own value of the parameter of all balls with this name.
+fn own_value(ball: &BallFile, general: &str) -> Option<f64> {
+    match general {
+        "ball_mass_kg" => ball.mass_kg,
+        "ball_diameter_m" => ball.diameter_m,
+        _ => ball.friction_coefficient,
+    }
 }
 
 fn overlay(general: Ball, own: &BallFile) -> Ball {

@@ -2,6 +2,7 @@
 //! runs.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use indexmap::{IndexMap, IndexSet};
 
@@ -22,6 +23,7 @@ use crate::study::plan::planned_study::Study;
 use crate::study::plan::precision::Precision;
 use crate::study::plan::sweep::Listing;
 use crate::study::plan::variable::Variable;
+use crate::study::plan::written::Written;
 use crate::study::resolve::expectations::resolve_expectations;
 use crate::study::resolve::model::{Base, check_parameter_names};
 use crate::study::resolve::names::check_name;
@@ -83,7 +85,8 @@ impl Study {
         check_schema(&source)?;
         check_parameter_names(&source)?;
         let written: StudyFile = decode(&source)?;
-        resolve(&source, &written, &folders)
+        let study = resolve(&source, &written, &folders)?;
+        Ok(Study { written: Arc::new(Written::of(file, &source.root, &written)), ..study })
     }
 }
 
@@ -181,6 +184,7 @@ fn resolve(
         optimization: None,
         by_balls: Vec::new(),
         resolved: ResolvedFile::new(resolved),
+        written: Arc::default(),
     };
     check_points(source, written, &study)?;
     let expected = written.expect.as_deref().unwrap_or_default();

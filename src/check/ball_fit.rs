@@ -1,0 +1,74 @@
+//! Whether balls have room in the ring: angles that balls occupy, their density, and how often positions of rest
+//! overlap. The model itself has no contact between balls.
+
+use std::f64::consts::PI;
+
+use crate::analysis::{REPLICATES, RestForm, sample};
+use crate::model::{Ball, Machine, wrap_to_pi};
+
+/// Returns the angle between the centres of two balls that touch, rad; π for balls that touch wherever they are.
+///
+/// The centres lie on the circle with the radius of the ring, at the distance of the sum of both radii.
+pub fn contact_angle(one: &Ball, other: &Ball, ring_radius_m: f64) -> f64 {
+    let half_chord = 0.25 * (one.diameter_m + other.diameter_m);
+    2.0 * (half_chord / ring_radius_m).min(1.0).asin()
+}
+
+/// Returns the angle that all balls occupy side by side, rad. Balls have room in the ring if it is at most 2π.
+///
+/// Each ball occupies the angle at which it would touch a ball of its own size. The sum is exact for balls of one
+/// size, and an upper bound for others.
+pub fn occupied_angle(machine: &Machine) -> f64 {
+    let angle = |ball: &Ball| contact_angle(ball, ball, machine.ring_radius_m);
+    machine.balls.iter().map(angle).sum()
+}
+
+/// Returns the density of a ball as a homogeneous sphere, kg/m³.
+pub fn density_kg_m3(ball: &Ball) -> f64 {
+    ball.mass_kg / sphere_volume_m3(ball.diameter_m)
+}
+
+/// Returns the volume of a sphere, m³.
+pub(super) fn sphere_volume_m3(diameter_m: f64) -> f64 {
+    PI / 6.0 * diameter_m.powi(3)
+}
+
+/// Samples per scramble, which makes 4096 positions.
+const SAMPLES: u32 = 256;
+/// The fewest positions of rest from which a fraction is estimated.
+const FEWEST: u32 = 100;
+
+/// Quasi-random positions of a number of balls, for many machines.
+pub struct BallPositions(Vec<Vec<f64>>);
+
+impl BallPositions {
+    /// Returns 4096 positions of this number of balls.
+    pub fn new(balls: usize) -> Self {
+        let all =
+            (0..REPLICATES).flat_map(|scramble| (0..SAMPLES).map(move |index| (scramble, index)));
+        BallPositions(all.map(|(scramble, index)| sample(balls, scramble, index)).collect())
+    }
+
+    /// Returns the fraction of the positions of rest in which at least two balls overlap. `None` for one ball, for
+    /// another number of balls than that of the positions, or if fewer than 100 positions are positions of rest.
+    pub fn overlapping_fraction(&self, machine: &Machine) -> Option<f64> {
+        let form = RestForm::new(machine)?;
+        let balls = &machine.balls;
+        if balls.len() < 2 || self.0.first()?.len() != balls.len() {
+            return None;
+        }
+        let pairs: Vec<(usize, usize, f64)> = (0..balls.len())
+            .flat_map(|i| (0..i).map(move |j| (i, j)))
+            .map(|(i, j)| (i, j, contact_angle(&balls[i], &balls[j], machine.ring_radius_m)))
+            .collect();
+        let (mut rests, mut overlapping) = (0, 0);
+        for beta in self.0.iter().filter(|beta| form.at_rest(beta).in_set()) {
+            let overlap = |&(i, j, touching): &(usize, usize, f64)| {
+                wrap_to_pi(beta[i] - beta[j]).abs() < touching
+            };
+            rests += 1;
+            overlapping += u32::from(pairs.iter().any(overlap));
+        }
+        (rests >= FEWEST).then(|| f64::from(overlapping) / f64::from(rests))
+    }
+}

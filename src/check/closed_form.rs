@@ -1,0 +1,138 @@
+//! Closed forms of a machine: natural frequency, balancing capacity, equilibrium set, balancing position.
+
+use crate::analysis::{
+    Balance, EquilibriumSet, HIGH_DRAG, Resolution, RestForm, SmallMotions, Stability,
+    largest_amplitude, reference_amplitude, set_fraction,
+};
+use crate::check::BallPositions;
+use crate::model::{Block, Ground, Machine};
+
+/// What the closed forms say about a ball balancer.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BalancerFacts {
+    /// Natural frequency `sqrt(k / M)` of the whole vibrating mass, rad/s.
+    pub natural_frequency_rad_s: f64,
+    /// Absolute speed of the disc over the natural frequency.
+    pub speed_ratio: f64,
+    /// The largest imbalance that the balls can balance, `Σ m L`, kg m.
+    pub capacity_kg_m: f64,
+    /// The imbalance, `m_I e`, kg m.
+    pub imbalance_kg_m: f64,
+    /// Amplitude of the machine without balls, m; `None` at the resonance of an undamped suspension.
+    pub amplitude_without_balls_m: Option<f64>,
+    /// Where the balls can balance the imbalance.
+    pub balance: Balance,
+    /// Stability of the balancing position without dry friction; `None` if there is no such position. Of a family of
+    /// positions, the stability of one of them.
+    pub balance_stability: Option<Stability>,
+    /// The positions of rest; `None` for a friction law that cannot hold a ball.
+    pub rest: Option<RestFacts>,
+}
+
+/// The positions at which dry friction holds all balls.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RestFacts {
+    /// Fraction of all positions of the balls that are positions of rest.
+    pub set_fraction: f64,
+    /// The largest amplitude at a position of rest, m.
+    pub max_amplitude_m: Option<f64>,
+    /// Fraction of the positions of rest in which balls overlap, if it could be estimated.
+    pub overlapping_fraction: Option<f64>,
+}
+
+impl BalancerFacts {
+    /// Returns the facts of a machine, or `None` for an unsupported number of balls. `positions` are those of its
+    /// number of balls.
+    pub fn of(machine: &Machine, positions: &BallPositions) -> Option<Self> {
+        let form = RestForm::new(machine)?;
+        let balance = Balance::of(&form);
+        let dimension = machine.balls.len().saturating_sub(2);
+        let stability =
+            |beta: &[f64]| SmallMotions::about(&form, beta, HIGH_DRAG, dimension).stability;
+        // At standstill no force acts, and every position is an equilibrium.
+        let balance_stability = match balance.position() {
+            Some(_) if form.speed == 0.0 => Some(Stability::Marginal),
+            position => position.map(stability),
+        };
+        Some(BalancerFacts {
+            natural_frequency_rad_s: machine.natural_frequency_rad_s(),
+            speed_ratio: form.speed.abs(),
+            capacity_kg_m: capacity_kg_m(machine),
+            imbalance_kg_m: machine.imbalance_mass_kg * machine.imbalance_radius_m,
+            amplitude_without_balls_m: reference_amplitude(machine),
+            balance,
+            balance_stability,
+            rest: RestFacts::of(machine, positions),
+        })
+    }
+
+    /// Returns the balancing capacity over the imbalance.
+    pub fn capacity_ratio(&self) -> f64 {
+        self.capacity_kg_m / self.imbalance_kg_m
+    }
+}
+
+/// Returns the largest imbalance that the balls of a machine can balance, `Σ m L`, kg m.
+pub(super) fn capacity_kg_m(machine: &Machine) -> f64 {
+    machine.balls.iter().map(|ball| ball.mass_kg).sum::<f64>() * machine.ring_radius_m
+}
+
+impl RestFacts {
+    /// Returns the facts, or `None` if friction cannot hold a ball, or for an unsupported number of balls.
+    pub fn of(machine: &Machine, positions: &BallPositions) -> Option<Self> {
+        if !machine.friction.can_stick() {
+            return None;
+        }
+        Some(RestFacts {
+            set_fraction: set_fraction(machine)?,
+            max_amplitude_m: max_amplitude_m(machine),
+            overlapping_fraction: positions.overlapping_fraction(machine),
+        })
+    }
+}
+
+/// The transfer function from imbalance to amplitude below which the disc stands still.
+const STANDSTILL: f64 = 1e-100;
+
+/// Returns the largest amplitude at a position of rest, m.
+fn max_amplitude_m(machine: &Machine) -> Option<f64> {
+    if machine.balls.len() == 1 {
+        // The set of one ball has a closed form, in which the resolution has no effect.
+        return EquilibriumSet::of(machine, Resolution::Grid(1))?.amplitude_m.map(|(_, most)| most);
+    }
+    let form = RestForm::new(machine)?;
+    if form.transfer.norm() < STANDSTILL {
+        return Some(0.0);
+    }
+    largest_amplitude(&form).map(|(amplitude, _)| amplitude * machine.ring_radius_m)
+}
+
+/// What the closed forms say about a block on a spring.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BlockFacts {
+    /// Natural frequency `sqrt(k / m)`, rad/s.
+    pub natural_frequency_rad_s: f64,
+    /// The largest displacement at which friction holds the block on rigid ground, and at which it slips from a belt,
+    /// `μ F / k`, m; with the static coefficient if the law has one.
+    pub static_reach_m: f64,
+    /// Speed of the belt, m/s, if there is one.
+    pub belt_speed_m_s: Option<f64>,
+}
+
+impl BlockFacts {
+    /// Returns the facts of a block.
+    pub fn of(block: &Block) -> Self {
+        let ratio = match block.friction.can_stick() {
+            true => block.friction.largest_ratio(block.friction_coefficient),
+            false => 0.0,
+        };
+        BlockFacts {
+            natural_frequency_rad_s: block.natural_frequency_rad_s(),
+            static_reach_m: ratio * block.unit_length_m(),
+            belt_speed_m_s: match block.ground {
+                Ground::Fixed => None,
+                Ground::Belt { speed_m_s } => Some(speed_m_s),
+            },
+        }
+    }
+}

@@ -1,0 +1,19 @@
+//! What can be said about a study without simulation: closed forms of its machine, and warnings about values that are
+//! probably slips.
+//!
+//! A study that resolves is valid: every run of it can be planned. It can still describe a machine that cannot be
+//! built or that cannot balance. This module finds such machines; it computes no run.
+
+mod ball_fit;
+mod closed_form;
+mod points;
+mod values;
+mod warning;
+mod warnings;
+
+pub use ball_fit::{BallPositions, contact_angle, density_kg_m3, occupied_angle};
+pub use closed_form::{BalancerFacts, BlockFacts, RestFacts};
+pub use points::{points_to_examine, spread};
+pub(crate) use values::short;
+pub use warning::Warning;
+pub use warnings::warnings;

@@ -1,0 +1,248 @@
+//! Values of one machine that are possible but unlikely: balls without room, densities of no material, friction and
+//! speeds out of any range, and balls that cannot balance.
+
+use std::f64::consts::TAU;
+
+use super::ball_fit::{BallPositions, density_kg_m3, occupied_angle, sphere_volume_m3};
+use super::closed_form::capacity_kg_m;
+use super::warning::Finding;
+use crate::analysis::{Balance, RestForm};
+use crate::model::{Ball, Block, FrictionLaw, Ground, Machine, Model};
+use crate::study::{Study, describe_number};
+
+/// Density of steel, kg/m³.
+const STEEL_KG_M3: f64 = 7850.0;
+/// Densities of solid balls, from light plastics to tungsten and platinum, kg/m³.
+const DENSITIES_KG_M3: [f64; 2] = [500.0, 25_000.0];
+/// Friction coefficients other than 0.
+const FRICTION: [f64; 2] = [1e-6, 2.0];
+/// The fastest disc, rad/s; 1e5 rad/s are 955,000 revolutions per minute.
+const FASTEST_RAD_S: f64 = 1e5;
+/// The fastest belt, m/s.
+const FASTEST_M_S: f64 = 1e3;
+/// The fraction of the positions of rest above which overlapping balls are a warning.
+const MOST_OVERLAPPING: f64 = 0.5;
+
+/// Returns the findings about the values of a model at a point. `positions` are those of its number of balls.
+pub(super) fn findings(
+    study: &Study,
+    point_id: u64,
+    model: &Model,
+    positions: Option<&BallPositions>,
+) -> Vec<Finding> {
+    let at = At { study, point_id };
+    match model {
+        Model::Block(block) => {
+            let friction = at.friction(&block.friction, block.friction_coefficient, None);
+            friction.into_iter().chain(at.belt_speed(block)).collect()
+        }
+        Model::BallBalancer(machine) => {
+            let fits = [at.ring(machine), at.room(machine)].into_iter().flatten();
+            let mut all: Vec<Finding> = fits.collect();
+            let has_room = all.is_empty();
+            let balls = || machine.balls.iter().zip(1..);
+            all.extend(balls().find_map(|(ball, number)| at.density(ball, number)));
+            all.extend(balls().find_map(|(ball, number)| {
+                at.friction(&machine.friction, ball.friction_coefficient, Some(number))
+            }));
+            all.extend(at.speed(machine));
+            all.extend(at.balance(machine));
+            if let Some(positions) = positions.filter(|_| has_room) {
+                all.extend(at.overlap(machine, positions));
+            }
+            all
+        }
+    }
+}
+
+/// Returns whether the balls have room in the ring.
+pub(super) fn has_room(machine: &Machine) -> bool {
+    machine.balls.iter().all(|ball| 0.5 * ball.diameter_m < machine.ring_radius_m)
+        && occupied_angle(machine) <= TAU
+}
+
+/// The point of the sweep that the findings concern.
+struct At<'a> {
+    study: &'a Study,
+    point_id: u64,
+}
+
+impl At<'_> {
+    fn key(&self, name: &str, ball: Option<usize>) -> String {
+        self.study.key_of(name, ball, self.point_id)
+    }
+
+    fn ring(&self, machine: &Machine) -> Option<Finding> {
+        let radius_m = machine.ring_radius_m;
+        let too_big = |ball: &Ball| 0.5 * ball.diameter_m >= radius_m;
+        let index = machine.balls.iter().position(too_big)?;
+        let diameter_m = machine.balls.get(index)?.diameter_m;
+        Some(Finding {
+            kind: "ball_beyond_ring",
+            key: self.key("ball_diameter_m", Some(index + 1)),
+            problem: "a ball reaches the centre of the ring".to_owned(),
+            found: format!(
+                "a ball diameter of {} m, while the centres of the balls are {} m from the centre of the ring",
+                short(diameter_m),
+                short(radius_m)
+            ),
+            remedy: "ball_diameter_m below twice ring_radius_m; lengths are in m, not in mm"
+                .to_owned(),
+        })
+    }
+
+    fn room(&self, machine: &Machine) -> Option<Finding> {
+        let occupied = occupied_angle(machine);
+        let balls = machine.balls.len();
+        if occupied <= TAU || self.ring(machine).is_some() {
+            return None;
+        }
+        let most = (TAU / occupied * balls as f64).floor();
+        Some(Finding {
+            kind: "balls_do_not_fit",
+            key: self.key("ball_diameter_m", Some(1)),
+            problem: "the balls do not fit side by side into the ring".to_owned(),
+            found: format!(
+                "{balls} balls of {} m in a ring of radius {} m occupy {:.0}° of 360°",
+                short(machine.balls.first()?.diameter_m),
+                short(machine.ring_radius_m),
+                occupied.to_degrees()
+            ),
+            remedy: format!(
+                "at most {most:.0} such balls, smaller balls, or a larger ring_radius_m"
+            ),
+        })
+    }
+
+    fn density(&self, ball: &Ball, number: usize) -> Option<Finding> {
+        let density = density_kg_m3(ball);
+        let [least, most] = DENSITIES_KG_M3;
+        if (least..=most).contains(&density) {
+            return None;
+        }
+        let steel_kg = STEEL_KG_M3 * sphere_volume_m3(ball.diameter_m);
+        let mass = self.key("ball_mass_kg", Some(number));
+        let diameter = self.key("ball_diameter_m", Some(number));
+        let is_default = |name: &str| {
+            let listed = self.study.parameters();
+            listed.iter().any(|one| one.name == name && one.is_default && !one.is_varied())
+        };
+        let key = if is_default("ball_mass_kg") { diameter } else { mass };
+        Some(Finding {
+            kind: "ball_density",
+            key,
+            problem: "no material has the density of the balls".to_owned(),
+            found: format!(
+                "a ball of {} kg with a diameter of {} m, which is {} kg/m³",
+                short(ball.mass_kg),
+                short(ball.diameter_m),
+                short(density)
+            ),
+            remedy: format!(
+                "{least} to {most} kg/m³, with the mass in kg and the diameter in m; a steel ball of this diameter \
+                 has {} kg",
+                short(steel_kg)
+            ),
+        })
+    }
+
+    fn friction(&self, law: &FrictionLaw, kinetic: f64, ball: Option<usize>) -> Option<Finding> {
+        let [least, most] = FRICTION;
+        let unlikely = |value: f64| value > most || (value > 0.0 && value < least);
+        let (name, ball, value) = match *law {
+            FrictionLaw::Viscous { .. } => return None,
+            FrictionLaw::Stribeck { static_friction_coefficient, .. }
+                if unlikely(static_friction_coefficient) =>
+            {
+                ("static_friction_coefficient", None, static_friction_coefficient)
+            }
+            _ if unlikely(kinetic) => ("friction_coefficient", ball, kinetic),
+            _ => return None,
+        };
+        let usual = if ball.is_some() {
+            "about 1e-4 to 1e-2 for a hard ball that rolls"
+        } else {
+            "about 0.05 to 1 for dry sliding"
+        };
+        Some(Finding {
+            kind: "friction_coefficient",
+            key: self.key(name, ball),
+            problem: "an unusual friction coefficient".to_owned(),
+            found: short(value),
+            remedy: format!("0, or a value from {least:e} to {most}; {usual}"),
+        })
+    }
+
+    fn speed(&self, machine: &Machine) -> Option<Finding> {
+        let speed = machine.speed_rad_s;
+        (speed.abs() > FASTEST_RAD_S).then(|| Finding {
+            kind: "speed",
+            key: self.key("speed_rad_s", None),
+            problem: "a speed that no disc reaches".to_owned(),
+            found: format!("{} rad/s, which is {:.0} rpm", short(speed), speed.abs() * 60.0 / TAU),
+            remedy: format!("at most {FASTEST_RAD_S:e} rad/s; 1 rpm is 0.10472 rad/s"),
+        })
+    }
+
+    fn belt_speed(&self, block: &Block) -> Option<Finding> {
+        let Ground::Belt { speed_m_s } = block.ground else { return None };
+        (speed_m_s > FASTEST_M_S).then(|| Finding {
+            kind: "speed",
+            key: self.key("belt_speed_m_s", None),
+            problem: "a speed that no belt reaches".to_owned(),
+            found: format!("{} m/s", short(speed_m_s)),
+            remedy: format!("at most {FASTEST_M_S} m/s"),
+        })
+    }
+
+    fn balance(&self, machine: &Machine) -> Option<Finding> {
+        let form = RestForm::new(machine)?;
+        if Balance::of(&form) != Balance::Nowhere {
+            return None;
+        }
+        let capacity = capacity_kg_m(machine) * GRAM_MILLIMETRES;
+        let imbalance = machine.imbalance_mass_kg * machine.imbalance_radius_m * GRAM_MILLIMETRES;
+        let (problem, remedy) = if capacity < imbalance {
+            let remedy = "more or heavier balls, or a larger ring_radius_m";
+            ("the balls cannot balance the imbalance: they are too light", remedy)
+        } else {
+            let remedy = "two or more balls, none of which is heavier than all others and the imbalance together";
+            ("the balls cannot balance the imbalance: one ball is too heavy", remedy)
+        };
+        Some(Finding {
+            kind: "balancing_capacity",
+            key: self.key("ball_mass_kg", None),
+            problem: problem.to_owned(),
+            found: format!(
+                "ball masses times ring_radius_m are {} g mm, and the imbalance is {} g mm",
+                short(capacity),
+                short(imbalance)
+            ),
+            remedy: remedy.to_owned(),
+        })
+    }
+
+    fn overlap(&self, machine: &Machine, positions: &BallPositions) -> Option<Finding> {
+        if !machine.friction.can_stick() {
+            return None;
+        }
+        let fraction = positions.overlapping_fraction(machine)?;
+        (fraction > MOST_OVERLAPPING).then(|| Finding {
+            kind: "overlapping_rests",
+            key: self.key("ball_diameter_m", Some(1)),
+            problem: "balls overlap in most positions of rest, because the model has no contact between balls"
+                .to_owned(),
+            found: format!("{:.0} % of the positions of rest", 100.0 * fraction),
+            remedy: "fewer or smaller balls, or results for balls that pass through each other".to_owned(),
+        })
+    }
+}
+
+/// g mm in one kg m.
+const GRAM_MILLIMETRES: f64 = 1e6;
+
+/// Formats a number with at most four significant digits.
+pub(crate) fn short(number: f64) -> String {
+    // A formatted number can always be parsed.
+    describe_number(format!("{number:.3e}").parse().unwrap_or(number))
+}

@@ -1,0 +1,249 @@
+//! All warnings about a study.
+
+use super::ball_fit::BallPositions;
+use super::points::points_to_examine;
+use super::values::{findings, has_room, short};
+use super::warning::{Finding, Warning};
+use crate::model::{InvalidParameter, Model};
+use crate::optimize::Space;
+use crate::study::{ListedParameter, ParameterValue, Study};
+
+/// The largest number of points whose values are examined.
+const MOST_POINTS: u64 = 50;
+/// The number of runs whose draws are examined.
+const DRAWS: u64 = 1000;
+/// The smallest fraction of invalid draws that is a warning.
+const INVALID_DRAWS: f64 = 0.01;
+/// The number of designs whose geometry is examined, and of large sweeps.
+const DESIGNS: [u32; 2] = [256, 16];
+
+/// Returns the warnings about a study, in the order of their keys' importance. The values of uncertain parameters are
+/// their medians. Of a large sweep, at most 50 points are examined.
+pub fn warnings(study: &Study) -> Vec<Warning> {
+    let mut found = of_points(study);
+    found.extend(subcritical(study));
+    found.extend(of_designs(study));
+    found.extend(mostly_defaults(study));
+    found.extend(invalid_draws(study));
+    found.extend(repeated_points(study));
+    found.into_iter().map(|finding| finding.in_file(study)).collect()
+}
+
+/// Returns the models at the examined points, with uncertain parameters at their medians, without impossible models.
+fn models(study: &Study) -> Vec<(u64, Model)> {
+    let points = points_to_examine(study.point_count(), MOST_POINTS);
+    let model = |point| Some((point, study.median_model(point).ok()?));
+    points.into_iter().filter_map(model).collect()
+}
+
+/// Returns the findings about the values at the points, one for each kind and key.
+fn of_points(study: &Study) -> Vec<Finding> {
+    let models = models(study);
+    let positions = match study.model().balls() {
+        0 | 1 => None,
+        balls => Some(BallPositions::new(balls)),
+    };
+    let mut all: Vec<(Finding, usize)> = Vec::new();
+    for (point_id, model) in &models {
+        for finding in findings(study, *point_id, model, positions.as_ref()) {
+            let known = |(other, _): &&mut (Finding, usize)| {
+                (other.kind, &other.key) == (finding.kind, &finding.key)
+            };
+            match all.iter_mut().find(known) {
+                Some((_, count)) => *count += 1,
+                None => all.push((finding, 1)),
+            }
+        }
+    }
+    let with_count = |(finding, count): (Finding, usize)| {
+        let found = match models.len() {
+            1 => finding.found,
+            points => format!("{}; at {count} of {points} points", finding.found),
+        };
+        Finding { found, ..finding }
+    };
+    all.into_iter().map(with_count).collect()
+}
+
+/// Warns of a study whose disc is slower than the natural frequency at all points.
+fn subcritical(study: &Study) -> Option<Finding> {
+    let models = models(study);
+    let ratio = |model: &Model| {
+        let machine = model.ball_balancer()?;
+        Some(machine.speed_rad_s.abs() / machine.natural_frequency_rad_s())
+    };
+    let ratios: Option<Vec<f64>> = models.iter().map(|(_, model)| ratio(model)).collect();
+    let most = ratios?.into_iter().fold(0.0, f64::max);
+    let (point_id, model) = models.first()?;
+    (most < 1.0).then(|| Finding {
+        kind: "subcritical_speed",
+        key: study.key_of("speed_rad_s", None, *point_id),
+        problem: "the disc is slower than the natural frequency, where balls move towards the imbalance and increase \
+                  the vibration"
+            .to_owned(),
+        found: format!(
+            "at most {most:.3} times the natural frequency of {:.1} rad/s",
+            model.natural_frequency_rad_s()
+        ),
+        remedy: "a speed above the natural frequency, or a softer suspension; 1 rpm is 0.10472 rad/s".to_owned(),
+    })
+}
+
+/// Warns of designs whose balls have no room in the ring.
+fn of_designs(study: &Study) -> Option<Finding> {
+    let variables = study.variables();
+    if variables.is_empty() || study.model().balls() == 0 {
+        return None;
+    }
+    let space = Space::new(study);
+    let designs = DESIGNS[usize::from(study.point_count() > MOST_POINTS)];
+    let (mut examined, mut without_room, mut example) = (0_u32, 0_u32, None);
+    for index in 0..designs {
+        let values = space.space_filling(index, 0);
+        // A design with impossible values has an error of its own in `evaluate`.
+        let Ok(design) = study.set(&values) else { continue };
+        let Ok(model) = design.median_model(0) else { continue };
+        let Some(machine) = model.ball_balancer() else { continue };
+        examined += 1;
+        if !has_room(machine) {
+            without_room += 1;
+            let described = variables.iter().zip(&values);
+            example.get_or_insert_with(|| {
+                let text = described.map(|(variable, value)| {
+                    format!("{} {}", variable.name(), variable.describe(*value))
+                });
+                text.collect::<Vec<_>>().join(", ")
+            });
+        }
+    }
+    Some(Finding {
+        kind: "designs_without_room",
+        key: "design".to_owned(),
+        problem: "the balls of some designs do not fit side by side into the ring".to_owned(),
+        found: format!("{without_room} of {examined} designs, such as {}", example?),
+        remedy: "fewer or smaller balls, or a larger ring_radius_m".to_owned(),
+    })
+}
+
+/// Parameters of the body of a ball balancer. The number of balls, the speed and friction are its operating
+/// conditions, which a study of the default machine may well change.
+const BODY: [&str; 8] = [
+    "table_mass_kg",
+    "stiffness_n_m",
+    "damping_n_s_m",
+    "ring_radius_m",
+    "imbalance_mass_kg",
+    "imbalance_radius_m",
+    "ball_mass_kg",
+    "ball_diameter_m",
+];
+
+/// Warns of a machine that is a mixture: some values of its body are the study's own, but most are those of the
+/// default machine.
+fn mostly_defaults(study: &Study) -> Option<Finding> {
+    let listed = study.parameters();
+    let body = |wanted: bool| -> Vec<&ListedParameter> {
+        let is_left = |one: &ListedParameter| one.is_default && !one.is_varied();
+        let named = listed.iter().filter(|one| BODY.contains(&one.name.as_str()));
+        named.filter(|one| is_left(one) == wanted).collect()
+    };
+    let (left, given) = (body(true), body(false));
+    let default = default_model();
+    let differs =
+        |one: &&&ListedParameter| !one.is_default && Some(one.value) != default(&one.name);
+    let own: Vec<&str> = given.iter().filter(differs).map(|one| one.name.as_str()).collect();
+    if own.is_empty() || 2 * left.len() <= BODY.len() {
+        return None;
+    }
+    let names: Vec<&str> = left.iter().map(|one| one.name.as_str()).collect();
+    Some(Finding {
+        kind: "mostly_defaults",
+        key: "model.parameters".to_owned(),
+        problem:
+            "the machine is a mixture of own values and of the default machine, a CD-ROM drive"
+                .to_owned(),
+        found: format!("own values of {}; defaults of {}", own.join(", "), names.join(", ")),
+        remedy: "a value for each of these parameters; if a default is meant, write it down"
+            .to_owned(),
+    })
+}
+
+/// Returns a function that returns the default value of a parameter of the body.
+fn default_model() -> impl Fn(&str) -> Option<ParameterValue> {
+    let machine = crate::model::Machine::default();
+    move |name: &str| {
+        let ball = machine.balls.first()?;
+        let value = match name {
+            "table_mass_kg" => machine.table_mass_kg,
+            "stiffness_n_m" => machine.stiffness_n_m,
+            "damping_n_s_m" => machine.damping_n_s_m,
+            "ring_radius_m" => machine.ring_radius_m,
+            "imbalance_mass_kg" => machine.imbalance_mass_kg,
+            "imbalance_radius_m" => machine.imbalance_radius_m,
+            "ball_mass_kg" => ball.mass_kg,
+            "ball_diameter_m" => ball.diameter_m,
+            _ => return None,
+        };
+        Some(ParameterValue::Number(value))
+    }
+}
+
+/// Warns of distributions whose draws are often impossible values. The draws are those of the study's own runs.
+fn invalid_draws(study: &Study) -> Option<Finding> {
+    if study.uncertain().is_empty() {
+        return None;
+    }
+    let runs = points_to_examine(study.run_count(), DRAWS);
+    let invalid: Vec<InvalidParameter> =
+        runs.iter().filter_map(|run| study.planned_run(*run).case.err()).collect();
+    let first = invalid.first()?;
+    if (invalid.len() as f64) < INVALID_DRAWS * runs.len() as f64 {
+        return None;
+    }
+    let drawn = |name: &str| study.uncertain().iter().any(|column| column.name == name);
+    // The validation names one ball; the distribution may be that of all balls.
+    let parts = first.name.split('_').filter(|part| part.parse::<usize>().is_err());
+    let general = parts.collect::<Vec<_>>().join("_");
+    let name = [first.name.clone(), general].into_iter().find(|name| drawn(name));
+    let key = name.map_or_else(|| "uncertain".to_owned(), |name| format!("uncertain.{name}"));
+    Some(Finding {
+        kind: "invalid_draws",
+        key,
+        problem: "many draws are impossible values, and their runs fail".to_owned(),
+        found: format!(
+            "{} of {} runs, such as {} {}",
+            invalid.len(),
+            runs.len(),
+            first.name,
+            first.found.parse().map_or_else(|_| first.found.clone(), short)
+        ),
+        remedy: format!(
+            "a distribution within the possible values ({}), such as truncated_normal or lognormal",
+            first.allowed
+        ),
+    })
+}
+
+/// Warns of points that the sweep lists twice.
+fn repeated_points(study: &Study) -> Option<Finding> {
+    let repeated = study.repeated_points()?;
+    let [later, earlier] = repeated.first;
+    let point = study.point(later);
+    let values: Vec<String> = study
+        .swept()
+        .iter()
+        .zip(&point.swept)
+        .map(|(column, value)| format!("{} {value}", column.name))
+        .collect();
+    let times = match repeated.count {
+        1 => String::new(),
+        count => format!("; {count} points repeat an earlier one"),
+    };
+    Some(Finding {
+        kind: "repeated_point",
+        key: repeated.key,
+        problem: "a point is given twice, with the same start states and draws".to_owned(),
+        found: format!("point {later} equals point {earlier} ({}){times}", values.join(", ")),
+        remedy: "each point once".to_owned(),
+    })
+}

@@ -1,0 +1,91 @@
+//! The machine of a study for `check`: every parameter with its unit and the origin of its value.
+
+use serde_json::{Value, json};
+
+use crate::check::short;
+use crate::study::{ListedParameter, ParameterValue, Study};
+use crate::text_table::text_table;
+
+/// Returns the parameters as lines of text.
+pub(super) fn machine_text(study: &Study) -> String {
+    let row =
+        |one: ListedParameter| vec![String::new(), one.name.clone(), value(&one), origin(&one)];
+    let rows: Vec<Vec<String>> = study.parameters().into_iter().map(row).collect();
+    format!("machine ({})\n{}", study.model().kind(), text_table(&rows, &[0, 1, 2, 3]))
+}
+
+/// Returns the value with its unit, or the range of a value that is swept or part of a design.
+fn value(parameter: &ListedParameter) -> String {
+    let unit = match parameter.unit {
+        "" | "1" => String::new(),
+        unit => format!(" {unit}"),
+    };
+    let swept = parameter.swept.as_ref().and_then(|swept| swept.range);
+    match (parameter.design.or(swept), parameter.value) {
+        (Some([low, high]), _) if low == high => format!("{}{unit}", long(low)),
+        (Some([low, high]), _) => format!("{} to {}{unit}", long(low), long(high)),
+        (None, ParameterValue::Number(number)) => format!("{}{unit}", long(number)),
+        (None, ParameterValue::Text(text)) => text.to_owned(),
+    }
+}
+
+/// Formats a number of a study file with all its digits, and a computed one with few.
+fn long(number: f64) -> String {
+    let all = ParameterValue::Number(number).to_string();
+    if all.len() <= 12 { all } else { short(number) }
+}
+
+/// Returns the origin of the value in words; nothing if the study gives a fixed value.
+fn origin(parameter: &ListedParameter) -> String {
+    let mut words = Vec::new();
+    if parameter.is_default && !parameter.is_varied() {
+        words.push("(default)".to_owned());
+    }
+    if let Some(swept) = &parameter.swept {
+        let values = if swept.count == 1 { "value" } else { "values" };
+        words.push(format!("swept, {} {values}", swept.count));
+    }
+    if parameter.design.is_some() {
+        words.push("design".to_owned());
+    }
+    if let Some(uncertain) = parameter.uncertain {
+        let [low, high] = uncertain.range.map(short);
+        let what = if uncertain.factor { "uncertain, times" } else { "uncertain, median;" };
+        words.push(format!("{what} {low} to {high} in 95 % of the runs"));
+    }
+    words.join("; ")
+}
+
+/// Returns the parameters as JSON.
+pub(super) fn machine_json(study: &Study) -> Value {
+    study.parameters().iter().map(parameter_json).collect()
+}
+
+fn parameter_json(parameter: &ListedParameter) -> Value {
+    let value = match parameter.value {
+        ParameterValue::Number(number) => json!(number),
+        ParameterValue::Text(text) => json!(text),
+    };
+    let unit = Some(parameter.unit).filter(|unit| !unit.is_empty());
+    let mut object = json!({
+        "name": parameter.name,
+        "value": value,
+        "unit": unit,
+        "default": parameter.is_default && !parameter.is_varied(),
+    });
+    if let Some(swept) = &parameter.swept {
+        object["swept"] = json!({
+            "values": swept.count,
+            "from": swept.range.map(|[low, _]| low),
+            "to": swept.range.map(|[_, high]| high),
+        });
+    }
+    if let Some(uncertain) = parameter.uncertain {
+        let [low, high] = uncertain.range;
+        object["uncertain"] = json!({"low": low, "high": high, "factor": uncertain.factor});
+    }
+    if let Some([from, to]) = parameter.design {
+        object["design"] = json!({"from": from, "to": to});
+    }
+    object
+}

@@ -1,0 +1,264 @@
+//! The closed forms at the points of a sweep for `check`, as a table and as JSON.
+
+use serde_json::{Value, json};
+
+use super::point_keys::point_keys;
+use crate::analysis::{Balance, Stability};
+use crate::check::{BalancerFacts, BallPositions, BlockFacts, RestFacts, points_to_examine, short};
+use crate::model::Model;
+use crate::study::{Point, Study};
+use crate::text_table::text_table;
+
+/// The closed forms at some points of a sweep, with uncertain parameters at their medians.
+pub(super) struct ClosedForms {
+    names: Vec<String>,
+    /// The number of points of the sweep.
+    points: u64,
+    /// Whether any parameter is uncertain.
+    uncertain: bool,
+    at: Vec<(Point, Facts)>,
+}
+
+enum Facts {
+    Block(BlockFacts),
+    /// The facts, and the positions of rest with friction at its quantiles 0.025 and 0.975 if friction is uncertain.
+    Balancer(Box<BalancerFacts>, Option<[RestFacts; 2]>),
+}
+
+/// Returns whether a parameter of this name is a friction coefficient.
+fn is_friction(name: &str) -> bool {
+    name.contains("friction_coefficient")
+}
+
+impl ClosedForms {
+    /// Computes the closed forms at no more than `most` points, spread evenly over the sweep. Points at which the
+    /// medians are impossible values are left out.
+    pub(super) fn of(study: &Study, most: u64) -> Self {
+        let positions = BallPositions::new(study.model().balls());
+        let facts = |point_id: u64| {
+            let facts = match study.median_model(point_id).ok()? {
+                Model::Block(block) => Facts::Block(BlockFacts::of(&block)),
+                Model::BallBalancer(machine) => {
+                    let facts = BalancerFacts::of(&machine, &positions)?;
+                    Facts::Balancer(Box::new(facts), friction_range(study, point_id, &positions))
+                }
+            };
+            Some((study.point(point_id), facts))
+        };
+        let points = points_to_examine(study.point_count(), most);
+        ClosedForms {
+            names: study.swept().iter().map(|column| column.name.clone()).collect(),
+            points: study.point_count(),
+            uncertain: !study.uncertain().is_empty(),
+            at: points.into_iter().filter_map(facts).collect(),
+        }
+    }
+
+    /// Returns the facts as lines of text.
+    pub(super) fn text(&self) -> String {
+        let mut text = "without simulation".to_owned();
+        if self.uncertain {
+            text += ", with uncertain parameters at their medians";
+        }
+        if (self.at.len() as u64) < self.points {
+            text += &format!(", at {} of {} points", self.at.len(), self.points);
+        }
+        text += "\n";
+        let balancers: Vec<(u64, &BalancerFacts)> = self.at.iter().filter_map(balancer).collect();
+        if balancers.is_empty() {
+            return text + &self.table(&BLOCK_COLUMNS);
+        }
+        text + &self.table(&BALANCER_COLUMNS) + &legend(&balancers)
+    }
+
+    fn table(&self, columns: &[&str]) -> String {
+        let head = ["point"].into_iter().chain(self.names.iter().map(String::as_str));
+        let head = head.chain(columns.iter().copied()).map(str::to_owned).collect();
+        let rows = self.at.iter().map(|(point, facts)| {
+            let mut row = vec![point.point_id.to_string()];
+            row.extend(point.swept.iter().map(ToString::to_string));
+            row.extend(facts.cells());
+            row
+        });
+        text_table(&[head].into_iter().chain(rows).collect::<Vec<_>>(), &[])
+    }
+
+    /// Returns the facts as JSON.
+    pub(super) fn json(&self) -> Value {
+        let point = |(point, facts): &(Point, Facts)| {
+            let mut object = point_keys(point.point_id, &self.names, &point.swept);
+            for (key, value) in facts.entries() {
+                object[key] = value;
+            }
+            object
+        };
+        json!({
+            "points_examined": self.at.len(),
+            "uncertain_at_medians": self.uncertain,
+            "points": self.at.iter().map(point).collect::<Vec<_>>(),
+        })
+    }
+}
+
+/// Returns the positions of rest with friction at its quantiles 0.025 and 0.975, if friction is uncertain.
+fn friction_range(
+    study: &Study,
+    point_id: u64,
+    positions: &BallPositions,
+) -> Option<[RestFacts; 2]> {
+    study.uncertain().iter().find(|column| is_friction(&column.name))?;
+    let at = |fraction: f64| {
+        let of = |name: &str| if is_friction(name) { fraction } else { 0.5 };
+        let model = study.model_at_quantiles(point_id, of).ok()?;
+        RestFacts::of(model.ball_balancer()?, positions)
+    };
+    Some([at(0.025)?, at(0.975)?])
+}
+
+fn balancer((point, facts): &(Point, Facts)) -> Option<(u64, &BalancerFacts)> {
+    match facts {
+        Facts::Balancer(facts, _) => Some((point.point_id, facts)),
+        Facts::Block(_) => None,
+    }
+}
+
+const BLOCK_COLUMNS: [&str; 3] = ["natural [rad/s]", "static reach [m]", "belt [m/s]"];
+
+const BALANCER_COLUMNS: [&str; 9] = [
+    "natural [rad/s]",
+    "speed/natural",
+    "capacity [g mm]",
+    "/imbalance",
+    "set",
+    "worst rest [µm]",
+    "no balls [µm]",
+    "overlap",
+    "balance",
+];
+
+/// Explains the columns, and states the worst rest and the points below the natural frequency in words.
+fn legend(balancers: &[(u64, &BalancerFacts)]) -> String {
+    let mut text = "set: fraction of all ball positions at which friction holds the balls; worst rest: the largest \
+                    amplitude there;\noverlap: fraction of these positions in which balls overlap; balance: stability \
+                    of the balancing position without friction\n"
+        .to_owned();
+    let ratio = |(point_id, facts): &(u64, &BalancerFacts)| {
+        let ratio = facts.rest?.max_amplitude_m? / facts.amplitude_without_balls_m?;
+        ratio.is_finite().then_some((ratio, *point_id))
+    };
+    let worst = balancers.iter().filter_map(ratio).max_by(|one, other| one.0.total_cmp(&other.0));
+    if let Some((ratio, point_id)) = worst {
+        let place =
+            if balancers.len() == 1 { String::new() } else { format!(" (point {point_id})") };
+        text += &format!(
+            "balls that rest in the worst position make the vibration {} times that without balls{place}\n",
+            short(ratio)
+        );
+    }
+    let below = balancers.iter().filter(|(_, facts)| facts.speed_ratio < 1.0).count();
+    if below > 0 {
+        let points = balancers.len();
+        text += &format!(
+            "at {below} of {points} points the disc is slower than the natural frequency; balls then move towards the \
+             imbalance\n"
+        );
+    }
+    text
+}
+
+impl Facts {
+    /// Returns the cells of a row of the table.
+    fn cells(&self) -> Vec<String> {
+        match self {
+            Facts::Block(facts) => vec![
+                format!("{:.2}", facts.natural_frequency_rad_s),
+                short(facts.static_reach_m),
+                facts.belt_speed_m_s.map_or_else(none, short),
+            ],
+            Facts::Balancer(facts, range) => {
+                let rest = |value: fn(&RestFacts) -> Option<f64>| {
+                    let nominal = facts.rest.as_ref().and_then(value).map_or_else(none, short);
+                    match range.as_ref().map(|[low, high]| [value(low), value(high)]) {
+                        Some([Some(low), Some(high)]) => {
+                            format!("{nominal} ({} .. {})", short(low), short(high))
+                        }
+                        _ => nominal,
+                    }
+                };
+                vec![
+                    format!("{:.2}", facts.natural_frequency_rad_s),
+                    format!("{:.3}", facts.speed_ratio),
+                    short(facts.capacity_kg_m * GRAM_MILLIMETRES),
+                    short(facts.capacity_ratio()),
+                    rest(|rest| Some(rounded(rest.set_fraction))),
+                    rest(|rest| rest.max_amplitude_m.map(|amplitude| amplitude * MICROMETRES)),
+                    facts
+                        .amplitude_without_balls_m
+                        .map_or_else(none, |one| short(one * MICROMETRES)),
+                    rest(|rest| rest.overlapping_fraction.map(rounded)),
+                    balance(facts),
+                ]
+            }
+        }
+    }
+
+    /// Returns the keys and values of a point's JSON object.
+    fn entries(&self) -> Vec<(&'static str, Value)> {
+        match self {
+            Facts::Block(facts) => vec![
+                ("natural_frequency_rad_s", json!(facts.natural_frequency_rad_s)),
+                ("static_reach_m", json!(facts.static_reach_m)),
+                ("belt_speed_m_s", json!(facts.belt_speed_m_s)),
+            ],
+            Facts::Balancer(facts, range) => {
+                let stability = facts.balance_stability.map(Stability::name);
+                let mut entries = vec![
+                    ("natural_frequency_rad_s", json!(facts.natural_frequency_rad_s)),
+                    ("speed_over_natural_frequency", json!(facts.speed_ratio)),
+                    ("capacity_g_mm", json!(facts.capacity_kg_m * GRAM_MILLIMETRES)),
+                    ("imbalance_g_mm", json!(facts.imbalance_kg_m * GRAM_MILLIMETRES)),
+                    ("capacity_over_imbalance", json!(facts.capacity_ratio())),
+                    ("amplitude_without_balls_m", json!(facts.amplitude_without_balls_m)),
+                    ("balance", json!(facts.balance.name())),
+                    ("balance_stability", json!(stability)),
+                    ("rest", facts.rest.as_ref().map_or(Value::Null, rest_json)),
+                ];
+                if let Some([low, high]) = range {
+                    entries.push(("rest_at_low_friction", rest_json(low)));
+                    entries.push(("rest_at_high_friction", rest_json(high)));
+                }
+                entries
+            }
+        }
+    }
+}
+
+/// g mm in one kg m.
+const GRAM_MILLIMETRES: f64 = 1e6;
+/// µm in one m.
+const MICROMETRES: f64 = 1e6;
+
+fn none() -> String {
+    "-".to_owned()
+}
+
+/// Rounds an estimated fraction to three decimals.
+fn rounded(fraction: f64) -> f64 {
+    (fraction * 1e3).round() / 1e3
+}
+
+/// Returns whether the balancing position exists and is stable, in a word.
+fn balance(facts: &BalancerFacts) -> String {
+    match (&facts.balance, facts.balance_stability) {
+        (Balance::Nowhere, _) => "nowhere".to_owned(),
+        (_, stability) => stability.map_or_else(none, |stability| stability.name().to_owned()),
+    }
+}
+
+fn rest_json(rest: &RestFacts) -> Value {
+    json!({
+        "set_fraction": rest.set_fraction,
+        "max_amplitude_m": rest.max_amplitude_m,
+        "overlapping_fraction": rest.overlapping_fraction,
+    })
+}

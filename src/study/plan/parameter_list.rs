@@ -1,0 +1,205 @@
+//! The parameters of a study's model, with the origin of each value: the file, a default, the sweep, a distribution
+//! or a design.
+
+use crate::model::ball_parameter_name;
+use crate::study::plan::parameter::{Parameter, ParameterValue};
+use crate::study::plan::planned_study::Study;
+use crate::study::plan::variable::Domain;
+
+/// A parameter of the model and the origin of its values.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ListedParameter {
+    /// Name, as in the study file.
+    pub name: String,
+    /// Unit; `1` for dimensionless numbers, empty for words.
+    pub unit: &'static str,
+    /// The value before the sweep, the design and a random factor set another one. The median of the distribution if
+    /// the whole value is uncertain.
+    pub value: ParameterValue,
+    /// Whether the study does not give this value, so that it is the default.
+    pub is_default: bool,
+    /// The values at the points of the sweep.
+    pub swept: Option<SweptValues>,
+    /// The range of the draws.
+    pub uncertain: Option<UncertainRange>,
+    /// The smallest and the largest value of a design.
+    pub design: Option<[f64; 2]>,
+}
+
+/// The values of a swept parameter.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SweptValues {
+    /// Number of listed values in all blocks of the sweep.
+    pub count: usize,
+    /// The smallest and the largest number; `None` for words.
+    pub range: Option<[f64; 2]>,
+}
+
+/// The draws of an uncertain parameter.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct UncertainRange {
+    /// The quantiles of the fractions 0.025 and 0.975, of the value or of the factor.
+    pub range: [f64; 2],
+    /// Whether the draw is a factor that multiplies the value.
+    pub factor: bool,
+}
+
+impl ListedParameter {
+    /// Returns whether the sweep, a distribution or a design sets the value, so that the default has no effect.
+    pub fn is_varied(&self) -> bool {
+        self.swept.is_some()
+            || self.design.is_some()
+            || self.uncertain.is_some_and(|one| !one.factor)
+    }
+}
+
+impl Study {
+    /// Returns the parameters of the model, in the order of the documentation. A ball has its own entry if it has its
+    /// own value.
+    pub fn parameters(&self) -> Vec<ListedParameter> {
+        let all = Parameter::all(&self.base.model).into_iter();
+        let mut list: Vec<ListedParameter> =
+            all.filter(|parameter| self.lists(*parameter)).map(|one| self.listed(one)).collect();
+        let before = |list: &[ListedParameter], names: &[&str]| {
+            let named =
+                list.iter().position(|one| names.iter().any(|name| one.name.starts_with(name)));
+            named.unwrap_or(list.len())
+        };
+        if self.base.model.balls() > 0 {
+            let place = before(&list, &["ball_"]);
+            list.insert(place, self.number_of_balls());
+        }
+        let place = before(&list, &["friction_", "static_", "stribeck_", "smoothing_", "viscous_"]);
+        list.insert(place, self.friction_law());
+        list
+    }
+
+    fn lists(&self, parameter: Parameter) -> bool {
+        if parameter.is_unused(&self.base.model) {
+            return false;
+        }
+        match parameter.general() {
+            Some(_) => self.base.has_own_value(parameter) || self.varies(parameter),
+            None => !self.base.has_only_own_values(parameter) || self.varies(parameter),
+        }
+    }
+
+    fn varies(&self, parameter: Parameter) -> bool {
+        self.swept_parameters.contains(&parameter)
+            || self.uncertain_parameters.iter().any(|one| one.parameter == parameter)
+            || self.design_range(parameter).is_some()
+    }
+
+    fn listed(&self, parameter: Parameter) -> ListedParameter {
+        let own = parameter.get(&self.base.model, &self.base.general);
+        let drawn = self.uncertain_parameters.iter().find(|one| one.parameter == parameter);
+        let value = match drawn {
+            Some(one) if !one.factor => ParameterValue::Number(one.distribution.quantile(0.5)),
+            _ => own,
+        };
+        let name = parameter.name();
+        let is_given = match parameter.general() {
+            Some(general) => self.base.has_own_value(parameter) || self.gives(&general.name()),
+            None => self.gives(&name),
+        };
+        // A law other than Coulomb's has no defaults.
+        let of_law = ["static_friction_", "stribeck_", "smoothing_", "viscous_"];
+        let is_given = is_given || of_law.iter().any(|law| name.starts_with(law));
+        ListedParameter {
+            unit: parameter.unit(),
+            value,
+            is_default: !is_given,
+            swept: self.swept_values(parameter),
+            uncertain: drawn.map(|one| UncertainRange {
+                range: [0.025, 0.975].map(|fraction| one.distribution.quantile(fraction)),
+                factor: one.factor,
+            }),
+            design: self.design_range(parameter),
+            name,
+        }
+    }
+
+    fn number_of_balls(&self) -> ListedParameter {
+        let numbers = self.variables.iter().find_map(|variable| variable.ball_numbers());
+        ListedParameter {
+            name: "balls".to_owned(),
+            unit: "1",
+            value: ParameterValue::Number(self.base.model.balls() as f64),
+            is_default: !self.gives("balls"),
+            swept: None,
+            uncertain: None,
+            design: numbers.map(|numbers| [*numbers.start() as f64, *numbers.end() as f64]),
+        }
+    }
+
+    fn friction_law(&self) -> ListedParameter {
+        ListedParameter {
+            name: "friction".to_owned(),
+            unit: "",
+            value: ParameterValue::Text(self.base.model.friction().name()),
+            is_default: !self.gives("friction"),
+            swept: None,
+            uncertain: None,
+            design: None,
+        }
+    }
+
+    fn swept_values(&self, parameter: Parameter) -> Option<SweptValues> {
+        let lists = self.blocks.iter().filter_map(|block| block.list(parameter));
+        let values: Vec<&ParameterValue> = lists.flatten().collect();
+        let numbers = values.iter().filter_map(|value| match value {
+            ParameterValue::Number(number) => Some(*number),
+            ParameterValue::Text(_) => None,
+        });
+        let swept = SweptValues { count: values.len(), range: range(numbers) };
+        (swept.count > 0).then_some(swept)
+    }
+
+    /// Returns the smallest and the largest value that a design may set.
+    fn design_range(&self, parameter: Parameter) -> Option<[f64; 2]> {
+        range(self.variables.iter().flat_map(|variable| match &variable.domain {
+            Domain::Parameter { parameter: own, from, to } if *own == parameter => vec![*from, *to],
+            Domain::Choices(choices) => {
+                let all = choices.iter().flat_map(|(_, values)| values);
+                all.filter(|(own, _)| *own == parameter).map(|(_, value)| *value).collect()
+            }
+            _ => Vec::new(),
+        }))
+    }
+
+    /// Returns the key that sets a parameter at a point, such as `sweep[0].grid.speed_rad_s`. `ball`, from 1, selects
+    /// a ball for a parameter of balls. The key is that of `model.parameters` if nothing sets the parameter.
+    pub fn key_of(&self, general: &str, ball: Option<usize>, point_id: u64) -> String {
+        let of_ball = ball.map(|ball| ball_parameter_name(general, ball));
+        let names: Vec<&str> = of_ball.as_deref().into_iter().chain([general]).collect();
+        let block = self.block_of(point_id);
+        let columns = self.blocks.get(block).map_or(&[][..], |block| &block.columns);
+        for name in &names {
+            if columns.iter().any(|(parameter, _)| parameter.name() == *name) {
+                let listed = ["grid", "zip"].map(|kind| format!("sweep[{block}].{kind}.{name}"));
+                let listed = listed.into_iter().find(|key| self.has_key(key));
+                return listed.unwrap_or_else(|| format!("sweep[{block}].table"));
+            }
+            if self.uncertain.iter().any(|column| column.name == *name) {
+                return format!("uncertain.{name}");
+            }
+        }
+        if let Some(index) = ball.and_then(|ball| ball.checked_sub(1)) {
+            let own = general.strip_prefix("ball_").unwrap_or(general);
+            let key = format!("model.parameters.balls[{index}].{own}");
+            if self.has_key(&key) {
+                return key;
+            }
+        }
+        let law = format!("model.friction.{}.{general}", self.base.model.friction().name());
+        if self.has_key(&law) { law } else { format!("model.parameters.{general}") }
+    }
+}
+
+/// Returns the smallest and the largest number, if there are any.
+fn range(numbers: impl Iterator<Item = f64>) -> Option<[f64; 2]> {
+    numbers.fold(None, |range, number| {
+        let [low, high] = range.unwrap_or([number; 2]);
+        Some([f64::min(low, number), f64::max(high, number)])
+    })
+}

@@ -1,0 +1,57 @@
+//! Points of a sweep that a study lists more than once.
+
+use std::collections::HashMap;
+
+use crate::study::plan::parameter::ParameterValue;
+use crate::study::plan::planned_study::Study;
+
+/// The largest number of points that are compared.
+const MOST_POINTS: u64 = 20_000;
+
+/// Points with the parameters and the sampling design of an earlier point.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct RepeatedPoints {
+    /// The number of such points among those that were compared.
+    pub count: u64,
+    /// The number of the first such point, and that of the earlier point.
+    pub first: [u64; 2],
+    /// The key of the block of the sweep that contains the first such point.
+    pub key: String,
+}
+
+impl Study {
+    /// Returns the points that repeat an earlier point, if there are any.
+    pub fn repeated_points(&self) -> Option<RepeatedPoints> {
+        let mut seen: HashMap<Vec<Value>, u64> = HashMap::new();
+        let mut found: Option<RepeatedPoints> = None;
+        for point_id in 0..self.point_count().min(MOST_POINTS) {
+            let values = self.point(point_id).swept.iter().map(Value::of).collect();
+            let earlier = *seen.entry(values).or_insert(point_id);
+            let [block, other] = [point_id, earlier].map(|point| self.block_of(point));
+            if earlier == point_id || self.blocks[block].design != self.blocks[other].design {
+                continue;
+            }
+            let key = format!("sweep[{block}]");
+            let first = [point_id, earlier];
+            found.get_or_insert(RepeatedPoints { count: 0, first, key }).count += 1;
+        }
+        found
+    }
+}
+
+/// The value of a parameter as a key.
+#[derive(PartialEq, Eq, Hash)]
+enum Value {
+    Number(u64),
+    Text(&'static str),
+}
+
+impl Value {
+    fn of(value: &ParameterValue) -> Value {
+        match value {
+            // Adding 0 turns -0 into 0.
+            ParameterValue::Number(number) => Value::Number((number + 0.0).to_bits()),
+            ParameterValue::Text(text) => Value::Text(text),
+        }
+    }
+}

@@ -1,0 +1,5 @@
+//! Closed forms and findings before a study is computed.
+
+mod ball_fit;
+mod closed_form;
+mod points;

@@ -1,0 +1,469 @@
+//! `check`: warnings, the machine, closed forms and the cost of a search.
+
+use std::path::Path;
+
+use serde_json::{Value, json};
+
+use super::support::{AT_ONCE, Scratch, assert_has, study_text};
+
+/// The thesis's machine; `ball_mass_kg` is on line 14 of a study.
+const MACHINE: &str = "\
+model:
+  kind: ball_balancer
+  parameters:
+    table_mass_kg: 0.324
+    stiffness_n_m: 10700
+    damping_n_s_m: 1.28
+    ring_radius_m: 0.0115
+    imbalance_mass_kg: 5.6e-5
+    imbalance_radius_m: 0.037
+    balls: 2
+    ball_mass_kg: 1.4e-4
+    ball_diameter_m: 0.003
+    friction_coefficient: 2.75e-3
+    speed_rad_s: -216.4
+";
+
+/// Returns a study with a model and further lines.
+fn study(model: &str, rest: &str) -> String {
+    format!(
+        "schema: 1\nname: a\nseed: 5\n{model}initial_conditions: {{design: {{monte_carlo: {{samples: 8}}}}}}\n\
+         simulation: {{end_time_s: {AT_ONCE:e}}}\n{rest}"
+    )
+}
+
+fn report(scratch: &Scratch, path: &str) -> Value {
+    serde_json::from_str(&scratch.well(&format!("check {path} --json"))).unwrap()
+}
+
+fn kinds(report: &Value) -> Vec<String> {
+    let warnings = report["warnings"].as_array().unwrap();
+    warnings.iter().map(|one| one["kind"].as_str().unwrap().to_owned()).collect()
+}
+
+/// Returns the path of a shipped study.
+fn shipped(name: &str) -> String {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies").join(name);
+    path.display().to_string()
+}
+
+/// Each slip gives its own warnings and no others, with the key and its line.
+#[test]
+fn slips_are_warnings_with_their_key_and_line() {
+    let changed = |changes: &[(&str, &str)]| {
+        changes.iter().fold(MACHINE.to_owned(), |model, (from, to)| {
+            assert!(model.contains(from), "{from}");
+            model.replace(from, to)
+        })
+    };
+    let mass = |kg| ("ball_mass_kg: 1.4e-4", kg);
+    let diameter = |m| ("ball_diameter_m: 0.003", m);
+    let of_machine: &[(&[(&str, &str)], &[&str], &str, u64, &str)] = &[
+        (&[], &[], "", 0, ""),
+        (
+            &[mass("ball_mass_kg: 0.14")],
+            &["ball_density"],
+            "model.parameters.ball_mass_kg",
+            14,
+            "a steel ball of this diameter has 0.000111 kg",
+        ),
+        (
+            &[diameter("ball_diameter_m: 3")],
+            &["ball_beyond_ring", "ball_density"],
+            "model.parameters.ball_diameter_m",
+            15,
+            "lengths are in m, not in mm",
+        ),
+        (
+            &[
+                ("balls: 2", "balls: 8"),
+                mass("ball_mass_kg: 4.1e-3"),
+                diameter("ball_diameter_m: 0.01"),
+            ],
+            &["balls_do_not_fit"],
+            "model.parameters.ball_diameter_m",
+            15,
+            "at most 6 such balls",
+        ),
+        (
+            &[("coefficient: 2.75e-3", "coefficient: 3")],
+            &["friction_coefficient"],
+            "model.parameters.friction_coefficient",
+            16,
+            "0, or a value from 1e-6 to 2; about 1e-4 to 1e-2 for a hard ball that rolls",
+        ),
+        (
+            &[("coefficient: 2.75e-3", "coefficient: 1e-7")],
+            &["friction_coefficient"],
+            "model.parameters.friction_coefficient",
+            16,
+            "0, or a value",
+        ),
+        (&[("coefficient: 2.75e-3", "coefficient: 0")], &[], "", 0, ""),
+        (
+            &[("speed_rad_s: -216.4", "speed_rad_s: 2.0e5")],
+            &["speed"],
+            "model.parameters.speed_rad_s",
+            17,
+            "at most 1e5 rad/s",
+        ),
+        (
+            &[("speed_rad_s: -216.4", "speed_rad_s: -100")],
+            &["subcritical_speed"],
+            "model.parameters.speed_rad_s",
+            17,
+            "a speed above the natural frequency",
+        ),
+        (
+            &[("imbalance_mass_kg: 5.6e-5", "imbalance_mass_kg: 5.6e-4")],
+            &["balancing_capacity"],
+            "model.parameters.ball_mass_kg",
+            14,
+            "more or heavier balls",
+        ),
+        (
+            &[("balls: 2", "balls: [{mass_kg: 1.0e-4}]")],
+            &["balancing_capacity"],
+            "model.parameters.ball_mass_kg",
+            14,
+            "",
+        ),
+        (
+            &[("balls: 2", "balls: 8"), mass("ball_mass_kg: 1.1e-4")],
+            &["overlapping_rests"],
+            "model.parameters.ball_diameter_m",
+            15,
+            "fewer or smaller balls",
+        ),
+        (
+            &[("balls: 2", "balls: [{}, {mass_kg: 0.2}, {mass_kg: 0.2}]")],
+            &["ball_density"],
+            "model.parameters.balls[1].mass_kg",
+            13,
+            "a steel ball",
+        ),
+    ];
+    let scratch = Scratch::new();
+    for (changes, expected, key, line, remedy) in of_machine {
+        scratch.write("a.yaml", study(&changed(changes), ""));
+        let report = report(&scratch, "a.yaml");
+        assert_eq!(&kinds(&report), expected, "{changes:?}");
+        let first = &report["warnings"][0];
+        if !expected.is_empty() {
+            assert_eq!((&first["key"], &first["line"]), (&json!(key), &json!(line)), "{changes:?}");
+            assert_has(first["remedy"].as_str().unwrap(), &[remedy]);
+        }
+    }
+    for (model, rest, expected, key) in [
+        (
+            MACHINE,
+            "uncertain: {imbalance_mass_kg: {normal: {mean: 5.6e-5, std_dev: 1.0e-3}}}\n",
+            "invalid_draws",
+            "uncertain.imbalance_mass_kg",
+        ),
+        (
+            MACHINE,
+            "sweep: [{grid: {speed_rad_s: [-200, -216, -200]}}]\n",
+            "repeated_point",
+            "sweep[0]",
+        ),
+        (
+            MACHINE,
+            "sweep:\n  - grid: {speed_rad_s: [-200, -216]}\n  - zip: {ball_mass_kg: [0.14]}\n",
+            "ball_density",
+            "sweep[1].zip.ball_mass_kg",
+        ),
+        (
+            MACHINE,
+            "uncertain: {friction_coefficient: {uniform: {min: 1, max: 9}}}\n",
+            "friction_coefficient",
+            "uncertain.friction_coefficient",
+        ),
+        (
+            MACHINE,
+            "design: {balls: {from: 1, to: 8}, ball_diameter_m: {from: 0.002, to: 0.012}}\n\
+             responses: {half: median_time_to_rest}\n",
+            "designs_without_room",
+            "design",
+        ),
+        (
+            "model: {kind: ball_balancer, parameters: {table_mass_kg: 3, speed_rad_s: 628}}\n",
+            "",
+            "mostly_defaults",
+            "model.parameters",
+        ),
+        (
+            "model: {kind: block_on_belt, parameters: {friction_coefficient: 5}}\n",
+            "",
+            "friction_coefficient",
+            "model.parameters.friction_coefficient",
+        ),
+        (
+            "model: {kind: block_on_belt, parameters: {belt_speed_m_s: 5000}}\n",
+            "",
+            "speed",
+            "model.parameters.belt_speed_m_s",
+        ),
+    ] {
+        scratch.write("a.yaml", study(model, rest));
+        let report = report(&scratch, "a.yaml");
+        assert_eq!(kinds(&report), [expected], "{rest}");
+        assert_eq!(report["warnings"][0]["key"], json!(key), "{rest}");
+        assert!(report["warnings"][0]["line"].is_u64(), "{rest}");
+    }
+}
+
+/// Values at the limits of the numbers neither stop the command nor keep it busy.
+#[test]
+fn extreme_values_have_closed_forms() {
+    let scratch = Scratch::new();
+    for (from, to) in [
+        ("speed_rad_s: -216.4", "speed_rad_s: 1.0e-160"),
+        ("speed_rad_s: -216.4", "speed_rad_s: 0"),
+        ("speed_rad_s: -216.4", "speed_rad_s: 1.0e300"),
+        ("friction_coefficient: 2.75e-3", "friction_coefficient: 1.0e300"),
+        ("ball_diameter_m: 0.003", "ball_diameter_m: 1.0e-300"),
+        ("ball_diameter_m: 0.003", "ball_diameter_m: 1.0e300"),
+        ("ball_mass_kg: 1.4e-4", "ball_mass_kg: 1.0e300"),
+        ("imbalance_mass_kg: 5.6e-5", "imbalance_mass_kg: 1.0e-300"),
+        ("stiffness_n_m: 10700", "stiffness_n_m: 1.0e300"),
+        ("table_mass_kg: 0.324", "table_mass_kg: 1.0e300"),
+        ("damping_n_s_m: 1.28", "damping_n_s_m: 0"),
+    ] {
+        scratch.write("a.yaml", study(&MACHINE.replace(from, to), ""));
+        let report = report(&scratch, "a.yaml");
+        assert_eq!(report["closed_form"]["points_looked_at"], json!(1), "{to}");
+        scratch.well("check a.yaml");
+    }
+    let impossible = "uncertain: {ball_mass_kg: {normal: {mean: -1.0, std_dev: 1.0e-3}}}\n";
+    scratch.write("a.yaml", study(MACHINE, impossible));
+    let report = report(&scratch, "a.yaml");
+    assert_eq!(
+        (kinds(&report), &report["closed_form"]["points"]),
+        (vec!["invalid_draws".into()], &json!([]))
+    );
+    assert_has(&scratch.well("check a.yaml"), &["at 0 of 1 points"]);
+}
+
+/// Two points with the same parameters but with other start states are two points.
+#[test]
+fn a_point_with_another_design_is_not_repeated() {
+    let scratch = Scratch::new();
+    let sweep = "sweep:\n  - zip: {speed_rad_s: [-216]}\n  - zip: {speed_rad_s: [-216]}\n    \
+                 design: {monte_carlo: {samples: 3}}\n";
+    scratch.write("a.yaml", study(MACHINE, sweep));
+    assert!(kinds(&report(&scratch, "a.yaml")).is_empty());
+}
+
+/// Warnings go to standard error; `--strict` makes them an exit code, and `run` repeats them.
+#[test]
+fn warnings_change_the_exit_code_only_with_strict() {
+    let scratch = Scratch::new();
+    scratch.write("good.yaml", study(MACHINE, ""));
+    scratch.write("bad.yaml", study(&MACHINE.replace("1.4e-4", "0.14"), ""));
+    let warning =
+        "warning: bad.yaml:14:19: `model.parameters.ball_mass_kg`: no material has the density";
+    for (arguments, code) in [
+        ("check bad.yaml", 0),
+        ("check bad.yaml --strict", 2),
+        ("check bad.yaml --strict --json", 2),
+    ] {
+        let ended = scratch.stickslip(arguments);
+        assert_eq!(ended.code, Some(code), "{}", ended.err);
+        assert_has(
+            &ended.err,
+            &[warning, "\n  found:  a ball of 0.14 kg", "\n  remedy: 500 to 25000"],
+        );
+        assert_eq!(ended.err.contains("error: 1 warning, which --strict"), code == 2);
+        assert!(!ended.out.is_empty() && !ended.out.contains("warning: "));
+    }
+    let good = scratch.stickslip("check good.yaml --strict");
+    assert_eq!((good.code, good.err.as_str()), (Some(0), ""));
+    let ran = scratch.stickslip("run bad.yaml --out out");
+    assert_eq!((ran.code, ran.err.matches(warning).count()), (Some(0), 1), "{}", ran.err);
+    let quiet = scratch.stickslip("run bad.yaml --out quiet --quiet");
+    assert_eq!((quiet.code, quiet.err.as_str()), (Some(0), ""));
+}
+
+/// Shipped studies have only the warnings that their comments explain.
+#[test]
+fn shipped_studies_have_no_false_warnings() {
+    let scratch = Scratch::new();
+    let mut studies = 0;
+    for entry in std::fs::read_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("studies")).unwrap() {
+        let path = entry.unwrap().path();
+        if path.extension().is_none_or(|extension| extension != "yaml") {
+            continue;
+        }
+        studies += 1;
+        let name = path.file_stem().unwrap().to_str().unwrap().to_owned();
+        let expected: &[&str] = match name.as_str() {
+            // A machine that cannot be built shows where the model fails.
+            "no-unique-solution" => {
+                &["ball_density", "friction_coefficient", "subcritical_speed", "mostly_defaults"]
+            }
+            // These two studies are about balls below the natural frequency.
+            "model-form" | "smooth-friction" => &["subcritical_speed"],
+            _ => &[],
+        };
+        let report = report(&scratch, &path.display().to_string());
+        assert_eq!(kinds(&report), expected, "{name}");
+    }
+    assert!(studies > 20);
+}
+
+/// The machine is printed with units and the origin of each value.
+#[test]
+fn the_machine_has_its_defaults_marked() {
+    let scratch = Scratch::new();
+    let model = "model: {kind: ball_balancer, parameters: {table_mass_kg: 0.5, balls: [{}, {mass_kg: 2.0e-4}]}}\n";
+    let rest = "sweep: [{grid: {speed_rad_s: [-160, -216]}}]\n\
+                uncertain:\n  stiffness_n_m: {times: {uniform: {min: 0.9, max: 1.1}}}\n  \
+                imbalance_mass_kg: {uniform: {min: 4.0e-5, max: 6.0e-5}}\n\
+                design: {ring_radius_m: {from: 0.0095, to: 0.0135}}\nresponses: {half: median_time_to_rest}\n";
+    scratch.write("a.yaml", study(model, rest));
+    let text = scratch.well("check a.yaml");
+    let lines: Vec<String> =
+        text.lines().map(|line| line.split_whitespace().collect::<Vec<_>>().join(" ")).collect();
+    for line in [
+        "table_mass_kg 0.5 kg",
+        "stiffness_n_m 10700 N/m (default); uncertain, times 0.905 to 1.095 in 95 % of the runs",
+        "damping_n_s_m 1.28 N s/m (default)",
+        "ring_radius_m 0.0095 to 0.0135 m design",
+        "imbalance_mass_kg 5e-5 kg uncertain, median; 4.05e-5 to 5.95e-5 in 95 % of the runs",
+        "balls 2",
+        "ball_mass_kg 0.00014 kg (default)",
+        "ball_mass_2_kg 0.0002 kg",
+        "friction coulomb (default)",
+        "speed_rad_s -216 to -160 rad/s swept, 2 values",
+        "normal_force lagrange (default)",
+    ] {
+        assert!(lines.iter().any(|one| one == line), "no {line:?} in\n{text}");
+    }
+    let report = report(&scratch, "a.yaml");
+    let entry = |name: &str| {
+        let machine = report["machine"].as_array().unwrap();
+        machine.iter().find(|one| one["name"] == json!(name)).unwrap().clone()
+    };
+    assert_eq!(
+        entry("table_mass_kg"),
+        json!({"name": "table_mass_kg", "value": 0.5, "unit": "kg", "default": false})
+    );
+    assert_eq!(entry("damping_n_s_m")["default"], json!(true));
+    assert_eq!(entry("speed_rad_s")["swept"], json!({"values": 2, "from": -216.0, "to": -160.0}));
+    assert_eq!(entry("ring_radius_m")["design"], json!({"from": 0.0095, "to": 0.0135}));
+    assert_eq!(entry("stiffness_n_m")["uncertain"]["factor"], json!(true));
+}
+
+/// The closed forms are those of the machine that is drawn, not of the default of an uncertain parameter.
+#[test]
+fn closed_forms_are_those_of_the_machine_that_is_drawn() {
+    let scratch = Scratch::new();
+    scratch.write("a.yaml", study("model: {kind: ball_balancer}\n", ""));
+    scratch.write(
+        "b.yaml",
+        study(
+            "model: {kind: ball_balancer}\n",
+            "uncertain: {friction_coefficient: {lognormal: {mean: 5.0e-4, std_dev: 3.0e-4}}}\n",
+        ),
+    );
+    let plain = &report(&scratch, "a.yaml")["closed_form"];
+    assert_eq!(
+        (&plain["points_looked_at"], &plain["uncertain_at_medians"]),
+        (&json!(1), &json!(false))
+    );
+    let point = &plain["points"][0];
+    assert_eq!((&point["point_id"], &point["balance"]), (&json!(0), &json!("position")));
+    assert_eq!(point["balance_stability"], json!("stable"));
+    let number = |value: &Value| value.as_f64().unwrap();
+    assert!((number(&point["capacity_g_mm"]) - 3.22).abs() < 1e-9);
+    assert!((number(&point["imbalance_g_mm"]) - 2.072).abs() < 1e-9);
+    assert!((number(&point["speed_over_natural_frequency"]) - 1.1913).abs() < 1e-3);
+    assert!((number(&point["rest"]["set_fraction"]) - 0.77).abs() < 0.01);
+    assert!(point.get("rest_at_low_friction").is_none());
+    let drawn = &report(&scratch, "b.yaml")["closed_form"];
+    assert_eq!(drawn["uncertain_at_medians"], json!(true));
+    let of = |key: &str| number(&drawn["points"][0][key]["set_fraction"]);
+    let [low, median, high] = ["rest_at_low_friction", "rest", "rest_at_high_friction"].map(of);
+    assert!(low < median && median < high && median < 0.2, "{low} {median} {high}");
+    let text = scratch.well("check b.yaml");
+    assert_has(
+        &text,
+        &["without simulation, with uncertain parameters at their medians\n", " .. "],
+    );
+    assert_has(
+        &scratch.well("check a.yaml"),
+        &["times that without balls\n", "overlap", "  stable\n"],
+    );
+}
+
+/// At most 20 points are printed, and JSON has more.
+#[test]
+fn large_sweeps_are_shown_in_part() {
+    let scratch = Scratch::new();
+    let speeds: Vec<String> = (0..60).map(|k| format!("{}", -190 - k)).collect();
+    let sweep = format!("sweep: [{{grid: {{speed_rad_s: [{}]}}}}]\n", speeds.join(", "));
+    scratch.write("a.yaml", study(MACHINE, &sweep));
+    let text = scratch.well("check a.yaml");
+    assert_has(&text, &["without simulation, at 20 of 60 points\n"]);
+    assert_eq!(text.matches("  stable\n").count(), 20, "{text}");
+    assert_eq!(report(&scratch, "a.yaml")["closed_form"]["points"].as_array().unwrap().len(), 60);
+}
+
+#[test]
+fn a_block_has_a_static_reach() {
+    let scratch = Scratch::new();
+    scratch.write("a.yaml", study("model: {kind: block_on_belt}\n", ""));
+    let point = &report(&scratch, "a.yaml")["closed_form"]["points"][0];
+    assert_eq!(
+        (&point["natural_frequency_rad_s"], &point["belt_speed_m_s"]),
+        (&json!(10.0), &json!(0.1))
+    );
+    assert!((point["static_reach_m"].as_f64().unwrap() - 0.01).abs() < 1e-12);
+    assert_has(&scratch.well("check a.yaml"), &["machine (block_on_belt)\n", "static reach [m]"]);
+}
+
+/// A study of designs has the cost of one design, and a search its goal, size and cost.
+#[test]
+fn designs_and_searches_have_a_price() {
+    let scratch = Scratch::new();
+    let path = shipped("cd-rom.yaml");
+    let search = report(&scratch, &path);
+    let [one, all] = ["design_cost", "optimize"].map(|key| &search[key]);
+    assert_eq!(one["runs"], json!(384));
+    for (key, value) in [
+        ("objectives", json!([{"response": "vibration_95", "goal": "minimize"}])),
+        ("limits", json!([{"response": "quiet", "at_least": 0.9}])),
+        ("over_points", json!("worst")),
+        ("variables", json!(6)),
+        ("designs", json!(150)),
+        ("start_designs", json!(60)),
+        ("search_runs", json!(150 * 384)),
+        ("final_runs", json!(7 * 16 * 384)),
+        ("sensitivity_runs", json!(0)),
+        ("runs", json!(262 * 384)),
+    ] {
+        assert_eq!(all[key], value, "{key}");
+    }
+    let seconds = |cost: &Value, key: &str| cost[key].as_f64().unwrap();
+    for key in ["core_seconds", "most_core_seconds"] {
+        let ratio = seconds(all, key) / seconds(one, key);
+        assert!((ratio - 262.0).abs() < 1e-6, "{key}: {ratio}");
+    }
+    assert!(seconds(one, "most_core_seconds") > seconds(one, "core_seconds"));
+    let text = scratch.well(&format!("check {path}"));
+    assert_has(
+        &text,
+        &[
+            "optimize      minimize vibration_95, subject to quiet at least 0.9; worst of 3 points\n",
+            "search        6 variables, 150 designs (60 of them space-filling), 5 finalists",
+            "search cost   100608 runs at most; about ",
+            "one design    384 runs; about ",
+        ],
+    );
+    let design = report(&scratch, &shipped("design.yaml"));
+    assert_eq!(design["design_cost"]["runs"], json!(64));
+    assert!(design.get("optimize").is_none());
+    scratch.write("a.yaml", study_text("a", "{sobol: {samples: 1}}", AT_ONCE, ""));
+    assert!(report(&scratch, "a.yaml").get("design_cost").is_none());
+}
