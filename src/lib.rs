@@ -43,6 +43,7 @@
 pub mod analysis;
 pub mod classification;
 pub mod cli;
+mod counted;
 pub mod engine;
 pub mod model;
 pub mod motion;
