@@ -13,6 +13,7 @@ mod existence;
 mod exit;
 mod expand;
 mod merge;
+mod new;
 mod optimize;
 mod output;
 mod overwrite;
@@ -40,6 +41,7 @@ use crate::engine::{say, survive_file_size_limit};
 
 const EXAMPLES: &str = "\
 Examples:
+  stickslip new study.yaml                              write a commented study to start from
   stickslip check studies/preferred-equilibria.yaml     check the study and its cost
   stickslip run studies/preferred-equilibria.yaml       compute it; tables in results/<study>
   stickslip run study.yaml --out results/night --threads 8
@@ -50,9 +52,12 @@ Examples:
   stickslip verify studies/smoke.yaml                   compute it and check its expectations
 
 Exit codes:
-  0  success                          3    some runs failed
-  1  could not run, or replay differs 4    verify: an expectation is not met
-  2  wrong usage, study or directory  130  interrupted or out of time; finished runs are saved";
+  0    success
+  1    could not run, or a replay differs
+  2    wrong usage, study or directory
+  3    some runs failed
+  4    verify: an expectation is not met; optimize: no design meets the limits
+  130  interrupted or out of time; finished runs are saved";
 
 /// Parallel parameter studies and Monte Carlo for mechanical systems with dry friction.
 #[derive(Debug, Parser)]
@@ -64,6 +69,7 @@ struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    New(new::NewArguments),
     Run(run::RunArguments),
     Resume(resume::ResumeArguments),
     Merge(merge::MergeArguments),
@@ -87,6 +93,7 @@ pub fn main() -> ExitCode {
     }
     // clap itself prints help and usage errors, with exit codes 0 and 2.
     let result = match Cli::parse().command {
+        Command::New(arguments) => new::new(&arguments),
         Command::Run(arguments) => run::run(&arguments),
         Command::Resume(arguments) => resume::resume(&arguments),
         Command::Merge(arguments) => merge::merge(&arguments),

@@ -23,6 +23,7 @@
 //! # Ok::<(), stickslip::study::StudyError>(())
 //! ```
 
+mod defaults;
 mod design_table;
 mod error;
 pub mod file;
@@ -30,6 +31,7 @@ mod plan;
 mod resolve;
 mod sampling;
 mod schema;
+mod template;
 
 pub use error::StudyError;
 pub(crate) use error::{list_names, shorten};
@@ -45,3 +47,4 @@ pub use plan::precision::{Precision, Sampling};
 pub use plan::response::{Measure, Response};
 pub use plan::variable::{DesignValue, Values, Variable};
 pub use schema::json_schema;
+pub use template::Template;

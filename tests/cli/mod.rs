@@ -21,6 +21,7 @@ mod limits;
 mod memory;
 mod merged;
 mod network;
+mod new;
 mod optimize;
 mod progress;
 mod replay;
