@@ -5,7 +5,7 @@
 
 use serde_json::Value;
 
-use super::schema_place::SchemaPlace;
+use super::schema_place::{SchemaKey, SchemaPlace};
 use crate::study::file::resolved_yaml::write_flow;
 
 /// The width of the text.
@@ -63,7 +63,7 @@ struct Annotator<'a> {
     maps: Vec<Map<'a>>,
     /// Blank lines and comments that belong to the next key.
     before_key: String,
-    /// Every comment so far; none is written twice.
+    /// Every description and every list of choices so far.
     written: Vec<String>,
 }
 
@@ -133,23 +133,24 @@ impl<'a> Annotator<'a> {
     fn begin_key(&mut self, line: &KeyLine<'_>) {
         let indent = line.indent;
         self.close_maps(|map| map.indent > indent || line.begins_item && map.indent == indent);
-        self.out.push_str(&std::mem::take(&mut self.before_key));
         self.open_map(line);
         let Some(map) = self.maps.last_mut() else { return };
         map.keys.push(line.key.to_owned());
         let key = map.place.as_ref().and_then(|place| place.key(line.key));
-        let default = map.defaults.and_then(|defaults| defaults.get(line.key));
-        let comment =
-            key.as_ref().and_then(|key| comment(key.description, &key.place.choices(), default));
         map.open = line.opens.then(|| Open {
             path: below(&map.path, line.key),
-            place: key.map(|key| key.place),
-            defaults: default,
+            place: key.as_ref().map(|key| key.place.clone()),
+            defaults: map.defaults.and_then(|defaults| defaults.get(line.key)),
         });
-        if let Some(comment) = comment {
+        // Blank lines, what is generated, and the text's own comments.
+        let own = std::mem::take(&mut self.before_key);
+        let comments = own.trim_start_matches('\n');
+        self.out.push_str(&own[..own.len() - comments.len()]);
+        if let Some(comment) = key.and_then(|key| self.about(&key)) {
             // The dash of an entry is to the left of its first key.
-            self.comment_once(indent - if line.begins_item { 2 } else { 0 }, comment);
+            self.comment(indent - if line.begins_item { 2 } else { 0 }, &comment);
         }
+        self.out.push_str(comments);
     }
 
     /// Opens the map that a key is the first of.
@@ -191,7 +192,7 @@ impl<'a> Annotator<'a> {
                 continue;
             };
             let default = map.defaults.and_then(|defaults| defaults.get(name));
-            let about = comment(key.description, &key.place.choices(), default);
+            let about = self.about(&key);
             let line = default.map(|default| {
                 let mut line = format!("{}# {name}: ", " ".repeat(map.indent));
                 write_flow(default, &mut line);
@@ -199,7 +200,7 @@ impl<'a> Annotator<'a> {
             });
             match line.filter(|line| line.len() <= WIDTH) {
                 Some(line) => {
-                    about.into_iter().for_each(|about| self.comment_once(map.indent, about));
+                    about.iter().for_each(|about| self.comment(map.indent, about));
                     self.out.push_str(&line);
                     self.out.push('\n');
                 }
@@ -226,11 +227,32 @@ impl<'a> Annotator<'a> {
         }
     }
 
-    fn comment_once(&mut self, indent: usize, comment: String) {
-        if !self.written.contains(&comment) {
-            self.comment(indent, &comment);
-            self.written.push(comment);
+    /// Returns what is said about a key: its description, its choices, and a default that the description does not
+    /// state. No description and no list of choices is said twice.
+    fn about(&mut self, key: &SchemaKey<'_>) -> Option<String> {
+        let description = key.description.filter(|about| !self.is_written(about))?;
+        let mut characters = description.chars();
+        let first = characters.next()?;
+        let mut about: String = first.to_uppercase().chain(characters).collect();
+        let choices = format!(" One of: {}.", key.place.choices().join(", "));
+        if !key.place.choices().is_empty() && !self.is_written(&choices) {
+            about.push_str(&choices);
         }
+        if let Some(default) = key.default.filter(|_| !description.contains("default")) {
+            about.push_str(" Default: ");
+            write_flow(default, &mut about);
+            about.push('.');
+        }
+        Some(about)
+    }
+
+    /// Returns whether this has been asked before about the same text.
+    fn is_written(&mut self, text: &str) -> bool {
+        let known = self.written.iter().any(|written| written == text);
+        if !known {
+            self.written.push(text.to_owned());
+        }
+        known
     }
 
     /// Writes a comment in lines of limited width.
@@ -252,24 +274,6 @@ impl<'a> Annotator<'a> {
         }
         self.out.push('\n');
     }
-}
-
-/// Returns what is said about a key: its description, its choices, and a default that the description does not state.
-fn comment(description: Option<&str>, choices: &[&str], default: Option<&Value>) -> Option<String> {
-    let description = description?;
-    let mut characters = description.chars();
-    let first = characters.next()?;
-    let mut comment: String = first.to_uppercase().chain(characters).collect();
-    if !choices.is_empty() {
-        comment.push_str(&format!(" One of: {}.", choices.join(", ")));
-    }
-    let plain = default.filter(|default| !default.is_object() && !description.contains("default"));
-    if let Some(default) = plain {
-        comment.push_str(" Default: ");
-        write_flow(default, &mut comment);
-        comment.push('.');
-    }
-    Some(comment)
 }
 
 fn below(path: &str, key: &str) -> String {

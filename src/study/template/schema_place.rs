@@ -14,6 +14,8 @@ pub(super) struct SchemaPlace<'a> {
 pub(super) struct SchemaKey<'a> {
     /// Meaning, unit and range.
     pub(super) description: Option<&'a str>,
+    /// The default in all models that have the key.
+    pub(super) default: Option<&'a Value>,
     /// The value of the key.
     pub(super) place: SchemaPlace<'a>,
 }
@@ -45,7 +47,7 @@ impl<'a> SchemaPlace<'a> {
         let of_alternative = || only_key(map).and_then(|_| text(map, "description"));
         let of_type = || place.alternatives.iter().find_map(|node| text(node, "description"));
         let description = text(node, "description").or_else(of_alternative).or_else(of_type);
-        Some(SchemaKey { description, place })
+        Some(SchemaKey { description, default: node.get("default"), place })
     }
 
     /// Returns the entries of a list.
