@@ -234,7 +234,7 @@ impl<'a> Annotator<'a> {
         let mut characters = description.chars();
         let first = characters.next()?;
         let mut about: String = first.to_uppercase().chain(characters).collect();
-        let choices = format!(" One of: {}.", key.place.choices().join(", "));
+        let choices = format!(" Choices: {}.", key.place.choices().join(", "));
         if !key.place.choices().is_empty() && !self.is_written(&choices) {
             about.push_str(&choices);
         }
