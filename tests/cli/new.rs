@@ -10,7 +10,8 @@ fn every_template_can_be_checked() {
     for Template { name, summary, .. } in Template::ALL {
         let file = format!("of-{name}.yaml");
         assert_eq!(scratch.well(&format!("new {file} --template {name}")), "");
-        assert_has(&scratch.well(&format!("check {file}")), &[format!("of-{name} (hash")]);
+        let plan = scratch.well(&format!("check {file} --json"));
+        assert_has(&plan, &[format!("\"study\": \"of-{name}\"")]);
         assert_has(&scratch.well("new --list"), &[format!("{name:<12} {summary}\n")]);
         assert_has(&scratch.well("new --help"), &[format!("{name}:"), summary.to_owned()]);
     }
