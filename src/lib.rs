@@ -45,6 +45,7 @@ pub mod analysis;
 pub mod check;
 pub mod classification;
 pub mod cli;
+mod counted;
 pub mod engine;
 pub mod model;
 pub mod motion;

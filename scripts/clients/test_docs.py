@@ -42,6 +42,19 @@ class TestDocs(Clients):
         self.assertIn("speed_rad_s", salib)
         self.assertTrue((self.folder / "indices.csv").exists())
 
+    def test_help_needs_no_package(self):
+        for client in ("dakota", "openmdao", "pymoo", "salib"):
+            # Without `site`, Python finds no installed package.
+            command = [sys.executable, "-S", str(ROOT / "scripts/clients" / client)]
+            done = subprocess.run([*command, "--help"], capture_output=True, text=True)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertIn(f"scripts/clients/{client} ", done.stdout + done.stderr)
+            if client != "dakota":
+                given = ["study.yaml", "--response" if client == "salib" else "--minimise", "a"]
+                done = subprocess.run([*command, *given], capture_output=True, text=True)
+                self.assertEqual(done.returncode, 1, done.stderr)
+                self.assertIn("allowed: a Python with the packages of", done.stderr)
+
     def test_python(self):
         (text,) = (text for kind, text in self.blocks if kind == "python")
         printed = self.run_block([sys.executable, "-"], text + "    print(vibration, quiet)\n")

@@ -2,6 +2,7 @@
 
 use super::equilibrium_set::Resolution;
 use super::set_samples::REPLICATES;
+use crate::counted::counted;
 
 /// Largest number of positions at one sweep point.
 const MOST_POSITIONS: u64 = 1 << 26;
@@ -30,7 +31,7 @@ impl Resolution {
         };
         let resolution = match (balls, grid, samples) {
             (1 | 2, _, Some(_)) => {
-                let found = format!("a study with {balls} {}", plural(balls));
+                let found = format!("a study with {}", counted(balls, "ball"));
                 let allowed = "--grid G for one ball or two, whose sets are computed on a grid";
                 return refused("--samples serves three balls or more", &found, allowed);
             }
@@ -47,15 +48,11 @@ impl Resolution {
         {
             let total = (points as f64).powi(balls as i32);
             let most = (MOST_POSITIONS as f64).powf(1.0 / balls as f64).round();
-            let found =
-                format!("{points} points per axis: {total} in all for {balls} {}", plural(balls));
+            let balls = counted(balls, "ball");
+            let found = format!("{points} points per axis: {total} in all for {balls}");
             let allowed = format!("at most {most} points per axis, {MOST_POSITIONS} in all");
             return refused("--grid is too fine", &found, &allowed);
         }
         Ok(resolution)
     }
-}
-
-fn plural(balls: usize) -> &'static str {
-    if balls == 1 { "ball" } else { "balls" }
 }

@@ -18,6 +18,7 @@ use crate::analysis::{
     EquilibriumSet, FEWEST_GRID_POINTS, FrictionlessEquilibrium, MOST_BALL_DAMPING, REPLICATES,
     Resolution, RestForm, SAMPLE_COUNTS, frictionless_equilibria,
 };
+use crate::counted::counted;
 use crate::engine::say;
 use crate::model::Machine;
 use crate::study::Study;
@@ -148,8 +149,7 @@ pub fn equilibria(arguments: &EquilibriaArguments) -> Result<End, CliError> {
     }
     if !arguments.quiet {
         let (points, seconds) = (study.point_count(), started.elapsed().as_secs_f64());
-        let sets = if points == 1 { "set" } else { "sets" };
-        say(&format!("{points} equilibrium {sets} in {seconds:.1} s"));
+        say(&format!("{} in {seconds:.1} s", counted(points, "equilibrium set")));
         if report.too_coarse() > 0 {
             say(&format!(
                 "warning: at {} of them the set has components that are smaller than the grid's spacing and \

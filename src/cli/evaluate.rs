@@ -10,6 +10,7 @@ use super::evaluate_server::serve;
 use super::exit::{CliError, End};
 use super::output::new_table;
 use crate::classification::Label;
+use crate::counted::counted;
 use crate::engine::{Planned, Progress, Show, WorkerPool, say, stop_on_signals};
 use crate::responses::{
     Answer, MOST_DESIGNS, check_answerable, respond_to_all, response_columns, run_count,
@@ -82,7 +83,8 @@ pub fn evaluate(arguments: &EvaluateArguments) -> Result<End, CliError> {
             }
             table.finish()?;
             if !arguments.quiet {
-                say(&format!("responses of {} designs in {}", designs.len(), out.display()));
+                let of = counted(designs.len(), "design");
+                say(&format!("responses of {of} in {}", out.display()));
                 if designs.len() > MOST_DESIGNS {
                     say(&format!(
                         "more than {MOST_DESIGNS} designs: `discontinuous` is not computed"

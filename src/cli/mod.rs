@@ -17,6 +17,7 @@ mod existence;
 mod exit;
 mod expand;
 mod merge;
+mod new;
 mod optimize;
 mod output;
 mod overwrite;
@@ -44,6 +45,7 @@ use crate::engine::{say, survive_file_size_limit};
 
 const EXAMPLES: &str = "\
 Examples:
+  stickslip new study.yaml                              write a commented study to start from
   stickslip check studies/preferred-equilibria.yaml     check the study and its cost
   stickslip run studies/preferred-equilibria.yaml       compute it; tables in results/<study>
   stickslip run study.yaml --out results/night --threads 8
@@ -58,7 +60,7 @@ Exit codes:
   1    not completed, too many failed runs, or replay differs
   2    wrong usage, study or directory
   3    some runs failed
-  4    verify: an expectation is not met; optimize: a limit is not met
+  4    verify: an expectation is not met; optimize: no design meets the limits
   130  interrupted or out of time; finished runs are saved";
 
 /// Parallel parameter studies and Monte Carlo for mechanical systems with dry friction.
@@ -71,6 +73,7 @@ struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    New(new::NewArguments),
     Run(run::RunArguments),
     Resume(resume::ResumeArguments),
     Merge(merge::MergeArguments),
@@ -94,6 +97,7 @@ pub fn main() -> ExitCode {
     }
     // clap itself prints help and usage errors, with exit codes 0 and 2.
     let result = match Cli::parse().command {
+        Command::New(arguments) => new::new(&arguments),
         Command::Run(arguments) => run::run(&arguments),
         Command::Resume(arguments) => resume::resume(&arguments),
         Command::Merge(arguments) => merge::merge(&arguments),

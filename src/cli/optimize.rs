@@ -12,6 +12,7 @@ use super::exclusive_directory::check_entries;
 use super::exit::{CliError, End};
 use super::output::print;
 use crate::classification::Label;
+use crate::counted::counted;
 use crate::engine::{Lock, Planned, Progress, Show, say, stop_on_signals};
 use crate::optimize::{
     Evaluation, FinalistRole, Finalists, Origin, Search, SearchEnd, evaluation_columns, final_runs,
@@ -94,8 +95,8 @@ pub fn optimize(arguments: &OptimizeArguments) -> Result<End, CliError> {
         }
     };
     if !evaluations.is_empty() {
-        let designs = evaluations.len();
-        report(format!("continuing after {designs} designs in {}", directory.display()));
+        let designs = counted(evaluations.len(), "design");
+        report(format!("continuing after {designs} in {}", directory.display()));
     }
     let end = search(&what, &mut evaluations, &|_| {}, |evaluations| {
         search_directory.remove_ends();
@@ -166,7 +167,8 @@ fn how_it_ends(evaluations: &[Evaluation], finalists: &Finalists) -> End {
     match failed.sum::<u64>() {
         0 => End::Well,
         failed => {
-            say(&format!("{failed} runs failed; amplitudes and times exclude them"));
+            let failed = counted(failed, "run");
+            say(&format!("{failed} failed; amplitudes and times exclude them"));
             End::RunsFailed
         }
     }

@@ -12,6 +12,7 @@ use super::points_table::{MOST_LINES, PointsTable};
 use super::run_on_engine::run_on_engine;
 use crate::check::warnings;
 use crate::classification::Label;
+use crate::counted::counted;
 use crate::engine::{EngineOptions, OutputDir, Ready, say};
 use crate::study::Study;
 use crate::table::{Circumstances, Manifest, Table};
@@ -112,8 +113,8 @@ fn complete(
 ) -> Result<End, CliError> {
     let directory = path.display();
     if !arguments.quiet {
-        let runs = manifest.runs_finished;
-        say(&format!("{directory} already holds all {runs} runs of this study: nothing to do"));
+        let runs = counted(manifest.runs_finished, "run");
+        say(&format!("{directory} already holds all {runs} of this study: nothing to do"));
     }
     if arguments.json || !arguments.quiet {
         let most = if arguments.json { usize::MAX } else { MOST_LINES };

@@ -11,6 +11,7 @@ use super::output::{print, print_json};
 use super::points_table::{MOST_LINES, PointsTable};
 use crate::analysis::PointDetail;
 use crate::classification::Label;
+use crate::counted::counted;
 use crate::engine::{
     EngineOptions, Planned, Progress, RunTotals, Sink, StopReason, Store, run_study, say,
     stop_on_signals,
@@ -92,11 +93,12 @@ impl Ran {
             0 => String::new(),
             _ => format!(": {:.0} runs/s", computed as f64 / wall_s.max(1e-9)),
         };
-        let speed = format!("in {wall_s:.1} s on {threads} threads{rate}");
+        let speed = format!("in {wall_s:.1} s on {}{rate}", counted(threads, "thread"));
         if reused == 0 {
-            format!("{runs} runs {speed}")
+            format!("{} {speed}", counted(runs, "run"))
         } else {
-            format!("{runs} runs: {reused} finished earlier, {computed} computed {speed}")
+            let runs = counted(runs, "run");
+            format!("{runs}: {reused} finished earlier, {computed} computed {speed}")
         }
     }
 

@@ -11,6 +11,7 @@ use super::output::{Reader, csv_line, print, print_json};
 use super::points_table::{MOST_LINES, PointsTable};
 use super::results_study::results_study;
 use crate::classification::Label;
+use crate::counted::counted;
 use crate::engine::{listed_runs, say};
 use crate::sanitize::{shell_word, shown_path};
 use crate::study::{ParameterValue, Study};
@@ -104,7 +105,7 @@ fn title(study: &Study, manifest: &Manifest, points: &PointsTable, directory: &P
         parts.push(format!("shard {}", manifest.shard));
     }
     parts.push(match manifest.complete {
-        true => format!("all {runs_finished} runs finished"),
+        true => format!("all {} finished", counted(*runs_finished, "run")),
         false => {
             let missing = runs_planned.saturating_sub(*runs_finished);
             let bound = if study.precision().is_some() { "at most " } else { "" };

@@ -12,6 +12,7 @@ use super::point_keys::swept_text;
 use super::run_on_engine::run_on_engine;
 use crate::analysis::PointDetail;
 use crate::classification::Label;
+use crate::counted::counted;
 use crate::engine::{OutputDir, Ready, Shard, Sink, say};
 use crate::study::Study;
 use crate::table::{PointRow, Results, ResultsError, RunRecord};
@@ -91,8 +92,7 @@ pub fn verify(arguments: &VerifyArguments) -> Result<End, CliError> {
     }
     Ok(if not_met > 0 {
         if !arguments.engine.quiet {
-            let plural = if not_met == 1 { "" } else { "s" };
-            say(&format!("{not_met} expectation{plural} not met"));
+            say(&format!("{} not met", counted(not_met, "expectation")));
         }
         End::ExpectationNotMet
     } else if ran.totals.counts.of(Label::Failed) > 0 {

@@ -1,5 +1,6 @@
 //! A pool of worker threads that share queues of runs.
 
+use std::ops::Range;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use rayon::prelude::*;
@@ -36,18 +37,22 @@ impl WorkerPool {
         self.pool.install(work)
     }
 
-    /// Computes the first sample of a point in lockstep, each run once, and returns the runs in the order of their
+    /// Computes the first samples of some points in lockstep, each run once, and returns the runs in the order of their
     /// numbers. Calls `finished` for each run. Returns `None` if `stop` becomes true before all runs have finished;
     /// runs in progress are then abandoned immediately.
+    ///
+    /// The runs of all these points are in one queue, so that workers and lanes are idle only at its end.
     pub fn sample(
         &self,
         study: &Study,
-        point_id: u64,
+        points: Range<u64>,
         stop: &AtomicBool,
         finished: &(dyn Fn(Label) + Sync),
     ) -> Option<Vec<RunRecord>> {
-        let point = study.point(point_id);
-        let run_ids: Vec<u64> = (point.first_run..point.first_run + point.sampling.first).collect();
+        let points = points.map(|point_id| study.point(point_id));
+        let run_ids: Vec<u64> = points
+            .flat_map(|point| point.first_run..point.first_run + point.sampling.first)
+            .collect();
         let count = run_ids.len();
         let stop_condition = StopCondition::new(stop, &EngineOptions::default());
         let begun = AtomicU64::new(0);

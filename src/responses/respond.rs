@@ -44,10 +44,7 @@ pub fn respond(
     finished: &(dyn Fn(Label) + Sync),
 ) -> Option<Vec<Answer>> {
     let Some(first) = studies.first() else { return Some(Vec::new()) };
-    let answer = |point_id| {
-        let runs = |study: &Study| workers.sample(study, point_id, stop, finished);
-        let runs: Option<Vec<_>> = studies.iter().map(runs).collect();
-        let runs: Vec<_> = runs?.into_iter().flatten().collect();
+    let answer = |(point_id, runs): (u64, Vec<RunRecord>)| {
         let point = first.point(point_id);
         let sample = |relative| Sample {
             cells: point.cells,
@@ -59,7 +56,7 @@ pub fn respond(
         };
         let mut counts = LabelCounts::default();
         runs.iter().for_each(|run| counts.add(run.outcome.label()));
-        Some(Answer {
+        Answer {
             design,
             values: values.to_vec(),
             point_id,
@@ -67,9 +64,40 @@ pub fn respond(
             estimates: responses.iter().map(estimate).collect(),
             counts,
             discontinuous: None,
-        })
+        }
     };
-    (0..first.point_count()).map(answer).collect()
+    let mut answers = Vec::new();
+    let mut from = 0;
+    while from < first.point_count() {
+        let points = from..end_of_queue(first, from);
+        from = points.end;
+        let mut runs: Vec<(u64, Vec<RunRecord>)> =
+            points.clone().map(|id| (id, Vec::new())).collect();
+        for study in studies {
+            for run in workers.sample(study, points.clone(), stop, finished)? {
+                let place = run.planned.point_id - points.start;
+                if let Some((_, of_point)) = runs.get_mut(place as usize) {
+                    of_point.push(run);
+                }
+            }
+        }
+        answers.extend(runs.into_iter().map(answer));
+    }
+    Some(answers)
+}
+
+/// The number of runs in one queue, unless a single point has more; it bounds the memory.
+const RUNS_PER_QUEUE: u64 = 4096;
+
+/// Returns the end of the points whose runs are computed in one queue, from a point on.
+fn end_of_queue(study: &Study, from: u64) -> u64 {
+    let runs_of = |point_id| study.point(point_id).sampling.first;
+    let (mut end, mut runs) = (from + 1, runs_of(from));
+    while end < study.point_count() && runs + runs_of(end) <= RUNS_PER_QUEUE {
+        runs += runs_of(end);
+        end += 1;
+    }
+    end
 }
 
 fn observed(run: &RunRecord, relative: bool) -> RunResult {

@@ -23,6 +23,7 @@
 //! # Ok::<(), stickslip::study::StudyError>(())
 //! ```
 
+mod defaults;
 mod design_table;
 mod error;
 pub mod file;
@@ -30,6 +31,7 @@ mod plan;
 mod resolve;
 mod sampling;
 mod schema;
+mod template;
 
 pub use error::StudyError;
 pub(crate) use error::{list_names, shorten};
@@ -47,3 +49,4 @@ pub use plan::repeated_points::RepeatedPoints;
 pub use plan::response::{Measure, Response};
 pub use plan::variable::{DesignValue, Values, Variable};
 pub use schema::json_schema;
+pub use template::Template;

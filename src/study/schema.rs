@@ -3,9 +3,13 @@
 use schemars::generate::SchemaSettings;
 use serde_json::Value;
 
+use super::defaults::insert_defaults;
 use super::file::study_file::StudyFile;
 
-/// Returns the JSON Schema (draft 2020-12) of a study file, with units in the descriptions.
+/// Returns the JSON Schema (draft 2020-12) of a study file, with units in the descriptions and with defaults.
 pub fn json_schema() -> Value {
-    SchemaSettings::draft2020_12().into_generator().into_root_schema_for::<StudyFile>().to_value()
+    let generator = SchemaSettings::draft2020_12().into_generator();
+    let mut schema = generator.into_root_schema_for::<StudyFile>().to_value();
+    insert_defaults(&mut schema);
+    schema
 }

@@ -173,6 +173,28 @@ fn points_of_a_sweep_are_separate() {
     assert_eq!(number("normal_force_n"), [10.0, 5.0, 10.0, 5.0].map(Some));
 }
 
+/// Points have the responses of studies without a sweep, whether or not their runs share a queue:
+/// the first two points have 4000 runs together, and the third one has its own queue.
+#[test]
+fn points_with_a_common_queue_are_separate() {
+    let scratch = Scratch::new();
+    let many =
+        BLOCK.replace("[0.045, 0.045]", "[-0.045, 0.045]").replace("samples: 4", "samples: 2000");
+    let sweep = "sweep: [{grid: {normal_force_n: [10, 5, 7]}}]\n";
+    scratch.write("swept.yaml", format!("{many}{sweep}"));
+    let request = [r#"{"stiffness_n_m": 100}"#];
+    let swept = ask(&scratch, "evaluate swept.yaml --designs -", &request);
+    let points = swept[0]["points"].as_array().unwrap();
+    assert_eq!(points.len(), 3);
+    for (point, force) in points.iter().zip([10, 5, 7]) {
+        let parameters = format!("block_on_spring, parameters: {{normal_force_n: {force}}}");
+        scratch.write("single.yaml", many.replace("block_on_spring", &parameters));
+        let single = ask(&scratch, "evaluate single.yaml --designs -", &request);
+        assert_eq!(single[0]["responses"], point["responses"], "{force} N");
+        assert_eq!(single[0]["runs"], json!(2000));
+    }
+}
+
 #[test]
 fn requests_that_make_no_sense_are_answered() {
     let scratch = scratch();

@@ -22,6 +22,7 @@ mod limits;
 mod memory;
 mod merged;
 mod network;
+mod new;
 mod optimize;
 mod progress;
 mod replay;

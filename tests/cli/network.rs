@@ -81,6 +81,7 @@ fn no_command_opens_a_connection() {
         "expand a.yaml --out cases.parquet",
         "equilibria a.yaml --grid 16 --out sets",
         "schema",
+        "new study.yaml",
         "completions bash",
         "--help",
     ] {

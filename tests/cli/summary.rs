@@ -207,7 +207,7 @@ fn interrupted_results_say_what_is_missing() {
         text.lines().next().unwrap().split(", ").nth(3).unwrap().to_owned()
     });
     assert!(titles.contains(&"all 0 runs finished".to_owned()), "{titles:?}");
-    assert!(titles.contains(&"all 1 runs finished".to_owned()), "{titles:?}");
+    assert!(titles.contains(&"all 1 run finished".to_owned()), "{titles:?}");
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! The README and the pages in `docs` are correct: their outputs, studies and commands are run.
 
 mod convergence;
+mod defaults;
 pub mod generated;
 mod named;
 mod records;

@@ -47,7 +47,7 @@ fn every_step_of_the_tutorial() {
             commands += 1;
         }
     }
-    assert_eq!(commands, 4);
+    assert_eq!(commands, 6);
     for file in ["runs/points.parquet", "responses.parquet", "optimum/sensitivities.parquet"] {
         assert!(scratch.path(file).exists(), "{file}");
     }

@@ -23,6 +23,7 @@ mod resolved;
 mod shipped;
 mod stability;
 mod table_places;
+mod templates;
 mod variables;
 
 /// Parses a text as the content of `a.yaml`.

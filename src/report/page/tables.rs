@@ -4,6 +4,7 @@ use std::path::Path;
 
 use super::html::{Html, escaped};
 use crate::classification::Label;
+use crate::counted::counted;
 use crate::model::Method;
 use crate::report::data::{Fraction, Notable, PointFacts, ReportData, said};
 use crate::report::figures::significant;
@@ -26,7 +27,7 @@ pub fn facts(body: &mut Html, data: &ReportData<'_>) {
         count => format!("{count} points"),
     };
     let runs = match manifest.complete {
-        true => format!("{} runs at {points}", manifest.runs_finished),
+        true => format!("{} at {points}", counted(manifest.runs_finished, "run")),
         false => {
             format!("{} of {} runs, at {points}", manifest.runs_finished, manifest.runs_planned)
         }
@@ -58,10 +59,10 @@ pub fn facts(body: &mut Html, data: &ReportData<'_>) {
         shard => format!("; shard {}", escaped(shard)),
     };
     body.line(&format!(
-        "<dt>Computed</dt><dd>on {}, {} threads, in {:.1} s, begun <time \
+        "<dt>Computed</dt><dd>on {}, {}, in {:.1} s, begun <time \
          data-unix=\"{:.0}\">at {:.0} s (Unix time)</time>{shard}</dd>",
         escaped(&manifest.host),
-        manifest.threads,
+        counted(manifest.threads, "thread"),
         manifest.wall_s,
         manifest.started_unix_s,
         manifest.started_unix_s,

@@ -103,7 +103,8 @@ fn fits_one_line(value: &Value) -> bool {
     }
 }
 
-fn write_flow(value: &Value, out: &mut String) {
+/// Writes a value on one line.
+pub(in crate::study) fn write_flow(value: &Value, out: &mut String) {
     match value {
         Value::Object(fields) => {
             out.push('{');
@@ -128,7 +129,8 @@ fn write_flow(value: &Value, out: &mut String) {
     }
 }
 
-fn write_text(text: &str, out: &mut String) {
+/// Writes a text, in quotation marks if a YAML parser may take it for something else.
+pub(in crate::study) fn write_text(text: &str, out: &mut String) {
     let usual = |character: char| character.is_ascii_alphanumeric() || "-_.".contains(character);
     let plain = text.starts_with(|first: char| first.is_ascii_alphabetic())
         && text.chars().all(usual)

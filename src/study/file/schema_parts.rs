@@ -7,7 +7,7 @@ use super::distribution_file::DistributionFile;
 use super::values::{Entry, Range};
 use crate::model::{Ball, Block, FrictionLaw, MAX_BALLS, Machine, Model};
 use crate::study::plan::parameter::Parameter;
-use crate::study::sampling::initial_box::axis_names;
+use crate::study::sampling::initial_box::axes_in_words;
 
 /// The labels of runs that can be continued.
 pub(crate) const EXTENDED_LABELS: [&str; 2] = ["undecided", "irregular"];
@@ -32,11 +32,10 @@ pub(in crate::study) fn uncertain(generator: &mut SchemaGenerator) -> Schema {
 /// Returns the schema of ranges by start coordinate.
 pub(in crate::study) fn start_box(generator: &mut SchemaGenerator) -> Schema {
     let range = <Range as JsonSchema>::json_schema(generator);
-    let general = ["beta", "beta_dot"].map(str::to_owned);
     let models = all_models();
-    let names = general.into_iter().chain(models.iter().flat_map(axis_names));
+    let axes = models.iter().flat_map(|model| axes_in_words(model));
     let properties: Map<String, Value> =
-        names.map(|name| (name, range.clone().to_value())).collect();
+        axes.map(|(name, meaning)| (name, described(&range, meaning))).collect();
     json_schema!({ "type": "object", "properties": properties, "additionalProperties": false })
 }
 
@@ -82,16 +81,25 @@ fn all_parameters() -> Vec<Parameter> {
     parameters
 }
 
+/// Returns a schema with a description.
+fn described(schema: &Schema, description: String) -> Value {
+    let mut described = schema.clone().to_value();
+    if let Value::Object(fields) = &mut described {
+        fields.insert("description".to_owned(), Value::String(description));
+    }
+    described
+}
+
 fn per_parameter(value: Schema, parameters: &[Parameter]) -> Schema {
     let properties: Map<String, Value> = parameters
         .iter()
         .map(|parameter| {
-            let mut property = value.clone().to_value();
-            if let Value::Object(fields) = &mut property {
-                let meaning = format!("{}, {}.", parameter.meaning(), parameter.unit());
-                fields.insert("description".to_owned(), Value::String(meaning));
-            }
-            (parameter.name(), property)
+            let unit = match parameter.unit() {
+                "" => String::new(),
+                "1" => ", dimensionless".to_owned(),
+                unit => format!(", {unit}"),
+            };
+            (parameter.name(), described(&value, format!("{}{unit}.", parameter.meaning())))
         })
         .collect();
     json_schema!({ "type": "object", "properties": properties, "additionalProperties": false })

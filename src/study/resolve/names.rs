@@ -20,6 +20,15 @@ pub(in crate::study) fn check_name(
     Err(Fault::new("not a name", format!("text {:?}", shorten(name)), allowed))
 }
 
+/// Checks the name of a study, which becomes the name of a directory.
+///
+/// # Errors
+/// Returns a fault if the name is not valid.
+pub(in crate::study) fn check_study_name(name: &str) -> Result<(), Fault> {
+    let allowed = "1 to 100 letters, digits, `-`, `_` and `.`, not starting with `.`";
+    check_name(name, "-_.", |first| first != '.', allowed)
+}
+
 /// Checks the name of a variable or response, which becomes a column and a key of results.
 ///
 /// # Errors

@@ -26,7 +26,7 @@ use crate::study::plan::variable::Variable;
 use crate::study::plan::written::Written;
 use crate::study::resolve::expectations::resolve_expectations;
 use crate::study::resolve::model::{Base, check_parameter_names};
-use crate::study::resolve::names::check_name;
+use crate::study::resolve::names::check_study_name;
 use crate::study::resolve::optimization::resolve_optimization;
 use crate::study::resolve::points::check_points;
 use crate::study::resolve::responses::resolve_responses;
@@ -108,9 +108,7 @@ fn resolve(
     written: &StudyFile,
     folders: &TableFolders,
 ) -> Result<Study, StudyError> {
-    let allowed = "1 to 100 letters, digits, `-`, `_` and `.`, not starting with `.`";
-    check_name(&written.name, "-_.", |first| first != '.', allowed)
-        .map_err(|fault| source.path("name").refuse_value(fault))?;
+    check_study_name(&written.name).map_err(|fault| source.path("name").refuse_value(fault))?;
     let base = Base::resolve(source, &written.model)?;
     let simulation = resolve_simulation(source, written.simulation.as_ref())?;
     let audit = Audit::resolve(source, written.audit.as_ref())?;

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use indexmap::IndexMap;
 
-use crate::model::Model;
+use crate::model::{Coordinate, Model};
 use crate::study::error::{Fault, StudyError, list_names};
 use crate::study::file::source_path::SourcePath;
 use crate::study::file::values::Range;
@@ -23,6 +23,35 @@ pub(crate) const GENERAL_AXES: [&str; 2] = ["beta", "beta_dot"];
 /// Returns the names of the coordinates of a start state, in their order.
 pub(crate) fn axis_names(model: &Model) -> Vec<String> {
     model.coordinates().into_iter().map(|coordinate| coordinate.name).collect()
+}
+
+/// Returns the names that a box may have, those of all balls and those of one ball, each with its
+/// meaning, unit and default range.
+pub(crate) fn axes_in_words(model: &Model) -> Vec<(String, String)> {
+    let mut axes: Vec<(String, String)> = Vec::new();
+    for Coordinate { name, unit, meaning } in model.coordinates() {
+        let general = general_name(&name);
+        let unit = match general {
+            "x" | "y" => "in ring radii",
+            "x_dot" | "y_dot" => "in ring radii, with time multiplied by the natural frequency",
+            "beta_dot" => "divided by the natural frequency",
+            _ => unit.unwrap_or_default(),
+        };
+        let range = match (general, default_range(general, model)) {
+            ("beta", _) => "[0, 2π]".to_owned(),
+            ("position_m", _) => "± `normal_force_n` / `stiffness_n_m`".to_owned(),
+            (_, [low, high]) => {
+                format!("[{}, {}]", describe_number(low), describe_number(high))
+            }
+        };
+        if general != name && !axes.iter().any(|(known, _)| known == general) {
+            let of_all = meaning.replace("the ball", "every ball");
+            axes.push((general.to_owned(), format!("{of_all}, {unit}; default {range}.")));
+        }
+        let range = if general == name { range } else { format!("that of `{general}`") };
+        axes.push((name, format!("{meaning}, {unit}; default {range}.")));
+    }
+    axes
 }
 
 /// One coordinate of the box.

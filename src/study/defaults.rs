@@ -1,0 +1,71 @@
+//! The default values of a study file, and the annotation `default` of its JSON Schema.
+//!
+//! A default is what the resolved study of a kind of model contains without any optional key, so
+//! that the defaults stated here are those that the program uses.
+
+use std::path::Path;
+
+use serde_json::Value;
+
+use crate::study::plan::planned_study::Study;
+
+/// Every kind of model.
+const KINDS: [&str; 3] = ["ball_balancer", "block_on_spring", "block_on_belt"];
+
+/// Returns the resolved study of a kind of model without any optional key.
+pub(in crate::study) fn defaults_of(kind: &str) -> Value {
+    let text = format!(
+        "schema: 1\nname: defaults\nseed: 0\nmodel: {{kind: {kind}}}\n\
+         initial_conditions: {{design: {{monte_carlo: {{samples: 1}}}}}}\n"
+    );
+    let study = Study::parse(Path::new("defaults.yaml"), text);
+    study.map_or(Value::Null, |study| study.resolved_file())
+}
+
+/// Adds `default` to every optional key that has the same default in all models that have the key.
+pub(in crate::study) fn insert_defaults(schema: &mut Value) {
+    let studies = KINDS.map(defaults_of);
+    insert(schema, "", &studies.iter().collect::<Vec<_>>());
+}
+
+/// Adds the defaults of a map: `values` holds the maps of the models that have it.
+fn insert(schema: &mut Value, pointer: &str, values: &[&Value]) {
+    let Some(map) = schema.pointer(pointer) else { return };
+    let required: Vec<&str> = map
+        .get("required")
+        .and_then(Value::as_array)
+        .into_iter()
+        .flatten()
+        .filter_map(Value::as_str)
+        .collect();
+    let properties = map.get("properties").and_then(Value::as_object).into_iter().flatten();
+    let names: Vec<(String, bool)> =
+        properties.map(|(name, _)| (name.clone(), required.contains(&name.as_str()))).collect();
+    for (name, is_required) in names {
+        let own: Vec<&Value> = values.iter().filter_map(|value| value.get(&name)).collect();
+        let Some((first, others)) = own.split_first() else { continue };
+        let property = format!("{pointer}/properties/{name}");
+        if first.is_object() {
+            if let Some(below) = map_at(schema, &property) {
+                insert(schema, &below, &own);
+            }
+        } else if !is_required && !first.is_array() && others.iter().all(|other| other == first) {
+            let fields = schema.pointer_mut(&property).and_then(Value::as_object_mut);
+            if let Some(fields) = fields {
+                fields.insert("default".to_owned(), (*first).clone());
+            }
+        }
+    }
+}
+
+/// Returns the pointer to the map that a property is or refers to.
+fn map_at(schema: &Value, pointer: &str) -> Option<String> {
+    let node = schema.pointer(pointer)?;
+    if node.get("properties").is_some() {
+        return Some(pointer.to_owned());
+    }
+    let alternatives = node.get("anyOf").and_then(Value::as_array).into_iter().flatten();
+    let mut nodes = std::iter::once(node).chain(alternatives);
+    let target = nodes.find_map(|node| node.get("$ref")?.as_str()?.strip_prefix('#'))?;
+    schema.pointer(target)?.get("properties").map(|_| target.to_owned())
+}

@@ -1,0 +1,81 @@
+//! Templates of study files: commented studies to start from.
+//!
+//! A template holds keys and values. The comments state meaning, unit, range and default of each
+//! key, and are generated from the JSON Schema and from the program's defaults.
+
+mod annotate;
+mod schema_place;
+
+use std::path::Path;
+
+use crate::sanitize::shell_word;
+use crate::study::StudyError;
+use crate::study::defaults::defaults_of;
+use crate::study::file::resolved_yaml::write_text;
+use crate::study::plan::planned_study::Study;
+use crate::study::resolve::names::check_study_name;
+use crate::study::schema::json_schema;
+
+/// A commented study to start from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Template {
+    /// Name on the command line.
+    pub name: &'static str,
+    /// What the template is for, in one line.
+    pub summary: &'static str,
+    /// Keys and values, after a head of comments. `NAME` and `FILE` are placeholders.
+    source: &'static str,
+}
+
+impl Template {
+    /// All templates.
+    pub const ALL: [Template; 5] = [
+        Template {
+            name: "machine",
+            summary: "a ball balancer of your own, with all its parameters",
+            source: include_str!("machine.yaml"),
+        },
+        Template {
+            name: "thesis",
+            summary: "the machine and the sweep of the thesis",
+            source: include_str!("thesis.yaml"),
+        },
+        Template {
+            name: "blocks",
+            summary: "a block on a spring, on a belt or on rigid ground",
+            source: include_str!("blocks.yaml"),
+        },
+        Template {
+            name: "monte-carlo",
+            summary: "a ball balancer whose parameters are uncertain",
+            source: include_str!("monte-carlo.yaml"),
+        },
+        Template {
+            name: "optimize",
+            summary: "variables, responses and the search for the best design",
+            source: include_str!("optimize.yaml"),
+        },
+    ];
+
+    /// Returns the template of a name.
+    pub fn find(name: &str) -> Option<Template> {
+        Template::ALL.into_iter().find(|template| template.name == name)
+    }
+
+    /// Returns a study of this name, whose head shows commands with this file.
+    ///
+    /// # Errors
+    /// Returns an error if `name` is not the name of a study.
+    pub fn text(&self, name: &str, file: &Path) -> Result<String, StudyError> {
+        check_study_name(name).map_err(|fault| StudyError::about_file(file, fault))?;
+        let mut written = String::new();
+        write_text(name, &mut written);
+        let source = self.source.replace("name: NAME", &format!("name: {written}"));
+        let source = source.replace("FILE", &shell_word(file));
+        let study = Study::parse(file, source.clone())?;
+        let resolved = study.resolved_file();
+        let kind = resolved.pointer("/model/kind").and_then(|kind| kind.as_str());
+        let defaults = defaults_of(kind.unwrap_or_default());
+        Ok(annotate::annotate(&source, &json_schema(), &defaults))
+    }
+}
