@@ -3,9 +3,18 @@
 use schemars::generate::SchemaSettings;
 use serde_json::Value;
 
+use super::file::schema_rules::add_rules;
+use super::file::schema_units::{add_units, remove_nulls};
 use super::file::study_file::StudyFile;
 
 /// Returns the JSON Schema (draft 2020-12) of a study file, with units in the descriptions.
 pub fn json_schema() -> Value {
-    SchemaSettings::draft2020_12().into_generator().into_root_schema_for::<StudyFile>().to_value()
+    let mut schema = SchemaSettings::draft2020_12()
+        .into_generator()
+        .into_root_schema_for::<StudyFile>()
+        .to_value();
+    remove_nulls(&mut schema);
+    add_units(&mut schema);
+    add_rules(&mut schema);
+    schema
 }
