@@ -3,7 +3,8 @@
 //! The imbalance and the balls' masses are then the sides of a closed polygon. One ball balances
 //! only an imbalance equal to its own. Two balls form a triangle, which has a mirror image (two
 //! identical balls: `cos β = -m_I e / (2 m L)`, thesis appendix D.3). Three or more balls have a
-//! family of positions with as many dimensions as there are balls beyond two.
+//! family of positions with as many dimensions as there are balls beyond two. Without an imbalance,
+//! two equal balls balance wherever they are opposite each other, a family of one dimension.
 
 use nalgebra::Complex;
 
@@ -35,6 +36,9 @@ impl Balance {
         let found = balanced(form).map(|beta| sorted_where_identical(&beta, &form.balls));
         match (found, count) {
             (None, _) => Balance::Nowhere,
+            (Some(example), 2) if form.imbalance == 0.0 => {
+                Balance::Family { example, dimension: 1 }
+            }
             (Some(position), 1 | 2) => Balance::Position(position),
             (Some(example), _) => Balance::Family { example, dimension: count - 2 },
         }
@@ -114,7 +118,7 @@ fn balanced(form: &RestForm) -> Option<Vec<f64>> {
 /// Returns the angle from a first vector to a second one of given lengths whose sum has a given
 /// length.
 fn angle_between(first: f64, second: f64, sum: f64) -> f64 {
-    if second == 0.0 {
+    if first == 0.0 || second == 0.0 {
         return 0.0;
     }
     let cosine = (sum * sum - first * first - second * second) / (2.0 * first * second);
@@ -122,9 +126,13 @@ fn angle_between(first: f64, second: f64, sum: f64) -> f64 {
 }
 
 /// Returns the angle between one side of a triangle and the side `base`; `other` is the third side.
+/// With a base of length 0, both sides are perpendicular to it, and so opposite each other.
 fn side_angle(side: f64, other: f64, base: f64) -> f64 {
-    if base == 0.0 || other == 0.0 {
+    if other == 0.0 {
         return 0.0;
+    }
+    if base == 0.0 {
+        return std::f64::consts::FRAC_PI_2;
     }
     let cosine = (base * base + side * side - other * other) / (2.0 * base * side);
     cosine.clamp(-1.0, 1.0).acos()

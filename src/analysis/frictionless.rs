@@ -9,7 +9,8 @@
 //! sin(θ - γ) = (S / m_I e) sin γ
 //! ```
 //!
-//! which has two solutions, or none if `|S sin γ| > m_I e`. For two identical balls these are the
+//! which has two solutions, or none if `|S sin γ| > m_I e`. Without an imbalance, the line may have
+//! any direction if `S sin γ = 0`, and there is no such line otherwise. For two identical balls these are the
 //! thesis's A1+ and A1- (together), A2 (opposite each other) and B1 (balanced).
 
 use std::f64::consts::PI;
@@ -169,7 +170,14 @@ fn on_a_line(form: &RestForm) -> Vec<Candidate> {
     let (gamma, balls) = (form.transfer.arg(), form.mass.len());
     for (signs, self_opposite) in sides(form) {
         let sum: f64 = signs.iter().zip(&form.mass).map(|(sign, mass)| sign * mass).sum();
-        let sine = sum / form.imbalance * gamma.sin();
+        let balanced_rotor = form.imbalance == 0.0;
+        // An undamped suspension moves along the force, and every direction is equivalent.
+        let every_direction = balanced_rotor && form.transfer.im == 0.0;
+        let sine = match balanced_rotor {
+            true if every_direction => 0.0,
+            true => f64::INFINITY,
+            false => sum / form.imbalance * gamma.sin(),
+        };
         if !sine.is_finite() || sine.abs() > 1.0 {
             continue;
         }
@@ -179,7 +187,8 @@ fn on_a_line(form: &RestForm) -> Vec<Candidate> {
             (PI - sine.asin(), FrictionlessKind::A1Minus),
         ];
         // If the exchange of sides is an exchange of identical balls, the two branches coincide.
-        for (turn, branch) in branches.into_iter().take(if self_opposite { 1 } else { 2 }) {
+        let one_branch = self_opposite || every_direction;
+        for (turn, branch) in branches.into_iter().take(if one_branch { 1 } else { 2 }) {
             let side = |sign: &f64| gamma + turn + if *sign > 0.0 { 0.0 } else { PI };
             let beta: Vec<f64> = signs.iter().map(|sign| wrap_to_two_pi(side(sign))).collect();
             if balances(form, &beta) {
@@ -191,7 +200,8 @@ fn on_a_line(form: &RestForm) -> Vec<Candidate> {
                 (false, _) => FrictionlessKind::Other,
             };
             let beta = sorted_where_identical(&beta, &form.balls);
-            found.push(Candidate { kind, beta, family_dimension: 0 });
+            let family_dimension = usize::from(every_direction);
+            found.push(Candidate { kind, beta, family_dimension });
         }
     }
     found

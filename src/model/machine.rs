@@ -48,7 +48,7 @@ pub struct Machine {
     pub damping_n_s_m: f64,
     /// Distance from the ring's centre to the balls' centres, m.
     pub ring_radius_m: f64,
-    /// Mass of the imbalance, kg.
+    /// Mass of the imbalance, kg; 0 for a balanced rotor.
     pub imbalance_mass_kg: f64,
     /// Distance of the imbalance from the ring's centre, m.
     pub imbalance_radius_m: f64,
@@ -89,8 +89,8 @@ impl Default for Machine {
 
 impl Machine {
     /// Checks that all values have a physical meaning. Rejected are non-finite values, masses,
-    /// lengths and stiffness that are not positive, negative damping or friction, and fewer than
-    /// one or more than [`MAX_BALLS`] balls.
+    /// lengths and stiffness that are not positive, a negative imbalance, damping or friction, and
+    /// fewer than one or more than [`MAX_BALLS`] balls.
     ///
     /// # Errors
     /// The first invalid parameter, by the name it has in a study file.
@@ -103,11 +103,11 @@ impl Machine {
             ("table_mass_kg", self.table_mass_kg),
             ("stiffness_n_m", self.stiffness_n_m),
             ("ring_radius_m", self.ring_radius_m),
-            ("imbalance_mass_kg", self.imbalance_mass_kg),
             ("imbalance_radius_m", self.imbalance_radius_m),
         ] {
             positive(name, value)?;
         }
+        not_negative("imbalance_mass_kg", self.imbalance_mass_kg)?;
         not_negative("damping_n_s_m", self.damping_n_s_m)?;
         if !self.speed_rad_s.is_finite() {
             return Err(invalid("speed_rad_s", &self.speed_rad_s.to_string(), "a finite number"));

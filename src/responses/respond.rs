@@ -12,6 +12,9 @@ use crate::engine::WorkerPool;
 use crate::study::{DesignValue, Measure, ParameterValue, Response, Study};
 use crate::table::RunRecord;
 
+const NO_REFERENCE: &str =
+    "the machine without balls does not vibrate, so that no amplitude is relative to it";
+
 /// The responses of a design at one point of the sweep.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Answer {
@@ -52,7 +55,11 @@ pub fn respond(
         };
         let [absolute, relative] = [sample(false), sample(true)];
         let estimate = |response: &Response| {
-            estimate(response.measure, if response.relative { &relative } else { &absolute })
+            let sample = if response.relative { &relative } else { &absolute };
+            match response.relative && lacks_reference(&absolute, &relative) {
+                true => Estimate::unknown(NO_REFERENCE),
+                false => estimate(response.measure, sample),
+            }
         };
         let mut counts = LabelCounts::default();
         runs.iter().for_each(|run| counts.add(run.outcome.label()));
@@ -98,6 +105,12 @@ fn end_of_queue(study: &Study, from: u64) -> u64 {
         end += 1;
     }
     end
+}
+
+/// Returns whether runs have amplitudes, but none that is relative to the machine without balls.
+fn lacks_reference(absolute: &Sample, relative: &Sample) -> bool {
+    let has_amplitude = |sample: &Sample| sample.runs.iter().any(|run| run.amplitude.is_some());
+    has_amplitude(absolute) && !has_amplitude(relative)
 }
 
 fn observed(run: &RunRecord, relative: bool) -> RunResult {

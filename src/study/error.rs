@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 pub(crate) use crate::sanitize::shorten;
 use crate::sanitize::shown_path;
+use crate::study::file::unit_keys::split_unit;
 pub(crate) use crate::tabular::Fault;
 
 /// Why a study cannot be used: one message with file, line, key, the value found and the values
@@ -60,6 +61,11 @@ impl StudyError {
             fault,
             snippet: line_text.map(shorten),
         }))
+    }
+
+    /// Returns this message with another fault at the same place.
+    pub(crate) fn with_fault(self, fault: Fault) -> StudyError {
+        StudyError(Box::new(Message { fault, ..*self.0 }))
     }
 
     /// Returns the faulty file: the study file or a table that it names.
@@ -147,6 +153,23 @@ pub(crate) fn list_names<S: AsRef<str>>(found: &str, names: &[S]) -> String {
         names.iter().map(AsRef::as_ref).filter(|name| Some(*name) != nearest).map(str::to_owned),
     );
     parts.join(", ")
+}
+
+/// Lists the allowed keys. The key most similar to `found` comes first, possibly without its unit.
+pub(crate) fn list_keys<S: AsRef<str>>(found: &str, keys: &[S]) -> String {
+    let short: Vec<&str> =
+        keys.iter().filter_map(|key| Some(split_unit(key.as_ref())?.0)).collect();
+    let with = list_names(found, keys);
+    let both: Vec<&str> = keys.iter().map(AsRef::as_ref).chain(short.iter().copied()).collect();
+    let nearest = list_names(found, &both);
+    // The list of both begins with the nearest name if any name is near.
+    match nearest.split_once(" (did you mean this?)") {
+        Some((name, _)) if short.contains(&name) => {
+            let rest = with.replace(" (did you mean this?)", "");
+            format!("{name} (did you mean this?), {rest}")
+        }
+        _ => with,
+    }
 }
 
 /// The number of characters of a name that are compared with the allowed names.

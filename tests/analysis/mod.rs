@@ -2,6 +2,7 @@
 //! equilibrium sets against closed forms and the thesis.
 
 mod audit;
+mod balanced_rotor;
 mod cycle_classes;
 mod cycle_groups;
 mod equilibrium_histogram;

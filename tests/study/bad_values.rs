@@ -67,8 +67,9 @@ fn unknown_keys_come_with_the_nearest() {
     refused("  box", "  bx", 25, "initial_conditions.bx", "bx", "box (did you mean this?), design");
     let key = "initial_conditions.box.xdot";
     refused("    x:", "    xdot:", 26, key, "xdot", "x_dot (did you mean this?)");
-    let key = "sweep[0].grid.speed";
-    refused("speed_rad_s: [", "speed: [", 18, key, "speed", "speed_rad_s (did you mean this?)");
+    let key = "sweep[0].grid.speed_rads";
+    let near = "speed_rad_s (did you mean this?)";
+    refused("speed_rad_s: [", "speed_rads: [", 18, key, "speed_rads", near);
     let key = "uncertain.imbalance_mas_kg";
     refused(
         "imbalance_mass_kg",
@@ -150,6 +151,25 @@ fn missing_keys() {
     refused("schema: 1\n", "", 1, "schema", "no such key", "schema");
     refused("seed: 5\n", "", 1, "seed", "no such key", "seed");
     refused("  kind: ball_balancer\n", "", 5, "model.kind", "no such key", "kind");
+    // All missing keys are in one message, at the place of the first.
+    let two = GOOD.replace("schema: 1\nname: good\n", "").replace("  kind: ball_balancer\n", "");
+    let error = parse(&two).unwrap_err();
+    assert_eq!(
+        (error.problem(), error.key(), error.line()),
+        ("missing keys", "model.kind", Some(3))
+    );
+    assert_eq!(error.found(), Some("no `model.kind`, no `schema`, no `name`"));
+    let allowed = "such as model: {kind: ball_balancer}; schema: 1; name: my-study";
+    assert_eq!(error.allowed(), Some(allowed));
+    let error = parse("schema: 1\n").unwrap_err();
+    let found = "no `name`, no `seed`, no `model`, no `initial_conditions`";
+    assert_eq!(error.found(), Some(found));
+    let distribution = "{truncated_normal: {mean: 1}}";
+    let text = GOOD.replace("{uniform: {min: 5.0e-5, max: 6.0e-5}}", distribution);
+    let error = parse(&text).unwrap_err();
+    let below = "uncertain.imbalance_mass_kg.truncated_normal";
+    let found = format!("no `{below}.std_dev`, no `{below}.min`, no `{below}.max`");
+    assert_eq!(error.found(), Some(found.as_str()));
     refused(", max: 6.0e-5", "", 23, "uncertain.imbalance_mass_kg.uniform.max", "", "max");
     let design = "  design:\n    stratified: {parts_per_axis: 2, samples_per_cell: 3}\n";
     refused(

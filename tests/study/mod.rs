@@ -20,11 +20,14 @@ mod parquet_tables;
 mod plan;
 mod precision;
 mod resolved;
+mod schema_agrees;
 mod shipped;
 mod stability;
 mod table_places;
 mod templates;
+mod units;
 mod variables;
+mod yaml_1_1;
 
 /// Parses a text as the content of `a.yaml`.
 fn parse(text: &str) -> Result<Study, StudyError> {

@@ -84,9 +84,9 @@ fn the_resolved_file_names_every_default() {
         "    beta_2: [0.0, 6.283185307179586]",
         "    beta_dot_1: [-1.0, 1.0]",
         "    monte_carlo: {samples: 1000}",
-        "  band: 1e-8",
+        "  band: 1.0e-8",
         "  end_time_s: 16.5",
-        "  tolerance: {relative: 1e-8, absolute: 1e-10}",
+        "  tolerance: {relative: 1.0e-8, absolute: 1.0e-10}",
     ] {
         assert!(text.lines().any(|found| found == line), "{line}\n{text}");
     }

@@ -8,7 +8,9 @@ use super::{parse, study};
 #[test]
 fn every_numeric_parameter_can_be_a_variable() {
     let schema = json_schema();
-    let names = schema["properties"]["uncertain"]["properties"].as_object().unwrap();
+    let mut names = schema["properties"]["uncertain"]["properties"].as_object().unwrap().clone();
+    // Keys without units are tested in units.rs.
+    names.retain(|_, distribution| !distribution.to_string().contains("WithUnits"));
     let (mut tried, mut refused) = (0, 0);
     for (kind, speed) in
         [("ball_balancer", "rad_s"), ("block_on_spring", "m_s"), ("block_on_belt", "m_s")]

@@ -7,12 +7,12 @@ use std::ptr;
 
 use serde::de::value::{MapDeserializer, SeqDeserializer, StrDeserializer};
 use serde::de::{
-    Deserialize, DeserializeSeed, Deserializer, EnumAccess, Expected, IntoDeserializer, Unexpected,
-    VariantAccess, Visitor,
+    DeserializeOwned, DeserializeSeed, Deserializer, EnumAccess, Expected, IntoDeserializer,
+    Unexpected, VariantAccess, Visitor,
 };
 use serde::forward_to_deserialize_any;
 
-use crate::study::error::{Fault, Location, StudyError, list_names, shorten};
+use crate::study::error::{Fault, Location, StudyError, list_keys, list_names, shorten};
 use crate::study::file::key_path::{KeyPath, Segment};
 use crate::study::file::study_file::example_of_friction;
 use crate::study::file::yaml_tree::{Content, Node, Source};
@@ -20,14 +20,72 @@ use crate::study::file::yaml_tree::{Content, Node, Source};
 /// Deserialises a value of type `T` from the whole source.
 ///
 /// # Errors
-/// Returns the first value that does not fit `T`, with its place and key path.
-pub(crate) fn decode<'de, T: Deserialize<'de>>(source: &'de Source) -> Result<T, StudyError> {
-    T::deserialize(&source.root).map_err(|error| {
-        let node = error.node.unwrap_or(&source.root);
-        let found = source.root.find(&|other| ptr::eq(other, node));
+/// Returns the first value that does not fit `T`, with its place and key path, or all missing keys.
+pub(crate) fn decode<T: DeserializeOwned>(source: &Source) -> Result<T, StudyError> {
+    let (key, error) = match read(&source.root, source) {
+        Ok(value) => return Ok(value),
+        Err((None, error)) => return Err(error),
+        Err((Some(key), error)) => (key, error),
+    };
+    // Each missing key becomes a placeholder, and the next reading finds the next missing key.
+    let (mut missing, mut root) = (vec![key], source.root.clone());
+    while missing.len() < MOST_MISSING {
+        if let Some(path) = missing.last() {
+            root.insert(path, Node { place: root.place, content: Content::Placeholder });
+        }
+        match read::<T>(&root, source) {
+            Err((Some(key), _)) if !missing.contains(&key) => missing.push(key),
+            _ => break,
+        }
+    }
+    // A missing key contains the missing keys below it.
+    let all = missing.clone();
+    missing.retain(|path| {
+        !all.iter().any(|other| other.0.len() < path.0.len() && path.0.starts_with(&other.0))
+    });
+    if missing.len() == 1 {
+        return Err(error);
+    }
+    let names: Vec<String> =
+        missing.iter().map(|path| format!("`{}`", source.as_written(path))).collect();
+    let examples: Vec<String> = missing
+        .iter()
+        .map(|path| {
+            let key = path.to_string();
+            let example = EXAMPLES.iter().find(|(name, _)| *name == key);
+            example.map_or_else(|| format!("{key}: ..."), |(_, example)| (*example).to_owned())
+        })
+        .collect();
+    let found = format!("no {}", names.join(", no "));
+    let fault = Fault::new("missing keys", found, format!("such as {}", examples.join("; ")));
+    Err(error.with_fault(fault))
+}
+
+/// The largest number of missing keys that a message lists.
+const MOST_MISSING: usize = 20;
+
+/// Examples of keys that every study needs.
+const EXAMPLES: [(&str, &str); 6] = [
+    ("schema", "schema: 1"),
+    ("name", "name: my-study"),
+    ("seed", "seed: 1"),
+    ("model", "model: {kind: ball_balancer}"),
+    ("model.kind", "model: {kind: ball_balancer}"),
+    ("initial_conditions", "initial_conditions: {design: {monte_carlo: {samples: 100}}}"),
+];
+
+/// Reads a tree; an error comes with the path of the key if a key is missing.
+fn read<T: DeserializeOwned>(
+    root: &Node,
+    source: &Source,
+) -> Result<T, (Option<KeyPath>, StudyError)> {
+    T::deserialize(root).map_err(|error| {
+        let node = error.node.unwrap_or(root);
+        let found = root.find(&|other| ptr::eq(other, node));
         let mut path = found.map_or_else(KeyPath::default, |(path, _)| path);
         path.0.extend(error.missing.map(|field| Segment::Key(field.to_owned())));
-        source.refuse_at(error.place.unwrap_or(node.place), &path, error.fault)
+        let missing = error.missing.map(|_| path.clone());
+        (missing, source.refuse_at(error.place.unwrap_or(node.place), &path, error.fault))
     })
 }
 
@@ -94,7 +152,7 @@ impl serde::de::Error for DecodeError<'_> {
     }
 
     fn unknown_field(found: &str, allowed: &'static [&'static str]) -> Self {
-        DecodeError::new(Fault::new("unknown key", shorten(found), list_names(found, allowed)))
+        DecodeError::new(Fault::new("unknown key", shorten(found), list_keys(found, allowed)))
     }
 
     fn missing_field(field: &'static str) -> Self {
@@ -130,6 +188,7 @@ impl<'de> Deserializer<'de> for &'de Node {
     fn deserialize_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Self::Error> {
         let value = match &self.content {
             Content::Nothing => visitor.visit_unit(),
+            Content::Placeholder => visitor.visit_u64(1),
             Content::Truth(truth) => visitor.visit_bool(*truth),
             Content::Natural(number) => visitor.visit_u64(*number),
             Content::Number(number) => visitor.visit_f64(*number),
@@ -164,6 +223,11 @@ impl<'de> Deserializer<'de> for &'de Node {
     ) -> Result<V::Value, Self::Error> {
         let value = match &self.content {
             Content::Text(_) => visitor.visit_enum(Choice { name: self, value: None }),
+            Content::Placeholder => {
+                let first = variants.first().copied().unwrap_or_default();
+                let first: StrDeserializer<'_, Self::Error> = first.into_deserializer();
+                visitor.visit_enum(first)
+            }
             Content::Map(entries) if entries.len() == 1 => {
                 let (name, value) = &entries[0];
                 visitor.visit_enum(Choice { name, value: Some(value) })
@@ -184,16 +248,29 @@ impl<'de> Deserializer<'de> for &'de Node {
         fields: &'static [&'static str],
         visitor: V,
     ) -> Result<V::Value, Self::Error> {
-        if let Content::Map(_) = self.content {
-            return self.deserialize_any(visitor);
+        match self.content {
+            Content::Map(_) => return self.deserialize_any(visitor),
+            Content::Placeholder => {
+                let empty: [(&Node, &Node); 0] = [];
+                let keys = MapDeserializer::new(empty.into_iter());
+                return visitor.visit_map(keys).map_err(|error: DecodeError<'de>| error.at(self));
+            }
+            _ => {}
         }
         let keys: Vec<String> = fields.iter().map(|field| format!("{field}: ...")).collect();
         let allowed = format!("keys and values, {}", shorten(&keys.join(", ")));
         Err(DecodeError::new(Fault::new("wrong type", self.describe(), allowed)).at(self))
     }
 
+    fn deserialize_string<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Self::Error> {
+        match self.content {
+            Content::Placeholder => visitor.visit_borrowed_str(""),
+            _ => self.deserialize_any(visitor),
+        }
+    }
+
     forward_to_deserialize_any! {
-        bool i8 i16 i32 i64 i128 u8 u16 u32 u64 u128 f32 f64 char str string bytes byte_buf
+        bool i8 i16 i32 i64 i128 u8 u16 u32 u64 u128 f32 f64 char str bytes byte_buf
         unit unit_struct seq tuple tuple_struct map identifier ignored_any
     }
 }

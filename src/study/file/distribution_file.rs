@@ -13,6 +13,7 @@ pub enum DistributionFile {
         /// Mean.
         mean: f64,
         /// Standard deviation, above 0.
+        #[schemars(extend("exclusiveMinimum" = 0))]
         std_dev: f64,
     },
     /// Normal distribution, truncated at both ends.
@@ -20,6 +21,7 @@ pub enum DistributionFile {
         /// Mean before truncation.
         mean: f64,
         /// Standard deviation before truncation, above 0.
+        #[schemars(extend("exclusiveMinimum" = 0))]
         std_dev: f64,
         /// Smallest value.
         min: f64,
@@ -30,8 +32,10 @@ pub enum DistributionFile {
     /// of its logarithm.
     Lognormal {
         /// Mean of the parameter, above 0.
+        #[schemars(extend("exclusiveMinimum" = 0))]
         mean: f64,
         /// Standard deviation of the parameter, above 0.
+        #[schemars(extend("exclusiveMinimum" = 0))]
         std_dev: f64,
     },
     /// Uniform distribution.
@@ -53,6 +57,7 @@ pub enum DistributionFile {
     /// One of several values.
     Choice {
         /// The values.
+        #[schemars(extend("minItems" = 1))]
         values: Vec<f64>,
         /// Weights of the values, at least 0, on any scale; by default, all values are equally
         /// likely.

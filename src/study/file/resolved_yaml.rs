@@ -6,9 +6,9 @@ use serde_json::Value;
 
 use crate::study::file::study_file::StudyFile;
 
-/// Words that some YAML parsers do not treat as text.
-const AMBIGUOUS_WORDS: [&str; 9] =
-    ["true", "false", "yes", "no", "on", "off", "null", "nan", "inf"];
+/// Words that YAML 1.1 or some parsers do not treat as text.
+const AMBIGUOUS_WORDS: [&str; 11] =
+    ["true", "false", "yes", "no", "on", "off", "y", "n", "null", "nan", "inf"];
 
 /// A resolved study file with its cached text and hash, which every table needs.
 #[derive(Clone, Debug)]
@@ -125,8 +125,17 @@ pub(in crate::study) fn write_flow(value: &Value, out: &mut String) {
             out.push(']');
         }
         Value::String(text) => write_text(text, out),
+        Value::Number(number) => out.push_str(&number_for_all(&number.to_string())),
         other => out.push_str(&other.to_string()),
     }
+}
+
+/// Writes a number so that YAML 1.1 reads it, too: with a point before the exponent, and a sign in it.
+fn number_for_all(number: &str) -> String {
+    let Some((mantissa, exponent)) = number.split_once('e') else { return number.to_owned() };
+    let point = if mantissa.contains('.') { "" } else { ".0" };
+    let sign = if exponent.starts_with(['+', '-']) { "" } else { "+" };
+    format!("{mantissa}{point}e{sign}{exponent}")
 }
 
 /// Writes a text, in quotation marks if a YAML parser may take it for something else.

@@ -4,6 +4,8 @@ use indexmap::IndexMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::study::file::schema_parts as schema;
+
 /// A variable of a design: either `from` and `to`, or `choices`.
 #[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[serde(deny_unknown_fields)]
@@ -13,6 +15,8 @@ pub struct VariableFile {
     /// Largest value, in the unit of the parameter; at least `from`.
     pub to: Option<f64>,
     /// Choices by name; each choice sets the same numeric parameters.
+    #[serde(default)]
+    #[schemars(schema_with = "schema::choices")]
     pub choices: Option<IndexMap<String, IndexMap<String, f64>>>,
 }
 
@@ -63,8 +67,7 @@ pub enum ResponseFile {
         relative: bool,
     },
     /// Probability of rest by this time, s; above 0 and at most the end time of the simulation.
-    #[schemars(extend("exclusiveMinimum" = 0))]
-    AtRestByS(f64),
+    AtRestByS(#[schemars(extend("exclusiveMinimum" = 0))] f64),
     /// Median time to rest (Kaplan-Meier estimator), s.
     MedianTimeToRest,
 }

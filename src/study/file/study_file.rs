@@ -30,6 +30,7 @@ pub struct StudyFile {
     /// The model and its parameters.
     pub model: ModelFile,
     /// Blocks of points, one block after another; without a sweep, the study has one point.
+    #[schemars(extend("minItems" = 1))]
     pub sweep: Option<Vec<BlockFile>>,
     /// Distribution of each uncertain parameter; the value is drawn for each run.
     #[serde(default)]
@@ -48,6 +49,8 @@ pub struct StudyFile {
     pub expect: Option<Vec<ExpectationFile>>,
     /// Variables of `stickslip evaluate` and `stickslip optimize`, by name: a numeric parameter or
     /// `balls` with `from` and `to`, or another name with `choices`.
+    #[serde(default)]
+    #[schemars(schema_with = "schema::variables")]
     pub design: Option<IndexMap<String, VariableFile>>,
     /// Responses that `stickslip evaluate` estimates for each design, by name.
     pub responses: Option<IndexMap<String, ResponseFile>>,
@@ -181,8 +184,8 @@ pub struct ParametersFile {
     /// 1.15e-2.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub ring_radius_m: Option<f64>,
-    /// Mass of the imbalance, kg; above 0; default 5.6e-5.
-    #[schemars(extend("exclusiveMinimum" = 0))]
+    /// Mass of the imbalance, kg; at least 0, where 0 is a balanced rotor; default 5.6e-5.
+    #[schemars(extend("minimum" = 0))]
     pub imbalance_mass_kg: Option<f64>,
     /// Distance from the centre of the ring to the imbalance, m; above 0; default 3.7e-2.
     #[schemars(extend("exclusiveMinimum" = 0))]
@@ -266,6 +269,7 @@ pub enum DesignFile {
     /// Scrambled Sobol' sequence; a power of two is best.
     Sobol {
         /// Number of samples, at most 65,536.
+        #[schemars(extend("maximum" = 65_536))]
         samples: Count,
     },
     /// Independent uniform samples.
@@ -292,7 +296,7 @@ pub struct SimulationFile {
     /// Half width of the band around zero sliding speed in the switch model, in units of the
     /// natural frequency (block: natural frequency times `normal_force_n` / `stiffness_n_m`); above
     /// 0, at most 0.01; default 1e-8.
-    #[schemars(extend("exclusiveMinimum" = 0))]
+    #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 0.01))]
     pub band: Option<f64>,
     /// Time at which an undecided run stops, s; above 0; default 16.5.
     #[schemars(extend("exclusiveMinimum" = 0))]

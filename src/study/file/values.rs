@@ -122,6 +122,7 @@ pub struct InlineTable {
     /// Names of the columns.
     pub columns: Vec<String>,
     /// Rows, each with one value per column.
+    #[schemars(extend("minItems" = 1))]
     pub rows: Vec<Vec<Entry>>,
 }
 

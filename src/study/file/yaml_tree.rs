@@ -36,6 +36,8 @@ pub(crate) struct Node {
 pub(crate) enum Content {
     /// Nothing: an empty value, `null` or `~`.
     Nothing,
+    /// In the place of a missing key, while further missing keys are searched.
+    Placeholder,
     /// `true` or `false`.
     Truth(bool),
     /// A whole number, zero or more.
@@ -54,8 +56,10 @@ pub(crate) enum Content {
 pub(crate) struct Source {
     file: PathBuf,
     text: String,
-    /// The whole file.
+    /// The whole file; keys without units are replaced by SI keys.
     pub root: Node,
+    /// The places of replaced keys, with their names in the file.
+    pub renamed: Vec<(Location, String)>,
 }
 
 impl Source {
@@ -88,7 +92,8 @@ impl Source {
         let parsed: Result<Node, _> = serde_saphyr::from_str_with_options(&text, options);
         match parsed {
             Ok(root) => {
-                let source = Source { file: file.to_path_buf(), text, root };
+                let file = file.to_path_buf();
+                let source = Source { file, text, root, renamed: Vec::new() };
                 source.check_top()?;
                 source.check_finite()?;
                 Ok(source)
@@ -123,7 +128,24 @@ impl Source {
     /// Creates the message for a fault at a known place.
     pub fn refuse_at(&self, place: Location, path: &KeyPath, fault: Fault) -> StudyError {
         let line = self.text.lines().nth(place.line.saturating_sub(1));
-        StudyError::new(&self.file, Some(place), path.to_string(), fault, line)
+        let path = self.as_written(path).to_string();
+        StudyError::new(&self.file, Some(place), path, fault, line)
+    }
+
+    /// Returns a path with the keys as the file writes them.
+    pub fn as_written(&self, path: &KeyPath) -> KeyPath {
+        let mut node = Some(&self.root);
+        let written = |step: &Segment| {
+            let below = node.and_then(|node| node.below(step));
+            node = below.map(|(_, value)| value);
+            let place = below.map(|(key, _)| key.place);
+            let renamed = self.renamed.iter().find(|(renamed, _)| Some(*renamed) == place);
+            match (step, renamed) {
+                (Segment::Key(_), Some((_, name))) => Segment::Key(name.clone()),
+                _ => step.clone(),
+            }
+        };
+        KeyPath(path.0.iter().map(written).collect())
     }
 }
 
@@ -166,7 +188,7 @@ impl Node {
     /// Describes the content in words for a message.
     pub fn describe(&self) -> String {
         match &self.content {
-            Content::Nothing => "nothing".to_owned(),
+            Content::Nothing | Content::Placeholder => "nothing".to_owned(),
             Content::Truth(truth) => truth.to_string(),
             Content::Natural(number) => number.to_string(),
             Content::Number(number) if number.is_nan() => ".nan".to_owned(),
@@ -203,6 +225,31 @@ impl Node {
                 items.get(*index).map(|item| (item, item))
             }
             _ => None,
+        }
+    }
+
+    /// Inserts a value at the path of a missing key, if this tree has a map there.
+    pub fn insert(&mut self, path: &KeyPath, value: Node) {
+        let Some((Segment::Key(name), above)) = path.0.split_last() else { return };
+        let mut node = self;
+        for step in above {
+            let below = match (step, &mut node.content) {
+                (Segment::Key(name), Content::Map(entries)) => {
+                    entries.iter_mut().find(|(key, _)| key.name() == name).map(|(_, value)| value)
+                }
+                (Segment::Item(index), Content::List(items)) => items.get_mut(*index),
+                _ => None,
+            };
+            let Some(below) = below else { return };
+            node = below;
+        }
+        // A placeholder with a key is a map with this key alone.
+        if let Content::Placeholder = node.content {
+            node.content = Content::Map(Vec::new());
+        }
+        if let Content::Map(entries) = &mut node.content {
+            let key = Node { place: value.place, content: Content::Text(name.clone()) };
+            entries.push((key, value));
         }
     }
 

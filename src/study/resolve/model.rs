@@ -5,7 +5,7 @@ use serde::de::IntoDeserializer;
 use serde::de::value::StrDeserializer;
 
 use crate::model::{Ball, Block, Ground, MAX_BALLS, Machine, Model, NormalForce};
-use crate::study::error::{Fault, StudyError, list_names, shorten};
+use crate::study::error::{Fault, StudyError, list_keys, shorten};
 use crate::study::file::balls::{BallFile, Balls};
 use crate::study::file::source_path::SourcePath;
 use crate::study::file::study_file::{ModelFile, ModelKind, NormalForceKind, ParametersFile};
@@ -214,7 +214,7 @@ pub(in crate::study) fn check_parameter_names(source: &Source) -> Result<(), Stu
     let known = numbers(&mut any).map(|(name, _)| name);
     let unknown = |name: &&str| *name != "balls" && !known.contains(name);
     let Some(name) = given.iter().map(|(key, _)| key.name()).find(unknown) else { return Ok(()) };
-    let allowed = list_names(name, &parameter_names(&default_model(kind)));
+    let allowed = list_keys(name, &parameter_names(&default_model(kind)));
     let fault = Fault::new("unknown key", shorten(name), allowed);
     Err(source.path("model.parameters").key(name).refuse_key(fault))
 }

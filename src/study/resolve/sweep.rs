@@ -3,7 +3,7 @@
 use indexmap::IndexMap;
 
 use crate::model::Model;
-use crate::study::error::{Fault, StudyError, list_names, shorten};
+use crate::study::error::{Fault, StudyError, list_keys, list_names, shorten};
 use crate::study::file::source_path::SourcePath;
 use crate::study::file::study_file::BlockFile;
 use crate::study::file::table_folders::TableFolders;
@@ -160,7 +160,7 @@ pub(crate) fn find_parameter(name: &str, model: &Model) -> Result<Parameter, Fau
             model.kind(),
             model.friction().name()
         );
-        Fault::new(problem, shorten(name), list_names(name, &names))
+        Fault::new(problem, shorten(name), list_keys(name, &names))
     })
 }
 

@@ -10,11 +10,13 @@ use crate::study::error::{Fault, StudyError};
 use crate::study::file::balls::Balls;
 use crate::study::file::decode::decode;
 use crate::study::file::distribution_file::DistributionFile;
+use crate::study::file::ranges::expand_ranges;
 use crate::study::file::read_file::read_text;
 use crate::study::file::resolved_yaml::ResolvedFile;
 use crate::study::file::study_file::{BlockFile, DesignFile, InitialConditionsFile, StudyFile};
 use crate::study::file::table_folders::MAX_VALUES;
 use crate::study::file::table_folders::TableFolders;
+use crate::study::file::unit_keys::read_units;
 use crate::study::file::values::Range;
 use crate::study::file::yaml_tree::{Content, Source};
 use crate::study::plan::audit::Audit;
@@ -81,8 +83,10 @@ impl Study {
         directories: &[PathBuf],
     ) -> Result<Study, StudyError> {
         let folders = TableFolders::new(file, directories)?;
-        let source = Source::new(file, text)?;
+        let mut source = Source::new(file, text)?;
         check_schema(&source)?;
+        expand_ranges(&mut source)?;
+        read_units(&mut source)?;
         check_parameter_names(&source)?;
         let written: StudyFile = decode(&source)?;
         let study = resolve(&source, &written, &folders)?;

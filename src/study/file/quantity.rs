@@ -1,0 +1,239 @@
+//! Values with units, such as `6000 rpm` or `40 N s/m`: products and quotients of the units that uom defines.
+//!
+//! uom parses single units only, and multiplies by factors that are rounded to binary. Here, decimal factors multiply
+//! decimal digits, so that `6 mm` is the same number as `6e-3`.
+
+use std::f64::consts::TAU;
+
+use uom::si::f64::{Force, Length, Mass, Time};
+use uom::si::{force, length, mass, time};
+use uom::typenum::Integer;
+
+use crate::study::error::{Fault, list_names, shorten};
+
+/// Exponents of length, mass, time and angle.
+type Dimension = [i32; 4];
+
+/// A unit symbol with its dimension and its value in SI units.
+type Symbol = (&'static str, Dimension, f64);
+
+/// What each SI unit of a key measures, with two examples.
+const MEASURED: [(&str, &str); 8] = [
+    ("kg", "a mass, such as 0.056 kg or 56 g"),
+    ("m", "a length, such as 0.006 m or 6 mm"),
+    ("s", "a time, such as 15 s or 0.25 min"),
+    ("N", "a force, such as 10 N or 0.01 kN"),
+    ("N/m", "a stiffness, such as 10700 N/m or 10.7 N/mm"),
+    ("N s/m", "a viscous damping, such as 1.28 N s/m or 1280 g/s"),
+    ("rad/s", "a speed of rotation, such as 628.3 rad/s or 6000 rpm"),
+    ("m/s", "a speed, such as 0.1 m/s or 100 mm/s"),
+];
+
+/// Returns what an SI unit measures, with two examples.
+pub(crate) fn measured(unit: &str) -> &'static str {
+    MEASURED.iter().find(|(other, _)| *other == unit).map_or("a number", |(_, text)| text)
+}
+
+fn dimension<D: uom::si::Dimension + ?Sized>() -> Dimension
+where
+    D::L: Integer,
+    D::M: Integer,
+    D::T: Integer,
+{
+    [D::L::I32, D::M::I32, D::T::I32, 0]
+}
+
+/// Returns all unit symbols. uom gives the angle no dimension; here it has one, because a number of 1/s is not a speed
+/// of rotation.
+fn symbols() -> Vec<Symbol> {
+    let lengths = [
+        ("m", Length::new::<length::meter>(1.0)),
+        ("km", Length::new::<length::kilometer>(1.0)),
+        ("cm", Length::new::<length::centimeter>(1.0)),
+        ("mm", Length::new::<length::millimeter>(1.0)),
+        ("µm", Length::new::<length::micrometer>(1.0)),
+        ("um", Length::new::<length::micrometer>(1.0)),
+        ("nm", Length::new::<length::nanometer>(1.0)),
+        ("in", Length::new::<length::inch>(1.0)),
+        ("ft", Length::new::<length::foot>(1.0)),
+    ];
+    let masses = [
+        ("kg", Mass::new::<mass::kilogram>(1.0)),
+        ("g", Mass::new::<mass::gram>(1.0)),
+        ("mg", Mass::new::<mass::milligram>(1.0)),
+        ("µg", Mass::new::<mass::microgram>(1.0)),
+        ("ug", Mass::new::<mass::microgram>(1.0)),
+        ("t", Mass::new::<mass::ton>(1.0)),
+    ];
+    let times = [
+        ("s", Time::new::<time::second>(1.0)),
+        ("ms", Time::new::<time::millisecond>(1.0)),
+        ("min", Time::new::<time::minute>(1.0)),
+        ("h", Time::new::<time::hour>(1.0)),
+    ];
+    let forces = [
+        ("N", Force::new::<force::newton>(1.0)),
+        ("mN", Force::new::<force::millinewton>(1.0)),
+        ("kN", Force::new::<force::kilonewton>(1.0)),
+    ];
+    let angle = [0, 0, 0, 1];
+    let angles = [("rad", 1.0), ("deg", TAU / 360.0), ("°", TAU / 360.0), ("rev", TAU)];
+    let lengths = lengths.map(|(name, one)| (name, dimension::<length::Dimension>(), one.value));
+    let masses = masses.map(|(name, one)| (name, dimension::<mass::Dimension>(), one.value));
+    let times = times.map(|(name, one)| (name, dimension::<time::Dimension>(), one.value));
+    let forces = forces.map(|(name, one)| (name, dimension::<force::Dimension>(), one.value));
+    let angles = angles.map(|(name, one)| (name, angle, one));
+    let all = lengths.into_iter().chain(masses).chain(times).chain(forces);
+    all.chain(angles).collect()
+}
+
+/// Splits a text into the number at its beginning and the unit after it, which may be empty.
+pub(crate) fn split_number(text: &str) -> Option<(&str, &str)> {
+    let text = text.trim();
+    let end_of_digits = |from: usize| {
+        let rest = text.get(from..).unwrap_or_default();
+        from + rest.bytes().take_while(u8::is_ascii_digit).count()
+    };
+    let byte = |at: usize| text.as_bytes().get(at).copied();
+    let start = usize::from(matches!(byte(0), Some(b'+' | b'-')));
+    let mut end = end_of_digits(start);
+    let mut digits = end - start;
+    if byte(end) == Some(b'.') {
+        digits += end_of_digits(end + 1) - (end + 1);
+        end = end_of_digits(end + 1);
+    }
+    if matches!(byte(end), Some(b'e' | b'E')) {
+        let sign = usize::from(matches!(byte(end + 1), Some(b'+' | b'-')));
+        let exponent = end_of_digits(end + 1 + sign);
+        end = if exponent > end + 1 + sign { exponent } else { end };
+    }
+    (digits > 0).then(|| (&text[..end], text[end..].trim()))
+}
+
+/// Converts a text such as `40 N s/m` into a number in the given SI unit.
+///
+/// # Errors
+/// Returns a fault if the text is not a number with a unit, or if its unit has another dimension.
+pub(crate) fn convert(text: &str, si_unit: &str) -> Result<f64, Fault> {
+    let found = || format!("text {:?}", shorten(text));
+    let allowed = measured(si_unit);
+    let Some((number, unit)) = split_number(text) else {
+        return Err(Fault::new("not a number with a unit", found(), allowed));
+    };
+    if unit.is_empty() {
+        return Err(Fault::new("a number without a unit", found(), allowed));
+    }
+    let factors = factors(unit).map_err(|symbol| unknown(unit, &symbol, allowed))?;
+    let wanted = factors_of_si(si_unit);
+    if dimension_of(&factors) != dimension_of(&wanted) {
+        let same = |(known, _): &&(&str, &str)| {
+            dimension_of(&factors_of_si(known)) == dimension_of(&factors)
+        };
+        let is = MEASURED.iter().find(same).and_then(|(_, text)| text.split_once(','));
+        let is = is.map(|(what, _)| format!(", {what}")).unwrap_or_default();
+        return Err(Fault::new("a unit of another quantity", found() + &is, allowed));
+    }
+    let value = product(number, &factors);
+    if value.is_finite() {
+        return Ok(value);
+    }
+    Err(Fault::new("not a finite number", found(), "a finite number"))
+}
+
+fn factors_of_si(unit: &str) -> Vec<(Symbol, i32)> {
+    factors(unit).unwrap_or_default()
+}
+
+fn unknown(unit: &str, symbol: &str, allowed: &str) -> Fault {
+    if symbol.is_empty() {
+        let allowed = format!("{allowed}; a product is `N s`, a quotient `N/m`, a power `s^2`");
+        return Fault::new("not a unit", shorten(unit), allowed);
+    }
+    let symbols = symbols();
+    let names: Vec<&str> = symbols.iter().map(|(name, ..)| *name).collect();
+    let units = list_names(symbol, &names);
+    Fault::new("unknown unit", shorten(symbol), format!("{allowed}; the units are {units}, rpm"))
+}
+
+/// Parses a unit such as `N s/m` into symbols with powers.
+///
+/// # Errors
+/// Returns an unknown symbol, or an empty text if the form is wrong.
+fn factors(unit: &str) -> Result<Vec<(Symbol, i32)>, String> {
+    let symbols = symbols();
+    let unit = unit.replace('μ', "µ").replace('²', "^2").replace("rpm", "rev/min");
+    let mut all = Vec::new();
+    for (place, part) in unit.split('/').enumerate() {
+        let mut words = part.split(|blank: char| blank.is_whitespace() || "*·⋅".contains(blank));
+        let words: Vec<&str> = words.by_ref().filter(|word| !word.is_empty()).collect();
+        // `N/m s` could mean N/(m s) or (N/m) s.
+        if words.is_empty() || (place > 0 && words.len() > 1) {
+            return Err(String::new());
+        }
+        for word in words {
+            let (name, power) = word.split_once('^').unwrap_or((word, "1"));
+            let power = power.parse::<i32>().ok().filter(|power| (-9..=9).contains(power));
+            let power = power.ok_or_else(String::new)?;
+            let symbol = symbols.iter().find(|(symbol, ..)| *symbol == name);
+            let symbol = symbol.ok_or_else(|| name.to_owned())?;
+            all.push((*symbol, if place > 0 { -power } else { power }));
+        }
+    }
+    Ok(all)
+}
+
+fn dimension_of(factors: &[(Symbol, i32)]) -> Dimension {
+    let mut sum = [0; 4];
+    for ((_, dimension, _), power) in factors {
+        for (sum, exponent) in sum.iter_mut().zip(dimension) {
+            *sum += exponent * power;
+        }
+    }
+    sum
+}
+
+/// Multiplies a number by units. Powers of ten and decimal factors are exact; the others follow one after another.
+fn product(number: &str, factors: &[(Symbol, i32)]) -> f64 {
+    // A number with more digits than fit is rounded before it is multiplied.
+    let rounded = || decimal(&format!("{:e}", number.parse::<f64>().ok()?));
+    let Some(mut exact) = decimal(number).or_else(rounded) else { return f64::NAN };
+    let mut inexact = Vec::new();
+    for ((_, _, factor), power) in factors {
+        // Twelve digits undo the rounding to binary of a decimal factor such as 1e-9.
+        let rounded = decimal(&format!("{factor:.11e}"));
+        let is_decimal = |(digits, tens): &(i128, i64)| {
+            let same: f64 = format!("{digits}e{tens}").parse().unwrap_or(f64::NAN);
+            ((same - factor) / factor).abs() < 1.0e-15
+        };
+        for _ in 0..power.unsigned_abs() {
+            let step = rounded.filter(is_decimal).and_then(|(digits, tens)| match *power > 0 {
+                true => Some((exact.0.checked_mul(digits)?, exact.1 + tens)),
+                false => (digits == 1).then_some((exact.0, exact.1 - tens)),
+            });
+            match step {
+                Some(step) => exact = step,
+                None => inexact.push((*factor, *power > 0)),
+            }
+        }
+    }
+    let start: f64 = format!("{}e{}", exact.0, exact.1).parse().unwrap_or(f64::NAN);
+    let apply = |value: f64, (factor, times): (f64, bool)| match times {
+        true => value * factor,
+        false => value / factor,
+    };
+    inexact.into_iter().fold(start, apply)
+}
+
+/// Returns the digits of a decimal number, without trailing zeros, and the power of ten of the last digit.
+fn decimal(number: &str) -> Option<(i128, i64)> {
+    let (mantissa, exponent) = number.split_once(['e', 'E']).unwrap_or((number, "0"));
+    let (whole, fraction) = mantissa.split_once('.').unwrap_or((mantissa, ""));
+    let all = format!("{whole}{fraction}");
+    let (digits, zeros) = match all.trim_end_matches('0') {
+        "" | "+" | "-" => ("0", 0),
+        digits => (digits, all.len() - digits.len()),
+    };
+    let exponent: i64 = exponent.parse::<i32>().ok()?.into();
+    let places = i64::try_from(fraction.len()).ok()?;
+    Some((digits.parse().ok()?, exponent - places + i64::try_from(zeros).ok()?))
+}

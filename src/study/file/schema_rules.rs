@@ -1,0 +1,163 @@
+//! Rules of the JSON Schema that the types of the study file do not express: which keys go together, and which names a
+//! kind of model has.
+
+use serde_json::{Map, Value, json};
+
+use super::schema_parts::{axes_of, numeric_parameters_of, parameters_of};
+use super::unit_keys::split_unit;
+
+/// The kinds of model, and the ending of their sliding speeds.
+const KINDS: [(&str, &str); 3] =
+    [("ball_balancer", "_rad_s"), ("block_on_spring", "_m_s"), ("block_on_belt", "_m_s")];
+
+const FRACTIONS: [&str; 6] = [
+    "equilibrium_fraction",
+    "limit_cycle_fraction",
+    "irregular_fraction",
+    "undecided_fraction",
+    "failed_fraction",
+    "audit_flip_rate",
+];
+
+/// Adds the rules.
+pub(in crate::study) fn add_rules(schema: &mut Value) {
+    let required = |keys: &[&str]| json!({ "required": keys });
+    let speeds = |stem: &str| {
+        let forms = ["_rad_s", "_m_s", ""].map(|ending| required(&[&format!("{stem}{ending}")]));
+        json!({ "oneOf": forms })
+    };
+    let own_designs = json!({
+        "properties": { "sweep": { "items": required(&["design"]) } }, "required": ["sweep"]
+    });
+    let common_design = json!({ "properties": { "initial_conditions": required(&["design"]) } });
+    let fraction = json!({ "items": { "minimum": 0, "maximum": 1 } });
+    let rules = [
+        (
+            "/$defs/BlockFile",
+            json!({ "oneOf": [required(&["grid"]), required(&["zip"]), required(&["table"])] }),
+        ),
+        ("/$defs/StribeckFile", speeds("stribeck_speed")),
+        ("/$defs/SmoothFile", speeds("smoothing_speed")),
+        ("/$defs/LimitFile", json!({ "anyOf": [required(&["at_least"]), required(&["at_most"])] })),
+        (
+            "/$defs/OptimizeFile",
+            json!({ "anyOf": [required(&["minimize"]), required(&["maximize"])] }),
+        ),
+        (
+            "/$defs/ExpectationFile",
+            json!({ "anyOf": FRACTIONS.map(|fraction| required(&[fraction])) }),
+        ),
+        ("/$defs/VariableFile", range_or_choices()),
+        ("/$defs/VariableFileWithUnits", range_or_choices()),
+        (
+            "",
+            json!({ "dependentSchemas": { "optimize": {
+            "required": ["design", "responses"],
+            "properties": { "design": { "minProperties": 1 }, "responses": { "minProperties": 1 } },
+        } } }),
+        ),
+        ("", json!({ "allOf": [{ "anyOf": [common_design, own_designs] }] })),
+    ];
+    for (pointer, rule) in rules {
+        merge(schema.pointer_mut(pointer), rule);
+    }
+    for name in FRACTIONS {
+        let pointer = format!("/$defs/ExpectationFile/properties/{name}");
+        merge(schema.pointer_mut(&pointer), fraction.clone());
+    }
+    for name in ["DistributionFile", "DistributionFileWithUnits"] {
+        let forms =
+            schema.pointer_mut(&format!("/$defs/{name}/oneOf")).and_then(Value::as_array_mut);
+        for form in forms.into_iter().flatten() {
+            let weights = form.pointer_mut("/properties/choice/properties/weights");
+            merge(weights, json!({ "items": { "type": "number", "minimum": 0 }, "minItems": 1 }));
+        }
+    }
+    let parameters = schema.pointer("/$defs/ParametersFile/properties");
+    let parameters = parameters.and_then(Value::as_object).cloned().unwrap_or_default();
+    let of_kinds = KINDS.map(|(kind, speed)| {
+        let is_kind = json!({ "properties": { "kind": { "const": kind } }, "required": ["kind"] });
+        json!({
+            "if": { "properties": { "model": is_kind }, "required": ["model"] },
+            "then": { "properties": of_kind(kind, speed, &parameters) },
+        })
+    });
+    merge(Some(schema), json!({ "allOf": of_kinds }));
+}
+
+/// A variable has either a range or choices.
+fn range_or_choices() -> Value {
+    json!({ "oneOf": [
+        { "required": ["from", "to"], "not": { "required": ["choices"] } },
+        {
+            "required": ["choices"],
+            "not": { "anyOf": [{ "required": ["from"] }, { "required": ["to"] }] },
+        },
+    ] })
+}
+
+/// Returns the rules of the top-level keys for a kind of model; `parameters` are the keys of any model's parameters.
+fn of_kind(kind: &str, speed: &str, parameters: &Map<String, Value>) -> Value {
+    let is_balancer = kind == "ball_balancer";
+    let [swept, numeric] = [parameters_of(kind), numeric_parameters_of(kind)].map(with_short);
+    let own = |name: &&String| numeric.contains(name) || is_balancer && *name == "balls";
+    let own: Vec<&String> = parameters.keys().filter(own).collect();
+    let names = |names: &[String]| json!({ "propertyNames": { "enum": names } });
+    let foreign_speed = if speed == "_m_s" { "_rad_s" } else { "_m_s" };
+    let friction = ["stribeck", "smoothing"].map(|stem| {
+        let law = if stem == "smoothing" { "smooth" } else { stem };
+        let key = format!("{stem}_speed{foreign_speed}");
+        (law.to_owned(), json!({ "properties": { key: false } }))
+    });
+    let friction: Map<String, Value> = friction.into_iter().collect();
+    let mut model = json!({
+        "parameters": { "propertyNames": { "enum": own } },
+        "friction": { "properties": friction },
+    });
+    let mut variables: Map<String, Value> =
+        numeric.iter().map(|name| (name.clone(), json!({}))).collect();
+    if is_balancer {
+        let number = json!({ "type": "integer", "minimum": 1, "maximum": 8 });
+        let balls = json!({ "properties": { "from": number, "to": number } });
+        variables.insert("balls".to_owned(), balls);
+    } else {
+        merge(Some(&mut model), json!({ "normal_force": false }));
+    }
+    json!({
+        "model": { "properties": model },
+        "sweep": { "items": { "properties": { "grid": names(&swept), "zip": names(&swept) } } },
+        "uncertain": names(&numeric),
+        "expect": { "items": { "properties": { "point": names(&swept) } } },
+        "design": {
+            "properties": variables,
+            "additionalProperties": {
+                "required": ["choices"],
+                "properties": { "choices": { "additionalProperties": names(&numeric) } },
+            },
+        },
+        "initial_conditions": { "properties": { "box": names(&with_short(axes_of(kind))) } },
+    })
+}
+
+/// Returns names, and the names without units.
+fn with_short(names: Vec<String>) -> Vec<String> {
+    let short = names.iter().filter_map(|name| split_unit(name));
+    let mut short: Vec<String> = short.map(|(short, _)| short.to_owned()).collect();
+    short.extend(names);
+    short.sort();
+    short.dedup();
+    short
+}
+
+/// Adds the fields of a rule to a schema; `allOf` is continued.
+fn merge(schema: Option<&mut Value>, rule: Value) {
+    let (Some(Value::Object(fields)), Value::Object(rule)) = (schema, rule) else { return };
+    for (key, value) in rule {
+        match (fields.get_mut(&key), value) {
+            (Some(Value::Array(all)), Value::Array(more)) if key == "allOf" => all.extend(more),
+            (_, value) => {
+                fields.insert(key, value);
+            }
+        }
+    }
+}

@@ -1,0 +1,169 @@
+//! Keys without units in the JSON Schema: beside each SI key with a unit stands the key that takes values with units.
+
+use serde_json::{Map, Value, json};
+
+use super::quantity::measured;
+use super::unit_keys::{WITHOUT_UNIT, split_unit};
+
+/// A number with a unit; the program checks the unit.
+const QUANTITY: &str = r"^\s*[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?\s*[A-Za-zµμ°].*$";
+
+/// The ending of the name of a definition with values with units.
+const WITH_UNITS: &str = "WithUnits";
+
+/// Removes `null` everywhere: a key in a study file has a value.
+pub(in crate::study) fn remove_nulls(schema: &mut Value) {
+    let is_null = |value: &Value| *value == json!("null") || *value == json!({ "type": "null" });
+    match schema {
+        Value::Array(items) => items.iter_mut().for_each(remove_nulls),
+        Value::Object(fields) => {
+            fields.retain(|key, value| key != "default" || !value.is_null());
+            if let Some(Value::Array(types)) = fields.get_mut("type") {
+                types.retain(|one| !is_null(one));
+                if let [one] = &types[..] {
+                    let one = one.clone();
+                    fields.insert("type".to_owned(), one);
+                }
+            }
+            if let Some(Value::Array(forms)) = fields.get_mut("anyOf") {
+                forms.retain(|form| !is_null(form));
+                if let [Value::Object(form)] = &forms[..] {
+                    let form = form.clone();
+                    fields.shift_remove("anyOf");
+                    form.into_iter().for_each(|(key, value)| {
+                        fields.entry(key).or_insert(value);
+                    });
+                }
+            }
+            fields.values_mut().for_each(remove_nulls);
+        }
+        _ => {}
+    }
+}
+
+/// Adds the keys without units.
+pub(in crate::study) fn add_units(schema: &mut Value) {
+    let mut needed = Vec::new();
+    add_keys(schema, &mut needed);
+    // A definition with units may need another one.
+    while let Some(name) = needed.pop() {
+        let with_units = format!("{name}{WITH_UNITS}");
+        let Some(Value::Object(definitions)) = schema.get_mut("$defs") else { return };
+        if definitions.contains_key(&with_units) {
+            continue;
+        }
+        let Some(plain) = definitions.get(&name).cloned() else { continue };
+        definitions.insert(with_units, with_strings(&plain, &mut needed));
+    }
+}
+
+fn add_keys(schema: &mut Value, needed: &mut Vec<String>) {
+    match schema {
+        Value::Array(items) => items.iter_mut().for_each(|item| add_keys(item, needed)),
+        Value::Object(fields) => {
+            fields.values_mut().for_each(|field| add_keys(field, needed));
+            if let Some(Value::Object(properties)) = fields.get("properties").cloned() {
+                let (properties, pairs) = doubled(properties, needed);
+                fields.insert("properties".to_owned(), properties.into());
+                pairs.iter().for_each(|pair| exclude(fields, pair));
+            }
+        }
+        _ => {}
+    }
+}
+
+/// Returns properties with the keys without units after the SI keys, and the pairs of both.
+fn doubled(
+    properties: Map<String, Value>,
+    needed: &mut Vec<String>,
+) -> (Map<String, Value>, Vec<[String; 2]>) {
+    let (mut all, mut pairs): (Map<String, Value>, Vec<[String; 2]>) = Default::default();
+    for (si, value) in properties {
+        let short = split_unit(&si).map(|(short, unit)| {
+            let mut with_unit = with_strings(&value, needed);
+            if let Value::Object(fields) = &mut with_unit {
+                let text = format!("`{si}` as {}.", measured(unit));
+                fields.insert("description".to_owned(), text.into());
+            }
+            (short.to_owned(), with_unit)
+        });
+        // `normal_force` is a word or, for a block, a force.
+        match all.get_mut(&si) {
+            Some(other) => *other = json!({ "anyOf": [other, value] }),
+            None => {
+                all.insert(si.clone(), value);
+            }
+        }
+        if let Some((short, value)) = short {
+            let known = pairs.iter().any(|[_, other]| *other == short);
+            pairs.push([si, short.clone()]);
+            match all.get_mut(&short) {
+                Some(_) if known => {}
+                Some(other) => *other = json!({ "anyOf": [other, value] }),
+                None => {
+                    all.insert(short, value);
+                }
+            }
+        }
+    }
+    (all, pairs)
+}
+
+/// Lets an object have one of two keys only; a required key may be either.
+fn exclude(fields: &mut Map<String, Value>, [si, short]: &[String; 2]) {
+    let both = json!({ "not": { "required": [si, short] } });
+    let mut rule = both;
+    if let Some(Value::Array(required)) = fields.get_mut("required") {
+        let before = required.len();
+        required.retain(|key| key != si);
+        if required.len() < before {
+            rule = json!({ "oneOf": [{ "required": [si] }, { "required": [short] }] });
+        }
+        if required.is_empty() {
+            fields.shift_remove("required");
+        }
+    }
+    if let Value::Array(rules) = fields.entry("allOf").or_insert_with(|| json!([])) {
+        rules.push(rule);
+    }
+}
+
+/// Returns a schema in which texts with units stand for numbers.
+fn with_strings(schema: &Value, needed: &mut Vec<String>) -> Value {
+    let Value::Object(fields) = schema else { return schema.clone() };
+    if let Some(name) = fields.get("$ref").and_then(Value::as_str) {
+        let name = name.trim_start_matches("#/$defs/").to_owned();
+        let with_units = format!("#/$defs/{name}{WITH_UNITS}");
+        needed.push(name);
+        let mut fields = fields.clone();
+        fields.insert("$ref".to_owned(), with_units.into());
+        return fields.into();
+    }
+    if fields.get("type") == Some(&json!("number")) {
+        let mut text = json!({ "type": "string", "pattern": QUANTITY });
+        if let (Value::Object(text), Some(meaning)) = (&mut text, fields.get("description")) {
+            text.insert("description".to_owned(), meaning.clone());
+        }
+        return text;
+    }
+    let mut result = Map::new();
+    for (key, value) in fields {
+        let value = match (key.as_str(), value) {
+            ("properties", Value::Object(properties)) => {
+                let each = properties.iter().map(|(name, value)| {
+                    let without = WITHOUT_UNIT.contains(&name.as_str());
+                    let value = if without { value.clone() } else { with_strings(value, needed) };
+                    (name.clone(), value)
+                });
+                Value::Object(each.collect())
+            }
+            ("items", value) => with_strings(value, needed),
+            ("anyOf" | "oneOf", Value::Array(forms)) => {
+                forms.iter().map(|form| with_strings(form, needed)).collect()
+            }
+            _ => value.clone(),
+        };
+        result.insert(key.clone(), value);
+    }
+    result.into()
+}

@@ -1,0 +1,246 @@
+//! Keys without a unit, such as `speed: 6000 rpm` beside `speed_rad_s: 628.3`: each becomes the SI key before the file is
+//! decoded, so that the rest of the program knows SI keys only.
+
+use crate::study::error::{Fault, Location, StudyError};
+use crate::study::file::key_path::{KeyPath, Segment};
+use crate::study::file::quantity::{convert, measured, split_number};
+use crate::study::file::schema_parts::parameters_of;
+use crate::study::file::yaml_tree::{Content, Node, Source};
+
+/// The endings of SI keys with their units; a longer ending stands before the shorter one that it contains.
+const ENDINGS: [(&str, &str); 8] = [
+    ("_n_s_m", "N s/m"),
+    ("_rad_s", "rad/s"),
+    ("_n_m", "N/m"),
+    ("_m_s", "m/s"),
+    ("_kg", "kg"),
+    ("_m", "m"),
+    ("_n", "N"),
+    ("_s", "s"),
+];
+
+/// The places of keys with units, where `*` is any key or item, with the SI keys; none means the model's parameters.
+const PLACES: [(&str, &[&str]); 13] = [
+    ("model.parameters", &[]),
+    ("model.parameters.balls.*", &["mass_kg", "diameter_m"]),
+    ("model.friction.*", &[]),
+    ("sweep.*.grid", &[]),
+    ("sweep.*.zip", &[]),
+    ("uncertain", &[]),
+    ("initial_conditions.box", &["position_m", "velocity_m_s"]),
+    ("simulation", &["end_time_s"]),
+    ("expect.*.point", &[]),
+    ("responses.*", &["at_rest_by_s"]),
+    ("design", &[]),
+    ("design.*.choices.*", &[]),
+    ("optimize.compare_with", &[]),
+];
+
+/// Keys below a parameter whose values do not have its unit.
+pub(crate) const WITHOUT_UNIT: [&str; 4] = ["count", "spacing", "times", "weights"];
+
+/// Returns the key without its unit and the unit, if this is an SI key with a unit.
+pub(crate) fn split_unit(key: &str) -> Option<(&str, &'static str)> {
+    ENDINGS.iter().find_map(|(ending, unit)| Some((key.strip_suffix(ending)?, *unit)))
+}
+
+/// Replaces each key without a unit, and the values below it, by the SI key and numbers.
+///
+/// # Errors
+/// Returns an error if a parameter is given both with and without a unit, if a value has no unit or one of another
+/// quantity, or if an SI key has a value with a unit.
+pub(in crate::study) fn read_units(source: &mut Source) -> Result<(), StudyError> {
+    let kind = source.root.get("model").and_then(|model| model.get("kind"));
+    let mut reading = Reading {
+        parameters: parameters_of(kind.map_or("", Node::name)),
+        choices: names_of_choices(&source.root),
+        renamed: Vec::new(),
+        path: KeyPath::default(),
+    };
+    let nothing = Node { place: source.root.place, content: Content::Nothing };
+    let mut root = std::mem::replace(&mut source.root, nothing);
+    let result = PLACES.iter().try_for_each(|place| reading.place(&mut root, place));
+    source.root = root;
+    source.renamed = reading.renamed;
+    result.map_err(|Wrong { place, fault }| source.refuse_at(place, &reading.path, fault))
+}
+
+/// Returns the variables with choices. A variable with choices may have the name of a parameter without its unit.
+fn names_of_choices(root: &Node) -> Vec<String> {
+    let Some(Content::Map(variables)) = root.get("design").map(|design| &design.content) else {
+        return Vec::new();
+    };
+    let choices = variables.iter().filter(|(_, value)| value.get("choices").is_some());
+    choices.map(|(key, _)| key.name().to_owned()).collect()
+}
+
+/// A fault and its place; the path is that of the reading.
+struct Wrong {
+    place: Location,
+    fault: Fault,
+}
+
+struct Reading {
+    /// The names of the model's parameters.
+    parameters: Vec<String>,
+    /// The names of the design's variables with choices.
+    choices: Vec<String>,
+    /// The places of renamed keys, with their names in the file.
+    renamed: Vec<(Location, String)>,
+    /// Where the reading is.
+    path: KeyPath,
+}
+
+/// A key with a unit: its name in SI units, its name without the unit, and the SI unit.
+struct UnitKey<'a> {
+    si: &'a str,
+    short: &'a str,
+    unit: &'static str,
+}
+
+impl Reading {
+    fn place(&mut self, root: &mut Node, place: &(&str, &[&str])) -> Result<(), Wrong> {
+        let (place, own) = place;
+        let names: Vec<String> = match own {
+            [] => self.parameters.clone(),
+            own => own.iter().map(|&key| key.to_owned()).collect(),
+        };
+        let steps: Vec<&str> = place.split('.').collect();
+        self.visit(root, &steps, &names)
+    }
+
+    fn visit(&mut self, node: &mut Node, steps: &[&str], names: &[String]) -> Result<(), Wrong> {
+        let Some((step, rest)) = steps.split_first() else {
+            return self.keys(node, names);
+        };
+        match &mut node.content {
+            Content::Map(entries) => {
+                for (key, value) in entries {
+                    if *step == "*" || key.name() == *step {
+                        self.path.0.push(Segment::Key(key.name().to_owned()));
+                        self.visit(value, rest, names)?;
+                        self.path.0.pop();
+                    }
+                }
+            }
+            Content::List(items) if *step == "*" => {
+                for (index, item) in items.iter_mut().enumerate() {
+                    self.path.0.push(Segment::Item(index));
+                    self.visit(item, rest, names)?;
+                    self.path.0.pop();
+                }
+            }
+            _ => {}
+        }
+        Ok(())
+    }
+
+    /// Reads the keys of one map.
+    fn keys(&mut self, node: &mut Node, names: &[String]) -> Result<(), Wrong> {
+        // Only variables are called by other names than those of parameters.
+        let of_design = ["design", "compare_with"]
+            .iter()
+            .any(|name| self.path.0.last() == Some(&Segment::Key((*name).to_owned())));
+        let Content::Map(entries) = &mut node.content else { return Ok(()) };
+        let places: Vec<(String, usize)> =
+            entries.iter().map(|(key, _)| (key.name().to_owned(), key.place.line)).collect();
+        for entry in entries {
+            let (key, value) = entry;
+            let written = key.name().to_owned();
+            if of_design && self.choices.contains(&written) {
+                continue;
+            }
+            let known = names.iter().find_map(|si| {
+                let (short, unit) = split_unit(si)?;
+                (si == &written || short == written).then_some(UnitKey { si, short, unit })
+            });
+            let Some(known) = known else { continue };
+            self.path.0.push(Segment::Key(written.clone()));
+            if written == known.si {
+                self.check_numbers(value, &known)?;
+            } else {
+                if let Some((si, line)) = places.iter().find(|(name, _)| name == known.si) {
+                    let problem = "given twice, with and without a unit in the key";
+                    let found =
+                        format!("`{written}` in line {} and `{si}` in line {line}", key.place.line);
+                    let fault = Fault::new(problem, found, "one of the two keys");
+                    return Err(Wrong { place: key.place, fault });
+                }
+                self.convert(value, &known)?;
+                self.renamed.push((key.place, written));
+                key.content = Content::Text(known.si.to_owned());
+            }
+            self.path.0.pop();
+        }
+        Ok(())
+    }
+
+    /// Replaces the values with units below a key by numbers in SI units.
+    fn convert(&mut self, node: &mut Node, key: &UnitKey<'_>) -> Result<(), Wrong> {
+        let number = match &node.content {
+            Content::Text(text) => Some(convert(text, key.unit)),
+            Content::Natural(_) | Content::Number(_) => {
+                let problem = "a number without a unit";
+                Some(Err(Fault::new(problem, node.describe(), String::new())))
+            }
+            _ => None,
+        };
+        match number {
+            None => self.below(node, &mut |reading, node| reading.convert(node, key)),
+            Some(Ok(number)) => {
+                node.content = Content::Number(number);
+                Ok(())
+            }
+            Some(Err(mut fault)) => {
+                if fault.problem == "a number without a unit" {
+                    let UnitKey { si, unit, .. } = key;
+                    let measured = measured(unit);
+                    fault.allowed = Some(format!("`{si}` for a number in {unit}, or {measured}"));
+                }
+                Err(Wrong { place: node.place, fault })
+            }
+        }
+    }
+
+    /// Checks that no value below an SI key has a unit.
+    fn check_numbers(&mut self, node: &mut Node, key: &UnitKey<'_>) -> Result<(), Wrong> {
+        if let Content::Text(text) = &node.content {
+            return match split_number(text) {
+                Some((_, unit)) if !unit.is_empty() => {
+                    let UnitKey { short, unit, .. } = key;
+                    let allowed = format!("a number in {unit}, or `{short}` for values with units");
+                    let fault = Fault::new("a value with a unit", node.describe(), allowed);
+                    Err(Wrong { place: node.place, fault })
+                }
+                _ => Ok(()),
+            };
+        }
+        self.below(node, &mut |reading, node| reading.check_numbers(node, key))
+    }
+
+    /// Visits the items of a list, or the values of a map that have the unit of the parameter.
+    fn below(
+        &mut self,
+        node: &mut Node,
+        visit: &mut dyn FnMut(&mut Reading, &mut Node) -> Result<(), Wrong>,
+    ) -> Result<(), Wrong> {
+        let nodes: Vec<(Segment, &mut Node)> = match &mut node.content {
+            Content::List(items) => {
+                let items = items.iter_mut().enumerate();
+                items.map(|(index, item)| (Segment::Item(index), item)).collect()
+            }
+            Content::Map(entries) => {
+                let entries =
+                    entries.iter_mut().filter(|(key, _)| !WITHOUT_UNIT.contains(&key.name()));
+                entries.map(|(key, value)| (Segment::Key(key.name().to_owned()), value)).collect()
+            }
+            _ => Vec::new(),
+        };
+        for (step, node) in nodes {
+            self.path.0.push(step);
+            visit(self, node)?;
+            self.path.0.pop();
+        }
+        Ok(())
+    }
+}

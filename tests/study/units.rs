@@ -1,0 +1,300 @@
+//! Values with units: the same study as with SI keys, to the last bit, and errors that name key, unit and remedy.
+
+use stickslip::study::{ParameterValue, Study};
+
+use super::{machine_at, parse, study};
+
+/// Returns a study of a balancer with these parameters, in line 6, and further lines from line 7 on.
+fn text(parameters: &str, rest: &str) -> String {
+    let end = match rest.contains("initial_conditions") {
+        true => "",
+        false => "initial_conditions: {design: {monte_carlo: {samples: 4}}}\n",
+    };
+    format!(
+        "schema: 1\nname: a\nseed: 5\nmodel:\n  kind: ball_balancer\n  \
+         parameters: {{{parameters}}}\n{rest}{end}"
+    )
+}
+
+#[track_caller]
+fn refused(text: &str, line: usize, key: &str, found: &str, allowed: &str) {
+    let error = parse(text).err().unwrap_or_else(|| panic!("accepted: {text}"));
+    assert_eq!(error.line(), Some(line), "{error}");
+    assert_eq!(error.key(), key, "{error}");
+    assert!(error.found().unwrap_or_default().contains(found), "{error}");
+    assert!(error.allowed().unwrap_or_default().contains(allowed), "{error}");
+}
+
+#[track_caller]
+fn same(with_units: &str, si: &str) {
+    let [with_units, si] = [with_units, si].map(study);
+    assert_eq!(with_units.resolved_yaml(), si.resolved_yaml());
+    assert_eq!(with_units.hash(), si.hash());
+    for run in 0..si.run_count() {
+        assert_eq!(with_units.planned_run(run), si.planned_run(run), "run {run}");
+    }
+}
+
+fn stiffness(written: &str) -> f64 {
+    machine_at(&study(&text(&format!("stiffness: {written}"), "")), 0).stiffness_n_m
+}
+
+/// A decimal value with a decimal unit is the nearest double, as if the SI value were written.
+#[test]
+fn decimal_units_are_exact() {
+    let diameter = |written: &str| {
+        let machine = machine_at(&study(&text(&format!("ball_diameter: {written}"), "")), 0);
+        machine.balls[0].diameter_m
+    };
+    for digits in ["6", "6.0", "0.1", "1.1", "56", "0.14", "7", "2.9", "123456.789", "3e-1"] {
+        for (unit, tens) in [
+            ("mm", -3),
+            ("cm", -2),
+            ("µm", -6),
+            ("um", -6),
+            ("μm", -6),
+            ("nm", -9),
+            ("m", 0),
+            ("km", 3),
+        ] {
+            let (mantissa, exponent) = digits.split_once('e').unwrap_or((digits, "0"));
+            let exponent = exponent.parse::<i32>().unwrap() + tens;
+            let expected: f64 = format!("{mantissa}e{exponent}").parse().unwrap();
+            assert_eq!(diameter(&format!("{digits} {unit}")), expected, "{digits} {unit}");
+        }
+    }
+    assert_eq!(diameter("6mm"), 6.0e-3);
+    let many = "0.1234567890123456789012345678901234567890123456789";
+    assert!((diameter(&format!("{many} mm")) / 1.2345678901234568e-4 - 1.0).abs() < 3e-16);
+    assert_eq!(diameter("0.25 in"), 6.35e-3);
+    let mass = |written: &str| {
+        machine_at(&study(&text(&format!("imbalance_mass: {written}"), "")), 0).imbalance_mass_kg
+    };
+    assert_eq!((mass("56 mg"), mass("5 µg"), mass("56e3 ug")), (5.6e-5, 5.0e-9, 5.6e-5));
+    let [a, b, c] = ["10.7 N/mm", "10.7 kN/m", "10700 kg/s^2"].map(stiffness);
+    assert_eq!([a, b, c], [1.07e4; 3]);
+    assert_eq!(stiffness("10700 N·m⁻¹".replace("m⁻¹", "m^-1").as_str()), 1.07e4);
+    let damping = |written: &str| {
+        machine_at(&study(&text(&format!("damping: {written}"), "")), 0).damping_n_s_m
+    };
+    assert_eq!(["40 N s/m", "40 N*s/m", "40 kg/s", "0.04 N s/mm"].map(damping), [40.0; 4]);
+}
+
+#[test]
+fn speeds_of_rotation() {
+    let speed =
+        |written: &str| machine_at(&study(&text(&format!("speed: {written}"), "")), 0).speed_rad_s;
+    let exact = 200.0 * std::f64::consts::PI;
+    for written in ["6000 rpm", "6000 rev/min", "100 rev/s", "36000 deg/s", "36000 °/s"] {
+        assert!((speed(written) / exact - 1.0).abs() < 5.0e-16, "{written}: {}", speed(written));
+    }
+    assert_eq!(speed("-216.3772 rad/s"), -216.3772);
+}
+
+/// Keys without units are allowed wherever SI keys are, and give the same study.
+#[test]
+fn every_place_accepts_units() {
+    let short = text(
+        "table_mass: 324 g, balls: [{mass: 0.14 g, diameter: 3 mm}, {}], imbalance_radius: 37 mm",
+        "sweep:\n  - grid: {speed: [-150 rad/s, -200 rad/s], ball_mass_2: [0.1 g, 0.2 g]}\n  \
+         - zip: {speed: [-210 rad/s], damping: [1.3 N s/m]}\n\
+         uncertain:\n  imbalance_mass: {normal: {mean: 56 mg, std_dev: 5 mg}}\n  \
+         ring_radius: {choice: {values: [11 mm, 12 mm], weights: [1, 3]}}\n  \
+         stiffness: {times: {uniform: {min: 0.9, max: 1.1}}}\n\
+         simulation: {end_time: 0.25 min}\n\
+         expect: [{point: {speed: -210 rad/s}, equilibrium_fraction: [0, 1]}]\n\
+         design: {table_mass: {from: 300 g, to: 350 g}, ball: {choices: {small: \
+         {ball_diameter_1: 2 mm}, large: {ball_diameter_1: 4 mm}}}}\n\
+         responses: {early: {at_rest_by: 2 s}}\n\
+         optimize: {maximize: early, compare_with: {table_mass: 320 g, ball: small}}\n",
+    );
+    let si = text(
+        "table_mass_kg: 0.324, balls: [{mass_kg: 1.4e-4, diameter_m: 3e-3}, {}], \
+         imbalance_radius_m: 0.037",
+        "sweep:\n  - grid: {speed_rad_s: [-150, -200], ball_mass_2_kg: [1e-4, 2e-4]}\n  \
+         - zip: {speed_rad_s: [-210], damping_n_s_m: [1.3]}\n\
+         uncertain:\n  imbalance_mass_kg: {normal: {mean: 56e-6, std_dev: 5e-6}}\n  \
+         ring_radius_m: {choice: {values: [0.011, 0.012], weights: [1, 3]}}\n  \
+         stiffness_n_m: {times: {uniform: {min: 0.9, max: 1.1}}}\n\
+         simulation: {end_time_s: 15}\n\
+         expect: [{point: {speed_rad_s: -210}, equilibrium_fraction: [0, 1]}]\n\
+         design: {table_mass_kg: {from: 0.3, to: 0.35}, ball: {choices: {small: \
+         {ball_diameter_1_m: 2e-3}, large: {ball_diameter_1_m: 4e-3}}}}\n\
+         responses: {early: {at_rest_by_s: 2}}\n\
+         optimize: {maximize: early, compare_with: {table_mass_kg: 0.32, ball: small}}\n",
+    );
+    same(&short, &si);
+    let block = |key: &str, sweep: &str, friction: &str, place: &str| {
+        format!(
+            "schema: 1\nname: a\nseed: 1\nmodel: {{kind: block_on_spring, parameters: {{{key}}}, \
+             friction: {friction}}}\nsweep: [{{grid: {{{sweep}}}}}]\n\
+             initial_conditions: {{box: {{{place}}}, design: {{monte_carlo: {{samples: 2}}}}}}\n"
+        )
+    };
+    same(
+        &block(
+            "mass: 2 kg, normal_force: 0.02 kN",
+            "normal_force: [5 N, 6 N], stribeck_speed: [1 mm/s]",
+            "{stribeck: {static_friction_coefficient: 0.3, stribeck_speed: 2 cm/s}}",
+            "position: [-1 cm, 10 mm], velocity: [0 m/s, 1 m/s]",
+        ),
+        &block(
+            "mass_kg: 2, normal_force_n: 20",
+            "normal_force_n: [5, 6], stribeck_speed_m_s: [1e-3]",
+            "{stribeck: {static_friction_coefficient: 0.3, stribeck_speed_m_s: 0.02}}",
+            "position_m: [-0.01, 0.01], velocity_m_s: [0, 1]",
+        ),
+    );
+}
+
+#[test]
+fn a_choice_may_have_the_name_of_a_parameter_without_its_unit() {
+    let rest = "design: {speed: {choices: {slow: {speed_rad_s: 100}, fast: {speed: 3000 rpm}}}}\n\
+                responses: {early: {at_rest_by: 2 s}}\n\
+                optimize: {maximize: early, compare_with: {speed: slow}}\n";
+    let study = study(&text("", rest));
+    assert_eq!(study.variables()[0].name(), "speed");
+}
+
+#[test]
+fn wrong_units_are_refused_with_the_remedy() {
+    let line = |parameter: &str, key: &str, found: &str, allowed: &str| {
+        refused(&text(parameter, ""), 6, &format!("model.parameters.{key}"), found, allowed);
+    };
+    let rotation = "a speed of rotation, such as 628.3 rad/s or 6000 rpm";
+    line("speed: 6 mm", "speed", "\"6 mm\", a length", rotation);
+    line("speed: 100 1/s", "speed", "1", rotation);
+    line("speed: 100 s^-1", "speed", "100 s^-1", rotation);
+    line("speed: 6000", "speed", "6000", "`speed_rad_s` for a number in rad/s, or a speed of rot");
+    line("speed: \"6000\"", "speed", "6000", "`speed_rad_s` for a number in rad/s");
+    line("speed: fast", "speed", "fast", rotation);
+    line("speed: 6000 rmp", "speed", "rmp", rotation);
+    line("ball_mass: 3 N", "ball_mass", "3 N", "a mass, such as 0.056 kg or 56 g");
+    line("damping: 3 N s/m s", "damping", "N s/m s", "a quotient `N/m`");
+    line("damping: 3 N s//m", "damping", "N s//m", "a quotient `N/m`");
+    line("damping: 1e400 N s/m", "damping", "1e400", "a finite number");
+    line("damping: 1e99999999999 N s/m", "damping", "1e99999999999", "a finite number");
+    line("speed_rad_s: 6000 rpm", "speed_rad_s", "6000 rpm", "a number in rad/s, or `speed`");
+    line("ball_mass: -1 g", "ball_mass", "-0.001", "a positive, finite number");
+    line("speeed: 1 rpm", "speeed", "speeed", "speed (did you mean this?), table_mass_kg");
+    refused(
+        &text("", "sweep: [{grid: {speed: [6000 rpm, 6000]}}]\n"),
+        7,
+        "sweep[0].grid.speed[1]",
+        "6000",
+        "`speed_rad_s` for a number in rad/s",
+    );
+    refused(
+        &text("", "uncertain: {ball_mass: {normal: {mean: 1 g, std_dev: 1 mm}}}\n"),
+        7,
+        "uncertain.ball_mass.normal.std_dev",
+        "1 mm",
+        "a mass, such as",
+    );
+    // A later check names the key as the file writes it.
+    refused(
+        &text("", "uncertain: {ball_mass: {uniform: {min: 2 g, max: 1 g}}}\n"),
+        7,
+        "uncertain.ball_mass.uniform.max",
+        "0.001",
+        "above min",
+    );
+}
+
+#[test]
+fn both_keys_at_once_are_refused_with_their_lines() {
+    let both = text("", "simulation:\n  end_time_s: 3\n  end_time: 3 s\n");
+    let error = parse(&both).unwrap_err();
+    assert_eq!((error.key(), error.line()), ("simulation.end_time", Some(9)));
+    assert_eq!(error.found(), Some("`end_time` in line 9 and `end_time_s` in line 8"));
+}
+
+#[test]
+fn tables_have_si_columns_only() {
+    let table = |column: &str| {
+        text("", &format!("sweep: [{{table: {{columns: [{column}], rows: [[1]]}}}}]\n"))
+    };
+    assert!(parse(&table("speed_rad_s")).is_ok());
+    refused(&table("speed"), 7, "sweep[0].table.columns[0]", "speed", "speed_rad_s");
+}
+
+fn values(range: &str) -> Vec<f64> {
+    let study = study(&text("", &format!("sweep: [{{grid: {{{range}}}}}]\n")));
+    numbers(&study)
+}
+
+fn numbers(study: &Study) -> Vec<f64> {
+    let number = |point| match study.point(point).swept[0] {
+        ParameterValue::Number(number) => number,
+        ParameterValue::Text(text) => panic!("{text}"),
+    };
+    (0..study.point_count()).map(number).collect()
+}
+
+#[test]
+fn ranges_are_lists() {
+    let list = ["{from: 0, to: 1, count: 11}", "{from: 0, to: 1, step: 0.1}"];
+    let tenths: Vec<f64> = (0..=10).map(|tenth| format!("{tenth}e-1").parse().unwrap()).collect();
+    for range in list {
+        assert_eq!(values(&format!("friction_coefficient: {range}")), tenths, "{range}");
+    }
+    assert_eq!(values("speed_rad_s: {from: -1, to: -3, step: -0.75}"), [-1.0, -1.75, -2.5]);
+    assert_eq!(values("speed_rad_s: {from: -0.3, to: 0.3, step: 0.1}")[2..4], [-0.1, 0.0]);
+    let logarithmic = "{from: 1e-3, to: 10, count: 5, spacing: logarithmic}";
+    assert_eq!(
+        values(&format!("friction_coefficient: {logarithmic}")),
+        [1e-3, 1e-2, 0.1, 1.0, 10.0]
+    );
+    // The ends are exact, and the ratios equal.
+    let uneven = values("speed_rad_s: {from: -0.1, to: -7.7, count: 4, spacing: logarithmic}");
+    assert_eq!((uneven[0], uneven[3]), (-0.1, -7.7));
+    for pair in uneven.windows(2) {
+        assert!((pair[1] / pair[0] - 77.0_f64.cbrt()).abs() < 1e-13, "{uneven:?}");
+    }
+    let widest = values("speed_rad_s: {from: 1e-300, to: 1e300, count: 3, spacing: logarithmic}");
+    assert!((widest[1] - 1.0).abs() < 1e-12, "{widest:?}");
+    assert_eq!(values("speed_rad_s: {from: -1e308, to: 1e308, count: 3}"), [-1e308, 0.0, 1e308]);
+    // Each value is that of the same text, so that a point can be selected by it.
+    let speeds = values("speed: {from: 1000 rpm, to: 6000 rpm, count: 6}");
+    let listed = values("speed: [1000 rpm, 2000 rpm, 3000 rpm, 4000 rpm, 5000 rpm, 6000 rpm]");
+    assert_eq!(speeds, listed);
+    let zip =
+        "sweep: [{zip: {speed_rad_s: {from: 1, to: 3, count: 3}, damping_n_s_m: [1, 2, 3]}}]\n";
+    assert_eq!(numbers(&study(&text("", zip))), [1.0, 2.0, 3.0]);
+    let resolved = study(&text("", zip)).resolved_yaml();
+    assert!(resolved.contains("speed_rad_s: [1.0, 2.0, 3.0]"), "{resolved}");
+}
+
+#[test]
+fn ranges_without_meaning_are_refused() {
+    let wrong = |range: &str, key: &str, found: &str, allowed: &str| {
+        let range = format!("sweep: [{{grid: {{speed_rad_s: {range}}}}}]\n");
+        let key = format!("sweep[0].grid.speed_rad_s{key}");
+        refused(&text("", &range), 7, &key, found, allowed);
+    };
+    wrong("{from: 1, to: 2}", ".count", "no such key", "step: 0.5");
+    wrong("{to: 2, count: 2}", ".from", "no such key", "from: 1");
+    wrong("{from: 1, to: 2, count: 1}", ".count", "1", "from 2 to 1000000");
+    wrong("{from: 1, to: 2, count: 2.5}", ".count", "2.5", "from 2 to 1000000");
+    wrong("{from: 1, to: 2, count: 1000001}", "", "1000001 values", "at most 1000000");
+    wrong("{from: 0, to: 1, step: 1e-300}", "", "values", "at most 1000000");
+    wrong("{from: 1, to: 2, step: -1}", ".step", "step -1 from 1 to 2", "negative downwards");
+    wrong("{from: 1, to: 2, step: 0}", ".step", "step 0", "positive upwards");
+    wrong("{from: 1, to: 2, step: 1, count: 2}", ".step", "both keys", "one of the two");
+    wrong("{from: 1, to: 2, step: 1, spacing: logarithmic}", ".step", "`step`", "`count` with");
+    wrong("{from: 0, to: 2, count: 3, spacing: logarithmic}", ".spacing", "from 0", "above 0");
+    wrong("{from: -1, to: 2, count: 3, spacing: logarithmic}", ".spacing", "from -1", "below 0");
+    wrong("{from: 1, to: 2, count: 3, spacing: even}", ".spacing", "even", "linear, logarithmic");
+    wrong("{from: 1, to: 2, counts: 3}", "", "counts", "count (did you mean this?)");
+    wrong("{from: a, to: 2, count: 3}", ".from", "text \"a\"", "a number");
+    let short = |range: &str, key: &str, found: &str, allowed: &str| {
+        let range = format!("sweep: [{{grid: {{speed: {range}}}}}]\n");
+        refused(&text("", &range), 7, &format!("sweep[0].grid.speed{key}"), found, allowed);
+    };
+    short("{from: 1 rpm, to: 2 rad/s, count: 3}", ".to", "in rad/s", "a value in rpm");
+    short("{from: 1 rpm, to: 2, count: 3}", ".to", "without a unit", "a value in rpm");
+    short("{from: 1, to: 2, count: 3}", "[0]", "1", "`speed_rad_s` for a number in rad/s");
+    let many = "{from: 0, to: 1, count: 600000}";
+    let two = format!("sweep: [{{zip: {{speed_rad_s: {many}, damping_n_s_m: {many}}}}}]\n");
+    refused(&text("", &two), 7, "sweep[0].zip.damping_n_s_m", "600000 values", "in all ranges");
+}
