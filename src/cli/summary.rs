@@ -24,9 +24,9 @@ Examples:
   stickslip summary results/night --format markdown     (for an issue)
   stickslip summary results/night --format csv > points.csv
 
-The first line states what was run: study, version, seed, number of runs, failed runs by kind, audit \
-flips, and what is missing from interrupted results; with csv it goes to standard error. table and markdown have the columns \
-that `run` prints; csv and json have all columns of points.parquet in full precision. The command computes \
+The first line states what was run: study, version, seed, number of runs, failed runs by kind, audit flips, \
+and what is missing from interrupted results; with csv it goes to standard error. table and markdown have the \
+columns that `run` prints; csv and json have all columns of points.parquet in full precision. The command computes \
 nothing and changes nothing in the directory. `stickslip report` draws the same results.";
 
 /// Print the results of a directory, one line per point
@@ -220,7 +220,7 @@ fn print_csv(table: &Table, most: usize) -> Result<(), CliError> {
 fn print_document(facts: &Value, table: &Table, most: usize) -> Result<(), CliError> {
     let head = format!("{facts:#}");
     // Pretty-printed non-empty objects end in a line break and a brace.
-    let head = head.trim_end_matches(['\n', '}']);
+    let head = head.strip_suffix("\n}").unwrap_or(&head);
     if print_json(&format!("{head},\n  \"points\": ["))? == Reader::Gone {
         return Ok(());
     }
