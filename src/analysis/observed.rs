@@ -1,7 +1,9 @@
 //! A finished run as statistics see it, and runs counted by their labels.
 
+use std::collections::BTreeMap;
+
 use super::interval::simultaneous;
-use crate::classification::{Label, Outcome};
+use crate::classification::{Evidence, Label, Outcome};
 use crate::model::Case;
 
 /// The parts of a finished run that the statistics use.
@@ -63,5 +65,23 @@ impl std::ops::AddAssign for LabelCounts {
         for (count, more) in self.0.iter_mut().zip(other.0) {
             *count += more;
         }
+    }
+}
+
+/// Number of failed runs by the kind of failure.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct FailureCounts(BTreeMap<&'static str, u64>);
+
+impl FailureCounts {
+    /// Counts a run if it failed.
+    pub fn add(&mut self, evidence: Evidence) {
+        if evidence.label() == Label::Failed {
+            *self.0.entry(evidence.name()).or_default() += 1;
+        }
+    }
+
+    /// Returns the number of runs of each kind that occurred, by the name of its evidence.
+    pub fn by_name(&self) -> BTreeMap<String, u64> {
+        self.0.iter().map(|(name, runs)| ((*name).to_owned(), *runs)).collect()
     }
 }

@@ -1,4 +1,4 @@
-//! Summary of one sweep point: endings of its runs, time to rest and amplitude.
+//! Summary of one sweep point: endings of its runs, time to rest, amplitude and what the balls leave.
 
 use super::audit::AuditCounts;
 use super::cycles::{CycleClasses, CycleGroup};
@@ -7,6 +7,7 @@ use super::escape::{EscapeRate, Group, escape_rate};
 use super::identical_balls::{groups_of_identical, sorted_where_identical};
 use super::interval::{Interval, IntervalMethod, Z_95, wilson_with_failures};
 use super::observed::{LabelCounts, Observed};
+use super::residual_vibration::{ResidualVibration, ResidualVibrationCounts};
 use super::rest_curve::{RestStep, rest_curve};
 use super::stratified::Cells;
 use super::survival::{STOPPED, SurvivalCurve, rest_or_stop_time};
@@ -36,6 +37,7 @@ pub struct PointAccumulator {
     /// Times at which runs were stopped because they are on a limit cycle (kind 1).
     cycles: ValueCounts,
     amplitudes: ValueCounts,
+    residual: ResidualVibrationCounts,
     cycle_classes: CycleClasses,
     audit: AuditCounts,
     histogram: EquilibriumHistogram,
@@ -63,6 +65,8 @@ pub struct PointSummary {
     pub escape: Option<EscapeRate>,
     /// Quantiles 5, 50 and 95 % of the amplitude over all runs that have one, m.
     pub amplitude_m: [Option<f64>; 3],
+    /// The vibration that the balls leave; all `None` for a block.
+    pub residual: ResidualVibration,
     /// How often audited runs got another label.
     pub audit: AuditCounts,
 }
@@ -101,6 +105,7 @@ impl PointAccumulator {
         outcome.amplitude_m.into_iter().for_each(|amplitude| self.amplitudes.add(amplitude, 0));
         self.cycle_classes.add(run);
         let machine = run.case.and_then(|case| case.model.ball_balancer());
+        machine.into_iter().for_each(|machine| self.residual.add(machine, outcome));
         if let (Label::Equilibrium, Some(machine), Some(beta)) = (label, machine, &outcome.position)
         {
             let balls = &machine.balls;
@@ -163,6 +168,7 @@ impl PointAccumulator {
             escape: self.escape(),
             amplitude_m: PointSummary::AMPLITUDE_FRACTIONS
                 .map(|fraction| self.amplitudes.quantile(fraction)),
+            residual: self.residual.summary(counts.of(Label::Failed)),
             audit: self.audit,
         }
     }

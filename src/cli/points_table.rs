@@ -4,11 +4,13 @@ use std::path::Path;
 
 use serde_json::{Value, json};
 
-use super::point_keys::{merged, point_keys, swept_text};
+use super::point_keys::{merged, point_keys};
+use super::point_words::{InWords, point_line};
+use super::printed_columns::{PrintedColumn, printed_columns};
 use crate::analysis::{AuditCounts, is_narrow};
 use crate::classification::Label;
 use crate::report::{Fraction, PointFacts};
-use crate::study::{ParameterValue, Precision, Study};
+use crate::study::{Precision, Study};
 use crate::table::{Table, TableError};
 use crate::text_table::text_table;
 
@@ -21,11 +23,13 @@ pub struct PointsTable {
     names: Vec<String>,
     rows: Vec<PointFacts>,
     most: usize,
+    balls: bool,
     audit: bool,
     flips: AuditCounts,
     precision: Option<Precision>,
     points: u64,
     not_precise: u64,
+    in_words: InWords,
 }
 
 impl PointsTable {
@@ -36,11 +40,13 @@ impl PointsTable {
             names,
             rows: Vec::new(),
             most,
+            balls: study.model().balls() > 0,
             audit: study.audit().is_some(),
             flips: AuditCounts::default(),
             precision: study.precision(),
             points: 0,
             not_precise: 0,
+            in_words: InWords::default(),
         }
     }
 
@@ -56,21 +62,13 @@ impl PointsTable {
 
     /// Returns a point as one line of text.
     pub fn sentence(&self, point: &PointFacts) -> String {
-        let swept = swept_text(&self.names, &point.swept);
-        let failed = match point.label(Label::Failed).runs {
-            0 => String::new(),
-            failed => format!(", {failed} failed"),
-        };
-        let Fraction { fraction, low, high, .. } = point.equilibrium;
-        format!(
-            "point {}{swept}: {} runs, equilibria {fraction:.4} ({low:.4} .. {high:.4}){failed}",
-            point.point_id, point.runs
-        )
+        point_line(&self.names, point)
     }
 
     /// Adds a point.
     pub fn push(&mut self, point: PointFacts) {
         self.points += 1;
+        self.in_words.add(&point);
         self.not_precise += u64::from(self.is_precise(&point) == Some(false));
         let AuditCounts { runs, flips, rest_flips } = point.audit;
         self.flips.runs = self.flips.runs.saturating_add(runs);
@@ -108,24 +106,31 @@ impl PointsTable {
         ))
     }
 
-    /// Returns the table as text, aligned to the right.
+    /// Returns the table as text, aligned to the right, and what it says in words.
     pub fn text(&self) -> String {
-        text_table(&self.lines(), &[]) + &self.more_line("")
+        let columns = self.columns();
+        let header = |line: usize| columns.iter().map(move |column| column.header[line].clone());
+        let mut lines: Vec<Vec<String>> = vec![header(0).collect(), header(1).collect()];
+        lines.extend(self.cells(&columns));
+        text_table(&lines, &[]) + &self.more_line("") + &self.in_words.text()
     }
 
-    /// Returns the table in Markdown.
+    /// Returns the table in Markdown, and what it says in words.
     pub fn markdown(&self) -> String {
-        let lines = self.lines();
+        let columns = self.columns();
         let line = |cells: &[String]| {
             let cells: Vec<String> = cells.iter().map(|cell| cell.replace('|', "\\|")).collect();
             format!("| {} |\n", cells.join(" | "))
         };
-        let columns = lines.first().map_or(0, Vec::len);
-        let rule = line(&vec!["--:".to_owned(); columns]);
-        let mut text: String = lines.iter().take(1).map(|cells| line(cells)).collect();
-        text += &rule;
-        text.extend(lines.iter().skip(1).map(|cells| line(cells)));
-        text + &self.more_line("\n")
+        let names: Vec<String> = columns.iter().map(|column| column.name.clone()).collect();
+        let mut text = line(&names) + &line(&vec!["--:".to_owned(); columns.len()]);
+        text.extend(self.cells(&columns).iter().map(|cells| line(cells)));
+        text += &self.more_line("\n");
+        match self.in_words.text() {
+            words if words.is_empty() => text,
+            // A blank line separates paragraphs.
+            words => text + "\n" + &words.lines().collect::<Vec<_>>().join("\n\n") + "\n",
+        }
     }
 
     /// Returns a line with the number of points that are not printed; empty if all are.
@@ -136,37 +141,16 @@ impl PointsTable {
         }
     }
 
-    /// Returns the cells of the header and of the points.
-    fn lines(&self) -> Vec<Vec<String>> {
-        let mut header: Vec<String> = vec!["point".to_owned()];
-        header.extend(self.names.iter().cloned());
-        header.extend(
-            ["runs", "equilibria", "fraction", "95 % interval", "median rest [s]"]
-                .map(String::from),
-        );
-        let others: Vec<Label> = Label::ALL[1..]
-            .iter()
-            .copied()
-            .filter(|&label| self.rows.iter().any(|row| row.label(label).runs > 0))
-            .collect();
-        header.extend(others.iter().map(|label| label.name().to_owned()));
-        header.extend(self.audit.then(|| "flips".to_owned()));
-        let line = |row: &PointFacts| -> Vec<String> {
-            let Fraction { runs, fraction, low, high } = row.equilibrium;
-            let mut cells = vec![row.point_id.to_string()];
-            cells.extend(row.swept.iter().map(ParameterValue::to_string));
-            cells.extend([row.runs.to_string(), runs.to_string(), format!("{fraction:.4}")]);
-            cells.push(format!("{low:.4} .. {high:.4}"));
-            let median = row.time_to_rest_s[1];
-            cells.push(median.map_or("not reached".to_owned(), |median| format!("{median:.2}")));
-            cells.extend(others.iter().map(|&label| row.label(label).runs.to_string()));
-            let AuditCounts { runs, flips, .. } = row.audit;
-            cells.extend(self.audit.then(|| format!("{flips} of {runs}")));
-            cells
+    fn columns(&self) -> Vec<PrintedColumn> {
+        printed_columns(&self.rows, &self.names, self.balls, self.audit)
+    }
+
+    /// Returns the cells of each point.
+    fn cells(&self, columns: &[PrintedColumn]) -> Vec<Vec<String>> {
+        let row = |row: usize| {
+            columns.iter().filter_map(|column| column.cells.get(row).cloned()).collect()
         };
-        let mut lines = vec![header];
-        lines.extend(self.rows.iter().map(line));
-        lines
+        (0..self.rows.len()).map(row).collect()
     }
 
     /// Returns the result of a command as JSON: `facts` of the command, and the points.
@@ -195,6 +179,18 @@ impl PointsTable {
     pub fn point_json(&self, row: &PointFacts) -> Value {
         let mut object = point_keys(row.point_id, &self.names, &row.swept);
         object["runs"] = json!(row.runs);
+        let [_, median, p95] = row.amplitude_m;
+        object["amplitude_p50_m"] = json!(median);
+        object["amplitude_p95_m"] = json!(p95);
+        object["amplitude_without_balls_m"] = json!(row.without_balls_m);
+        let worse = |end: usize| row.residual.worse_than_without_balls.map(|worse| worse[end]);
+        object["worse_than_without_balls_fraction"] = json!(worse(0));
+        object["worse_than_without_balls_low"] = json!(worse(1));
+        object["worse_than_without_balls_high"] = json!(worse(2));
+        let [median, p95] = row.residual.balance_quality_grade_mm_s;
+        object["balance_quality_grade_p50_mm_s"] = json!(median);
+        object["balance_quality_grade_p95_mm_s"] = json!(p95);
+        object["overlapping_rest_fraction"] = json!(row.residual.overlapping_rest_fraction);
         for label in Label::ALL {
             object[format!("{}_runs", label.name())] = json!(row.label(label).runs);
         }

@@ -7,6 +7,7 @@ use serde_json::json;
 
 use super::arguments::{EngineArguments, ShardArgument, StudyArgument};
 use super::exit::{CliError, End};
+use super::failures::failure_line;
 use super::output::{print, print_json};
 use super::points_table::{MOST_LINES, PointsTable};
 use super::run_on_engine::run_on_engine;
@@ -112,6 +113,7 @@ fn complete(
     arguments: &EngineArguments,
 ) -> Result<End, CliError> {
     let directory = path.display();
+    let failed = manifest.labels.get(Label::Failed.name()).copied().unwrap_or(0);
     if !arguments.quiet {
         let runs = counted(manifest.runs_finished, "run");
         say(&format!("{directory} already holds all {runs} of this study: nothing to do"));
@@ -121,16 +123,21 @@ fn complete(
         let table = PointsTable::read(study, &Table::open(path, manifest, "points")?, most)?;
         if arguments.json {
             let counts = [manifest.runs_planned, manifest.runs_finished];
-            let facts = json!({"interrupted": false, "already_complete": true});
+            let facts = json!({
+                "interrupted": false,
+                "already_complete": true,
+                "failures": manifest.failures,
+            });
             let report = table.result_json(study, Some(path), counts, facts);
             print_json(&format!("{report:#}\n"))?;
         } else {
             print(&table.text())?;
         }
         if !arguments.quiet {
+            let line = failure_line(&manifest.failures, failed, manifest.runs_finished);
+            line.iter().for_each(|line| say(line));
             table.precision_line().iter().for_each(|line| say(line));
         }
     }
-    let failed = manifest.labels.get(Label::Failed.name()).is_some_and(|&failed| failed > 0);
-    Ok(if failed { End::RunsFailed } else { End::Well })
+    Ok(if failed > 0 { End::RunsFailed } else { End::Well })
 }

@@ -7,9 +7,10 @@ use serde_json::{Value, json};
 
 use super::arguments::EngineArguments;
 use super::exit::{CliError, End};
+use super::failures::failure_line;
 use super::output::{print, print_json};
 use super::points_table::{MOST_LINES, PointsTable};
-use crate::analysis::PointDetail;
+use crate::analysis::{FailureCounts, PointDetail};
 use crate::classification::Label;
 use crate::counted::counted;
 use crate::engine::{
@@ -26,6 +27,7 @@ pub struct Ran {
     pub totals: RunTotals,
     /// The facts for the manifest.
     pub circumstances: Circumstances,
+    failures: FailureCounts,
     table: PointsTable,
 }
 
@@ -57,6 +59,7 @@ impl Ran {
                 "runs_kept": self.totals.reused,
                 "interrupted": self.totals.interrupted(),
                 "already_complete": false,
+                "failures": self.failures.by_name(),
                 "wall_s": self.circumstances.wall_s,
             });
             let planned = self.circumstances.runs_planned;
@@ -71,11 +74,8 @@ impl Ran {
         if !arguments.quiet {
             say(&self.speed_line());
             let failed = self.totals.counts.of(Label::Failed);
-            if failed > 0 {
-                say(&format!(
-                    "{failed} runs failed: see the columns evidence and error of runs.parquet"
-                ));
-            }
+            let failures = self.failures.by_name();
+            failure_line(&failures, failed, runs).iter().for_each(|line| say(line));
             self.table.precision_line().iter().for_each(|line| say(line));
             if let Some(directory) = directory {
                 say(&format!("tables in {}", directory.display()));
@@ -131,6 +131,7 @@ impl Ran {
 struct Collector<'a, S> {
     study: &'a Study,
     sink: &'a mut S,
+    failures: FailureCounts,
     table: PointsTable,
     progress: &'a Progress,
 }
@@ -139,6 +140,7 @@ impl<S: Sink> Sink for Collector<'_, S> {
     type Error = S::Error;
 
     fn run(&mut self, record: RunRecord) -> Result<(), S::Error> {
+        self.failures.add(record.outcome.evidence);
         self.sink.run(record)
     }
 
@@ -175,7 +177,8 @@ pub fn run_on_engine(
     let progress = Progress::begin(planned, arguments.show());
     let most = if arguments.json { usize::MAX } else { MOST_LINES };
     let table = PointsTable::new(study, most);
-    let mut collector = Collector { study, sink, table, progress: &progress };
+    let failures = FailureCounts::default();
+    let mut collector = Collector { study, sink, failures, table, progress: &progress };
     let ended = run_study(study, options, &stop, &progress, store, &mut collector);
     let wall = progress.close();
     let totals = ended?;
@@ -192,6 +195,7 @@ pub fn run_on_engine(
             complete: !totals.interrupted(),
             merging: Vec::new(),
         },
+        failures: collector.failures,
         table: collector.table,
     })
 }

@@ -7,6 +7,7 @@ use clap::{Args, ValueEnum};
 use serde_json::{Map, Value, json};
 
 use super::exit::{CliError, End};
+use super::failures::kinds_of_failure;
 use super::output::{Reader, csv_line, print, print_json};
 use super::points_table::{MOST_LINES, PointsTable};
 use super::results_study::results_study;
@@ -24,9 +25,9 @@ Examples:
   stickslip summary results/night --format markdown     (for an issue)
   stickslip summary results/night --format csv > points.csv
 
-The first line states what was run: study, version, seed, number of runs, failed runs, audit flips, and what \
-is missing from interrupted results; with csv it goes to standard error. table and markdown have the columns \
-that `run` prints; csv and json have all columns of points.parquet in full precision. The command computes \
+The first line states what was run: study, version, seed, number of runs, failed runs by kind, audit flips, \
+and what is missing from interrupted results; with csv it goes to standard error. table and markdown have the \
+columns that `run` prints; csv and json have all columns of points.parquet in full precision. The command computes \
 nothing and changes nothing in the directory. `stickslip report` draws the same results.";
 
 /// Print the results of a directory, one line per point
@@ -116,7 +117,10 @@ fn title(study: &Study, manifest: &Manifest, points: &PointsTable, directory: &P
             )
         }
     });
-    parts.push(format!("{} failed", failed(manifest)));
+    parts.push(match kinds_of_failure(&manifest.failures) {
+        kinds if kinds.is_empty() => format!("{} failed", failed(manifest)),
+        kinds => format!("{} failed ({kinds})", failed(manifest)),
+    });
     if let Some(audit) = points.flips() {
         parts.push(format!("{} of {} audited runs flipped", audit.flips, audit.runs));
     }
@@ -140,6 +144,7 @@ fn facts(study: &Study, manifest: &Manifest, points: &PointsTable) -> Value {
         "runs_finished": manifest.runs_finished,
         "complete": manifest.complete,
         "failed_runs": failed(manifest),
+        "failures": manifest.failures,
     });
     if let Some(audit) = points.flips() {
         facts["audited_runs"] = audit.runs.into();
@@ -216,7 +221,7 @@ fn print_csv(table: &Table, most: usize) -> Result<(), CliError> {
 fn print_document(facts: &Value, table: &Table, most: usize) -> Result<(), CliError> {
     let head = format!("{facts:#}");
     // Pretty-printed non-empty objects end in a line break and a brace.
-    let head = head.trim_end_matches(['\n', '}']);
+    let head = head.strip_suffix("\n}").unwrap_or(&head);
     if print_json(&format!("{head},\n  \"points\": ["))? == Reader::Gone {
         return Ok(());
     }

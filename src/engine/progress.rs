@@ -1,4 +1,4 @@
-//! Progress of a computation on standard error: number of runs, rate, remaining time, and endings so far.
+//! Progress of a computation on standard error: number of runs, rate, remaining time, and finished points.
 //!
 //! Workers update a few atomic counters; text is produced only when a line is due.
 
@@ -94,6 +94,8 @@ impl Progress {
             runs: 0.into(),
             equilibria: 0.into(),
             failed: 0.into(),
+            points,
+            points_finished: 0.into(),
             reused: 0.into(),
             next_line: show.every().into(),
         });
@@ -177,6 +179,7 @@ impl Progress {
 
     /// Reports a point whose runs have all finished: `text` is a line of text, `facts` are the fields of an event.
     pub fn point(&self, text: impl FnOnce() -> String, facts: impl FnOnce() -> Value) {
+        self.counts.points_finished.fetch_add(1, Ordering::Relaxed);
         match self.show {
             Show::Nothing => {}
             Show::Json => {

@@ -18,6 +18,9 @@ pub(super) struct Counts {
     pub runs: AtomicU64,
     pub equilibria: AtomicU64,
     pub failed: AtomicU64,
+    /// Number of points.
+    pub points: u64,
+    pub points_finished: AtomicU64,
     /// Runs that were already on disk.
     pub reused: AtomicU64,
     /// Seconds since the start at which the next line is due.
@@ -34,6 +37,8 @@ pub(super) struct Snapshot {
     pub reused: u64,
     pub equilibria: u64,
     pub failed: u64,
+    pub points: u64,
+    pub points_finished: u64,
 }
 
 impl Counts {
@@ -44,7 +49,18 @@ impl Counts {
         let (reused, runs) = (read(&self.reused), read(&self.runs));
         let elapsed_s = self.started.elapsed().as_secs_f64();
         let (most_runs, at_most) = (read(&self.most_runs), self.at_most);
-        Snapshot { elapsed_s, most_runs, at_most, runs, reused, equilibria, failed }
+        let (points, points_finished) = (self.points, read(&self.points_finished));
+        Snapshot {
+            elapsed_s,
+            most_runs,
+            at_most,
+            runs,
+            reused,
+            equilibria,
+            failed,
+            points,
+            points_finished,
+        }
     }
 }
 
@@ -70,7 +86,8 @@ impl Snapshot {
         (self.runs > 0).then_some((fraction, ends))
     }
 
-    /// Returns the counts as one line of text, for the bar and for lines.
+    /// Returns the counts as one line of text, for the bar and for lines. The fraction of
+    /// equilibria is that of a single point; runs of different points have no common one.
     pub fn text(&self) -> String {
         let Snapshot { runs, most_runs, failed, .. } = self;
         let bound = if self.at_most { "at most " } else { "" };
@@ -78,8 +95,12 @@ impl Snapshot {
         if self.runs > self.reused {
             parts.push(format!("{:.0}/s", self.rate()));
         }
-        if let Some((fraction, (low, high))) = self.fraction() {
-            parts.push(format!("equilibria {fraction:.3} ({low:.3} .. {high:.3})"));
+        if self.points_finished > 0 {
+            parts.push(format!("{} of {} points", self.points_finished, self.points));
+        }
+        if let Some((fraction, (low, high))) = self.fraction().filter(|_| self.points == 1) {
+            let [fraction, low, high] = [fraction, low, high].map(|fraction| 100.0 * fraction);
+            parts.push(format!("{fraction:.1} % at rest ({low:.1} .. {high:.1} %)"));
         }
         if *failed > 0 {
             parts.push(format!("{failed} failed"));
@@ -125,13 +146,18 @@ mod tests {
             reused: 100,
             equilibria: 150,
             failed: 0,
+            points: 1,
+            points_finished: 0,
         };
         assert_eq!((counts.rate(), counts.left()), (20.0, Some(Duration::from_secs(35))));
         assert_eq!(counts.fraction(), Some((0.5, wilson(150, 300, Z_95))));
         assert_eq!(
             counts.text(),
-            "300 of 1000 runs, 20/s, equilibria 0.500 (0.444 .. 0.556), 35s left"
+            "300 of 1000 runs, 20/s, 50.0 % at rest (44.4 .. 55.6 %), 35s left"
         );
+        // The share of several points together says nothing.
+        let sweep = Snapshot { points: 6, points_finished: 2, ..counts };
+        assert_eq!(sweep.text(), "300 of 1000 runs, 20/s, 2 of 6 points, 35s left");
         // Failed runs widen the interval upwards only.
         let failed = Snapshot { failed: 30, at_most: true, ..counts };
         let ends = (wilson(150, 300, Z_95).0, wilson(180, 300, Z_95).1);

@@ -4,7 +4,7 @@ use super::column::{Column, Columns};
 use super::point_key::add_point_id;
 use super::run_record::RunRecord;
 use super::runs::{add_drawn, add_nominal, add_position};
-use crate::analysis::{bin, sorted_where_identical};
+use crate::analysis::{balance_quality_grade, bin, overlaps, sorted_where_identical};
 use crate::classification::Label;
 use crate::study::{ParameterValue, Study};
 
@@ -20,6 +20,8 @@ pub struct EquilibriumRow {
     friction_margin: Option<f64>,
     time_to_rest_s: Option<f64>,
     evidence: &'static str,
+    balance_quality_grade_mm_s: Option<f64>,
+    overlapping: Option<bool>,
 }
 
 impl EquilibriumRow {
@@ -30,7 +32,10 @@ impl EquilibriumRow {
             return None;
         }
         let position = outcome.position.as_ref()?;
-        let position = match planned.case.as_ref().ok()?.model.ball_balancer() {
+        let machine = planned.case.as_ref().ok()?.model.ball_balancer();
+        let grade = machine.map(|machine| balance_quality_grade(machine, position));
+        let overlapping = machine.map(|machine| overlaps(machine, position));
+        let position = match machine {
             Some(machine) => sorted_where_identical(position, &machine.balls),
             None => position.clone(),
         };
@@ -44,6 +49,8 @@ impl EquilibriumRow {
             friction_margin: outcome.friction_margin,
             time_to_rest_s: outcome.time_to_rest_s,
             evidence: outcome.evidence.name(),
+            balance_quality_grade_mm_s: grade,
+            overlapping,
         })
     }
 }
@@ -72,6 +79,17 @@ pub fn equilibrium_columns(study: &Study) -> Vec<Column<EquilibriumRow>> {
             row.position.get(ball).map(|&angle| bin(angle) as u64)
         })
         .meaning("interval of the ball's angle in equilibrium_histogram.parquet, from 0, 10° wide");
+    }
+    if study.model().balls() > 0 {
+        list.number("balance_quality_grade_mm_s", "mm/s", |row| row.balance_quality_grade_mm_s)
+            .meaning(
+                "balance quality grade G that is left (ISO 21940-11): the residual unbalance over \
+                 the whole vibrating mass, with imbalance and balls, times the speed",
+            );
+        list.boolean("overlapping", |row| row.overlapping).meaning(
+            "whether two balls are nearer to each other than their diameters allow; the model has \
+             no contact between balls",
+        );
     }
     list.finish()
 }

@@ -12,7 +12,7 @@ use super::file_entry::{FileEntry, read_regular};
 use super::provenance::{COMMIT, FORMAT, VERSION};
 use super::table_error::TableError;
 use super::verified_files::{ListedFiles, is_file_name};
-use crate::analysis::LabelCounts;
+use crate::analysis::{FailureCounts, LabelCounts};
 use crate::classification::{Label, MODEL_VERSION};
 use crate::sanitize::{is_acted_on, one_line, shell_word, shorten};
 use crate::study::Study;
@@ -95,6 +95,9 @@ pub struct Manifest {
     pub runs_kept: u64,
     /// Runs per label.
     pub labels: BTreeMap<String, u64>,
+    /// Failed runs per kind of failure; empty in results of earlier versions.
+    #[serde(default)]
+    pub failures: BTreeMap<String, u64>,
     /// Whether all planned runs have finished; with a precision, all runs that the precision
     /// requires.
     pub complete: bool,
@@ -120,6 +123,7 @@ impl Manifest {
         study: &Study,
         circumstances: Circumstances,
         counts: LabelCounts,
+        failures: &FailureCounts,
         files: BTreeMap<String, FileEntry>,
     ) -> Self {
         let Circumstances { shard, runs_planned, runs_kept, complete, merging, .. } = circumstances;
@@ -136,6 +140,7 @@ impl Manifest {
             runs_finished: counts.total(),
             runs_kept,
             labels: Label::ALL.into_iter().map(label).collect(),
+            failures: failures.by_name(),
             complete,
             started_unix_s: circumstances.started_unix_s,
             wall_s: circumstances.wall_s,
@@ -185,7 +190,7 @@ impl Manifest {
     /// Checks the values: texts must be printable, the shard must be valid, and the numbers of runs
     /// must be consistent.
     fn check_values(&self) -> Result<(), String> {
-        let names = self.files.keys().chain(self.labels.keys());
+        let names = self.files.keys().chain(self.labels.keys()).chain(self.failures.keys());
         let texts = [&self.study, &self.study_hash, &self.version, &self.commit, &self.host];
         let shown =
             |text: &&String| text.chars().count() > LONGEST_TEXT || text.chars().any(is_acted_on);

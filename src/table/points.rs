@@ -3,7 +3,9 @@
 use super::column::{Column, Columns};
 use super::point_key::add_point_id;
 use super::runs::add_swept;
-use crate::analysis::{PointSummary, is_narrow, reference_amplitude, set_fraction};
+use crate::analysis::{
+    PointSummary, ResidualVibration, is_narrow, reference_amplitude, set_fraction,
+};
 use crate::classification::Label;
 use crate::model::{ExistenceVerdict, Machine};
 use crate::study::{ParameterValue, Point, Study};
@@ -79,6 +81,7 @@ pub fn point_columns(study: &Study) -> Vec<Column<PointRow>> {
     add_audit(&mut list, study);
     if study.model().balls() > 0 {
         add_machine(&mut list);
+        add_residual_vibration(&mut list);
     }
     list.finish()
 }
@@ -189,5 +192,39 @@ fn add_machine(list: &mut Columns<PointRow>) {
         "criterion of uniqueness: the smallest principal minor of the contact matrix over all \
          positions, divided by the product of its diagonal entries; 1 if the balls are not \
          coupled, 0 or less if the solution is not unique",
+    );
+}
+
+/// Adds the vibration that the balls leave, against the machine without balls.
+fn add_residual_vibration(list: &mut Columns<PointRow>) {
+    let worse = |end: usize| {
+        move |row: &PointRow| Some(row.summary.residual.worse_than_without_balls?[end])
+    };
+    list.number("worse_than_without_balls_fraction", "1", worse(0)).meaning(
+        "fraction of the runs that vibrate more than the same machine without balls, of all runs \
+         that did not fail; each run is compared with its own uncertain draws",
+    );
+    list.number("worse_than_without_balls_low", "1", worse(1)).meaning(
+        "lower end of its 95 % confidence interval (Wilson; counts no failed run as vibrating more)",
+    );
+    list.number("worse_than_without_balls_high", "1", worse(2)).meaning(
+        "upper end of its 95 % confidence interval (counts all failed runs as vibrating more)",
+    );
+    for (index, fraction) in ResidualVibration::GRADE_FRACTIONS.into_iter().enumerate() {
+        let percent = (100.0 * fraction).round();
+        list.number(format!("balance_quality_grade_p{percent:02}_mm_s"), "mm/s", move |row| {
+            row.summary.residual.balance_quality_grade_mm_s[index]
+        })
+        .meaning(format!(
+            "quantile {percent} % over the equilibria of the balance quality grade G that is left \
+             (ISO 21940-11, with the whole vibrating mass)"
+        ));
+    }
+    list.number("overlapping_rest_fraction", "1", |row| {
+        row.summary.residual.overlapping_rest_fraction
+    })
+    .meaning(
+        "fraction of the equilibria at which two balls are nearer to each other than their \
+         diameters allow; the model has no contact between balls",
     );
 }

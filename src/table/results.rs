@@ -20,7 +20,7 @@ use super::run_record::RunRecord;
 use super::runs::run_columns;
 use super::time_to_rest::{RestRow, rest_columns};
 use super::writer::{TableWriter, WriteError};
-use crate::analysis::{LabelCounts, PointDetail};
+use crate::analysis::{FailureCounts, LabelCounts, PointDetail};
 use crate::study::Study;
 
 /// Why an output directory cannot be used or written.
@@ -65,6 +65,7 @@ pub struct Results {
     equilibria: TableWriter<EquilibriumRow>,
     histogram: TableWriter<HistogramRow>,
     counts: LabelCounts,
+    failures: FailureCounts,
 }
 
 /// The data files of an output directory.
@@ -106,6 +107,7 @@ impl Results {
             histogram: create(directory, study, "equilibrium_histogram", histogram_columns(study))?,
             directory: directory.to_owned(),
             counts: LabelCounts::default(),
+            failures: FailureCounts::default(),
         })
     }
 
@@ -118,7 +120,8 @@ impl Results {
         study: &Study,
         circumstances: Circumstances,
     ) -> Result<(), ResultsError> {
-        let manifest = Manifest::new(study, circumstances, self.counts, BTreeMap::new());
+        let manifest =
+            Manifest::new(study, circumstances, self.counts, &self.failures, BTreeMap::new());
         let path = &self.directory;
         manifest.write(path).map_err(|cause| ResultsError::Unusable { path: path.clone(), cause })
     }
@@ -129,6 +132,7 @@ impl Results {
     /// Returns an error if a table cannot be written.
     pub fn push_run(&mut self, record: RunRecord) -> Result<(), ResultsError> {
         self.counts.add(record.outcome.label());
+        self.failures.add(record.outcome.evidence);
         if let Some(equilibrium) = EquilibriumRow::of(&record) {
             self.equilibria.push(equilibrium)?;
         }
@@ -174,7 +178,7 @@ impl Results {
         let unusable = |cause| ResultsError::Unusable { path: directory.clone(), cause };
         let study_file = FileEntry::of(&directory.join(STUDY), None).map_err(unusable)?;
         files.insert(STUDY.to_owned(), study_file);
-        let manifest = Manifest::new(study, circumstances, self.counts, files);
+        let manifest = Manifest::new(study, circumstances, self.counts, &self.failures, files);
         manifest.write(&directory).map_err(unusable)?;
         Ok(manifest)
     }

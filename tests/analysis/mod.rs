@@ -2,6 +2,7 @@
 //! equilibrium sets against closed forms and the thesis.
 
 mod audit;
+mod balance_quality;
 mod balanced_rotor;
 mod cycle_classes;
 mod cycle_groups;
@@ -11,8 +12,10 @@ mod frictionless;
 mod identical_balls;
 mod interval;
 mod linearised;
+mod overlap;
 mod point_summary;
 mod reference_amplitude;
+mod residual_vibration;
 mod rest_curve;
 mod set_components;
 mod set_extremes;

@@ -17,9 +17,10 @@ fn a_study_fills_its_directory_once() {
     scratch.write("a.yaml", small("seed: 5\n"));
     let ended = scratch.stickslip("run a.yaml --out deep/down");
     assert_eq!(ended.code, Some(0), "{}", ended.err);
-    let header = "point  speed_rad_s  runs  equilibria  fraction     95 % interval  median rest";
-    assert_has(&ended.out, &[header, "    0         -160     4", "    1         -200     4"]);
-    assert_eq!(ended.out.lines().count(), 3, "{}", ended.out);
+    let header = "point  speed_rad_s       [µm]";
+    assert_has(&ended.out, &[header, "    0         -160  ", "    1         -200  ", "  0/4  "]);
+    // Two lines of header, two points, and a sentence about their vibration.
+    assert_eq!(ended.out.lines().count(), 5, "{}", ended.out);
     assert_has(&ended.err, &["8 runs in ", "tables in deep/down"]);
     let mut names: Vec<String> = fs::read_dir(scratch.path("deep/down"))
         .unwrap()

@@ -89,10 +89,14 @@ fn each_of_a_few_points_has_a_line() {
         assert_eq!(lines.len(), 3, "{}", ended.err);
         assert_has(
             lines[1],
-            &["point 1 speed_rad_s=-161: 8 runs, equilibria 0.0000 (0.0000 .. 0."],
+            &[
+                "point 1 speed_rad_s=-161: 8 runs, vibration ",
+                " without balls; ",
+                "; 0.0 % at rest (0.0 .. ",
+            ],
         );
-        let failed = ended.out.lines().nth(2).unwrap().split_whitespace().last().unwrap();
-        let said = if failed == "0" { ")".to_owned() } else { format!("), {failed} failed") };
+        let failed = ended.out.lines().nth(3).unwrap().split_whitespace().last().unwrap();
+        let said = if failed == "0" { " %)".to_owned() } else { format!(" %), {failed} failed") };
         assert!(lines[1].ends_with(&said), "{said}: {}", lines[1]);
     }
     for arguments in

@@ -42,8 +42,8 @@ fn the_table_is_the_one_that_run_prints() {
     let [failed, flips, audited] = ["failed_runs", "audit_flips", "audited_runs"].map(sum);
     assert!(failed > 0 && audited > 0);
     let title = format!(
-        "short: stickslip {}, seed 5, all 60 runs finished, {failed} failed, {flips} of {audited} \
-         audited runs flipped",
+        "short: stickslip {}, seed 5, all 60 runs finished, {failed} failed ({failed} \
+         invalid_parameters), {flips} of {audited} audited runs flipped",
         env!("CARGO_PKG_VERSION")
     );
     let before = scratch.files();
@@ -55,9 +55,12 @@ fn the_table_is_the_one_that_run_prints() {
     let (first, table) = markdown.split_once("\n\n").unwrap();
     assert_eq!(first, title);
     let lines: Vec<&str> = table.lines().collect();
-    assert_eq!(lines.len(), 2 + 3);
+    // The header has one line here and two on a terminal; a blank line precedes the sentences.
+    let sentences = printed.lines().count() - 5;
+    assert!(sentences > 0, "{printed}");
+    assert_eq!(lines.len(), 2 + 3 + 2 * sentences);
     assert!(lines[1].replace("| --: ", "") == "|", "{}", lines[1]);
-    for (line, printed) in [0, 2, 3, 4].map(|line| lines[line]).iter().zip(printed.lines()) {
+    for (line, printed) in lines[2..5].iter().zip(printed.lines().skip(2)) {
         let cells = line.trim_matches('|').split('|').map(str::trim).collect::<Vec<_>>();
         assert_eq!(cells.join(" "), printed.split_whitespace().collect::<Vec<_>>().join(" "));
         assert_eq!(cells.len(), lines[0].trim_matches('|').split('|').count());
@@ -84,6 +87,40 @@ fn a_complete_study_that_is_run_again_shows_its_points() {
     assert_eq!(scratch.stickslip("run a.yaml --out out --quiet").out, "");
 }
 
+/// The first numbers of a line are the residual vibration in µm, as in `points.parquet`, and the
+/// sentence below counts the points at which most runs vibrate more than without balls.
+#[test]
+fn residual_vibration_comes_first() {
+    let (scratch, printed) = finished();
+    let points = scratch.table("out", "points");
+    let columns = ["amplitude_p50_m", "amplitude_p95_m", "amplitude_without_balls_m"];
+    for (point, line) in printed.lines().skip(2).take(3).enumerate() {
+        // The number of the point and three swept parameters precede them.
+        let cells: Vec<f64> =
+            line.split_whitespace().skip(4).take(3).map(|cell| cell.parse().unwrap()).collect();
+        for (name, cell) in columns.iter().zip(cells) {
+            let value = 1e6 * numbers(&points, name)[point].unwrap();
+            assert!((cell / value - 1.0).abs() < 0.01, "{name}: {cell} and {value}\n{printed}");
+        }
+    }
+    let worse = numbers(&points, "worse_than_without_balls_fraction");
+    let mostly = |holds: fn(f64) -> bool| worse.iter().filter(|one| holds(one.unwrap())).count();
+    let said = match (mostly(|one| one > 0.5), mostly(|one| one < 0.5)) {
+        (0, 3) => "At all 3 points most runs vibrate less than ".to_owned(),
+        (0, _) => "At none of the 3 points ".to_owned(),
+        (more, _) => format!("At {more} of 3 points most runs vibrate more than "),
+    };
+    assert_has(&printed, &[said]);
+    let json: Value =
+        serde_json::from_str(&scratch.stickslip("run a.yaml --out out --json").out).unwrap();
+    let failed: u64 = counts(&points, "failed_runs").iter().sum();
+    assert_eq!(json["failures"], json!({"invalid_parameters": failed}));
+    for (point, worse) in worse.iter().enumerate() {
+        let row = &json["points"][point];
+        assert_eq!(row["worse_than_without_balls_fraction"], json!(worse));
+    }
+}
+
 /// Blocks have no equilibrium set, and a required precision is reported each time.
 #[test]
 fn other_models_and_a_precision() {
@@ -103,6 +140,8 @@ fn other_models_and_a_precision() {
         text.lines().find(|line| line.starts_with("the half width")).map(str::to_owned)
     };
     assert!(line(&ended.err).is_some());
+    let header: Vec<&str> = ended.out.lines().nth(1).unwrap().split_whitespace().collect();
+    assert_eq!(header[..3], ["point", "stiffness_n_m", "rest"], "no vibration: {}", ended.out);
     assert_eq!(line(&again.err), line(&ended.err));
     assert!(scratch.well("summary out").ends_with(&ended.out));
 }
@@ -161,10 +200,12 @@ fn as_many_points_as_are_asked_for() {
     let sweep = format!("sweep: [{{grid: {{speed_rad_s: [{}]}}}}]\n", speeds.join(", "));
     scratch.write("a.yaml", study(1, AT_ONCE, &sweep));
     let printed = scratch.well("run a.yaml --out out");
-    assert!(printed.ends_with("\n... and 5 more points in points.parquet\n"));
+    let (_, sentence) = printed.split_once("\n... and 5 more points in points.parquet\n").unwrap();
+    assert!(sentence.starts_with("At ") && sentence.contains(" 45 points "), "{sentence}");
+    assert_eq!(sentence.lines().count(), 1);
     assert!(scratch.well("summary out").ends_with(&format!("\n\n{printed}")));
     for (points, lines) in [("all", 45), ("45", 45), ("44", 44), ("0", 0)] {
-        for (format, around) in [("table", 3), ("markdown", 4), ("csv", 1)] {
+        for (format, around) in [("table", 5), ("markdown", 6), ("csv", 1)] {
             let text = scratch.well(&format!("summary out --format {format} --points {points}"));
             let more = text.contains(&format!("... and {} more points", 45 - lines));
             assert_eq!(more, lines < 45 && format != "csv", "{format}\n{text}");
@@ -193,7 +234,7 @@ fn interrupted_results_say_what_is_missing() {
     let text = scratch.well("summary out");
     let said = "0 of 60 runs finished, 60 are missing (`stickslip resume out` continues), 0 failed";
     assert_has(&text, &[said]);
-    assert_eq!(text.lines().count(), 3, "no point has a run: {text}");
+    assert_eq!(text.lines().count(), 4, "no point has a run: {text}");
     let document: Value = serde_json::from_str(&scratch.well("summary out --format json")).unwrap();
     assert_eq!((&document["complete"], &document["points"]), (&json!(false), &json!([])));
     // A part of a study is labelled as such.
@@ -219,7 +260,7 @@ fn a_study_whose_runs_have_all_failed() {
         let text = study(2, AT_ONCE, rest).replace("seed: 5\n", &format!("seed: {seed}\n"));
         scratch.write("a.yaml", text);
         let ended = scratch.stickslip("run a.yaml --out out");
-        if ended.code == Some(3) && ended.err.contains("2 runs failed") {
+        if ended.code == Some(3) && ended.err.contains("2 of 2 runs failed") {
             return Some(ended);
         }
         fs::remove_dir_all(scratch.path("out")).unwrap();
@@ -227,7 +268,7 @@ fn a_study_whose_runs_have_all_failed() {
     });
     let ended = ended.unwrap();
     let text = scratch.well("summary out");
-    assert_has(&text, &["all 2 runs finished, 2 failed", "not reached"]);
+    assert_has(&text, &["all 2 runs finished, 2 failed (", "invalid_parameters)", "  0/2  "]);
     assert!(text.ends_with(&ended.out));
 }
 

@@ -2,6 +2,7 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use serde_json::json;
 use stickslip::analysis::{Z_95, wilson};
 use stickslip::classification::{Evidence, Label, Outcome, simulate};
 use stickslip::study::Study;
@@ -115,7 +116,10 @@ fn drawn_parameters_without_sense_are_rows() {
         }
     }
     assert!((5..40).contains(&failed), "{failed}");
-    assert!(ended.err.contains(&format!("{failed} runs failed: see the columns evidence and")));
+    let line =
+        format!("{failed} of 100 runs failed: {failed} invalid_parameters (see the columns ");
+    assert!(ended.err.contains(&line), "{}", ended.err);
+    assert_eq!(scratch.manifest("out")["failures"], json!({"invalid_parameters": failed}));
     let points = scratch.table("out", "points");
     assert_eq!(counts(&points, "failed_runs"), [failed]);
     let at_rest = counts(&points, "equilibrium_runs")[0];

@@ -198,6 +198,12 @@ fn points() {
         "set_fraction n 1",
         "uniqueness w -",
         "min_principal_minor n 1",
+        "worse_than_without_balls_fraction n 1",
+        "worse_than_without_balls_low n 1",
+        "worse_than_without_balls_high n 1",
+        "balance_quality_grade_p50_mm_s n mm/s",
+        "balance_quality_grade_p95_mm_s n mm/s",
+        "overlapping_rest_fraction n 1",
     ];
     let points = scratch.table("out", "points");
     assert_eq!(columns(&points), expected);
@@ -275,6 +281,8 @@ fn equilibria_of_identical_balls_are_sorted() {
         "evidence w -",
         "bin_1 c -",
         "bin_2 c -",
+        "balance_quality_grade_mm_s n mm/s",
+        "overlapping b -",
     ];
     assert_eq!(columns(&equilibria), expected);
     let angles = |table: &RecordBatch| -> Vec<(f64, f64)> {

@@ -12,4 +12,5 @@ mod preferred;
 mod previous_results;
 mod provenance;
 mod read;
+mod residual_vibration;
 mod writer;

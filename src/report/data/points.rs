@@ -1,6 +1,6 @@
 //! The values of a point, from its finished runs or from a row of `points.parquet`.
 
-use crate::analysis::AuditCounts;
+use crate::analysis::{AuditCounts, ResidualVibration};
 use crate::classification::Label;
 use crate::report::data::heading;
 use crate::study::{ParameterValue, Study};
@@ -43,6 +43,8 @@ pub struct PointFacts {
     pub time_to_rest_s: [Option<f64>; 4],
     /// 5 %, 50 % and 95 % quantiles of residual amplitude, m.
     pub amplitude_m: [Option<f64>; 3],
+    /// What the balls leave: runs worse than without balls, balance quality and overlaps.
+    pub residual: ResidualVibration,
     /// Amplitude without balls, m.
     pub without_balls_m: Option<f64>,
     /// Fraction of all ball positions that are equilibria.
@@ -61,6 +63,13 @@ const COUNTS: [&str; 5] = ["point_id", "runs", "audited_runs", "audit_flips", "a
 const METHOD: &str = "ci_method";
 const FRACTION: [&str; 3] = ["equilibrium_fraction", "ci_low", "ci_high"];
 const BALANCER: [&str; 2] = ["amplitude_without_balls_m", "set_fraction"];
+const WORSE: [&str; 3] = [
+    "worse_than_without_balls_fraction",
+    "worse_than_without_balls_low",
+    "worse_than_without_balls_high",
+];
+const GRADES: [&str; 2] = ["balance_quality_grade_p50_mm_s", "balance_quality_grade_p95_mm_s"];
+const OVERLAPPING: &str = "overlapping_rest_fraction";
 
 fn of_label(label: Label, what: &str) -> String {
     format!("{}_{what}", label.name())
@@ -98,6 +107,7 @@ impl PointFacts {
             ci_method: summary.interval.method.name().to_owned(),
             time_to_rest_s: summary.time_to_rest_s,
             amplitude_m: summary.amplitude_m,
+            residual: summary.residual,
             without_balls_m: *amplitude_without_balls_m,
             set_fraction: *set_fraction,
             audit,
@@ -120,7 +130,8 @@ impl PointFacts {
         let [runs, low, high] = ["runs", "low", "high"].map(of_labels);
         let counts = COUNTS.into_iter().chain(runs.iter().map(String::as_str));
         let numbers = FRACTION.iter().chain(&TIMES).chain(&AMPLITUDES).chain(&FLIPS);
-        let numbers = numbers.chain(BALANCER.iter().filter(|_| balls)).copied();
+        let balancer = BALANCER.iter().chain(&WORSE).chain(&GRADES).chain([&OVERLAPPING]);
+        let numbers = numbers.chain(balancer.filter(|_| balls)).copied();
         let numbers = numbers.chain(low.iter().chain(&high).map(String::as_str));
         let mut columns: Vec<(&str, Kind)> = counts.map(|name| (name, Kind::Count)).collect();
         columns.extend(numbers.map(|name| (name, Kind::Number)));
@@ -158,6 +169,10 @@ impl PointFacts {
             0 => [None; 2],
             _ => [number(BALANCER[0])?, number(BALANCER[1])?],
         };
+        let residual = match study.model().balls() {
+            0 => ResidualVibration::default(),
+            _ => residual(batch, row)?,
+        };
         let swept =
             if point_id < study.point_count() { study.point(point_id).swept } else { Vec::new() };
         let [p25, p50, p75, p95] = TIMES.map(number);
@@ -172,6 +187,7 @@ impl PointFacts {
             ci_method: batch.text(METHOD, row)?.unwrap_or_default(),
             time_to_rest_s: [p25?, p50?, p75?, p95?],
             amplitude_m: [p05?, median?, p95_m?],
+            residual,
             without_balls_m,
             set_fraction,
             audit: AuditCounts {
@@ -181,6 +197,12 @@ impl PointFacts {
             },
             flip_rate: flip_rate.map(|((rate, low), high)| [rate, low, high]),
         })
+    }
+
+    /// Returns the number of rests at which balls overlap.
+    pub fn overlapping_rests(&self) -> u64 {
+        let fraction = self.residual.overlapping_rest_fraction.unwrap_or(0.0);
+        (fraction * self.equilibrium.runs as f64).round() as u64
     }
 
     /// Returns the runs with this label.
@@ -195,6 +217,19 @@ impl Fraction {
     fn of(runs: u64, all: u64) -> Self {
         Fraction { runs, fraction: runs as f64 / all as f64, low: f64::NAN, high: f64::NAN }
     }
+}
+
+/// Reads what the balls leave.
+fn residual(batch: &Batch, row: usize) -> Result<ResidualVibration, TableError> {
+    let number = |name: &str| batch.number(name, row);
+    let [fraction, low, high] = WORSE.map(number);
+    let worse = fraction?.zip(low?).zip(high?);
+    let [median, p95] = GRADES.map(number);
+    Ok(ResidualVibration {
+        worse_than_without_balls: worse.map(|((fraction, low), high)| [fraction, low, high]),
+        balance_quality_grade_mm_s: [median?, p95?],
+        overlapping_rest_fraction: number(OVERLAPPING)?,
+    })
 }
 
 fn title(study: &Study, point_id: u64, swept: &[ParameterValue]) -> String {

@@ -1,0 +1,27 @@
+//! The balance quality that is left with the balls at rest, as the grade G of ISO 21940-11.
+//!
+//! ISO 21940-11:2016 grades a rotor by the product of its specific unbalance and its speed, in
+//! mm/s. The specific unbalance is the residual unbalance divided by the mass of the rotor. The
+//! model knows only the whole vibrating mass, so that this grade is smaller than that of the rotor
+//! alone by the ratio of the two masses.
+
+use nalgebra::Complex;
+
+use crate::model::Machine;
+
+/// Returns the residual unbalance with the balls at the angles `beta` from the imbalance, kg m:
+/// `U = |m_I e + L Σ m_i exp(iβ_i)|`.
+pub fn residual_unbalance(machine: &Machine, beta: &[f64]) -> f64 {
+    let imbalance = Complex::from(machine.imbalance_mass_kg * machine.imbalance_radius_m);
+    let balls = machine.balls.iter().zip(beta);
+    let balls = balls
+        .map(|(ball, &angle)| Complex::from_polar(ball.mass_kg * machine.ring_radius_m, angle));
+    (imbalance + balls.sum::<Complex<f64>>()).norm()
+}
+
+/// Returns the balance quality grade with the balls at the angles `beta` from the imbalance, mm/s:
+/// `G = U |ω| / M`, with the whole vibrating mass `M`, which includes the imbalance and the balls.
+pub fn balance_quality_grade(machine: &Machine, beta: &[f64]) -> f64 {
+    let specific_unbalance_m = residual_unbalance(machine, beta) / machine.total_mass_kg();
+    1e3 * specific_unbalance_m * machine.speed_rad_s.abs()
+}

@@ -1,0 +1,72 @@
+//! The vibration that the balls leave at a point: how many runs vibrate more than the same machine
+//! without balls, and the balance quality and overlaps of the rests.
+
+use super::balance_quality::balance_quality_grade;
+use super::interval::{Z_95, wilson_with_failures};
+use super::overlap::overlaps;
+use super::reference_amplitude::reference_amplitude;
+use super::value_counts::ValueCounts;
+use crate::classification::{Label, Outcome};
+use crate::model::Machine;
+
+/// Counts over the runs of a point that did not fail.
+#[derive(Clone, Debug, Default)]
+pub(super) struct ResidualVibrationCounts {
+    /// Runs with an amplitude.
+    compared: u64,
+    /// Runs that vibrate more than their own machine without balls.
+    worse: u64,
+    rests: u64,
+    overlapping: u64,
+    grades: ValueCounts,
+}
+
+/// The vibration that the balls leave at a point.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ResidualVibration {
+    /// Fraction of the runs that vibrate more than their own machine without balls, of all runs
+    /// that did not fail, and the ends of its 95 % interval; `None` if no run has an amplitude.
+    pub worse_than_without_balls: Option<[f64; 3]>,
+    /// Quantiles 50 and 95 % of the balance quality grade over the rests, mm/s.
+    pub balance_quality_grade_mm_s: [Option<f64>; 2],
+    /// Fraction of the rests at which balls overlap; `None` if there are no rests.
+    pub overlapping_rest_fraction: Option<f64>,
+}
+
+impl ResidualVibration {
+    /// The fractions of `balance_quality_grade_mm_s`.
+    pub const GRADE_FRACTIONS: [f64; 2] = [0.5, 0.95];
+}
+
+impl ResidualVibrationCounts {
+    /// Adds a run of a machine that did not fail.
+    pub(super) fn add(&mut self, machine: &Machine, outcome: &Outcome) {
+        if let Some(amplitude) = outcome.amplitude_m {
+            // No run vibrates more than an undamped machine at its resonance.
+            let without_balls = reference_amplitude(machine).unwrap_or(f64::INFINITY);
+            self.compared += 1;
+            self.worse += u64::from(amplitude > without_balls);
+        }
+        if let (Label::Equilibrium, Some(beta)) = (outcome.label(), &outcome.position) {
+            self.rests += 1;
+            self.overlapping += u64::from(overlaps(machine, beta));
+            self.grades.add(balance_quality_grade(machine, beta), 0);
+        }
+    }
+
+    /// Returns the summary; `failed` is the number of failed runs, which widen the interval.
+    pub(super) fn summary(&self, failed: u64) -> ResidualVibration {
+        let worse = || {
+            let runs = self.compared + failed;
+            let (low, high) = wilson_with_failures(self.worse, failed, runs, Z_95);
+            [self.worse as f64 / self.compared as f64, low, high]
+        };
+        let overlapping = || self.overlapping as f64 / self.rests as f64;
+        ResidualVibration {
+            worse_than_without_balls: (self.compared > 0).then(worse),
+            balance_quality_grade_mm_s: ResidualVibration::GRADE_FRACTIONS
+                .map(|fraction| self.grades.quantile(fraction)),
+            overlapping_rest_fraction: (self.rests > 0).then(overlapping),
+        }
+    }
+}

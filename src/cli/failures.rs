@@ -1,0 +1,53 @@
+//! Failed runs in words: how many runs failed, by the kind of failure.
+
+use std::collections::BTreeMap;
+
+use crate::classification::Evidence;
+
+/// Returns the number of failed runs of each kind, the most frequent first, as
+/// `2 step_limit, 1 contact_lost`; empty if no kind is known.
+pub fn kinds_of_failure(failures: &BTreeMap<String, u64>) -> String {
+    // A manifest from elsewhere may name anything; only known kinds are shown.
+    let known = |kind: &str| Evidence::NAMES.contains(&kind);
+    let mut kinds: Vec<(&String, &u64)> =
+        failures.iter().filter(|(kind, runs)| known(kind) && **runs > 0).collect();
+    kinds.sort_by_key(|(_, runs)| std::cmp::Reverse(**runs));
+    let kinds: Vec<String> = kinds.iter().map(|(kind, runs)| format!("{runs} {kind}")).collect();
+    kinds.join(", ")
+}
+
+/// Returns a line on the failed runs of a study, or `None` if no run failed.
+pub fn failure_line(failures: &BTreeMap<String, u64>, failed: u64, runs: u64) -> Option<String> {
+    let kinds = match kinds_of_failure(failures) {
+        kinds if kinds.is_empty() => String::new(),
+        kinds => format!(": {kinds}"),
+    };
+    let line = format!(
+        "{failed} of {runs} runs failed{kinds} (see the columns evidence and error of runs.parquet)"
+    );
+    (failed > 0).then_some(line)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeMap;
+
+    use super::{failure_line, kinds_of_failure};
+
+    #[test]
+    fn the_most_frequent_kind_comes_first() {
+        let kinds = [("contact_lost", 1), ("no_solution", 0), ("step_limit", 2), ("unheard_of", 9)];
+        let failures: BTreeMap<String, u64> =
+            kinds.map(|(kind, runs)| (kind.to_owned(), runs)).into();
+        assert_eq!(kinds_of_failure(&failures), "2 step_limit, 1 contact_lost");
+        let line = failure_line(&failures, 3, 768).unwrap_or_default();
+        assert!(
+            line.starts_with("3 of 768 runs failed: 2 step_limit, 1 contact_lost (see "),
+            "{line}"
+        );
+        // Results of an earlier version have no kinds.
+        let line = failure_line(&BTreeMap::new(), 3, 768).unwrap_or_default();
+        assert!(line.starts_with("3 of 768 runs failed (see "), "{line}");
+        assert_eq!(failure_line(&failures, 0, 768), None);
+    }
+}
