@@ -24,6 +24,9 @@ model:
     speed_rad_s: -216.4
 ";
 
+/// Changes of the machine, the kinds of all warnings, and key, line and remedy of the first one.
+type Slip<'a> = (&'a [(&'a str, &'a str)], &'a [&'a str], &'a str, u64, &'a str);
+
 /// Returns a study with a model and further lines.
 fn study(model: &str, rest: &str) -> String {
     format!(
@@ -58,7 +61,7 @@ fn slips_are_warnings_with_their_key_and_line() {
     };
     let mass = |kg| ("ball_mass_kg: 1.4e-4", kg);
     let diameter = |m| ("ball_diameter_m: 0.003", m);
-    let of_machine: &[(&[(&str, &str)], &[&str], &str, u64, &str)] = &[
+    let of_machine: &[Slip<'_>] = &[
         (&[], &[], "", 0, ""),
         (
             &[mass("ball_mass_kg: 0.14")],
