@@ -33,7 +33,7 @@ pub(in crate::study) fn uncertain(generator: &mut SchemaGenerator) -> Schema {
 pub(in crate::study) fn start_box(generator: &mut SchemaGenerator) -> Schema {
     let range = <Range as JsonSchema>::json_schema(generator);
     let models = all_models();
-    let axes = models.iter().flat_map(|model| axes_in_words(model));
+    let axes = models.iter().flat_map(axes_in_words);
     let properties: Map<String, Value> =
         axes.map(|(name, meaning)| (name, described(&range, meaning))).collect();
     json_schema!({ "type": "object", "properties": properties, "additionalProperties": false })
