@@ -33,7 +33,7 @@ fn every_template_is_a_valid_study_of_its_name() {
         assert_eq!(study.name(), "my-study", "{}", template.name);
         assert!(study.planned_run(study.run_count() - 1).case.is_ok(), "{}", template.name);
         assert!(text.contains("#   stickslip check my-study.yaml\n"), "{text}");
-        assert!(!text.contains("FILE") && !text.contains("NAME"), "{text}");
+        assert!(!text.contains("FILE") && !text.contains("name: NAME"), "{text}");
         for line in text.lines() {
             assert!(line.chars().count() <= 100 && line == line.trim_end(), "{line:?}");
         }

@@ -116,7 +116,7 @@ pub(in crate::study) fn axes_of(kind: &str) -> Vec<String> {
 pub(in crate::study) fn start_box(generator: &mut SchemaGenerator) -> Schema {
     let range = <Range as JsonSchema>::json_schema(generator);
     let models = all_models();
-    let axes = models.iter().flat_map(|model| axes_in_words(model));
+    let axes = models.iter().flat_map(axes_in_words);
     let properties: Map<String, Value> =
         axes.map(|(name, meaning)| (name, described(range.clone().to_value(), meaning))).collect();
     json_schema!({ "type": "object", "properties": properties, "additionalProperties": false })
