@@ -18,6 +18,7 @@ mod linearised;
 mod observed;
 mod one_ball;
 mod point_summary;
+mod rank_correlation;
 mod reference_amplitude;
 mod resolution;
 mod rest_curve;
@@ -47,6 +48,7 @@ pub use interval::{Interval, IntervalMethod, Z_95, simultaneous, wilson, wilson_
 pub use linearised::{SmallMotions, Stability, state_matrix};
 pub use observed::{LabelCounts, Observed};
 pub use point_summary::{PointAccumulator, PointDetail, PointSummary};
+pub use rank_correlation::{RankCorrelation, rank_correlation};
 pub use reference_amplitude::reference_amplitude;
 pub use resolution::{FEWEST_GRID_POINTS, MOST_BALL_DAMPING, SAMPLE_COUNTS};
 pub use rest_curve::{RestStep, rest_curve};
