@@ -11,6 +11,7 @@ mod identical_balls;
 mod interval;
 mod linearised;
 mod point_summary;
+mod rank_correlation;
 mod reference_amplitude;
 mod rest_curve;
 mod set_components;
