@@ -36,6 +36,7 @@ mod run;
 mod run_on_engine;
 mod schema;
 mod summary;
+mod unfinished;
 mod verify;
 
 use std::process::ExitCode;

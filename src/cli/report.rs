@@ -1,25 +1,33 @@
-//! `stickslip report`: writes results as one HTML page with figures.
+//! `stickslip report`: writes the results of a study or of a search as one HTML page with figures.
 
 use std::path::{Path, PathBuf};
+use std::thread;
+use std::time::Duration;
 
 use clap::Args;
 
 use super::exit::{CliError, End};
 use super::output::print;
 use super::overwrite::{beside, outside, replace, replaceable, sealed};
-use super::results_study::results_study;
-use super::summary::no_tables;
-use crate::report::{Budget, OWN, ReportData, ResultTables, of_results, page};
+use super::unfinished::{Readable, readable_results};
+use crate::optimize::EvaluationsError;
+use crate::report::{
+    Budget, OWN, OptimumData, ReportData, ResultTables, of_results, of_search, optimum_page, page,
+};
+use crate::table::MANIFEST;
 
 const EXAMPLES: &str = "\
 Examples:
   stickslip report results/night                    writes results/night-report.html
   stickslip report results/night --out night.html
+  stickslip report results/quiet                    of `stickslip optimize`
 
 Writes one HTML file that needs no network; open it in a browser or mail it. The page lists what was run and the \
-missing, failed and undecided runs, and shows the table of points and figures: where the balls come to rest on the \
-equilibrium set, endings over the sweep, time to rest, residual amplitude, basins of attraction, limit cycles, \
-failures and diagnostics. Each dot shows the results of its run and the command that replays it. The command \
+missing, failed and undecided runs, and shows the table of points and figures: the residual vibration and that \
+without balls, the influence of uncertain parameters, endings over the sweep, time to rest, where the balls come to \
+rest on the equilibrium set, basins of attraction, limit cycles and diagnostics. While a study is running, and after \
+it was killed, the page shows the finished runs. The page of a search shows its convergence, the Pareto front, Sobol' \
+indices, and the best design beside the reference. Each dot shows the results of its run and the command that replays it. The command \
 computes nothing and changes nothing in the directory. The page saves each figure as SVG or PNG; the Python \
 package's `stickslip-figures` draws figures for papers from the tables.";
 
@@ -27,7 +35,7 @@ package's `stickslip-figures` draws figures for papers from the tables.";
 #[derive(Clone, Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct ReportArguments {
-    /// Directory with results of `stickslip run`
+    /// Directory with results of `stickslip run` or `stickslip optimize`
     #[arg(value_name = "DIR")]
     directory: PathBuf,
 
@@ -54,28 +62,62 @@ const MOST_BYTES: usize = 4_900_000;
 /// # Errors
 /// Returns an error if the directory holds no readable results, or if the page cannot be written.
 fn write(directory: &Path, out: Option<&Path>) -> Result<PathBuf, CliError> {
-    let (study, manifest) = results_study(directory)?;
-    if manifest.files.is_empty() {
-        return Err(no_tables(directory, &study, &manifest)?);
-    }
+    let is_search = is_search(directory);
+    // Results are opened first, so that the error for anything else names them.
+    let results = if is_search { None } else { Some(readable_results(directory)?) };
     let file = match out {
         Some(file) => file.to_owned(),
         None => beside(directory, "-report.html")?,
     };
     outside(directory, &file)?;
     replaceable(&file, is_page)?;
-    let tables = ResultTables::open(directory, &manifest)?;
-    let mut budget = Budget::SCREEN;
-    let page = loop {
-        let data = ReportData::read(&tables, &study, &manifest, budget)?;
-        let page = page(directory, &data, &of_results(&data));
-        if page.len() <= MOST_BYTES || budget == budget.halved() {
-            break page;
-        }
-        budget = budget.halved();
+    let page = match results {
+        Some(results) => page_of_results(directory, &results)?,
+        None => page_of_search(directory)?,
     };
     replace(&file, sealed(&page).as_bytes())?;
     Ok(file)
+}
+
+/// Returns the page of a study, with as much detail as fits.
+fn page_of_results(directory: &Path, results: &Readable) -> Result<String, CliError> {
+    let Readable { study, manifest, tables, .. } = results;
+    let tables = ResultTables::open(tables, manifest)?;
+    let mut budget = Budget::SCREEN;
+    loop {
+        let data = ReportData::read(&tables, study, manifest, budget)?;
+        let page = page(directory, &data, &of_results(&data));
+        if page.len() <= MOST_BYTES || budget == budget.halved() {
+            return Ok(page);
+        }
+        budget = budget.halved();
+    }
+}
+
+/// The number of attempts to read a search, which may be replacing its tables at the moment.
+const ATTEMPTS: u32 = 5;
+/// The time between attempts.
+const BETWEEN: Duration = Duration::from_millis(100);
+
+/// Whether a directory was written by `stickslip optimize`.
+fn is_search(directory: &Path) -> bool {
+    let is_there = |name: &str| directory.join(name).exists();
+    is_there("evaluations.parquet") && !is_there(MANIFEST)
+}
+
+/// Returns the page of a search.
+fn page_of_search(directory: &Path) -> Result<String, CliError> {
+    let mut attempt = 1;
+    let data = loop {
+        match OptimumData::read(directory) {
+            Err(_) if attempt < ATTEMPTS => thread::sleep(BETWEEN),
+            Err(EvaluationsError::Table(error)) => return Err(error.into()),
+            Err(EvaluationsError::Other(error)) => return Err(CliError::Usage(error)),
+            Ok(data) => break data,
+        }
+        attempt += 1;
+    };
+    Ok(optimum_page(directory, &data, &of_search(&data)))
 }
 
 fn is_page(content: &[u8]) -> bool {

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::exit::CliError;
 use crate::classification::MODEL_VERSION;
-use crate::sanitize::shell_word;
+use crate::sanitize::{shell_word, shown_path};
 use crate::study::Study;
 use crate::table::{MANIFEST, Manifest, ResultsError, VERSION, manifest_of};
 
@@ -14,7 +14,7 @@ const OTHER_COMMANDS: [(&str, &str, &str); 3] = [
     (
         "evaluations.parquet",
         "optimize",
-        "`stickslip optimize STUDY --out DIR` continues the search",
+        "`stickslip report DIR` writes a page of the search, and `stickslip optimize STUDY --out DIR` continues it",
     ),
     ("equilibrium_set_summary.parquet", "equilibria", FIGURES),
     ("trajectory.parquet", "replay", FIGURES),
@@ -43,6 +43,9 @@ pub fn begun_study(directory: &Path) -> Result<(Study, Manifest), CliError> {
         found,
         allowed,
     };
+    if directory.is_file() {
+        return Err(not_a_directory(directory));
+    }
     let Some(manifest) = manifest_of(directory)? else {
         let reason = "this directory holds no results of `stickslip run`";
         let (found, allowed) =
@@ -89,4 +92,23 @@ pub fn begun_study(directory: &Path) -> Result<(Study, Manifest), CliError> {
         return Err(occupied("the study has been edited since the run", found, allowed).into());
     }
     Ok((study, manifest))
+}
+
+/// Returns the error for a file in place of a directory of results.
+fn not_a_directory(file: &Path) -> CliError {
+    let what = format!("{}: this is a file, not a directory of results", shown_path(file));
+    match Study::load(file) {
+        Ok(study) => {
+            let directory = Path::new("results").join(study.name());
+            let allowed = format!(
+                "a directory of results; `stickslip run {}` computes this study first and writes {}",
+                shell_word(file),
+                shell_word(&directory)
+            );
+            CliError::refusal(what, format!("the study {}", study.name()), allowed)
+        }
+        Err(_) => {
+            CliError::refusal(what, "a file", "a directory that `stickslip run` has written to")
+        }
+    }
 }

@@ -10,11 +10,11 @@ use super::exit::{CliError, End};
 use super::failures::kinds_of_failure;
 use super::output::{Reader, csv_line, print, print_json};
 use super::points_table::{MOST_LINES, PointsTable};
-use super::results_study::results_study;
+use super::unfinished::{Readable, how_to_continue, readable_results};
 use crate::classification::Label;
 use crate::counted::counted;
-use crate::engine::{listed_runs, say};
-use crate::sanitize::{shell_word, shown_path};
+use crate::engine::say;
+use crate::report::IncompletePoints;
 use crate::study::{ParameterValue, Study};
 use crate::table::{Batch, Manifest, Table, Values};
 
@@ -25,10 +25,11 @@ Examples:
   stickslip summary results/night --format markdown     (for an issue)
   stickslip summary results/night --format csv > points.csv
 
-The first line states what was run: study, version, seed, number of runs, failed runs by kind, audit flips, \
-and what is missing from interrupted results; with csv it goes to standard error. table and markdown have the \
-columns that `run` prints; csv and json have all columns of points.parquet in full precision. The command computes \
-nothing and changes nothing in the directory. `stickslip report` draws the same results.";
+The first line states what was run: study, version, seed, number of runs, failed runs by kind, audit flips, and what \
+is missing from interrupted results; with csv it goes to standard error. table and markdown have the columns \
+that `run` prints; csv and json have all columns of points.parquet in full precision. While a study is running, and \
+after it was killed, the finished runs are summarised. The command computes nothing and changes nothing in the \
+directory. `stickslip report` draws the same results.";
 
 /// Print the results of a directory, one line per point
 #[derive(Clone, Debug, Args)]
@@ -67,20 +68,19 @@ fn points(text: &str) -> Result<usize, String> {
 /// Prints the summary of a directory of results.
 ///
 /// # Errors
-/// Returns an error if the directory holds no results or no tables yet, or if a table cannot be read.
+/// Returns an error if the directory holds no results, or if a table cannot be read.
 pub fn summary(arguments: &SummaryArguments) -> Result<End, CliError> {
     let directory = &arguments.directory;
-    let (study, manifest) = results_study(directory)?;
-    if manifest.files.is_empty() {
-        return Err(no_tables(directory, &study, &manifest)?);
-    }
-    let table = Table::open(directory, &manifest, "points")?;
+    let results = readable_results(directory)?;
+    let Readable { study, manifest, tables, .. } = &results;
+    let table = Table::open(tables, manifest, "points")?;
     let printed = match arguments.format {
         Format::Table | Format::Markdown => arguments.points.unwrap_or(MOST_LINES),
         Format::Csv | Format::Json => 0,
     };
-    let points = PointsTable::read(&study, &table, printed)?;
-    let title = title(&study, &manifest, &points, directory);
+    let points = PointsTable::read(study, &table, printed)?;
+    let incomplete = IncompletePoints::read(study, manifest, &table)?;
+    let title = title(&results, &points, &incomplete, directory);
     let most = arguments.points.unwrap_or(usize::MAX);
     match arguments.format {
         Format::Table => {
@@ -93,13 +93,21 @@ pub fn summary(arguments: &SummaryArguments) -> Result<End, CliError> {
             say(&title);
             print_csv(&table, most)?;
         }
-        Format::Json => print_document(&facts(&study, &manifest, &points), &table, most)?,
+        Format::Json => {
+            print_document(&facts(study, manifest, &points, &incomplete), &table, most)?;
+        }
     }
     Ok(End::Well)
 }
 
 /// Returns the first line of the summary.
-fn title(study: &Study, manifest: &Manifest, points: &PointsTable, directory: &Path) -> String {
+fn title(
+    results: &Readable,
+    points: &PointsTable,
+    incomplete: &IncompletePoints,
+    directory: &Path,
+) -> String {
+    let Readable { study, manifest, .. } = results;
     let Manifest { version, runs_planned, runs_finished, .. } = manifest;
     let mut parts = vec![format!("{}: stickslip {version}, seed {}", study.name(), study.seed())];
     if manifest.shard != "1/1" {
@@ -111,9 +119,8 @@ fn title(study: &Study, manifest: &Manifest, points: &PointsTable, directory: &P
             let missing = runs_planned.saturating_sub(*runs_finished);
             let bound = if study.precision().is_some() { "at most " } else { "" };
             format!(
-                "{runs_finished} of {bound}{runs_planned} runs finished, {bound}{missing} are missing \
-                 (`stickslip resume {}` continues)",
-                shell_word(directory)
+                "{runs_finished} of {bound}{runs_planned} runs finished, {bound}{missing} are missing ({})",
+                how_to_continue(results, directory)
             )
         }
     });
@@ -121,6 +128,7 @@ fn title(study: &Study, manifest: &Manifest, points: &PointsTable, directory: &P
         kinds if kinds.is_empty() => format!("{} failed", failed(manifest)),
         kinds => format!("{} failed ({kinds})", failed(manifest)),
     });
+    parts.extend(incomplete.words());
     if let Some(audit) = points.flips() {
         parts.push(format!("{} of {} audited runs flipped", audit.flips, audit.runs));
     }
@@ -132,7 +140,12 @@ fn failed(manifest: &Manifest) -> u64 {
 }
 
 /// Returns the facts of the first line as JSON.
-fn facts(study: &Study, manifest: &Manifest, points: &PointsTable) -> Value {
+fn facts(
+    study: &Study,
+    manifest: &Manifest,
+    points: &PointsTable,
+    incomplete: &IncompletePoints,
+) -> Value {
     let mut facts = json!({
         "study": study.name(),
         "study_hash": manifest.study_hash,
@@ -143,6 +156,7 @@ fn facts(study: &Study, manifest: &Manifest, points: &PointsTable) -> Value {
         "runs_planned": manifest.runs_planned,
         "runs_finished": manifest.runs_finished,
         "complete": manifest.complete,
+        "points_incomplete": incomplete.count(),
         "failed_runs": failed(manifest),
         "failures": manifest.failures,
     });
@@ -155,26 +169,6 @@ fn facts(study: &Study, manifest: &Manifest, points: &PointsTable) -> Value {
         facts["points_not_precise"] = points.not_precise().into();
     }
     facts
-}
-
-/// Returns the error for results without tables, with the number of finished runs.
-pub fn no_tables(
-    directory: &Path,
-    study: &Study,
-    manifest: &Manifest,
-) -> Result<CliError, CliError> {
-    let listed = listed_runs(directory, study)?.min(manifest.runs_planned);
-    let bound = if study.precision().is_some() { "at most " } else { "" };
-    let what = format!(
-        "{}: there are no tables yet: this study is being run, or was killed",
-        shown_path(directory)
-    );
-    let found = format!("{listed} of {bound}{} runs finished, in chunks/", manifest.runs_planned);
-    let allowed = format!(
-        "results with tables; if no process is computing this study, `stickslip resume {}` continues it",
-        shell_word(directory)
-    );
-    Ok(CliError::refusal(what, found, allowed))
 }
 
 /// Prints the first `most` rows of a table, batch by batch.

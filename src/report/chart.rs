@@ -199,8 +199,21 @@ pub enum Mark {
         /// Number of cells along the abscissa and along the ordinate.
         size: [usize; 2],
         /// A value for each cell, row by row from the lower edge; NaN leaves a cell open.
-        #[serde(serialize_with = "packed::steps")]
+        #[serde(serialize_with = "packed::levels")]
         values: Vec<f64>,
+    },
+    /// Vertical bars from 0.
+    Bars {
+        /// Abscissas of the centres.
+        #[serde(serialize_with = "packed::numbers")]
+        x: Vec<f64>,
+        /// Ordinates of the ends.
+        #[serde(serialize_with = "packed::numbers")]
+        y: Vec<f64>,
+        /// Width of each bar on the abscissa.
+        width: f64,
+        /// Data of each bar.
+        tooltips: Tooltips,
     },
     /// Rectangles with a value each for the colour scale.
     Cells {

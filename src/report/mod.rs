@@ -4,10 +4,12 @@ mod animation;
 pub mod chart;
 mod data;
 mod figures;
+mod optimum;
 mod packed;
 mod page;
 
 pub use animation::{animation, frames, time_text};
-pub use data::{Budget, Fraction, PointFacts, ReportData, ResultTables};
+pub use data::{Budget, Fraction, IncompletePoints, PointFacts, ReportData, ResultTables};
 pub use figures::of_results;
-pub use page::{OWN, page};
+pub use optimum::{OptimumData, notes, of_search};
+pub use page::{OWN, optimum_page, page};

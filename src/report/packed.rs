@@ -1,8 +1,8 @@
 //! Serializes long columns of numbers for the page's script in packed form.
 //!
 //! A packed column is an object with one base64 string of little-endian values: `f` holds 32-bit floats (NaN: no
-//! value), `u` 32-bit whole numbers, and `w` 16-bit steps between `from` and `to` (65535: no value). A step is a
-//! hundredth of a screen pixel.
+//! value), `u` 32-bit whole numbers, `w` 16-bit steps between `from` and `to` (65535: no value), and `b` 8-bit
+//! steps between them (255: no value). A 16-bit step is a hundredth of a screen pixel.
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD as BASE64;
@@ -67,6 +67,21 @@ pub fn steps<S: Serializer>(values: &[f64], out: S) -> Result<S::Ok, S::Error> {
     };
     let bytes: Vec<u8> = values.iter().flat_map(|value| step(*value).to_le_bytes()).collect();
     json!({"w": BASE64.encode(bytes), "from": from, "to": to}).serialize(out)
+}
+
+/// Serializes numbers in 8 bits each, for colours.
+pub fn levels<S: Serializer>(values: &[f64], out: S) -> Result<S::Ok, S::Error> {
+    let (from, to) = ends(values.iter().copied());
+    let span = to - from;
+    if !(span > 0.0 && span.is_finite()) {
+        return numbers(values, out);
+    }
+    let level = |value: f64| match value.is_finite() {
+        true => ((value - from) / span * 254.0).round() as u8,
+        false => u8::MAX,
+    };
+    let bytes: Vec<u8> = values.iter().map(|value| level(*value)).collect();
+    json!({"b": BASE64.encode(bytes), "from": from, "to": to}).serialize(out)
 }
 
 /// Serializes whole numbers.

@@ -122,6 +122,25 @@ impl FileList {
         write_once(&directory.join(name), content)
     }
 
+    /// Returns the content of a file if the list names it.
+    ///
+    /// # Errors
+    /// Returns an error if the file is missing, cannot be read, or differs from the one that was written.
+    pub fn read_file(&self, directory: &Path, name: &str) -> Result<Option<Vec<u8>>, TableError> {
+        let Some(entry) = self.files.get(name) else { return Ok(None) };
+        let path = self.in_directory(directory).check(name, entry)?;
+        let content = read_regular(&path, entry.bytes).map_err(|error| {
+            let problem = "this file cannot be read";
+            TableError::new(&path, None, Fault::new(problem, error.to_string(), "a readable file"))
+        })?;
+        Ok(Some(content))
+    }
+
+    /// Returns whether the list names a file.
+    pub fn has(&self, name: &str) -> bool {
+        self.files.contains_key(name)
+    }
+
     /// Compares the list with the directory: selects the matching one of two entries for a name, and removes the entries of
     /// deleted files. Returns the names of the files that match neither entry.
     pub fn reconcile(&mut self, directory: &Path) -> Vec<String> {

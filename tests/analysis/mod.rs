@@ -14,6 +14,7 @@ mod interval;
 mod linearised;
 mod overlap;
 mod point_summary;
+mod rank_correlation;
 mod reference_amplitude;
 mod residual_vibration;
 mod rest_curve;

@@ -9,6 +9,7 @@ use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use parquet::file::metadata::KeyValue;
 use parquet::file::properties::WriterProperties;
 use serde_json::{Value, json};
+use stickslip::engine::Lock;
 
 use super::support::{
     AT_ONCE, Scratch, assert_has, counts, numbers, of_older_model, study_text, words,
@@ -283,19 +284,74 @@ pub fn kill(scratch: &Scratch) {
     scratch.write("out/manifest.json", manifest.to_string());
 }
 
+/// A killed study is summarised from its finished runs, and the directory is not changed.
 #[test]
-fn what_has_no_tables_is_refused() {
+fn a_killed_study_is_summarised() {
     let (scratch, printed) = finished();
-    scratch.refused("summary nowhere", &["nowhere: this directory holds no results", "allowed: "]);
-    scratch.refused("summary a.yaml", &["a.yaml", "allowed: "]);
     kill(&scratch);
-    let said = ["out: there are no tables yet", "60 of 60 runs finished", "`stickslip resume out`"];
-    scratch.refused("summary out", &said);
+    let before = scratch.files();
+    let ended = scratch.stickslip("summary out");
+    assert_eq!((ended.code, ended.err.as_str()), (Some(0), ""));
+    let said =
+        ["60 of 60 runs finished, 0 are missing", "if it is not running, `stickslip resume out`"];
+    assert_has(&ended.out, &said);
+    assert!(ended.out.ends_with(&printed), "{}", ended.out);
+    assert_eq!(scratch.files(), before);
     fs::remove_dir_all(scratch.path("out/chunks")).unwrap();
-    scratch.refused("summary out", &["0 of 60 runs finished"]);
-    // The message is true.
+    let ended = scratch.well("summary out");
+    assert_has(&ended, &["0 of 60 runs finished", "points 0 to 2 are incomplete"]);
+    // What the command says is true.
     assert_eq!(scratch.stickslip("resume out").code, Some(3));
     assert!(scratch.well("summary out").ends_with(&printed));
+}
+
+/// While another process holds the lock and writes a line of the list, the finished chunks are summarised.
+#[test]
+fn a_running_study_is_summarised() {
+    let scratch = Scratch::new();
+    let sweep = "sweep: [{grid: {speed_rad_s: [-160.0, -200.0, -216.0]}}]\n";
+    scratch.write("a.yaml", study(700, AT_ONCE, sweep));
+    scratch.well("run a.yaml --out out");
+    kill(&scratch);
+    // The list up to the first chunk, and the beginning of another line.
+    let folder =
+        fs::read_dir(scratch.path("out/chunks")).unwrap().map(|entry| entry.unwrap().path());
+    let list = folder.filter(|path| path.is_dir()).last().unwrap().join("manifest.jsonl");
+    let lines = fs::read_to_string(&list).unwrap();
+    let entries: Vec<Value> =
+        lines.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    let kept: Vec<&Value> =
+        entries.iter().filter(|entry| entry["last_run"].as_u64().unwrap() < 1024).collect();
+    let runs: u64 = kept.iter().map(|entry| entry["runs"].as_u64().unwrap()).sum();
+    assert_eq!(runs, 1024);
+    let text: String = kept.iter().map(|entry| format!("{entry}\n")).collect();
+    fs::write(&list, format!("{text}{{\"chunk\":")).unwrap();
+    let lock = Lock::take(scratch.path("out/chunks/lock"), &scratch.path("out")).unwrap();
+    let before = scratch.files();
+    let ended = scratch.stickslip("summary out");
+    assert_eq!((ended.code, ended.err.as_str()), (Some(0), ""));
+    let said = ["1024 of 2100 runs finished, 1076 are missing", "points 1 and 2 are incomplete"];
+    assert_has(&ended.out, &said);
+    let json: Value = serde_json::from_str(&scratch.well("summary out --format json")).unwrap();
+    assert_eq!((&json["runs_finished"], &json["points_incomplete"]), (&1024.into(), &2.into()));
+    let of_points: Vec<&Value> =
+        json["points"].as_array().unwrap().iter().map(|point| &point["runs"]).collect();
+    assert_eq!(of_points, [&json!(700), &json!(324)]);
+    scratch.well("report out --out a.html");
+    let page = fs::read_to_string(scratch.path("a.html")).unwrap();
+    assert_has(&page, &["1076 of 2100 runs are missing (51.2 %); points 1 and 2 are incomplete"]);
+    fs::remove_file(scratch.path("a.html")).unwrap();
+    assert_eq!(scratch.files(), before);
+    drop(lock);
+}
+
+#[test]
+fn what_holds_no_results_is_refused() {
+    let (scratch, _) = finished();
+    scratch.refused("summary nowhere", &["nowhere: this directory holds no results", "allowed: "]);
+    let said = ["a.yaml: this is a file, not a directory of results", "found:   the study short"];
+    scratch.refused("summary a.yaml", &said);
+    scratch.refused("report a.yaml", &["`stickslip run a.yaml`", "results/short"]);
     let other = of_older_model(&scratch.manifest("out").to_string());
     scratch.write("out/manifest.json", other);
     scratch.refused("summary out", &["another version", "version 0 of the model", "allowed: "]);

@@ -77,6 +77,9 @@ fn number(text: &str) -> u64 {
     text.parse().unwrap_or_else(|_| panic!("not a number: {text}"))
 }
 
+/// A check with its description and its faults.
+type Check = Box<dyn Fn() -> (String, Vec<String>) + Sync>;
+
 fn parent(words: &[&str]) -> ExitCode {
     let names: Vec<&str> = words.iter().copied().filter(|word| !word.starts_with('-')).collect();
     let wanted = |name: &str| {
@@ -85,7 +88,7 @@ fn parent(words: &[&str]) -> ExitCode {
     let setting = |name: &str| env::var(name).ok().map(|text| number(&text));
     let seed = setting("STICKSLIP_FUZZ_SEED").unwrap_or(1);
     let targets: Vec<&str> = TARGETS.iter().map(|(name, _)| *name).filter(|n| wanted(n)).collect();
-    let mut checks: Vec<Box<dyn Fn() -> (String, Vec<String>) + Sync>> = Vec::new();
+    let mut checks: Vec<Check> = Vec::new();
     if wanted("net") {
         checks.push(Box::new(|| {
             let names = BAD.par_iter().map(|(name, _)| *name);

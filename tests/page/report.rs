@@ -54,6 +54,40 @@ initial_conditions: {design: {latin_hypercube: {samples: 8}}}
 simulation: {end_time_s: 5}
 ";
 
+/// Three uncertain parameters of a balancer.
+const UNCERTAIN: &str = "schema: 1
+name: uncertain
+seed: 6
+model: {kind: ball_balancer}
+sweep: [{grid: {speed_rad_s: [-160.8103, -216.3772]}}]
+uncertain:
+  imbalance_mass_kg: {normal: {mean: 5.6e-5, std_dev: 5.0e-6}}
+  stiffness_n_m: {times: {uniform: {min: 0.9, max: 1.1}}}
+  friction_coefficient: {uniform: {min: 1.0e-3, max: 3.0e-3}}
+initial_conditions: {design: {latin_hypercube: {samples: 24}}}
+simulation: {end_time_s: 8}
+";
+/// A search for the stiffness and the friction with which a block stops fast and does not move far.
+const SEARCH: &str = "schema: 1
+name: search
+seed: 1
+model: {kind: block_on_spring}
+initial_conditions: {box: {position_m: [0.045, 0.045]}, design: {monte_carlo: {samples: 4}}}
+simulation: {end_time_s: 10}
+design: {stiffness_n_m: {from: 30, to: 200}, friction_coefficient: {from: 0.05, to: 0.3}}
+responses: {stop: median_time_to_rest, far: {amplitude_mean: {}}, soon: {at_rest_by_s: 1}}
+optimize: {minimize: OBJECTIVES, subject_to: {soon: {at_least: 0.5}}, designs: 10, start_designs: 10, finalists: 3,
+  compare_with: {stiffness_n_m: 100, friction_coefficient: 0.1}}
+";
+
+/// Returns the page of a search with these objectives.
+fn search_page(made: &Made, objectives: &str, directory: &str) -> PathBuf {
+    made.write("search.yaml", &SEARCH.replace("OBJECTIVES", objectives));
+    made.well(&format!("optimize search.yaml --quiet --out {directory}"));
+    made.well(&format!("report {directory}"));
+    made.path(&format!("{directory}-report.html"))
+}
+
 /// Returns the page of a study with its results in this directory.
 fn report(made: &Made, study: &str, directory: &str) -> PathBuf {
     made.write("study.yaml", study);
@@ -119,6 +153,7 @@ fn pages_have_no_faults() {
         ("cycles", CYCLES),
         ("three", THREE),
         ("spring", SPRING),
+        ("uncertain", UNCERTAIN),
     ] {
         let file = report(&made, study, name);
         assert!(fs::metadata(&file).unwrap().len() < 5_000_000, "{name}");
@@ -423,7 +458,9 @@ fn figures_are_described_in_words() {
     let Some(mut browser) = Browser::start() else { return };
     let made = Made::new();
     for (name, study) in
-        [("failing", FAILING), ("cycles", CYCLES), ("three", THREE), ("spring", SPRING)]
+        [("failing", FAILING), ("three", THREE), ("spring", SPRING), ("uncertain", UNCERTAIN)]
+            .into_iter()
+            .chain([("cycles", CYCLES)])
     {
         let mut page = browser.open(&report(&made, study, name), LAPTOP);
         in_words(&mut page);
@@ -447,7 +484,7 @@ const PAPER: View = View { width: 718, height: 1046, print: true, ..LAPTOP };
 fn a_report_can_be_printed() {
     let Some(mut browser) = Browser::start() else { return };
     let made = Made::new();
-    for (name, study) in [("thesis", THESIS), ("failing", FAILING), ("spring", SPRING)] {
+    for (name, study) in [("thesis", THESIS), ("failing", FAILING), ("uncertain", UNCERTAIN)] {
         let file = report(&made, study, name);
         // Colours are those of paper in either scheme; one study shows it.
         let schemes: &[bool] = if name == "thesis" { &[false, true] } else { &[true] };
@@ -547,4 +584,100 @@ fn figures_are_saved() {
     // The page is unchanged.
     assert_eq!(page.text("String(document.documentElement.dataset.paper)"), "undefined");
     assert_eq!(page.faults(), [""; 0]);
+}
+
+/// Bars over uncertain parameters have tooltips, are reached by keys, and are hidden with their intervals.
+#[test]
+fn uncertain_parameters_have_bars_and_dots() {
+    let Some(mut browser) = Browser::start() else { return };
+    let made = Made::new();
+    let mut page = browser.open(&report(&made, UNCERTAIN, "a"), LAPTOP);
+    // The first figure is the answer: the residual vibration.
+    assert_eq!(figures(&mut page)[0], "vibration");
+    see(&mut page, "vibration");
+    let median: Vec<f64> =
+        dots(&mut page, "vibration", "median").iter().map(|dot| dot[1]).collect();
+    let mut expected = made.numbers("a/points.parquet", "amplitude_p50_m");
+    // The axis of the speed ascends.
+    expected.reverse();
+    for (found, expected) in median.iter().zip(&expected) {
+        assert!((found - 1e6 * expected).abs() < 1e-3, "{found} {expected}");
+    }
+    let id = "rank-correlations";
+    see(&mut page, id);
+    page.ask(&format!("document.querySelector('#{id} .chart').focus()"));
+    let mut told = Vec::new();
+    for key in ["Home", "ArrowRight", "End"] {
+        page.key(key);
+        told.push(page.text(&format!("document.querySelector('#{id} .picked').textContent")));
+    }
+    for (told, name) in told.iter().zip(["imbalance mass", "stiffness", "friction coefficient"]) {
+        assert!(told.contains(name) && told.contains("rank correlation"), "{name}: {told}");
+    }
+    let series = format!("{}.getOption().series.length", chart(id));
+    let before = page.number(&series);
+    page.click_on(&format!("#{id} .legend button"));
+    assert_eq!(page.number(&series), before - 2.0);
+
+    let id = "drawn-parameters";
+    see(&mut page, id);
+    let labels = made.words("a/runs.parquet", "label");
+    let points = made.numbers("a/runs.parquet", "point_id");
+    let mass = made.numbers("a/runs.parquet", "imbalance_mass_kg");
+    let amplitude = made.numbers("a/runs.parquet", "amplitude_m");
+    choose(&mut page, id, 0, 0);
+    choose(&mut page, id, 1, 0);
+    let found = dots(&mut page, id, "equilibrium");
+    let expected: Vec<[f64; 2]> = (0..labels.len())
+        .filter(|run| points[*run] == 0.0 && labels[*run] == "equilibrium")
+        .map(|run| [mass[run], 1e6 * amplitude[run]])
+        .collect();
+    assert!(!expected.is_empty() && found.len() == expected.len(), "{found:?} {expected:?}");
+    for (found, expected) in found.iter().zip(&expected) {
+        let off = (0..2).map(|axis| (found[axis] / expected[axis] - 1.0).abs());
+        assert!(off.fold(0.0, f64::max) < 1e-6, "{found:?} {expected:?}");
+    }
+    assert_eq!(page.faults(), [""; 0]);
+}
+
+/// The pages of searches have no faults, on screens and on paper, and show the tables.
+#[test]
+fn searches_have_pages() {
+    let Some(mut browser) = Browser::start() else { return };
+    let made = Made::new();
+    for (directory, objectives, ids) in [
+        ("one", "stop", &["convergence", "sobol-indices"][..]),
+        ("two", "[stop, far]", &["convergence", "pareto", "sobol-indices"]),
+    ] {
+        let file = search_page(&made, objectives, directory);
+        for view in [LAPTOP, DARK, View { width: 390, ..LAPTOP }] {
+            let mut page = browser.open(&file, view);
+            assert_eq!(figures(&mut page), ids, "{directory}");
+            in_words(&mut page);
+            page.ask("scrollTo({top: 0, behavior: 'instant'})");
+            page.screenshot(&format!("search-{directory}-{}-{}", view.width, view.dark));
+            let (pale, texts) = page.pale();
+            assert!(texts > 40 && pale.is_empty(), "{directory}: {texts} texts, {pale:?}");
+            assert_eq!(page.nameless(), [], "{directory}");
+            let over = page.overlapping();
+            assert!(over.is_empty(), "{directory}, {} px: {over:?}", view.width);
+            assert!(!page.wider_than_window(), "{directory}, {} px", view.width);
+            assert_eq!(page.faults(), [""; 0], "{directory}");
+        }
+        let mut page = browser.open(&file, LAPTOP);
+        see(&mut page, "convergence");
+        let mut shown = dots(&mut page, "convergence", "meets all limits");
+        shown.extend(dots(&mut page, "convergence", "does not meet all limits"));
+        shown.sort_by(|a, b| a[0].total_cmp(&b[0]));
+        let stop = made.numbers(&format!("{directory}/evaluations.parquet"), "stop");
+        let known: Vec<(usize, f64)> =
+            stop.into_iter().enumerate().filter(|(_, value)| value.is_finite()).collect();
+        assert_eq!(shown.len(), known.len());
+        for (found, (design, value)) in shown.iter().zip(known) {
+            assert_eq!(found[0], design as f64);
+            assert!((found[1] / value - 1.0).abs() < 1e-6, "{found:?} {value}");
+        }
+        let sheets = page.pdf(&format!("search-{directory}")).sheets();
+        assert!((2..=ids.len() + 4).contains(&sheets), "{directory}: {sheets} sheets");
+    }
 }

@@ -1,9 +1,15 @@
 //! Data of the figures of a report.
 
 mod animation;
+/// Rank correlations and amplitudes over uncertain parameters.
+mod drawn;
 /// The equilibrium set behind the rest positions.
 mod equilibrium_set;
+/// The page of a search.
+mod optimum;
 /// Rest positions of the balls.
 mod preferred;
 /// Cells of maps, and points in detail.
 mod sweeps;
+/// Residual vibration, and vibration without balls.
+mod vibration;

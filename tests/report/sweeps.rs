@@ -59,6 +59,11 @@ fn points_in_detail_are_evenly_spaced() {
         assert_eq!((detailed.len(), detailed[0], detailed[23]), (24, 0, 99));
         assert!(detailed.windows(2).all(|pair| (4..=5).contains(&(pair[1] - pair[0]))));
     });
+    // Up to 200 points are all in detail, also if the page shows fewer runs.
+    let speeds: Vec<String> = (0..200).map(|number| format!("-{}.0", 100 + number)).collect();
+    let grid = format!("speed_rad_s: [{}]", speeds.join(", "));
+    let all: Vec<usize> = (0..200).collect();
+    with_data(&grid, Budget::SCREEN.halved().halved(), |data| assert_eq!(data.detailed, all));
     with_data("speed_rad_s: [-1.0, -2.0, -3.0]", Budget::SCREEN, |data| {
         assert_eq!(data.detailed, [0, 1, 2]);
     });

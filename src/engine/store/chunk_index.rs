@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use super::chunk::Chunk;
-use super::folder::{Folder, Listed};
+use super::folder::{Folder, Listed, what_follows};
 use super::record::CaseKey;
 use crate::engine::say;
 
@@ -68,7 +68,7 @@ impl ChunkIndex {
                     continue;
                 }
                 if let Err(fault) = take(folder, listed) {
-                    say(&format!("{fault}: its runs are computed again"));
+                    say(&format!("{fault}: its runs are {}", what_follows(folder.shared)));
                     damaged.push(index);
                 }
             }

@@ -58,6 +58,8 @@ pub(super) struct Folder {
     study_hash: String,
     /// Whether this process holds the lock of the directory.
     ours: bool,
+    /// Whether another process may be writing to the folder.
+    pub shared: bool,
     /// Finished chunks in order of completion; where two hold the same run, the later one is valid.
     pub listed: Vec<Listed>,
     next: u64,
@@ -68,6 +70,11 @@ fn fault(path: &Path, what: impl std::fmt::Display) -> String {
     format!("{}: {what}", shown_path(path))
 }
 
+/// Returns what happens to the runs of a damaged chunk, for messages.
+pub(super) fn what_follows(shared: bool) -> &'static str {
+    if shared { "left out" } else { "computed again" }
+}
+
 impl Folder {
     /// Reads the list of a folder; a missing folder has no chunks. Reports lines that cannot be read. `ours` says
     /// whether the folder may be modified.
@@ -75,6 +82,24 @@ impl Folder {
     /// # Errors
     /// Returns an error if the operating system refuses access, or if the folder or its list is a symbolic link.
     pub fn open(path: PathBuf, study_hash: &str, ours: bool) -> Result<Self, StoreError> {
+        Self::read_list(path, study_hash, ours, false)
+    }
+
+    /// Reads the list of a folder like [`Self::open`], while another process may be adding chunks. Ignores a last
+    /// line that is not finished, and never changes the folder.
+    ///
+    /// # Errors
+    /// Returns the errors of [`Self::open`].
+    pub fn open_shared(path: PathBuf, study_hash: &str) -> Result<Self, StoreError> {
+        Self::read_list(path, study_hash, false, true)
+    }
+
+    fn read_list(
+        path: PathBuf,
+        study_hash: &str,
+        ours: bool,
+        shared: bool,
+    ) -> Result<Self, StoreError> {
         for folder in path.parent().into_iter().chain([path.as_path()]) {
             is_inside(folder)
                 .map_err(|cause| StoreError::Unusable { path: folder.to_owned(), cause })?;
@@ -85,7 +110,13 @@ impl Folder {
             Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(Vec::new()),
             other => other,
         };
-        let content = content.map_err(unusable)?;
+        let mut content = content.map_err(unusable)?;
+        if shared {
+            let finished =
+                content.iter().rposition(|byte| *byte == b'\n').map_or(0, |last| last + 1);
+            content.truncate(finished);
+        }
+        let consequence = what_follows(shared);
         let mut listed: Vec<Listed> = Vec::new();
         let mut known = HashSet::new();
         let mut damaged = 0_usize;
@@ -102,7 +133,7 @@ impl Folder {
                     damaged += 1;
                     if damaged <= MOST_REPORTED {
                         say(&format!(
-                            "{}: line {} is damaged: the runs of its chunk are computed again",
+                            "{}: line {} is damaged: the runs of its chunk are {consequence}",
                             shown_path(&list),
                             index + 1
                         ));
@@ -114,7 +145,7 @@ impl Folder {
             say(&format!("{}: {damaged} damaged lines in total", shown_path(&list)));
         }
         let next = Self::next_number(&path, &listed);
-        Ok(Folder { path, study_hash: study_hash.to_owned(), ours, listed, next })
+        Ok(Folder { path, study_hash: study_hash.to_owned(), ours, shared, listed, next })
     }
 
     /// Returns a number above those of all chunks, including files that are not on the list.
@@ -166,7 +197,13 @@ impl Folder {
         let temporary = path.with_added_extension("partial");
         let bytes = match read_exactly(&temporary, entry) {
             Err(error) if error.kind() == io::ErrorKind::NotFound => {
-                return Err(io::Error::other("missing file"));
+                // Another process may have renamed the chunk since the first attempt.
+                return match read_exactly(path, entry) {
+                    Err(error) if error.kind() == io::ErrorKind::NotFound => {
+                        Err(io::Error::other("missing file"))
+                    }
+                    other => other,
+                };
             }
             other => other?,
         };
@@ -177,8 +214,12 @@ impl Folder {
         Ok(bytes)
     }
 
-    /// Renames a damaged chunk so that it is no longer read; it is not deleted.
+    /// Renames a damaged chunk so that it is no longer read; it is not deleted. Does nothing unless this process holds
+    /// the lock.
     pub fn put_aside(&self, entry: &Listed) {
+        if !self.ours {
+            return;
+        }
         let path = self.file(entry.chunk);
         let names = (1..100).map(|number| match number {
             1 => path.with_added_extension("damaged"),

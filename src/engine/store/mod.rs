@@ -96,10 +96,11 @@ pub enum StoreError {
 /// Returns [`StoreError::Unusable`] if the list cannot be read.
 pub fn listed_runs(directory: &Path, study: &Study) -> Result<u64, StoreError> {
     let hash = study.hash();
-    Ok(Folder::open(directory.join(CHUNKS).join(&hash[..DIGITS]), &hash, false)?.runs())
+    Ok(Folder::open_shared(directory.join(CHUNKS).join(&hash[..DIGITS]), &hash)?.runs())
 }
 
-/// The finished runs in an output directory, which is locked as long as this value lives.
+/// The finished runs in an output directory, which is locked as long as this value lives, unless it was opened with
+/// [`Store::open_shared`].
 #[derive(Debug)]
 pub struct Store {
     pub(super) appender: ChunkAppender,
@@ -146,6 +147,23 @@ impl Store {
             appender: ChunkAppender { folder: own, study_hash },
             result_cache: ResultCache::of(others?),
             lock,
+        })
+    }
+
+    /// Opens the finished runs of a study for reading, without the lock: another process may be writing to the
+    /// directory, which this value never changes. Reusable runs of other studies are not included.
+    ///
+    /// # Errors
+    /// Returns [`StoreError::Unusable`] if the list of chunks cannot be read.
+    pub fn open_shared(directory: &Path, study: &Study) -> Result<Self, StoreError> {
+        let chunks = directory.join(CHUNKS);
+        let study_hash = study.hash();
+        let folder = Folder::open_shared(chunks.join(&study_hash[..DIGITS]), &study_hash)?;
+        Ok(Store {
+            chunk_index: ChunkIndex::new(folder.clone()),
+            appender: ChunkAppender { folder, study_hash },
+            result_cache: ResultCache::of(Vec::new()),
+            lock: Lock::none(chunks.join(LOCK), directory),
         })
     }
 

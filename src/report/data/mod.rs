@@ -1,18 +1,24 @@
-//! The data of a report, read once from the tables of a directory of results, in bounded memory.
+//! The data of a report, read from the tables of a directory of results, in bounded memory.
 
 mod cycles;
+mod drawn;
+mod incomplete;
 mod names;
 mod points;
 mod runs;
 mod time_to_rest;
+mod vibration;
 
 use std::path::Path;
 
 pub use cycles::{CycleFacts, QUANTITIES};
+pub use drawn::{DrawnRuns, DrawnValues};
+pub use incomplete::IncompletePoints;
 pub use names::{axis_of, heading, said};
 pub use points::{Fraction, PointFacts};
 pub use runs::{Notable, RunSample, scattered};
 pub use time_to_rest::RestCurve;
+pub use vibration::Vibration;
 
 use super::chart::{Axis, AxisKind};
 use crate::classification::Label;
@@ -29,6 +35,12 @@ pub struct Budget {
     pub runs: u64,
     /// The largest number of dots of start states, over all panels.
     pub starts: usize,
+    /// The largest number of dots over drawn parameters, over all panels.
+    pub drawn: usize,
+    /// The largest number of steps of a curve.
+    pub steps: usize,
+    /// The largest number of cells of equilibrium sets, over all panels.
+    pub cells: usize,
     /// The largest number of points of a curve or a map.
     pub points: usize,
     /// The largest number of points in detail, one panel each.
@@ -37,16 +49,29 @@ pub struct Budget {
 
 impl Budget {
     /// What a screen shows fluently.
-    pub const SCREEN: Budget =
-        Budget { runs: 100_000, starts: 48_000, points: 10_000, details: 24 };
+    pub const SCREEN: Budget = Budget {
+        runs: 100_000,
+        starts: 48_000,
+        drawn: 48_000,
+        steps: 400,
+        cells: 24 * 192 * 192,
+        points: 10_000,
+        details: 200,
+    };
+    /// The number of runs up to which a smaller budget keeps all points in detail.
+    const FEW_RUNS: u64 = 5000;
 
-    /// Returns half of the budget, but at least one of each.
+    /// Returns half of the budget, but at least a little of each. The number of points in detail is halved last.
     pub fn halved(self) -> Budget {
+        let details = if self.runs > Self::FEW_RUNS { self.details } else { self.details / 2 };
         Budget {
             runs: (self.runs / 2).max(100),
             starts: (self.starts / 2).max(100),
+            drawn: (self.drawn / 2).max(100),
+            steps: (self.steps / 2).max(50),
+            cells: (self.cells / 2).max(24 * 24),
             points: (self.points / 2).max(100),
-            details: (self.details / 2).max(2),
+            details: details.max(2),
         }
     }
 }
@@ -81,12 +106,18 @@ pub struct ReportData<'a> {
     pub manifest: &'a Manifest,
     /// The points of the sweep that have runs.
     pub points: Vec<PointFacts>,
+    /// Residual vibration of these points.
+    pub vibration: Vec<Vibration>,
+    /// The points whose runs are not all finished.
+    pub incomplete: IncompletePoints,
     /// Number of points, including those that `points` omits.
     pub point_count: u64,
     /// Indices in `points` of the points in detail: all of them, or evenly spaced ones.
     pub detailed: Vec<usize>,
     /// Runs of the points in detail: all of them, or a subsample.
     pub runs: RunSample,
+    /// Drawn values of the runs of the points in detail.
+    pub drawn: DrawnValues,
     /// The first runs that failed or whose label changed in the audit.
     pub notable: Vec<Notable>,
     /// Time to rest of the points in detail.
@@ -109,20 +140,27 @@ impl<'a> ReportData<'a> {
         budget: Budget,
     ) -> Result<Self, TableError> {
         let point_count = tables.points.rows();
+        let every = points::every(&tables.points);
         let points = points::read(study, &tables.points)?;
+        let vibration = vibration::read(&tables.points, every)?;
+        let incomplete = IncompletePoints::read(study, manifest, &tables.points)?;
         let detailed = evenly(points.len(), budget.details);
         let of: Vec<&PointFacts> = detailed.iter().filter_map(|&place| points.get(place)).collect();
         let (runs, notable) = runs::read(study, &tables.runs, &of, budget.runs)?;
         let shown: Vec<u64> = of.iter().map(|point| point.point_id).collect();
-        let rest = time_to_rest::read(&tables.rest, &shown)?;
+        let drawn = drawn::read(study, &tables.runs, &of)?;
+        let rest = time_to_rest::read(&tables.rest, &shown, budget.steps)?;
         let cycles = cycles::read(&tables.cycles)?;
         Ok(ReportData {
             study,
             manifest,
             points,
+            vibration,
+            incomplete,
             point_count,
             detailed,
             runs,
+            drawn,
             notable,
             rest,
             cycles,
@@ -140,6 +178,22 @@ impl<'a> ReportData<'a> {
     /// Returns the points in detail.
     pub fn details(&self) -> impl Iterator<Item = &PointFacts> {
         self.detailed.iter().filter_map(|&place| self.points.get(place))
+    }
+
+    /// Returns the residual vibration of a point. If the table lacks the fraction of runs that vibrate more than without
+    /// balls, and nothing is drawn, the fraction is counted in the runs.
+    pub fn vibration(&self, point: &PointFacts) -> Vibration {
+        let place = self.points.binary_search_by_key(&point.point_id, |other| other.point_id);
+        let of_table = place.ok().and_then(|place| self.vibration.get(place)).copied();
+        let of_table = of_table.unwrap_or_default();
+        let counted = || {
+            let without = point.without_balls_m.filter(|_| self.study.uncertain().is_empty())?;
+            let runs =
+                self.runs.amplitudes_m.get(&point.point_id).filter(|runs| !runs.is_empty())?;
+            let worse = runs.iter().filter(|amplitude| **amplitude > without).count();
+            (self.runs.amplitude_one_in == 1).then_some(worse as f64 / runs.len() as f64)
+        };
+        Vibration { worse_fraction: of_table.worse_fraction.or_else(counted), ..of_table }
     }
 
     /// Returns a sentence on the failed runs that a figure cannot show; empty if there are none.

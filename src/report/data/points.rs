@@ -75,11 +75,15 @@ fn of_label(label: Label, what: &str) -> String {
     format!("{}_{what}", label.name())
 }
 
+/// Returns `k` if one of every `k` points is read.
+pub fn every(table: &Table) -> u64 {
+    table.rows().div_ceil(MOST_POINTS).max(1)
+}
+
 /// Reads all points, or evenly spaced ones. Values of swept parameters are taken from the study.
 pub fn read(study: &Study, table: &Table) -> Result<Vec<PointFacts>, TableError> {
-    let every = table.rows().div_ceil(MOST_POINTS).max(1);
     let mut points = Vec::new();
-    PointFacts::for_each(study, table, every, |point| points.push(point))?;
+    PointFacts::for_each(study, table, every(table), |point| points.push(point))?;
     Ok(points)
 }
 

@@ -2,9 +2,6 @@
 
 use crate::table::{Kind, Table, TableError};
 
-/// The largest number of steps of a curve, above the resolution of a screen.
-const MOST_STEPS: usize = 400;
-
 /// The probability of rest by time t, of one point.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RestCurve {
@@ -20,8 +17,8 @@ pub struct RestCurve {
     pub high: Vec<f64>,
 }
 
-/// Reads the curves of these points, in the order of the table.
-pub fn read(table: &Table, points: &[u64]) -> Result<Vec<RestCurve>, TableError> {
+/// Reads the curves of these points, in the order of the table, each thinned out to at most `most` steps.
+pub fn read(table: &Table, points: &[u64], most: usize) -> Result<Vec<RestCurve>, TableError> {
     let numbers = ["time_s", "probability_at_rest", "ci_low", "ci_high"];
     let mut wanted = vec![("point_id", Kind::Count)];
     wanted.extend(numbers.map(|name| (name, Kind::Number)));
@@ -39,7 +36,7 @@ pub fn read(table: &Table, points: &[u64]) -> Result<Vec<RestCurve>, TableError>
             }
             if curves.last().is_none_or(|curve| curve.point_id != point_id) {
                 if let Some(last) = curves.last_mut() {
-                    thin(last);
+                    thin(last, most);
                 }
                 curves.push(RestCurve { point_id, ..RestCurve::default() });
             }
@@ -53,14 +50,14 @@ pub fn read(table: &Table, points: &[u64]) -> Result<Vec<RestCurve>, TableError>
         }
     }
     if let Some(last) = curves.last_mut() {
-        thin(last);
+        thin(last, most);
     }
     Ok(curves)
 }
 
 /// Thins out the steps evenly, keeping the first and the last one.
-fn thin(curve: &mut RestCurve) {
-    let places = super::evenly(curve.time_s.len(), MOST_STEPS);
+fn thin(curve: &mut RestCurve, most: usize) {
+    let places = super::evenly(curve.time_s.len(), most);
     let RestCurve { time_s, probability, low, high, .. } = curve;
     for values in [time_s, probability, low, high] {
         *values = places.iter().filter_map(|&place| values.get(place).copied()).collect();

@@ -2,10 +2,7 @@
 
 use super::layers::{CurveOf, axis, few_each, fraction_axis, significant};
 use crate::report::chart::{Axis, AxisKind, Colour, Figure, Layer, Mark, Panel};
-use crate::report::data::ReportData;
-
-/// The largest number of steps of a curve, above the resolution of a screen.
-const MOST_STEPS: usize = 300;
+use crate::report::data::{ReportData, evenly};
 
 /// Plots empirical distributions, relative to the amplitude without balls if the model has balls.
 pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
@@ -30,20 +27,18 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
         }
         values.sort_by(f64::total_cmp);
         let count = values.len();
-        let at = |k: usize| {
-            let rank = if count <= MOST_STEPS { k } else { k * (count - 1) / (MOST_STEPS - 1) };
-            Some([*values.get(rank)?, (rank + 1) as f64 / count as f64])
-        };
-        let mut points: Vec<[f64; 2]> = (0..count.min(MOST_STEPS)).filter_map(at).collect();
+        let step = |rank: usize| Some([*values.get(rank)?, (rank + 1) as f64 / count as f64]);
+        let ranks = evenly(count, data.budget.steps).into_iter();
+        let mut points: Vec<[f64; 2]> = ranks.filter_map(step).collect();
         if let Some([first, _]) = points.first().copied() {
             points.insert(0, [first, 0.0]);
         }
         if balls {
-            let calmer = values.partition_point(|value| *value < 1.0) as f64 / count as f64;
+            let less = values.partition_point(|value| *value < 1.0) as f64 / count as f64;
             sentences.push(format!(
                 "{}: {:.1} % of the runs vibrate less than without balls",
                 point.title,
-                100.0 * calmer
+                100.0 * less
             ));
         } else if let Some(median) = values.get((count - 1) / 2) {
             let median = significant(*median);
@@ -81,7 +76,7 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
     };
     Some(Figure {
         id: "residual-amplitude".to_owned(),
-        title: "Residual amplitude".to_owned(),
+        title: "Distribution of the residual amplitude".to_owned(),
         caption: format!(
             "Empirical distribution of the amplitude at the end of a point's runs, at rest or \
              moving.{}{}{}{}{sampled}",

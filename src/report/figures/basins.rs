@@ -7,11 +7,16 @@ use crate::report::chart::{Axis, AxisKind, Figure, Layer, Mark, Panel, Tooltips}
 use crate::report::data::{ReportData, scattered};
 use crate::study::Study;
 
-/// Plots a panel for each point and pair of coordinates.
+/// About the largest number of panels.
+const MOST_PANELS: usize = 480;
+
+/// Plots a panel for each point and pair of coordinates; of many points, only for the first pairs.
 pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
     let study = data.study;
     let coordinates = study.model().coordinates();
-    let pairs = pairs(study, &coordinates);
+    let mut pairs = pairs(study, &coordinates);
+    let all_pairs = pairs.len();
+    pairs.truncate((MOST_PANELS / data.detailed.len().max(1)).max(1));
     let of_points: Vec<(_, Vec<usize>)> =
         data.details().map(|point| (point, places(&data.runs, point.point_id, None))).collect();
     let all: usize = of_points.iter().map(|(_, runs)| runs.len()).sum();
@@ -62,6 +67,10 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
     } else {
         String::new()
     };
+    let planes = match pairs.len() {
+        all if all == all_pairs => String::new(),
+        few => format!(" {few} of {all_pairs} pairs of coordinates are shown."),
+    };
     let counts = Label::ALL.into_iter().filter_map(|label| {
         let count: u64 = data.details().map(|point| point.label(label).runs).sum();
         (count > 0).then(|| format!("{count} {}", label_words(label)))
@@ -72,7 +81,7 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
         title: "Basins of attraction".to_owned(),
         caption: format!(
             "Start states in the plane of two of their coordinates, coloured by the label of the run; the \
-             other coordinates vary from dot to dot.{}{sampled}",
+             other coordinates vary from dot to dot.{planes}{}{sampled}",
             data.left_out()
         ),
         alternative: format!("Start states of runs by label: {}.", counts.join(", ")),

@@ -13,8 +13,10 @@ use crate::report::chart::{
     Tooltips,
 };
 
-/// Cells of the raster per axis: about half of a screen's pixels, in 100 kB of the page.
-const CELLS: usize = 192;
+/// The largest number of cells of the raster per axis: about half of a screen's pixels, in 50 kB of the page.
+const MOST_CELLS: usize = 192;
+/// The smallest number of cells per axis.
+const FEWEST_CELLS: usize = 24;
 /// About the largest number of round steps of the scale of amplitudes.
 const STEPS: f64 = 12.0;
 
@@ -41,32 +43,35 @@ pub fn angle_axis(ball: usize) -> Axis {
 
 /// Returns the layers of a machine's equilibrium set; `None` unless the machine has two balls, turns, and has a
 /// position of rest (a suspension without damping has none at its resonance).
-pub fn set_layers(machine: &Machine) -> Option<SetLayers> {
+/// The rasters of `panels` such sets together have at most `most` cells.
+pub fn set_layers(machine: &Machine, panels: usize, most: usize) -> Option<SetLayers> {
+    let each = (most as f64 / panels.max(1) as f64).sqrt() as usize;
+    let cells = each.clamp(FEWEST_CELLS, MOST_CELLS);
     let form = RestForm::new(machine)?;
     if form.mass.len() != 2 || form.speed == 0.0 || !form.transfer.is_finite() {
         return None;
     }
     // Every second point of a grid with half the spacing is the centre of a cell.
-    let grid = SetGrid::new(&form, 2 * CELLS)?;
-    let mut values = vec![f64::NAN; CELLS * CELLS];
+    let grid = SetGrid::new(&form, 2 * cells)?;
+    let mut values = vec![f64::NAN; cells * cells];
     let mut row = GridRow::default();
     let (mut in_set, mut everywhere) = ([f64::INFINITY, 0.0], [f64::INFINITY, 0.0]);
     // The first angle runs along the rows of the raster, the second one upwards.
-    for first in 0..CELLS {
+    for first in 0..cells {
         grid.fill(2 * first + 1, &mut row);
-        for second in 0..CELLS {
+        for second in 0..cells {
             let rest = grid.at(&row, 2 * second + 1);
             let amplitude = 1e6 * rest.amplitude_m;
             extend(&mut everywhere, amplitude);
             if rest.in_set() {
                 extend(&mut in_set, amplitude);
-                values[second * CELLS + first] = amplitude;
+                values[second * cells + first] = amplitude;
             }
         }
     }
     let range = rounded(if in_set[0] <= in_set[1] { in_set } else { everywhere })?;
     let scale = ColourScale { name: "amplitude [µm]".to_owned(), range };
-    let set = Layer::new("", Colour::Scale, Mark::Raster { size: [CELLS; 2], values });
+    let set = Layer::new("", Colour::Scale, Mark::Raster { size: [cells; 2], values });
     Some(SetLayers { scale, set, frictionless: frictionless(machine)? })
 }
 

@@ -3,16 +3,20 @@
 mod amplitudes;
 mod basins;
 mod diagnostics;
+mod drawn;
 mod equilibrium_set;
 mod fractions;
 mod layers;
 mod limit_cycles;
 mod map;
+mod over_sweep;
 mod preferred;
 mod sweep_axis;
 mod time_to_rest;
+mod vibration;
 
-pub use layers::{label_words, significant};
+pub use drawn::shown_parameters;
+pub use layers::{axis, label_words, significant};
 
 use super::chart::Figure;
 use super::data::ReportData;
@@ -20,11 +24,14 @@ use super::data::ReportData;
 /// Returns all figures that these results allow, in reading order.
 pub fn of_results(data: &ReportData<'_>) -> Vec<Figure> {
     let figures = [
-        preferred::figure(data),
-        fractions::figure(data),
-        map::figure(data),
-        time_to_rest::figure(data),
+        vibration::figure(data),
         amplitudes::figure(data),
+        drawn::correlations(data),
+        drawn::amplitudes(data),
+        map::figure(data),
+        fractions::figure(data),
+        time_to_rest::figure(data),
+        preferred::figure(data),
         basins::figure(data),
         limit_cycles::figure(data),
         diagnostics::figure(data),

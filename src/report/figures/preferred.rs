@@ -6,12 +6,16 @@ use crate::classification::Label;
 use crate::report::chart::{Axis, Colour, Figure, Layer, Panel, Symbol};
 use crate::report::data::{PointFacts, ReportData};
 
-/// The largest number of pairs of balls.
+/// The largest number of pairs of balls of a point.
 const MOST_PAIRS: usize = 6;
+/// About the largest number of panels.
+const MOST_PANELS: usize = 240;
 
 /// Plots a panel for each point; with three or more balls, for each point and pair of balls.
 pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
     let balls = data.study.model().balls();
+    let all = balls * balls.saturating_sub(1) / 2;
+    let most = (MOST_PANELS / data.detailed.len().max(1)).clamp(1, MOST_PAIRS);
     let panels: Vec<Panel> = data
         .details()
         .flat_map(|point| match balls {
@@ -20,7 +24,7 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
             balls => {
                 let pairs = (1..balls)
                     .flat_map(|first| (first + 1..=balls).map(move |second| [first, second]));
-                pairs.take(MOST_PAIRS).map(|of| pair(data, point, of)).collect()
+                pairs.take(most).map(|of| pair(data, point, of)).collect()
             }
         })
         .collect();
@@ -41,7 +45,11 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
     } else {
         String::new()
     };
-    let left_out = format!("{set}{}{}", data.left_out(), data.runs.left_out());
+    let pairs = match most.min(all) {
+        shown if balls > 2 && shown < all => format!(" {shown} of {all} pairs of balls are shown."),
+        _ => String::new(),
+    };
+    let left_out = format!("{set}{pairs}{}{}", data.left_out(), data.runs.left_out());
     let (title, caption) = match balls {
         0 => ("Where the block comes to rest", "Position and time of rest of each run.".to_owned()),
         1 => ("Preferred equilibria", "Angle at rest and amplitude of each run.".to_owned()),
@@ -89,7 +97,9 @@ fn pair(data: &ReportData<'_>, point: &PointFacts, [first, second]: [usize; 2]) 
     let study = data.study;
     let model = (point.point_id < study.point_count()).then(|| study.point(point.point_id));
     let machine = model.as_ref().and_then(|point| point.model().ball_balancer());
-    let (scale, layers) = match machine.and_then(set_layers) {
+    let (panels, cells) = (data.detailed.len(), data.budget.cells);
+    let set = machine.and_then(|machine| set_layers(machine, panels, cells));
+    let (scale, layers) = match set {
         Some(SetLayers { scale, set, frictionless }) => {
             (Some(scale), [set, dots].into_iter().chain(frictionless).collect())
         }

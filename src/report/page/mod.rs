@@ -4,6 +4,7 @@
 //! data. Its content security policy forbids all network requests.
 
 mod html;
+mod optimum;
 mod tables;
 
 use std::path::Path;
@@ -14,6 +15,7 @@ use super::chart::Figure;
 use super::data::ReportData;
 use crate::sanitize::{harmless_json, shell_word, shown_path};
 use html::{Html, escaped};
+pub use optimum::optimum_page;
 
 const PAGE: &str = include_str!("assets/page.html");
 const STYLE: &str = include_str!("assets/page.css");
@@ -48,28 +50,47 @@ pub fn page(directory: &Path, data: &ReportData<'_>, figures: &[Figure]) -> Stri
     body.line("<li><a href=\"#study\">Study</a></li>");
     body.line("</ul></nav>\n<main>");
     tables::points(&mut body, directory, data);
+    drawn_figures(&mut body, figures);
+    tables::other_parameters(&mut body, data);
+    tables::notable(&mut body, directory, data);
+    study_section(
+        &mut body,
+        &data.study.resolved_yaml(),
+        &shown_path(&directory.join("study.yaml")),
+    );
+    assembled(name, directory, body, figures)
+}
+
+/// Adds all figures.
+fn drawn_figures(body: &mut Html, figures: &[Figure]) {
     body.line("<div id=\"figures\">");
     body.line(
         "<p class=\"hint soft\">Press a name to hide or show a series; Ctrl and the wheel zoom, dragging \
          moves; a click on a dot pins its data.</p>",
     );
     for figure in figures {
-        section(&mut body, figure);
+        section(body, figure);
     }
     body.line("</div>");
-    tables::notable(&mut body, directory, data);
+}
+
+/// Adds the study file, or the place of a long one, and ends the main part.
+fn study_section(body: &mut Html, study: &str, place: &str) {
     body.line("<section aria-labelledby=\"study\"><h2 id=\"study\">Study</h2>");
-    let study = data.study.resolved_yaml();
     if study.len() <= MOST_STUDY {
         body.line("<details><summary>Study file with all defaults</summary>");
-        body.element("pre", "", &study);
+        body.element("pre", "", study);
         body.line("</details></section>\n</main>");
     } else {
-        let file = escaped(&shown_path(&directory.join("study.yaml")));
         body.line(&format!(
-            "<p>The study file is too long to show: see {file}.</p></section>\n</main>"
+            "<p>The study file is too long to show: see {}.</p></section>\n</main>",
+            escaped(place)
         ));
     }
+}
+
+/// Returns the whole page with a title and this body.
+fn assembled(name: &str, directory: &Path, body: Html, figures: &[Figure]) -> String {
     let data = json!({
         "directory": shell_word(directory),
         "figures": figures,

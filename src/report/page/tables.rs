@@ -3,13 +3,14 @@
 use std::path::Path;
 
 use super::html::{Html, escaped};
+use crate::analysis::RankCorrelation;
 use crate::classification::Label;
 use crate::counted::counted;
 use crate::model::Method;
-use crate::report::data::{Fraction, Notable, PointFacts, ReportData, said};
-use crate::report::figures::significant;
+use crate::report::data::{DrawnRuns, Fraction, Notable, PointFacts, ReportData, Vibration, said};
+use crate::report::figures::{shown_parameters, significant};
 use crate::sanitize::{one_line, shell_word};
-use crate::study::ParameterKind;
+use crate::study::{ParameterKind, VariedParameter};
 
 /// The number of rows above which a table is folded.
 const SHORT_TABLE: usize = 24;
@@ -78,10 +79,14 @@ pub fn warnings(body: &mut Html, directory: &Path, data: &ReportData<'_>) {
     if !manifest.complete {
         let missing = planned.saturating_sub(finished);
         let fraction = 100.0 * missing as f64 / planned.max(1) as f64;
+        let points = match data.incomplete.words() {
+            Some(words) => format!("; {words}"),
+            None => String::new(),
+        };
         body.line(&format!(
             "<p class=\"warning\" id=\"missing\"><strong>Not complete.</strong> {bound}{missing} of \
-             {bound}{planned} runs are missing ({fraction:.1} %). The page shows the {finished} finished runs; \
-             points at the end of the sweep may have none. <code \
+             {bound}{planned} runs are missing ({fraction:.1} %){points}. The page shows the {finished} finished \
+             runs. If no process is computing this study, <code \
              class=\"command\">stickslip resume {}</code> computes the rest.</p>",
             escaped(&shell_word(directory)),
         ));
@@ -107,12 +112,60 @@ pub fn warnings(body: &mut Html, directory: &Path, data: &ReportData<'_>) {
     ));
 }
 
-/// Adds the table of points with their intervals.
+/// A column that results of earlier versions lack.
+#[derive(Clone, Copy)]
+struct Optional {
+    name: &'static str,
+    value: fn(&Vibration) -> Option<f64>,
+    text: fn(Option<f64>) -> String,
+}
+
+const OPTIONAL: [Optional; 4] = [
+    Optional {
+        name: "runs worse than without balls [%]",
+        value: |point| point.worse_fraction,
+        text: percent,
+    },
+    Optional {
+        name: "median balance quality grade G [mm/s]",
+        value: |point| point.grade_mm_s[0],
+        text: written,
+    },
+    Optional {
+        name: "95 % quantile of G [mm/s]",
+        value: |point| point.grade_mm_s[1],
+        text: written,
+    },
+    Optional {
+        name: "rests with overlapping balls [%]",
+        value: |point| point.overlapping_fraction,
+        text: percent,
+    },
+];
+
+fn micro(metres: Option<f64>) -> String {
+    written(metres.map(|value| 1e6 * value))
+}
+
+fn percent(fraction: Option<f64>) -> String {
+    fraction.map_or_else(|| "–".to_owned(), |value| format!("{:.1}", 100.0 * value))
+}
+
+/// Adds the table of points: residual vibration first, then the ends of the runs with their intervals.
 pub fn points(body: &mut Html, directory: &Path, data: &ReportData<'_>) {
     body.line("<section aria-labelledby=\"points\"><h2 id=\"points\">Points</h2>");
     let study = data.study;
     let mut head = vec!["point"];
     head.extend(study.swept().iter().map(|parameter| parameter.name.as_str()));
+    let balls = study.model().balls() > 0;
+    if balls {
+        head.extend(["median amplitude [µm]", "95 % quantile [µm]", "no balls [µm]"]);
+    }
+    let known = |of: fn(&Vibration) -> Option<f64>| {
+        data.points.iter().any(|point| of(&data.vibration(point)).is_some())
+    };
+    let optional: Vec<Optional> = OPTIONAL.into_iter().filter(|one| known(one.value)).collect();
+    head.extend(optional.iter().map(|one| one.name));
     head.extend(["runs", "equilibria", "95 % interval"]);
     let moving = [Label::LimitCycle, Label::Irregular, Label::Undecided, Label::Failed];
     let words = moving.map(super::super::figures::label_words);
@@ -122,9 +175,8 @@ pub fn points(body: &mut Html, directory: &Path, data: &ReportData<'_>) {
         head.push("flips");
     }
     head.push("median time to rest [s]");
-    let balls = study.model().balls() > 0;
     if balls {
-        head.extend(["median amplitude [µm]", "no balls [µm]", "set [%]"]);
+        head.push("set [%]");
     }
     let text: Vec<usize> = study
         .swept()
@@ -136,6 +188,12 @@ pub fn points(body: &mut Html, directory: &Path, data: &ReportData<'_>) {
     let row = |point: &PointFacts| {
         let mut cells = vec![point.point_id.to_string()];
         cells.extend(point.swept.iter().map(|value| escaped(&said(value))));
+        if balls {
+            let [_, median, p95] = point.amplitude_m;
+            cells.extend([median, p95, point.without_balls_m].map(micro));
+        }
+        let vibration = data.vibration(point);
+        cells.extend(optional.iter().map(|one| (one.text)((one.value)(&vibration))));
         let Fraction { fraction, low, high, .. } = point.equilibrium;
         cells.push(point.runs.to_string());
         cells.push(format!("{fraction:.4}"));
@@ -150,13 +208,9 @@ pub fn points(body: &mut Html, directory: &Path, data: &ReportData<'_>) {
         if audit {
             cells.push(format!("{} of {}", point.audit.flips, point.audit.runs));
         }
-        let micro = |value: Option<f64>| written(value.map(|value| 1e6 * value));
         cells.push(written(point.time_to_rest_s[1]));
         if balls {
-            cells.extend([micro(point.amplitude_m[1]), micro(point.without_balls_m)]);
-            cells.push(
-                point.set_fraction.map_or("–".to_owned(), |set| format!("{:.1}", 100.0 * set)),
-            );
+            cells.push(percent(point.set_fraction));
         }
         cells
     };
@@ -179,6 +233,42 @@ pub fn points(body: &mut Html, directory: &Path, data: &ReportData<'_>) {
             data.point_count,
         ));
     }
+    body.line("</section>");
+}
+
+/// Adds the table of the uncertain parameters that the figures omit; nothing if they show all.
+pub fn other_parameters(body: &mut Html, data: &ReportData<'_>) {
+    let shown = shown_parameters(data);
+    let strongest = |of: &dyn Fn(&DrawnRuns) -> Option<RankCorrelation>| {
+        let all = data.drawn.points.iter().filter_map(|(point, runs)| Some((point, of(runs)?)));
+        let found = all.max_by(|(_, a), (_, b)| a.value.abs().total_cmp(&b.value.abs()));
+        found.map_or_else(
+            || "–".to_owned(),
+            |(point, RankCorrelation { value, low, high })| {
+                let text = format!("{value:.2} ({low:.2} to {high:.2}) at point {point}");
+                text.replace('-', "\u{2212}")
+            },
+        )
+    };
+    let row = |(index, parameter): (usize, &VariedParameter)| {
+        vec![
+            escaped(&parameter.name),
+            strongest(&|runs| runs.with_amplitude(index)),
+            strongest(&|runs| runs.with_time_to_rest(index)),
+        ]
+    };
+    let others = data.study.uncertain().iter().enumerate();
+    let others = others.filter(|(index, _)| !shown.contains(index));
+    let rows: Vec<Vec<String>> = others.take(MOST_ROWS).map(row).collect();
+    if rows.is_empty() || data.drawn.points.is_empty() {
+        return;
+    }
+    body.line(
+        "<section aria-labelledby=\"parameters\"><h2 id=\"parameters\">Other uncertain parameters</h2>\
+         <p>The strongest rank correlation of each parameter with the amplitude and with the time to rest, with its \
+         95 % interval.</p>",
+    );
+    body.table(&["parameter", "with the amplitude", "with the time to rest"], &rows, &[0, 1, 2]);
     body.line("</section>");
 }
 

@@ -13,16 +13,16 @@
   }
   function column(packed) {
     if (Array.isArray(packed)) return packed.map((v) => (v === null ? NaN : v));
-    const kind = packed.f ? 'f' : packed.u ? 'u' : 'w';
+    const kind = ['f', 'u', 'w', 'b'].find((one) => one in packed);
     const view = bytes(packed[kind]);
-    const size = kind === 'w' ? 2 : 4;
+    const size = { w: 2, b: 1 }[kind] || 4;
     const out = new Array(view.byteLength / size);
     for (let i = 0; i < out.length; i++) {
       if (kind === 'f') out[i] = view.getFloat32(4 * i, true);
       else if (kind === 'u') out[i] = view.getUint32(4 * i, true);
       else {
-        const step = view.getUint16(2 * i, true);
-        out[i] = step === 65535 ? NaN : packed.from + (step / 65534) * (packed.to - packed.from);
+        const [step, last] = kind === 'w' ? [view.getUint16(2 * i, true), 65534] : [view.getUint8(i), 254];
+        out[i] = step > last ? NaN : packed.from + (step / last) * (packed.to - packed.from);
       }
     }
     return out;
@@ -110,7 +110,7 @@
   function rows(panel, layer, index) {
     const list = [];
     const tooltips = layer.tooltips;
-    if (layer.mark === 'dots') {
+    if (layer.mark === 'dots' || layer.mark === 'bars') {
       for (const [axis, value] of [[panel.x, layer.x[index]], [panel.y, layer.y[index]]]) {
         if (axis.kind === 'names') list.push(['', axis.names[Math.round(value)] || '']);
         else list.push([axis.name + (axis.unit ? ' [' + axis.unit + ']' : ''), number(value, axis.kind === 'angle' ? 5 : 6)]);
@@ -135,6 +135,11 @@
     const replay = command(layer, index);
     return '<div class="tip"><strong>' + escaped(heading(layer, index)) + '</strong><table>' + lines.join('') +
       '</table>' + (replay ? '<code>' + escaped(replay) + '</code>' : '') + '</div>';
+  }
+
+  // Whether the names of an axis are slanted, because they are many or long.
+  function slanted(axis) {
+    return axis.kind === 'names' && (axis.names.length > 5 || axis.names.join('').length > 28);
   }
 
   // ---- a panel as options of the library ---------------------------------------------------------
@@ -165,13 +170,14 @@
       };
     }
     if (named) {
-      // Names are at whole numbers.
+      // Names are at whole numbers; of many names, every second, third and so on is shown.
+      const every = Math.ceil(axis.names.length / 30);
       option.min = -1; option.max = axis.names.length; option.interval = 1;
       option.splitLine.show = false; option.axisTick.show = false;
-      option.axisLabel.formatter = (v) => (Number.isInteger(v) ? axis.names[v] || '' : '');
+      option.axisLabel.formatter = (v) => (Number.isInteger(v) && v % every === 0 ? axis.names[v] || '' : '');
       option.axisLabel.hideOverlap = false;
-      option.axisLabel.rotate = axis.names.length > 5 ? 30 : 0;
-      option.nameGap = axis.names.length > 5 ? 76 : 30;
+      option.axisLabel.rotate = slanted(axis) ? 30 : 0;
+      option.nameGap = slanted(axis) ? 76 : 30;
     }
     return option;
   }
@@ -268,6 +274,15 @@
             return { type: 'rect',
               shape: { x: a[0], y: b[1], width: b[0] - a[0] + 0.5, height: a[1] - b[1] + 0.5 },
               style: { fill: shown ? scaled(value, panel.scale) : theme.ground, stroke: shown ? 'none' : theme.line } };
+          },
+          tooltip: { formatter: (at) => tip(panel, layer, at.dataIndex) } });
+      case 'bars':
+        return Object.assign(base, { type: 'custom', data: layer.x.map((x, i) => [x, layer.y[i]]), encode: { x: 0, y: 1 },
+          renderItem: (params, api) => {
+            const a = api.coord([api.value(0) - layer.width / 2, 0]);
+            const b = api.coord([api.value(0) + layer.width / 2, api.value(1)]);
+            return { type: 'rect', shape: { x: a[0], y: Math.min(a[1], b[1]), width: b[0] - a[0], height: Math.abs(a[1] - b[1]) },
+              style: { fill: colour } };
           },
           tooltip: { formatter: (at) => tip(panel, layer, at.dataIndex) } });
       case 'rule':
@@ -419,7 +434,7 @@
     }
     option(panel) {
       const square = panel.x.kind === 'angle' && panel.y.kind === 'angle';
-      const bottom = panel.x.kind === 'names' && panel.x.names.length > 5 ? 104 : 56;
+      const bottom = slanted(panel.x) ? 104 : 56;
       // Without dots, the tooltip shows the values of the curves at the pointer's abscissa.
       const curves = panel.layers.every(({ mark }) => ['line', 'steps', 'band', 'rule'].includes(mark));
       return {
@@ -569,8 +584,8 @@
       if (event.key === 'Escape' && this.chart) this.chart.dispatchAction({ type: 'hideTip' });
       if (!step && event.key !== 'Home' && event.key !== 'End') return;
       const dots = this.drawn.map(({ layer, order }, place) => ({ layer, order, place }))
-        .filter(({ layer }) => layer.mark === 'dots' || layer.mark === 'cells');
-      const count = (layer) => (layer.mark === 'dots' ? layer.x.length : layer.values.length);
+        .filter(({ layer }) => ['dots', 'bars', 'cells'].includes(layer.mark));
+      const count = (layer) => (layer.mark === 'cells' ? layer.values.length : layer.x.length);
       const all = dots.reduce((sum, { layer }) => sum + count(layer), 0);
       if (!all) return;
       event.preventDefault();

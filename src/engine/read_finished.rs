@@ -1,0 +1,34 @@
+//! Reads the finished runs of a directory to which another process may be writing.
+
+use std::path::Path;
+use std::sync::atomic::AtomicBool;
+use std::thread;
+use std::time::Instant;
+
+use super::{
+    EngineError, EngineOptions, Planned, Progress, RunTotals, Shard, Show, Sink, Store, run_study,
+};
+use crate::study::Study;
+
+/// Passes the finished runs of a study's shard and their points to `sink`. Computes no run, takes no lock, and changes
+/// nothing in the directory. Chunks that another process finishes in the meantime are not read.
+///
+/// # Errors
+/// Returns an error if the list of chunks cannot be read, if the worker threads cannot be started, or if the sink returns
+/// one.
+pub fn read_finished<S: Sink>(
+    study: &Study,
+    shard: Shard,
+    directory: &Path,
+    sink: &mut S,
+) -> Result<RunTotals, EngineError<S::Error>> {
+    let mut store = Store::open_shared(directory, study).map_err(EngineError::Store)?;
+    // After the deadline no run begins, but stored runs are still read.
+    let threads = thread::available_parallelism().map_or(1, usize::from);
+    let deadline = Some(Instant::now());
+    let options = EngineOptions { threads, shard, deadline, ..EngineOptions::default() };
+    let (study_name, runs) = (study.name(), shard.most_runs(study));
+    let planned = Planned { study: study_name, runs, at_most: true, points: study.point_count() };
+    let progress = Progress::begin(planned, Show::Nothing);
+    run_study(study, options, &AtomicBool::new(false), &progress, Some(&mut store), sink)
+}

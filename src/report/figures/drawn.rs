@@ -1,0 +1,254 @@
+//! Figures over the drawn values of uncertain parameters: rank correlations, and amplitudes of the runs.
+
+use super::layers::{Estimate, axis, label_colour, label_symbol, label_words, significant};
+use crate::analysis::RankCorrelation;
+use crate::classification::Label;
+use crate::report::chart::{Axis, AxisKind, Colour, Figure, Layer, Mark, Panel, Symbol, Tooltips};
+use crate::report::data::{DrawnRuns, PointFacts, ReportData, axis_of, evenly, scattered};
+
+/// The largest number of parameters in the figures.
+pub const MOST_PARAMETERS: usize = 12;
+/// The largest number of panels of the figure of amplitudes.
+const MOST_PANELS: usize = 600;
+/// Half the distance between the two bars of a parameter, and the width of each, on the abscissa.
+const BARS: [f64; 2] = [0.19, 0.34];
+
+/// Returns the parameters in the figures, as indices in the order of the study: those with the strongest rank
+/// correlation with the amplitude at any point.
+pub fn shown_parameters(data: &ReportData<'_>) -> Vec<usize> {
+    let strength = |parameter: usize| {
+        let values = data.drawn.points.values();
+        let found = values.filter_map(|runs| Some(runs.with_amplitude(parameter)?.value.abs()));
+        found.fold(0.0, f64::max)
+    };
+    let all = data.study.uncertain().len();
+    let mut order: Vec<(usize, f64)> =
+        (0..all).map(|parameter| (parameter, strength(parameter))).collect();
+    order.sort_by(|(_, one), (_, other)| other.total_cmp(one));
+    let mut shown: Vec<usize> = order.into_iter().map(|(parameter, _)| parameter).collect();
+    shown.truncate(MOST_PARAMETERS);
+    shown.sort_unstable();
+    shown
+}
+
+/// Returns a sentence on the parameters that the figures omit; empty if there are none.
+fn omitted(data: &ReportData<'_>, shown: &[usize]) -> String {
+    match data.study.uncertain().len() - shown.len() {
+        0 => String::new(),
+        more => format!(
+            " Of {} parameters, the {} with the strongest correlation with the amplitude are shown; the \
+             table below lists the other {more}.",
+            shown.len() + more,
+            shown.len(),
+        ),
+    }
+}
+
+fn sampled(data: &ReportData<'_>) -> String {
+    match data.drawn.one_in {
+        1 => String::new(),
+        one_in => format!(" Subsample: about one in {one_in} runs of these points is counted."),
+    }
+}
+
+/// The points in detail with their drawn values.
+fn points<'a>(data: &'a ReportData<'_>) -> impl Iterator<Item = (&'a PointFacts, &'a DrawnRuns)> {
+    data.details().filter_map(|point| Some((point, data.drawn.points.get(&point.point_id)?)))
+}
+
+/// Plots the rank correlations of each parameter with the amplitude and with the time to rest, for each point.
+pub fn correlations(data: &ReportData<'_>) -> Option<Figure> {
+    let shown = shown_parameters(data);
+    let names: Vec<String> = shown
+        .iter()
+        .filter_map(|&parameter| Some(axis_of(data.study.uncertain().get(parameter)?).name))
+        .collect();
+    let x = Axis {
+        range: Some([-0.5, names.len() as f64 - 0.5]),
+        kind: AxisKind::Names(names.clone()),
+        ..axis("", "")
+    };
+    let y = Axis { range: Some([-1.0, 1.0]), ..axis("rank correlation", "") };
+    let mut panels = Vec::new();
+    let mut sentences = Vec::new();
+    for (point, runs) in points(data) {
+        let amplitude: Vec<Option<RankCorrelation>> =
+            shown.iter().map(|&parameter| runs.with_amplitude(parameter)).collect();
+        let time: Vec<Option<RankCorrelation>> =
+            shown.iter().map(|&parameter| runs.with_time_to_rest(parameter)).collect();
+        let mut layers = bars("with the amplitude", Colour::Series(0), -BARS[0], &amplitude);
+        layers.extend(bars("with the time to rest", Colour::Series(1), BARS[0], &time));
+        if layers.is_empty() {
+            continue;
+        }
+        let strongest =
+            names.iter().zip(&amplitude).filter_map(|(name, one)| Some((name, (*one)?)));
+        let strongest = strongest.max_by(|(_, a), (_, b)| a.value.abs().total_cmp(&b.value.abs()));
+        if let Some((name, RankCorrelation { value, low, high })) = strongest {
+            let [value, low, high] = [value, low, high].map(|number| format!("{number:.2}"));
+            let text = format!("{}: {name} {value} ({low} to {high})", point.title);
+            sentences.push(text.replace('-', "\u{2212}"));
+        }
+        let title = point.title.clone();
+        panels.push(Panel { title, ..Panel::new(x.clone(), y.clone(), layers) });
+    }
+    if panels.is_empty() {
+        return None;
+    }
+    Some(Figure {
+        id: "rank-correlations".to_owned(),
+        title: "Influence of uncertain parameters".to_owned(),
+        caption: format!(
+            "Spearman's rank correlation of each drawn parameter with the amplitude at the end of a run and with \
+             the time to rest, with 95 % intervals (Fisher's transformation, independent draws). 1: the quantity \
+             always increases with the parameter; \u{2212}1: it always decreases. Runs that do not come to rest rank last \
+             in the time to rest. Failed runs are not counted.{}{}{}",
+            omitted(data, &shown),
+            data.left_out(),
+            sampled(data),
+        ),
+        alternative: format!(
+            "The strongest rank correlation with the amplitude, of each point: {}.",
+            sentences.join("; ")
+        ),
+        one_at_a_time: panels.len() > 1,
+        panels,
+    })
+}
+
+/// Returns bars with their intervals, at whole numbers shifted by `shift`; empty if there is none.
+fn bars(
+    name: &str,
+    colour: Colour,
+    shift: f64,
+    correlations: &[Option<RankCorrelation>],
+) -> Vec<Layer> {
+    let rounded = |value: f64| (1e4 * value).round() / 1e4;
+    let known = correlations.iter().enumerate().filter_map(|(place, one)| {
+        let RankCorrelation { value, low, high } = (*one)?;
+        let [value, low, high] = [value, low, high].map(rounded);
+        Some(Estimate { x: rounded(place as f64 + shift), value, low, high })
+    });
+    let known: Vec<Estimate> = known.collect();
+    if known.is_empty() {
+        return Vec::new();
+    }
+    let column = |pick: fn(&Estimate) -> f64| known.iter().map(pick).collect::<Vec<f64>>();
+    let [_, from, to] = Estimate::columns("rank correlation", &known);
+    let x = column(|one| one.x);
+    let bars = Mark::Bars {
+        x: x.clone(),
+        y: column(|one| one.value),
+        width: BARS[1],
+        tooltips: Tooltips::numbers([from, to]),
+    };
+    let intervals = Mark::Intervals { x, low: column(|one| one.low), high: column(|one| one.high) };
+    vec![Layer::new(name, colour, bars), Layer::new(name, Colour::Ink, intervals)]
+}
+
+/// Plots the amplitude of the runs over each parameter, coloured by label, for each point.
+pub fn amplitudes(data: &ReportData<'_>) -> Option<Figure> {
+    let shown = shown_parameters(data);
+    let all: Vec<(&PointFacts, &DrawnRuns)> = points(data).collect();
+    let most = (MOST_PANELS / shown.len().max(1)).max(1);
+    let places = evenly(all.len(), most.max(2));
+    let left_out = match places.len() < all.len() {
+        true => format!(
+            " {} of {} points are shown, evenly spaced in the order of the sweep.",
+            places.len(),
+            data.point_count
+        ),
+        false => data.left_out(),
+    };
+    let chosen: Vec<(&PointFacts, &DrawnRuns)> =
+        places.into_iter().filter_map(|place| all.get(place).copied()).collect();
+    let runs: usize = chosen.iter().map(|(_, runs)| runs.run_id.len()).sum();
+    if runs == 0 || shown.is_empty() {
+        return None;
+    }
+    let one_in = (runs * shown.len()).div_ceil(data.budget.drawn.max(1)).max(1) as u64;
+    // Mixes the run numbers again to draw a subsample of a subsample.
+    let mixed = |run: u64| run.wrapping_mul(0x2545_f491_4f6c_dd1d).rotate_left(29);
+    let is_shown = |run: u64| scattered(mixed(run), one_in);
+    let (unit, factor) = if data.study.model().balls() > 0 { ("µm", 1e6) } else { ("m", 1.0) };
+    let y = axis("amplitude", unit);
+    let mut panels = Vec::new();
+    let mut drawn = 0;
+    for (point, runs) in &chosen {
+        for &parameter in &shown {
+            let Some(uncertain) = data.study.uncertain().get(parameter) else { continue };
+            let Some(values) = runs.values.get(parameter) else { continue };
+            let x = axis_of(uncertain);
+            let part = x.name.clone();
+            let layers: Vec<Layer> = Label::ALL
+                .into_iter()
+                .enumerate()
+                .filter_map(|(index, label)| {
+                    let is = |place: &usize| runs.label.get(*place) == Some(&(index as u8));
+                    let places: Vec<usize> = (0..runs.run_id.len())
+                        .filter(is)
+                        .filter(|place| runs.run_id.get(*place).is_some_and(|run| is_shown(*run)))
+                        .collect();
+                    let of = |column: &[f64], factor: f64| -> Vec<f64> {
+                        let known = places.iter().filter_map(|place| column.get(*place));
+                        known.map(|value| factor * value).collect()
+                    };
+                    let run_ids = places.iter().filter_map(|place| runs.run_id.get(*place));
+                    let tooltips =
+                        Tooltips { run_ids: run_ids.copied().collect(), ..Tooltips::default() };
+                    let (x, y) = (of(values, 1.0), of(&runs.amplitude_m, factor));
+                    let mark = Mark::Dots { symbol: small(label), x, y, tooltips };
+                    (!places.is_empty())
+                        .then(|| Layer::new(&label_words(label), label_colour(label), mark))
+                })
+                .collect();
+            let count = |layer: &Layer| match &layer.mark {
+                Mark::Dots { x, .. } => x.len(),
+                _ => 0,
+            };
+            drawn += layers.iter().map(count).sum::<usize>();
+            let title = point.title.clone();
+            panels.push(Panel { title, part, ..Panel::new(x, y.clone(), layers) });
+        }
+    }
+    let dots = match (one_in, data.drawn.one_in) {
+        (1, 1) => String::new(),
+        _ => {
+            let of = chosen.iter().map(|(point, _)| point.runs).sum::<u64>();
+            let runs = drawn / shown.len().max(1);
+            format!(" Subsample: {runs} of the {of} runs of these points are shown.")
+        }
+    };
+    Some(Figure {
+        id: "drawn-parameters".to_owned(),
+        title: "Amplitude over uncertain parameters".to_owned(),
+        caption: format!(
+            "Each dot is a run at the value that was drawn for it; the other parameters and the start state vary \
+             from dot to dot. Colour: label of the run. Failed runs are not shown.{}{left_out}{dots}",
+            omitted(data, &shown),
+        ),
+        alternative: ranges(data, &chosen, &shown),
+        one_at_a_time: panels.len() > 1,
+        panels,
+    })
+}
+
+/// Returns the symbol of a label in a crowd of dots.
+fn small(label: Label) -> Symbol {
+    if label == Label::Equilibrium { Symbol::Dot } else { label_symbol(label) }
+}
+
+/// Returns a sentence on the ranges of the drawn values.
+fn ranges(data: &ReportData<'_>, chosen: &[(&PointFacts, &DrawnRuns)], shown: &[usize]) -> String {
+    let range = |&parameter: &usize| {
+        let axis = axis_of(data.study.uncertain().get(parameter)?);
+        let values =
+            || chosen.iter().filter_map(|(_, runs)| runs.values.get(parameter)).flatten().copied();
+        let (least, most) =
+            (values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max));
+        let [least, most] = [least, most].map(significant);
+        Some(format!("{} from {least} to {most} {}", axis.name, axis.unit).trim_end().to_owned())
+    };
+    let ranges: Vec<String> = shown.iter().filter_map(range).collect();
+    format!("The runs have drawn {}.", ranges.join(", "))
+}

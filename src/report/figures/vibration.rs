@@ -1,0 +1,150 @@
+//! Figure: the residual vibration of each point, and the vibration without balls.
+
+use super::layers::{axis, fraction_axis, significant};
+use super::over_sweep::OverSweep;
+use super::sweep_axis::is_by_decades;
+use crate::report::chart::{Axis, AxisKind, Colour, Figure, Layer, Mark, Panel, Symbol, Tooltips};
+use crate::report::data::{PointFacts, ReportData};
+
+/// The title of the panels with the fraction of runs that the balls make worse.
+const WORSE: &str = "runs that vibrate more than without balls";
+
+/// The unit of amplitudes, and its factor from metres.
+fn unit(data: &ReportData<'_>) -> (&'static str, f64) {
+    if data.study.model().balls() > 0 { ("µm", 1e6) } else { ("m", 1.0) }
+}
+
+/// Plots median and 95 % quantile of the amplitude, and the amplitude without balls, over the sweep; and the fraction of
+/// the runs that vibrate more than without balls.
+pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
+    let known = |point: &PointFacts| point.amplitude_m[1].is_some();
+    if !data.points.iter().any(known) {
+        return None;
+    }
+    let balls = data.study.model().balls() > 0;
+    let sweep = OverSweep::new(data, 4);
+    let amplitudes = amplitude_axis(data);
+    let amplitude = |points: &[(f64, &PointFacts)]| amplitude_layers(data, points);
+    let fraction = |points: &[(f64, &PointFacts)]| worse_layers(data, points);
+    let has_worse = data.points.iter().any(|point| data.vibration(point).worse_fraction.is_some());
+    let mut panels = sweep.panels(data, &amplitudes, amplitude);
+    if has_worse {
+        let name = |part: &str, panels: Vec<Panel>| {
+            panels.into_iter().map(|panel| Panel { part: part.to_owned(), ..panel }).collect()
+        };
+        let fractions = sweep.panels(data, &fraction_axis("fraction of runs"), fraction);
+        let fractions: Vec<Panel> = name(WORSE, fractions);
+        panels = name("amplitude", panels);
+        panels.extend(fractions);
+    }
+    let without =
+        if balls { " Squares: the amplitude of the same machine without balls." } else { "" };
+    let draws = match balls {
+        true => data.without_draws("The amplitude without balls is that"),
+        false => String::new(),
+    };
+    Some(Figure {
+        id: "vibration".to_owned(),
+        title: match sweep.parameter.as_str() {
+            "" => "Residual vibration".to_owned(),
+            over => format!("Residual vibration, over {over}"),
+        },
+        caption: format!(
+            "Median and 95 % quantile of the amplitude at the end of the runs of each point, at rest or \
+             moving.{without}{}{draws}{}",
+            data.failures_left_out(),
+            sweep.left_out,
+        ),
+        alternative: words(data),
+        one_at_a_time: panels.len() > 1,
+        panels,
+    })
+}
+
+/// Returns a sentence for each point in detail.
+fn words(data: &ReportData<'_>) -> String {
+    let (unit, factor) = unit(data);
+    let sentences = data.details().filter_map(|point| {
+        let [_, median, p95] = point.amplitude_m.map(|value| value.map(|value| factor * value));
+        let mut sentence = format!("{}: {} {unit}", point.title, significant(median?));
+        if let Some(p95) = p95 {
+            sentence += &format!(" (95 % of the runs: {} {unit} or less)", significant(p95));
+        }
+        if let Some(without) = point.without_balls_m {
+            sentence += &format!(", {} {unit} without balls", significant(factor * without));
+        }
+        if let Some(worse) = data.vibration(point).worse_fraction {
+            let worse = 100.0 * worse;
+            sentence += &format!(", {worse:.1} % of the runs vibrate more than without balls");
+        }
+        Some(sentence)
+    });
+    format!("Median amplitude. {}", sentences.collect::<Vec<_>>().join("; "))
+}
+
+/// Returns the axis of all amplitudes, from 0 or by decades.
+fn amplitude_axis(data: &ReportData<'_>) -> Axis {
+    let (unit, factor) = unit(data);
+    let of_point = |point: &PointFacts| {
+        let [_, median, p95] = point.amplitude_m;
+        [median, p95, point.without_balls_m]
+    };
+    let values = data.points.iter().flat_map(of_point).flatten().map(|value| factor * value);
+    let mut values: Vec<f64> = values.filter(|value| value.is_finite()).collect();
+    values.sort_by(f64::total_cmp);
+    let axis = axis("amplitude", unit);
+    match values.last() {
+        Some(_) if is_by_decades(&values) => Axis { kind: AxisKind::Logarithmic, ..axis },
+        Some(most) if *most > 0.0 => Axis { range: Some([0.0, 1.06 * most]), ..axis },
+        _ => axis,
+    }
+}
+
+fn amplitude_layers(data: &ReportData<'_>, points: &[(f64, &PointFacts)]) -> Vec<Layer> {
+    let (_, factor) = unit(data);
+    let median = |point: &PointFacts| point.amplitude_m[1];
+    let p95 = |point: &PointFacts| point.amplitude_m[2];
+    let without = |point: &PointFacts| point.without_balls_m;
+    let series: [(&str, Colour, Symbol, bool, Value<'_>); 3] = [
+        ("95 % quantile", Colour::Series(1), Symbol::Triangle, true, &p95),
+        ("median", Colour::Series(0), Symbol::Disc, false, &median),
+        ("without balls", Colour::Ink, Symbol::Square, true, &without),
+    ];
+    let layers = series.into_iter().flat_map(|(name, colour, symbol, dashed, value)| {
+        let known = points.iter().filter_map(|(x, point)| Some((*x, *point, value(point)?)));
+        let known: Vec<(f64, &PointFacts, f64)> = known.collect();
+        let (x, y): (Vec<f64>, Vec<f64>) =
+            known.iter().map(|(x, _, value)| (*x, factor * value)).unzip();
+        let column = |of: &dyn Fn(&PointFacts) -> f64| {
+            known.iter().map(|(_, point, _)| of(point)).collect::<Vec<f64>>()
+        };
+        let tooltips = Tooltips::numbers([
+            ("runs", column(&|point| point.runs as f64)),
+            ("point", column(&|point| point.point_id as f64)),
+        ]);
+        let line = x.iter().zip(&y).map(|(x, y)| [*x, *y]).collect();
+        let marks = [Mark::Line { points: line, dashed }, Mark::Dots { symbol, x, y, tooltips }];
+        let empty = known.is_empty();
+        marks.into_iter().filter(move |_| !empty).map(move |mark| Layer::new(name, colour, mark))
+    });
+    layers.collect()
+}
+
+/// A value of a point.
+type Value<'a> = &'a dyn Fn(&PointFacts) -> Option<f64>;
+
+fn worse_layers(data: &ReportData<'_>, points: &[(f64, &PointFacts)]) -> Vec<Layer> {
+    let known = points
+        .iter()
+        .filter_map(|(x, point)| Some(([*x, data.vibration(point).worse_fraction?], *point)));
+    let (line, points): (Vec<[f64; 2]>, Vec<&PointFacts>) = known.unzip();
+    let column = |of: fn(&PointFacts) -> f64| points.iter().map(|point| of(point)).collect();
+    let tooltips = Tooltips::numbers([
+        ("runs", column(|point| point.runs as f64)),
+        ("point", column(|point| point.point_id as f64)),
+    ]);
+    let [x, y] = [0, 1].map(|axis| line.iter().map(|point| point[axis]).collect());
+    let dots = Mark::Dots { symbol: Symbol::Disc, x, y, tooltips };
+    let marks = [Mark::Line { points: line, dashed: false }, dots];
+    marks.map(|mark| Layer::new(WORSE, Colour::Series(1), mark)).into()
+}

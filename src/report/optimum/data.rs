@@ -1,0 +1,236 @@
+//! The results of a search, read from its directory.
+
+use std::path::Path;
+
+use serde_json::Value;
+
+use crate::optimize::{Evaluation, EvaluationsError, Goal, read_evaluations};
+use crate::responses::Estimate;
+use crate::study::{Optimization, Study};
+use crate::table::{Batch, FILES, FileList, Kind, Table, TableError};
+
+/// The results of a search.
+#[derive(Clone, Debug)]
+pub struct OptimumData {
+    /// The study.
+    pub study: Study,
+    /// Its objectives, limits and effort.
+    pub optimization: Optimization,
+    /// Objectives and limits as numbers.
+    pub goal: Goal,
+    /// The evaluated designs.
+    pub evaluations: Vec<Evaluation>,
+    /// `optimum.json`; `None` before the search has ended.
+    pub optimum: Option<Value>,
+    /// The responses of the final runs, point by point.
+    pub finalists: Vec<DesignFacts>,
+    /// With two objectives: the designs of the search's Pareto front, with their final runs.
+    pub front: Vec<FrontDesign>,
+    /// Sobol' indices.
+    pub sensitivities: Vec<SensitivityFacts>,
+}
+
+/// The responses of a design's final runs at a point.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DesignFacts {
+    /// The role of the design: `best`, `compare_with`, `finalist` or `pareto`.
+    pub role: String,
+    /// Number of the design in the search.
+    pub design: Option<u64>,
+    /// Number of the point.
+    pub point_id: u64,
+    /// One estimate per response of the study.
+    pub estimates: Vec<Estimate>,
+}
+
+/// A design of the Pareto front.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FrontDesign {
+    /// Number of the design in the search.
+    pub design: Option<u64>,
+    /// One estimate per objective, over all points.
+    pub objectives: Vec<Estimate>,
+    /// Whether the final runs meet all limits.
+    pub met: bool,
+    /// Whether the design is also on the front of the final runs.
+    pub on_front: bool,
+}
+
+/// The Sobol' indices of a variable for a response: value, lower and upper end.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SensitivityFacts {
+    /// Name of the response.
+    pub response: String,
+    /// Name of the variable.
+    pub variable: String,
+    /// Where the responses come from: `surrogates` or `runs`.
+    pub source: String,
+    /// First-order index.
+    pub first_order: [Option<f64>; 3],
+    /// Total index.
+    pub total: [Option<f64>; 3],
+}
+
+impl OptimumData {
+    /// Reads the directory of a search, finished or not. The study is the one in the metadata of `evaluations.parquet`.
+    ///
+    /// # Errors
+    /// Returns an error if a file is missing or has been changed, or if the study has no `optimize`.
+    pub fn read(directory: &Path) -> Result<Self, EvaluationsError> {
+        let (_, about) = Table::of_itself(directory, "evaluations")?;
+        let path = directory.join("evaluations.parquet");
+        let refuse = |problem: String| {
+            EvaluationsError::Other(format!(
+                "{}: {problem}\n  allowed: a table that this version of `stickslip optimize` has written",
+                path.display()
+            ))
+        };
+        let text = about["study_yaml"].as_str().unwrap_or_default().to_owned();
+        let study = Study::parse(Path::new("study.yaml"), text);
+        let study = study.map_err(|error| refuse(format!("the study in its metadata: {error}")))?;
+        let Some(optimization) = study.optimization().cloned() else {
+            return Err(refuse("the study in its metadata has no `optimize`".to_owned()));
+        };
+        let evaluations = read_evaluations(&study, directory)?;
+        let list = FileList::read(directory)?.unwrap_or_default();
+        let optimum = match list.read_file(directory, "optimum.json")? {
+            Some(bytes) => Some(serde_json::from_slice(&bytes).map_err(|error| {
+                refuse(format!("optimum.json beside it, listed in {FILES}: {error}"))
+            })?),
+            None => None,
+        };
+        let goal = Goal::new(&study, &optimization);
+        let mut data = OptimumData {
+            study,
+            optimization,
+            goal,
+            evaluations,
+            optimum,
+            finalists: Vec::new(),
+            front: Vec::new(),
+            sensitivities: Vec::new(),
+        };
+        // Without optimum.json the other tables are of an unfinished end of the search.
+        if data.optimum.is_some() {
+            let open = |name: &str| match list.has(&format!("{name}.parquet")) {
+                true => Table::of_itself(directory, name).map(|(table, _)| Some(table)),
+                false => Ok(None),
+            };
+            if let Some(table) = open("finalists")? {
+                data.finalists = data.read_finalists(&table)?;
+            }
+            if let Some(table) = open("pareto")? {
+                data.front = data.read_front(&table)?;
+            }
+            if let Some(table) = open("sensitivities")? {
+                data.sensitivities = read_sensitivities(&table)?;
+            }
+        }
+        Ok(data)
+    }
+
+    /// Returns name and unit of a response.
+    pub fn response(&self, index: usize) -> (&str, &'static str) {
+        self.study.responses().get(index).map_or(("", "1"), |one| (&*one.name, one.unit()))
+    }
+
+    /// Returns the values of the goal's quantities of a design.
+    pub fn values(&self, evaluation: &Evaluation) -> Vec<Option<f64>> {
+        let estimates = self.goal.estimates(&evaluation.answers);
+        estimates.iter().map(|estimate| estimate.value).collect()
+    }
+
+    /// Returns the final responses of a design in `optimum.json`, `best` or `compare_with`.
+    pub fn design(&self, role: &str) -> Option<&Value> {
+        self.optimum.as_ref().and_then(|optimum| optimum.get(role)).filter(|one| one.is_object())
+    }
+
+    fn read_finalists(&self, table: &Table) -> Result<Vec<DesignFacts>, TableError> {
+        let names: Vec<String> =
+            self.study.responses().iter().map(|response| response.name.clone()).collect();
+        let columns = estimate_columns(&names);
+        let mut wanted =
+            vec![("role", Kind::Text), ("design", Kind::Count), ("point_id", Kind::Count)];
+        wanted.extend(columns.iter().map(|name| (name.as_str(), Kind::Number)));
+        let mut rows = Vec::new();
+        for batch in table.read(&wanted)? {
+            let batch = batch?;
+            for row in 0..batch.rows {
+                rows.push(DesignFacts {
+                    role: batch.text("role", row)?.unwrap_or_default(),
+                    design: batch.count("design", row)?,
+                    point_id: batch.count("point_id", row)?.unwrap_or(0),
+                    estimates: names
+                        .iter()
+                        .map(|name| estimate(&batch, name, row))
+                        .collect::<Result<_, _>>()?,
+                });
+            }
+        }
+        Ok(rows)
+    }
+
+    fn read_front(&self, table: &Table) -> Result<Vec<FrontDesign>, TableError> {
+        let objectives = self.optimization.objectives.iter();
+        let names: Vec<String> =
+            objectives.map(|objective| self.response(objective.response).0.to_owned()).collect();
+        let columns = estimate_columns(&names);
+        let mut wanted =
+            vec![("design", Kind::Count), ("met", Kind::Boolean), ("on_front", Kind::Boolean)];
+        wanted.extend(columns.iter().map(|name| (name.as_str(), Kind::Number)));
+        let mut rows = Vec::new();
+        for batch in table.read(&wanted)? {
+            let batch = batch?;
+            for row in 0..batch.rows {
+                rows.push(FrontDesign {
+                    design: batch.count("design", row)?,
+                    objectives: names
+                        .iter()
+                        .map(|name| estimate(&batch, name, row))
+                        .collect::<Result<_, _>>()?,
+                    met: batch.truth("met", row)? == Some(true),
+                    on_front: batch.truth("on_front", row)? == Some(true),
+                });
+            }
+        }
+        Ok(rows)
+    }
+}
+
+const ENDS: [&str; 3] = ["", "_low", "_high"];
+
+fn estimate_columns(names: &[String]) -> Vec<String> {
+    names.iter().flat_map(|name| ENDS.map(|end| format!("{name}{end}"))).collect()
+}
+
+fn estimate(batch: &Batch, name: &str, row: usize) -> Result<Estimate, TableError> {
+    let [value, low, high] = ENDS.map(|end| batch.number(&format!("{name}{end}"), row));
+    Ok(Estimate { value: value?, low: low?, high: high?, ..Estimate::default() })
+}
+
+fn read_sensitivities(table: &Table) -> Result<Vec<SensitivityFacts>, TableError> {
+    let indices = ["first_order", "total"];
+    let columns = indices.map(|name| ENDS.map(|end| format!("{name}{end}")));
+    let mut wanted =
+        vec![("response", Kind::Text), ("variable", Kind::Text), ("source", Kind::Text)];
+    wanted.extend(columns.as_flattened().iter().map(|name| (name.as_str(), Kind::Number)));
+    let mut rows = Vec::new();
+    for batch in table.read(&wanted)? {
+        let batch = batch?;
+        for row in 0..batch.rows {
+            let text = |name: &str| Ok::<_, TableError>(batch.text(name, row)?.unwrap_or_default());
+            let index = |name: &str| {
+                let Estimate { value, low, high, .. } = estimate(&batch, name, row)?;
+                Ok::<_, TableError>([value, low, high])
+            };
+            rows.push(SensitivityFacts {
+                response: text("response")?,
+                variable: text("variable")?,
+                source: text("source")?,
+                first_order: index("first_order")?,
+                total: index("total")?,
+            });
+        }
+    }
+    Ok(rows)
+}

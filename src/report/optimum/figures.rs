@@ -1,0 +1,337 @@
+//! Figures of a search: objectives by design, the Pareto front, and Sobol' indices.
+
+use super::data::{OptimumData, SensitivityFacts};
+use crate::optimize::Evaluation;
+use crate::report::chart::{
+    Axis, AxisKind, Colour, Figure, Layer, Mark, Panel, Symbol, TooltipColumn, TooltipValues,
+    Tooltips,
+};
+use crate::report::figures::{axis, significant};
+use crate::study::{DesignValue, Objective, Variable};
+
+/// Half the distance between the two bars of a variable, and the width of each, on the abscissa.
+const BARS: [f64; 2] = [0.19, 0.34];
+const MET: &str = "meets all limits";
+const NOT_MET: &str = "does not meet all limits";
+
+/// Returns all figures of a search, in reading order.
+pub fn of_search(data: &OptimumData) -> Vec<Figure> {
+    [convergence(data), front(data), indices(data)].into_iter().flatten().collect()
+}
+
+/// Returns the unit in figures and the factor to it: micrometres instead of metres.
+pub fn shown_unit(unit: &str) -> (&str, f64) {
+    match unit {
+        "m" => ("µm", 1e6),
+        "1" => ("", 1.0),
+        other => (other, 1.0),
+    }
+}
+
+/// An evaluated design with its values of the objectives.
+struct Evaluated<'a> {
+    design: usize,
+    evaluation: &'a Evaluation,
+    objectives: Vec<Option<f64>>,
+    met: bool,
+}
+
+fn evaluated(data: &OptimumData) -> Vec<Evaluated<'_>> {
+    let mut designs = Vec::new();
+    for (design, evaluation) in data.evaluations.iter().enumerate() {
+        let values = data.values(evaluation);
+        let quantities = data.goal.objectives().iter().map(|(quantity, _)| *quantity);
+        let objectives = quantities.map(|quantity| values.get(quantity).copied().flatten());
+        let (objectives, met) = (objectives.collect(), data.goal.is_met(&values));
+        designs.push(Evaluated { design, evaluation, objectives, met });
+    }
+    designs
+}
+
+/// Returns the axis of an objective, and the factor of its values.
+fn objective_axis(data: &OptimumData, objective: &Objective) -> (Axis, f64) {
+    let (name, unit) = data.response(objective.response);
+    let (unit, factor) = shown_unit(unit);
+    (axis(name, unit), factor)
+}
+
+/// Returns the data of designs: their numbers, variables and origins.
+fn design_tooltips(data: &OptimumData, designs: &[&Evaluated<'_>], numbers: bool) -> Tooltips {
+    let mut columns = Vec::new();
+    let mut add = |name: String, values| columns.push(TooltipColumn { name, values });
+    if numbers {
+        let values = designs.iter().map(|one| one.design as f64).collect();
+        add("design".to_owned(), TooltipValues::Numbers(values));
+    }
+    for (index, variable) in data.study.variables().iter().enumerate() {
+        let of = |one: &&Evaluated<'_>| one.evaluation.values.get(index).copied();
+        let name = match variable.unit() {
+            None | Some("1") => variable.name().to_owned(),
+            Some(unit) => format!("{} [{unit}]", variable.name()),
+        };
+        let number = |value: Option<DesignValue>| match value {
+            Some(DesignValue::Number(number)) => number,
+            _ => f64::NAN,
+        };
+        let word = |value: Option<DesignValue>| {
+            value.map_or_else(String::new, |value| Variable::describe(variable, value))
+        };
+        add(
+            name,
+            match variable.range() {
+                Some(_) => TooltipValues::Numbers(designs.iter().map(of).map(number).collect()),
+                None => TooltipValues::Words(designs.iter().map(of).map(word).collect()),
+            },
+        );
+    }
+    let origins = designs.iter().map(|one| one.evaluation.origin.name().replace('_', " "));
+    add("origin".to_owned(), TooltipValues::Words(origins.collect()));
+    Tooltips { run_ids: Vec::new(), columns }
+}
+
+/// Plots each objective by design and, for one objective, the best one so far among those that meet all limits.
+fn convergence(data: &OptimumData) -> Option<Figure> {
+    let designs = evaluated(data);
+    let mut panels = Vec::new();
+    let mut sentences = Vec::new();
+    let mut unknown = 0;
+    let single = data.goal.objectives().len() == 1;
+    for (place, (_, objective)) in data.goal.objectives().iter().enumerate() {
+        let (y, factor) = objective_axis(data, objective);
+        let value = |one: &Evaluated<'_>| Some(factor * one.objectives.get(place).copied()??);
+        let mut layers = Vec::new();
+        let (mut steps, mut best): (Vec<[f64; 2]>, Option<f64>) = (Vec::new(), None);
+        for one in designs.iter().filter(|one| one.met) {
+            let Some(value) = value(one) else { continue };
+            let better =
+                |before: f64| if objective.maximize { value > before } else { value < before };
+            if best.is_none_or(better) {
+                best = Some(value);
+                steps.push([one.design as f64, value]);
+            }
+        }
+        if let (Some(best), Some([first, _])) = (best, steps.first().copied()) {
+            steps.push([designs.len().saturating_sub(1) as f64, best]);
+            if single {
+                let mark = Mark::Steps { points: steps };
+                layers.push(Layer::new("best so far", Colour::Ink, mark));
+            }
+            sentences.push(format!(
+                "{}: the best of the search is {} {}; the first design that meets all limits is number {first}",
+                y.name,
+                significant(best),
+                y.unit
+            ));
+        } else {
+            sentences.push(format!("{}: no design meets all limits", y.name));
+        }
+        for (name, colour, symbol, met) in [
+            (MET, Colour::Series(0), Symbol::Disc, true),
+            (NOT_MET, Colour::Series(1), Symbol::Cross, false),
+        ] {
+            let known = designs.iter().filter(|one| one.met == met && value(one).is_some());
+            let known: Vec<&Evaluated<'_>> = known.collect();
+            if known.is_empty() {
+                continue;
+            }
+            let x = known.iter().map(|one| one.design as f64).collect();
+            let y = known.iter().filter_map(|one| value(one)).collect();
+            let tooltips = design_tooltips(data, &known, false);
+            layers.push(Layer::new(name, colour, Mark::Dots { symbol, x, y, tooltips }));
+        }
+        unknown = unknown.max(designs.iter().filter(|one| value(one).is_none()).count());
+        let part = if single { String::new() } else { y.name.clone() };
+        panels.push(Panel { part, ..Panel::new(axis("design", ""), y, layers) });
+    }
+    if designs.is_empty() || panels.is_empty() {
+        return None;
+    }
+    let missing = match unknown {
+        0 => String::new(),
+        1 => " One design has no value.".to_owned(),
+        more => format!(" {more} designs have no value."),
+    };
+    let points = if data.study.point_count() > 1 { ", over all points of the sweep" } else { "" };
+    Some(Figure {
+        id: "convergence".to_owned(),
+        title: "Convergence of the search".to_owned(),
+        caption: format!(
+            "The objective of each design in the order of the search{points}. The search starts with {} \
+             space-filling designs; surrogate models choose the others. The values of the search are noisy, so that its \
+             best value is biased; the final runs are not.{missing}",
+            data.optimization.start_designs
+        ),
+        alternative: format!("{}.", sentences.join("; ").trim_end()),
+        one_at_a_time: panels.len() > 1,
+        panels,
+    })
+}
+
+/// Plots one objective over the other, with the final runs of the Pareto front.
+fn front(data: &OptimumData) -> Option<Figure> {
+    let [(_, first), (_, second)] = data.goal.objectives() else { return None };
+    let (x_axis, x_factor) = objective_axis(data, first);
+    let (y_axis, y_factor) = objective_axis(data, second);
+    let designs = evaluated(data);
+    let place = |one: &Evaluated<'_>| match one.objectives[..] {
+        [Some(x), Some(y)] => Some([x_factor * x, y_factor * y]),
+        _ => None,
+    };
+    let mut layers = Vec::new();
+    for (name, colour, symbol, met) in [
+        (NOT_MET, Colour::Faint, Symbol::Cross, false),
+        (MET, Colour::Series(0), Symbol::Disc, true),
+    ] {
+        let known = designs.iter().filter(|one| one.met == met && place(one).is_some());
+        let known: Vec<&Evaluated<'_>> = known.collect();
+        if known.is_empty() {
+            continue;
+        }
+        let places: Vec<[f64; 2]> = known.iter().filter_map(|one| place(one)).collect();
+        let [x, y] = [0, 1].map(|axis| places.iter().map(|place| place[axis]).collect());
+        let tooltips = design_tooltips(data, &known, true);
+        layers.push(Layer::new(name, colour, Mark::Dots { symbol, x, y, tooltips }));
+    }
+    let finals = data.front.iter().filter_map(|one| match &one.objectives[..] {
+        [x, y] => {
+            let scaled = |value: Option<f64>| value.map_or(f64::NAN, |value| y_factor * value);
+            let ends = [scaled(y.low), scaled(y.high)];
+            Some((one, [x_factor * x.value?, y_factor * y.value?], ends))
+        }
+        _ => None,
+    });
+    let finals: Vec<_> = finals.collect();
+    if !finals.is_empty() {
+        let name = "Pareto front, final runs";
+        let column = |pick: fn([f64; 2], [f64; 2]) -> f64| -> Vec<f64> {
+            finals.iter().map(|one| pick(one.1, one.2)).collect()
+        };
+        let x = column(|place, _| place[0]);
+        let tooltips = Tooltips::numbers([(
+            "design",
+            finals.iter().map(|(one, ..)| one.design.map_or(f64::NAN, |n| n as f64)).collect(),
+        )]);
+        let intervals = Mark::Intervals {
+            x: x.clone(),
+            low: column(|_, ends| ends[0]),
+            high: column(|_, ends| ends[1]),
+        };
+        let dots =
+            Mark::Dots { symbol: Symbol::Diamond, x, y: column(|place, _| place[1]), tooltips };
+        layers.extend([intervals, dots].map(|mark| Layer::new(name, Colour::Series(1), mark)));
+    }
+    if layers.is_empty() {
+        return None;
+    }
+    let remain = data.front.iter().filter(|one| one.on_front && one.met).count();
+    let better = |objective: &Objective| if objective.maximize { "larger" } else { "smaller" };
+    Some(Figure {
+        id: "pareto".to_owned(),
+        title: "Pareto front".to_owned(),
+        caption: format!(
+            "Both objectives of each design; {} {} and {} {} are better. Diamonds: the designs on the Pareto front of \
+             the search, with the values of their final runs and the 95 % intervals of {}.",
+            better(first),
+            x_axis.name,
+            better(second),
+            y_axis.name,
+            y_axis.name
+        ),
+        alternative: format!(
+            "{} designs are on the Pareto front of the search; {remain} of them are also on the front of the final \
+             runs and meet all limits there.",
+            data.front.len()
+        ),
+        one_at_a_time: false,
+        panels: vec![Panel::new(x_axis, y_axis, layers)],
+    })
+}
+
+/// Plots the Sobol' indices of the variables as bars, one panel per response.
+fn indices(data: &OptimumData) -> Option<Figure> {
+    let mut responses: Vec<&str> = Vec::new();
+    for one in &data.sensitivities {
+        if !responses.contains(&one.response.as_str()) {
+            responses.push(&one.response);
+        }
+    }
+    let mut panels = Vec::new();
+    let mut sentences = Vec::new();
+    for response in responses {
+        let rows: Vec<&SensitivityFacts> =
+            data.sensitivities.iter().filter(|one| one.response == response).collect();
+        let names: Vec<String> = rows.iter().map(|one| one.variable.replace('_', " ")).collect();
+        let mut layers =
+            bars("first order", Colour::Series(0), -BARS[0], &rows, |one| one.first_order);
+        layers.extend(bars("total", Colour::Series(1), BARS[0], &rows, |one| one.total));
+        if layers.is_empty() {
+            continue;
+        }
+        let known = rows.iter().filter_map(|one| Some((one, one.total[0]?)));
+        if let Some((one, value)) = known.max_by(|(_, a), (_, b)| a.total_cmp(b)) {
+            sentences.push(format!(
+                "{response}: {} has the largest total index, {value:.2}",
+                one.variable
+            ));
+        }
+        let x = Axis {
+            range: Some([-0.5, names.len() as f64 - 0.5]),
+            kind: AxisKind::Names(names),
+            ..axis("", "")
+        };
+        // The axis has all bars and intervals from 0.
+        let indices = rows.iter().flat_map(|one| [one.first_order, one.total]);
+        let ends = indices.flatten().flatten().filter(|end| end.is_finite());
+        let range =
+            ends.fold([0.0, 1.0], |[low, high]: [f64; 2], end| [low.min(end), high.max(end)]);
+        let y = Axis { range: Some(range), ..axis("part of the variance", "") };
+        panels.push(Panel { part: response.to_owned(), ..Panel::new(x, y, layers) });
+    }
+    if panels.is_empty() {
+        return None;
+    }
+    let surrogates = data.sensitivities.iter().any(|one| one.source == "surrogates");
+    Some(Figure {
+        id: "sobol-indices".to_owned(),
+        title: "Sobol' indices".to_owned(),
+        caption: format!(
+            "The part of the variance of a response, over all values of ranges and choices, that a variable explains \
+             alone (first order) and together with all its interactions (total).{}",
+            if surrogates {
+                " The indices are those of the surrogate models, whose errors are unknown: they have no intervals."
+            } else {
+                " Lines: 95 % intervals."
+            }
+        ),
+        alternative: format!("{}.", sentences.join("; ")),
+        one_at_a_time: panels.len() > 1,
+        panels,
+    })
+}
+
+/// Returns bars with their intervals, at whole numbers shifted by `shift`; empty if there is none.
+fn bars(
+    name: &str,
+    colour: Colour,
+    shift: f64,
+    rows: &[&SensitivityFacts],
+    of: fn(&SensitivityFacts) -> [Option<f64>; 3],
+) -> Vec<Layer> {
+    let known = rows.iter().enumerate().filter_map(|(place, one)| {
+        let [value, low, high] = of(one);
+        let end = |end: Option<f64>| end.unwrap_or(f64::NAN);
+        Some((place as f64 + shift, [value?, end(low), end(high)]))
+    });
+    let (x, values): (Vec<f64>, Vec<[f64; 3]>) = known.unzip();
+    let [y, low, high] =
+        [0, 1, 2].map(|part| values.iter().map(|value| value[part]).collect::<Vec<f64>>());
+    if x.is_empty() {
+        return Vec::new();
+    }
+    let has_interval = low.iter().any(|low| low.is_finite());
+    let tooltips = Tooltips::numbers([("from", low.clone()), ("to", high.clone())]);
+    let bars = Mark::Bars { x: x.clone(), y, width: BARS[1], tooltips };
+    let intervals = has_interval.then_some(Mark::Intervals { x, low, high });
+    let intervals = intervals.map(|mark| Layer::new(name, Colour::Ink, mark));
+    std::iter::once(Layer::new(name, colour, bars)).chain(intervals).collect()
+}

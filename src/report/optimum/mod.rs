@@ -1,0 +1,9 @@
+//! The report of a search for the best design: convergence, Pareto front, sensitivities, and the best design.
+
+mod data;
+mod figures;
+mod notes;
+
+pub use data::OptimumData;
+pub use figures::{of_search, shown_unit};
+pub use notes::notes;

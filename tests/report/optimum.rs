@@ -1,0 +1,173 @@
+//! The page of a search: its figures and notes against the tables.
+
+use std::fs;
+
+use stickslip::report::chart::{Figure, Layer, Mark};
+use stickslip::report::{OptimumData, notes, of_search};
+
+use crate::cli::support::{Scratch, numbers};
+
+/// A block on a spring that starts at rest at 45 mm, with the time to rest as objective and space-filling designs only.
+const BLOCK: &str = "
+schema: 1
+name: block
+seed: 1
+model: {kind: block_on_spring}
+initial_conditions:
+  box: {position_m: [0.045, 0.045]}
+  design: {monte_carlo: {samples: 1}}
+simulation: {method: event}
+design: {stiffness_n_m: {from: 30, to: 200}}
+responses: {stop: median_time_to_rest, soon: {at_rest_by_s: 5}}
+optimize: {minimize: stop, designs: 8, start_designs: 8, finalists: 2, compare_with: {stiffness_n_m: 30}}
+";
+
+/// Two balls that hardly have an influence: the amplitude relative to that without balls is the objective.
+const BALLS: &str = "
+schema: 1
+name: balls
+seed: 3
+model: {kind: ball_balancer, parameters: {balls: 2}}
+initial_conditions: {design: {monte_carlo: {samples: 6}}}
+simulation: {end_time_s: 0.2}
+design:
+  ball_mass_kg: {from: 1.0e-4, to: 2.0e-4}
+  stiffness_n_m: {from: 9.0e3, to: 12.0e3}
+responses: {relative: {amplitude_mean: {relative: true}}, mean: {amplitude_mean: {}}}
+optimize: {minimize: [relative, mean], designs: 6, start_designs: 6, finalists: 2}
+";
+
+fn searched(text: &str) -> Scratch {
+    let scratch = Scratch::new();
+    scratch.write("a.yaml", text);
+    scratch.well("optimize a.yaml --out out --quiet");
+    scratch
+}
+
+fn figure<'a>(figures: &'a [Figure], id: &str) -> &'a Figure {
+    figures.iter().find(|figure| figure.id == id).unwrap()
+}
+
+#[test]
+fn convergence_is_the_least_value_so_far() {
+    let scratch = searched(BLOCK);
+    let before = scratch.files();
+    assert_eq!(scratch.well("report out"), "out-report.html\n");
+    let page = fs::read_to_string(scratch.path("out-report.html")).unwrap();
+    assert!(page.contains("reference design") && page.contains("best / reference"));
+    let after = scratch.files();
+    assert!(before.iter().all(|(name, content)| after.get(name) == Some(content)));
+
+    let data = OptimumData::read(&scratch.path("out")).unwrap();
+    let figures = of_search(&data);
+    let panel = &figure(&figures, "convergence").panels[0];
+    let table = scratch.table("out", "evaluations");
+    let times: Vec<f64> = numbers(&table, "stop").into_iter().map(Option::unwrap).collect();
+    let dots = panel.layers.iter().find_map(|layer| match &layer.mark {
+        Mark::Dots { x, y, .. } => Some((x.clone(), y.clone())),
+        _ => None,
+    });
+    let designs: Vec<f64> = (0..8).map(f64::from).collect();
+    assert_eq!(dots, Some((designs, times.clone())));
+    let is_best = |layer: &&Layer| layer.name == "best so far";
+    let Mark::Steps { points } = &panel.layers.iter().find(is_best).unwrap().mark else { panic!() };
+    for [design, value] in points {
+        let so_far = times[..=*design as usize].iter().copied().fold(f64::INFINITY, f64::min);
+        assert_eq!(*value, so_far, "design {design}");
+    }
+    assert_eq!(points.last().unwrap()[0], 7.0);
+    // Everything depends on the only variable.
+    let indices = figure(&figures, "sobol-indices");
+    assert!(indices.panels.iter().any(|panel| panel.part == "stop"));
+}
+
+#[test]
+fn two_objectives_have_a_front() {
+    let scratch = searched(BALLS);
+    scratch.well("report out");
+    let data = OptimumData::read(&scratch.path("out")).unwrap();
+    let figures = of_search(&data);
+    let panel = &figure(&figures, "pareto").panels[0];
+    let front = panel.layers.iter().find_map(|layer| match &layer.mark {
+        Mark::Dots { x, y, .. } if layer.name == "Pareto front, final runs" => Some((x, y)),
+        _ => None,
+    });
+    let (x, y) = front.unwrap();
+    let pareto = scratch.table("out", "pareto");
+    let of = |name: &str, factor: f64| -> Vec<f64> {
+        numbers(&pareto, name).into_iter().map(|value| factor * value.unwrap()).collect()
+    };
+    assert_eq!((x, y), (&of("relative", 1.0), &of("mean", 1e6)));
+    assert_eq!(figure(&figures, "convergence").panels.len(), 2);
+}
+
+/// Notes depend on the values of the best design alone.
+#[test]
+fn notes_name_bounds_and_useless_balls() {
+    let text = "
+schema: 1
+name: relative
+seed: 3
+model: {kind: ball_balancer, parameters: {balls: 1}}
+initial_conditions: {design: {monte_carlo: {samples: 4}}}
+simulation: {end_time_s: 1.0e-5}
+design: {stiffness_n_m: {from: 9.0e3, to: 12.0e3}}
+responses: {mean: {amplitude_mean: {}}, relative: {amplitude_mean: {relative: true}}}
+optimize: {minimize: mean, designs: 4, start_designs: 4, finalists: 1}
+";
+    let scratch = searched(text);
+    let mut data = OptimumData::read(&scratch.path("out")).unwrap();
+    assert!(data.finalists.iter().any(|row| row.role == "best"));
+    let mut set = |stiffness: f64, [low, value, high]: [f64; 3]| {
+        let best = &mut data.optimum.as_mut().unwrap()["best"];
+        best["values"]["stiffness_n_m"] = stiffness.into();
+        for row in &mut data.finalists {
+            let estimate = &mut row.estimates[1];
+            (estimate.low, estimate.value, estimate.high) = (Some(low), Some(value), Some(high));
+        }
+        notes(&data)
+    };
+    assert_eq!(set(10.0e3, [0.6, 0.7, 0.8]), [""; 0]);
+    let worse = set(10.0e3, [1.1, 1.2, 1.3]);
+    assert!(worse.len() == 1 && worse[0].contains(" is no better than the machine"), "{worse:?}");
+    let unclear = set(10.0e3, [0.8, 0.9, 1.05]);
+    assert!(unclear.len() == 1 && unclear[0].contains(" is not clearly better"), "{unclear:?}");
+    for (stiffness, bound) in [(9.0e3, "lower"), (12.0e3, "upper")] {
+        let found = set(stiffness, [0.6, 0.7, 0.8]);
+        let words = format!("lies on the {bound} bound of its range (9000 to 12000 N/m)");
+        assert!(found.len() == 1 && found[0].contains(&words), "{found:?}");
+    }
+}
+
+#[test]
+fn a_search_that_has_not_ended_has_a_page() {
+    let scratch = searched(BLOCK);
+    for name in ["finalists.parquet", "sensitivities.parquet", "optimum.json", "surrogates.json"] {
+        fs::remove_file(scratch.path("out").join(name)).unwrap();
+        let path = scratch.path("out/files.json");
+        let mut list: serde_json::Value =
+            serde_json::from_slice(&fs::read(&path).unwrap()).unwrap();
+        list["files"].as_object_mut().unwrap().remove(name);
+        fs::write(&path, list.to_string()).unwrap();
+    }
+    let text = fs::read_to_string(scratch.path("a.yaml")).unwrap();
+    assert!(text.contains("designs: 8"));
+    scratch.well("report out");
+    let page = fs::read_to_string(scratch.path("out-report.html")).unwrap();
+    assert!(page.contains("The search is not finished: 8 of 8 designs are evaluated."));
+}
+
+#[test]
+fn a_changed_table_is_refused() {
+    let scratch = searched(BLOCK);
+    for name in ["finalists.parquet", "optimum.json", "evaluations.parquet"] {
+        let path = format!("out/{name}");
+        let content = fs::read(scratch.path(&path)).unwrap();
+        let mut changed = content.clone();
+        changed[40] ^= 1;
+        scratch.write(&path, &changed);
+        scratch
+            .refused("report out", &[name, "this is not the file that was written", "allowed: "]);
+        scratch.write(&path, &content);
+    }
+}

@@ -1,0 +1,68 @@
+//! The first figure: residual vibration over the sweep, and without balls.
+
+use stickslip::report::chart::{Figure, Layer, Mark, Panel};
+use stickslip::report::{Budget, ReportData, ResultTables, of_results};
+use stickslip::study::Study;
+use stickslip::table::Manifest;
+
+use crate::cli::support::{Scratch, counts, numbers, study_text};
+
+/// Returns the ordinates of the dots of the layers with this name.
+fn ordinates(panel: &Panel, name: &str) -> Vec<f64> {
+    let dots = |layer: &Layer| match &layer.mark {
+        Mark::Dots { y, .. } if layer.name == name => y.clone(),
+        _ => Vec::new(),
+    };
+    panel.layers.iter().flat_map(dots).collect()
+}
+
+fn close(found: &[f64], expected: &[f64]) {
+    assert_eq!(found.len(), expected.len());
+    for (found, expected) in found.iter().zip(expected) {
+        assert!((found / expected - 1.0).abs() < 1e-12, "{found} {expected}");
+    }
+}
+
+#[test]
+fn the_first_figure_compares_with_no_balls() {
+    let scratch = Scratch::new();
+    // Ascending, as the figure orders them.
+    let sweep = "sweep: [{grid: {speed_rad_s: [-247.0, -216.0, -160.0]}}]\n";
+    scratch.write("a.yaml", study_text("a", "{monte_carlo: {samples: 12}}", 0.5, sweep));
+    scratch.well("run a.yaml --out out --quiet");
+    let directory = scratch.path("out");
+    let manifest = Manifest::read(&directory).unwrap().unwrap();
+    let study = Study::load(&directory.join("study.yaml")).unwrap();
+    let tables = ResultTables::open(&directory, &manifest).unwrap();
+    let data = ReportData::read(&tables, &study, &manifest, Budget::SCREEN).unwrap();
+    let figures = of_results(&data);
+    let Figure { id, panels, alternative, .. } = &figures[0];
+    assert_eq!(id, "vibration");
+    let points = scratch.table("out", "points");
+    let micro = |name: &str| -> Vec<f64> {
+        numbers(&points, name).into_iter().map(|metres| 1e6 * metres.unwrap()).collect()
+    };
+    let without = micro("amplitude_without_balls_m");
+    close(&ordinates(&panels[0], "median"), &micro("amplitude_p50_m"));
+    close(&ordinates(&panels[0], "95 % quantile"), &micro("amplitude_p95_m"));
+    close(&ordinates(&panels[0], "without balls"), &without);
+
+    // Counted in the table of runs.
+    let runs = scratch.table("out", "runs");
+    let (of_point, amplitude) = (counts(&runs, "point_id"), numbers(&runs, "amplitude_m"));
+    let worse: Vec<f64> = (0..3_u64)
+        .map(|point| {
+            let known = of_point.iter().zip(&amplitude).filter(|(of, _)| **of == point);
+            let known: Vec<f64> = known.filter_map(|(_, amplitude)| *amplitude).collect();
+            let limit = without[point as usize] * 1e-6;
+            known.iter().filter(|one| **one > limit).count() as f64 / known.len() as f64
+        })
+        .collect();
+    let found = ordinates(&panels[1], "runs that vibrate more than without balls");
+    assert_eq!(found.len(), 3);
+    for (found, worse) in found.iter().zip(&worse) {
+        assert!((found - worse).abs() < 1e-12, "{found} {worse}");
+        let words = format!("{:.1} % of the runs vibrate more than without balls", 100.0 * worse);
+        assert!(alternative.contains(&words), "no {words} in {alternative}");
+    }
+}
