@@ -178,9 +178,10 @@ impl Facts {
             Facts::Balancer(facts, range) => {
                 let rest = |value: fn(&RestFacts) -> Option<f64>| {
                     let nominal = facts.rest.as_ref().and_then(value).map_or_else(none, short);
-                    match range.as_ref().map(|[low, high]| [value(low), value(high)]) {
-                        Some([Some(low), Some(high)]) => {
-                            format!("{nominal} ({} .. {})", short(low), short(high))
+                    let ends = range.as_ref().map(|[low, high]| [value(low), value(high)]);
+                    match ends.map(|ends| ends.map(|end| end.map_or_else(none, short))) {
+                        Some([low, high]) if low != nominal || high != nominal => {
+                            format!("{nominal} ({low} .. {high})")
                         }
                         _ => nominal,
                     }

@@ -358,6 +358,22 @@ fn the_machine_has_its_defaults_marked() {
     assert_eq!(entry("stiffness_n_m")["uncertain"]["factor"], json!(true));
 }
 
+/// A parameter that only one block sweeps has its base value in the others.
+#[test]
+fn the_base_value_of_a_swept_parameter_counts_where_a_block_uses_it() {
+    let scratch = Scratch::new();
+    let sweep = "sweep:\n  - grid: {speed_rad_s: [-200, -216.4]}\n  \
+                 - zip: {friction_coefficient: [1.0e-3, 2.0e-3]}\n";
+    scratch.write("a.yaml", study(MACHINE, sweep));
+    let report = report(&scratch, "a.yaml");
+    let swept = |name: &str| {
+        let machine = report["machine"].as_array().unwrap();
+        machine.iter().find(|one| one["name"] == json!(name)).unwrap()["swept"].clone()
+    };
+    assert_eq!(swept("friction_coefficient"), json!({"values": 3, "from": 1.0e-3, "to": 2.75e-3}));
+    assert_eq!(swept("speed_rad_s"), json!({"values": 2, "from": -216.4, "to": -200.0}));
+}
+
 /// The closed forms are those of the machine that is drawn, not of the default of an uncertain parameter.
 #[test]
 fn closed_forms_are_those_of_the_machine_that_is_drawn() {

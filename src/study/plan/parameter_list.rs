@@ -4,6 +4,7 @@
 use crate::model::ball_parameter_name;
 use crate::study::plan::parameter::{Parameter, ParameterValue};
 use crate::study::plan::planned_study::Study;
+use crate::study::plan::sweep::Block;
 use crate::study::plan::variable::Domain;
 
 /// A parameter of the model and the origin of its values.
@@ -29,7 +30,7 @@ pub struct ListedParameter {
 /// The values of a swept parameter.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SweptValues {
-    /// Number of listed values in all blocks of the sweep.
+    /// Number of different values at all points.
     pub count: usize,
     /// The smallest and the largest number; `None` for words.
     pub range: Option<[f64; 2]>,
@@ -145,14 +146,25 @@ impl Study {
     }
 
     fn swept_values(&self, parameter: Parameter) -> Option<SweptValues> {
-        let lists = self.blocks.iter().filter_map(|block| block.list(parameter));
-        let values: Vec<&ParameterValue> = lists.flatten().collect();
-        let numbers = values.iter().filter_map(|value| match value {
-            ParameterValue::Number(number) => Some(*number),
-            ParameterValue::Text(_) => None,
-        });
-        let swept = SweptValues { count: values.len(), range: range(numbers) };
-        (swept.count > 0).then_some(swept)
+        if !self.swept_parameters.contains(&parameter) {
+            return None;
+        }
+        // A block that does not sweep the parameter has its base value.
+        let own = parameter.get(&self.base.model, &self.base.general);
+        let of_block =
+            |block: &Block| block.list(parameter).map_or_else(|| vec![own], <[_]>::to_vec);
+        let (mut numbers, mut texts) = (Vec::new(), Vec::new());
+        for value in self.blocks.iter().flat_map(of_block) {
+            match value {
+                ParameterValue::Number(number) => numbers.push(number),
+                ParameterValue::Text(text) => texts.push(text),
+            }
+        }
+        numbers.sort_by(f64::total_cmp);
+        numbers.dedup();
+        texts.sort_unstable();
+        texts.dedup();
+        Some(SweptValues { count: numbers.len() + texts.len(), range: range(numbers.into_iter()) })
     }
 
     /// Returns the smallest and the largest value that a design may set.
