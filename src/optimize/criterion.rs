@@ -2,7 +2,9 @@
 //! all limits, as a logarithm.
 //!
 //! With two objectives, the improvement is the gain of dominated area. While no design meets all limits, the criterion
-//! is the probability alone.
+//! is the probability alone. Where the processes already know the objective better than the runs of a design would, the
+//! improvement is discounted (augmented expected improvement; D. Huang, T. T. Allen, W. I. Notz, N. Zeng, J. Glob. Optim.
+//! 34 (2006) 441, doi:10.1007/s10898-005-2454-3).
 
 use std::f64::consts::{PI, SQRT_2};
 
@@ -17,6 +19,8 @@ pub(super) type Prediction = (f64, f64);
 pub(super) struct Criterion {
     /// Quantity and sign of each cost.
     costs: Vec<(usize, f64)>,
+    /// Typical standard error of each quantity.
+    errors: Vec<f64>,
     /// Quantity, sign and value of each limit; the excess is the sign times the difference of quantity and value.
     limits: Vec<(usize, f64, f64)>,
     /// Costs of the best designs that meet all limits, by increasing first cost.
@@ -26,8 +30,14 @@ pub(super) struct Criterion {
 }
 
 impl Criterion {
-    /// Returns the criterion for the goal; `values` holds the scaled values of all designs by quantity.
-    pub fn new(goal: &Goal, scales: &[QuantityScale], values: &[Vec<f64>]) -> Criterion {
+    /// Returns the criterion for the goal; `values` holds the scaled values of all designs by quantity, and `errors` the
+    /// typical standard error of each quantity.
+    pub fn new(
+        goal: &Goal,
+        scales: &[QuantityScale],
+        values: &[Vec<f64>],
+        errors: &[f64],
+    ) -> Criterion {
         let sign = |negative: bool| if negative { -1.0 } else { 1.0 };
         let objectives = goal.objectives().iter();
         let costs: Vec<(usize, f64)> =
@@ -53,7 +63,7 @@ impl Criterion {
         let mut front: Vec<Vec<f64>> =
             pareto_front(&all).into_iter().filter_map(|index| all.get(index)?.clone()).collect();
         front.sort_by(|one, other| one[0].total_cmp(&other[0]));
-        Criterion { costs, limits, front, corner }
+        Criterion { costs, errors: errors.to_vec(), limits, front, corner }
     }
 
     /// Returns the logarithm of the criterion of a design from the prediction of each quantity.
@@ -77,10 +87,15 @@ impl Criterion {
                 (sign * mean, deviation)
             })
             .collect();
+        let discounts = self.costs.iter().map(|(quantity, _)| {
+            let error = self.errors.get(*quantity).copied().unwrap_or(0.0);
+            discount(of(*quantity).1, error).ln()
+        });
+        let discount: f64 = discounts.sum();
         let value = match (&self.front[..], &costs[..]) {
             ([], _) => met,
-            ([best, ..], [cost]) => met + log_expected_improvement(best[0], *cost),
-            (front, [first, second, ..]) => met + self.area(front, *first, *second).ln(),
+            ([best, ..], [cost]) => met + discount + log_expected_improvement(best[0], *cost),
+            (front, [first, second, ..]) => met + discount + self.area(front, *first, *second).ln(),
             _ => f64::NEG_INFINITY,
         };
         if value.is_nan() { f64::NEG_INFINITY } else { value }
@@ -111,6 +126,16 @@ fn corner<'a>(all: impl Iterator<Item = &'a Vec<f64>>, place: usize) -> f64 {
     let most = costs.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let least = costs.iter().copied().fold(f64::INFINITY, f64::min);
     most + 0.1 * (most - least)
+}
+
+/// Returns the factor `1 - error / √(deviation² + error²)` of the improvement in a form that does not cancel: it is small
+/// where the deviation of the prediction is small compared with the standard error of the runs of a design.
+fn discount(deviation: f64, error: f64) -> f64 {
+    if error <= 0.0 {
+        return 1.0;
+    }
+    let both = deviation.hypot(error);
+    deviation * deviation / (both * (both + error))
 }
 
 /// Returns the mean amount by which a normal variable is below a threshold, counted as zero above it.
@@ -149,7 +174,9 @@ fn log_probability(z: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::{Criterion, expected_improvement, log_expected_improvement, log_probability};
+    use super::{
+        Criterion, discount, expected_improvement, log_expected_improvement, log_probability,
+    };
 
     /// Returns the mean of a function of a normal variable, by the midpoint rule.
     fn mean_over(mean: f64, deviation: f64, function: impl Fn(f64) -> f64) -> f64 {
@@ -171,6 +198,15 @@ mod tests {
         assert_eq!(expected_improvement(3.0, (1.0, 0.0)), 2.0);
     }
 
+    #[test]
+    fn discount_of_known_objectives() {
+        for (deviation, error) in [(0.3_f64, 0.4_f64), (2.0, 0.1)] {
+            let expected = 1.0 - error / (deviation * deviation + error * error).sqrt();
+            assert!((discount(deviation, error) - expected).abs() < 1e-12);
+        }
+        assert_eq!((discount(0.0, 0.1), discount(0.0, 0.0)), (0.0, 1.0));
+    }
+
     /// The asymptotic formulas continue the direct ones.
     #[test]
     fn logarithms_are_continuous() {
@@ -186,6 +222,7 @@ mod tests {
         let front = vec![vec![1.0, 3.0], vec![2.0, 1.0]];
         let criterion = Criterion {
             costs: vec![(0, 1.0), (1, 1.0)],
+            errors: vec![0.0; 2],
             limits: Vec::new(),
             front: front.clone(),
             corner: [4.0, 4.0],

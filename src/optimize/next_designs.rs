@@ -15,6 +15,9 @@ use crate::study::{Optimization, Study};
 
 /// Number of designs in a batch.
 const BATCH: u64 = 4;
+/// Least distance of a proposal to other designs if responses have noise, and if they do not, as a fraction of the range
+/// of each number. Noise hides differences between nearer designs.
+const LEAST_DISTANCES: [f64; 2] = [0.02, 1e-4];
 /// Number of repeated designs after which the search assumes that there are no others.
 const MAX_SKIPPED: u32 = 10_000;
 
@@ -125,9 +128,11 @@ pub(super) fn batch(
     let (before, begun) = evaluations.split_at(first as usize);
     let data = |count: u64| TrainingData::new(&space, &goal, before.get(..count as usize)?);
     let hyperparameters = fits.at(start, first, |count, earlier| data(count)?.fit(earlier));
+    let least_distance = LEAST_DISTANCES[usize::from(!study.is_random())];
     let proposer = || {
         let designs = before.iter().map(|one| one.values.clone()).collect();
-        let mut proposer = Proposer::new(&space, &goal, hyperparameters?, data(first)?, designs)?;
+        let mut proposer =
+            Proposer::new(&space, &goal, hyperparameters?, data(first)?, designs, least_distance)?;
         for one in begun {
             proposer.believe(&one.values)?;
         }

@@ -68,6 +68,21 @@ impl<'a> Space<'a> {
         self.varied().flat_map(with).collect()
     }
 
+    /// Returns whether two designs have the same choices and whole numbers, and all their numbers differ by less than a
+    /// fraction of their ranges.
+    pub fn are_near(&self, one: &[DesignValue], other: &[DesignValue], fraction: f64) -> bool {
+        self.varied().all(|(index, variable)| {
+            match (variable.values(), one.get(index), other.get(index)) {
+                (
+                    Values::Numbers(from, to),
+                    Some(DesignValue::Number(one)),
+                    Some(DesignValue::Number(other)),
+                ) => (one - other).abs() < fraction * (to - from),
+                (_, one, other) => one == other,
+            }
+        })
+    }
+
     /// Returns a design in coordinates for a surrogate: ranges of length 1, and one coordinate per choice.
     pub fn coordinates(&self, design: &[DesignValue]) -> Vec<f64> {
         let of = |(index, variable): (usize, &Variable)| {
@@ -151,5 +166,9 @@ mod tests {
             with(3, DesignValue::Choice(1)),
         ];
         assert_eq!(space.neighbours(&design, 0.1), expected);
+        let near =
+            |fraction| expected.iter().map(move |one| space.are_near(&design, one, fraction));
+        assert!(near(0.11).eq([true, true, false, false]));
+        assert!(near(0.09).eq([false; 4]));
     }
 }

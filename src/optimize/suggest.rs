@@ -94,6 +94,10 @@ pub(super) struct Proposer<'a> {
     goal: &'a Goal,
     hyperparameters: &'a [Hyperparameters],
     scales: Vec<QuantityScale>,
+    /// Typical standard error of each quantity.
+    errors: Vec<f64>,
+    /// Proposals are not as near as this to other designs, as a fraction of the range of each number.
+    least_distance: f64,
     designs: Vec<Design>,
     coordinates: Array2<f64>,
     /// Values without noise, by quantity.
@@ -113,6 +117,7 @@ impl<'a> Proposer<'a> {
         hyperparameters: &'a [Hyperparameters],
         data: TrainingData,
         designs: Vec<Design>,
+        least_distance: f64,
     ) -> Option<Proposer<'a>> {
         let TrainingData { coordinates, quantities } = data;
         let smoothed = |((_, values, _), own): (&(_, Vec<f64>, _), &Hyperparameters)| {
@@ -120,12 +125,15 @@ impl<'a> Proposer<'a> {
         };
         let values: Vec<Vec<f64>> = quantities.iter().zip(hyperparameters).map(smoothed).collect();
         let scales = quantities.iter().map(|(scale, _, _)| *scale).collect();
+        let errors = quantities.iter().map(|(_, _, noise)| noise.sqrt()).collect();
         let processes = interpolations(&coordinates, &values, hyperparameters)?;
         Some(Proposer {
             space,
             goal,
             hyperparameters,
             scales,
+            errors,
+            least_distance,
             designs,
             coordinates,
             values,
@@ -149,7 +157,7 @@ impl<'a> Proposer<'a> {
 
     /// Returns designs by decreasing criterion.
     pub fn propose(&self, seed: u32) -> Vec<Design> {
-        let criterion = Criterion::new(self.goal, &self.scales, &self.values);
+        let criterion = Criterion::new(self.goal, &self.scales, &self.values, &self.errors);
         let of_some = |designs: &[Design]| self.values_of_criterion(&criterion, designs);
         let of_all = |designs: &[Design]| -> Vec<f64> {
             designs.par_chunks(AT_A_TIME).flat_map_iter(of_some).collect()
@@ -183,11 +191,18 @@ impl<'a> Proposer<'a> {
         let predictions: Option<Vec<Vec<Prediction>>> =
             self.processes.iter().map(predict).collect();
         let Some(predictions) = predictions else { return nothing() };
-        let of = |index: usize| {
+        let distance = self.least_distance;
+        let is_near = |design: &Design| {
+            self.designs.iter().any(|one| self.space.are_near(one, design, distance))
+        };
+        let of = |(index, design): (usize, &Design)| {
+            if is_near(design) {
+                return f64::NEG_INFINITY;
+            }
             let own = predictions.iter().filter_map(|all| all.get(index).copied());
             criterion.value(&own.collect::<Vec<Prediction>>())
         };
-        (0..designs.len()).map(of).collect()
+        designs.iter().enumerate().map(of).collect()
     }
 }
 
