@@ -128,8 +128,8 @@ fn corner<'a>(all: impl Iterator<Item = &'a Vec<f64>>, place: usize) -> f64 {
     most + 0.1 * (most - least)
 }
 
-/// Returns the factor `1 - error / √(deviation² + error²)` of the improvement in a form that does not cancel: it is small
-/// where the deviation of the prediction is small compared with the standard error of the runs of a design.
+/// Returns the factor `1 - error / √(deviation² + error²)` of the improvement, in a form that does not cancel. It is
+/// small where the deviation of the prediction is small compared with the standard error of the runs of a design.
 fn discount(deviation: f64, error: f64) -> f64 {
     if error <= 0.0 {
         return 1.0;
