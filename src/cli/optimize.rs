@@ -10,14 +10,15 @@ use serde_json::json;
 use super::arguments::{StudyArgument, ThreadsArgument};
 use super::exclusive_directory::check_entries;
 use super::exit::{CliError, End};
-use super::output::print;
+use super::output::{print, print_json};
 use crate::classification::Label;
 use crate::counted::counted;
 use crate::engine::{Lock, Planned, Progress, Show, say, stop_on_signals};
 use crate::optimize::{
-    Evaluation, FinalistRole, Finalists, Origin, Search, SearchEnd, evaluation_columns, final_runs,
-    finalist_columns, finalists, optimum_json, pareto_columns, read_evaluations, result_in_words,
-    search, search_facts, search_line, sensitivities, sensitivity_columns, surrogates,
+    Evaluation, FinalistRole, Finalists, Origin, QuantitySurrogate, Search, SearchEnd,
+    evaluation_columns, final_runs, finalist_columns, finalists, optimum_json, pareto_columns,
+    read_evaluations, result_in_words, search, search_facts, search_line, sensitivities,
+    sensitivity_columns, surrogates,
 };
 use crate::responses::check_answerable;
 use crate::sanitize::shell_word;
@@ -32,11 +33,12 @@ const EXAMPLES: &str = "\
 Examples:
   stickslip optimize studies/cd-rom.yaml
   stickslip optimize studies/cd-rom.yaml --out results/quiet --threads 8
+  stickslip optimize studies/cd-rom.yaml --json > optimum.json
 
 Searches for the design with the best objectives. The study lists variables under `design`, responses under \
 `responses`, and under `optimize` the responses to minimize or maximize, with limits to others. The search \
-evaluates one design at a time and prints a line for each: first designs spread over all ranges and choices, \
-then designs chosen by surrogate models. The same study and seed give the same designs on any number of threads. \
+prints a line for each evaluated design: first designs spread over all ranges and choices, then designs chosen by \
+surrogate models, four at a time. The same study and seed give the same designs on any number of threads. \
 The best designs are evaluated again with independent runs, so that the reported values have no selection bias.
 
 DIR holds evaluations.parquet (every design), finalists.parquet, pareto.parquet (with two objectives), \
@@ -51,7 +53,7 @@ pub struct OptimizeArguments {
     #[command(flatten)]
     study: StudyArgument,
 
-    /// Directory for the results [default: optimum/<name of the study>]
+    /// Directory for the results [default: results/<name of the study>-optimum]
     #[arg(long, short, value_name = "DIR")]
     out: Option<PathBuf>,
 
@@ -61,6 +63,10 @@ pub struct OptimizeArguments {
     /// Print no progress
     #[arg(long, short)]
     quiet: bool,
+
+    /// Print the content of optimum.json instead of the result in words
+    #[arg(long)]
+    json: bool,
 }
 
 /// Searches for the best design.
@@ -78,7 +84,7 @@ pub fn optimize(arguments: &OptimizeArguments) -> Result<End, CliError> {
         )));
     };
     check_answerable(&study, &arguments.study.study).map_err(CliError::Usage)?;
-    let usual = || Path::new("optimum").join(study.name());
+    let usual = || Path::new("results").join(format!("{}-optimum", study.name()));
     let directory = arguments.out.clone().unwrap_or_else(usual);
     let mut search_directory = SearchDirectory::new(&study, optimization, &directory)?;
     let mut evaluations =
@@ -98,12 +104,13 @@ pub fn optimize(arguments: &OptimizeArguments) -> Result<End, CliError> {
         let designs = counted(evaluations.len(), "design");
         report(format!("continuing after {designs} in {}", directory.display()));
     }
-    let end = search(&what, &mut evaluations, &|_| {}, |evaluations| {
-        search_directory.remove_ends();
-        search_directory.write_evaluations(evaluations)?;
-        report(search_line(&what, evaluations));
-        Ok::<(), CliError>(())
-    })?;
+    // The two parts differ in speed, so that each has its own progress.
+    let mut end = SearchEnd::Finished;
+    for until in [optimization.start_designs.min(optimization.designs), optimization.designs] {
+        if end == SearchEnd::Finished {
+            end = search_until(&what, &mut evaluations, until, show, &mut search_directory)?;
+        }
+    }
     match &end {
         SearchEnd::Stopped => return Ok(interrupted(&directory)),
         SearchEnd::Constant(problem) => {
@@ -127,9 +134,12 @@ pub fn optimize(arguments: &OptimizeArguments) -> Result<End, CliError> {
     if stop.load(Ordering::Relaxed) {
         return Ok(interrupted(&directory));
     }
-    search_directory.write_surrogates(&what, &evaluations)?;
+    let Some(surrogates) = surrogates(&what, &evaluations) else {
+        return Ok(interrupted(&directory));
+    };
+    search_directory.write_surrogates(&surrogates)?;
     let Some(sensitivities) = with_progress(&what, sensitivity_runs(&what), show, |finished| {
-        sensitivities(&what, &evaluations, finished)
+        sensitivities(&what, &surrogates, finished)
     }) else {
         return Ok(interrupted(&directory));
     };
@@ -142,9 +152,40 @@ pub fn optimize(arguments: &OptimizeArguments) -> Result<End, CliError> {
     search_directory.write_finals(&finalists)?;
     let summary = optimum_json(&what, &end, &evaluations, &finalists, &sensitivities);
     search_directory.write_json("optimum.json", &summary)?;
-    print(&result_in_words(&what, &finalists))?;
+    if arguments.json {
+        print_json(&format!("{summary:#}\n"))?;
+    } else {
+        print(&result_in_words(&what, &finalists))?;
+    }
     report(format!("results in {}", directory.display()));
     Ok(how_it_ends(&evaluations, &finalists))
+}
+
+/// Continues the search up to a number of designs and shows its progress.
+fn search_until(
+    what: &Search,
+    evaluations: &mut Vec<Evaluation>,
+    until: u64,
+    show: Show,
+    search_directory: &mut SearchDirectory,
+) -> Result<SearchEnd, CliError> {
+    let missing = until.saturating_sub(evaluations.len() as u64);
+    if missing == 0 {
+        return Ok(SearchEnd::Finished);
+    }
+    let runs = missing.saturating_mul(what.study.most_runs_of_a_design());
+    let planned = Planned { study: what.study.name(), runs, at_most: true, points: 1 };
+    let progress = Progress::begin(planned, show);
+    progress.keep_drawing();
+    let finished = |label| progress.finished(label);
+    let end = search(what, evaluations, until, &finished, |evaluations| {
+        search_directory.remove_ends();
+        search_directory.write_evaluations(evaluations)?;
+        progress.point(|| search_line(what, evaluations), || json!({}));
+        Ok::<(), CliError>(())
+    });
+    progress.close();
+    end
 }
 
 fn interrupted(directory: &Path) -> End {
@@ -293,14 +334,9 @@ impl<'a> SearchDirectory<'a> {
         self.write("pareto", pareto_columns(self.study, self.optimization), front)
     }
 
-    fn write_surrogates(
-        &mut self,
-        what: &Search,
-        evaluations: &[Evaluation],
-    ) -> Result<(), CliError> {
-        let all = what.workers.install(|| surrogates(what, evaluations));
-        let states = all.into_iter().filter_map(|(response, surrogate)| {
-            let name = &self.study.responses().get(response)?.name;
+    fn write_surrogates(&mut self, all: &[QuantitySurrogate]) -> Result<(), CliError> {
+        let states = all.iter().filter_map(|(response, surrogate)| {
+            let name = &self.study.responses().get(*response)?.name;
             let state = match surrogate {
                 Ok(surrogate) => surrogate.state(),
                 Err(problem) => json!({"problem": problem}),

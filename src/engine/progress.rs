@@ -132,6 +132,13 @@ impl Progress {
         result
     }
 
+    /// Redraws the bar also while no run finishes, so that it shows that the program works.
+    pub fn keep_drawing(&self) {
+        if self.show == Show::Bar {
+            self.bar.enable_steady_tick(Duration::from_millis(100));
+        }
+    }
+
     /// Sets the upper bound of the number of runs from what is known so far.
     pub fn limit(&self, most_runs: u64) {
         if self.counts.most_runs.swap(most_runs, Ordering::Relaxed) != most_runs {

@@ -1,7 +1,10 @@
 //! A pool of worker threads that share queues of runs.
 
 use std::ops::Range;
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::time::Duration;
 
 use rayon::prelude::*;
 
@@ -14,6 +17,9 @@ use crate::classification::Label;
 use crate::motion::{Cancellation, SimdLevel};
 use crate::study::Study;
 use crate::table::RunRecord;
+
+/// The interval between two checks whether abandonable work has to stop.
+const POLL_INTERVAL: Duration = Duration::from_millis(20);
 
 /// A pool of worker threads.
 pub struct WorkerPool {
@@ -35,6 +41,34 @@ impl WorkerPool {
     /// Runs `work` on the pool, where rayon distributes it.
     pub fn install<T: Send>(&self, work: impl FnOnce() -> T + Send) -> T {
         self.pool.install(work)
+    }
+
+    /// Returns the number of threads.
+    pub fn threads(&self) -> usize {
+        self.threads
+    }
+
+    /// Runs `work` on the pool, where rayon distributes it, and returns its result. Returns `None` as soon as `stop`
+    /// becomes true; the work then continues unnoticed until it or the program ends.
+    pub fn unless_stopped<T: Send + 'static>(
+        &self,
+        stop: &AtomicBool,
+        work: impl FnOnce() -> T + Send + 'static,
+    ) -> Option<T> {
+        let (sender, receiver) = channel();
+        self.pool.spawn(move || {
+            // A panic continues on the waiting thread, which does not use the work's data. Nobody waits for abandoned work.
+            let _ = sender.send(catch_unwind(AssertUnwindSafe(work)));
+        });
+        loop {
+            match receiver.recv_timeout(POLL_INTERVAL) {
+                Ok(Ok(result)) => return Some(result),
+                Ok(Err(panic)) => resume_unwind(panic),
+                Err(RecvTimeoutError::Timeout) if !stop.load(Ordering::Relaxed) => {}
+                // The other end sends before it is dropped, so that only a stop leads here.
+                Err(RecvTimeoutError::Timeout | RecvTimeoutError::Disconnected) => return None,
+            }
+        }
     }
 
     /// Computes the first samples of some points in lockstep, each run once, and returns the runs in the order of their

@@ -11,7 +11,7 @@ use super::pareto::pareto_front;
 use super::search::Search;
 use crate::classification::Label;
 use crate::responses::{Answer, Estimate, respond};
-use crate::study::{DesignValue, Study};
+use crate::study::{DesignValue, Measure, Response, Study};
 
 /// The role of a design in the finalists.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
@@ -51,6 +51,8 @@ pub struct Finalist {
     pub answers: Vec<Answer>,
     /// One estimate per quantity of the goal.
     pub estimates: Vec<Estimate>,
+    /// Mean amplitude divided by that of the same machine without balls, one estimate per point of the sweep.
+    pub relative_amplitudes: Vec<Estimate>,
     /// Whether the values of these runs meet all limits.
     pub met: bool,
     /// With two objectives: whether the design is on the front of the final runs, too.
@@ -92,11 +94,22 @@ pub fn finalists(
     let optimization = search.optimization;
     let goal = Goal::new(search.study, optimization);
     let evaluate = |role, design, values: &[DesignValue]| {
-        let answers = respond_with_own_runs(search, role, design, values, finished)?;
+        let mut answers = respond_with_own_runs(search, role, design, values, finished)?;
+        let relative_amplitudes =
+            answers.iter_mut().filter_map(|answer| answer.estimates.pop()).collect();
         let estimates = goal.estimates(&answers);
         let met = goal.is_met(&self::values(&estimates));
         let values = values.to_vec();
-        Some(Finalist { role, design, values, answers, estimates, met, on_front: None })
+        Some(Finalist {
+            role,
+            design,
+            values,
+            answers,
+            estimates,
+            relative_amplitudes,
+            met,
+            on_front: None,
+        })
     };
     let single = goal.objectives().len() == 1;
     let role = if single { FinalistRole::Finalist } else { FinalistRole::Pareto };
@@ -137,7 +150,8 @@ fn samples(search: &Search) -> u64 {
     if search.study.is_random() { search.optimization.final_samples } else { 1 }
 }
 
-/// Computes the responses of a design in runs that belong to its role alone.
+/// Computes the responses of a design in runs that belong to its role alone, and as a last one the mean amplitude
+/// divided by that without balls.
 fn respond_with_own_runs(
     search: &Search,
     role: FinalistRole,
@@ -158,7 +172,10 @@ fn respond_with_own_runs(
     };
     let studies: Vec<Study> = (0..samples(search)).map(with).collect::<Option<_>>()?;
     let numbered = (design.unwrap_or(0), values);
-    respond(workers, &studies, study.responses(), numbered, stop, finished)
+    let name = String::new();
+    let mut responses = study.responses().to_vec();
+    responses.push(Response { name, measure: Measure::Mean, relative: true });
+    respond(workers, &studies, &responses, numbered, stop, finished)
 }
 
 /// Returns the designs of the finalists: the best by rank, or the Pareto front of those that meet the limits, thinned

@@ -1,18 +1,25 @@
-//! Sequential approximate optimisation: surrogates of a few designs choose the next one.
+//! Sequential approximate optimisation: surrogates of a few designs choose the next ones.
 //!
 //! A search begins with space-filling designs over all ranges and choices, which reveal discontinuities that steps
-//! from a single design would miss. Then surrogates of all objectives and limits choose each design (egobox). Design
+//! from a single design would miss. Then surrogates of all objectives and limits choose designs in batches. Design
 //! number `k` is a function of the study and of the designs before it, so that an interrupted search can continue and
 //! the number of threads does not matter. The estimate of the best design is biased by the selection; therefore its
 //! reported responses come from other and more runs.
 
 mod comparison;
+mod criterion;
+mod evaluate_in_order;
 mod evaluation;
 mod evaluations_table;
 mod finalists;
 mod goal;
+mod next_designs;
+mod notes;
 mod over_points;
 mod pareto;
+mod process;
+mod proposal;
+mod quantity_scale;
 mod report;
 mod search;
 mod sensitivity;
@@ -27,10 +34,11 @@ pub use evaluation::{Evaluation, Origin};
 pub use evaluations_table::{EvaluationsError, evaluation_columns, read_evaluations, search_facts};
 pub use finalists::{Finalist, FinalistRole, Finalists, final_runs, finalists};
 pub use goal::{Goal, Quantity};
+pub use notes::{Bound, notes, on_bounds};
 pub use pareto::pareto_front;
 pub use report::{optimum_json, result_in_words, search_line};
 pub use search::{Search, SearchEnd, search};
-pub use sensitivity::{Sensitivity, sensitivities, surrogates};
+pub use sensitivity::{QuantitySurrogate, Sensitivity, sensitivities, surrogates};
 pub use sobol_indices::{Indices, pick_freeze_sample, sobol_indices};
 pub(crate) use space::Space;
 pub use surrogate::Surrogate;

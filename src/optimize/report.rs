@@ -8,6 +8,7 @@ use super::comparison::{estimate_difference, estimate_ratio};
 use super::evaluation::Evaluation;
 use super::finalists::{Finalist, FinalistRole, Finalists};
 use super::goal::Goal;
+use super::notes::{notes, on_bounds};
 use super::search::{Search, SearchEnd};
 use super::sensitivity::Sensitivity;
 use crate::responses::{Estimate, estimate_json};
@@ -53,6 +54,7 @@ pub fn optimum_json(
         "best": one(FinalistRole::Best),
         "compare_with": one(FinalistRole::CompareWith),
         "best_over_compare_with": compared(),
+        "notes": finalists.of(FinalistRole::Best).map_or_else(Vec::new, |best| notes(study, best)),
         "sensitivities": sensitivities.iter().map(sensitivity_json).collect::<Vec<_>>(),
     })
 }
@@ -91,6 +93,11 @@ fn final_json(study: &Study, goal: &Goal, one: &Finalist) -> Value {
         "design": one.design,
         "values": design_json(study, &one.values),
         "responses": responses,
+        "relative_amplitudes": one.relative_amplitudes.iter().map(estimate_json).collect::<Vec<_>>(),
+        "on_bounds": on_bounds(study, &one.values)
+            .into_iter()
+            .map(|bound| json!({"variable": bound.variable, "bound": bound.which}))
+            .collect::<Vec<_>>(),
         "limits_met": one.met,
         "runs": one.runs(),
         "failed": one.failed_runs(),
@@ -193,6 +200,10 @@ pub fn result_in_words(search: &Search, finalists: &Finalists) -> String {
             failed => format!(", {failed} of them failed"),
         };
         let _ = writeln!(text, "  {} further runs{failed}{met}", one.runs());
+        if let Some((least, most)) = range(&one.relative_amplitudes) {
+            let range = if least == most { least } else { format!("{least} to {most}") };
+            let _ = writeln!(text, "  mean amplitude divided by that without balls: {range}");
+        }
     };
     if let Some(best) = finalists.of(FinalistRole::Best) {
         describe("best design", best);
@@ -217,5 +228,16 @@ pub fn result_in_words(search: &Search, finalists: &Finalists) -> String {
             }
         }
     }
+    if let Some(best) = finalists.of(FinalistRole::Best) {
+        for note in notes(study, best) {
+            let _ = writeln!(text, "note: {note}");
+        }
+    }
     text
+}
+
+/// Returns the smallest and the largest known value.
+fn range(estimates: &[Estimate]) -> Option<(String, String)> {
+    let values = || estimates.iter().filter_map(|estimate| estimate.value);
+    Some((short(values().reduce(f64::min)?), short(values().reduce(f64::max)?)))
 }

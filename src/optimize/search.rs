@@ -1,18 +1,14 @@
-//! The search, one design after another.
+//! The search: space-filling designs, then batches of designs that surrogates propose.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use super::evaluation::{Evaluation, Origin};
+use super::evaluate_in_order::{Numbered, evaluate_in_order};
+use super::evaluation::Evaluation;
 use super::goal::Goal;
-use super::space::Space;
-use super::suggest::suggest;
+use super::next_designs::{Fits, NextDesign, batch, start_designs};
 use crate::classification::Label;
 use crate::engine::WorkerPool;
-use crate::responses::respond;
-use crate::study::{DesignValue, Optimization, Study};
-
-/// The number of repeated designs after which the search assumes that there are no others.
-const MAX_SKIPPED: u32 = 10_000;
+use crate::study::{Optimization, Study};
 
 /// A search: the study, its goal and the workers.
 pub struct Search<'a> {
@@ -39,20 +35,22 @@ pub enum SearchEnd {
     Constant(String),
 }
 
-/// Continues a search until it ends; `evaluations` holds the earlier evaluations. Calls `observe` after each new
-/// evaluation with all of them, and `finished` for each run.
+/// Continues a search up to a number of designs; `evaluations` holds the earlier evaluations. Calls `observe` after each
+/// new evaluation with all of them, and `finished` for each run.
 ///
 /// # Errors
 /// Returns the errors of `observe`.
 pub fn search<E>(
     search: &Search,
     evaluations: &mut Vec<Evaluation>,
+    until: u64,
     finished: &(dyn Fn(Label) + Sync),
     mut observe: impl FnMut(&[Evaluation]) -> Result<(), E>,
 ) -> Result<SearchEnd, E> {
-    let Search { study, optimization, workers, stop } = *search;
+    let Search { study, optimization, stop, .. } = *search;
     let goal = Goal::new(study, optimization);
-    while (evaluations.len() as u64) < optimization.designs {
+    let mut fits = Fits::default();
+    while (evaluations.len() as u64) < until {
         if evaluations.len() as u64 == optimization.start_designs
             && let Some(problem) = constant(study, &goal, evaluations)
         {
@@ -61,60 +59,53 @@ pub fn search<E>(
         if stop.load(Ordering::Relaxed) {
             return Ok(SearchEnd::Stopped);
         }
-        let next = workers.install(|| next_design(study, optimization, &goal, evaluations));
-        let Some(NextDesign { origin, values, study: set }) = next else {
-            return Ok(SearchEnd::NoMoreDesigns);
+        let Some(next) = next_designs(search, evaluations, until, &mut fits) else {
+            return Ok(SearchEnd::Stopped);
         };
-        let numbered = (evaluations.len() as u64, values.as_slice());
-        let answers = respond(workers, &[set], study.responses(), numbered, stop, finished);
-        let Some(answers) = answers else { return Ok(SearchEnd::Stopped) };
-        evaluations.push(Evaluation { origin, values, answers });
-        observe(evaluations)?;
+        if next.is_empty() {
+            return Ok(SearchEnd::NoMoreDesigns);
+        }
+        let first = evaluations.len() as u64;
+        let designs: Vec<Numbered> = (first..)
+            .zip(&next)
+            .map(|(number, one)| (number, one.values.as_slice(), &one.study))
+            .collect();
+        let complete = evaluate_in_order(search, &designs, finished, |index, answers| {
+            let Some(NextDesign { origin, values, .. }) = next.get(index) else { return Ok(()) };
+            evaluations.push(Evaluation { origin: *origin, values: values.clone(), answers });
+            observe(evaluations)
+        })?;
+        if !complete {
+            return Ok(SearchEnd::Stopped);
+        }
     }
     Ok(SearchEnd::Finished)
 }
 
-/// The next design, and the study with its values.
-struct NextDesign {
-    origin: Origin,
-    values: Vec<DesignValue>,
-    study: Study,
-}
-
-/// Returns the design after these, a function of study and designs; `None` if there is no other. Skips designs with
-/// inconsistent values.
-fn next_design(
-    study: &Study,
-    optimization: &Optimization,
-    goal: &Goal,
+/// Returns the designs to evaluate next, at most up to number `until`, and none if there are no others. Returns `None`
+/// if the search was stopped.
+fn next_designs(
+    search: &Search,
     evaluations: &[Evaluation],
-) -> Option<NextDesign> {
-    let space = Space::new(study);
-    let number = evaluations.len() as u64;
-    let if_new = |origin, values: Vec<DesignValue>| {
-        if evaluations.iter().any(|one| one.values == values) {
-            return None;
-        }
-        let study = study.set(&values).ok()?;
-        Some(NextDesign { origin, values, study })
+    until: u64,
+    fits: &mut Fits,
+) -> Option<Vec<NextDesign>> {
+    let Search { study, optimization, workers, stop } = *search;
+    let start = optimization.start_designs.min(until);
+    if (evaluations.len() as u64) < start {
+        return Some(start_designs(study, optimization, evaluations, start));
+    }
+    // A fit cannot be interrupted: the work has data of its own, and a stop abandons it.
+    let (study, optimization) = (study.clone(), optimization.clone());
+    let (evaluations, mut own_fits) = (evaluations.to_vec(), fits.clone());
+    let work = move || {
+        let next = batch(&study, &optimization, &evaluations, until, &mut own_fits);
+        (next, own_fits)
     };
-    if let (0, Some(values)) = (number, &optimization.compare_with) {
-        return if_new(Origin::CompareWith, values.clone());
-    }
-    let mut origin = Origin::SpaceFilling;
-    if number >= optimization.start_designs {
-        let seed = study.derived_seed("optimize suggest", number);
-        let suggested = suggest(space, goal, evaluations, seed);
-        if let Some(next) = suggested.and_then(|values| if_new(Origin::Surrogates, values)) {
-            return Some(next);
-        }
-        origin = Origin::SpaceFillingInstead;
-    }
-    // A scramble that is independent of that of start states.
-    let seed = study.derived_seed("optimize spread", 0) as u32;
-    (0..MAX_SKIPPED).find_map(|index| if_new(origin, space.space_filling(index, seed)))
+    let (next, fitted) = workers.unless_stopped(stop, work)?;
+    *fits = fitted;
+    Some(next)
 }
-
 /// Returns an error message if an objective does not depend on the design.
 fn constant(study: &Study, goal: &Goal, evaluations: &[Evaluation]) -> Option<String> {
     let all = goal.values_of_designs(evaluations);

@@ -1,15 +1,20 @@
 //! The fraction of each response's variance over all designs that each variable explains.
 
+use std::convert::Infallible;
+
+use rayon::prelude::*;
+
+use super::evaluate_in_order::{Numbered, evaluate_in_order};
 use super::evaluation::Evaluation;
 use super::goal::Goal;
 use super::search::Search;
 use super::sobol_indices::{Indices, pick_freeze_sample, sobol_indices};
 use super::space::Space;
-use super::suggest::training_values;
+use super::suggest::{TrainingValues, training_values};
 use super::surrogate::Surrogate;
 use crate::classification::Label;
-use crate::responses::{Estimate, respond};
-use crate::study::{DesignValue, SensitivityFrom};
+use crate::responses::Estimate;
+use crate::study::{DesignValue, SensitivityFrom, Study};
 
 /// The indices of a variable for a response; one row of `sensitivities.parquet`.
 #[derive(Clone, Debug, PartialEq)]
@@ -36,7 +41,7 @@ const SURROGATE: &str =
 /// weights. Calls `finished` for each run, if runs are needed; returns `None` if the search was stopped.
 pub fn sensitivities(
     search: &Search,
-    evaluations: &[Evaluation],
+    surrogates: &[QuantitySurrogate],
     finished: &(dyn Fn(Label) + Sync),
 ) -> Option<Vec<Sensitivity>> {
     let Search { study, optimization, workers, .. } = *search;
@@ -53,13 +58,12 @@ pub fn sensitivities(
         .collect();
     let by_quantity: Vec<Result<Vec<f64>, String>> = match optimization.sensitivity_from {
         SensitivityFrom::Surrogates => {
-            let surrogates = workers.install(|| surrogates(search, evaluations));
             let coordinates: Vec<Vec<f64>> =
                 designs.iter().map(|design| space.coordinates(design)).collect();
-            surrogates
-                .into_iter()
-                .map(|(_, fitted)| fitted.and_then(|surrogate| surrogate.predict(&coordinates)))
-                .collect()
+            let predict = |(_, fitted): &QuantitySurrogate| {
+                fitted.as_ref().map_err(String::clone)?.predict(&coordinates)
+            };
+            workers.install(|| surrogates.par_iter().map(predict).collect())
         }
         SensitivityFrom::Runs => from_runs(search, &goal, &designs, finished)?,
     };
@@ -89,28 +93,30 @@ pub fn sensitivities(
     Some(rows)
 }
 
-/// Returns a surrogate for each response of the goal, with the index of the response; or the reason why there is
-/// none.
-pub fn surrogates(
-    search: &Search,
-    evaluations: &[Evaluation],
-) -> Vec<(usize, Result<Surrogate, String>)> {
-    let Search { study, optimization, .. } = *search;
+/// Index of the response of a quantity, and the surrogate of the quantity or the reason why there is none.
+pub type QuantitySurrogate = (usize, Result<Surrogate, String>);
+
+/// Returns a surrogate for each quantity of the goal; `None` if the search was stopped.
+pub fn surrogates(search: &Search, evaluations: &[Evaluation]) -> Option<Vec<QuantitySurrogate>> {
+    let Search { study, optimization, workers, stop } = *search;
     let (space, goal) = (Space::new(study), Goal::new(study, optimization));
     let estimates: Vec<Vec<Estimate>> =
         evaluations.iter().map(|one| goal.estimates(&one.answers)).collect();
     let coordinates: Vec<Vec<f64>> =
         evaluations.iter().map(|one| space.coordinates(&one.values)).collect();
     let seed = study.derived_seed("optimize surrogates", 0);
-    let fit = |(index, quantity): (usize, &super::goal::Quantity)| {
-        let fitted = training_values(&goal, index, &estimates)
-            .ok_or_else(|| "no design has a value".to_owned())
-            .and_then(|training_values| {
-                Surrogate::fit(&coordinates, &training_values.values, training_values.noise, seed)
-            });
-        (quantity.response, fitted)
-    };
-    goal.quantities().iter().enumerate().map(fit).collect()
+    // A fit cannot be interrupted: the work has data of its own, and a stop abandons it.
+    workers.unless_stopped(stop, move || {
+        let fit = |(index, quantity): (usize, &super::goal::Quantity)| {
+            let fitted = training_values(&goal, index, &estimates)
+                .ok_or_else(|| "no design has a value".to_owned())
+                .and_then(|TrainingValues { values, noise }| {
+                    Surrogate::fit(&coordinates, &values, noise, seed)
+                });
+            (quantity.response, fitted)
+        };
+        goal.quantities().par_iter().enumerate().map(fit).collect()
+    })
 }
 
 fn from_runs(
@@ -119,19 +125,25 @@ fn from_runs(
     designs: &[Vec<DesignValue>],
     finished: &(dyn Fn(Label) + Sync),
 ) -> Option<Vec<Result<Vec<f64>, String>>> {
-    let Search { study, workers, stop, .. } = *search;
-    let mut values: Vec<Vec<Option<f64>>> = vec![Vec::new(); goal.quantities().len()];
-    for (number, design) in (0..).zip(designs) {
-        let own = match study.set(design) {
-            Ok(set) => {
-                let numbered = (number, design.as_slice());
-                let answers =
-                    respond(workers, &[set], study.responses(), numbered, stop, finished)?;
-                goal.estimates(&answers)
-            }
-            Err(_) => vec![Estimate::default(); values.len()],
-        };
-        values.iter_mut().zip(own).for_each(|(all, one)| all.push(one.value));
+    // A design that is inconsistent has no values.
+    let consistent: Vec<(u64, &[DesignValue], Study)> = (0..)
+        .zip(designs)
+        .filter_map(|(number, design)| {
+            Some((number, design.as_slice(), search.study.set(design).ok()?))
+        })
+        .collect();
+    let numbered: Vec<Numbered> =
+        consistent.iter().map(|(number, design, set)| (*number, *design, set)).collect();
+    let mut values = vec![vec![None; designs.len()]; goal.quantities().len()];
+    let evaluated = evaluate_in_order(search, &numbered, finished, |_, answers| {
+        let design = answers.first().map_or(0, |answer| answer.design as usize);
+        for (all, one) in values.iter_mut().zip(goal.estimates(&answers)) {
+            all[design] = one.value;
+        }
+        Ok::<(), Infallible>(())
+    });
+    if !evaluated.unwrap_or_else(|never| match never {}) {
+        return None;
     }
     let complete = |all: Vec<Option<f64>>| {
         let missing = all.iter().filter(|value| value.is_none()).count();

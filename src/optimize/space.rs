@@ -1,7 +1,5 @@
 //! The space of designs: ranges and choices of a study's variables as a unit cube.
 
-use egobox_ego::XType;
-
 use crate::study::{DesignValue, Study, Values, Variable};
 
 /// Significant digits of the numbers that a search evaluates.
@@ -40,45 +38,49 @@ impl<'a> Space<'a> {
         self.design_at(&coordinates)
     }
 
-    /// Returns the variables as the optimiser defines them: numbers on a scale from 0 to 1.
-    pub fn types(&self) -> Vec<XType> {
-        let of = |variable: &Variable| match variable.values() {
-            Values::Numbers(..) => XType::Float(0.0, 1.0),
-            Values::Whole(from, to) => XType::Int(whole(from), whole(to)),
-            Values::Choices(choices) => XType::Enum(choices),
+    /// Returns the designs that differ from a design in one variable: numbers by a fraction of their range up and down,
+    /// whole numbers by one, choices by any other choice.
+    pub fn neighbours(&self, design: &[DesignValue], fraction: f64) -> Vec<Vec<DesignValue>> {
+        let others = |(index, variable): (usize, &Variable)| -> Vec<DesignValue> {
+            match (variable.values(), design.get(index)) {
+                (values @ Values::Numbers(from, to), Some(DesignValue::Number(number))) => {
+                    let place = (number - from) / (to - from);
+                    [place - fraction, place + fraction].map(|place| value_at(values, place)).into()
+                }
+                (Values::Whole(from, to), Some(DesignValue::Number(number))) => [-1.0, 1.0]
+                    .map(|step| (number + step).clamp(from as f64, to as f64))
+                    .map(DesignValue::Number)
+                    .into(),
+                (Values::Choices(choices), _) => (0..choices).map(DesignValue::Choice).collect(),
+                _ => Vec::new(),
+            }
         };
-        self.varied().map(|(_, variable)| of(variable)).collect()
+        let with = |(index, variable): (usize, &'a Variable)| {
+            let here = design.get(index).copied();
+            let others =
+                others((index, variable)).into_iter().filter(move |one| Some(*one) != here);
+            others.map(move |value| {
+                let mut other = design.to_vec();
+                other[index] = value;
+                other
+            })
+        };
+        self.varied().flat_map(with).collect()
     }
 
-    /// Returns a design as a row of the optimiser.
-    pub fn row(&self, design: &[DesignValue]) -> Vec<f64> {
-        let of =
-            |(index, variable): (usize, &Variable)| match (design.get(index), variable.values()) {
-                (Some(DesignValue::Number(number)), Values::Numbers(from, to)) => {
-                    (number - from) / (to - from)
-                }
-                (Some(DesignValue::Number(number)), _) => *number,
-                (Some(DesignValue::Choice(choice)), _) => *choice as f64,
-                (None, _) => 0.0,
-            };
-        self.varied().map(of).collect()
-    }
-
-    /// Returns the design of a row of the optimiser.
-    pub fn design(&self, row: &[f64]) -> Vec<DesignValue> {
-        let mut design = self.design_at(&vec![0.0; self.dimensions()]);
-        for ((index, variable), number) in self.varied().zip(row) {
-            design[index] = match variable.values() {
-                values @ Values::Numbers(..) => value_at(values, *number),
-                Values::Whole(from, to) => {
-                    DesignValue::Number(number.round().clamp(from as f64, to as f64))
-                }
-                Values::Choices(choices) => {
-                    DesignValue::Choice((number.round().max(0.0) as usize).min(choices - 1))
-                }
-            };
-        }
-        design
+    /// Returns whether two designs have the same choices and whole numbers, and all their numbers differ by less than a
+    /// fraction of their ranges.
+    pub fn are_near(&self, one: &[DesignValue], other: &[DesignValue], fraction: f64) -> bool {
+        self.varied().all(|(index, variable)| {
+            match (variable.values(), one.get(index), other.get(index)) {
+                (
+                    Values::Numbers(from, to),
+                    Some(DesignValue::Number(one)),
+                    Some(DesignValue::Number(other)),
+                ) => (one - other).abs() < fraction * (to - from),
+                (_, one, other) => one == other,
+            }
+        })
     }
 
     /// Returns a design in coordinates for a surrogate: ranges of length 1, and one coordinate per choice.
@@ -98,11 +100,6 @@ impl<'a> Space<'a> {
         };
         self.variables.iter().enumerate().filter(varied)
     }
-}
-
-/// Converts a number; numbers of balls are far below the limit of `i32`.
-fn whole(number: u64) -> i32 {
-    i32::try_from(number).unwrap_or(i32::MAX)
 }
 
 fn value_at(values: Values, fraction: f64) -> DesignValue {
@@ -138,7 +135,7 @@ mod tests {
     }
 
     #[test]
-    fn rows_of_the_optimiser_give_their_designs() {
+    fn designs_and_their_neighbours() {
         let text = "schema: 1\nname: one\nseed: 7\nmodel: {kind: ball_balancer}\n\
             initial_conditions: {design: {monte_carlo: {samples: 2}}}\n\
             design:\n  speed_rad_s: {from: -260, to: -140}\n  balls: {from: 1, to: 3}\n  \
@@ -146,15 +143,32 @@ mod tests {
             material: {choices: {a: {ball_mass_kg: 1e-4}, b: {ball_mass_kg: 2e-4}}}\n";
         let study = Study::parse(Path::new("a.yaml"), text.to_owned()).unwrap();
         let space = Space::new(&study);
-        assert_eq!((space.dimensions(), space.types().len()), (4, 3));
+        assert_eq!(space.dimensions(), 4);
         let mut found = [0; 3];
         for index in 0..96 {
             let design = space.space_filling(index, 5);
-            assert_eq!(space.design(&space.row(&design)), design, "{design:?}");
             assert_eq!(design[2], DesignValue::Number(900.0));
             let DesignValue::Number(balls) = design[1] else { panic!("{design:?}") };
             found[balls as usize - 1] += 1;
         }
         assert_eq!(found, [32; 3]);
+        let [speed, balls, stiffness] = [-200.0, 1.0, 900.0].map(DesignValue::Number);
+        let design = [speed, balls, stiffness, DesignValue::Choice(0)];
+        let with = |index: usize, value| {
+            let mut other = design.to_vec();
+            other[index] = value;
+            other
+        };
+        let expected = [
+            with(0, DesignValue::Number(-212.0)),
+            with(0, DesignValue::Number(-188.0)),
+            with(1, DesignValue::Number(2.0)),
+            with(3, DesignValue::Choice(1)),
+        ];
+        assert_eq!(space.neighbours(&design, 0.1), expected);
+        let near =
+            |fraction| expected.iter().map(move |one| space.are_near(&design, one, fraction));
+        assert!(near(0.11).eq([true, true, false, false]));
+        assert!(near(0.09).eq([false; 4]));
     }
 }

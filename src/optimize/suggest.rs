@@ -1,20 +1,22 @@
-//! Proposes the next design from surrogates.
+//! Proposes the next designs from Gaussian processes of all objectives and limits.
 
-use egobox_ego::{CorrelationSpec, EgorServiceBuilder};
+use ndarray::{Array2, Axis};
+use rayon::prelude::*;
 
+use super::criterion::{Criterion, Prediction};
 use super::evaluation::Evaluation;
 use super::goal::Goal;
+use super::process::{Hyperparameters, Interpolation};
+use super::proposal::{Design, by_criterion};
+use super::quantity_scale::QuantityScale;
 use super::space::Space;
-use super::surrogate::{Surrogate, table};
-use crate::engine::quietly;
+use super::surrogate::table;
 use crate::responses::Estimate;
-use crate::study::DesignValue;
 
-/// Number of starting points of the search for the next design: half of egobox's default. The result is as good, and
-/// the search takes a third of the time at 125 designs.
-const STARTS: usize = 10;
-/// Number of starting points of the search for the kernel's length scales.
-const FIT_STARTS: usize = 4;
+/// Number of designs whose criterion is computed at a time.
+const AT_A_TIME: usize = 64;
+/// Number of the best designs so far near which the search for a proposal looks, too.
+const NEAR: usize = 4;
 
 /// One quantity of all designs of a search.
 pub(super) struct TrainingValues {
@@ -33,81 +35,182 @@ pub(super) fn training_values(
     let of = |design: &Vec<Estimate>| design.get(quantity).and_then(|one| one.value);
     let worst = if goal.large_is_bad(quantity) { f64::max } else { f64::min };
     let substitute = estimates.iter().filter_map(of).reduce(worst)?;
-    let mut errors: Vec<f64> = estimates
-        .iter()
-        .filter_map(|design| design.get(quantity)?.standard_error)
-        .filter(|error| error.is_finite())
-        .collect();
-    errors.sort_by(f64::total_cmp);
-    let median = errors.get(errors.len() / 2).copied().unwrap_or(0.0);
+    let errors = estimates.iter().filter_map(|design| design.get(quantity)?.standard_error);
     Some(TrainingValues {
         values: estimates.iter().map(|design| of(design).unwrap_or(substitute)).collect(),
-        noise: median * median,
+        noise: median(errors.filter(|error| error.is_finite()).collect()).powi(2),
     })
 }
 
-/// Returns the design to evaluate next, after these; `None` if there is none.
-///
-/// Responses are smoothed first: the optimiser receives the predictions of a surrogate that models the noise, and its
-/// own surrogates interpolate these (re-interpolation; A. I. J. Forrester, A. J. Keane, N. W. Bressloff, AIAA J. 44
-/// (2006) 2331, doi:10.2514/1.20068).
-pub(super) fn suggest(
-    space: Space,
-    goal: &Goal,
-    evaluations: &[Evaluation],
-    seed: u64,
-) -> Option<Vec<DesignValue>> {
-    let estimates: Vec<Vec<Estimate>> =
-        evaluations.iter().map(|one| goal.estimates(&one.answers)).collect();
-    let coordinates: Vec<Vec<f64>> =
-        evaluations.iter().map(|one| space.coordinates(&one.values)).collect();
-    let smoothed = |quantity: usize| {
-        let training_values = training_values(goal, quantity, &estimates)?;
-        let surrogate =
-            Surrogate::fit(&coordinates, &training_values.values, training_values.noise, seed);
-        let smooth = surrogate.and_then(|surrogate| surrogate.predict(&coordinates));
-        Some(smooth.unwrap_or(training_values.values))
-    };
-    let quantities: Option<Vec<Vec<f64>>> = (0..goal.quantities().len()).map(smoothed).collect();
-    let quantities = quantities?;
-    let outputs = |index: usize| {
-        let values: Vec<Option<f64>> =
-            quantities.iter().map(|of_designs| of_designs.get(index).copied()).collect();
-        let costs_and_excesses = goal.costs(&values).into_iter().chain(goal.excesses(&values));
-        costs_and_excesses.collect::<Option<Vec<f64>>>()
-    };
-    let outputs: Vec<Vec<f64>> = (0..evaluations.len()).map(outputs).collect::<Option<_>>()?;
-    let rows: Vec<Vec<f64>> = evaluations.iter().map(|one| space.row(&one.values)).collect();
-    let (objectives, limits) = (goal.objectives().len(), goal.limits().len());
-    let ask = || {
-        let optimiser = EgorServiceBuilder::optimize()
-            .configure(|config| {
-                config.n_obj(objectives).n_cstr(limits).seed(seed).n_start(STARTS).configure_gp(
-                    |gp| gp.correlation_spec(CorrelationSpec::MATERN52).n_start(FIT_STARTS),
-                )
-            })
-            .min_within_mixint_space(&space.types())
-            .ok()?;
-        let found = optimiser.suggest(&table(&rows).ok()?, &table(&scaled(&outputs)).ok()?);
-        found.rows().into_iter().next().map(|row| row.to_vec())
-    };
-    // After a panic the optimiser is not used again.
-    let row = quietly(ask)??;
-    row.iter().all(|number| number.is_finite()).then(|| space.design(&row))
+fn median(mut numbers: Vec<f64>) -> f64 {
+    numbers.sort_by(f64::total_cmp);
+    numbers.get(numbers.len() / 2).copied().unwrap_or(0.0)
 }
 
-/// Divides columns by their standard deviations, which preserves signs and order.
-fn scaled(rows: &[Vec<f64>]) -> Vec<Vec<f64>> {
-    let mut rows = rows.to_vec();
-    let width = rows.first().map_or(0, Vec::len);
-    for column in 0..width {
-        let all = || rows.iter().filter_map(|row| row.get(column).copied());
-        let mean = all().sum::<f64>() / rows.len() as f64;
-        let deviation =
-            (all().map(|one| (one - mean).powi(2)).sum::<f64>() / rows.len() as f64).sqrt();
-        if deviation > 0.0 {
-            rows.iter_mut().filter_map(|row| row.get_mut(column)).for_each(|one| *one /= deviation);
-        }
+/// The designs of a search and their quantities, as processes model them.
+pub(super) struct TrainingData {
+    /// One row per design.
+    coordinates: Array2<f64>,
+    /// Scale, scaled values and typical variance of the noise of each quantity.
+    quantities: Vec<(QuantityScale, Vec<f64>, f64)>,
+}
+
+impl TrainingData {
+    /// Returns the data of these designs; `None` if no design has a value of a quantity.
+    pub fn new(space: &Space, goal: &Goal, evaluations: &[Evaluation]) -> Option<TrainingData> {
+        let estimates: Vec<Vec<Estimate>> =
+            evaluations.iter().map(|one| goal.estimates(&one.answers)).collect();
+        let quantity = |index: usize| {
+            let TrainingValues { values, .. } = training_values(goal, index, &estimates)?;
+            let scale = QuantityScale::new(goal, index, &values);
+            let errors = estimates.iter().filter_map(|design| {
+                let Estimate { value, standard_error, .. } = design.get(index)?;
+                Some(scale.scaled_error((*value)?, (*standard_error)?))
+            });
+            let error = median(errors.filter(|error| error.is_finite()).collect());
+            let values = values.into_iter().map(|value| scale.scaled(value)).collect();
+            Some((scale, values, error * error))
+        };
+        let quantities: Option<Vec<_>> = (0..goal.quantities().len()).map(quantity).collect();
+        let rows: Vec<Vec<f64>> =
+            evaluations.iter().map(|one| space.coordinates(&one.values)).collect();
+        Some(TrainingData { coordinates: table(&rows).ok()?, quantities: quantities? })
     }
-    rows
+
+    /// Fits the hyperparameters of all quantities, starting from those of a fit to fewer designs; `None` if the library
+    /// cannot fit them.
+    pub fn fit(&self, before: Option<&[Hyperparameters]>) -> Option<Vec<Hyperparameters>> {
+        let fit = |(index, (_, values, noise)): (usize, &(QuantityScale, Vec<f64>, f64))| {
+            let before = before.and_then(|all| all.get(index));
+            Hyperparameters::fit(&self.coordinates, values, *noise, before)
+        };
+        self.quantities.par_iter().enumerate().map(fit).collect()
+    }
+}
+
+/// Processes of all quantities, without noise, to which predictions can be added as if they were evaluated.
+pub(super) struct Proposer<'a> {
+    space: &'a Space<'a>,
+    goal: &'a Goal,
+    hyperparameters: &'a [Hyperparameters],
+    scales: Vec<QuantityScale>,
+    /// Typical standard error of each quantity.
+    errors: Vec<f64>,
+    /// Proposals are not as near as this to other designs, as a fraction of the range of each number.
+    least_distance: f64,
+    designs: Vec<Design>,
+    coordinates: Array2<f64>,
+    /// Values without noise, by quantity.
+    values: Vec<Vec<f64>>,
+    processes: Vec<Interpolation>,
+}
+
+impl<'a> Proposer<'a> {
+    /// Returns the processes after these designs.
+    ///
+    /// Values are smoothed first: the processes interpolate the predictions of processes that model the noise
+    /// (re-interpolation; A. I. J. Forrester, A. J. Keane, N. W. Bressloff, AIAA J. 44 (2006) 2331,
+    /// doi:10.2514/1.20068).
+    pub fn new(
+        space: &'a Space<'a>,
+        goal: &'a Goal,
+        hyperparameters: &'a [Hyperparameters],
+        data: TrainingData,
+        designs: Vec<Design>,
+        least_distance: f64,
+    ) -> Option<Proposer<'a>> {
+        let TrainingData { coordinates, quantities } = data;
+        let smoothed = |((_, values, _), own): (&(_, Vec<f64>, _), &Hyperparameters)| {
+            own.smooth(&coordinates, values).unwrap_or_else(|| values.clone())
+        };
+        let values: Vec<Vec<f64>> = quantities.iter().zip(hyperparameters).map(smoothed).collect();
+        let scales = quantities.iter().map(|(scale, _, _)| *scale).collect();
+        let errors = quantities.iter().map(|(_, _, noise)| noise.sqrt()).collect();
+        let processes = interpolations(&coordinates, &values, hyperparameters)?;
+        Some(Proposer {
+            space,
+            goal,
+            hyperparameters,
+            scales,
+            errors,
+            least_distance,
+            designs,
+            coordinates,
+            values,
+            processes,
+        })
+    }
+
+    /// Adds a design with its predictions as values, so that a proposal lies elsewhere (kriging believer; D. Ginsbourger,
+    /// R. Le Riche, L. Carraro, 2010, doi:10.1007/978-3-642-10701-6_6).
+    pub fn believe(&mut self, design: &Design) -> Option<()> {
+        let row = table(&[self.space.coordinates(design)]).ok()?;
+        for (values, process) in self.values.iter_mut().zip(&self.processes) {
+            let [(mean, _)] = process.predict(&row.view())?[..] else { return None };
+            values.push(mean);
+        }
+        self.coordinates.append(Axis(0), row.view()).ok()?;
+        self.designs.push(design.clone());
+        self.processes = interpolations(&self.coordinates, &self.values, self.hyperparameters)?;
+        Some(())
+    }
+
+    /// Returns designs by decreasing criterion.
+    pub fn propose(&self, seed: u32) -> Vec<Design> {
+        let criterion = Criterion::new(self.goal, &self.scales, &self.values, &self.errors);
+        let of_some = |designs: &[Design]| self.values_of_criterion(&criterion, designs);
+        let of_all = |designs: &[Design]| -> Vec<f64> {
+            designs.par_chunks(AT_A_TIME).flat_map_iter(of_some).collect()
+        };
+        // Designs interpolate their own values, so that their criterion tells which ones are best.
+        let mut order: Vec<usize> = (0..self.designs.len()).collect();
+        let rank = |index: &usize| {
+            let values = self.scales.iter().zip(&self.values);
+            let raw =
+                values.map(|(scale, all)| Some(scale.raw(*all.get(*index)?))).collect::<Vec<_>>();
+            self.goal.rank(&raw)
+        };
+        order.sort_by(|one, other| {
+            let (one, other) = (rank(one), rank(other));
+            one.0.cmp(&other.0).then(one.1.total_cmp(&other.1))
+        });
+        let near: Vec<Design> = order
+            .into_iter()
+            .take(NEAR)
+            .filter_map(|index| self.designs.get(index).cloned())
+            .collect();
+        by_criterion(self.space, &near, seed, of_all)
+    }
+
+    fn values_of_criterion(&self, criterion: &Criterion, designs: &[Design]) -> Vec<f64> {
+        let nothing = || vec![f64::NEG_INFINITY; designs.len()];
+        let rows: Vec<Vec<f64>> =
+            designs.iter().map(|design| self.space.coordinates(design)).collect();
+        let Ok(coordinates) = table(&rows) else { return nothing() };
+        let predict = |process: &Interpolation| process.predict(&coordinates.view());
+        let predictions: Option<Vec<Vec<Prediction>>> =
+            self.processes.iter().map(predict).collect();
+        let Some(predictions) = predictions else { return nothing() };
+        let distance = self.least_distance;
+        let is_near = |design: &Design| {
+            self.designs.iter().any(|one| self.space.are_near(one, design, distance))
+        };
+        let of = |(index, design): (usize, &Design)| {
+            if is_near(design) {
+                return f64::NEG_INFINITY;
+            }
+            let own = predictions.iter().filter_map(|all| all.get(index).copied());
+            criterion.value(&own.collect::<Vec<Prediction>>())
+        };
+        designs.iter().enumerate().map(of).collect()
+    }
+}
+
+fn interpolations(
+    coordinates: &Array2<f64>,
+    values: &[Vec<f64>],
+    hyperparameters: &[Hyperparameters],
+) -> Option<Vec<Interpolation>> {
+    let both = values.par_iter().zip(hyperparameters);
+    both.map(|(values, own)| Interpolation::new(coordinates, values, own)).collect()
 }

@@ -77,6 +77,7 @@ fn the_search_finds_the_closed_form_optimum() {
     let scratch = scratch();
     let said = scratch.well("optimize block.yaml --out free --quiet");
     assert!(said.starts_with("best design"), "{said}");
+    assert!(!said.contains("note:"), "{said}");
     let best = &optimum(&scratch, "free")["best"];
     let stop = best["responses"]["stop"]["value"].as_f64().unwrap();
     let stiffness = best["values"]["stiffness_n_m"].as_f64().unwrap();
@@ -92,6 +93,28 @@ fn the_search_finds_the_closed_form_optimum() {
     assert!((0.66..=0.7).contains(&stop) && best["limits_met"] == true, "{best}");
 }
 
+/// A block that stops after one half swing stops the sooner the stiffer its spring is: the optimum lies on the upper
+/// bound, and the result says so, in words and as JSON. The default directory is among the results of other commands.
+#[test]
+fn an_optimum_on_a_bound() {
+    let scratch = Scratch::new();
+    let text = BLOCK.replace("{from: 30, to: 200}", "{from: 45, to: 60}");
+    scratch.write("stiff.yaml", format!("{text}optimize: {{minimize: stop, designs: 16}}\n"));
+    let said = scratch.well("optimize stiff.yaml --quiet");
+    assert!(
+        said.contains("note: `stiffness_n_m` lies on the upper bound of its range (45 to 60)"),
+        "{said}"
+    );
+    let summary = optimum(&scratch, "results/block-optimum");
+    let bound = serde_json::json!([{"variable": "stiffness_n_m", "bound": "upper"}]);
+    assert_eq!(summary["best"]["on_bounds"], bound);
+    assert_eq!(summary["notes"].as_array().unwrap().len(), 1);
+    // A block has no balls.
+    assert_eq!(summary["best"]["relative_amplitudes"][0]["value"], Value::Null);
+    let printed = scratch.well("optimize stiff.yaml --quiet --json");
+    assert_eq!(serde_json::from_str::<Value>(&printed).unwrap(), summary);
+}
+
 /// The bytes do not depend on the number of threads, on interruptions, or on an extension to more
 /// designs.
 #[test]
@@ -104,6 +127,7 @@ fn a_search_is_reproducible() {
         let read = |directory: &str| fs::read(scratch.path(directory).join(&name)).unwrap();
         assert!(read("one") == read("three"), "{name:?} differs");
     }
+    // The first search ends in the middle of a batch.
     let text = fs::read_to_string(scratch.path("balls.yaml")).unwrap();
     scratch.write("short.yaml", text.replace("designs: 9", "designs: 7"));
     scratch.well("optimize short.yaml --out again --quiet");
@@ -125,6 +149,9 @@ fn a_search_is_reproducible() {
     );
     let mean = numbers(&finals, "mean");
     assert!(!mean[..4].contains(&mean[4]), "{mean:?}");
+    let best = &optimum(&scratch, "one")["best"];
+    let relative = best["relative_amplitudes"].as_array().unwrap();
+    assert!(relative.len() == 2 && relative.iter().all(|one| one["value"].is_f64()), "{best}");
 }
 
 /// No design of the Pareto front dominates another one, and sensitivities come from runs.

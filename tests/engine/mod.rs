@@ -1,5 +1,6 @@
 //! The engine: scheduling does not affect results, and a failed run is a row.
 
+mod abandoned_work;
 mod audit;
 mod chunk;
 mod exchanged_balls;

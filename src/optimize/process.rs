@@ -1,0 +1,129 @@
+//! Gaussian processes that choose designs: one per quantity, with a constant mean and Matérn 5/2 kernels (egobox).
+//!
+//! The search for hyperparameters takes most of the time of a fit. A process with given hyperparameters needs a single
+//! matrix factorisation.
+
+use egobox_gp::correlation_models::Matern52Corr;
+use egobox_gp::mean_models::ConstantMean;
+use egobox_gp::{GaussianProcess, ThetaTuning};
+use linfa::Dataset;
+use linfa::traits::Fit;
+use ndarray::{Array1, Array2, ArrayView2};
+
+use crate::engine::quietly;
+
+/// Least noise relative to the variance of the process, which keeps matrices regular.
+const LEAST_NOISE: f64 = 1e-8;
+/// Noise variances that a fit tries, relative to the largest possible one. The least one keeps a group of very similar
+/// designs, which share all draws, from appearing free of noise.
+const NOISES: [f64; 4] = [0.03, 0.1, 0.3, 1.0];
+/// Inverse length scale at which the first search for hyperparameters begins, for coordinates of variance 1.
+const FIRST_THETA: f64 = 0.1;
+/// Bounds of inverse length scales.
+const THETAS: (f64, f64) = (1e-2, 1e1);
+/// Number of further starting points of the first search for hyperparameters. A later search starts from the
+/// hyperparameters of the search before.
+const STARTS: usize = 4;
+
+/// Parameters of a process that do not depend linearly on its values.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Hyperparameters {
+    /// Inverse length scale of each coordinate.
+    theta: Array1<f64>,
+    /// Variance of the noise relative to the variance of the process.
+    noise: f64,
+}
+
+impl Hyperparameters {
+    /// Returns the most likely hyperparameters of values at these coordinates, one row per design, whose noise has at
+    /// most this variance. Returns `None` if the library cannot fit them.
+    pub fn fit(
+        coordinates: &Array2<f64>,
+        values: &[f64],
+        most_noise: f64,
+        before: Option<&Hyperparameters>,
+    ) -> Option<Hyperparameters> {
+        let first = Array1::from_elem(coordinates.ncols(), FIRST_THETA);
+        let count = values.len() as f64;
+        let mean = values.iter().sum::<f64>() / count;
+        let variance = values.iter().map(|one| (one - mean).powi(2)).sum::<f64>() / count;
+        if variance.is_nan() || variance.sqrt() <= 1e-12 * mean.abs() {
+            return Some(Hyperparameters { theta: first, noise: LEAST_NOISE });
+        }
+        let most = (most_noise / variance).clamp(10.0 * LEAST_NOISE, 1.0);
+        let noise = before.map_or(0.1 * most, |before| before.noise.min(most));
+        let theta = before.map_or(first, |before| before.theta.clone());
+        let starts = if before.is_some() { 0 } else { STARTS };
+        let bounds = Array1::from_elem(1, THETAS);
+        let tuning = ThetaTuning::Full { init: theta.mapv(within_bounds), bounds };
+        let fitted = process(coordinates, values, tuning, noise, starts)?;
+        let theta = fitted.theta().mapv(within_bounds);
+        let likelihood = |noise: f64| {
+            let fixed = ThetaTuning::Fixed(theta.clone());
+            let likelihood = process(coordinates, values, fixed, noise, 0)?.likelihood();
+            likelihood.is_finite().then_some((likelihood, noise))
+        };
+        let noises = NOISES.iter().map(|fraction| (fraction * most).max(LEAST_NOISE));
+        let best = noises.filter_map(likelihood).max_by(|one, other| one.0.total_cmp(&other.0));
+        Some(Hyperparameters { theta, noise: best.map_or(noise, |(_, noise)| noise) })
+    }
+
+    /// Returns the values without their noise: predictions at the coordinates of the values themselves.
+    pub fn smooth(&self, coordinates: &Array2<f64>, values: &[f64]) -> Option<Vec<f64>> {
+        let fixed = ThetaTuning::Fixed(self.theta.clone());
+        let process = process(coordinates, values, fixed, self.noise, 0)?;
+        let smooth = quietly(|| process.predict(coordinates).ok())??.to_vec();
+        smooth.iter().all(|value| value.is_finite()).then_some(smooth)
+    }
+}
+
+fn within_bounds(theta: f64) -> f64 {
+    theta.clamp(THETAS.0, THETAS.1)
+}
+
+type Process = GaussianProcess<f64, ConstantMean, Matern52Corr>;
+
+/// Fits a process; `noise` is relative to its variance. Returns `None` if the library cannot fit it.
+fn process(
+    coordinates: &Array2<f64>,
+    values: &[f64],
+    tuning: ThetaTuning<f64>,
+    noise: f64,
+    starts: usize,
+) -> Option<Process> {
+    let data = Dataset::new(coordinates.clone(), Array1::from(values.to_vec()));
+    let fit = || {
+        Process::params(ConstantMean::default(), Matern52Corr::default())
+            .theta_tuning(tuning)
+            .n_start(starts)
+            .nugget(noise)
+            .fit(&data)
+    };
+    // After a panic the library's objects are not used again.
+    quietly(fit)?.ok()
+}
+
+/// A process through the values of designs.
+pub(super) struct Interpolation(Process);
+
+impl Interpolation {
+    /// Returns the process through these values, with these hyperparameters but without noise.
+    pub fn new(
+        coordinates: &Array2<f64>,
+        values: &[f64],
+        hyperparameters: &Hyperparameters,
+    ) -> Option<Interpolation> {
+        // A matrix that is nearly singular needs a little noise.
+        [LEAST_NOISE, 1e-6, 1e-4].into_iter().find_map(|noise| {
+            let fixed = ThetaTuning::Fixed(hyperparameters.theta.clone());
+            process(coordinates, values, fixed, noise, 0).map(Interpolation)
+        })
+    }
+
+    /// Returns mean and standard deviation at each of these coordinates.
+    pub fn predict(&self, coordinates: &ArrayView2<f64>) -> Option<Vec<(f64, f64)>> {
+        let (means, variances) = quietly(|| self.0.predict_valvar(coordinates).ok())??;
+        let both = means.iter().zip(&variances);
+        Some(both.map(|(mean, variance)| (*mean, variance.max(0.0).sqrt())).collect())
+    }
+}
