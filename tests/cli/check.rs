@@ -235,7 +235,7 @@ fn extreme_values_have_closed_forms() {
     ] {
         scratch.write("a.yaml", study(&MACHINE.replace(from, to), ""));
         let report = report(&scratch, "a.yaml");
-        assert_eq!(report["closed_form"]["points_looked_at"], json!(1), "{to}");
+        assert_eq!(report["closed_form"]["points_examined"], json!(1), "{to}");
         scratch.well("check a.yaml");
     }
     let impossible = "uncertain: {ball_mass_kg: {normal: {mean: -1.0, std_dev: 1.0e-3}}}\n";
@@ -388,7 +388,7 @@ fn closed_forms_are_those_of_the_machine_that_is_drawn() {
     );
     let plain = &report(&scratch, "a.yaml")["closed_form"];
     assert_eq!(
-        (&plain["points_looked_at"], &plain["uncertain_at_medians"]),
+        (&plain["points_examined"], &plain["uncertain_at_medians"]),
         (&json!(1), &json!(false))
     );
     let point = &plain["points"][0];

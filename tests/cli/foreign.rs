@@ -113,7 +113,7 @@ fn commands_to_paste() {
     let (scratch, _) = finished();
     kill(&scratch);
     fs::rename(scratch.path("out"), scratch.path("a;b")).unwrap();
-    assert_has(&assert_refused(&scratch, "summary a;b"), &["`stickslip resume 'a;b'`"]);
+    assert_has(&scratch.well("summary a;b"), &["`stickslip resume 'a;b'`"]);
 }
 
 /// Returns a column of texts.

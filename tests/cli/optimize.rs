@@ -215,7 +215,7 @@ fn refusals() {
         ("{minimize: stop, designs: 1e6}", &["`optimize.designs`", "from 2 to 300"]),
         ("{minimize: stop, compare_with: {}}", &["compare_with.stiffness_n_m", "missing key"]),
         ("{minimize: stop, compare_with: {stiffness_n_m: 1e9}}", &["out of range", "30 to 200"]),
-        ("{minimize: stop, compare_with: {stiffness: 1}}", &["not a variable", "stiffness_n_m"]),
+        ("{minimize: stop, compare_with: {stiffnes: 1}}", &["not a variable", "stiffness_n_m"]),
         ("{minimize: stop, sensitivity: {samples: 1}}", &["`optimize.sensitivity.samples`"]),
     ] {
         scratch.write("bad.yaml", format!("{BLOCK}optimize: {block}\n"));

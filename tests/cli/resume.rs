@@ -188,7 +188,10 @@ fn a_run_of_another_case_is_not_taken() {
 fn what_cannot_be_resumed_is_refused() {
     let scratch = stopped();
     scratch.refused("resume nowhere", &["nowhere: this directory holds no results", "allowed: "]);
-    scratch.refused("resume a.yaml", &["a.yaml: cannot be used", "allowed: "]);
+    scratch.refused(
+        "resume a.yaml",
+        &["a.yaml: this is a file, not a directory of results", "allowed: "],
+    );
     let manifest = fs::read_to_string(scratch.path("out/manifest.json")).unwrap();
     scratch.write("out/manifest.json", &manifest[..200]);
     scratch.refused("resume out", &["manifest.json", "damaged", "allowed: "]);

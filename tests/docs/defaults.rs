@@ -24,7 +24,12 @@ fn tables(heading: &str) -> BTreeMap<String, BTreeMap<String, String>> {
             Some(_) if titles.is_empty() => titles = cells(line),
             Some(_) => {
                 let own = cells(line);
-                let name = own[0].trim_matches('`').to_owned();
+                // The key in SI units stands first; `default range` belongs to several keys.
+                let names = match titles.contains(&"default range".to_owned()) {
+                    true => &own[0],
+                    false => own[0].split("`, `").next().unwrap_or_default(),
+                };
+                let name = names.trim_matches('`').to_owned();
                 rows.insert(name, titles.iter().cloned().zip(own).collect());
             }
         }
@@ -119,6 +124,9 @@ fn the_default_box_on_the_page() {
     for (names, row) in rows.iter().filter(|(_, row)| row.contains_key("default range")) {
         for name in names.split(", ").map(|name| name.trim_matches('`')) {
             let Some(description) = ranges[name]["description"].as_str() else { continue };
+            if description.starts_with(&format!("`{name}_")) {
+                continue; // A key whose values have units.
+            }
             let of_one_ball = format!("default that of `{}`.", name.trim_end_matches("_1"));
             let expected = format!("default {}.", row["default range"]);
             let ends = if name.ends_with("_1") { of_one_ball } else { expected };

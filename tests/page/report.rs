@@ -607,12 +607,13 @@ fn uncertain_parameters_have_bars_and_dots() {
     see(&mut page, id);
     page.ask(&format!("document.querySelector('#{id} .chart').focus()"));
     let mut told = Vec::new();
-    for key in ["Home", "ArrowRight", "End"] {
+    for key in ["Home", "ArrowRight", "ArrowRight", "ArrowRight", "ArrowRight", "End"] {
         page.key(key);
         told.push(page.text(&format!("document.querySelector('#{id} .picked').textContent")));
     }
-    for (told, name) in told.iter().zip(["imbalance mass", "stiffness", "friction coefficient"]) {
-        assert!(told.contains(name) && told.contains("rank correlation"), "{name}: {told}");
+    for name in ["imbalance mass", "stiffness", "friction coefficient"] {
+        let of_name = |told: &&String| told.contains(name) && told.contains("rank correlation");
+        assert!(told.iter().any(|told| of_name(&told)), "{name}: {told:?}");
     }
     let series = format!("{}.getOption().series.length", chart(id));
     let before = page.number(&series);
@@ -675,7 +676,7 @@ fn searches_have_pages() {
         assert_eq!(shown.len(), known.len());
         for (found, (design, value)) in shown.iter().zip(known) {
             assert_eq!(found[0], design as f64);
-            assert!((found[1] / value - 1.0).abs() < 1e-6, "{found:?} {value}");
+            assert!((found[1] - value).abs() <= 1e-6 * value.abs(), "{found:?} {value}");
         }
         let sheets = page.pdf(&format!("search-{directory}")).sheets();
         assert!((2..=ids.len() + 4).contains(&sheets), "{directory}: {sheets} sheets");

@@ -164,7 +164,7 @@ fn a_block_has_a_default_start_box() {
                  design: {monte_carlo: {samples: 1}}\n";
     let given = study(&text("  kind: block_on_belt\n", given));
     assert_eq!(given.planned_run(0).start.0, [0.2, 1.0]);
-    for name in ["beta", "x", "beta_dot_1", "position"] {
+    for name in ["beta", "x", "beta_dot_1", "positon"] {
         let rest = format!("initial_conditions:\n  box: {{{name}: [0, 1]}}\n");
         let text = text("  kind: block_on_spring\n", &rest);
         let key = format!("initial_conditions.box.{name}");
@@ -229,7 +229,7 @@ fn parameters_of_other_models_are_refused() {
     let newton = text_of("  normal_force: newton\n");
     refused(&newton, 6, "model.normal_force", "kind: block_on_spring", "ball_balancer");
     let swept = text(spring, "sweep:\n  - grid: {normal_force: [newton]}\n");
-    refused(&swept, 7, "sweep[0].grid.normal_force", "normal_force", "normal_force_n (did you");
+    refused(&swept, 7, "sweep[0].grid.normal_force[0]", "newton", "a force, such as 10 N");
     let ball = text("  kind: ball_balancer\n", "sweep:\n  - grid: {mass_kg: [1]}\n");
     refused(&ball, 7, "sweep[0].grid.mass_kg", "mass_kg", "ball_mass_kg");
     // A law's own parameters exist with that law only.

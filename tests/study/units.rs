@@ -176,7 +176,7 @@ fn wrong_units_are_refused_with_the_remedy() {
     line("damping: 1e99999999999 N s/m", "damping", "1e99999999999", "a finite number");
     line("speed_rad_s: 6000 rpm", "speed_rad_s", "6000 rpm", "a number in rad/s, or `speed`");
     line("ball_mass: -1 g", "ball_mass", "-0.001", "a positive, finite number");
-    line("speeed: 1 rpm", "speeed", "speeed", "speed (did you mean this?), table_mass_kg");
+    line("speeed: 1 rpm", "speeed", "speeed", "speed (did you mean this?), speed_rad_s");
     refused(
         &text("", "sweep: [{grid: {speed: [6000 rpm, 6000]}}]\n"),
         7,

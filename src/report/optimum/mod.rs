@@ -2,6 +2,7 @@
 
 mod data;
 mod figures;
+mod indices;
 mod notes;
 
 pub use data::OptimumData;

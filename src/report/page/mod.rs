@@ -5,6 +5,7 @@
 
 mod html;
 mod optimum;
+mod points;
 mod tables;
 
 use std::path::Path;
@@ -49,7 +50,7 @@ pub fn page(directory: &Path, data: &ReportData<'_>, figures: &[Figure]) -> Stri
     body.line("<li><a href=\"#notable\">List of failed and flipped runs</a></li>");
     body.line("<li><a href=\"#study\">Study</a></li>");
     body.line("</ul></nav>\n<main>");
-    tables::points(&mut body, directory, data);
+    points::points(&mut body, directory, data);
     drawn_figures(&mut body, figures);
     tables::other_parameters(&mut body, data);
     tables::notable(&mut body, directory, data);

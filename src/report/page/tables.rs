@@ -1,4 +1,4 @@
-//! The text and tables of the page: facts of the run, missing runs, points, failed and flipped runs.
+//! The text and tables of the page: facts of the run, missing runs, parameters, failed and flipped runs.
 
 use std::path::Path;
 
@@ -7,17 +7,15 @@ use crate::analysis::RankCorrelation;
 use crate::classification::Label;
 use crate::counted::counted;
 use crate::model::Method;
-use crate::report::data::{DrawnRuns, Fraction, Notable, PointFacts, ReportData, Vibration, said};
-use crate::report::figures::{shown_parameters, significant};
+use crate::report::data::{DrawnRuns, Notable, ReportData};
+use crate::report::figures::shown_parameters;
 use crate::sanitize::{one_line, shell_word};
-use crate::study::{ParameterKind, VariedParameter};
+use crate::study::VariedParameter;
 
-/// The number of rows above which a table is folded.
-const SHORT_TABLE: usize = 24;
 /// The number of characters of a run's error message that are shown.
 const LONGEST_ERROR: usize = 400;
 /// The largest number of rows of a table.
-const MOST_ROWS: usize = 200;
+pub const MOST_ROWS: usize = 200;
 
 /// Adds the facts of the run: study, version, seed, machine, time.
 pub fn facts(body: &mut Html, data: &ReportData<'_>) {
@@ -112,130 +110,6 @@ pub fn warnings(body: &mut Html, directory: &Path, data: &ReportData<'_>) {
     ));
 }
 
-/// A column that results of earlier versions lack.
-#[derive(Clone, Copy)]
-struct Optional {
-    name: &'static str,
-    value: fn(&Vibration) -> Option<f64>,
-    text: fn(Option<f64>) -> String,
-}
-
-const OPTIONAL: [Optional; 4] = [
-    Optional {
-        name: "runs worse than without balls [%]",
-        value: |point| point.worse_fraction,
-        text: percent,
-    },
-    Optional {
-        name: "median balance quality grade G [mm/s]",
-        value: |point| point.grade_mm_s[0],
-        text: written,
-    },
-    Optional {
-        name: "95 % quantile of G [mm/s]",
-        value: |point| point.grade_mm_s[1],
-        text: written,
-    },
-    Optional {
-        name: "rests with overlapping balls [%]",
-        value: |point| point.overlapping_fraction,
-        text: percent,
-    },
-];
-
-fn micro(metres: Option<f64>) -> String {
-    written(metres.map(|value| 1e6 * value))
-}
-
-fn percent(fraction: Option<f64>) -> String {
-    fraction.map_or_else(|| "–".to_owned(), |value| format!("{:.1}", 100.0 * value))
-}
-
-/// Adds the table of points: residual vibration first, then the ends of the runs with their intervals.
-pub fn points(body: &mut Html, directory: &Path, data: &ReportData<'_>) {
-    body.line("<section aria-labelledby=\"points\"><h2 id=\"points\">Points</h2>");
-    let study = data.study;
-    let mut head = vec!["point"];
-    head.extend(study.swept().iter().map(|parameter| parameter.name.as_str()));
-    let balls = study.model().balls() > 0;
-    if balls {
-        head.extend(["median amplitude [µm]", "95 % quantile [µm]", "no balls [µm]"]);
-    }
-    let known = |of: fn(&Vibration) -> Option<f64>| {
-        data.points.iter().any(|point| of(&data.vibration(point)).is_some())
-    };
-    let optional: Vec<Optional> = OPTIONAL.into_iter().filter(|one| known(one.value)).collect();
-    head.extend(optional.iter().map(|one| one.name));
-    head.extend(["runs", "equilibria", "95 % interval"]);
-    let moving = [Label::LimitCycle, Label::Irregular, Label::Undecided, Label::Failed];
-    let words = moving.map(super::super::figures::label_words);
-    head.extend(words.iter().map(String::as_str));
-    let audit = study.audit().is_some();
-    if audit {
-        head.push("flips");
-    }
-    head.push("median time to rest [s]");
-    if balls {
-        head.push("set [%]");
-    }
-    let text: Vec<usize> = study
-        .swept()
-        .iter()
-        .enumerate()
-        .filter(|(_, parameter)| parameter.kind == ParameterKind::Text)
-        .map(|(column, _)| column + 1)
-        .collect();
-    let row = |point: &PointFacts| {
-        let mut cells = vec![point.point_id.to_string()];
-        cells.extend(point.swept.iter().map(|value| escaped(&said(value))));
-        if balls {
-            let [_, median, p95] = point.amplitude_m;
-            cells.extend([median, p95, point.without_balls_m].map(micro));
-        }
-        let vibration = data.vibration(point);
-        cells.extend(optional.iter().map(|one| (one.text)((one.value)(&vibration))));
-        let Fraction { fraction, low, high, .. } = point.equilibrium;
-        cells.push(point.runs.to_string());
-        cells.push(format!("{fraction:.4}"));
-        cells.push(format!("<span class=\"interval\">{low:.4} to {high:.4}</span>"));
-        cells.extend(
-            Label::ALL
-                .iter()
-                .zip(&point.labels)
-                .filter(|(label, _)| moving.contains(label))
-                .map(|(_, fraction)| fraction.runs.to_string()),
-        );
-        if audit {
-            cells.push(format!("{} of {}", point.audit.flips, point.audit.runs));
-        }
-        cells.push(written(point.time_to_rest_s[1]));
-        if balls {
-            cells.push(percent(point.set_fraction));
-        }
-        cells
-    };
-    let rows: Vec<Vec<String>> = data.points.iter().take(MOST_ROWS).map(row).collect();
-    let long = rows.len() > SHORT_TABLE;
-    if long {
-        let rows = rows.len();
-        body.line(&format!("<details><summary>Table of {rows} points</summary>"));
-    }
-    body.table(&head, &rows, &text);
-    if long {
-        body.line("</details>");
-    }
-    let dir = escaped(&shell_word(directory));
-    if data.point_count > rows.len() as u64 {
-        body.line(&format!(
-            "<p>The first {} of {} points; <code class=\"command\">stickslip summary {dir} --points \
-             all</code> prints all points, and points.parquet has all columns.</p>",
-            rows.len(),
-            data.point_count,
-        ));
-    }
-    body.line("</section>");
-}
-
 /// Adds the table of the uncertain parameters that the figures omit; nothing if they show all.
 pub fn other_parameters(body: &mut Html, data: &ReportData<'_>) {
     let shown = shown_parameters(data);
@@ -308,9 +182,4 @@ pub fn notable(body: &mut Html, directory: &Path, data: &ReportData<'_>) {
     ));
     body.table(&head, &rows, &[1, 2, 3, 4, 5]);
     body.line("</section>");
-}
-
-/// Returns a number with four significant digits, or a dash.
-fn written(value: Option<f64>) -> String {
-    value.map_or_else(|| "–".to_owned(), significant)
 }

@@ -139,7 +139,10 @@
 
   // Whether the names of an axis are slanted, because they are many or long.
   function slanted(axis) {
-    return axis.kind === 'names' && (axis.names.length > 5 || axis.names.join('').length > 28);
+    if (axis.kind !== 'names') return false;
+    // Each name has the width of an axis divided by their number and one; a narrow page has room for 26 characters.
+    const longest = Math.max(...axis.names.map((name) => name.length));
+    return axis.names.length > 5 || longest * (axis.names.length + 1) > 26;
   }
 
   // ---- a panel as options of the library ---------------------------------------------------------

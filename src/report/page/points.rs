@@ -1,0 +1,139 @@
+//! The table of points: residual vibration first, then the ends of the runs with their intervals.
+
+use std::path::Path;
+
+use super::html::{Html, escaped};
+use super::tables::MOST_ROWS;
+use crate::classification::Label;
+use crate::report::data::{Fraction, PointFacts, ReportData, Vibration, said};
+use crate::report::figures::{label_words, significant};
+use crate::sanitize::shell_word;
+use crate::study::ParameterKind;
+
+/// The number of rows above which a table is folded.
+const SHORT_TABLE: usize = 24;
+
+/// A column that results of earlier versions lack.
+#[derive(Clone, Copy)]
+struct Optional {
+    name: &'static str,
+    value: fn(&Vibration) -> Option<f64>,
+    text: fn(Option<f64>) -> String,
+}
+
+const OPTIONAL: [Optional; 4] = [
+    Optional {
+        name: "runs worse than without balls [%]",
+        value: |point| point.worse_fraction,
+        text: percent,
+    },
+    Optional {
+        name: "median balance quality grade G [mm/s]",
+        value: |point| point.grade_mm_s[0],
+        text: written,
+    },
+    Optional {
+        name: "95 % quantile of G [mm/s]",
+        value: |point| point.grade_mm_s[1],
+        text: written,
+    },
+    Optional {
+        name: "rests with overlapping balls [%]",
+        value: |point| point.overlapping_fraction,
+        text: percent,
+    },
+];
+
+fn micro(metres: Option<f64>) -> String {
+    written(metres.map(|value| 1e6 * value))
+}
+
+fn percent(fraction: Option<f64>) -> String {
+    fraction.map_or_else(|| "–".to_owned(), |value| format!("{:.1}", 100.0 * value))
+}
+
+/// Adds the table of points: residual vibration first, then the ends of the runs with their intervals.
+pub fn points(body: &mut Html, directory: &Path, data: &ReportData<'_>) {
+    body.line("<section aria-labelledby=\"points\"><h2 id=\"points\">Points</h2>");
+    let study = data.study;
+    let mut head = vec!["point"];
+    head.extend(study.swept().iter().map(|parameter| parameter.name.as_str()));
+    let balls = study.model().balls() > 0;
+    if balls {
+        head.extend(["median amplitude [µm]", "95 % quantile [µm]", "no balls [µm]"]);
+    }
+    let known = |of: fn(&Vibration) -> Option<f64>| {
+        data.points.iter().any(|point| of(&data.vibration(point)).is_some())
+    };
+    let optional: Vec<Optional> = OPTIONAL.into_iter().filter(|one| known(one.value)).collect();
+    head.extend(optional.iter().map(|one| one.name));
+    head.extend(["runs", "equilibria", "95 % interval"]);
+    let moving = [Label::LimitCycle, Label::Irregular, Label::Undecided, Label::Failed];
+    let occurs = |label: &Label| data.points.iter().any(|point| point.label(*label).runs > 0);
+    let moving: Vec<Label> = moving.into_iter().filter(occurs).collect();
+    let words: Vec<String> = moving.iter().map(|label| label_words(*label)).collect();
+    head.extend(words.iter().map(String::as_str));
+    let audit = study.audit().is_some();
+    if audit {
+        head.push("flips");
+    }
+    head.push("median time to rest [s]");
+    if balls {
+        head.push("set [%]");
+    }
+    let text: Vec<usize> = study
+        .swept()
+        .iter()
+        .enumerate()
+        .filter(|(_, parameter)| parameter.kind == ParameterKind::Text)
+        .map(|(column, _)| column + 1)
+        .collect();
+    let row = |point: &PointFacts| {
+        let mut cells = vec![point.point_id.to_string()];
+        cells.extend(point.swept.iter().map(|value| escaped(&said(value))));
+        if balls {
+            let [_, median, p95] = point.amplitude_m;
+            cells.extend([median, p95, point.without_balls_m].map(micro));
+        }
+        let vibration = data.vibration(point);
+        cells.extend(optional.iter().map(|one| (one.text)((one.value)(&vibration))));
+        let Fraction { fraction, low, high, .. } = point.equilibrium;
+        cells.push(point.runs.to_string());
+        cells.push(format!("{fraction:.4}"));
+        cells.push(format!("<span class=\"interval\">{low:.4} to {high:.4}</span>"));
+        cells.extend(moving.iter().map(|label| point.label(*label).runs.to_string()));
+        if audit {
+            cells.push(format!("{} of {}", point.audit.flips, point.audit.runs));
+        }
+        cells.push(written(point.time_to_rest_s[1]));
+        if balls {
+            cells.push(percent(point.set_fraction));
+        }
+        cells
+    };
+    let rows: Vec<Vec<String>> = data.points.iter().take(MOST_ROWS).map(row).collect();
+    let long = rows.len() > SHORT_TABLE;
+    if long {
+        let rows = rows.len();
+        body.line(&format!("<details><summary>Table of {rows} points</summary>"));
+    }
+    body.table(&head, &rows, &text);
+    if long {
+        body.line("</details>");
+    }
+    let dir = escaped(&shell_word(directory));
+    if data.point_count > rows.len() as u64 {
+        body.line(&format!(
+            "<p>The first {} of {} points; <code class=\"command\">stickslip summary {dir} --points \
+             all</code> prints all points, and points.parquet has all columns.</p>",
+            rows.len(),
+            data.point_count,
+        ));
+    }
+    body.line("</section>");
+}
+
+/// Returns a number with four significant digits, or a dash.
+fn written(value: Option<f64>) -> String {
+    value.map_or_else(|| "–".to_owned(), significant)
+}
