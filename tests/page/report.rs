@@ -624,14 +624,14 @@ fn uncertain_parameters_have_bars_and_dots() {
     see(&mut page, id);
     let labels = made.words("a/runs.parquet", "label");
     let points = made.numbers("a/runs.parquet", "point_id");
-    let mass = made.numbers("a/runs.parquet", "imbalance_mass_kg");
+    let stiffness = made.numbers("a/runs.parquet", "stiffness_n_m");
     let amplitude = made.numbers("a/runs.parquet", "amplitude_m");
     choose(&mut page, id, 0, 0);
     choose(&mut page, id, 1, 0);
     let found = dots(&mut page, id, "equilibrium");
     let expected: Vec<[f64; 2]> = (0..labels.len())
         .filter(|run| points[*run] == 0.0 && labels[*run] == "equilibrium")
-        .map(|run| [mass[run], 1e6 * amplitude[run]])
+        .map(|run| [stiffness[run], 1e6 * amplitude[run]])
         .collect();
     assert!(!expected.is_empty() && found.len() == expected.len(), "{found:?} {expected:?}");
     for (found, expected) in found.iter().zip(&expected) {

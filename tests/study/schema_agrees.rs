@@ -1,6 +1,6 @@
 //! The JSON Schema and the program accept and refuse the same studies: shipped ones, and many damaged ones.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 use jsonschema::Validator;
@@ -240,6 +240,7 @@ fn program(value: &Value) -> Result<(), String> {
 fn the_schema_and_the_program_agree() {
     let validator: Validator = jsonschema::validator_for(&json_schema()).expect("a valid schema");
     let (mut tried, mut disagreements) = (0, BTreeMap::<String, Vec<String>>::new());
+    let mut seen = BTreeSet::new();
     for (name, study) in studies() {
         let found: Vec<String> = validator
             .iter_errors(&study)
@@ -247,7 +248,12 @@ fn the_schema_and_the_program_agree() {
             .collect();
         assert!(found.is_empty(), "{name}: {found:?}");
         assert_eq!(program(&study), Ok(()), "{name}");
+        let kind = study["model"]["kind"].to_string();
         for (damage, study) in damaged(&study) {
+            // The same damage to two studies of one kind of model shows the same.
+            if !seen.insert(format!("{kind} {damage}")) {
+                continue;
+            }
             tried += 1;
             let disagreement = match (validator.is_valid(&study), program(&study)) {
                 (true, Ok(())) | (false, Err(_)) => continue,
@@ -274,7 +280,7 @@ fn the_schema_and_the_program_agree() {
             disagreements.entry(disagreement).or_default().push(format!("{name} {damage}"));
         }
     }
-    assert!(tried > 5000, "{tried}");
+    assert!(tried > 2000, "{tried}");
     let shown: Vec<String> = disagreements
         .iter()
         .map(|(what, places)| {
