@@ -25,7 +25,7 @@ pub struct Readable {
 
 impl Readable {
     /// Whether the tables are temporary, because the study is running or was killed.
-    pub fn from_chunks(&self) -> bool {
+    pub fn is_from_chunks(&self) -> bool {
         self.temporary.is_some()
     }
 }
@@ -71,7 +71,7 @@ pub fn readable_results(directory: &Path) -> Result<Readable, CliError> {
 /// Returns how to continue a study that is not complete, in brackets.
 pub fn how_to_continue(results: &Readable, directory: &Path) -> String {
     let resume = format!("`stickslip resume {}` continues", shell_word(directory));
-    match results.from_chunks() {
+    match results.is_from_chunks() {
         true => format!("this study is running or was interrupted; if it is not running, {resume}"),
         false => resume,
     }

@@ -63,7 +63,7 @@ fn no_better_than_without_balls(data: &OptimumData) -> Vec<String> {
             Measure::Mean => (1.0, "mean amplitude"),
             Measure::Quantile(_) => (1.0, "quantile of the amplitude"),
             Measure::Worst => (1.0, "largest amplitude"),
-            Measure::Above(limit) if limit == 1.0 => (0.5, "probability of a larger amplitude"),
+            Measure::Above(1.0) => (0.5, "probability of a larger amplitude"),
             _ => continue,
         };
         for row in data.finalists.iter().filter(|row| row.role == "best") {
