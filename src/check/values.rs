@@ -206,7 +206,7 @@ impl At<'_> {
             let remedy = "more or heavier balls, or a larger ring_radius_m";
             ("the balls cannot balance the imbalance: they are too light", remedy)
         } else {
-            let remedy = "two or more balls, none of which is heavier than all others and the imbalance together";
+            let remedy = "two or more balls, where no ball outweighs the other balls and the imbalance together";
             ("the balls cannot balance the imbalance: one ball is too heavy", remedy)
         };
         Some(Finding {

@@ -23,7 +23,7 @@ pub fn numbers<S: Serializer>(values: &[f64], out: S) -> Result<S::Ok, S::Error>
     json!({"f": BASE64.encode(bytes)}).serialize(out)
 }
 
-/// Serializes numbers of which some are missing.
+/// Serializes numbers; some of them may be missing.
 pub fn known_numbers<S: Serializer>(values: &[Option<f64>], out: S) -> Result<S::Ok, S::Error> {
     let values: Vec<f64> = values.iter().map(|value| value.unwrap_or(f64::NAN)).collect();
     numbers(&values, out)
