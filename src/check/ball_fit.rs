@@ -6,20 +6,12 @@ use std::f64::consts::PI;
 use crate::analysis::{REPLICATES, RestForm, sample};
 use crate::model::{Ball, Machine, wrap_to_pi};
 
-/// Returns the angle between the centres of two balls that touch, rad; π for balls that touch wherever they are.
-///
-/// The centres lie on the circle with the radius of the ring, at the distance of the sum of both radii.
-pub fn contact_angle(one: &Ball, other: &Ball, ring_radius_m: f64) -> f64 {
-    let half_chord = 0.25 * (one.diameter_m + other.diameter_m);
-    2.0 * (half_chord / ring_radius_m).min(1.0).asin()
-}
-
 /// Returns the angle that all balls occupy side by side, rad. Balls have room in the ring if it is at most 2π.
 ///
 /// Each ball occupies the angle at which it would touch a ball of its own size. The sum is exact for balls of one
 /// size, and an upper bound for others.
 pub fn occupied_angle(machine: &Machine) -> f64 {
-    let angle = |ball: &Ball| contact_angle(ball, ball, machine.ring_radius_m);
+    let angle = |ball: &Ball| machine.contact_angle_rad(ball, ball);
     machine.balls.iter().map(angle).sum()
 }
 
@@ -59,7 +51,7 @@ impl BallPositions {
         }
         let pairs: Vec<(usize, usize, f64)> = (0..balls.len())
             .flat_map(|i| (0..i).map(move |j| (i, j)))
-            .map(|(i, j)| (i, j, contact_angle(&balls[i], &balls[j], machine.ring_radius_m)))
+            .map(|(i, j)| (i, j, machine.contact_angle_rad(&balls[i], &balls[j])))
             .collect();
         let (mut rests, mut overlapping) = (0, 0);
         for beta in self.0.iter().filter(|beta| form.at_rest(beta).in_set()) {

@@ -11,7 +11,7 @@ mod values;
 mod warning;
 mod warnings;
 
-pub use ball_fit::{BallPositions, contact_angle, density_kg_m3, occupied_angle};
+pub use ball_fit::{BallPositions, density_kg_m3, occupied_angle};
 pub use closed_form::{BalancerFacts, BlockFacts, RestFacts};
 pub use points::{points_to_examine, spread};
 pub(crate) use values::short;

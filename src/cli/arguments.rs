@@ -7,7 +7,8 @@ use std::time::{Duration, Instant};
 use clap::{Args, ValueEnum};
 
 use super::exit::CliError;
-use crate::engine::{EngineOptions, Shard, Show, WorkerPool};
+use crate::check::warnings;
+use crate::engine::{EngineOptions, Shard, Show, WorkerPool, say};
 use crate::study::{Study, StudyError};
 
 /// The study file argument, with the directories in which its tables may lie.
@@ -32,6 +33,18 @@ impl StudyArgument {
     /// Returns the first error in the study or its tables, with its place.
     pub fn load(&self) -> Result<Study, StudyError> {
         Study::load_with_tables(&self.study, &self.tables)
+    }
+
+    /// Reads and resolves the study, and prints what is implausible in it unless `quiet`.
+    ///
+    /// # Errors
+    /// Returns the first error in the study or its tables, with its place.
+    pub fn load_and_warn(&self, quiet: bool) -> Result<Study, StudyError> {
+        let study = self.load()?;
+        if !quiet {
+            warnings(&study).iter().for_each(|warning| say(&format!("warning: {warning}")));
+        }
+        Ok(study)
     }
 }
 

@@ -61,7 +61,7 @@ pub struct EvaluateArguments {
 /// # Errors
 /// Returns an error if the study or the table cannot be used, if the output file exists, or if it cannot be written.
 pub fn evaluate(arguments: &EvaluateArguments) -> Result<End, CliError> {
-    let study = arguments.study.load()?;
+    let study = arguments.study.load_and_warn(arguments.quiet)?;
     check(arguments, &study)?;
     match &arguments.out {
         None => serve(&study, &arguments.threads.start()?, &stop_on_signals()),

@@ -1,5 +1,6 @@
 //! `stickslip evaluate --designs -`: answers requests on standard input on standard output.
 
+use std::borrow::Cow;
 use std::io::{self, BufRead, Read};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
@@ -11,7 +12,7 @@ use serde_json::json;
 use super::exit::{CliError, End};
 use super::output::{Reader, print_json};
 use crate::engine::WorkerPool;
-use crate::responses::{Neighbours, Request, RequestError, respond, to_json};
+use crate::responses::{Design, Neighbours, Request, RequestError, respond, to_json};
 use crate::study::Study;
 
 /// The longest request line, in bytes.
@@ -51,15 +52,9 @@ pub fn serve(study: &Study, workers: &WorkerPool, stop: &AtomicBool) -> Result<E
         let answer = match &request.design {
             Err(refusal) => json!({"id": request.id, "error": refusal.to_json()}),
             Ok((values, set)) => {
-                let design = (number, values.as_slice());
-                match respond(
-                    workers,
-                    std::slice::from_ref(set),
-                    study.responses(),
-                    design,
-                    stop,
-                    &|_| {},
-                ) {
+                let studies = vec![Cow::Borrowed(set.as_ref())];
+                let design = Design { number, values, studies };
+                match respond(workers, study.responses(), design, stop, &|_| {}) {
                     None => return Ok(End::Interrupted),
                     Some(mut answers) => {
                         let counts = answers.iter().map(|answer| answer.counts).collect();

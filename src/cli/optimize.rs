@@ -75,7 +75,7 @@ pub struct OptimizeArguments {
 /// Returns an error if the study cannot be used or has no `optimize`, if the directory holds other files, if a
 /// table cannot be written, or if an objective does not depend on the design.
 pub fn optimize(arguments: &OptimizeArguments) -> Result<End, CliError> {
-    let study = arguments.study.load()?;
+    let study = arguments.study.load_and_warn(arguments.quiet)?;
     let file = arguments.study.study.display();
     let Some(optimization) = study.optimization() else {
         let allowed = "an objective in the study, such as optimize: {minimize: vibration}";

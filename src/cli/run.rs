@@ -11,7 +11,6 @@ use super::failures::failure_line;
 use super::output::{print, print_json};
 use super::points_table::{MOST_LINES, PointsTable};
 use super::run_on_engine::run_on_engine;
-use crate::check::warnings;
 use crate::classification::Label;
 use crate::counted::counted;
 use crate::engine::{EngineOptions, OutputDir, Ready, say};
@@ -66,10 +65,7 @@ pub struct RunArguments {
 /// # Errors
 /// Returns an error if the study or the output directory cannot be used, or if a table cannot be written.
 pub fn run(arguments: &RunArguments) -> Result<End, CliError> {
-    let study = arguments.study.load()?;
-    if !arguments.engine.quiet {
-        warnings(&study).iter().for_each(|warning| say(&format!("warning: {warning}")));
-    }
+    let study = arguments.study.load_and_warn(arguments.engine.quiet)?;
     let directory =
         arguments.out.clone().unwrap_or_else(|| Path::new("results").join(study.name()));
     let options = arguments.engine.options(arguments.shard.shard);

@@ -46,7 +46,7 @@ pub struct VerifyArguments {
 /// # Errors
 /// Returns the errors of `run`, and an error if the study has no `expect`.
 pub fn verify(arguments: &VerifyArguments) -> Result<End, CliError> {
-    let study = arguments.study.load()?;
+    let study = arguments.study.load_and_warn(arguments.engine.quiet)?;
     if study.expectations().is_empty() {
         let what = format!("{}: `expect`: missing key", arguments.study.study.display());
         let allowed = "a list such as expect: [{point: {speed_rad_s: -160.0}, equilibrium_fraction: [0.9, 1.0]}]";

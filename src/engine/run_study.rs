@@ -237,8 +237,7 @@ impl<'a> StudyRun<'a> {
                     });
                 let begun = AtomicU64::new(0);
                 let batch = RunQueue {
-                    study,
-                    run_ids,
+                    runs: run_ids.into_iter().map(|run_id| (study, run_id)).collect(),
                     begun,
                     audits: true,
                     stop_condition,

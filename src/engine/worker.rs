@@ -13,9 +13,8 @@ use crate::table::RunRecord;
 
 /// A batch of runs that the workers share.
 pub(super) struct RunQueue<'a> {
-    pub(super) study: &'a Study,
-    /// Numbers of the runs, ascending.
-    pub(super) run_ids: Vec<u64>,
+    /// The runs: each has a study, and a number in it.
+    pub(super) runs: Vec<(&'a Study, u64)>,
     /// Number of runs that have begun.
     pub(super) begun: AtomicU64,
     pub(super) stop_condition: &'a StopCondition<'a>,
@@ -50,8 +49,8 @@ pub(super) struct Worker<'a> {
     /// Second computations of audited runs that have not begun.
     again: VecDeque<(u64, Case)>,
     open: HashMap<u64, Incomplete>,
-    /// Finished runs, in any order.
-    pub(super) finished: Vec<RunRecord>,
+    /// Finished runs with their places in the batch, in any order.
+    pub(super) finished: Vec<(u64, RunRecord)>,
 }
 
 /// A run whose result is incomplete.
@@ -73,14 +72,19 @@ impl<'a> Worker<'a> {
     }
 
     /// Takes a run from disk if it is stored with everything that its plan requires; otherwise returns the plan.
-    fn take_stored(&mut self, planned: PlannedRun) -> Option<PlannedRun> {
+    fn take_stored(
+        &mut self,
+        place: u64,
+        study: &Study,
+        planned: PlannedRun,
+    ) -> Option<PlannedRun> {
         let Some(disk) = &self.disk else { return Some(planned) };
         let key = CaseKey::of(&planned);
         let found = disk.found.get(&planned.run_id).filter(|found| found.key == key);
         let own = found.is_some_and(|found| found.own);
         let content =
             found.map(|found| found.content.clone()).or_else(|| disk.result_cache.find(key));
-        let contacts = self.batch.study.model().balls().max(1);
+        let contacts = study.model().contacts();
         let finished = content.and_then(|content| StoredOutcome::decode(&content, contacts));
         let usable = finished.filter(|finished| {
             let retry = disk.retry_failed && finished.outcome.label() == Label::Failed;
@@ -91,12 +95,12 @@ impl<'a> Worker<'a> {
         disk.reused_count.fetch_add(1, Ordering::Relaxed);
         (disk.reused)(outcome.label());
         let record = RunRecord { planned, outcome, audit };
-        self.finish(record, (!own).then_some(key));
+        self.finish(place, record, (!own).then_some(key));
         None
     }
 
     /// Adds a finished run to the result and, if it has a key, sends it to the disk.
-    fn finish(&mut self, record: RunRecord, key: Option<CaseKey>) {
+    fn finish(&mut self, place: u64, record: RunRecord, key: Option<CaseKey>) {
         if record.outcome.label() == Label::Failed {
             self.batch.stop_condition.failed();
         }
@@ -109,7 +113,7 @@ impl<'a> Worker<'a> {
             // A closed channel means that the disk failed, which is reported at the end.
             let _ = disk.new_results.send(result);
         }
-        self.finished.push(record);
+        self.finished.push((place, record));
     }
 
     /// Adds a result of a run, and finishes the run when all its results are present.
@@ -123,7 +127,7 @@ impl<'a> Worker<'a> {
         (self.batch.finished)(outcome.label());
         let record = RunRecord { planned, outcome: outcome.clone(), audit: again };
         let key = self.disk.is_some().then(|| CaseKey::of(&record.planned));
-        self.finish(record, key);
+        self.finish(place, record, key);
     }
 }
 
@@ -138,10 +142,10 @@ impl Runs for Worker<'_> {
                 return None;
             }
             let place = self.batch.begun.fetch_add(1, Ordering::Relaxed);
-            let run_id = *self.batch.run_ids.get(usize::try_from(place).ok()?)?;
-            let mut planned = self.batch.study.planned_run(run_id);
+            let (study, run_id) = *self.batch.runs.get(usize::try_from(place).ok()?)?;
+            let mut planned = study.planned_run(run_id);
             planned.audited &= self.batch.audits;
-            let Some(planned) = self.take_stored(planned) else { continue };
+            let Some(planned) = self.take_stored(place, study, planned) else { continue };
             if self.batch.stop_condition.begins_no_run() {
                 continue;
             }

@@ -1,6 +1,5 @@
 //! A pool of worker threads that share queues of runs.
 
-use std::ops::Range;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, channel};
@@ -71,29 +70,26 @@ impl WorkerPool {
         }
     }
 
-    /// Computes the first samples of some points in lockstep, each run once, and returns the runs in the order of their
-    /// numbers. Calls `finished` for each run. Returns `None` if `stop` becomes true before all runs have finished;
-    /// runs in progress are then abandoned immediately.
+    /// Computes the first samples of some points, each a point of a study, in lockstep and each run once. Returns the
+    /// runs of each point in the order of their numbers. Calls `finished` for each run. Returns `None` if `stop`
+    /// becomes true before all runs have finished; runs in progress are then abandoned immediately.
     ///
     /// The runs of all these points are in one queue, so that workers and lanes are idle only at its end.
     pub fn sample(
         &self,
-        study: &Study,
-        points: Range<u64>,
+        points: &[(&Study, u64)],
         stop: &AtomicBool,
         finished: &(dyn Fn(Label) + Sync),
-    ) -> Option<Vec<RunRecord>> {
-        let points = points.map(|point_id| study.point(point_id));
-        let run_ids: Vec<u64> = points
-            .flat_map(|point| point.first_run..point.first_run + point.sampling.first)
-            .collect();
-        let count = run_ids.len();
+    ) -> Option<Vec<Vec<RunRecord>>> {
+        let run_ids = |&(study, point_id): &(&Study, u64)| {
+            let point = study.point(point_id);
+            point.first_run..point.first_run + point.sampling.first
+        };
+        let of_point = |point| run_ids(point).map(|run_id| (point.0, run_id));
         let stop_condition = StopCondition::new(stop, &EngineOptions::default());
-        let begun = AtomicU64::new(0);
-        let batch = RunQueue {
-            study,
-            run_ids,
-            begun,
+        let queue = RunQueue {
+            runs: points.iter().flat_map(of_point).collect(),
+            begun: AtomicU64::new(0),
             audits: false,
             stop_condition: &stop_condition,
             finished,
@@ -102,19 +98,24 @@ impl WorkerPool {
         let engine = InLockstep(SimdLevel::best());
         let is_over = || stop.load(Ordering::Relaxed);
         let runs = with_grace_period(is_over, |cancellation| {
-            self.install(|| self.compute(cancellation, &engine, &batch))
+            self.install(|| self.compute(cancellation, &engine, &queue))
         });
-        (runs.len() == count).then_some(runs)
+        if runs.len() < queue.runs.len() {
+            return None;
+        }
+        let mut runs = runs.into_iter();
+        let take = |point| run_ids(point).map_while(|_| runs.next()).collect();
+        Some(points.iter().map(take).collect())
     }
 
-    /// Computes a batch and returns its finished runs in the order of their numbers; must be called on this pool.
+    /// Computes a batch and returns its finished runs in the order of the batch; must be called on this pool.
     pub(super) fn compute(
         &self,
         cancellation: &Cancellation,
         engine: &impl Engine,
         batch: &RunQueue<'_>,
     ) -> Vec<RunRecord> {
-        let mut finished: Vec<RunRecord> = (0..self.threads)
+        let mut finished: Vec<(u64, RunRecord)> = (0..self.threads)
             .into_par_iter()
             .with_max_len(1)
             .flat_map_iter(|_| {
@@ -126,7 +127,7 @@ impl WorkerPool {
                 work.finished
             })
             .collect();
-        finished.sort_unstable_by_key(|record| record.planned.run_id);
-        finished
+        finished.sort_unstable_by_key(|(place, _)| *place);
+        finished.into_iter().map(|(_, record)| record).collect()
     }
 }

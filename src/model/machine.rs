@@ -132,6 +132,15 @@ impl Machine {
         self.table_mass_kg + self.imbalance_mass_kg + balls
     }
 
+    /// Returns the angle between the centres of two balls that touch, rad; π for balls that touch wherever they are.
+    ///
+    /// The centres lie on the circle of the radius `L`, at the distance of the sum of both radii:
+    /// `2 L sin(Δβ/2) = (d_1 + d_2) / 2`.
+    pub fn contact_angle_rad(&self, one: &Ball, other: &Ball) -> f64 {
+        let half_chord = 0.25 * (one.diameter_m + other.diameter_m);
+        2.0 * libm::asin((half_chord / self.ring_radius_m).min(1.0))
+    }
+
     /// The non-dimensional friction between a ball and the ring.
     pub(super) fn ball_friction(&self, ball: &Ball) -> Friction {
         let natural = self.natural_frequency_rad_s();

@@ -5,13 +5,15 @@
 //! runs that had no part in the choice. The reference design is computed with other runs than the best design,
 //! so that both estimates are independent.
 
+use std::borrow::Cow;
+
 use super::evaluation::Evaluation;
 use super::goal::{Goal, values};
 use super::pareto::pareto_front;
 use super::search::Search;
 use crate::classification::Label;
-use crate::responses::{Answer, Estimate, respond};
-use crate::study::{DesignValue, Measure, Response, Study};
+use crate::responses::{Answer, Design, Estimate, respond};
+use crate::study::{DesignValue, Measure, Response};
 
 /// The role of a design in the finalists.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
@@ -168,14 +170,14 @@ fn respond_with_own_runs(
     let with = |number| {
         // The study has been read and the design set before, so both are valid with another seed, too.
         let other = study.with_seed(study.derived_seed(purpose, number)).ok()?;
-        other.set(values).ok()
+        Some(Cow::Owned(other.set(values).ok()?))
     };
-    let studies: Vec<Study> = (0..samples(search)).map(with).collect::<Option<_>>()?;
-    let numbered = (design.unwrap_or(0), values);
+    let studies = (0..samples(search)).map(with).collect::<Option<_>>()?;
+    let design = Design { number: design.unwrap_or(0), values, studies };
     let name = String::new();
     let mut responses = study.responses().to_vec();
     responses.push(Response { name, measure: Measure::Mean, relative: true });
-    respond(workers, &studies, &responses, numbered, stop, finished)
+    respond(workers, &responses, design, stop, finished)
 }
 
 /// Returns the designs of the finalists: the best by rank, or the Pareto front of those that meet the limits, thinned

@@ -8,7 +8,6 @@
 
 mod comparison;
 mod criterion;
-mod evaluate_in_order;
 mod evaluation;
 mod evaluations_table;
 mod finalists;

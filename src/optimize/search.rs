@@ -1,13 +1,14 @@
 //! The search: space-filling designs, then batches of designs that surrogates propose.
 
+use std::borrow::Cow;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use super::evaluate_in_order::{Numbered, evaluate_in_order};
 use super::evaluation::Evaluation;
 use super::goal::Goal;
 use super::next_designs::{Fits, NextDesign, batch, start_designs};
 use crate::classification::Label;
 use crate::engine::WorkerPool;
+use crate::responses::{Design, respond_in_order};
 use crate::study::{Optimization, Study};
 
 /// A search: the study, its goal and the workers.
@@ -47,7 +48,7 @@ pub fn search<E>(
     finished: &(dyn Fn(Label) + Sync),
     mut observe: impl FnMut(&[Evaluation]) -> Result<(), E>,
 ) -> Result<SearchEnd, E> {
-    let Search { study, optimization, stop, .. } = *search;
+    let Search { study, optimization, workers, stop } = *search;
     let goal = Goal::new(study, optimization);
     let mut fits = Fits::default();
     while (evaluations.len() as u64) < until {
@@ -66,15 +67,16 @@ pub fn search<E>(
             return Ok(SearchEnd::NoMoreDesigns);
         }
         let first = evaluations.len() as u64;
-        let designs: Vec<Numbered> = (first..)
-            .zip(&next)
-            .map(|(number, one)| (number, one.values.as_slice(), &one.study))
-            .collect();
-        let complete = evaluate_in_order(search, &designs, finished, |index, answers| {
-            let Some(NextDesign { origin, values, .. }) = next.get(index) else { return Ok(()) };
-            evaluations.push(Evaluation { origin: *origin, values: values.clone(), answers });
+        let designs = (first..).zip(&next).map(|(number, next)| {
+            Ok(Design { number, values: &next.values, studies: vec![Cow::Borrowed(&next.study)] })
+        });
+        let mut origins = next.iter().map(|one| one.origin);
+        let add = |design: &Design, answers| {
+            let Some(origin) = origins.next() else { return Ok(()) };
+            evaluations.push(Evaluation { origin, values: design.values.to_vec(), answers });
             observe(evaluations)
-        })?;
+        };
+        let complete = respond_in_order(workers, study.responses(), designs, stop, finished, add)?;
         if !complete {
             return Ok(SearchEnd::Stopped);
         }
@@ -106,6 +108,7 @@ fn next_designs(
     *fits = fitted;
     Some(next)
 }
+
 /// Returns an error message if an objective does not depend on the design.
 fn constant(study: &Study, goal: &Goal, evaluations: &[Evaluation]) -> Option<String> {
     let all = goal.values_of_designs(evaluations);

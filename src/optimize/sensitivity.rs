@@ -1,10 +1,10 @@
 //! The fraction of each response's variance over all designs that each variable explains.
 
+use std::borrow::Cow;
 use std::convert::Infallible;
 
 use rayon::prelude::*;
 
-use super::evaluate_in_order::{Numbered, evaluate_in_order};
 use super::evaluation::Evaluation;
 use super::goal::Goal;
 use super::search::Search;
@@ -13,8 +13,8 @@ use super::space::Space;
 use super::suggest::{TrainingValues, training_values};
 use super::surrogate::Surrogate;
 use crate::classification::Label;
-use crate::responses::Estimate;
-use crate::study::{DesignValue, SensitivityFrom, Study};
+use crate::responses::{Answer, Design, Estimate, respond_in_order};
+use crate::study::{DesignValue, SensitivityFrom};
 
 /// The indices of a variable for a response; one row of `sensitivities.parquet`.
 #[derive(Clone, Debug, PartialEq)]
@@ -125,23 +125,20 @@ fn from_runs(
     designs: &[Vec<DesignValue>],
     finished: &(dyn Fn(Label) + Sync),
 ) -> Option<Vec<Result<Vec<f64>, String>>> {
+    let Search { study, workers, stop, .. } = *search;
     // A design that is inconsistent has no values.
-    let consistent: Vec<(u64, &[DesignValue], Study)> = (0..)
-        .zip(designs)
-        .filter_map(|(number, design)| {
-            Some((number, design.as_slice(), search.study.set(design).ok()?))
-        })
-        .collect();
-    let numbered: Vec<Numbered> =
-        consistent.iter().map(|(number, design, set)| (*number, *design, set)).collect();
+    let consistent = (0..).zip(designs).filter_map(|(number, values)| {
+        let studies = vec![Cow::Owned(study.set(values).ok()?)];
+        Some(Ok(Design { number, values, studies }))
+    });
     let mut values = vec![vec![None; designs.len()]; goal.quantities().len()];
-    let evaluated = evaluate_in_order(search, &numbered, finished, |_, answers| {
-        let design = answers.first().map_or(0, |answer| answer.design as usize);
+    let add = |design: &Design, answers: Vec<Answer>| {
         for (all, one) in values.iter_mut().zip(goal.estimates(&answers)) {
-            all[design] = one.value;
+            all[design.number as usize] = one.value;
         }
         Ok::<(), Infallible>(())
-    });
+    };
+    let evaluated = respond_in_order(workers, study.responses(), consistent, stop, finished, add);
     if !evaluated.unwrap_or_else(|never| match never {}) {
         return None;
     }

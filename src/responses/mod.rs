@@ -27,6 +27,6 @@ pub use estimate::{Estimate, RunResult, Sample};
 pub use neighbours::Neighbours;
 pub use probability::{above, at_rest_by};
 pub use request::{Request, RequestError};
-pub use respond::{Answer, respond};
+pub use respond::{Answer, Design, respond, respond_in_order};
 pub use respond_to_all::{check_answerable, respond_to_all, run_count};
 pub use rest_time::median_time_to_rest;

@@ -1,5 +1,6 @@
-//! Computes the runs of a design and its responses.
+//! Computes the runs of designs and their responses.
 
+use std::borrow::Cow;
 use std::sync::atomic::AtomicBool;
 
 use super::amplitude::{mean, quantile, standard_deviation, worst};
@@ -35,76 +36,153 @@ pub struct Answer {
     pub discontinuous: Option<bool>,
 }
 
-/// Computes a design at all points of the sweep. `studies` holds the study with its variables set to `values`, or
-/// several such studies with different master seeds, whose runs are pooled. Calls `finished` for each run.
-/// Returns `None` if `stop` became true.
-pub fn respond(
-    workers: &WorkerPool,
-    studies: &[Study],
-    responses: &[Response],
-    (design, values): (u64, &[DesignValue]),
-    stop: &AtomicBool,
-    finished: &(dyn Fn(Label) + Sync),
-) -> Option<Vec<Answer>> {
-    let Some(first) = studies.first() else { return Some(Vec::new()) };
-    let answer = |(point_id, runs): (u64, Vec<RunRecord>)| {
-        let point = first.point(point_id);
-        let sample = |relative| Sample {
-            cells: point.cells,
-            runs: runs.iter().map(|run| observed(run, relative)).collect(),
-        };
-        let [absolute, relative] = [sample(false), sample(true)];
-        let estimate = |response: &Response| {
-            let sample = if response.relative { &relative } else { &absolute };
-            match response.relative && lacks_reference(&absolute, &relative) {
-                true => Estimate::unknown(NO_REFERENCE),
-                false => estimate(response.measure, sample),
-            }
-        };
-        let mut counts = LabelCounts::default();
-        runs.iter().for_each(|run| counts.add(run.outcome.label()));
-        Answer {
-            design,
-            values: values.to_vec(),
-            point_id,
-            swept: point.swept.clone(),
-            estimates: responses.iter().map(estimate).collect(),
-            counts,
-            discontinuous: None,
-        }
-    };
-    let mut answers = Vec::new();
-    let mut from = 0;
-    while from < first.point_count() {
-        let points = from..end_of_queue(first, from);
-        from = points.end;
-        let mut runs: Vec<(u64, Vec<RunRecord>)> =
-            points.clone().map(|id| (id, Vec::new())).collect();
-        for study in studies {
-            for run in workers.sample(study, points.clone(), stop, finished)? {
-                let place = run.planned.point_id - points.start;
-                if let Some((_, of_point)) = runs.get_mut(place as usize) {
-                    of_point.push(run);
-                }
-            }
-        }
-        answers.extend(runs.into_iter().map(answer));
+/// A design to evaluate.
+pub struct Design<'a> {
+    /// Number of the design.
+    pub number: u64,
+    /// One value per variable of the study.
+    pub values: &'a [DesignValue],
+    /// The study with its variables set to `values`, or several such studies with different master seeds, whose runs
+    /// are pooled.
+    pub studies: Vec<Cow<'a, Study>>,
+}
+
+impl Design<'_> {
+    fn run_count(&self) -> u64 {
+        self.studies.iter().map(|study| study.run_count()).sum()
     }
-    Some(answers)
 }
 
 /// The number of runs in one queue, unless a single point has more; it bounds the memory.
 const RUNS_PER_QUEUE: u64 = 4096;
 
-/// Returns the end of the points whose runs are computed in one queue, from a point on.
-fn end_of_queue(study: &Study, from: u64) -> u64 {
-    let runs_of = |point_id| study.point(point_id).sampling.first;
-    let (mut end, mut runs) = (from + 1, runs_of(from));
-    while end < study.point_count() && runs + runs_of(end) <= RUNS_PER_QUEUE {
-        runs += runs_of(end);
-        end += 1;
+/// Computes designs at all points of the sweep, and calls `each` with a design and its answers in the order of the
+/// designs. Calls `finished` for each run. Several designs are in one queue if one has few runs. Returns false if
+/// `stop` became true before all designs were computed.
+///
+/// # Errors
+/// Returns the first error of `designs` or of `each`; no further design is begun after it.
+pub fn respond_in_order<'a, E>(
+    workers: &WorkerPool,
+    responses: &[Response],
+    designs: impl IntoIterator<Item = Result<Design<'a>, E>>,
+    stop: &AtomicBool,
+    finished: &(dyn Fn(Label) + Sync),
+    mut each: impl FnMut(&Design, Vec<Answer>) -> Result<(), E>,
+) -> Result<bool, E> {
+    let mut designs = designs.into_iter().peekable();
+    let (mut group, mut runs) = (Vec::new(), 0);
+    while let Some(design) = designs.next() {
+        let design = design?;
+        runs += design.run_count();
+        group.push(design);
+        if runs < RUNS_PER_QUEUE && designs.peek().is_some() {
+            continue;
+        }
+        let Some(answers) = answers(workers, responses, &group, stop, finished) else {
+            return Ok(false);
+        };
+        for (design, answers) in group.drain(..).zip(answers) {
+            each(&design, answers)?;
+        }
+        runs = 0;
     }
-    end
+    Ok(true)
+}
+
+/// Computes a design at all points of the sweep. Calls `finished` for each run. Returns `None` if `stop` became true.
+pub fn respond(
+    workers: &WorkerPool,
+    responses: &[Response],
+    design: Design,
+    stop: &AtomicBool,
+    finished: &(dyn Fn(Label) + Sync),
+) -> Option<Vec<Answer>> {
+    answers(workers, responses, &[design], stop, finished)?.pop()
+}
+
+/// The runs of a design at one point in one of its studies.
+struct PointRuns<'a> {
+    design: usize,
+    study: &'a Study,
+    point_id: u64,
+    /// Whether the design has no further runs at this point.
+    last: bool,
+}
+
+/// Returns the answers of each design, one per point; `None` if `stop` became true.
+fn answers(
+    workers: &WorkerPool,
+    responses: &[Response],
+    designs: &[Design],
+    stop: &AtomicBool,
+    finished: &(dyn Fn(Label) + Sync),
+) -> Option<Vec<Vec<Answer>>> {
+    let mut all: Vec<PointRuns> = Vec::new();
+    for (index, design) in designs.iter().enumerate() {
+        for point_id in 0..design.studies.first().map_or(0, |study| study.point_count()) {
+            let of_point = |study| PointRuns { design: index, study, point_id, last: false };
+            all.extend(design.studies.iter().map(|study| of_point(study)));
+            all.last_mut()?.last = true;
+        }
+    }
+    let mut answers = vec![Vec::new(); designs.len()];
+    let mut pooled: Vec<RunRecord> = Vec::new();
+    let mut rest = all.as_slice();
+    while !rest.is_empty() {
+        let (queue, later) = rest.split_at(queue_length(rest));
+        rest = later;
+        let points: Vec<(&Study, u64)> =
+            queue.iter().map(|one| (one.study, one.point_id)).collect();
+        for (one, runs) in queue.iter().zip(workers.sample(&points, stop, finished)?) {
+            pooled.extend(runs);
+            if one.last {
+                let design = designs.get(one.design)?;
+                let answer = answer(design, responses, one, &pooled);
+                answers.get_mut(one.design)?.push(answer);
+                pooled.clear();
+            }
+        }
+    }
+    Some(answers)
+}
+
+/// Returns how many of these points are in one queue; at least one.
+fn queue_length(points: &[PointRuns]) -> usize {
+    let mut runs = 0;
+    let fits = |one: &&PointRuns| {
+        runs += one.study.point(one.point_id).sampling.first;
+        runs <= RUNS_PER_QUEUE
+    };
+    points.iter().take_while(fits).count().max(1)
+}
+
+/// Returns the answer of a design at a point from its runs there.
+fn answer(design: &Design, responses: &[Response], at: &PointRuns, runs: &[RunRecord]) -> Answer {
+    let point = at.study.point(at.point_id);
+    let sample = |relative| Sample {
+        cells: point.cells,
+        runs: runs.iter().map(|run| observed(run, relative)).collect(),
+    };
+    let [absolute, relative] = [sample(false), sample(true)];
+    let estimate = |response: &Response| {
+        let sample = if response.relative { &relative } else { &absolute };
+        match response.relative && lacks_reference(&absolute, &relative) {
+            true => Estimate::unknown(NO_REFERENCE),
+            false => estimate(response.measure, sample),
+        }
+    };
+    let mut counts = LabelCounts::default();
+    runs.iter().for_each(|run| counts.add(run.outcome.label()));
+    Answer {
+        design: design.number,
+        values: design.values.to_vec(),
+        point_id: at.point_id,
+        swept: point.swept.clone(),
+        estimates: responses.iter().map(estimate).collect(),
+        counts,
+        discontinuous: None,
+    }
 }
 
 /// Returns whether runs have amplitudes, but none that is relative to the machine without balls.

@@ -1,10 +1,11 @@
 //! Computes the responses of all designs of a table, and flags abrupt changes of label fractions between them.
 
+use std::borrow::Cow;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
 use super::discontinuity::discontinuous;
-use super::respond::{Answer, respond};
+use super::respond::{Answer, Design, respond_in_order};
 use crate::analysis::LabelCounts;
 use crate::classification::Label;
 use crate::engine::WorkerPool;
@@ -55,12 +56,16 @@ pub fn respond_to_all(
     finished: &(dyn Fn(Label) + Sync),
 ) -> Result<Option<Vec<Answer>>, String> {
     let mut answers: Vec<Answer> = Vec::new();
-    for (number, values) in (0..).zip(designs) {
-        let (set, design) = ([study.set(values)?], (number, values.as_slice()));
-        let Some(own) = respond(workers, &set, study.responses(), design, stop, finished) else {
-            return Ok(None);
-        };
+    let all = (0..).zip(designs).map(|(number, values)| {
+        let studies = vec![Cow::Owned(study.set(values)?)];
+        Ok::<_, String>(Design { number, values, studies })
+    });
+    let complete = respond_in_order(workers, study.responses(), all, stop, finished, |_, own| {
         answers.extend(own);
+        Ok(())
+    })?;
+    if !complete {
+        return Ok(None);
     }
     flag(study, designs, &mut answers);
     Ok(Some(answers))

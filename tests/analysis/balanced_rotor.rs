@@ -1,6 +1,7 @@
 //! A rotor without imbalance: no direction is distinguished, two equal balls balance opposite each other, and no
 //! amplitude is relative to the machine without balls.
 
+use std::borrow::Cow;
 use std::f64::consts::PI;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
@@ -11,7 +12,7 @@ use stickslip::analysis::{
 };
 use stickslip::engine::WorkerPool;
 use stickslip::model::{Ball, Machine};
-use stickslip::responses::respond;
+use stickslip::responses::{Design, respond};
 use stickslip::study::{DesignValue, Study};
 
 fn rotor(balls: &[f64], damping_n_s_m: f64) -> Machine {
@@ -115,7 +116,8 @@ design: {speed_rad_s: {from: -220, to: -200}}
     let set = study.set(&design).expect("a design");
     let stop = AtomicBool::new(false);
     let workers = WorkerPool::new(1).expect("a worker");
-    let answers = respond(&workers, &[set], study.responses(), (0, &design[..]), &stop, &|_| {});
+    let design = Design { number: 0, values: &design, studies: vec![Cow::Owned(set)] };
+    let answers = respond(&workers, study.responses(), design, &stop, &|_| {});
     let answers = answers.expect("not stopped");
     let [mean, relative, above] = &answers[0].estimates[..] else { panic!("{answers:?}") };
     assert!(mean.value.is_some_and(|value| value > 0.0), "{mean:?}");

@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use stickslip::check::{BallPositions, contact_angle, density_kg_m3, occupied_angle};
+use stickslip::check::{BallPositions, density_kg_m3, occupied_angle};
 use stickslip::model::{Ball, Machine};
 
 fn ball(diameter_m: f64) -> Ball {
@@ -27,10 +27,11 @@ fn balls_at_the_corners_of_a_polygon_fill_the_ring() {
 /// Two balls touch where the distance of their centres is the sum of their radii.
 #[test]
 fn touching_balls_are_as_far_apart_as_their_radii() {
-    let angle = contact_angle(&ball(0.002), &ball(0.006), 0.0115);
+    let ring = Machine { ring_radius_m: 0.0115, ..Machine::default() };
+    let angle = ring.contact_angle_rad(&ball(0.002), &ball(0.006));
     let (x, y) = (0.0115 * angle.cos() - 0.0115, 0.0115 * angle.sin());
     assert!((x.hypot(y) - 0.004).abs() < 1e-15);
-    assert_eq!(contact_angle(&ball(1.0), &ball(1.0), 0.0115), PI);
+    assert_eq!(ring.contact_angle_rad(&ball(1.0), &ball(1.0)), PI);
 }
 
 /// A steel ball of 1 inch (25.4 mm) has 67 g.
@@ -48,7 +49,7 @@ fn overlaps_are_as_frequent_as_among_random_points() {
         let mut machine = machine(balls, 0.002);
         machine.balls.iter_mut().for_each(|ball| ball.friction_coefficient = 0.5);
         let found = BallPositions::new(balls).overlapping_fraction(&machine).unwrap();
-        let contact = contact_angle(&machine.balls[0], &machine.balls[0], machine.ring_radius_m);
+        let contact = machine.contact_angle_rad(&machine.balls[0], &machine.balls[0]);
         let apart = (1.0 - balls as f64 * contact / TAU).powi(balls as i32 - 1);
         assert!((found - (1.0 - apart)).abs() < 0.02, "{balls} balls: {found}, {}", 1.0 - apart);
     }

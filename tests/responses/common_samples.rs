@@ -73,8 +73,8 @@ fn designs_share_their_samples() {
 /// Returns the amplitudes of all runs of a design.
 fn amplitudes(study: &Study) -> Vec<f64> {
     let workers = WorkerPool::new(2).unwrap();
-    let runs = workers.sample(study, 0..1, &AtomicBool::new(false), &|_| {}).unwrap();
-    runs.iter().map(|run| run.outcome.amplitude_m.expect("no failure")).collect()
+    let points = workers.sample(&[(study, 0)], &AtomicBool::new(false), &|_| {}).unwrap();
+    points.concat().iter().map(|run| run.outcome.amplitude_m.expect("no failure")).collect()
 }
 
 fn variance(values: &[f64]) -> f64 {
