@@ -10,7 +10,7 @@ use pyo3::types::PyDict;
 use stickslip::analysis::PointDetail;
 use stickslip::classification::Label;
 use stickslip::engine::{
-    EngineOptions, OutputDir, Planned, Progress, Ready, Show, Sink, run_study,
+    EngineOptions, OutputDir, Parts, Planned, Progress, Ready, Show, Sink, run_study,
 };
 use stickslip::study::Study;
 use stickslip::table::{
@@ -204,7 +204,7 @@ impl Run {
             study: study.name(),
             runs: self.options().shard.most_runs(study),
             at_most: study.precision().is_some(),
-            points: study.point_count(),
+            parts: Parts::Points(study.point_count()),
         }
     }
 }

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use pyo3::prelude::*;
-use stickslip::engine::{Planned, Progress, Show, WorkerPool};
+use stickslip::engine::{Parts, Planned, Progress, Show, WorkerPool};
 use stickslip::responses::{check_answerable, respond_to_all, response_columns, run_count};
 use stickslip::study::Study;
 use stickslip::table::{in_memory, provenance};
@@ -182,8 +182,8 @@ impl PyStudy {
         let table = wait(py, move |stop| {
             let workers = WorkerPool::new(threads).map_err(no_threads)?;
             let runs = run_count(&study, &designs).map_err(Trouble::Usage)?;
-            let points = designs.len() as u64 * study.point_count();
-            let planned = Planned { study: study.name(), runs, at_most: false, points };
+            let parts = Parts::Designs(designs.len() as u64);
+            let planned = Planned { study: study.name(), runs, at_most: false, parts };
             let progress = Progress::begin(planned, show(progress));
             let finished = |label| progress.finished(label);
             let answers = respond_to_all(&workers, &study, &designs, stop, &finished);

@@ -11,7 +11,7 @@ use super::exit::{CliError, End};
 use super::output::new_table;
 use crate::classification::Label;
 use crate::counted::counted;
-use crate::engine::{Planned, Progress, Show, WorkerPool, say, stop_on_signals};
+use crate::engine::{Parts, Planned, Progress, Show, WorkerPool, say, stop_on_signals};
 use crate::responses::{
     Answer, MOST_DESIGNS, check_answerable, respond_to_all, response_columns, run_count,
 };
@@ -122,8 +122,8 @@ fn compute(
     show: Show,
 ) -> Result<Option<Vec<Answer>>, CliError> {
     let runs = run_count(study, designs).map_err(CliError::Usage)?;
-    let points = designs.len() as u64 * study.point_count();
-    let planned = Planned { study: study.name(), runs, at_most: false, points };
+    let parts = Parts::Designs(designs.len() as u64);
+    let planned = Planned { study: study.name(), runs, at_most: false, parts };
     let progress = Progress::begin(planned, show);
     let finished = |label| progress.finished(label);
     let answers = respond_to_all(workers, study, designs, stop, &finished);

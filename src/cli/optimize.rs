@@ -13,7 +13,7 @@ use super::exit::{CliError, End};
 use super::output::{print, print_json};
 use crate::classification::Label;
 use crate::counted::counted;
-use crate::engine::{Lock, Planned, Progress, Show, say, stop_on_signals};
+use crate::engine::{Lock, Parts, Planned, Progress, Show, say, stop_on_signals};
 use crate::optimize::{
     Evaluation, FinalistRole, Finalists, Origin, QuantitySurrogate, Search, SearchEnd,
     evaluation_columns, final_runs, finalist_columns, finalists, optimum_json, pareto_columns,
@@ -174,7 +174,8 @@ fn search_until(
         return Ok(SearchEnd::Finished);
     }
     let runs = missing.saturating_mul(what.study.most_runs_of_a_design());
-    let planned = Planned { study: what.study.name(), runs, at_most: true, points: 1 };
+    let parts = Parts::Designs(missing);
+    let planned = Planned { study: what.study.name(), runs, at_most: true, parts };
     let progress = Progress::begin(planned, show);
     progress.keep_drawing();
     let finished = |label| progress.finished(label);
@@ -238,7 +239,9 @@ fn with_progress<T>(
         return work(&|_| {});
     }
     let study = what.study.name();
-    Progress::during(Planned { study, runs, at_most: true, points: 1 }, show, work)
+    // The parts of this work do not report that they have finished.
+    let parts = Parts::Designs(0);
+    Progress::during(Planned { study, runs, at_most: true, parts }, show, work)
 }
 
 /// The output directory of a search.

@@ -14,7 +14,7 @@ use crate::analysis::{FailureCounts, PointDetail};
 use crate::classification::Label;
 use crate::counted::counted;
 use crate::engine::{
-    EngineOptions, Planned, Progress, RunTotals, Sink, StopReason, Store, run_study, say,
+    EngineOptions, Parts, Planned, Progress, RunTotals, Sink, StopReason, Store, run_study, say,
     stop_on_signals,
 };
 use crate::report::PointFacts;
@@ -172,7 +172,7 @@ pub fn run_on_engine(
         study: study.name(),
         runs: runs_planned,
         at_most: study.precision().is_some(),
-        points: study.point_count(),
+        parts: Parts::Points(study.point_count()),
     };
     let progress = Progress::begin(planned, arguments.show());
     let most = if arguments.json { usize::MAX } else { MOST_LINES };

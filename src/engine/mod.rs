@@ -26,7 +26,7 @@ pub use interrupt::{stop_on_signals, survive_file_size_limit};
 pub use message::say;
 pub use options::EngineOptions;
 pub use output_dir::{OutputDir, OutputDirError, Ready};
-pub use progress::{Planned, Progress, Show};
+pub use progress::{Parts, Planned, Progress, Show};
 pub use read_finished::read_finished;
 pub use record_motion::record;
 pub use run_study::{EngineError, RunTotals, Sink, run_study, run_study_with};

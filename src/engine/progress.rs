@@ -49,8 +49,26 @@ pub struct Planned<'a> {
     pub runs: u64,
     /// Whether `runs` is an upper bound.
     pub at_most: bool,
-    /// Number of points.
-    pub points: u64,
+    /// The groups of runs.
+    pub parts: Parts,
+}
+
+/// Groups of runs that progress counts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Parts {
+    /// A number of points of one sweep. The runs of a single point have a common fraction of equilibria.
+    Points(u64),
+    /// A number of designs, which differ, so that their runs have no common fraction.
+    Designs(u64),
+}
+
+impl Parts {
+    /// Returns the number of parts.
+    pub fn count(self) -> u64 {
+        match self {
+            Parts::Points(count) | Parts::Designs(count) => count,
+        }
+    }
 }
 
 /// Progress over the runs of a study.
@@ -80,13 +98,13 @@ const LINES_APART: Duration = Duration::from_secs(1);
 impl Progress {
     /// Starts progress over `planned` runs of one point, shown as standard error allows.
     pub fn new(planned: u64, quiet: bool) -> Self {
-        let planned = Planned { study: "", runs: planned, at_most: false, points: 1 };
+        let planned = Planned { study: "", runs: planned, at_most: false, parts: Parts::Points(1) };
         Self::begin(planned, if quiet { Show::Nothing } else { Show::auto() })
     }
 
     /// Starts progress over the planned computation.
     pub fn begin(planned: Planned<'_>, show: Show) -> Self {
-        let Planned { study, runs, at_most, points } = planned;
+        let Planned { study, runs, at_most, parts } = planned;
         let counts = Arc::new(Counts {
             started: Instant::now(),
             most_runs: runs.into(),
@@ -94,8 +112,8 @@ impl Progress {
             runs: 0.into(),
             equilibria: 0.into(),
             failed: 0.into(),
-            points,
-            points_finished: 0.into(),
+            parts,
+            parts_finished: 0.into(),
             reused: 0.into(),
             next_line: show.every().into(),
         });
@@ -106,7 +124,7 @@ impl Progress {
                 "study": study,
                 "runs_planned": runs,
                 "runs_are_at_most": at_most,
-                "points_planned": points,
+                "points_planned": parts.count(),
             });
             say_json(&begun);
         }
@@ -114,7 +132,7 @@ impl Progress {
             Show::Bar => bar(runs, &counts),
             _ => ProgressBar::hidden(),
         };
-        let points = PointLines { many: points > FEW_POINTS, last: None, left_out: 0 };
+        let points = PointLines { many: parts.count() > FEW_POINTS, last: None, left_out: 0 };
         Progress { show, planned: runs, bar, counts, points: Mutex::new(points) }
     }
 
@@ -186,7 +204,7 @@ impl Progress {
 
     /// Reports a point whose runs have all finished: `text` is a line of text, `facts` are the fields of an event.
     pub fn point(&self, text: impl FnOnce() -> String, facts: impl FnOnce() -> Value) {
-        self.counts.points_finished.fetch_add(1, Ordering::Relaxed);
+        self.counts.parts_finished.fetch_add(1, Ordering::Relaxed);
         match self.show {
             Show::Nothing => {}
             Show::Json => {

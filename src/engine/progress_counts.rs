@@ -6,6 +6,7 @@ use std::time::{Duration, Instant};
 use indicatif::HumanDuration;
 use serde_json::{Value, json};
 
+use super::progress::Parts;
 use crate::analysis::{Z_95, wilson_with_failures};
 
 /// Counters that workers update.
@@ -18,9 +19,8 @@ pub(super) struct Counts {
     pub runs: AtomicU64,
     pub equilibria: AtomicU64,
     pub failed: AtomicU64,
-    /// Number of points.
-    pub points: u64,
-    pub points_finished: AtomicU64,
+    pub parts: Parts,
+    pub parts_finished: AtomicU64,
     /// Runs that were already on disk.
     pub reused: AtomicU64,
     /// Seconds since the start at which the next line is due.
@@ -37,8 +37,8 @@ pub(super) struct Snapshot {
     pub reused: u64,
     pub equilibria: u64,
     pub failed: u64,
-    pub points: u64,
-    pub points_finished: u64,
+    pub parts: Parts,
+    pub parts_finished: u64,
 }
 
 impl Counts {
@@ -49,7 +49,7 @@ impl Counts {
         let (reused, runs) = (read(&self.reused), read(&self.runs));
         let elapsed_s = self.started.elapsed().as_secs_f64();
         let (most_runs, at_most) = (read(&self.most_runs), self.at_most);
-        let (points, points_finished) = (self.points, read(&self.points_finished));
+        let (parts, parts_finished) = (self.parts, read(&self.parts_finished));
         Snapshot {
             elapsed_s,
             most_runs,
@@ -58,8 +58,8 @@ impl Counts {
             reused,
             equilibria,
             failed,
-            points,
-            points_finished,
+            parts,
+            parts_finished,
         }
     }
 }
@@ -95,10 +95,16 @@ impl Snapshot {
         if self.runs > self.reused {
             parts.push(format!("{:.0}/s", self.rate()));
         }
-        if self.points_finished > 0 {
-            parts.push(format!("{} of {} points", self.points_finished, self.points));
+        if self.parts_finished > 0 {
+            let (count, name) = match self.parts {
+                Parts::Points(count) => (count, "points"),
+                Parts::Designs(count) => (count, "designs"),
+            };
+            parts.push(format!("{} of {count} {name}", self.parts_finished));
         }
-        if let Some((fraction, (low, high))) = self.fraction().filter(|_| self.points == 1) {
+        if let Some((fraction, (low, high))) =
+            self.fraction().filter(|_| self.parts == Parts::Points(1))
+        {
             let [fraction, low, high] = [fraction, low, high].map(|fraction| 100.0 * fraction);
             parts.push(format!("{fraction:.1} % at rest ({low:.1} .. {high:.1} %)"));
         }
@@ -133,7 +139,7 @@ impl Snapshot {
 mod tests {
     use std::time::Duration;
 
-    use super::Snapshot;
+    use super::{Parts, Snapshot};
     use crate::analysis::{Z_95, wilson};
 
     #[test]
@@ -146,8 +152,8 @@ mod tests {
             reused: 100,
             equilibria: 150,
             failed: 0,
-            points: 1,
-            points_finished: 0,
+            parts: Parts::Points(1),
+            parts_finished: 0,
         };
         assert_eq!((counts.rate(), counts.left()), (20.0, Some(Duration::from_secs(35))));
         assert_eq!(counts.fraction(), Some((0.5, wilson(150, 300, Z_95))));
@@ -156,8 +162,10 @@ mod tests {
             "300 of 1000 runs, 20/s, 50.0 % at rest (44.4 .. 55.6 %), 35s left"
         );
         // The share of several points together says nothing.
-        let sweep = Snapshot { points: 6, points_finished: 2, ..counts };
+        let sweep = Snapshot { parts: Parts::Points(6), parts_finished: 2, ..counts };
         assert_eq!(sweep.text(), "300 of 1000 runs, 20/s, 2 of 6 points, 35s left");
+        let search = Snapshot { parts: Parts::Designs(1), parts_finished: 1, ..counts };
+        assert_eq!(search.text(), "300 of 1000 runs, 20/s, 1 of 1 designs, 35s left");
         // Failed runs widen the interval upwards only.
         let failed = Snapshot { failed: 30, at_most: true, ..counts };
         let ends = (wilson(150, 300, Z_95).0, wilson(180, 300, Z_95).1);

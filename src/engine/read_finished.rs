@@ -6,7 +6,8 @@ use std::thread;
 use std::time::Instant;
 
 use super::{
-    EngineError, EngineOptions, Planned, Progress, RunTotals, Shard, Show, Sink, Store, run_study,
+    EngineError, EngineOptions, Parts, Planned, Progress, RunTotals, Shard, Show, Sink, Store,
+    run_study,
 };
 use crate::study::Study;
 
@@ -28,7 +29,8 @@ pub fn read_finished<S: Sink>(
     let deadline = Some(Instant::now());
     let options = EngineOptions { threads, shard, deadline, ..EngineOptions::default() };
     let (study_name, runs) = (study.name(), shard.most_runs(study));
-    let planned = Planned { study: study_name, runs, at_most: true, points: study.point_count() };
+    let parts = Parts::Points(study.point_count());
+    let planned = Planned { study: study_name, runs, at_most: true, parts };
     let progress = Progress::begin(planned, Show::Nothing);
     run_study(study, options, &AtomicBool::new(false), &progress, Some(&mut store), sink)
 }
