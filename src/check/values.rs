@@ -7,7 +7,7 @@ use super::ball_fit::{BallPositions, density_kg_m3, occupied_angle, sphere_volum
 use super::closed_form::capacity_kg_m;
 use super::warning::Finding;
 use crate::analysis::{Balance, RestForm};
-use crate::model::{Ball, Block, FrictionLaw, Ground, Machine, Model};
+use crate::model::{Ball, Block, Dimension, FrictionLaw, Ground, LawParameter, Machine, Model};
 use crate::study::{Study, describe_number};
 
 /// Density of steel, kg/m³.
@@ -149,15 +149,18 @@ impl At<'_> {
     fn friction(&self, law: &FrictionLaw, kinetic: f64, ball: Option<usize>) -> Option<Finding> {
         let [least, most] = FRICTION;
         let unlikely = |value: f64| value > most || (value > 0.0 && value < least);
-        let (name, ball, value) = match *law {
-            FrictionLaw::Viscous { .. } => return None,
-            FrictionLaw::Stribeck { static_friction_coefficient, .. }
-                if unlikely(static_friction_coefficient) =>
-            {
-                ("static_friction_coefficient", None, static_friction_coefficient)
-            }
-            _ if unlikely(kinetic) => ("friction_coefficient", ball, kinetic),
-            _ => return None,
+        if !law.law().uses_friction_coefficient() {
+            return None;
+        }
+        let unlikely_ratio = |parameter: &&LawParameter| {
+            let value = law.value(parameter.name);
+            parameter.dimension == Dimension::Ratio && value.is_some_and(unlikely)
+        };
+        let of_law = law.law().parameters().iter().find(unlikely_ratio);
+        let (name, ball, value) = match of_law {
+            Some(parameter) => (parameter.name, None, law.value(parameter.name)?),
+            None if unlikely(kinetic) => ("friction_coefficient", ball, kinetic),
+            None => return None,
         };
         let usual = if ball.is_some() {
             "about 1e-4 to 1e-2 for a hard ball that rolls"

@@ -13,7 +13,7 @@
 
 use nalgebra::{Complex, DMatrix, DVector, SVD, Schur};
 
-use crate::model::{Friction, Sliding, State, System};
+use crate::model::{Friction, State, System};
 use crate::motion::{Motion, Phase, derivative};
 
 /// Largest component of the time derivative, non-dimensional, at which the motion is examined.
@@ -173,11 +173,9 @@ fn jacobian(
 
 /// Steps of the differences, one for each coordinate.
 fn steps<S: System<N, FREE>, const N: usize, const FREE: usize>(system: &S) -> Vec<f64> {
-    let speed = |Friction { sliding, .. }: &Friction| match *sliding {
-        Sliding::Smooth { speed } | Sliding::Stribeck { speed } if speed > 0.0 => {
-            DIFFERENCE.min(SPEED_DIFFERENCE * speed)
-        }
-        _ => DIFFERENCE,
+    let speed = |friction: &Friction| match friction.speed_scale() {
+        Some(scale) => DIFFERENCE.min(SPEED_DIFFERENCE * scale),
+        None => DIFFERENCE,
     };
     let mut steps = vec![DIFFERENCE; 2 * FREE + N];
     steps.extend((0..N).map(|contact| speed(system.friction(contact))));

@@ -74,7 +74,7 @@ pub fn check(arguments: &CheckArguments) -> Result<End, CliError> {
             "seed": study.seed(),
             "points": study.point_count(),
             "runs": study.run_count(),
-            "model": study.model().kind(),
+            "model": study.model().kind().name,
             "method": method,
             "endings": endings_name(study.simulation().endings),
             "balls": study.model().balls(),
@@ -151,7 +151,7 @@ fn rows(study: &Study, cost: &Cost, designs: Option<&DesignCost>) -> Vec<(&'stat
         listed(columns.iter().map(|column| column.name.as_str()).collect())
     };
     let what = match study.model().balls() {
-        0 => study.model().kind().to_owned(),
+        0 => study.model().kind().name.to_owned(),
         1 => "ball_balancer with 1 ball".to_owned(),
         balls => format!("ball_balancer with {balls} balls"),
     };

@@ -11,7 +11,7 @@ pub(super) fn machine_text(study: &Study) -> String {
     let row =
         |one: ListedParameter| vec![String::new(), one.name.clone(), value(&one), origin(&one)];
     let rows: Vec<Vec<String>> = study.parameters().into_iter().map(row).collect();
-    format!("machine ({})\n{}", study.model().kind(), text_table(&rows, &[0, 1, 2, 3]))
+    format!("machine ({})\n{}", study.model().kind().name, text_table(&rows, &[0, 1, 2, 3]))
 }
 
 /// Returns the value with its unit, or the range of a value that is swept or part of a design.

@@ -168,7 +168,7 @@ fn check_model(study: &Study) -> Result<(), CliError> {
     if study.model().balls() > 0 {
         return Ok(());
     }
-    let kind = study.model().kind();
+    let kind = study.model().kind().name;
     let allowed = "kind ball_balancer; a block on a spring rests anywhere in |x| <= friction_coefficient * \
                    normal_force_n / stiffness_n_m";
     let found = format!("a study of kind {kind}");

@@ -15,9 +15,11 @@
 use serde::Serialize;
 
 use super::invalid_parameter::{not_negative, positive};
+use super::kind::{Field, ModelKind, ParameterDescriptor};
 use super::system::stiff_pace;
 use super::{
-    Contact, Dual, Forces, Friction, FrictionLaw, InvalidParameter, Number, State, System,
+    Contact, Dual, Forces, Friction, FrictionLaw, InvalidParameter, Model, Number, SlidingSpeed,
+    State, System,
 };
 
 /// The support of a block.
@@ -31,6 +33,62 @@ pub enum Ground {
         speed_m_s: f64,
     },
 }
+
+const MASS: ParameterDescriptor = ParameterDescriptor {
+    name: "mass_kg",
+    unit: "kg",
+    meaning: "mass of the block",
+    field: Field::Block(|block| Some(&mut block.mass_kg)),
+};
+
+const STIFFNESS: ParameterDescriptor = ParameterDescriptor {
+    name: "stiffness_n_m",
+    unit: "N/m",
+    meaning: "stiffness of the spring",
+    field: Field::Block(|block| Some(&mut block.stiffness_n_m)),
+};
+
+const NORMAL_FORCE: ParameterDescriptor = ParameterDescriptor {
+    name: "normal_force_n",
+    unit: "N",
+    meaning: "force that presses the block on the ground",
+    field: Field::Block(|block| Some(&mut block.normal_force_n)),
+};
+
+const FRICTION_COEFFICIENT: ParameterDescriptor = ParameterDescriptor {
+    name: "friction_coefficient",
+    unit: "1",
+    meaning: "coefficient of friction",
+    field: Field::Block(|block| Some(&mut block.friction_coefficient)),
+};
+
+const BELT_SPEED: ParameterDescriptor = ParameterDescriptor {
+    name: "belt_speed_m_s",
+    unit: "m/s",
+    meaning: "speed of the belt",
+    field: Field::Block(|block| match &mut block.ground {
+        Ground::Fixed => None,
+        Ground::Belt { speed_m_s } => Some(speed_m_s),
+    }),
+};
+
+/// A block on a spring, on rigid ground.
+pub(super) static ON_SPRING: ModelKind = ModelKind {
+    name: "block_on_spring",
+    meaning: "A block on a spring, on rigid ground.",
+    parameters: &[MASS, STIFFNESS, NORMAL_FORCE, FRICTION_COEFFICIENT],
+    sliding_speed: SlidingSpeed::MS,
+    default: || Model::Block(Block::on_spring()),
+};
+
+/// A block on a spring, on a moving belt.
+pub(super) static ON_BELT: ModelKind = ModelKind {
+    name: "block_on_belt",
+    meaning: "A block on a spring, on a moving belt.",
+    parameters: &[MASS, STIFFNESS, NORMAL_FORCE, FRICTION_COEFFICIENT, BELT_SPEED],
+    sliding_speed: SlidingSpeed::MS,
+    default: || Model::Block(Block::on_belt()),
+};
 
 /// A block on a spring in SI units.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -57,7 +115,7 @@ impl Block {
             stiffness_n_m: 100.0,
             normal_force_n: 10.0,
             friction_coefficient: 0.1,
-            friction: FrictionLaw::Coulomb,
+            friction: FrictionLaw::COULOMB,
             ground: Ground::Fixed,
         }
     }
@@ -76,7 +134,7 @@ impl Block {
         positive("stiffness_n_m", self.stiffness_n_m)?;
         positive("normal_force_n", self.normal_force_n)?;
         not_negative("friction_coefficient", self.friction_coefficient)?;
-        self.friction.validate(self.friction_coefficient, "m_s")?;
+        self.friction.validate(self.friction_coefficient, SlidingSpeed::MS)?;
         match self.ground {
             Ground::Fixed => Ok(()),
             Ground::Belt { speed_m_s } => positive("belt_speed_m_s", speed_m_s),

@@ -6,7 +6,7 @@
 
 use std::ops::{Add, Mul, Neg, Sub};
 
-use super::{Contact, Friction, Number, Sliding, State};
+use super::{Number, State};
 
 /// `value + slope ε` with `ε² = 0`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -99,32 +99,6 @@ impl<const N: usize, const FREE: usize> State<N, Dual, FREE> {
             velocity: self.velocity.map(|number| number.slope),
             beta: self.beta.map(|number| number.slope),
             beta_dot: self.beta_dot.map(|number| number.slope),
-        }
-    }
-}
-
-impl Friction {
-    /// [`Friction::slip`] to first order in the speed.
-    pub fn slip_along(&self, direction: f64, speed: Dual) -> Contact<Dual> {
-        let Contact { free, signed_friction, drag } = self.slip(direction, speed.value);
-        let (friction_slope, drag_slope) = match self.sliding {
-            Sliding::Coulomb => (0.0, 0.0),
-            Sliding::Stribeck { speed: reference } => {
-                let falls = reference > 0.0 && direction * speed.value >= 0.0;
-                let excess = signed_friction - direction * self.coefficient;
-                (if falls { -direction * excess / reference } else { 0.0 }, 0.0)
-            }
-            Sliding::Smooth { speed: reference } => {
-                let ratio = speed.value / reference;
-                let bend = std::f64::consts::FRAC_2_PI / (reference * (1.0 + ratio * ratio));
-                (self.coefficient * bend, 0.0)
-            }
-            Sliding::Viscous { drag } => (0.0, drag),
-        };
-        Contact {
-            free: Dual::constant(free),
-            signed_friction: Dual { value: signed_friction, slope: friction_slope * speed.slope },
-            drag: Dual { value: drag, slope: drag_slope * speed.slope },
         }
     }
 }

@@ -7,7 +7,7 @@
 use serde::Serialize;
 
 use super::invalid_parameter::{InvalidParameter, invalid, not_negative, positive};
-use super::{Friction, FrictionLaw};
+use super::{Friction, FrictionLaw, SlidingSpeed};
 
 /// The largest number of balls that one machine may have.
 pub const MAX_BALLS: usize = 8;
@@ -32,6 +32,25 @@ pub enum NormalForce {
     Lagrange,
     /// Newton's second law for the ball's centre, without that term.
     Newton,
+}
+
+impl NormalForce {
+    /// All forms by the names in a study file.
+    pub const ALL: [(&'static str, NormalForce); 2] =
+        [("lagrange", NormalForce::Lagrange), ("newton", NormalForce::Newton)];
+
+    /// Returns the name in a study file.
+    pub fn name(self) -> &'static str {
+        match self {
+            NormalForce::Lagrange => "lagrange",
+            NormalForce::Newton => "newton",
+        }
+    }
+
+    /// Returns the form with this name.
+    pub fn named(name: &str) -> Option<NormalForce> {
+        NormalForce::ALL.into_iter().find_map(|(own, force)| (own == name).then_some(force))
+    }
 }
 
 /// A machine: table on springs, turning disc with an imbalance, and balls in a ring.
@@ -82,7 +101,7 @@ impl Default for Machine {
             speed_rad_s: -216.3772,
             balls: vec![Ball::default(); 2],
             normal_force: NormalForce::Lagrange,
-            friction: FrictionLaw::Coulomb,
+            friction: FrictionLaw::COULOMB,
         }
     }
 }
@@ -121,9 +140,9 @@ impl Machine {
                     ..error
                 })?;
         }
-        self.balls
-            .iter()
-            .try_for_each(|ball| self.friction.validate(ball.friction_coefficient, "rad_s"))
+        self.balls.iter().try_for_each(|ball| {
+            self.friction.validate(ball.friction_coefficient, SlidingSpeed::RadS)
+        })
     }
 
     /// The whole vibrating mass `M = M_T + m_I + Σ m_i`, kg.

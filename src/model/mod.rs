@@ -7,6 +7,7 @@
 
 mod angle;
 mod balancer;
+mod ball_balancer;
 mod block;
 mod case;
 mod contact;
@@ -15,6 +16,7 @@ mod equations;
 mod existence;
 mod friction;
 mod invalid_parameter;
+mod kind;
 mod machine;
 mod modelled;
 mod number;
@@ -29,8 +31,12 @@ pub use contact::Contact;
 pub use dual::Dual;
 pub use equations::Forces;
 pub use existence::{ExistenceVerdict, SAFE_FRICTION};
-pub use friction::{Friction, FrictionLaw, Sliding};
+pub use friction::{
+    Dimension, FRICTION_LAWS, Friction, FrictionLaw, Law, LawParameter, Lowest, MAX_LAW_PARAMETERS,
+    Sliding, SlidingForce, SlidingSpeed,
+};
 pub use invalid_parameter::InvalidParameter;
+pub use kind::{Field, MODEL_KINDS, ModelKind, ParameterDescriptor};
 pub use machine::{Ball, MAX_BALLS, Machine, NormalForce, ball_parameter_name};
 pub use modelled::{Coordinate, Model};
 pub use number::Number;

@@ -2,7 +2,9 @@
 
 use serde::Serialize;
 
-use super::{Block, FrictionLaw, Ground, InvalidParameter, Machine};
+use super::{
+    Block, FrictionLaw, Ground, InvalidParameter, Machine, ModelKind, ball_balancer, block,
+};
 
 /// One of the mechanical systems with its parameters.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -37,12 +39,12 @@ pub struct Coordinate {
 }
 
 impl Model {
-    /// The model's kind, as in a study file.
-    pub fn kind(&self) -> &'static str {
+    /// The model's kind.
+    pub fn kind(&self) -> &'static ModelKind {
         match self {
-            Model::BallBalancer(_) => "ball_balancer",
-            Model::Block(Block { ground: Ground::Fixed, .. }) => "block_on_spring",
-            Model::Block(Block { ground: Ground::Belt { .. }, .. }) => "block_on_belt",
+            Model::BallBalancer(_) => &ball_balancer::KIND,
+            Model::Block(Block { ground: Ground::Fixed, .. }) => &block::ON_SPRING,
+            Model::Block(Block { ground: Ground::Belt { .. }, .. }) => &block::ON_BELT,
         }
     }
 

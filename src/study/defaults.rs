@@ -7,10 +7,8 @@ use std::path::Path;
 
 use serde_json::Value;
 
+use crate::model::MODEL_KINDS;
 use crate::study::plan::planned_study::Study;
-
-/// Every kind of model.
-const KINDS: [&str; 3] = ["ball_balancer", "block_on_spring", "block_on_belt"];
 
 /// Returns the resolved study of a kind of model without any optional key.
 pub(in crate::study) fn defaults_of(kind: &str) -> Value {
@@ -24,7 +22,7 @@ pub(in crate::study) fn defaults_of(kind: &str) -> Value {
 
 /// Adds `default` to every optional key that has the same default in all models that have the key.
 pub(in crate::study) fn insert_defaults(schema: &mut Value) {
-    let studies = KINDS.map(defaults_of);
+    let studies = MODEL_KINDS.map(|kind| defaults_of(kind.name));
     insert(schema, "", &studies.iter().collect::<Vec<_>>());
 }
 

@@ -18,7 +18,7 @@ fn run(block: &Block, start: [f64; 2], method: Method, end_time_s: f64) -> Outco
 }
 
 fn drop_at_once(static_friction_coefficient: f64) -> FrictionLaw {
-    FrictionLaw::Stribeck { static_friction_coefficient, stribeck_speed: 0.0 }
+    FrictionLaw::stribeck(static_friction_coefficient, 0.0)
 }
 
 #[track_caller]
@@ -211,7 +211,7 @@ fn stribeck_cycles_agree_with_an_independent_integration() {
         [(0.2, 0.05, 0.1), (0.3, 0.5, 0.1), (0.15, 0.02, 0.05)]
     {
         let (period, least, most) = stribeck_cycle(fixed, 0.1, stribeck_speed, speed_m_s);
-        let friction = FrictionLaw::Stribeck { static_friction_coefficient: fixed, stribeck_speed };
+        let friction = FrictionLaw::stribeck(fixed, stribeck_speed);
         let block = Block { friction, ground: Ground::Belt { speed_m_s }, ..Block::on_belt() };
         for method in METHODS {
             let outcome = run(&block, [0.0, 0.0], method, 100.0);
@@ -228,7 +228,7 @@ fn stribeck_cycles_agree_with_an_independent_integration() {
 fn viscous_friction_gives_the_damped_oscillation() {
     for ground in [Ground::Fixed, Ground::Belt { speed_m_s: 0.1 }] {
         for drag in [0.0, 0.3, 2.0, 20.0, 100.0] {
-            let friction = FrictionLaw::Viscous { viscous_coefficient_n_s_m: drag };
+            let friction = FrictionLaw::viscous(drag);
             let block = Block { friction, ground, ..Block::on_spring() };
             let start = [0.03, -0.2];
             let exact = block.damped_oscillation(start[0], start[1], 0.7).expect("viscous");
@@ -246,7 +246,7 @@ fn viscous_friction_gives_the_damped_oscillation() {
 #[test]
 fn smooth_friction_does_not_hold() {
     for (smoothing_speed, end_time_s) in [(1e-4, 5.0), (1e-4, 20.0), (1e-4, 80.0), (2e-6, 10.0)] {
-        let friction = FrictionLaw::Smooth { smoothing_speed };
+        let friction = FrictionLaw::smooth(smoothing_speed);
         let block = Block { friction, ..Block::on_spring() };
         let held = run(&Block::on_spring(), [0.008, 0.0], Method::Switch, end_time_s);
         near(position(&held), 0.008, 0.0);
@@ -265,10 +265,10 @@ fn smooth_friction_does_not_hold() {
 #[test]
 fn extreme_values_end_in_an_outcome() {
     let laws = [
-        FrictionLaw::Coulomb,
-        FrictionLaw::Stribeck { static_friction_coefficient: 1e300, stribeck_speed: 1e-300 },
-        FrictionLaw::Smooth { smoothing_speed: 1e-300 },
-        FrictionLaw::Viscous { viscous_coefficient_n_s_m: 1e300 },
+        FrictionLaw::COULOMB,
+        FrictionLaw::stribeck(1e300, 1e-300),
+        FrictionLaw::smooth(1e-300),
+        FrictionLaw::viscous(1e300),
     ];
     for friction in laws {
         for (mass_kg, stiffness_n_m, normal_force_n, speed_m_s) in [

@@ -45,10 +45,7 @@ pub fn errors(method: Method, tolerance: f64, band: f64) -> Errors {
     assert_eq!(outcome.evidence, Evidence::RestCertified);
     let rest_position = (outcome.position.expect("known")[0] - exact.position_m).abs() / 0.01;
     let rest_time = (outcome.time_to_rest_s.expect("at rest") - exact.time_s).abs() * 10.0;
-    let block = Block {
-        friction: FrictionLaw::Stribeck { static_friction_coefficient: 0.2, stribeck_speed: 0.0 },
-        ..Block::on_belt()
-    };
+    let block = Block { friction: FrictionLaw::stribeck(0.2, 0.0), ..Block::on_belt() };
     let exact = block.stick_slip_cycle().expect("static above kinetic friction");
     let outcome = run(&block, [0.04, 0.0]);
     assert_eq!(outcome.evidence, Evidence::ClosedOrbit);

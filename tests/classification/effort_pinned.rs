@@ -11,7 +11,7 @@ use stickslip::classification::{Outcome, simulate, simulate_one_by_one};
 use stickslip::model::{Ball, Case, FrictionLaw, Machine, Method, Simulation, Start};
 use stickslip::motion::SimdLevel;
 
-const VISCOUS: FrictionLaw = FrictionLaw::Viscous { viscous_coefficient_n_s_m: 2e-4 };
+const VISCOUS: FrictionLaw = FrictionLaw::viscous(2e-4);
 
 /// A run of the thesis's machine, with angles and speeds of the balls at the start.
 struct Pinned {
@@ -29,7 +29,7 @@ impl Pinned {
     const USUAL: Pinned = Pinned {
         name: "",
         method: Method::Switch,
-        friction: FrictionLaw::Coulomb,
+        friction: FrictionLaw::COULOMB,
         friction_coefficient: 2.75e-3,
         speed_rad_s: -216.3772,
         relative_tolerance: 1e-8,

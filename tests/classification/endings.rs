@@ -73,7 +73,7 @@ fn balls_come_to_rest_as_with_all_endings() {
 
 #[test]
 fn blocks_come_to_rest_as_with_all_endings() {
-    let drops = FrictionLaw::Stribeck { static_friction_coefficient: 0.2, stribeck_speed: 0.0 };
+    let drops = FrictionLaw::stribeck(0.2, 0.0);
     let on_belt = Block { friction: drops, ..Block::on_belt() };
     let label_of = |block: Block, start: [f64; 2]| {
         let simulation = Simulation { end_time_s: 60.0, ..Simulation::default() };

@@ -127,8 +127,8 @@ fn a_continued_run_may_end_in_every_way() {
 /// late equal the longer runs, for end times at any phase of a swing.
 #[test]
 fn a_continued_run_of_a_block_is_the_longer_run() {
-    let drops = FrictionLaw::Stribeck { static_friction_coefficient: 0.2, stribeck_speed: 0.0 };
-    let damps = FrictionLaw::Viscous { viscous_coefficient_n_s_m: 2.0 };
+    let drops = FrictionLaw::stribeck(0.2, 0.0);
+    let damps = FrictionLaw::viscous(2.0);
     let mut seen = Vec::new();
     let frictionless = Block { friction_coefficient: 0.0, ..Block::on_spring() };
     for (block, start) in [
@@ -200,7 +200,7 @@ fn other_labels_are_not_continued() {
 /// continued is given up at the same step, even though it could reach its own end time.
 #[test]
 fn the_limit_of_effort_is_that_of_the_longer_run() {
-    let undamped = FrictionLaw::Viscous { viscous_coefficient_n_s_m: 0.0 };
+    let undamped = FrictionLaw::viscous(0.0);
     let case = |end_time_s: f64, extend: Option<Extend>| Case {
         model: Block { friction: undamped, ..Block::on_spring() }.into(),
         start: Start(vec![0.01, 0.0]),

@@ -37,12 +37,12 @@ fn at_rest() -> (Vec<f64>, Start) {
 fn smooth_friction_lets_resting_balls_creep() {
     let (beta, start) = at_rest();
     for method in [Method::Event, Method::Switch] {
-        let held = run(&with(FrictionLaw::Coulomb), &start, method, 20.0);
+        let held = run(&with(FrictionLaw::COULOMB), &start, method, 20.0);
         assert_eq!(held.evidence, Evidence::RestCertified);
         assert_eq!(held.time_to_rest_s, Some(0.0));
         let mut crept = Vec::new();
         for smoothing_speed in [1e-3, 1e-2] {
-            let machine = with(FrictionLaw::Smooth { smoothing_speed });
+            let machine = with(FrictionLaw::smooth(smoothing_speed));
             let outcome = run(&machine, &start, method, 20.0);
             assert_ne!(outcome.evidence, Evidence::RestCertified);
             let end = outcome.position.expect("known");
@@ -64,7 +64,7 @@ fn smooth_friction_lets_resting_balls_creep() {
 #[test]
 fn viscous_friction_balances() {
     for normal_force in [NormalForce::Lagrange, NormalForce::Newton] {
-        let friction = FrictionLaw::Viscous { viscous_coefficient_n_s_m: 5e-4 };
+        let friction = FrictionLaw::viscous(5e-4);
         let machine = Machine { speed_rad_s: -309.15, normal_force, ..with(friction) };
         for k in 0..4 {
             let turn = 1.3 * f64::from(k);
@@ -88,14 +88,14 @@ fn viscous_friction_balances() {
 fn static_friction_holds_more() {
     let (_, start) = at_rest();
     let stribeck = |static_friction_coefficient, stribeck_speed, friction_coefficient| {
-        let law = FrictionLaw::Stribeck { static_friction_coefficient, stribeck_speed };
+        let law = FrictionLaw::stribeck(static_friction_coefficient, stribeck_speed);
         let mut machine = with(law);
         for ball in &mut machine.balls {
             ball.friction_coefficient = friction_coefficient;
         }
         machine
     };
-    let mut slippery = with(FrictionLaw::Coulomb);
+    let mut slippery = with(FrictionLaw::COULOMB);
     for ball in &mut slippery.balls {
         ball.friction_coefficient = 1e-3;
     }
@@ -110,7 +110,7 @@ fn static_friction_holds_more() {
         let moving = Start::of_balancer([0.03, -0.02], &[1.0, 5.0], [0.01, 0.04], &[0.5, -0.7]);
         for speed in [0.0, 3.0] {
             let equal = run(&stribeck(2.75e-3, speed, 2.75e-3), &moving, method, 5.0);
-            assert_eq!(equal, run(&with(FrictionLaw::Coulomb), &moving, method, 5.0));
+            assert_eq!(equal, run(&with(FrictionLaw::COULOMB), &moving, method, 5.0));
         }
     }
 }

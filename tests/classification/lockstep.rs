@@ -37,8 +37,7 @@ fn mixed() -> Vec<Case> {
     for (number, case) in all.iter_mut().enumerate() {
         let machine = case.model.ball_balancer_mut().unwrap();
         if number % 7 == 3 {
-            machine.friction =
-                stickslip::model::FrictionLaw::Viscous { viscous_coefficient_n_s_m: 2e-4 };
+            machine.friction = stickslip::model::FrictionLaw::viscous(2e-4);
         }
     }
     all
@@ -100,8 +99,7 @@ fn reversals_without_a_switch_are_detected() {
     for case in &mut cases {
         let machine = case.model.ball_balancer_mut().unwrap();
         machine.speed_rad_s = -191.6372;
-        machine.friction =
-            stickslip::model::FrictionLaw::Viscous { viscous_coefficient_n_s_m: 2e-4 };
+        machine.friction = stickslip::model::FrictionLaw::viscous(2e-4);
         let (lanes, alone) = (simulate(case), simulate_one_by_one(case));
         assert_eq!(lanes.evidence, alone.evidence, "{case:?}");
         match lanes.label() {

@@ -23,7 +23,7 @@ fn the_exponent_at_an_unstable_equilibrium_is_that_of_the_linearised_equations()
     for speed_rad_s in [-150.0, -178.0, -216.3772, -309.15] {
         let machine = Machine {
             speed_rad_s,
-            friction: FrictionLaw::Viscous { viscous_coefficient_n_s_m },
+            friction: FrictionLaw::viscous(viscous_coefficient_n_s_m),
             ..Machine::default()
         };
         let natural = machine.natural_frequency_rad_s();

@@ -33,16 +33,14 @@ fn viscous(speed_rad_s: f64, balls: usize, viscous_coefficient_n_s_m: f64) -> Ma
     Machine {
         speed_rad_s,
         balls: vec![Ball::default(); balls],
-        friction: FrictionLaw::Viscous { viscous_coefficient_n_s_m },
+        friction: FrictionLaw::viscous(viscous_coefficient_n_s_m),
         ..Machine::default()
     }
 }
 
 /// Returns the equilibria of a machine with viscous friction, with the stability for its drag.
 fn equilibria(machine: &Machine) -> Vec<FrictionlessEquilibrium> {
-    let FrictionLaw::Viscous { viscous_coefficient_n_s_m: drag } = machine.friction else {
-        panic!("another law");
-    };
+    let drag = machine.friction.value("viscous_coefficient_n_s_m").expect("viscous drag");
     let unit = machine.balls[0].mass_kg * machine.natural_frequency_rad_s();
     frictionless_equilibria(machine, drag / unit).expect("balls")
 }
@@ -168,7 +166,7 @@ fn slow_creep_is_not_settled() {
     let balancer = Balancer::<2>::new(&coulomb).expect("two balls");
     assert!(balancer.friction_use(&balancer.rest_point(&beta), 0.0) < 0.9);
     for (smoothing_speed, end) in [(1e-4, 0.5), (1e-6, 5e-3), (1e-9, 5e-6), (1e-13, 1e-9)] {
-        let friction = FrictionLaw::Smooth { smoothing_speed };
+        let friction = FrictionLaw::smooth(smoothing_speed);
         let machine = Machine { friction, ..Machine::default() };
         let (state, fastest) = later::<2>(&machine, &resting(&machine, beta), end);
         assert!(apart(&state, &beta) < 1e-3 && fastest < 1e-6, "slow: {fastest}");
@@ -190,9 +188,9 @@ fn slow_creep_is_not_settled() {
         }
     }
     for (friction, end) in [
-        (FrictionLaw::Smooth { smoothing_speed: 1e-8 }, 1e-4),
-        (FrictionLaw::Smooth { smoothing_speed: 1e-6 }, 1e-2),
-        (FrictionLaw::Viscous { viscous_coefficient_n_s_m: 1e7 }, 1e-3),
+        (FrictionLaw::smooth(1e-8), 1e-4),
+        (FrictionLaw::smooth(1e-6), 1e-2),
+        (FrictionLaw::viscous(1e7), 1e-3),
     ] {
         let block = Block { friction, ..Block::on_spring() };
         for (place, evidence) in [(0.003, Evidence::EndTime), (3e-5, Evidence::Settled)] {
@@ -274,7 +272,7 @@ fn blocks_settle() {
     // of time. Speed is sampled once a step, a quarter of a period: one of two successive samples
     // is at least 1/√2 of its peak, so that the detection may be early by ln √2 / ζ = 7 units and
     // two steps, 1 s in all.
-    let damped = FrictionLaw::Viscous { viscous_coefficient_n_s_m: 1.0 };
+    let damped = FrictionLaw::viscous(1.0);
     let block = Block { friction: damped, ..Block::on_spring() };
     let outcome = run(block.clone(), &Start(vec![0.01, 0.0]), 200.0);
     assert_eq!(outcome.evidence, Evidence::Settled);
@@ -290,18 +288,18 @@ fn blocks_settle() {
         assert!((slow - 1.0..slow + 0.2).contains(&found), "{found} for {slow}");
     }
     let belt = |friction| Block { friction, ..Block::on_belt() };
-    let rising = FrictionLaw::Smooth { smoothing_speed: 0.1 };
-    let falling = FrictionLaw::Stribeck { static_friction_coefficient: 0.3, stribeck_speed: 0.1 };
-    let balance = |law| match law {
-        FrictionLaw::Smooth { .. } => 0.01 * 0.5,
+    let rising = FrictionLaw::smooth(0.1);
+    let falling = FrictionLaw::stribeck(0.3, 0.1);
+    let balance = |law: FrictionLaw| match law.name() {
+        "smooth" => 0.01 * 0.5,
         _ => 0.01 * (1.0 + 2.0 * (-1.0_f64).exp()),
     };
-    let undamped = FrictionLaw::Viscous { viscous_coefficient_n_s_m: 0.0 };
+    let undamped = FrictionLaw::viscous(0.0);
     for (law, place, evidence) in [
         (rising, balance(rising), Evidence::Settled),
         (falling, balance(falling), Evidence::EndTime),
         (undamped, 0.0, Evidence::EndTime),
-        (FrictionLaw::Coulomb, 0.01, Evidence::EndTime),
+        (FrictionLaw::COULOMB, 0.01, Evidence::EndTime),
     ] {
         assert!(matches!(belt(law).ground, Ground::Belt { speed_m_s: 0.1 }));
         let outcome = run(belt(law), &Start(vec![place, 0.0]), 5.0);

@@ -5,8 +5,8 @@ use stickslip::model::{Ball, Block, Case, FrictionLaw, Machine, Model, Simulatio
 
 #[test]
 fn runs_with_too_many_steps_are_abandoned_soon() {
-    let undamped = FrictionLaw::Viscous { viscous_coefficient_n_s_m: 0.0 };
-    let slippery = FrictionLaw::Smooth { smoothing_speed: 1e200 };
+    let undamped = FrictionLaw::viscous(0.0);
+    let slippery = FrictionLaw::smooth(1e200);
     let swinging: Model = Block { friction: undamped, ..Block::on_spring() }.into();
     let stiff: Model =
         Block { friction: undamped, stiffness_n_m: 1e200, ..Block::on_spring() }.into();

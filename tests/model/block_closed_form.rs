@@ -8,7 +8,7 @@ fn close(found: f64, exact: f64) {
 }
 
 fn drop_at_once(static_friction_coefficient: f64) -> FrictionLaw {
-    FrictionLaw::Stribeck { static_friction_coefficient, stribeck_speed: 0.0 }
+    FrictionLaw::stribeck(static_friction_coefficient, 0.0)
 }
 
 /// From 0.0865 m each half swing is 0.02 m shorter than the last, until friction holds.
@@ -113,7 +113,7 @@ fn damped_oscillation_meets_its_equation() {
         (75.0, Ground::Fixed),
         (3.0, Ground::Belt { speed_m_s: 0.1 }),
     ] {
-        let friction = FrictionLaw::Viscous { viscous_coefficient_n_s_m: drag };
+        let friction = FrictionLaw::viscous(drag);
         let block = Block { friction, ground, ..Block::on_spring() };
         let belt = if let Ground::Belt { speed_m_s } = ground { speed_m_s } else { 0.0 };
         let at = |t: f64| block.damped_oscillation(0.02, -0.3, t).expect("viscous");
@@ -132,7 +132,7 @@ fn damped_oscillation_meets_its_equation() {
 /// Creep under the smooth law satisfies `-k x = μ F_n (2/π) atan(x' / v_0)`.
 #[test]
 fn creep_meets_its_equation() {
-    let friction = FrictionLaw::Smooth { smoothing_speed: 1e-3 };
+    let friction = FrictionLaw::smooth(1e-3);
     let block = Block { friction, ..Block::on_spring() };
     let at = |t: f64| block.creep_position_m(0.008, t).expect("inside");
     close(at(0.0), 0.008);
@@ -145,8 +145,8 @@ fn creep_meets_its_equation() {
 
 #[test]
 fn closed_forms_are_given_only_where_they_hold() {
-    let smooth = FrictionLaw::Smooth { smoothing_speed: 1e-3 };
-    let gradual = FrictionLaw::Stribeck { static_friction_coefficient: 0.2, stribeck_speed: 0.1 };
+    let smooth = FrictionLaw::smooth(1e-3);
+    let gradual = FrictionLaw::stribeck(0.2, 0.1);
     let on_spring = |friction| Block { friction, ..Block::on_spring() };
     let on_belt = |friction| Block { friction, ..Block::on_belt() };
     assert!(on_spring(smooth).stopping(0.1, 0.0).is_none());

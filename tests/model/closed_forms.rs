@@ -7,7 +7,7 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use stickslip::model::{Block, FrictionLaw, Ground};
+use stickslip::model::{Block, Ground};
 
 /// Relative rounding tolerance, in half swings, for a turning point on the edge of the rest set.
 const EDGE: f64 = 1e-12;
@@ -113,11 +113,9 @@ pub trait ClosedForms {
 /// `None` if the friction otherwise depends on speed.
 fn reaches_m(block: &Block) -> Option<[f64; 2]> {
     let kinetic = block.friction_coefficient;
-    let fixed = match block.friction {
-        FrictionLaw::Coulomb => kinetic,
-        FrictionLaw::Stribeck { static_friction_coefficient, stribeck_speed: 0.0 } => {
-            static_friction_coefficient
-        }
+    let fixed = match (block.friction.name(), block.friction.values()) {
+        ("coulomb", _) => kinetic,
+        ("stribeck", &[static_friction_coefficient, 0.0]) => static_friction_coefficient,
         _ => return None,
     };
     Some([fixed, kinetic].map(|coefficient| coefficient * block.unit_length_m()))
@@ -180,9 +178,7 @@ impl ClosedForms for Block {
         velocity_m_s: f64,
         time_s: f64,
     ) -> Option<[f64; 2]> {
-        let FrictionLaw::Viscous { viscous_coefficient_n_s_m: drag } = self.friction else {
-            return None;
-        };
+        let drag = self.friction.value("viscous_coefficient_n_s_m")?;
         let belt = match self.ground {
             Ground::Fixed => 0.0,
             Ground::Belt { speed_m_s } => speed_m_s,
@@ -210,7 +206,7 @@ impl ClosedForms for Block {
     }
 
     fn creep_position_m(&self, position_m: f64, time_s: f64) -> Option<f64> {
-        let FrictionLaw::Smooth { smoothing_speed } = self.friction else { return None };
+        let smoothing_speed = self.friction.value("smoothing_speed_m_s")?;
         let reach = self.friction_coefficient * self.unit_length_m();
         if self.ground != Ground::Fixed || position_m.abs() >= reach {
             return None;

@@ -1,6 +1,6 @@
 //! Dual numbers: their slopes agree with central differences.
 
-use stickslip::model::{Dual, Friction, Number, Sliding};
+use stickslip::model::{Dual, FRICTION_LAWS, FrictionLaw, Number};
 
 /// Every operation agrees with central differences.
 #[test]
@@ -17,25 +17,31 @@ fn slopes_are_derivatives() {
     }
 }
 
+/// The slope of every law is the limit of differences, also where its parameters have special values.
 #[test]
 fn slopes_of_the_friction_laws() {
-    let laws = [
-        Sliding::Coulomb,
-        Sliding::Stribeck { speed: 0.3 },
-        Sliding::Stribeck { speed: 0.0 },
-        Sliding::Smooth { speed: 0.2 },
-        Sliding::Viscous { drag: 0.7 },
+    let examples = FRICTION_LAWS.iter().flat_map(|law| {
+        [0, 1].map(|unit| {
+            let values: Vec<f64> = law.parameters().iter().map(|one| one.examples[unit]).collect();
+            FrictionLaw::new(*law, &values)
+        })
+    });
+    let special = [
+        FrictionLaw::stribeck(0.8, 0.3),
+        FrictionLaw::stribeck(0.8, 0.0),
+        FrictionLaw::smooth(0.2),
+        FrictionLaw::viscous(0.7),
     ];
-    for sliding in laws {
-        let friction = Friction { coefficient: 0.5, limit: 0.8, sliding };
+    for law in examples.chain(special) {
+        let friction = law.contact(0.5, 1.0, 1.0);
         for speed in [-1.1, -0.2, 0.25, 0.9] {
             let direction = f64::signum(speed);
             let along = friction.slip_along(direction, Dual { value: speed, slope: 1.0 });
             let at = |speed| friction.slip(direction, speed);
             let (low, high) = (at(speed - 1e-6), at(speed + 1e-6));
             let expected = (high.signed_friction - low.signed_friction) / 2e-6;
-            assert!((along.signed_friction.slope - expected).abs() < 1e-8, "{sliding:?}");
-            assert!((along.drag.slope - (high.drag - low.drag) / 2e-6).abs() < 1e-8);
+            assert!((along.signed_friction.slope - expected).abs() < 1e-8, "{law:?}");
+            assert!((along.drag.slope - (high.drag - low.drag) / 2e-6).abs() < 1e-8, "{law:?}");
             assert_eq!(along.signed_friction.value, at(speed).signed_friction);
         }
     }

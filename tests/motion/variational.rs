@@ -93,11 +93,11 @@ fn carried_displacements_are_those_of_neighbours() {
                 ..Machine::default()
             };
             machine.friction = sampler.one_of(&[
-                FrictionLaw::Coulomb,
-                FrictionLaw::Coulomb,
-                FrictionLaw::Stribeck { static_friction_coefficient: 4e-3, stribeck_speed: 20.0 },
-                FrictionLaw::Smooth { smoothing_speed: 30.0 },
-                FrictionLaw::Viscous { viscous_coefficient_n_s_m: 1e-4 },
+                FrictionLaw::COULOMB,
+                FrictionLaw::COULOMB,
+                FrictionLaw::stribeck(4e-3, 20.0),
+                FrictionLaw::smooth(30.0),
+                FrictionLaw::viscous(1e-4),
             ]);
             machine.balls[1].mass_kg *= 1.5;
             Model::from(machine.clone()).validate().expect("a valid machine");

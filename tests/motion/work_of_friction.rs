@@ -40,11 +40,11 @@ fn follow<S: System<N, FREE>, const N: usize, const FREE: usize>(
 #[test]
 fn friction_never_does_positive_work_on_balls() {
     for friction in [
-        FrictionLaw::Coulomb,
-        FrictionLaw::Stribeck { static_friction_coefficient: 6e-3, stribeck_speed: 5.0 },
-        FrictionLaw::Stribeck { static_friction_coefficient: 4e-3, stribeck_speed: 0.0 },
-        FrictionLaw::Smooth { smoothing_speed: 1.0 },
-        FrictionLaw::Viscous { viscous_coefficient_n_s_m: 2e-4 },
+        FrictionLaw::COULOMB,
+        FrictionLaw::stribeck(6e-3, 5.0),
+        FrictionLaw::stribeck(4e-3, 0.0),
+        FrictionLaw::smooth(1.0),
+        FrictionLaw::viscous(2e-4),
     ] {
         let machine = Machine { friction, ..Machine::default() };
         let balancer = Balancer::<2>::new(&machine).expect("two balls");
@@ -95,7 +95,7 @@ fn dry_friction_dissipates_force_times_distance() {
 /// Under the viscous law on rigid ground, energy decreases at every step, to zero.
 #[test]
 fn viscous_friction_dissipates_all_energy() {
-    let friction = FrictionLaw::Viscous { viscous_coefficient_n_s_m: 1.0 };
+    let friction = FrictionLaw::viscous(1.0);
     let slider = Block { friction, ..Block::on_spring() }.slider();
     let start = SliderState { position: [], velocity: [], beta: [0.5], beta_dot: [-1.7] };
     follow(&slider, Method::Event, start, 400.0);

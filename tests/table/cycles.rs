@@ -93,8 +93,7 @@ fn a_block_on_a_belt_has_one_cycle() {
     let speeds = numbers(&cycles, "belt_speed_m_s");
     let value = |name: &str, row: usize| numbers(&cycles, name)[row].expect("known");
     for (row, speed_m_s) in speeds.into_iter().map(Option::unwrap).enumerate() {
-        let friction =
-            FrictionLaw::Stribeck { static_friction_coefficient: 0.2, stribeck_speed: 0.0 };
+        let friction = FrictionLaw::stribeck(0.2, 0.0);
         let block = Block { friction, ground: Ground::Belt { speed_m_s }, ..Block::on_belt() };
         let exact = block.stick_slip_cycle().expect("it sticks and slips");
         for name in ["period_s", "period_low_s", "period_high_s"] {

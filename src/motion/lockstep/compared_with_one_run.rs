@@ -22,7 +22,7 @@ fn machine(lane: usize, balls: usize) -> Machine {
         ball.friction_coefficient *= 1.0 + lane as f64;
     }
     if lane == 5 {
-        machine.friction = FrictionLaw::Viscous { viscous_coefficient_n_s_m: 3e-3 };
+        machine.friction = FrictionLaw::viscous(3e-3);
     }
     machine
 }

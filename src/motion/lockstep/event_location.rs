@@ -210,10 +210,8 @@ mod tests {
         // The large drag slows a ball that runs backwards faster than the disc to the disc's speed
         // within a step, even for a small motion of the table.
         let of_critical_drag = machine.balls[0].mass_kg * machine.natural_frequency_rad_s();
-        let dragged = Machine {
-            friction: FrictionLaw::Viscous { viscous_coefficient_n_s_m: of_critical_drag },
-            ..machine.clone()
-        };
+        let dragged =
+            Machine { friction: FrictionLaw::viscous(of_critical_drag), ..machine.clone() };
         seen_in(simd, &machine, 0.3);
         seen_in(simd, &dragged, 3e-3);
     }

@@ -34,7 +34,7 @@ pub fn facts(body: &mut Html, data: &ReportData<'_>) {
     let program = format!("stickslip {} ({})", manifest.version, manifest.commit);
     let model = format!(
         "{}, {} friction; {} s at most, method {}",
-        study.model().kind().replace('_', " "),
+        study.model().kind().name.replace('_', " "),
         study.model().friction().name(),
         simulation.end_time_s,
         match simulation.method {

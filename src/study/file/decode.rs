@@ -13,8 +13,8 @@ use serde::de::{
 use serde::forward_to_deserialize_any;
 
 use crate::study::error::{Fault, Location, StudyError, list_keys, list_names, shorten};
+use crate::study::file::friction_file::example_of_friction;
 use crate::study::file::key_path::{KeyPath, Segment};
-use crate::study::file::study_file::example_of_friction;
 use crate::study::file::yaml_tree::{Content, Node, Source};
 
 /// Deserialises a value of type `T` from the whole source.

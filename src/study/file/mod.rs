@@ -3,8 +3,11 @@
 pub mod balls;
 pub(in crate::study) mod decode;
 pub mod distribution_file;
+pub(in crate::study) mod friction_file;
 pub(in crate::study) mod key_path;
+pub(in crate::study) mod name;
 pub mod optimize_file;
+pub(in crate::study) mod parameters_file;
 pub(in crate::study) mod quantity;
 pub(in crate::study) mod ranges;
 pub(in crate::study) mod read_file;

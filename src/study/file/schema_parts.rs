@@ -3,12 +3,17 @@
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde_json::{Map, Value, json};
 
+use super::balls::Balls;
 use super::distribution_file::DistributionFile;
+use super::parameters_file::{BALLS, is_before_balls, parameter_keys};
 use super::response_file::VariableFile;
 use super::table_folders::MAX_VALUES;
 use super::values::Range;
-use crate::model::{Ball, Block, FrictionLaw, MAX_BALLS, Machine, Model};
-use crate::study::plan::parameter::{NORMAL_FORCES, Parameter};
+use crate::model::{
+    Ball, FRICTION_LAWS, FrictionLaw, MAX_BALLS, MODEL_KINDS, Machine, Model, ModelKind,
+    NormalForce,
+};
+use crate::study::plan::parameter::Parameter;
 use crate::study::sampling::initial_box::{GENERAL_AXES, axes_in_words, axis_names};
 
 /// The labels of runs that can be continued.
@@ -86,7 +91,7 @@ fn number_range() -> Value {
 /// Returns the schema of a parameter's value: a number with its bound, or a word.
 fn value(parameter: Parameter, models: &[Model]) -> Value {
     if !parameter.is_number() {
-        return json!({ "enum": NORMAL_FORCES.map(|(name, _)| name) });
+        return json!({ "enum": NormalForce::ALL.map(|(name, _)| name) });
     }
     let model = models.iter().find(|model| Parameter::all(model).contains(&parameter));
     let allows = |number| model.is_none_or(|model| parameter.check(number, model).is_ok());
@@ -95,6 +100,73 @@ fn value(parameter: Parameter, models: &[Model]) -> Value {
         (true, false) => json!({ "type": "number", "minimum": 0 }),
         (false, false) => json!({ "type": "number", "exclusiveMinimum": 0 }),
     }
+}
+
+/// Returns the schema of the parameters of a model of any kind.
+pub(in crate::study) fn parameters_schema(generator: &mut SchemaGenerator) -> Schema {
+    let models = all_models();
+    let balls = generator.subschema_for::<Balls>().to_value();
+    let words = format!(
+        "Number of balls, 1 to {MAX_BALLS}, or a list with one entry per ball; default {}.",
+        Machine::default().balls.len()
+    );
+    let mut properties = Map::new();
+    for &name in parameter_keys().iter().filter(|name| **name != BALLS) {
+        if !is_before_balls(name) {
+            properties.entry(BALLS).or_insert_with(|| described(balls.clone(), words.clone()));
+        }
+        let find = |kind: &&ModelKind| Parameter::find(name, &(kind.default)());
+        if let Some(parameter) = MODEL_KINDS.iter().find_map(find) {
+            let schema = value(parameter, &models);
+            let words = parameter_in_words(name, &schema);
+            properties.insert(name.to_owned(), described(schema, words));
+        }
+    }
+    json_schema!({
+        "description": "Parameters in SI units; each kind of model has its own.",
+        "type": "object",
+        "properties": properties,
+        "additionalProperties": false,
+    })
+}
+
+/// Returns the description of a parameter: its meanings with their defaults, unit and lowest value.
+fn parameter_in_words(name: &str, schema: &Value) -> String {
+    let mut meanings: Vec<(String, String)> = Vec::new();
+    let mut unit = "";
+    for kind in MODEL_KINDS {
+        let model = (kind.default)();
+        let Some(own) = kind.parameters.iter().find(|own| own.name == name) else { continue };
+        let Some(parameter) = Parameter::find(name, &model) else { continue };
+        let each = if own.is_of_each_ball() { " of each ball without its own value" } else { "" };
+        let default = parameter.get(&model, &Ball::default()).to_string();
+        let meaning = (format!("{}{each}", own.meaning), default);
+        if !meanings.contains(&meaning) {
+            meanings.push(meaning);
+        }
+        unit = own.unit;
+    }
+    let (meaning, default) = match &meanings[..] {
+        [(meaning, default)] => (meaning.clone(), format!("; default {default}")),
+        all => {
+            let each =
+                all.iter().map(|(meaning, default)| format!("{meaning} (default {default})"));
+            (each.collect::<Vec<_>>().join(", or "), String::new())
+        }
+    };
+    let unit = if unit == "1" { "dimensionless" } else { unit };
+    let lowest = match (schema.get("minimum"), schema.get("exclusiveMinimum")) {
+        (Some(_), _) => "; at least 0",
+        (None, Some(_)) => "; above 0",
+        (None, None) => "",
+    };
+    format!("{}, {unit}{lowest}{default}.", capital(&meaning))
+}
+
+/// Returns the text with a capital letter.
+pub(super) fn capital(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }
 
 /// Returns the schema of distributions by numeric parameter.
@@ -106,7 +178,7 @@ pub(in crate::study) fn uncertain(generator: &mut SchemaGenerator) -> Schema {
 /// Returns the coordinates of the box of start states of this kind of model, for any number of balls.
 pub(in crate::study) fn axes_of(kind: &str) -> Vec<String> {
     let mut models = all_models();
-    models.retain(|model| model.kind() == kind);
+    models.retain(|model| model.kind().name == kind);
     let general = GENERAL_AXES.iter().filter(|_| models.iter().any(|model| model.balls() > 0));
     let own = models.iter().take(1).flat_map(axis_names);
     general.map(|&name| name.to_owned()).chain(own).collect()
@@ -131,20 +203,17 @@ pub(in crate::study) fn extended_labels(_: &mut SchemaGenerator) -> Schema {
 
 /// Returns one model of every kind and every friction law, with the largest number of balls.
 fn all_models() -> Vec<Model> {
-    let laws = [
-        FrictionLaw::Coulomb,
-        FrictionLaw::Stribeck { static_friction_coefficient: 1.0, stribeck_speed: 0.0 },
-        FrictionLaw::Smooth { smoothing_speed: 1.0 },
-        FrictionLaw::Viscous { viscous_coefficient_n_s_m: 0.0 },
-    ];
-    let kinds = [
-        Model::BallBalancer(Machine {
-            balls: vec![Ball::default(); MAX_BALLS],
-            ..Machine::default()
-        }),
-        Model::Block(Block::on_spring()),
-        Model::Block(Block::on_belt()),
-    ];
+    let kinds = MODEL_KINDS.map(|kind| {
+        let mut model = (kind.default)();
+        if let Some(machine) = model.ball_balancer_mut() {
+            machine.balls = vec![Ball::default(); MAX_BALLS];
+        }
+        model
+    });
+    let laws = FRICTION_LAWS.map(|law| {
+        let examples: Vec<f64> = law.parameters().iter().map(|one| one.examples[1]).collect();
+        FrictionLaw::new(law, &examples)
+    });
     let with = |model: &Model, law: FrictionLaw| {
         let mut model = model.clone();
         *model.friction_mut() = law;
@@ -157,7 +226,7 @@ fn all_models() -> Vec<Model> {
 /// parameters of all kinds, except for a force whose name without its unit is also the name of a choice.
 pub(in crate::study) fn parameters_of(kind: &str) -> Vec<String> {
     let mut models = all_models();
-    models.retain(|model| model.kind() == kind);
+    models.retain(|model| model.kind().name == kind);
     if models.is_empty() {
         let names = all_parameters().into_iter().map(Parameter::name);
         return names.filter(|name| name != "normal_force_n").collect();
@@ -168,7 +237,7 @@ pub(in crate::study) fn parameters_of(kind: &str) -> Vec<String> {
 /// Returns the names of the numeric parameters of this kind of model with any friction law.
 pub(in crate::study) fn numeric_parameters_of(kind: &str) -> Vec<String> {
     let mut models = all_models();
-    models.retain(|model| model.kind() == kind);
+    models.retain(|model| model.kind().name == kind);
     let numeric = distinct(&models).into_iter().filter(|parameter| parameter.is_number());
     numeric.map(Parameter::name).collect()
 }

@@ -3,12 +3,10 @@
 
 use serde_json::{Map, Value, json};
 
+use super::parameters_file::BALLS;
 use super::schema_parts::{axes_of, numeric_parameters_of, parameters_of};
 use super::unit_keys::split_unit;
-
-/// The kinds of model, and the ending of their sliding speeds.
-const KINDS: [(&str, &str); 3] =
-    [("ball_balancer", "_rad_s"), ("block_on_spring", "_m_s"), ("block_on_belt", "_m_s")];
+use crate::model::{FRICTION_LAWS, LawParameter, MODEL_KINDS, ModelKind, ParameterDescriptor};
 
 const FRACTIONS: [&str; 6] = [
     "equilibrium_fraction",
@@ -22,10 +20,6 @@ const FRACTIONS: [&str; 6] = [
 /// Adds the rules.
 pub(in crate::study) fn add_rules(schema: &mut Value) {
     let required = |keys: &[&str]| json!({ "required": keys });
-    let speeds = |stem: &str| {
-        let forms = ["_rad_s", "_m_s", ""].map(|ending| required(&[&format!("{stem}{ending}")]));
-        json!({ "oneOf": forms })
-    };
     let own_designs = json!({
         "properties": { "sweep": { "items": required(&["design"]) } }, "required": ["sweep"]
     });
@@ -36,8 +30,6 @@ pub(in crate::study) fn add_rules(schema: &mut Value) {
             "/$defs/BlockFile",
             json!({ "oneOf": [required(&["grid"]), required(&["zip"]), required(&["table"])] }),
         ),
-        ("/$defs/StribeckFile", speeds("stribeck_speed")),
-        ("/$defs/SmoothFile", speeds("smoothing_speed")),
         ("/$defs/LimitFile", json!({ "anyOf": [required(&["at_least"]), required(&["at_most"])] })),
         (
             "/$defs/OptimizeFile",
@@ -75,11 +67,12 @@ pub(in crate::study) fn add_rules(schema: &mut Value) {
     }
     let parameters = schema.pointer("/$defs/ParametersFile/properties");
     let parameters = parameters.and_then(Value::as_object).cloned().unwrap_or_default();
-    let of_kinds = KINDS.map(|(kind, speed)| {
-        let is_kind = json!({ "properties": { "kind": { "const": kind } }, "required": ["kind"] });
+    let of_kinds = MODEL_KINDS.map(|kind| {
+        let name = kind.name;
+        let is_kind = json!({ "properties": { "kind": { "const": name } }, "required": ["kind"] });
         json!({
             "if": { "properties": { "model": is_kind }, "required": ["model"] },
-            "then": { "properties": of_kind(kind, speed, &parameters) },
+            "then": { "properties": of_kind(kind, &parameters) },
         })
     });
     merge(Some(schema), json!({ "allOf": of_kinds }));
@@ -97,29 +90,34 @@ fn range_or_choices() -> Value {
 }
 
 /// Returns the rules of the top-level keys for a kind of model; `parameters` are the keys of any model's parameters.
-fn of_kind(kind: &str, speed: &str, parameters: &Map<String, Value>) -> Value {
-    let is_balancer = kind == "ball_balancer";
-    let [swept, numeric] = [parameters_of(kind), numeric_parameters_of(kind)].map(with_short);
-    let own = |name: &&String| numeric.contains(name) || is_balancer && *name == "balls";
+fn of_kind(kind: &ModelKind, parameters: &Map<String, Value>) -> Value {
+    let has_balls = kind.parameters.iter().any(ParameterDescriptor::is_of_each_ball);
+    let name = kind.name;
+    let [swept, numeric] = [parameters_of(name), numeric_parameters_of(name)].map(with_short);
+    let own = |name: &&String| numeric.contains(name) || has_balls && *name == BALLS;
     let own: Vec<&String> = parameters.keys().filter(own).collect();
     let names = |names: &[String]| json!({ "propertyNames": { "enum": names } });
-    let foreign_speed = if speed == "_m_s" { "_rad_s" } else { "_m_s" };
-    let friction = ["stribeck", "smoothing"].map(|stem| {
-        let law = if stem == "smoothing" { "smooth" } else { stem };
-        let key = format!("{stem}_speed{foreign_speed}");
-        (law.to_owned(), json!({ "properties": { key: false } }))
+    let friction = FRICTION_LAWS.iter().filter_map(|law| {
+        let own = |one: &LawParameter| one.name(kind.sliding_speed);
+        let foreign = law
+            .parameters()
+            .iter()
+            .flat_map(|one| one.names().into_iter().filter(move |name| *name != own(one)));
+        let foreign: Map<String, Value> =
+            foreign.map(|name| (name.to_owned(), json!(false))).collect();
+        (!foreign.is_empty()).then(|| (law.name().to_owned(), json!({ "properties": foreign })))
     });
-    let friction: Map<String, Value> = friction.into_iter().collect();
+    let friction: Map<String, Value> = friction.collect();
     let mut model = json!({
         "parameters": { "propertyNames": { "enum": own } },
         "friction": { "properties": friction },
     });
     let mut variables: Map<String, Value> =
         numeric.iter().map(|name| (name.clone(), json!({}))).collect();
-    if is_balancer {
+    if has_balls {
         let number = json!({ "type": "integer", "minimum": 1, "maximum": 8 });
         let balls = json!({ "properties": { "from": number, "to": number } });
-        variables.insert("balls".to_owned(), balls);
+        variables.insert(BALLS.to_owned(), balls);
     } else {
         merge(Some(&mut model), json!({ "normal_force": false }));
     }
@@ -135,7 +133,7 @@ fn of_kind(kind: &str, speed: &str, parameters: &Map<String, Value>) -> Value {
                 "properties": { "choices": { "additionalProperties": names(&numeric) } },
             },
         },
-        "initial_conditions": { "properties": { "box": names(&with_short(axes_of(kind))) } },
+        "initial_conditions": { "properties": { "box": names(&with_short(axes_of(name))) } },
     })
 }
 

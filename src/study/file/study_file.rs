@@ -6,9 +6,10 @@ use indexmap::IndexMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::study::file::balls::Balls;
 use crate::study::file::distribution_file::DistributionFile;
+use crate::study::file::friction_file::FrictionFile;
 use crate::study::file::optimize_file::OptimizeFile;
+use crate::study::file::parameters_file::{KindFile, ParametersFile};
 use crate::study::file::response_file::{ResponseFile, VariableFile};
 use crate::study::file::schema_parts as schema;
 use crate::study::file::values::{Count, Entry, Range, TableSource};
@@ -63,7 +64,7 @@ pub struct StudyFile {
 #[serde(deny_unknown_fields)]
 pub struct ModelFile {
     /// Kind of model.
-    pub kind: ModelKind,
+    pub kind: KindFile,
     /// Parameters in SI units; the defaults are the machine of the thesis, or a block of 1 kg on a
     /// spring of 100 N/m.
     pub parameters: Option<ParametersFile>,
@@ -74,86 +75,6 @@ pub struct ModelFile {
     pub normal_force: Option<NormalForceKind>,
 }
 
-/// Kinds of model.
-#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum ModelKind {
-    /// An automatic ball balancer: a table on springs, a rotating disc with an imbalance, and balls
-    /// in a ring.
-    BallBalancer,
-    /// A block on a spring, on rigid ground.
-    BlockOnSpring,
-    /// A block on a spring, on a moving belt.
-    BlockOnBelt,
-}
-
-/// Friction laws; the sliding speed of a ball is relative to the ring, in rad/s; that of a block is
-/// in m/s.
-#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
-#[serde(rename_all = "snake_case", deny_unknown_fields)]
-pub enum FrictionFile {
-    /// Coulomb friction: the friction force is at most `friction_coefficient` times the normal
-    /// force.
-    Coulomb,
-    /// Stribeck friction: the coefficient decays with the sliding speed from a static value to the
-    /// kinetic `friction_coefficient`, as `μ + (μ_s - μ) exp(-|v| / v_s)`.
-    Stribeck(StribeckFile),
-    /// Regularised friction `μ f_n (2/π) atan(v / v_0)`, which is zero at rest: no contact ever
-    /// sticks.
-    Smooth(SmoothFile),
-    /// Viscous drag proportional to the sliding speed, without dry friction.
-    Viscous {
-        /// Drag force divided by the sliding speed, N s/m, at least 0.
-        #[schemars(extend("minimum" = 0))]
-        viscous_coefficient_n_s_m: f64,
-    },
-}
-
-/// Returns an example of the settings of a friction law, if this is the name of a law with settings.
-pub(in crate::study) fn example_of_friction(law: &str) -> Option<&'static str> {
-    match law {
-        "stribeck" => Some(
-            "{stribeck: {static_friction_coefficient: 0.2, stribeck_speed_m_s: 0.01}} for a block, \
-             {stribeck: {static_friction_coefficient: 4.0e-3, stribeck_speed_rad_s: 1.0}} for balls",
-        ),
-        "smooth" => Some(
-            "{smooth: {smoothing_speed_m_s: 1.0e-3}} for a block, \
-             {smooth: {smoothing_speed_rad_s: 0.1}} for balls",
-        ),
-        "viscous" => Some("{viscous: {viscous_coefficient_n_s_m: 1.0e-4}}"),
-        _ => None,
-    }
-}
-
-/// Settings of the Stribeck law, with one of the two speeds.
-#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
-#[serde(deny_unknown_fields)]
-pub struct StribeckFile {
-    /// Friction coefficient at rest, at least `friction_coefficient`.
-    #[schemars(extend("minimum" = 0))]
-    pub static_friction_coefficient: f64,
-    /// Sliding speed of a ball over which the coefficient decays to its kinetic value, rad/s, at
-    /// least 0; 0 gives a jump.
-    #[schemars(extend("minimum" = 0))]
-    pub stribeck_speed_rad_s: Option<f64>,
-    /// Sliding speed of a block over which the coefficient decays to its kinetic value, m/s, at
-    /// least 0; 0 gives a jump.
-    #[schemars(extend("minimum" = 0))]
-    pub stribeck_speed_m_s: Option<f64>,
-}
-
-/// Settings of the smooth law, with one of the two speeds.
-#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
-#[serde(deny_unknown_fields)]
-pub struct SmoothFile {
-    /// Sliding speed of a ball at which friction reaches half of its limit, rad/s, above 0.
-    #[schemars(extend("exclusiveMinimum" = 0))]
-    pub smoothing_speed_rad_s: Option<f64>,
-    /// Sliding speed of a block at which friction reaches half of its limit, m/s, above 0.
-    #[schemars(extend("exclusiveMinimum" = 0))]
-    pub smoothing_speed_m_s: Option<f64>,
-}
-
 /// Derivations of the normal force.
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
@@ -162,57 +83,6 @@ pub enum NormalForceKind {
     Lagrange,
     /// From Newton's second law for the centre of the ball.
     Newton,
-}
-
-/// Parameters in SI units. A block has `mass_kg`, `stiffness_n_m`, `normal_force_n`,
-/// `friction_coefficient` and, on a belt, `belt_speed_m_s`; a ball balancer has all others.
-#[derive(Clone, Debug, Default, Deserialize, JsonSchema, PartialEq, Serialize)]
-#[serde(deny_unknown_fields)]
-pub struct ParametersFile {
-    /// Mass of table, motor, ring and disc, without imbalance and balls, kg; above 0; default
-    /// 0.324.
-    #[schemars(extend("exclusiveMinimum" = 0))]
-    pub table_mass_kg: Option<f64>,
-    /// Stiffness, N/m, above 0: of the suspension per direction (default 1.07e4), or of a block's
-    /// spring (default 100).
-    #[schemars(extend("exclusiveMinimum" = 0))]
-    pub stiffness_n_m: Option<f64>,
-    /// Viscous damping of the suspension per direction, N s/m; at least 0; default 1.28.
-    #[schemars(extend("minimum" = 0))]
-    pub damping_n_s_m: Option<f64>,
-    /// Distance from the centre of the ring to the centres of the balls, m; above 0; default
-    /// 1.15e-2.
-    #[schemars(extend("exclusiveMinimum" = 0))]
-    pub ring_radius_m: Option<f64>,
-    /// Mass of the imbalance, kg; at least 0, where 0 is a balanced rotor; default 5.6e-5.
-    #[schemars(extend("minimum" = 0))]
-    pub imbalance_mass_kg: Option<f64>,
-    /// Distance from the centre of the ring to the imbalance, m; above 0; default 3.7e-2.
-    #[schemars(extend("exclusiveMinimum" = 0))]
-    pub imbalance_radius_m: Option<f64>,
-    /// Number of balls, 1 to 8, or a list with one entry per ball; default 2.
-    pub balls: Option<Balls>,
-    /// Mass of each ball without its own value, kg; above 0; default 1.4e-4.
-    #[schemars(extend("exclusiveMinimum" = 0))]
-    pub ball_mass_kg: Option<f64>,
-    /// Diameter of each ball without its own value, m; above 0; default 3e-3.
-    #[schemars(extend("exclusiveMinimum" = 0))]
-    pub ball_diameter_m: Option<f64>,
-    /// Friction coefficient of each ball without its own value (default 2.75e-3) or of a block
-    /// (default 0.1), dimensionless, at least 0; the kinetic coefficient if the law has two.
-    #[schemars(extend("minimum" = 0))]
-    pub friction_coefficient: Option<f64>,
-    /// Prescribed speed of the disc, rad/s; a negative speed is clockwise; default -216.3772.
-    pub speed_rad_s: Option<f64>,
-    /// Mass of a block, kg; above 0; default 1.
-    #[schemars(extend("exclusiveMinimum" = 0))]
-    pub mass_kg: Option<f64>,
-    /// Force that presses a block on the ground, N; above 0; default 10.
-    #[schemars(extend("exclusiveMinimum" = 0))]
-    pub normal_force_n: Option<f64>,
-    /// Speed of the belt, m/s; above 0; default 0.1.
-    #[schemars(extend("exclusiveMinimum" = 0))]
-    pub belt_speed_m_s: Option<f64>,
 }
 
 /// A block of points: exactly one of `grid`, `zip` and `table`.

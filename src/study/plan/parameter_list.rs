@@ -61,16 +61,21 @@ impl Study {
         let all = Parameter::all(&self.base.model).into_iter();
         let mut list: Vec<ListedParameter> =
             all.filter(|parameter| self.lists(*parameter)).map(|one| self.listed(one)).collect();
-        let before = |list: &[ListedParameter], names: &[&str]| {
-            let named =
-                list.iter().position(|one| names.iter().any(|name| one.name.starts_with(name)));
-            named.unwrap_or(list.len())
+        let before = |list: &[ListedParameter], first: &dyn Fn(&str) -> bool| {
+            list.iter().position(|one| first(&one.name)).unwrap_or(list.len())
         };
         if self.base.model.balls() > 0 {
-            let place = before(&list, &["ball_"]);
+            let place = before(&list, &|name| name.starts_with("ball_"));
             list.insert(place, self.number_of_balls());
         }
-        let place = before(&list, &["friction_", "static_", "stribeck_", "smoothing_", "viscous_"]);
+        let of_law: Vec<String> = Parameter::all(&self.base.model)
+            .into_iter()
+            .filter(|parameter| parameter.is_of_law())
+            .map(Parameter::name)
+            .collect();
+        let of_friction =
+            |name: &str| name.starts_with("friction_") || of_law.iter().any(|own| own == name);
+        let place = before(&list, &of_friction);
         list.insert(place, self.friction_law());
         list
     }
@@ -103,9 +108,8 @@ impl Study {
             Some(general) => self.base.has_own_value(parameter) || self.gives(&general.name()),
             None => self.gives(&name),
         };
-        // A law other than Coulomb's has no defaults.
-        let of_law = ["static_friction_", "stribeck_", "smoothing_", "viscous_"];
-        let is_given = is_given || of_law.iter().any(|law| name.starts_with(law));
+        // The parameters of a law have no defaults.
+        let is_given = is_given || parameter.is_of_law();
         ListedParameter {
             unit: parameter.unit(),
             value,

@@ -1,14 +1,11 @@
 //! Resolution of the model, with all defaults.
 
-use serde::Deserialize;
-use serde::de::IntoDeserializer;
-use serde::de::value::StrDeserializer;
-
-use crate::model::{Ball, Block, Ground, MAX_BALLS, Machine, Model, NormalForce};
+use crate::model::{Ball, MAX_BALLS, Machine, Model, ModelKind, NormalForce, ParameterDescriptor};
 use crate::study::error::{Fault, StudyError, list_keys, shorten};
 use crate::study::file::balls::{BallFile, Balls};
+use crate::study::file::parameters_file::{BALLS, KindFile, ParametersFile, parameter_keys};
 use crate::study::file::source_path::SourcePath;
-use crate::study::file::study_file::{ModelFile, ModelKind, NormalForceKind, ParametersFile};
+use crate::study::file::study_file::{ModelFile, NormalForceKind};
 use crate::study::file::yaml_tree::{Content, Source};
 use crate::study::plan::parameter::{Parameter, ParameterValue};
 use crate::study::resolve::friction::{check_friction, friction_to_file, resolve_friction};
@@ -32,15 +29,16 @@ impl Base {
     /// impossible.
     pub fn resolve(source: &Source, written: &ModelFile) -> Result<Base, StudyError> {
         let path = source.path("model.parameters");
-        let mut given = written.parameters.clone().unwrap_or_default();
+        let given = written.parameters.clone().unwrap_or_default();
+        let kind = written.kind.0;
         // One ball represents all balls until all values are known.
-        let mut model = default_model(written.kind);
-        *model.friction_mut() = resolve_friction(source, written)?;
-        for (name, value) in numbers(&mut given) {
-            let Some(value) = value else { continue };
+        let mut model = (kind.default)();
+        *model.friction_mut() =
+            resolve_friction(source, written.friction.as_ref(), kind.sliding_speed)?;
+        for (name, value) in &given.numbers {
             let Some(parameter) = Parameter::find(name, &model) else {
-                let problem = format!("not a parameter of {}", model.kind());
-                let fault = Fault::new(problem, name, parameter_names(&model).join(", "));
+                let problem = format!("not a parameter of {}", model.kind().name);
+                let fault = Fault::new(problem, *name, parameter_names(kind).join(", "));
                 return Err(path.key(name).refuse_key(fault));
             };
             parameter.check(*value, &model).map_err(|fault| path.key(name).refuse_value(fault))?;
@@ -64,7 +62,7 @@ impl Base {
                 ];
                 if let Some((path, _)) = foreign.into_iter().find(|(_, given)| *given) {
                     let allowed = "kind: ball_balancer, or no such key";
-                    let found = format!("kind: {}", model.kind());
+                    let found = format!("kind: {}", model.kind().name);
                     let fault = Fault::new("only for a ball balancer", found, allowed);
                     return Err(path.refuse_key(fault));
                 }
@@ -82,8 +80,13 @@ impl Base {
     /// Returns a fault that names the parameters to vary instead.
     pub fn check_varied(&self, parameter: Parameter) -> Result<(), Fault> {
         if parameter.is_unused(&self.model) {
-            let allowed = "viscous_coefficient_n_s_m, or another friction law";
-            return Err(Fault::new("viscous friction does not use it", parameter.name(), allowed));
+            let law = self.model.friction();
+            let own =
+                law.law().parameters().iter().map(|own| own.name(self.model.kind().sliding_speed));
+            let own: Vec<String> = own.map(|name| format!("{name}, ")).collect();
+            let allowed = format!("{}or another friction law", own.concat());
+            let problem = format!("{} friction does not use it", law.name());
+            return Err(Fault::new(problem, parameter.name(), allowed));
         }
         if !parameter.is_general() {
             return Ok(());
@@ -124,76 +127,40 @@ impl Base {
 
     /// Returns the model in the form of a study file, with all values.
     pub fn to_file(&self) -> ModelFile {
+        let kind = self.model.kind();
         let mut parameters = ParametersFile::default();
-        for (name, value) in numbers(&mut parameters) {
-            let parameter = Parameter::find(name, &self.model);
-            let own = parameter.map(|parameter| parameter.get(&self.model, &self.general));
+        for parameter in kind.parameters.iter().filter(|parameter| parameter.is_number()) {
+            let own = Parameter::find(parameter.name, &self.model);
+            let own = own.map(|own| own.get(&self.model, &self.general));
             if let Some(ParameterValue::Number(number)) = own {
-                *value = Some(number);
+                parameters.numbers.insert(parameter.name, number);
             }
         }
-        let (kind, normal_force) = match &self.model {
-            Model::BallBalancer(machine) => {
-                parameters.balls = Some(match self.has_own() {
-                    true => Balls::Each(self.own.clone()),
-                    false => Balls::Number(self.own.len() as u64),
-                });
-                let normal_force = match machine.normal_force {
-                    NormalForce::Lagrange => NormalForceKind::Lagrange,
-                    NormalForce::Newton => NormalForceKind::Newton,
-                };
-                (ModelKind::BallBalancer, Some(normal_force))
-            }
-            Model::Block(block) => match block.ground {
-                Ground::Fixed => (ModelKind::BlockOnSpring, None),
-                Ground::Belt { .. } => (ModelKind::BlockOnBelt, None),
-            },
-        };
+        let machine = self.model.ball_balancer();
+        parameters.balls = machine.map(|_| match self.has_own() {
+            true => Balls::Each(self.own.clone()),
+            false => Balls::Number(self.own.len() as u64),
+        });
+        let normal_force = machine.map(|machine| match machine.normal_force {
+            NormalForce::Lagrange => NormalForceKind::Lagrange,
+            NormalForce::Newton => NormalForceKind::Newton,
+        });
         ModelFile {
-            kind,
+            kind: KindFile(kind),
             parameters: Some(parameters),
-            friction: Some(friction_to_file(self.model.friction(), kind)),
+            friction: Some(friction_to_file(self.model.friction(), kind.sliding_speed)),
             normal_force,
         }
     }
 }
 
-/// Returns the numbers among the parameters, by name.
-fn numbers(parameters: &mut ParametersFile) -> [(&'static str, &mut Option<f64>); 13] {
-    [
-        ("table_mass_kg", &mut parameters.table_mass_kg),
-        ("mass_kg", &mut parameters.mass_kg),
-        ("stiffness_n_m", &mut parameters.stiffness_n_m),
-        ("damping_n_s_m", &mut parameters.damping_n_s_m),
-        ("ring_radius_m", &mut parameters.ring_radius_m),
-        ("imbalance_mass_kg", &mut parameters.imbalance_mass_kg),
-        ("imbalance_radius_m", &mut parameters.imbalance_radius_m),
-        ("ball_mass_kg", &mut parameters.ball_mass_kg),
-        ("ball_diameter_m", &mut parameters.ball_diameter_m),
-        ("normal_force_n", &mut parameters.normal_force_n),
-        ("friction_coefficient", &mut parameters.friction_coefficient),
-        ("speed_rad_s", &mut parameters.speed_rad_s),
-        ("belt_speed_m_s", &mut parameters.belt_speed_m_s),
-    ]
-}
-
-/// Returns the names of the parameters that a study file may give for this model.
-fn parameter_names(model: &Model) -> Vec<&'static str> {
-    let mut names = numbers(&mut ParametersFile::default()).map(|(name, _)| name).to_vec();
-    names.retain(|name| Parameter::find(name, model).is_some());
-    names.extend((model.balls() > 0).then_some("balls"));
+/// Returns the names of the parameters that a study file may give for this kind of model.
+fn parameter_names(kind: &ModelKind) -> Vec<&'static str> {
+    let numbers = kind.parameters.iter().filter(|parameter| parameter.is_number());
+    let mut names: Vec<&str> = numbers.map(|parameter| parameter.name).collect();
+    let has_balls = kind.parameters.iter().any(ParameterDescriptor::is_of_each_ball);
+    names.extend(has_balls.then_some(BALLS));
     names
-}
-
-/// Returns a model of this kind with default parameters. One ball represents all balls.
-fn default_model(kind: ModelKind) -> Model {
-    match kind {
-        ModelKind::BallBalancer => {
-            Model::BallBalancer(Machine { balls: vec![Ball::default()], ..Machine::default() })
-        }
-        ModelKind::BlockOnSpring => Model::Block(Block::on_spring()),
-        ModelKind::BlockOnBelt => Model::Block(Block::on_belt()),
-    }
 }
 
 /// Checks the names of the parameters before the file is decoded, because the message lists only the parameters of this
@@ -208,13 +175,10 @@ pub(in crate::study) fn check_parameter_names(source: &Source) -> Result<(), Stu
     else {
         return Ok(());
     };
-    let kind: StrDeserializer<'_, serde::de::value::Error> = kind.name().into_deserializer();
-    let Ok(kind) = ModelKind::deserialize(kind) else { return Ok(()) };
-    let mut any = ParametersFile::default();
-    let known = numbers(&mut any).map(|(name, _)| name);
-    let unknown = |name: &&str| *name != "balls" && !known.contains(name);
+    let Some(kind) = ModelKind::named(kind.name()) else { return Ok(()) };
+    let unknown = |name: &&str| !parameter_keys().contains(name);
     let Some(name) = given.iter().map(|(key, _)| key.name()).find(unknown) else { return Ok(()) };
-    let allowed = list_keys(name, &parameter_names(&default_model(kind)));
+    let allowed = list_keys(name, &parameter_names(kind));
     let fault = Fault::new("unknown key", shorten(name), allowed);
     Err(source.path("model.parameters").key(name).refuse_key(fault))
 }

@@ -3,7 +3,7 @@
 //! Only the Stribeck law has such values: its static friction coefficient is at least the kinetic
 //! one. If one of the two is random, the draws decide, and a run with an impossible draw fails.
 
-use crate::model::{FrictionLaw, InvalidParameter};
+use crate::model::{InvalidParameter, LawParameter, Lowest};
 use crate::study::error::{Fault, StudyError};
 use crate::study::file::source_path::SourcePath;
 use crate::study::file::study_file::{BlockFile, StudyFile};
@@ -25,10 +25,11 @@ pub(in crate::study) fn check_points(
     study: &Study,
 ) -> Result<(), StudyError> {
     let law = study.base.model.friction();
+    let depends = |parameter: &LawParameter| parameter.lowest == Lowest::FrictionCoefficient;
     let joined = |name: &str| name.contains("friction_coefficient");
     let drawn = study.uncertain.iter().any(|column| joined(&column.name));
     if drawn
-        || !matches!(law, FrictionLaw::Stribeck { .. })
+        || !law.law().parameters().iter().any(depends)
         || study.point_count() > MAX_CHECKED_POINTS
     {
         return Ok(());

@@ -2,7 +2,7 @@
 
 use indexmap::IndexMap;
 
-use crate::model::Model;
+use crate::model::{Model, NormalForce};
 use crate::study::error::{Fault, StudyError, list_keys, list_names, shorten};
 use crate::study::file::source_path::SourcePath;
 use crate::study::file::study_file::BlockFile;
@@ -10,7 +10,7 @@ use crate::study::file::table_folders::TableFolders;
 use crate::study::file::table_input::Rows;
 use crate::study::file::values::{Entry, InlineTable, TableSource};
 use crate::study::file::yaml_tree::describe_number;
-use crate::study::plan::parameter::{NORMAL_FORCES, Parameter, ParameterValue};
+use crate::study::plan::parameter::{Parameter, ParameterValue};
 use crate::study::plan::sweep::Listing;
 use crate::study::resolve::model::Base;
 
@@ -157,7 +157,7 @@ pub(crate) fn find_parameter(name: &str, model: &Model) -> Result<Parameter, Fau
         let names: Vec<String> = Parameter::all(model).into_iter().map(Parameter::name).collect();
         let problem = format!(
             "not a parameter of {} with {} friction",
-            model.kind(),
+            model.kind().name,
             model.friction().name()
         );
         Fault::new(problem, shorten(name), list_keys(name, &names))
@@ -178,14 +178,14 @@ pub(crate) fn resolve_value(
             Err(Fault::new("not a number", format!("text {:?}", shorten(text)), "a number"))
         }
         (Entry::Text(text), false) => {
-            let names = NORMAL_FORCES.map(|(name, _)| name);
+            let names = NormalForce::ALL.map(|(name, _)| name);
             match names.into_iter().find(|name| name == text) {
                 Some(name) => Ok(ParameterValue::Text(name)),
                 None => Err(Fault::new("unknown choice", shorten(text), list_names(text, &names))),
             }
         }
         (Entry::Number(number), false) => {
-            let names = NORMAL_FORCES.map(|(name, _)| name);
+            let names = NormalForce::ALL.map(|(name, _)| name);
             Err(Fault::new("wrong type", describe_number(*number), names.join(", ")))
         }
     }

@@ -1,0 +1,82 @@
+//! The ball balancer as a kind of model: its parameters.
+
+use super::kind::{Field, ModelKind, ParameterDescriptor};
+use super::{Ball, Machine, Model, SlidingSpeed};
+
+/// The automatic ball balancer.
+pub(super) static KIND: ModelKind = ModelKind {
+    name: "ball_balancer",
+    meaning: "An automatic ball balancer: a table on springs, a rotating disc with an imbalance, and balls in a ring.",
+    parameters: &PARAMETERS,
+    sliding_speed: SlidingSpeed::RadS,
+    default: || Model::BallBalancer(Machine { balls: vec![Ball::default()], ..Machine::default() }),
+};
+
+const PARAMETERS: [ParameterDescriptor; 11] = [
+    ParameterDescriptor {
+        name: "table_mass_kg",
+        unit: "kg",
+        meaning: "mass of table, motor, ring and disc, without imbalance and balls",
+        field: Field::Machine(|machine| &mut machine.table_mass_kg),
+    },
+    ParameterDescriptor {
+        name: "stiffness_n_m",
+        unit: "N/m",
+        meaning: "stiffness of the suspension per direction",
+        field: Field::Machine(|machine| &mut machine.stiffness_n_m),
+    },
+    ParameterDescriptor {
+        name: "damping_n_s_m",
+        unit: "N s/m",
+        meaning: "viscous damping of the suspension per direction",
+        field: Field::Machine(|machine| &mut machine.damping_n_s_m),
+    },
+    ParameterDescriptor {
+        name: "ring_radius_m",
+        unit: "m",
+        meaning: "distance from the ring's centre to the balls' centres",
+        field: Field::Machine(|machine| &mut machine.ring_radius_m),
+    },
+    ParameterDescriptor {
+        name: "imbalance_mass_kg",
+        unit: "kg",
+        meaning: "mass of the imbalance",
+        field: Field::Machine(|machine| &mut machine.imbalance_mass_kg),
+    },
+    ParameterDescriptor {
+        name: "imbalance_radius_m",
+        unit: "m",
+        meaning: "distance of the imbalance from the ring's centre",
+        field: Field::Machine(|machine| &mut machine.imbalance_radius_m),
+    },
+    ParameterDescriptor {
+        name: "ball_mass_kg",
+        unit: "kg",
+        meaning: "mass",
+        field: Field::Ball(|ball| &mut ball.mass_kg),
+    },
+    ParameterDescriptor {
+        name: "ball_diameter_m",
+        unit: "m",
+        meaning: "diameter",
+        field: Field::Ball(|ball| &mut ball.diameter_m),
+    },
+    ParameterDescriptor {
+        name: "friction_coefficient",
+        unit: "1",
+        meaning: "coefficient of friction",
+        field: Field::Ball(|ball| &mut ball.friction_coefficient),
+    },
+    ParameterDescriptor {
+        name: "speed_rad_s",
+        unit: "rad/s",
+        meaning: "prescribed speed of the disc",
+        field: Field::Machine(|machine| &mut machine.speed_rad_s),
+    },
+    ParameterDescriptor {
+        name: "normal_force",
+        unit: "",
+        meaning: "how the normal force is derived",
+        field: Field::NormalForce,
+    },
+];

@@ -1,0 +1,45 @@
+//! Coulomb friction: one coefficient for rest and motion.
+
+use super::{Friction, FrictionLaw, Law, Sliding, SlidingForce};
+
+/// In slip `μ f_n`, in stick at most that.
+pub(super) struct Coulomb;
+
+impl FrictionLaw {
+    /// Coulomb friction.
+    pub const COULOMB: Self = FrictionLaw::new(&Coulomb, &[]);
+}
+
+impl Law for Coulomb {
+    fn name(&self) -> &'static str {
+        "coulomb"
+    }
+
+    fn meaning(&self) -> &'static str {
+        "Coulomb friction: the friction force is at most `friction_coefficient` times the normal force."
+    }
+
+    fn can_stick(&self) -> bool {
+        true
+    }
+
+    fn static_ratio(&self, coefficient: f64, _values: &[f64]) -> f64 {
+        coefficient
+    }
+
+    fn is_linear(&self, _coefficient: f64, _values: &[f64]) -> bool {
+        true
+    }
+
+    fn is_constant(&self) -> bool {
+        true
+    }
+
+    fn force(&self, friction: &Friction, sliding: Sliding) -> SlidingForce {
+        SlidingForce { ratio: sliding.direction * friction.coefficient, drag: 0.0 }
+    }
+
+    fn slope(&self, _friction: &Friction, _sliding: Sliding) -> SlidingForce {
+        SlidingForce::default()
+    }
+}

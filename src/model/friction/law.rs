@@ -1,0 +1,168 @@
+//! What a friction law defines.
+
+use std::fmt;
+
+use super::Friction;
+
+/// A friction law: the force as a function of sliding speed and normal force, and its parameters.
+///
+/// The friction of a contact is `ratio(v) f_n + drag(v)`, with the normal force `f_n`. The law has its
+/// parameters without dimensions as [`Friction::values`], in the order of [`Law::parameters`].
+pub trait Law: Sync {
+    /// The name in a study file.
+    fn name(&self) -> &'static str;
+
+    /// What the law is, for the documentation: a sentence or two.
+    fn meaning(&self) -> &'static str;
+
+    /// The parameters, at most [`super::MAX_LAW_PARAMETERS`].
+    fn parameters(&self) -> &'static [LawParameter] {
+        &[]
+    }
+
+    /// Whether the force depends on the contact's friction coefficient.
+    fn uses_friction_coefficient(&self) -> bool {
+        true
+    }
+
+    /// Whether bodies can stick: whether the force at rest can take any value in an interval.
+    fn can_stick(&self) -> bool;
+
+    /// The largest ratio of friction to normal force in stick, for a (kinetic) coefficient; 0 if bodies
+    /// cannot stick.
+    fn static_ratio(&self, coefficient: f64, values: &[f64]) -> f64;
+
+    /// Whether the force in slip is a fixed part of the normal force and a drag in proportion to speed.
+    fn is_linear(&self, coefficient: f64, values: &[f64]) -> bool;
+
+    /// Whether the ratio in slip does not depend on speed and there is no drag.
+    fn is_constant(&self) -> bool {
+        false
+    }
+
+    /// The force in slip.
+    fn force(&self, friction: &Friction, sliding: Sliding) -> SlidingForce;
+
+    /// The derivative of the force by the speed.
+    fn slope(&self, friction: &Friction, sliding: Sliding) -> SlidingForce;
+
+    /// The largest damping rate of a contact of mass 1 under this normal force by friction that grows
+    /// with speed: a measure of the stiffness of the equations of motion.
+    fn damping_rate(&self, _friction: &Friction, _normal: f64) -> f64 {
+        0.0
+    }
+
+    /// The sliding speed over which the force changes; `None` if it does not change suddenly.
+    fn speed_scale(&self, _friction: &Friction) -> Option<f64> {
+        None
+    }
+}
+
+impl PartialEq for dyn Law {
+    fn eq(&self, other: &Self) -> bool {
+        self.name() == other.name()
+    }
+}
+
+impl fmt::Debug for dyn Law {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        out.write_str(self.name())
+    }
+}
+
+/// How a contact slides.
+#[derive(Clone, Copy, Debug)]
+pub struct Sliding {
+    /// The direction of the motion, or of the motion that is about to begin: 1 or -1. A law that cannot stick ignores it.
+    pub direction: f64,
+    /// The speed, with sign. Inside the band of the switch model, a speed against the direction is rounding or rest.
+    pub speed: f64,
+}
+
+/// The friction force in slip: `ratio` times the normal force plus `drag`. Both act against the positive direction.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SlidingForce {
+    /// Ratio to the normal force, with sign.
+    pub ratio: f64,
+    /// Force that does not depend on the normal force, with sign.
+    pub drag: f64,
+}
+
+/// A parameter of a friction law.
+#[derive(Clone, Copy, Debug)]
+pub struct LawParameter {
+    /// Name in a study file where it does not depend on the unit of sliding speeds.
+    pub name: &'static str,
+    /// Its dimension.
+    pub dimension: Dimension,
+    /// Its lowest value.
+    pub lowest: Lowest,
+    /// Its meaning, in a few words.
+    pub meaning: &'static str,
+    /// What a special value means, as the rest of a sentence; empty if there is none.
+    pub note: &'static str,
+    /// Values of an example for balls and for blocks.
+    pub examples: [f64; 2],
+}
+
+/// The dimension of a law's parameter.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Dimension {
+    /// Dimensionless.
+    Ratio,
+    /// A sliding speed, whose name has its unit.
+    SlidingSpeed {
+        /// Name in rad/s, for balls.
+        rad_s: &'static str,
+        /// Name in m/s, for blocks.
+        m_s: &'static str,
+    },
+    /// A force over a speed, N s/m.
+    Drag,
+}
+
+/// The lowest value of a law's parameter; all values are finite.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Lowest {
+    /// Zero or more.
+    Zero,
+    /// More than zero.
+    AboveZero,
+    /// The (kinetic) friction coefficient or more.
+    FrictionCoefficient,
+}
+
+/// The unit of the sliding speeds of a model.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum SlidingSpeed {
+    /// rad/s, of balls relative to the ring.
+    RadS,
+    /// m/s.
+    MS,
+}
+
+impl LawParameter {
+    /// Returns the name in a study file.
+    pub fn name(&self, speed: SlidingSpeed) -> &'static str {
+        match (self.dimension, speed) {
+            (Dimension::SlidingSpeed { rad_s, .. }, SlidingSpeed::RadS) => rad_s,
+            (Dimension::SlidingSpeed { m_s, .. }, SlidingSpeed::MS) => m_s,
+            _ => self.name,
+        }
+    }
+
+    /// Returns the names for both units of sliding speeds.
+    pub fn names(&self) -> [&'static str; 2] {
+        [SlidingSpeed::RadS, SlidingSpeed::MS].map(|speed| self.name(speed))
+    }
+
+    /// Returns the unit; `1` for dimensionless numbers.
+    pub fn unit(&self, speed: SlidingSpeed) -> &'static str {
+        match (self.dimension, speed) {
+            (Dimension::Ratio, _) => "1",
+            (Dimension::Drag, _) => "N s/m",
+            (Dimension::SlidingSpeed { .. }, SlidingSpeed::RadS) => "rad/s",
+            (Dimension::SlidingSpeed { .. }, SlidingSpeed::MS) => "m/s",
+        }
+    }
+}

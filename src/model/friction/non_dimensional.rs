@@ -1,0 +1,83 @@
+//! Friction of one contact without dimensions, as the motion uses it.
+
+use super::{FrictionLaw, Sliding, SlidingForce};
+use crate::model::{Contact, Dual, Number};
+
+/// Non-dimensional friction of one contact.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Friction {
+    /// Ratio of friction to normal force in fast slip, `μ`; 0 without dry friction.
+    pub coefficient: f64,
+    /// Largest ratio of friction to normal force in stick, `μ_s`; 0 if the contact cannot stick.
+    pub limit: f64,
+    /// The law with its non-dimensional parameters.
+    law: FrictionLaw,
+}
+
+impl Friction {
+    /// The friction of a contact with this (kinetic) coefficient; the parameters of the law are non-dimensional.
+    pub(super) fn new(law: FrictionLaw, coefficient: f64) -> Self {
+        let dry = law.law().uses_friction_coefficient();
+        let limit = law.law().static_ratio(coefficient, law.values());
+        Friction { coefficient: if dry { coefficient } else { 0.0 }, limit, law }
+    }
+
+    /// Coulomb friction.
+    pub fn coulomb(coefficient: f64) -> Self {
+        Friction::new(FrictionLaw::COULOMB, coefficient)
+    }
+
+    /// The law's parameters, non-dimensional, in their order.
+    pub fn values(&self) -> &[f64] {
+        self.law.values()
+    }
+
+    /// Returns the largest ratio of friction to normal force, at rest or at any speed.
+    #[inline]
+    pub fn largest_ratio(&self) -> f64 {
+        self.limit.max(self.coefficient)
+    }
+
+    /// Whether friction in slip does not depend on speed.
+    pub fn is_constant(&self) -> bool {
+        self.law.law().is_constant()
+    }
+
+    /// Whether the contact can stick.
+    pub fn can_stick(&self) -> bool {
+        self.law.can_stick()
+    }
+
+    /// Returns the largest damping rate by friction that grows with speed, non-dimensional, for a
+    /// contact of mass 1 under this normal force: a measure of the stiffness of the equations of
+    /// motion.
+    pub fn damping_rate(&self, normal: f64) -> f64 {
+        self.law.law().damping_rate(self, normal)
+    }
+
+    /// Returns the sliding speed over which friction changes; `None` if it does not change suddenly.
+    pub fn speed_scale(&self) -> Option<f64> {
+        self.law.law().speed_scale(self)
+    }
+
+    /// Returns the friction of a contact that moves, or is about to move, in a direction (1 or -1)
+    /// at a speed. A law that cannot stick ignores the direction.
+    #[inline]
+    pub fn slip(&self, direction: f64, speed: f64) -> Contact {
+        let SlidingForce { ratio, drag } = self.law.law().force(self, Sliding { direction, speed });
+        Contact { free: 1.0, signed_friction: ratio, drag }
+    }
+
+    /// Returns [`Friction::slip`] to first order in the speed.
+    pub fn slip_along(&self, direction: f64, speed: Dual) -> Contact<Dual> {
+        let sliding = Sliding { direction, speed: speed.value };
+        let force = self.law.law().force(self, sliding);
+        let slope = self.law.law().slope(self, sliding);
+        let dual = |value, slope| Dual { value, slope: slope * speed.slope };
+        Contact {
+            free: Dual::constant(1.0),
+            signed_friction: dual(force.ratio, slope.ratio),
+            drag: dual(force.drag, slope.drag),
+        }
+    }
+}

@@ -1,0 +1,77 @@
+//! Smooth friction, which cannot stick (thesis section 3.3.1, the earlier work).
+
+use std::f64::consts::FRAC_2_PI;
+
+use super::{Dimension, Friction, FrictionLaw, Law, LawParameter, Lowest, Sliding, SlidingForce};
+
+/// `μ f_n (2/π) atan(v / v_0)`: without a force at rest, so that nothing ever sticks.
+pub(super) struct Smooth;
+
+impl FrictionLaw {
+    /// Smooth friction with the speed `v_0`, positive, at which half of the limit is reached.
+    pub const fn smooth(smoothing_speed: f64) -> Self {
+        FrictionLaw::new(&Smooth, &[smoothing_speed])
+    }
+}
+
+/// `v_0`.
+fn scale(friction: &Friction) -> f64 {
+    friction.values().first().copied().unwrap_or(1.0)
+}
+
+impl Law for Smooth {
+    fn name(&self) -> &'static str {
+        "smooth"
+    }
+
+    fn meaning(&self) -> &'static str {
+        "Regularised friction `μ f_n (2/π) atan(v / v_0)`, which is zero at rest: no contact ever sticks."
+    }
+
+    fn parameters(&self) -> &'static [LawParameter] {
+        const PARAMETERS: [LawParameter; 1] = [LawParameter {
+            name: "smoothing_speed",
+            dimension: Dimension::SlidingSpeed {
+                rad_s: "smoothing_speed_rad_s",
+                m_s: "smoothing_speed_m_s",
+            },
+            lowest: Lowest::AboveZero,
+            meaning: "speed at which friction reaches half of its limit",
+            note: "",
+            examples: [0.1, 1.0e-3],
+        }];
+        &PARAMETERS
+    }
+
+    fn can_stick(&self) -> bool {
+        false
+    }
+
+    fn static_ratio(&self, _coefficient: f64, _values: &[f64]) -> f64 {
+        0.0
+    }
+
+    fn is_linear(&self, _coefficient: f64, _values: &[f64]) -> bool {
+        false
+    }
+
+    fn force(&self, friction: &Friction, sliding: Sliding) -> SlidingForce {
+        let share = libm::atan(sliding.speed / scale(friction)) * FRAC_2_PI;
+        SlidingForce { ratio: friction.coefficient * share, drag: 0.0 }
+    }
+
+    fn slope(&self, friction: &Friction, sliding: Sliding) -> SlidingForce {
+        let scale = scale(friction);
+        let ratio = sliding.speed / scale;
+        let bend = FRAC_2_PI / (scale * (1.0 + ratio * ratio));
+        SlidingForce { ratio: friction.coefficient * bend, drag: 0.0 }
+    }
+
+    fn damping_rate(&self, friction: &Friction, normal: f64) -> f64 {
+        friction.coefficient * normal * FRAC_2_PI / scale(friction)
+    }
+
+    fn speed_scale(&self, friction: &Friction) -> Option<f64> {
+        Some(scale(friction))
+    }
+}

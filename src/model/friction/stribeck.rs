@@ -1,0 +1,92 @@
+//! Stribeck friction: the coefficient falls from a static to a kinetic value with speed (thesis figure 3.3).
+
+use super::{Dimension, Friction, FrictionLaw, Law, LawParameter, Lowest, Sliding, SlidingForce};
+
+/// `μ(v) = μ + (μ_s - μ) e^{-|v|/v_s}`: at most `μ_s f_n` in stick, tending to `μ f_n` with growing speed.
+pub(super) struct Stribeck;
+
+impl FrictionLaw {
+    /// Stribeck friction with the static coefficient `μ_s`, not below the (kinetic) friction coefficient, and the
+    /// speed `v_s`, zero or more. With `v_s = 0` the coefficient drops immediately (static and kinetic friction).
+    pub const fn stribeck(static_friction_coefficient: f64, stribeck_speed: f64) -> Self {
+        FrictionLaw::new(&Stribeck, &[static_friction_coefficient, stribeck_speed])
+    }
+}
+
+/// `μ_s` and `v_s`.
+fn parameters(values: &[f64]) -> (f64, f64) {
+    match *values {
+        [static_coefficient, speed, ..] => (static_coefficient, speed),
+        _ => (0.0, 0.0),
+    }
+}
+
+impl Law for Stribeck {
+    fn name(&self) -> &'static str {
+        "stribeck"
+    }
+
+    fn meaning(&self) -> &'static str {
+        "Stribeck friction: the coefficient decays with the sliding speed from a static value to the kinetic \
+         `friction_coefficient`, as `μ + (μ_s - μ) exp(-|v| / v_s)`."
+    }
+
+    fn parameters(&self) -> &'static [LawParameter] {
+        const PARAMETERS: [LawParameter; 2] = [
+            LawParameter {
+                name: "static_friction_coefficient",
+                dimension: Dimension::Ratio,
+                lowest: Lowest::FrictionCoefficient,
+                meaning: "coefficient of friction at rest",
+                note: "",
+                examples: [4.0e-3, 0.2],
+            },
+            LawParameter {
+                name: "stribeck_speed",
+                dimension: Dimension::SlidingSpeed {
+                    rad_s: "stribeck_speed_rad_s",
+                    m_s: "stribeck_speed_m_s",
+                },
+                lowest: Lowest::Zero,
+                meaning: "speed over which friction falls from its static value",
+                note: "0 gives a jump",
+                examples: [1.0, 0.01],
+            },
+        ];
+        &PARAMETERS
+    }
+
+    fn can_stick(&self) -> bool {
+        true
+    }
+
+    fn static_ratio(&self, _coefficient: f64, values: &[f64]) -> f64 {
+        parameters(values).0
+    }
+
+    fn is_linear(&self, coefficient: f64, values: &[f64]) -> bool {
+        let (static_coefficient, speed) = parameters(values);
+        speed == 0.0 || static_coefficient == coefficient
+    }
+
+    fn force(&self, friction: &Friction, Sliding { direction, speed }: Sliding) -> SlidingForce {
+        let (_, scale) = parameters(friction.values());
+        let sliding = (direction * speed).max(0.0);
+        let excess = if scale > 0.0 { libm::exp(-sliding / scale) } else { 0.0 };
+        let ratio = friction.coefficient + (friction.limit - friction.coefficient) * excess;
+        SlidingForce { ratio: direction * ratio, drag: 0.0 }
+    }
+
+    fn slope(&self, friction: &Friction, sliding: Sliding) -> SlidingForce {
+        let (_, scale) = parameters(friction.values());
+        let Sliding { direction, speed } = sliding;
+        let excess = self.force(friction, sliding).ratio - direction * friction.coefficient;
+        let falls = scale > 0.0 && direction * speed >= 0.0;
+        SlidingForce { ratio: if falls { -direction * excess / scale } else { 0.0 }, drag: 0.0 }
+    }
+
+    fn speed_scale(&self, friction: &Friction) -> Option<f64> {
+        let (_, scale) = parameters(friction.values());
+        (scale > 0.0).then_some(scale)
+    }
+}

@@ -1,0 +1,68 @@
+//! Viscous drag without dry friction (thesis section 5.1).
+
+use super::{Dimension, Friction, FrictionLaw, Law, LawParameter, Lowest, Sliding, SlidingForce};
+
+/// A drag in proportion to speed and independent of the normal force.
+pub(super) struct Viscous;
+
+impl FrictionLaw {
+    /// Viscous drag: force over sliding speed (of the ball's centre along the ring, or of the block), N s/m.
+    pub const fn viscous(viscous_coefficient_n_s_m: f64) -> Self {
+        FrictionLaw::new(&Viscous, &[viscous_coefficient_n_s_m])
+    }
+}
+
+/// Drag over speed.
+fn drag(friction: &Friction) -> f64 {
+    friction.values().first().copied().unwrap_or(0.0)
+}
+
+impl Law for Viscous {
+    fn name(&self) -> &'static str {
+        "viscous"
+    }
+
+    fn meaning(&self) -> &'static str {
+        "Viscous drag proportional to the sliding speed, without dry friction."
+    }
+
+    fn parameters(&self) -> &'static [LawParameter] {
+        const PARAMETERS: [LawParameter; 1] = [LawParameter {
+            name: "viscous_coefficient_n_s_m",
+            dimension: Dimension::Drag,
+            lowest: Lowest::Zero,
+            meaning: "viscous drag force divided by sliding speed",
+            note: "",
+            examples: [1.0e-4, 1.0e-4],
+        }];
+        &PARAMETERS
+    }
+
+    fn uses_friction_coefficient(&self) -> bool {
+        false
+    }
+
+    fn can_stick(&self) -> bool {
+        false
+    }
+
+    fn static_ratio(&self, _coefficient: f64, _values: &[f64]) -> f64 {
+        0.0
+    }
+
+    fn is_linear(&self, _coefficient: f64, _values: &[f64]) -> bool {
+        true
+    }
+
+    fn force(&self, friction: &Friction, sliding: Sliding) -> SlidingForce {
+        SlidingForce { ratio: 0.0, drag: drag(friction) * sliding.speed }
+    }
+
+    fn slope(&self, friction: &Friction, _sliding: Sliding) -> SlidingForce {
+        SlidingForce { ratio: 0.0, drag: drag(friction) }
+    }
+
+    fn damping_rate(&self, friction: &Friction, _normal: f64) -> f64 {
+        drag(friction)
+    }
+}

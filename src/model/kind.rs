@@ -1,0 +1,101 @@
+//! The kinds of models and their parameters: the one table that the study file, the JSON Schema, sweeps,
+//! distributions, design variables, columns and the documentation read.
+
+use std::fmt;
+
+use super::{Ball, Block, Machine, Model, SlidingSpeed, ball_balancer, block};
+
+/// All kinds of models, in the order of the documentation.
+pub static MODEL_KINDS: [&ModelKind; 3] =
+    [&ball_balancer::KIND, &block::ON_SPRING, &block::ON_BELT];
+
+/// A kind of model.
+pub struct ModelKind {
+    /// The name in a study file.
+    pub name: &'static str,
+    /// What it is, in a sentence.
+    pub meaning: &'static str,
+    /// Its parameters without those of the friction law, in the order of the documentation.
+    pub parameters: &'static [ParameterDescriptor],
+    /// The unit of its sliding speeds.
+    pub sliding_speed: SlidingSpeed,
+    /// Returns a model with the default values, with one ball if it has balls.
+    pub default: fn() -> Model,
+}
+
+impl ModelKind {
+    /// Returns the kind with this name.
+    pub fn named(name: &str) -> Option<&'static ModelKind> {
+        MODEL_KINDS.into_iter().find(|kind| kind.name == name)
+    }
+}
+
+impl fmt::Debug for ParameterDescriptor {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        out.write_str(self.name)
+    }
+}
+
+impl PartialEq for ModelKind {
+    fn eq(&self, other: &Self) -> bool {
+        self.name == other.name
+    }
+}
+
+impl fmt::Debug for ModelKind {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        out.write_str(self.name)
+    }
+}
+
+/// A parameter of a model.
+pub struct ParameterDescriptor {
+    /// Name in study files and tables, with its unit.
+    pub name: &'static str,
+    /// Unit, such as `kg`; `1` for dimensionless numbers, empty for words.
+    pub unit: &'static str,
+    /// Meaning, in a few words.
+    pub meaning: &'static str,
+    /// Where its value is.
+    pub field: Field,
+}
+
+/// Where the value of a parameter is.
+#[derive(Clone, Copy)]
+pub enum Field {
+    /// A number of a machine.
+    Machine(fn(&mut Machine) -> &mut f64),
+    /// A number of each ball.
+    Ball(fn(&mut Ball) -> &mut f64),
+    /// A number of a block; `None` if its support has none.
+    Block(fn(&mut Block) -> Option<&mut f64>),
+    /// The form of the normal force, a word.
+    NormalForce,
+}
+
+impl ParameterDescriptor {
+    /// Returns whether each ball has a value of its own.
+    pub fn is_of_each_ball(&self) -> bool {
+        matches!(self.field, Field::Ball(_))
+    }
+
+    /// Returns whether the values are numbers.
+    pub fn is_number(&self) -> bool {
+        !matches!(self.field, Field::NormalForce)
+    }
+
+    /// Returns the numbers of a model that the parameter sets: those of all balls, or of one ball, counted from 1. None
+    /// for a model without this parameter.
+    pub fn numbers<'a>(&self, model: &'a mut Model, ball: Option<usize>) -> Vec<&'a mut f64> {
+        match (self.field, model) {
+            (Field::Machine(field), Model::BallBalancer(machine)) => vec![field(machine)],
+            (Field::Block(field), Model::Block(block)) => field(block).into_iter().collect(),
+            (Field::Ball(field), Model::BallBalancer(machine)) => (1..)
+                .zip(&mut machine.balls)
+                .filter(|(number, _)| ball.is_none_or(|own| own == *number))
+                .map(|(_, ball)| field(ball))
+                .collect(),
+            _ => Vec::new(),
+        }
+    }
+}

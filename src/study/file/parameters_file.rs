@@ -1,0 +1,158 @@
+//! The kind of model and its parameters in a study file. Their names come from the kinds of models.
+
+use std::borrow::Cow;
+use std::fmt;
+use std::sync::LazyLock;
+
+use indexmap::IndexMap;
+use schemars::{JsonSchema, Schema, SchemaGenerator};
+use serde::de::{Deserializer, EnumAccess, Error, MapAccess, VariantAccess, Visitor};
+use serde::ser::{SerializeMap, Serializer};
+use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
+
+use super::balls::Balls;
+use super::name::Name;
+use super::schema_parts::parameters_schema;
+use crate::model::{MODEL_KINDS, ModelKind};
+
+/// The key of the balls among the parameters.
+pub(in crate::study) const BALLS: &str = "balls";
+
+/// A kind of model by its name.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct KindFile(pub &'static ModelKind);
+
+/// Parameters in SI units.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ParametersFile {
+    /// The numbers by name, in the order of the file.
+    pub numbers: IndexMap<&'static str, f64>,
+    /// The balls.
+    pub balls: Option<Balls>,
+}
+
+/// The names of all kinds.
+static KINDS: LazyLock<Vec<&'static str>> =
+    LazyLock::new(|| MODEL_KINDS.iter().map(|kind| kind.name).collect());
+
+/// The names of the numbers of any kind of model and `balls`.
+static KEYS: LazyLock<Vec<&'static str>> = LazyLock::new(|| {
+    let mut keys: Vec<&'static str> = Vec::new();
+    for parameter in MODEL_KINDS.iter().flat_map(|kind| kind.parameters) {
+        if parameter.is_number() && !keys.contains(&parameter.name) {
+            keys.push(parameter.name);
+        }
+    }
+    keys.push(BALLS);
+    keys
+});
+
+/// Returns the names of the numbers of any kind of model and `balls`.
+pub(in crate::study) fn parameter_keys() -> &'static [&'static str] {
+    &KEYS
+}
+
+impl<'de> Deserialize<'de> for KindFile {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_enum("ModelKind", &KINDS, KindVisitor)
+    }
+}
+
+struct KindVisitor;
+
+impl<'de> Visitor<'de> for KindVisitor {
+    type Value = KindFile;
+
+    fn expecting(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        out.write_str("a kind of model")
+    }
+
+    fn visit_enum<A: EnumAccess<'de>>(self, access: A) -> Result<KindFile, A::Error> {
+        let (index, settings) = access.variant_seed(Name::of_choice(&KINDS))?;
+        settings.unit_variant()?;
+        Ok(KindFile(MODEL_KINDS[index]))
+    }
+}
+
+impl Serialize for KindFile {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.0.name)
+    }
+}
+
+impl JsonSchema for KindFile {
+    fn schema_name() -> Cow<'static, str> {
+        "ModelKind".into()
+    }
+
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        let kind = |kind: &&ModelKind| json!({ "type": "string", "const": kind.name, "description": kind.meaning });
+        let kinds: Vec<Value> = MODEL_KINDS.iter().map(kind).collect();
+        schemars::json_schema!({ "description": "Kinds of model.", "oneOf": kinds })
+    }
+}
+
+impl<'de> Deserialize<'de> for ParametersFile {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_struct("ParametersFile", &KEYS, ParametersVisitor)
+    }
+}
+
+struct ParametersVisitor;
+
+impl<'de> Visitor<'de> for ParametersVisitor {
+    type Value = ParametersFile;
+
+    fn expecting(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        out.write_str("keys and values")
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<ParametersFile, A::Error> {
+        let mut file = ParametersFile::default();
+        while let Some(index) = map.next_key_seed(Name::of_key(&KEYS))? {
+            match KEYS[index] {
+                BALLS => file.balls = Some(map.next_value()?),
+                name => {
+                    if file.numbers.insert(name, map.next_value()?).is_some() {
+                        return Err(A::Error::duplicate_field(name));
+                    }
+                }
+            }
+        }
+        Ok(file)
+    }
+}
+
+/// The balls stand before the values of all balls.
+impl Serialize for ParametersFile {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(None)?;
+        let (before, after): (Vec<_>, Vec<_>) =
+            self.numbers.iter().partition(|(name, _)| is_before_balls(name));
+        before.into_iter().try_for_each(|(name, value)| map.serialize_entry(name, value))?;
+        self.balls.iter().try_for_each(|balls| map.serialize_entry(BALLS, balls))?;
+        after.into_iter().try_for_each(|(name, value)| map.serialize_entry(name, value))?;
+        map.end()
+    }
+}
+
+/// Returns whether a parameter stands before `balls` in the documentation.
+pub(in crate::study) fn is_before_balls(name: &str) -> bool {
+    let place = |name: &str| KEYS.iter().position(|key| *key == name);
+    let first_of_balls = MODEL_KINDS
+        .iter()
+        .flat_map(|kind| kind.parameters)
+        .find(|parameter| parameter.is_of_each_ball());
+    first_of_balls.is_some_and(|first| place(name) < place(first.name))
+}
+
+impl JsonSchema for ParametersFile {
+    fn schema_name() -> Cow<'static, str> {
+        "ParametersFile".into()
+    }
+
+    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+        parameters_schema(generator)
+    }
+}
