@@ -165,7 +165,7 @@ pub fn equilibria(arguments: &EquilibriaArguments) -> Result<End, CliError> {
 /// Returns an error for studies without balls: a block on a spring rests anywhere in `|x| ≤ μ F_n / k`, and on a
 /// moving belt nowhere.
 fn check_model(study: &Study) -> Result<(), CliError> {
-    if study.model().balls() > 0 {
+    if study.model().kind().offers.equilibrium_set {
         return Ok(());
     }
     let kind = study.model().kind().name;

@@ -40,7 +40,7 @@ impl PointsTable {
             names,
             rows: Vec::new(),
             most,
-            balls: study.model().balls() > 0,
+            balls: study.model().kind().offers.vibration,
             audit: study.audit().is_some(),
             flips: AuditCounts::default(),
             precision: study.precision(),

@@ -270,7 +270,7 @@ impl Report<'_> {
             say(&format!("{rows} of {asked} times; the other times are after the end of the run"));
         }
         let model = record.planned.case.as_ref().map_or(self.study.model(), |case| &case.model);
-        if model.balls() > 0 && !files.contains(&ANIMATION) {
+        if model.kind().offers.animation && !files.contains(&ANIMATION) {
             say("no animation: nothing moves in this interval");
         }
         say(&format!("motion in {}", out.display()));

@@ -1,6 +1,6 @@
 //! The ball balancer as a kind of model: its parameters.
 
-use super::kind::{Field, ModelKind, ParameterDescriptor};
+use super::kind::{Capabilities, Field, ModelKind, ParameterDescriptor};
 use super::{Ball, Machine, Model, SlidingSpeed};
 
 /// The automatic ball balancer.
@@ -9,6 +9,7 @@ pub(super) static KIND: ModelKind = ModelKind {
     meaning: "An automatic ball balancer: a table on springs, a rotating disc with an imbalance, and balls in a ring.",
     parameters: &PARAMETERS,
     sliding_speed: SlidingSpeed::RadS,
+    offers: Capabilities { vibration: true, equilibrium_set: true, animation: true },
     default: || Model::BallBalancer(Machine { balls: vec![Ball::default()], ..Machine::default() }),
 };
 

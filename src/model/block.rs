@@ -15,7 +15,7 @@
 use serde::Serialize;
 
 use super::invalid_parameter::{not_negative, positive};
-use super::kind::{Field, ModelKind, ParameterDescriptor};
+use super::kind::{Capabilities, Field, ModelKind, ParameterDescriptor};
 use super::system::stiff_pace;
 use super::{
     Contact, Dual, Forces, Friction, FrictionLaw, InvalidParameter, Model, Number, SlidingSpeed,
@@ -72,12 +72,16 @@ const BELT_SPEED: ParameterDescriptor = ParameterDescriptor {
     }),
 };
 
+const MOTION_ONLY: Capabilities =
+    Capabilities { vibration: false, equilibrium_set: false, animation: false };
+
 /// A block on a spring, on rigid ground.
 pub(super) static ON_SPRING: ModelKind = ModelKind {
     name: "block_on_spring",
     meaning: "A block on a spring, on rigid ground.",
     parameters: &[MASS, STIFFNESS, NORMAL_FORCE, FRICTION_COEFFICIENT],
     sliding_speed: SlidingSpeed::MS,
+    offers: MOTION_ONLY,
     default: || Model::Block(Block::on_spring()),
 };
 
@@ -87,6 +91,7 @@ pub(super) static ON_BELT: ModelKind = ModelKind {
     meaning: "A block on a spring, on a moving belt.",
     parameters: &[MASS, STIFFNESS, NORMAL_FORCE, FRICTION_COEFFICIENT, BELT_SPEED],
     sliding_speed: SlidingSpeed::MS,
+    offers: MOTION_ONLY,
     default: || Model::Block(Block::on_belt()),
 };
 
@@ -179,8 +184,7 @@ pub struct Slider {
 pub type SliderState = State<1, f64, 0>;
 
 impl Slider {
-    fn forces_of<T: Number>(
-        &self,
+    pub(super) fn forces_of<T: Number>(
         state: &State<1, T, 0>,
         contacts: &[Contact<T>; 1],
     ) -> Forces<1, T, 0> {
@@ -195,8 +199,8 @@ impl Slider {
         }
     }
 
-    fn derivative_of<T: Number>(
-        &self,
+    pub(super) fn derivative_of<T: Number>(
+        belt_speed: T,
         state: &State<1, T, 0>,
         contacts: &[Contact<T>; 1],
         forces: &Forces<1, T, 0>,
@@ -206,7 +210,7 @@ impl Slider {
         State {
             position: [],
             velocity: [],
-            beta: [T::constant(self.belt_speed) + free * state.beta_dot[0]],
+            beta: [belt_speed + free * state.beta_dot[0]],
             beta_dot: [forces.beta_ddot[0] - stuck * state.beta_dot[0]],
         }
     }
@@ -216,7 +220,7 @@ impl System<1, 0> for Slider {
     const ANGULAR: bool = false;
 
     fn forces(&self, state: &SliderState, contacts: &[Contact; 1]) -> Forces<1, f64, 0> {
-        self.forces_of(state, contacts)
+        Slider::forces_of(state, contacts)
     }
 
     fn derivative(
@@ -225,7 +229,7 @@ impl System<1, 0> for Slider {
         contacts: &[Contact; 1],
         forces: &Forces<1, f64, 0>,
     ) -> SliderState {
-        self.derivative_of(state, contacts, forces)
+        Slider::derivative_of(self.belt_speed, state, contacts, forces)
     }
 
     fn along(
@@ -233,8 +237,8 @@ impl System<1, 0> for Slider {
         state: &State<1, Dual, 0>,
         contacts: &[Contact<Dual>; 1],
     ) -> (Forces<1, Dual, 0>, State<1, Dual, 0>) {
-        let forces = self.forces_of(state, contacts);
-        (forces, self.derivative_of(state, contacts, &forces))
+        let forces = Slider::forces_of(state, contacts);
+        (forces, Slider::derivative_of(Dual::constant(self.belt_speed), state, contacts, &forces))
     }
 
     fn friction(&self, _contact: usize) -> &Friction {

@@ -6,7 +6,7 @@
 
 use std::ops::{Add, Mul, Neg, Sub};
 
-use super::{Number, State};
+use super::{Elementary, Number, State};
 
 /// `value + slope ε` with `ε² = 0`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -75,6 +75,33 @@ impl Number for Dual {
     fn reciprocal(self) -> Dual {
         let value = 1.0 / self.value;
         Dual { value, slope: -self.slope * value * value }
+    }
+}
+
+impl Dual {
+    /// The function value with the slope of the function times that of its argument.
+    fn chain(self, value: f64, slope: f64) -> Dual {
+        Dual { value, slope: slope * self.slope }
+    }
+}
+
+impl Elementary for Dual {
+    fn value(self) -> f64 {
+        self.value
+    }
+
+    fn sqrt(self) -> Dual {
+        let root = libm::sqrt(self.value);
+        self.chain(root, 0.5 / root)
+    }
+
+    fn exp(self) -> Dual {
+        let value = libm::exp(self.value);
+        self.chain(value, value)
+    }
+
+    fn atan(self) -> Dual {
+        self.chain(libm::atan(self.value), 1.0 / (1.0 + self.value * self.value))
     }
 }
 

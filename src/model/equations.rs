@@ -90,11 +90,8 @@ impl<const N: usize, T: Number> Balancer<N, T> {
         let drag = two * self.damping_ratio;
         let force_x = balls_x + (self.imbalance * omega * omega - x - drag * (x_dot - omega * y));
         let force_y = balls_y - y - drag * (y_dot + omega * x);
-        let (a, b) = (one - m_xx, -m_xy);
-        let (c, d) = (m_yx, one + m_yy);
-        let inverse = (a * d - b * c).reciprocal();
-        let a_x = (d * force_x - b * force_y) * inverse;
-        let a_y = (a * force_y - c * force_x) * inverse;
+        let matrix = [[one - m_xx, -m_xy], [m_yx, one + m_yy]];
+        let [a_x, a_y] = T::solve_two(matrix, [force_x, force_y]);
 
         let mut forces = Forces {
             table_acceleration: [a_x, a_y],

@@ -19,8 +19,21 @@ pub struct ModelKind {
     pub parameters: &'static [ParameterDescriptor],
     /// The unit of its sliding speeds.
     pub sliding_speed: SlidingSpeed,
+    /// What the program offers for it beside its motion.
+    pub offers: Capabilities,
     /// Returns a model with the default values, with one ball if it has balls.
     pub default: fn() -> Model,
+}
+
+/// What the program offers for a kind of model beside its motion.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Capabilities {
+    /// Residual vibration, compared with that of the same machine without balls.
+    pub vibration: bool,
+    /// Equilibrium sets and equilibria without friction, by closed forms.
+    pub equilibrium_set: bool,
+    /// Animations of runs.
+    pub animation: bool,
 }
 
 impl ModelKind {

@@ -15,11 +15,13 @@ mod dual;
 mod equations;
 mod existence;
 mod friction;
+mod graph;
 mod invalid_parameter;
 mod kind;
 mod machine;
 mod modelled;
 mod number;
+mod recorded;
 mod rest;
 mod system;
 
@@ -35,10 +37,14 @@ pub use friction::{
     Dimension, FRICTION_LAWS, Friction, FrictionLaw, Law, LawParameter, Lowest, MAX_LAW_PARAMETERS,
     Sliding, SlidingForce, SlidingSpeed,
 };
+pub use graph::{
+    ContactEquations, Expression, Graph, Node, NodeId, Recorder, Solve, SystemEquations,
+};
 pub use invalid_parameter::InvalidParameter;
-pub use kind::{Field, MODEL_KINDS, ModelKind, ParameterDescriptor};
+pub use kind::{Capabilities, Field, MODEL_KINDS, ModelKind, ParameterDescriptor};
 pub use machine::{Ball, MAX_BALLS, Machine, NormalForce, ball_parameter_name};
 pub use modelled::{Coordinate, Model};
-pub use number::Number;
+pub use number::{Elementary, Number};
+pub use recorded::{ContactMode, RecordedSystem};
 pub use rest::RestPoint;
 pub use system::System;

@@ -13,6 +13,43 @@ pub trait Number:
     fn sin_cos(self) -> (Self, Self);
     /// One over the number.
     fn reciprocal(self) -> Self;
+    /// The solution `x` of two linear equations `A x = b`, by Cramer's rule.
+    #[inline]
+    fn solve_two(matrix: [[Self; 2]; 2], right: [Self; 2]) -> [Self; 2] {
+        let ([[a, b], [c, d]], [x, y]) = (matrix, right);
+        let inverse = (a * d - b * c).reciprocal();
+        [(d * x - b * y) * inverse, (a * y - c * x) * inverse]
+    }
+}
+
+/// A number with elementary functions.
+pub trait Elementary: Number {
+    /// The number without its slope.
+    fn value(self) -> f64;
+    /// Square root.
+    fn sqrt(self) -> Self;
+    /// Exponential.
+    fn exp(self) -> Self;
+    /// Arc tangent.
+    fn atan(self) -> Self;
+}
+
+impl Elementary for f64 {
+    fn value(self) -> f64 {
+        self
+    }
+
+    fn sqrt(self) -> Self {
+        libm::sqrt(self)
+    }
+
+    fn exp(self) -> Self {
+        libm::exp(self)
+    }
+
+    fn atan(self) -> Self {
+        libm::atan(self)
+    }
 }
 
 impl Number for f64 {

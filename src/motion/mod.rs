@@ -15,6 +15,7 @@ mod resolve_modes;
 mod root;
 mod settings;
 mod switch_model;
+mod taylor;
 mod variational;
 
 pub(crate) use cancellation::unwind_if_cancelled;
@@ -28,6 +29,7 @@ pub use lockstep::SimdLevel;
 pub use root::fall_through_zero;
 pub use settings::{Effort, Settings, most_steps_by};
 pub use switch_model::{SLACK, decide};
+pub use taylor::Expansion;
 pub use variational::Variational;
 
 use serde::{Deserialize, Serialize};

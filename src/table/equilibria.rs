@@ -80,7 +80,7 @@ pub fn equilibrium_columns(study: &Study) -> Vec<Column<EquilibriumRow>> {
         })
         .meaning("interval of the ball's angle in equilibrium_histogram.parquet, from 0, 10° wide");
     }
-    if study.model().balls() > 0 {
+    if study.model().kind().offers.vibration {
         list.number("balance_quality_grade_mm_s", "mm/s", |row| row.balance_quality_grade_mm_s)
             .meaning(
                 "balance quality grade G that is left (ISO 21940-11): the residual unbalance over \

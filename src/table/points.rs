@@ -79,7 +79,7 @@ pub fn point_columns(study: &Study) -> Vec<Column<PointRow>> {
          without a precision",
     );
     add_audit(&mut list, study);
-    if study.model().balls() > 0 {
+    if study.model().kind().offers.vibration {
         add_machine(&mut list);
         add_residual_vibration(&mut list);
     }

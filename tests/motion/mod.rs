@@ -10,5 +10,6 @@ mod mode_selection;
 mod samples;
 mod smooth;
 mod symmetry;
+mod taylor;
 mod variational;
 mod work_of_friction;

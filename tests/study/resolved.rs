@@ -153,7 +153,7 @@ fn the_json_schema_knows_every_key_with_its_unit() {
         "beta_dot_8",
         "samples_per_cell",
         "equilibrium_fraction",
-        "Stiffness, N/m, above 0: of the suspension per direction",
+        "Stiffness of the suspension per direction (default 10700), or stiffness of the spring (default 100), N/m; above 0",
         "stribeck_speed_m_s",
         "belt_speed_m_s",
         "velocity_m_s",

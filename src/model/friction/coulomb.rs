@@ -1,6 +1,7 @@
 //! Coulomb friction: one coefficient for rest and motion.
 
 use super::{Friction, FrictionLaw, Law, Sliding, SlidingForce};
+use crate::model::{Expression, Number};
 
 /// In slip `μ f_n`, in stick at most that.
 pub(super) struct Coulomb;
@@ -37,6 +38,19 @@ impl Law for Coulomb {
 
     fn force(&self, friction: &Friction, sliding: Sliding) -> SlidingForce {
         SlidingForce { ratio: sliding.direction * friction.coefficient, drag: 0.0 }
+    }
+
+    fn expression_inputs(&self, friction: &Friction) -> Vec<f64> {
+        vec![friction.coefficient]
+    }
+
+    fn expression<'r>(
+        &self,
+        inputs: &[Expression<'r>],
+        direction: Expression<'r>,
+        _speed: Expression<'r>,
+    ) -> [Expression<'r>; 2] {
+        [direction * inputs[0], Expression::constant(0.0)]
     }
 
     fn slope(&self, _friction: &Friction, _sliding: Sliding) -> SlidingForce {

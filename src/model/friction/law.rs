@@ -3,6 +3,7 @@
 use std::fmt;
 
 use super::Friction;
+use crate::model::Expression;
 
 /// A friction law: the force as a function of sliding speed and normal force, and its parameters.
 ///
@@ -45,6 +46,18 @@ pub trait Law: Sync {
 
     /// The derivative of the force by the speed.
     fn slope(&self, friction: &Friction, sliding: Sliding) -> SlidingForce;
+
+    /// The numbers that [`Law::expression`] takes, such as an inverse speed.
+    fn expression_inputs(&self, friction: &Friction) -> Vec<f64>;
+
+    /// The force in slip in a direction, as ratio to the normal force and drag, in a recorded system. `inputs` are those
+    /// of [`Law::expression_inputs`]. The speed has the direction of the motion, or is negligible.
+    fn expression<'r>(
+        &self,
+        inputs: &[Expression<'r>],
+        direction: Expression<'r>,
+        speed: Expression<'r>,
+    ) -> [Expression<'r>; 2];
 
     /// The largest damping rate of a contact of mass 1 under this normal force by friction that grows
     /// with speed: a measure of the stiffness of the equations of motion.

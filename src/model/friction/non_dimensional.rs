@@ -1,7 +1,7 @@
 //! Friction of one contact without dimensions, as the motion uses it.
 
 use super::{FrictionLaw, Sliding, SlidingForce};
-use crate::model::{Contact, Dual, Number};
+use crate::model::{Contact, Dual, Expression, Number, Recorder};
 
 /// Non-dimensional friction of one contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -66,6 +66,26 @@ impl Friction {
     pub fn slip(&self, direction: f64, speed: f64) -> Contact {
         let SlidingForce { ratio, drag } = self.law.law().force(self, Sliding { direction, speed });
         Contact { free: 1.0, signed_friction: ratio, drag }
+    }
+
+    /// Returns the numbers of the law's expression in a recorded system.
+    pub fn expression_inputs(&self) -> Vec<f64> {
+        self.law.law().expression_inputs(self)
+    }
+
+    /// Records the friction of this contact, which sticks or slips in a direction at a speed: `free` is 1 in slip and 0
+    /// in stick. The law's numbers become inputs.
+    pub(in crate::model) fn record<'r>(
+        &self,
+        recorder: &'r Recorder,
+        [free, direction]: [Expression<'r>; 2],
+        speed: Expression<'r>,
+    ) -> Contact<Expression<'r>> {
+        let name = self.law.name();
+        let inputs: Vec<Expression<'r>> =
+            self.expression_inputs().iter().map(|_| recorder.input(name)).collect();
+        let [ratio, drag] = self.law.law().expression(&inputs, direction, speed);
+        Contact { free, signed_friction: free * ratio, drag: free * drag }
     }
 
     /// Returns [`Friction::slip`] to first order in the speed.

@@ -3,6 +3,7 @@
 use std::f64::consts::FRAC_2_PI;
 
 use super::{Dimension, Friction, FrictionLaw, Law, LawParameter, Lowest, Sliding, SlidingForce};
+use crate::model::{Expression, Number};
 
 /// `μ f_n (2/π) atan(v / v_0)`: without a force at rest, so that nothing ever sticks.
 pub(super) struct Smooth;
@@ -65,6 +66,19 @@ impl Law for Smooth {
         let ratio = sliding.speed / scale;
         let bend = FRAC_2_PI / (scale * (1.0 + ratio * ratio));
         SlidingForce { ratio: friction.coefficient * bend, drag: 0.0 }
+    }
+
+    fn expression_inputs(&self, friction: &Friction) -> Vec<f64> {
+        vec![friction.coefficient * FRAC_2_PI, 1.0 / scale(friction)]
+    }
+
+    fn expression<'r>(
+        &self,
+        inputs: &[Expression<'r>],
+        _direction: Expression<'r>,
+        speed: Expression<'r>,
+    ) -> [Expression<'r>; 2] {
+        [inputs[0] * (speed * inputs[1]).atan(), Expression::constant(0.0)]
     }
 
     fn damping_rate(&self, friction: &Friction, normal: f64) -> f64 {

@@ -1,6 +1,7 @@
 //! Stribeck friction: the coefficient falls from a static to a kinetic value with speed (thesis figure 3.3).
 
 use super::{Dimension, Friction, FrictionLaw, Law, LawParameter, Lowest, Sliding, SlidingForce};
+use crate::model::{Expression, Number};
 
 /// `μ(v) = μ + (μ_s - μ) e^{-|v|/v_s}`: at most `μ_s f_n` in stick, tending to `μ f_n` with growing speed.
 pub(super) struct Stribeck;
@@ -83,6 +84,26 @@ impl Law for Stribeck {
         let excess = self.force(friction, sliding).ratio - direction * friction.coefficient;
         let falls = scale > 0.0 && direction * speed >= 0.0;
         SlidingForce { ratio: if falls { -direction * excess / scale } else { 0.0 }, drag: 0.0 }
+    }
+
+    /// The excess `μ_s - μ` decays with the rate `1 / v_s`; both are 0 where the coefficient jumps.
+    fn expression_inputs(&self, friction: &Friction) -> Vec<f64> {
+        let (_, scale) = parameters(friction.values());
+        let [excess, rate] = match scale > 0.0 {
+            true => [friction.limit - friction.coefficient, 1.0 / scale],
+            false => [0.0; 2],
+        };
+        vec![friction.coefficient, excess, rate]
+    }
+
+    fn expression<'r>(
+        &self,
+        inputs: &[Expression<'r>],
+        direction: Expression<'r>,
+        speed: Expression<'r>,
+    ) -> [Expression<'r>; 2] {
+        let decay = (-(direction * inputs[2]) * speed).exp();
+        [direction * (inputs[0] + inputs[1] * decay), Expression::constant(0.0)]
     }
 
     fn speed_scale(&self, friction: &Friction) -> Option<f64> {

@@ -1,6 +1,7 @@
 //! Viscous drag without dry friction (thesis section 5.1).
 
 use super::{Dimension, Friction, FrictionLaw, Law, LawParameter, Lowest, Sliding, SlidingForce};
+use crate::model::{Expression, Number};
 
 /// A drag in proportion to speed and independent of the normal force.
 pub(super) struct Viscous;
@@ -60,6 +61,19 @@ impl Law for Viscous {
 
     fn slope(&self, friction: &Friction, _sliding: Sliding) -> SlidingForce {
         SlidingForce { ratio: 0.0, drag: drag(friction) }
+    }
+
+    fn expression_inputs(&self, friction: &Friction) -> Vec<f64> {
+        vec![drag(friction)]
+    }
+
+    fn expression<'r>(
+        &self,
+        inputs: &[Expression<'r>],
+        _direction: Expression<'r>,
+        speed: Expression<'r>,
+    ) -> [Expression<'r>; 2] {
+        [Expression::constant(0.0), inputs[0] * speed]
     }
 
     fn damping_rate(&self, friction: &Friction, _normal: f64) -> f64 {

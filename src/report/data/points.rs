@@ -129,7 +129,7 @@ impl PointFacts {
         every: u64,
         mut take: impl FnMut(PointFacts),
     ) -> Result<(), TableError> {
-        let balls = study.model().balls() > 0;
+        let balls = study.model().kind().offers.vibration;
         let of_labels = |what| Label::ALL.map(|label| of_label(label, what));
         let [runs, low, high] = ["runs", "low", "high"].map(of_labels);
         let counts = COUNTS.into_iter().chain(runs.iter().map(String::as_str));

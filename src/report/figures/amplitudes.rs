@@ -6,7 +6,7 @@ use crate::report::data::{ReportData, evenly};
 
 /// Plots empirical distributions, relative to the amplitude without balls if the model has balls.
 pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
-    let balls = data.study.model().balls() > 0;
+    let balls = data.study.model().kind().offers.vibration;
     let mut curves = Vec::new();
     let mut sentences = Vec::new();
     for point in data.details() {

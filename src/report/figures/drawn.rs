@@ -170,7 +170,8 @@ pub fn amplitudes(data: &ReportData<'_>) -> Option<Figure> {
     // Mixes the run numbers again to draw a subsample of a subsample.
     let mixed = |run: u64| run.wrapping_mul(0x2545_f491_4f6c_dd1d).rotate_left(29);
     let is_shown = |run: u64| scattered(mixed(run), one_in);
-    let (unit, factor) = if data.study.model().balls() > 0 { ("µm", 1e6) } else { ("m", 1.0) };
+    let (unit, factor) =
+        if data.study.model().kind().offers.vibration { ("µm", 1e6) } else { ("m", 1.0) };
     let y = axis("amplitude", unit);
     let mut panels = Vec::new();
     let mut drawn = 0;

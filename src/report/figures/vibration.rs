@@ -11,7 +11,7 @@ const WORSE: &str = "runs that vibrate more than without balls";
 
 /// The unit of amplitudes, and its factor from metres.
 fn unit(data: &ReportData<'_>) -> (&'static str, f64) {
-    if data.study.model().balls() > 0 { ("µm", 1e6) } else { ("m", 1.0) }
+    if data.study.model().kind().offers.vibration { ("µm", 1e6) } else { ("m", 1.0) }
 }
 
 /// Plots median and 95 % quantile of the amplitude, and the amplitude without balls, over the sweep; and the fraction of
@@ -21,7 +21,7 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
     if !data.points.iter().any(known) {
         return None;
     }
-    let balls = data.study.model().balls() > 0;
+    let balls = data.study.model().kind().offers.vibration;
     let sweep = OverSweep::new(data, 4);
     let amplitudes = amplitude_axis(data);
     let amplitude = |points: &[(f64, &PointFacts)]| amplitude_layers(data, points);

@@ -58,7 +58,7 @@ pub fn points(body: &mut Html, directory: &Path, data: &ReportData<'_>) {
     let study = data.study;
     let mut head = vec!["point"];
     head.extend(study.swept().iter().map(|parameter| parameter.name.as_str()));
-    let balls = study.model().balls() > 0;
+    let balls = study.model().kind().offers.vibration;
     if balls {
         head.extend(["median amplitude [µm]", "95 % quantile [µm]", "no balls [µm]"]);
     }

@@ -39,7 +39,7 @@ pub(crate) fn resolve_responses(
             }
         }
         let (measure, relative) = measure(study, &path, file)?;
-        if relative && study.model().balls() == 0 {
+        if relative && !study.model().kind().offers.vibration {
             let found = format!("kind: {}", study.model().kind().name);
             let fault = Fault::new("only for a ball balancer", found, "relative: false");
             return Err(path.refuse_value(fault));

@@ -1,0 +1,177 @@
+//! An expression while a system is recorded: a number, or a node of the recorder.
+
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+use super::{Node, NodeId, Recorder};
+use crate::model::Number;
+
+/// An expression of a recorder, or a number. Sums, products and quotients of numbers are numbers, and neutral elements
+/// leave no node.
+#[derive(Clone, Copy)]
+pub struct Expression<'r>(Content<'r>);
+
+#[derive(Clone, Copy)]
+enum Content<'r> {
+    Number(f64),
+    Node(&'r Recorder, NodeId),
+}
+
+use Content::{Node as Recorded, Number as Known};
+
+impl<'r> Expression<'r> {
+    pub(super) fn node(recorder: &'r Recorder, node: NodeId) -> Self {
+        Expression(Recorded(recorder, node))
+    }
+
+    /// Returns the node of this expression in a recorder, which must be its own.
+    pub(super) fn id(self, recorder: &Recorder) -> NodeId {
+        match self.0 {
+            Known(value) => recorder.add(Node::Constant(value)),
+            Recorded(_, node) => node,
+        }
+    }
+
+    /// Returns the number, if this is one.
+    fn known(self) -> Option<f64> {
+        match self.0 {
+            Known(value) => Some(value),
+            Recorded(..) => None,
+        }
+    }
+
+    fn function(self, value: fn(f64) -> f64, node: impl Fn(&Recorder, NodeId) -> NodeId) -> Self {
+        match self.0 {
+            Known(number) => Number::constant(value(number)),
+            Recorded(recorder, id) => Expression::node(recorder, node(recorder, id)),
+        }
+    }
+
+    fn with(self, other: Self, value: f64, node: fn(NodeId, NodeId) -> Node) -> Self {
+        match (self.0, other.0) {
+            (Recorded(recorder, _), _) | (_, Recorded(recorder, _)) => {
+                let (one, other) = (self.id(recorder), other.id(recorder));
+                Expression::node(recorder, recorder.add(node(one, other)))
+            }
+            _ => Number::constant(value),
+        }
+    }
+
+    /// Returns the square root.
+    pub fn sqrt(self) -> Self {
+        self.function(libm::sqrt, |recorder, id| recorder.add(Node::SquareRoot(id)))
+    }
+
+    /// Returns the exponential.
+    pub fn exp(self) -> Self {
+        self.function(libm::exp, |recorder, id| recorder.add(Node::Exponential(id)))
+    }
+
+    /// Returns the arc tangent.
+    pub fn atan(self) -> Self {
+        self.function(libm::atan, |recorder, id| {
+            let square = recorder.add(Node::Product(id, id));
+            let one = recorder.add(Node::Constant(1.0));
+            let slope = recorder.add(Node::Sum(one, square));
+            recorder.add(Node::ArcTangent(id, slope))
+        })
+    }
+}
+
+impl Add for Expression<'_> {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        match (self.known(), other.known()) {
+            (Some(0.0), None) => other,
+            (None, Some(0.0)) => self,
+            (one, two) => self.with(other, one.unwrap_or(0.0) + two.unwrap_or(0.0), Node::Sum),
+        }
+    }
+}
+
+impl Sub for Expression<'_> {
+    type Output = Self;
+
+    fn sub(self, other: Self) -> Self {
+        match (self.known(), other.known()) {
+            (Some(0.0), None) => -other,
+            (None, Some(0.0)) => self,
+            (one, two) => {
+                self.with(other, one.unwrap_or(0.0) - two.unwrap_or(0.0), Node::Difference)
+            }
+        }
+    }
+}
+
+impl Mul for Expression<'_> {
+    type Output = Self;
+
+    fn mul(self, other: Self) -> Self {
+        match (self.known(), other.known()) {
+            (Some(0.0), None) | (None, Some(0.0)) => Number::constant(0.0),
+            (Some(1.0), None) => other,
+            (None, Some(1.0)) => self,
+            (one, two) => self.with(other, one.unwrap_or(0.0) * two.unwrap_or(0.0), Node::Product),
+        }
+    }
+}
+
+impl Div for Expression<'_> {
+    type Output = Self;
+
+    fn div(self, other: Self) -> Self {
+        match (self.known(), other.known()) {
+            (Some(0.0), None) => Number::constant(0.0),
+            (None, Some(1.0)) => self,
+            (one, two) => self.with(other, one.unwrap_or(0.0) / two.unwrap_or(0.0), Node::Quotient),
+        }
+    }
+}
+
+impl Neg for Expression<'_> {
+    type Output = Self;
+
+    fn neg(self) -> Self {
+        self.function(|value| -value, |recorder, id| recorder.add(Node::Negation(id)))
+    }
+}
+
+impl Number for Expression<'_> {
+    fn constant(value: f64) -> Self {
+        Expression(Known(value))
+    }
+
+    fn sin_cos(self) -> (Self, Self) {
+        match self.0 {
+            Known(value) => {
+                let (sine, cosine) = libm::sincos(value);
+                (Number::constant(sine), Number::constant(cosine))
+            }
+            Recorded(recorder, id) => {
+                let [sine, cosine] = recorder.add_sine_and_cosine(id);
+                (Expression::node(recorder, sine), Expression::node(recorder, cosine))
+            }
+        }
+    }
+
+    fn reciprocal(self) -> Self {
+        Expression(Known(1.0)) / self
+    }
+
+    /// Numbers alone are solved at once; otherwise the recorder gets the linear system.
+    fn solve_two(matrix: [[Self; 2]; 2], right: [Self; 2]) -> [Self; 2] {
+        let mut all = matrix.iter().flatten().chain(&right);
+        let recorder = all.find_map(|one| match one.0 {
+            Recorded(recorder, _) => Some(recorder),
+            Known(_) => None,
+        });
+        match recorder.map(|recorder| recorder.solve(&matrix.map(Vec::from), &right)) {
+            Some(solution) => [solution[0], solution[1]],
+            None => {
+                let numbers = matrix.map(|row| row.map(|one| one.known().unwrap_or(0.0)));
+                let right = right.map(|one| one.known().unwrap_or(0.0));
+                f64::solve_two(numbers, right).map(Number::constant)
+            }
+        }
+    }
+}

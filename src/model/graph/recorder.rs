@@ -1,0 +1,160 @@
+//! Records the equations of a system as a graph in which equal expressions are one node.
+
+use std::cell::RefCell;
+use std::collections::HashMap;
+
+use super::{Expression, Node, NodeId, Solve};
+
+/// A graph that is being recorded.
+#[derive(Default)]
+pub struct Recorder(RefCell<Recording>);
+
+#[derive(Default)]
+struct Recording {
+    nodes: Vec<Node>,
+    /// The place of each node. A NaN equals itself here, as its bits do.
+    known: HashMap<(u8, u64, u64), NodeId>,
+    solves: Vec<Solve>,
+    inputs: Vec<String>,
+    states: u32,
+}
+
+/// The equations of a system, with expressions.
+pub struct SystemEquations<'r> {
+    /// The time derivative of each component of the state.
+    pub derivative: Vec<Expression<'r>>,
+    /// The contacts.
+    pub contacts: Vec<ContactEquations<'r>>,
+}
+
+/// What the mode of a contact is decided by.
+#[derive(Clone, Copy)]
+pub struct ContactEquations<'r> {
+    /// The sliding speed.
+    pub sliding_speed: Expression<'r>,
+    /// The sliding acceleration.
+    pub sliding_acceleration: Expression<'r>,
+    /// The normal force, compression positive.
+    pub normal: Expression<'r>,
+    /// The friction force; in stick, the force required to stick.
+    pub friction: Expression<'r>,
+}
+
+/// The recorded equations of a system.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Graph {
+    /// The nodes, operands first.
+    pub nodes: Vec<Node>,
+    /// The linear systems.
+    pub solves: Vec<Solve>,
+    /// The names of the inputs.
+    pub inputs: Vec<String>,
+    /// The time derivative of each component of the state.
+    pub derivative: Vec<NodeId>,
+    /// Sliding speed, sliding acceleration, normal force and friction force of each contact.
+    pub contacts: Vec<[NodeId; 4]>,
+}
+
+impl Recorder {
+    /// Returns a new input with this name.
+    pub fn input(&self, name: impl Into<String>) -> Expression<'_> {
+        let mut recording = self.0.borrow_mut();
+        let index = recording.inputs.len() as u32;
+        recording.inputs.push(name.into());
+        drop(recording);
+        Expression::node(self, self.add(Node::Input(index)))
+    }
+
+    /// Returns the next component of the state.
+    pub fn state(&self) -> Expression<'_> {
+        let mut recording = self.0.borrow_mut();
+        let index = recording.states;
+        recording.states += 1;
+        drop(recording);
+        Expression::node(self, self.add(Node::State(index)))
+    }
+
+    /// Returns the time.
+    pub fn time(&self) -> Expression<'_> {
+        Expression::node(self, self.add(Node::Time))
+    }
+
+    /// Returns the solution `x` of the linear system `A x = b`; the matrix has one row for each component of `right`.
+    ///
+    /// # Panics
+    /// Panics if the matrix is not square: a system with such equations is a programming error.
+    pub fn solve<'r>(
+        &'r self,
+        matrix: &[Vec<Expression<'r>>],
+        right: &[Expression<'r>],
+    ) -> Vec<Expression<'r>> {
+        let size = right.len();
+        assert!(matrix.len() == size && matrix.iter().all(|row| row.len() == size), "not square");
+        let ids = |all: &[Expression<'r>]| all.iter().map(|one| one.id(self)).collect::<Vec<_>>();
+        let solve =
+            Solve { matrix: matrix.iter().flat_map(|row| ids(row)).collect(), right: ids(right) };
+        let mut recording = self.0.borrow_mut();
+        let index = recording.solves.len() as u32;
+        recording.solves.push(solve);
+        drop(recording);
+        let rows = 0..size as u32;
+        let solution = |row| self.add(Node::Solution { solve: index, row });
+        rows.map(|row| Expression::node(self, solution(row))).collect()
+    }
+
+    /// Returns the graph of these equations.
+    pub fn finish(&self, equations: &SystemEquations<'_>) -> Graph {
+        let derivative = equations.derivative.iter().map(|one| one.id(self)).collect();
+        let contact = |one: &ContactEquations<'_>| {
+            [one.sliding_speed, one.sliding_acceleration, one.normal, one.friction]
+                .map(|expression| expression.id(self))
+        };
+        let contacts = equations.contacts.iter().map(contact).collect();
+        let Recording { nodes, solves, inputs, .. } = &*self.0.borrow();
+        Graph {
+            nodes: nodes.clone(),
+            solves: solves.clone(),
+            inputs: inputs.clone(),
+            derivative,
+            contacts,
+        }
+    }
+
+    /// Returns the place of a node, which is added if it is new.
+    pub(super) fn add(&self, node: Node) -> NodeId {
+        let mut recording = self.0.borrow_mut();
+        let next = recording.nodes.len() as NodeId;
+        let id = *recording.known.entry(key(node)).or_insert(next);
+        if id == next {
+            recording.nodes.push(node);
+        }
+        id
+    }
+
+    /// Returns the places of sine and cosine, the cosine after the sine.
+    pub(super) fn add_sine_and_cosine(&self, angle: NodeId) -> [NodeId; 2] {
+        [self.add(Node::Sine(angle)), self.add(Node::Cosine(angle))]
+    }
+}
+
+/// Returns a key that only equal nodes share. The order of the operands of sums and products does not matter.
+fn key(node: Node) -> (u8, u64, u64) {
+    let two = |kind: u8, one: NodeId, other: NodeId| (kind, one.into(), other.into());
+    match node {
+        Node::Constant(value) => (0, value.to_bits(), 0),
+        Node::Input(index) => two(1, index, 0),
+        Node::Time => two(2, 0, 0),
+        Node::State(index) => two(3, index, 0),
+        Node::Sum(one, other) => two(4, one.min(other), one.max(other)),
+        Node::Difference(one, other) => two(5, one, other),
+        Node::Negation(one) => two(6, one, 0),
+        Node::Product(one, other) => two(7, one.min(other), one.max(other)),
+        Node::Quotient(one, other) => two(8, one, other),
+        Node::Sine(one) => two(9, one, 0),
+        Node::Cosine(one) => two(10, one, 0),
+        Node::SquareRoot(one) => two(11, one, 0),
+        Node::Exponential(one) => two(12, one, 0),
+        Node::ArcTangent(one, other) => two(13, one, other),
+        Node::Solution { solve, row } => two(14, solve, row),
+    }
+}
