@@ -4,9 +4,12 @@ use serde_json::{Value, json};
 
 use super::point_keys::point_keys;
 use crate::analysis::{Balance, Stability};
-use crate::check::{BalancerFacts, BallPositions, BlockFacts, RestFacts, points_to_examine, short};
+use crate::check::{
+    BalancerFacts, BallPositions, BlockFacts, ExaminedDesign, RestFacts, is_held_everywhere,
+    points_to_examine, short,
+};
 use crate::model::Model;
-use crate::study::{Point, Study};
+use crate::study::{DesignValue, Point, Study, Variable};
 use crate::text_table::text_table;
 
 /// The closed forms at some points of a sweep, with uncertain parameters at their medians.
@@ -16,6 +19,8 @@ pub(super) struct ClosedForms {
     points: u64,
     /// Whether any parameter is uncertain.
     uncertain: bool,
+    /// The design whose machine is described, in words and as JSON.
+    design: Option<(String, Value)>,
     at: Vec<(Point, Facts)>,
 }
 
@@ -33,7 +38,9 @@ fn is_friction(name: &str) -> bool {
 impl ClosedForms {
     /// Computes the closed forms at no more than `most` points, spread evenly over the sweep. Points at which the
     /// medians are impossible values are left out.
-    pub(super) fn of(study: &Study, most: u64) -> Self {
+    /// Of a study with variables, the machine is that of `design`.
+    pub(super) fn of(study: &Study, design: Option<&ExaminedDesign>, most: u64) -> Self {
+        let study = design.map_or(study, |design| &design.study);
         let positions = BallPositions::new(study.model().balls());
         let facts = |point_id: u64| {
             let facts = match study.median_model(point_id).ok()? {
@@ -50,6 +57,7 @@ impl ClosedForms {
             names: study.swept().iter().map(|column| column.name.clone()).collect(),
             points: study.point_count(),
             uncertain: !study.uncertain().is_empty(),
+            design: design.map(|design| (design.words(), design_json(design))),
             at: points.into_iter().filter_map(facts).collect(),
         }
     }
@@ -64,11 +72,18 @@ impl ClosedForms {
             text += &format!(", at {} of {} points", self.at.len(), self.points);
         }
         text += "\n";
+        if let Some((words, _)) = &self.design {
+            text += &format!("the design is {words}\n");
+        }
         let balancers: Vec<(u64, &BalancerFacts)> = self.at.iter().filter_map(balancer).collect();
         if balancers.is_empty() {
             return text + &self.table(&BLOCK_COLUMNS);
         }
-        text + &self.table(&BALANCER_COLUMNS) + &legend(&balancers)
+        let mut text = text + &self.table(&BALANCER_COLUMNS) + &legend(&balancers);
+        if self.at.iter().any(|(_, facts)| facts.cells().iter().any(|cell| cell.contains(RANGE))) {
+            text += "(a .. b): the values at the quantiles 2.5 % (a) and 97.5 % (b) of uncertain friction\n";
+        }
+        text
     }
 
     fn table(&self, columns: &[&str]) -> String {
@@ -92,12 +107,27 @@ impl ClosedForms {
             }
             object
         };
-        json!({
+        let mut object = json!({
             "points_examined": self.at.len(),
             "uncertain_at_medians": self.uncertain,
             "points": self.at.iter().map(point).collect::<Vec<_>>(),
-        })
+        });
+        if let Some((_, design)) = &self.design {
+            object["design"] = design.clone();
+        }
+        object
     }
+}
+
+/// Returns the values of a design by the names of the variables.
+fn design_json(design: &ExaminedDesign) -> Value {
+    let value = |value: &DesignValue, variable: &Variable| match value {
+        DesignValue::Number(number) => json!(number),
+        DesignValue::Choice(_) => json!(variable.describe(*value)),
+    };
+    let each = design.study.variables().iter().zip(&design.values);
+    let entries = each.map(|(variable, one)| (variable.name().to_owned(), value(one, variable)));
+    Value::Object(entries.collect())
 }
 
 /// Returns the positions of rest with friction at its quantiles 0.025 and 0.975, if friction is uncertain.
@@ -122,6 +152,9 @@ fn balancer((point, facts): &(Point, Facts)) -> Option<(u64, &BalancerFacts)> {
     }
 }
 
+/// The separator of the two values in parentheses.
+const RANGE: &str = " .. ";
+
 const BLOCK_COLUMNS: [&str; 3] = ["natural [rad/s]", "static reach [m]", "belt [m/s]"];
 
 const BALANCER_COLUMNS: [&str; 9] = [
@@ -136,7 +169,8 @@ const BALANCER_COLUMNS: [&str; 9] = [
     "balance",
 ];
 
-/// Explains the columns, and states the worst rest and the points below the natural frequency in words.
+/// Explains the columns, and states the worst rest, and the points below the natural frequency or with
+/// too much friction, in words.
 fn legend(balancers: &[(u64, &BalancerFacts)]) -> String {
     let mut text = "set: fraction of all ball positions at which friction holds the balls; worst rest: the largest \
                     amplitude there;\noverlap: fraction of these positions in which balls overlap; balance: stability \
@@ -159,8 +193,20 @@ fn legend(balancers: &[(u64, &BalancerFacts)]) -> String {
     if below > 0 {
         let points = balancers.len();
         text += &format!(
-            "at {below} of {points} points the disc is slower than the natural frequency; balls then move towards the \
-             imbalance\n"
+            "at {below} of {points} points the disc is slower than the natural frequency, where the balancing position \
+             is not stable\n"
+        );
+    }
+    let is_held = |(_, facts): &&(u64, &BalancerFacts)| {
+        facts.speed_ratio > 0.0
+            && facts.rest.is_some_and(|rest| is_held_everywhere(rest.set_fraction))
+    };
+    let held = balancers.iter().filter(is_held).count();
+    if held > 0 {
+        let points = balancers.len();
+        text += &format!(
+            "at {held} of {points} points friction holds the balls in every position, so that no force moves them to \
+             the balancing position\n"
         );
     }
     text
@@ -181,7 +227,7 @@ impl Facts {
                     let ends = range.as_ref().map(|[low, high]| [value(low), value(high)]);
                     match ends.map(|ends| ends.map(|end| end.map_or_else(none, short))) {
                         Some([low, high]) if low != nominal || high != nominal => {
-                            format!("{nominal} ({low} .. {high})")
+                            format!("{nominal} ({low}{RANGE}{high})")
                         }
                         _ => nominal,
                     }

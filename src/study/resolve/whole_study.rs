@@ -90,7 +90,7 @@ impl Study {
         check_parameter_names(&source)?;
         let written: StudyFile = decode(&source)?;
         let study = resolve(&source, &written, &folders)?;
-        Ok(Study { written: Arc::new(Written::of(file, &source.root, &written)), ..study })
+        Ok(Study { written: Arc::new(Written::of(file, &source, &written)), ..study })
     }
 }
 
