@@ -2,11 +2,11 @@
 
 use serde_json::{Value, json};
 
+use super::check_legend::legend;
 use super::point_keys::point_keys;
 use crate::analysis::{Balance, Stability};
 use crate::check::{
-    BalancerFacts, BallPositions, BlockFacts, ExaminedDesign, RestFacts, is_held_everywhere,
-    points_to_examine, short,
+    BalancerFacts, BallPositions, BlockFacts, ExaminedDesign, RestFacts, points_to_examine, short,
 };
 use crate::model::Model;
 use crate::study::{DesignValue, Point, Study, Variable};
@@ -22,6 +22,8 @@ pub(super) struct ClosedForms {
     /// The design whose machine is described, in words and as JSON.
     design: Option<(String, Value)>,
     at: Vec<(Point, Facts)>,
+    /// The values of the swept parameters of each of these points.
+    shown: Vec<Vec<String>>,
 }
 
 enum Facts {
@@ -53,12 +55,14 @@ impl ClosedForms {
             Some((study.point(point_id), facts))
         };
         let points = points_to_examine(study.point_count(), most);
+        let at: Vec<(Point, Facts)> = points.into_iter().filter_map(facts).collect();
         ClosedForms {
             names: study.swept().iter().map(|column| column.name.clone()).collect(),
             points: study.point_count(),
             uncertain: !study.uncertain().is_empty(),
             design: design.map(|design| (design.words(), design_json(design))),
-            at: points.into_iter().filter_map(facts).collect(),
+            shown: at.iter().map(|(point, _)| study.shown(&point.swept)).collect(),
+            at,
         }
     }
 
@@ -89,9 +93,9 @@ impl ClosedForms {
     fn table(&self, columns: &[&str]) -> String {
         let head = ["point"].into_iter().chain(self.names.iter().map(String::as_str));
         let head = head.chain(columns.iter().copied()).map(str::to_owned).collect();
-        let rows = self.at.iter().map(|(point, facts)| {
+        let rows = self.at.iter().zip(&self.shown).map(|((point, facts), shown)| {
             let mut row = vec![point.point_id.to_string()];
-            row.extend(point.swept.iter().map(ToString::to_string));
+            row.extend(shown.iter().cloned());
             row.extend(facts.cells());
             row
         });
@@ -168,49 +172,6 @@ const BALANCER_COLUMNS: [&str; 9] = [
     "overlap",
     "balance",
 ];
-
-/// Explains the columns, and states the worst rest, and the points below the natural frequency or with
-/// too much friction, in words.
-fn legend(balancers: &[(u64, &BalancerFacts)]) -> String {
-    let mut text = "set: fraction of all ball positions at which friction holds the balls; worst rest: the largest \
-                    amplitude there;\noverlap: fraction of these positions in which balls overlap; balance: stability \
-                    of the balancing position without friction\n"
-        .to_owned();
-    let ratio = |(point_id, facts): &(u64, &BalancerFacts)| {
-        let ratio = facts.rest?.max_amplitude_m? / facts.amplitude_without_balls_m?;
-        ratio.is_finite().then_some((ratio, *point_id))
-    };
-    let worst = balancers.iter().filter_map(ratio).max_by(|one, other| one.0.total_cmp(&other.0));
-    if let Some((ratio, point_id)) = worst {
-        let place =
-            if balancers.len() == 1 { String::new() } else { format!(" (point {point_id})") };
-        text += &format!(
-            "balls that rest in the worst position make the vibration {} times that without balls{place}\n",
-            short(ratio)
-        );
-    }
-    let below = balancers.iter().filter(|(_, facts)| facts.speed_ratio < 1.0).count();
-    if below > 0 {
-        let points = balancers.len();
-        text += &format!(
-            "at {below} of {points} points the disc is slower than the natural frequency, where the balancing position \
-             is not stable\n"
-        );
-    }
-    let is_held = |(_, facts): &&(u64, &BalancerFacts)| {
-        facts.speed_ratio > 0.0
-            && facts.rest.is_some_and(|rest| is_held_everywhere(rest.set_fraction))
-    };
-    let held = balancers.iter().filter(is_held).count();
-    if held > 0 {
-        let points = balancers.len();
-        text += &format!(
-            "at {held} of {points} points friction holds the balls in every position, so that no force moves them to \
-             the balancing position\n"
-        );
-    }
-    text
-}
 
 impl Facts {
     /// Returns the cells of a row of the table.

@@ -2,7 +2,7 @@
 //! runs.
 
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use indexmap::{IndexMap, IndexSet};
 
@@ -178,6 +178,7 @@ fn resolve(
         blocks: number_runs(blocks, &designs, &start_box, written.seed, precision.as_ref())?,
         swept: swept_parameters.iter().map(column).collect(),
         swept_parameters,
+        shown_digits: OnceLock::new(),
         uncertain,
         uncertain_parameters,
         expectations: Vec::new(),
