@@ -90,10 +90,9 @@ pub(super) fn held_everywhere(study: &Study, design: Option<&ExaminedDesign>) ->
     let examined = design.map_or(study, |design| &design.study);
     let held = machines_held_everywhere(examined)?;
     let space = Space::new(study);
-    let others = (0..DESIGNS).filter_map(|index| study.set(&space.space_filling(index, 0)).ok());
-    if design.is_some()
-        && others.into_iter().any(|other| machines_held_everywhere(&other).is_none())
-    {
+    let mut others =
+        (0..DESIGNS).filter_map(|index| study.set(&space.space_filling(index, 0)).ok());
+    if design.is_some() && others.any(|other| machines_held_everywhere(&other).is_none()) {
         return None;
     }
     let positions = BallPositions::new(examined.model().balls());
@@ -117,8 +116,9 @@ pub(super) fn held_everywhere(study: &Study, design: Option<&ExaminedDesign>) ->
         problem: "friction holds the balls in every position, so that no force moves them to the balancing position"
             .to_owned(),
         found: format!(
-            "{}; the set has a fraction above {HELD_EVERYWHERE} of all positions{points}{of_design}",
-            coefficients(&held)
+            "{}, where more than {:.0} % of all positions are positions of rest{points}{of_design}",
+            coefficients(&held),
+            100.0 * HELD_EVERYWHERE
         ),
         remedy: format!(
             "{name} below {}, and below {} to hold the balls in less than half of all positions; heavier balls and a \

@@ -351,7 +351,7 @@ fn friction_that_holds_the_balls_everywhere_is_a_warning() {
     assert_eq!(kinds(&all), [kind.as_str()]);
     assert_has(
         all["warnings"][0]["found"].as_str().unwrap(),
-        &["0.05 to 0.06;", "at all 2 points"],
+        &["0.05 to 0.06, where", "at all 2 points"],
     );
     assert_has(
         &scratch.well("check a.yaml"),
@@ -609,6 +609,11 @@ fn designs_and_searches_have_a_price() {
             "search cost   100608 runs at most; about ",
             "one design    384 runs; about ",
         ],
+    );
+    let path = shipped("cd-rom.yaml");
+    assert_has(
+        &scratch.well(&format!("check {path}")),
+        &["the design is optimize.compare_with (balls 2, ball "],
     );
     let design = report(&scratch, &shipped("design.yaml"));
     assert_eq!(design["design_cost"]["runs"], json!(64));
