@@ -85,9 +85,14 @@ pub(super) fn subcritical(study: &Study, design: Option<&ExaminedDesign>) -> Opt
     })
 }
 
-/// Warns of friction that holds the balls in every position, at all points and for all examined designs.
+/// Warns of friction that holds the balls in every position, at all points and for all examined designs. A disc that
+/// is slower than the natural frequency has a warning of its own.
 pub(super) fn held_everywhere(study: &Study, design: Option<&ExaminedDesign>) -> Option<Finding> {
     let examined = design.map_or(study, |design| &design.study);
+    // The balancing position of a slow disc is not stable, whatever the friction is.
+    if fastest(examined)? < 1.0 {
+        return None;
+    }
     let held = machines_held_everywhere(examined)?;
     let space = Space::new(study);
     let mut others =
