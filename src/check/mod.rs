@@ -6,6 +6,9 @@
 
 mod ball_fit;
 mod closed_form;
+mod conditions;
+mod designs;
+mod obstacle;
 mod points;
 mod values;
 mod warning;
@@ -13,6 +16,9 @@ mod warnings;
 
 pub use ball_fit::{BallPositions, density_kg_m3, occupied_angle};
 pub use closed_form::{BalancerFacts, BlockFacts, RestFacts};
+pub use conditions::is_held_everywhere;
+pub use designs::ExaminedDesign;
+pub use obstacle::Obstacle;
 pub use points::{points_to_examine, spread};
 pub(crate) use values::short;
 pub use warning::Warning;

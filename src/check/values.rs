@@ -72,22 +72,42 @@ impl At<'_> {
         self.study.key_of(name, ball, self.point_id)
     }
 
+    /// Returns the name of a parameter as the study writes it: without its unit if the value has one.
+    fn name<'a>(&self, name: &'a str) -> &'a str {
+        let is_with_unit = [None, Some(1)]
+            .iter()
+            .any(|ball| self.study.key_with_unit(&self.key(name, *ball)).is_some());
+        let endings = ["_rad_s", "_kg", "_m"];
+        let short = endings.iter().find_map(|ending| name.strip_suffix(ending));
+        short.filter(|_| is_with_unit).unwrap_or(name)
+    }
+
+    /// Returns a remark on the unit of a number, unless the study writes the unit of this key itself.
+    fn remark(&self, key: &str, remark: &'static str) -> &'static str {
+        if self.study.key_with_unit(key).is_some() { "" } else { remark }
+    }
+
     fn ring(&self, machine: &Machine) -> Option<Finding> {
         let radius_m = machine.ring_radius_m;
         let too_big = |ball: &Ball| 0.5 * ball.diameter_m >= radius_m;
         let index = machine.balls.iter().position(too_big)?;
         let diameter_m = machine.balls.get(index)?.diameter_m;
+        let key = self.key("ball_diameter_m", Some(index + 1));
         Some(Finding {
             kind: "ball_beyond_ring",
-            key: self.key("ball_diameter_m", Some(index + 1)),
             problem: "a ball reaches the centre of the ring".to_owned(),
             found: format!(
                 "a ball diameter of {} m, while the centres of the balls are {} m from the centre of the ring",
                 short(diameter_m),
                 short(radius_m)
             ),
-            remedy: "ball_diameter_m below twice ring_radius_m; lengths are in m, not in mm"
-                .to_owned(),
+            remedy: format!(
+                "{} below twice {}{}",
+                self.name("ball_diameter_m"),
+                self.name("ring_radius_m"),
+                self.remark(&key, "; lengths are in m, not in mm")
+            ),
+            key,
         })
     }
 
@@ -109,7 +129,8 @@ impl At<'_> {
                 occupied.to_degrees()
             ),
             remedy: format!(
-                "at most {most:.0} such balls, smaller balls, or a larger ring_radius_m"
+                "at most {most:.0} such balls, smaller balls, or a larger {}",
+                self.name("ring_radius_m")
             ),
         })
     }
@@ -127,6 +148,10 @@ impl At<'_> {
             let listed = self.study.parameters();
             listed.iter().any(|one| one.name == name && one.is_default && !one.is_varied())
         };
+        let units = match [&mass, &diameter].map(|key| self.study.key_with_unit(key).is_some()) {
+            [true, true] => "",
+            _ => ", with the mass in kg and the diameter in m",
+        };
         let key = if is_default("ball_mass_kg") { diameter } else { mass };
         Some(Finding {
             kind: "ball_density",
@@ -139,8 +164,7 @@ impl At<'_> {
                 short(density)
             ),
             remedy: format!(
-                "{least} to {most} kg/m³, with the mass in kg and the diameter in m; a steel ball of this diameter \
-                 has {} kg",
+                "{least} to {most} kg/m³{units}; a steel ball of this diameter has {} kg",
                 short(steel_kg)
             ),
         })
@@ -178,12 +202,13 @@ impl At<'_> {
 
     fn speed(&self, machine: &Machine) -> Option<Finding> {
         let speed = machine.speed_rad_s;
+        let key = self.key("speed_rad_s", None);
         (speed.abs() > FASTEST_RAD_S).then(|| Finding {
             kind: "speed",
-            key: self.key("speed_rad_s", None),
             problem: "a speed that no disc reaches".to_owned(),
             found: format!("{} rad/s, which is {:.0} rpm", short(speed), speed.abs() * 60.0 / TAU),
-            remedy: format!("at most {FASTEST_RAD_S:e} rad/s; 1 rpm is 0.10472 rad/s"),
+            remedy: format!("at most {FASTEST_RAD_S:e} rad/s{}", self.remark(&key, RPM)),
+            key,
         })
     }
 
@@ -206,10 +231,12 @@ impl At<'_> {
         let capacity = capacity_kg_m(machine) * GRAM_MILLIMETRES;
         let imbalance = machine.imbalance_mass_kg * machine.imbalance_radius_m * GRAM_MILLIMETRES;
         let (problem, remedy) = if capacity < imbalance {
-            let remedy = "more or heavier balls, or a larger ring_radius_m";
+            let remedy =
+                format!("more or heavier balls, or a larger {}", self.name("ring_radius_m"));
             ("the balls cannot balance the imbalance: they are too light", remedy)
         } else {
-            let remedy = "two or more balls, where no ball outweighs the other balls and the imbalance together";
+            let remedy = "two or more balls, where no ball outweighs the other balls and the imbalance together"
+                .to_owned();
             ("the balls cannot balance the imbalance: one ball is too heavy", remedy)
         };
         Some(Finding {
@@ -217,11 +244,12 @@ impl At<'_> {
             key: self.key("ball_mass_kg", None),
             problem: problem.to_owned(),
             found: format!(
-                "ball masses times ring_radius_m are {} g mm, and the imbalance is {} g mm",
+                "ball masses times {} are {} g mm, and the imbalance is {} g mm",
+                self.name("ring_radius_m"),
                 short(capacity),
                 short(imbalance)
             ),
-            remedy: remedy.to_owned(),
+            remedy,
         })
     }
 
@@ -240,6 +268,9 @@ impl At<'_> {
         })
     }
 }
+
+/// A remark for a study that writes speeds in rad/s.
+pub(super) const RPM: &str = "; 1 rpm is 0.10472 rad/s";
 
 /// g mm in one kg m.
 const GRAM_MILLIMETRES: f64 = 1e6;

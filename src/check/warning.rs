@@ -21,7 +21,7 @@ use crate::study::Study;
 pub struct Warning {
     /// Name of the kind of warning, in JSON.
     pub kind: &'static str,
-    /// The key, such as `model.parameters.ball_mass_kg`.
+    /// The key as the study file writes it, such as `model.parameters.ball_mass_kg`.
     pub key: String,
     /// The study file.
     pub file: PathBuf,
@@ -50,6 +50,7 @@ impl Finding {
     pub fn in_file(self, study: &Study) -> Warning {
         let Finding { kind, key, problem, found, remedy } = self;
         let place = study.place_of(&key);
+        let key = study.key_with_unit(&key).map_or(key.clone(), str::to_owned);
         Warning { kind, file: study.file().to_path_buf(), place, key, problem, found, remedy }
     }
 }

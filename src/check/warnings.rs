@@ -1,15 +1,17 @@
 //! All warnings about a study.
 
 use super::ball_fit::BallPositions;
+use super::conditions::{held_everywhere, models, subcritical};
+use super::designs::{ExaminedDesign, described};
 use super::points::points_to_examine;
 use super::values::{findings, has_room, short};
 use super::warning::{Finding, Warning};
-use crate::model::{InvalidParameter, Model};
+use crate::model::InvalidParameter;
 use crate::optimize::Space;
 use crate::study::{ListedParameter, ParameterValue, Study};
 
-/// The largest number of points whose values are examined.
-const MOST_POINTS: u64 = 50;
+/// The number of points above which fewer designs are examined.
+const MANY_POINTS: u64 = 50;
 /// The number of runs whose draws are examined.
 const DRAWS: u64 = 1000;
 /// The smallest fraction of invalid draws that is a warning.
@@ -18,26 +20,23 @@ const INVALID_DRAWS: f64 = 0.01;
 const DESIGNS: [u32; 2] = [256, 16];
 
 /// Returns the warnings about a study, in the order of their keys' importance. The values of uncertain parameters are
-/// their medians. Of a large sweep, at most 50 points are examined.
+/// their medians. Of a large sweep, at most 50 points are examined. The values of a study with variables are those of
+/// its [`ExaminedDesign`].
 pub fn warnings(study: &Study) -> Vec<Warning> {
-    let mut found = of_points(study);
-    found.extend(subcritical(study));
+    let design = ExaminedDesign::of(study);
+    let design = design.as_ref();
+    let mut found = of_points(design.map_or(study, |design| &design.study), design);
+    found.extend(subcritical(study, design));
+    found.extend(held_everywhere(study, design));
     found.extend(of_designs(study));
     found.extend(mostly_defaults(study));
-    found.extend(invalid_draws(study));
+    found.extend(invalid_draws(design.map_or(study, |design| &design.study)));
     found.extend(repeated_points(study));
     found.into_iter().map(|finding| finding.in_file(study)).collect()
 }
 
-/// Returns the models at the examined points, with uncertain parameters at their medians, without impossible models.
-fn models(study: &Study) -> Vec<(u64, Model)> {
-    let points = points_to_examine(study.point_count(), MOST_POINTS);
-    let model = |point| Some((point, study.median_model(point).ok()?));
-    points.into_iter().filter_map(model).collect()
-}
-
 /// Returns the findings about the values at the points, one for each kind and key.
-fn of_points(study: &Study) -> Vec<Finding> {
+fn of_points(study: &Study, design: Option<&ExaminedDesign>) -> Vec<Finding> {
     let models = models(study);
     let positions = match study.model().balls() {
         0 | 1 => None,
@@ -56,37 +55,16 @@ fn of_points(study: &Study) -> Vec<Finding> {
         }
     }
     let with_count = |(finding, count): (Finding, usize)| {
-        let found = match models.len() {
-            1 => finding.found,
-            points => format!("{}; at {count} of {points} points", finding.found),
-        };
+        let mut found = finding.found;
+        if models.len() > 1 {
+            found += &format!("; at {count} of {} points", models.len());
+        }
+        if let Some(design) = design {
+            found += &format!("; at {}", design.name);
+        }
         Finding { found, ..finding }
     };
     all.into_iter().map(with_count).collect()
-}
-
-/// Warns of a study whose disc is slower than the natural frequency at all points.
-fn subcritical(study: &Study) -> Option<Finding> {
-    let models = models(study);
-    let ratio = |model: &Model| {
-        let machine = model.ball_balancer()?;
-        Some(machine.speed_rad_s.abs() / machine.natural_frequency_rad_s())
-    };
-    let ratios: Option<Vec<f64>> = models.iter().map(|(_, model)| ratio(model)).collect();
-    let most = ratios?.into_iter().fold(0.0, f64::max);
-    let (point_id, model) = models.first()?;
-    (most < 1.0).then(|| Finding {
-        kind: "subcritical_speed",
-        key: study.key_of("speed_rad_s", None, *point_id),
-        problem: "the disc is slower than the natural frequency, where balls move towards the imbalance and increase \
-                  the vibration"
-            .to_owned(),
-        found: format!(
-            "at most {most:.3} times the natural frequency of {:.1} rad/s",
-            model.natural_frequency_rad_s()
-        ),
-        remedy: "a speed above the natural frequency, or a softer suspension; 1 rpm is 0.10472 rad/s".to_owned(),
-    })
 }
 
 /// Warns of designs whose balls have no room in the ring.
@@ -96,7 +74,7 @@ fn of_designs(study: &Study) -> Option<Finding> {
         return None;
     }
     let space = Space::new(study);
-    let designs = DESIGNS[usize::from(study.point_count() > MOST_POINTS)];
+    let designs = DESIGNS[usize::from(study.point_count() > MANY_POINTS)];
     let (mut examined, mut without_room, mut example) = (0_u32, 0_u32, None);
     for index in 0..designs {
         let values = space.space_filling(index, 0);
@@ -107,13 +85,7 @@ fn of_designs(study: &Study) -> Option<Finding> {
         examined += 1;
         if !has_room(machine) {
             without_room += 1;
-            let described = variables.iter().zip(&values);
-            example.get_or_insert_with(|| {
-                let text = described.map(|(variable, value)| {
-                    format!("{} {}", variable.name(), variable.describe(*value))
-                });
-                text.collect::<Vec<_>>().join(", ")
-            });
+            example.get_or_insert_with(|| described(study, &values));
         }
     }
     Some(Finding {

@@ -14,9 +14,9 @@ use super::existence::Existence;
 use super::exit::{CliError, End};
 use super::output::{print, print_json};
 use super::point_keys::merged;
-use crate::check::{Warning, warnings};
+use crate::check::{ExaminedDesign, Warning, warnings};
 use crate::engine::say;
-use crate::model::{Endings, Extend, Method};
+use crate::model::{Endings, Extend, Method, Model};
 use crate::study::{Precision, Response, Study, Variable, VariedParameter, describe_number};
 use crate::text_table::text_table;
 
@@ -66,6 +66,7 @@ pub fn check(arguments: &CheckArguments) -> Result<End, CliError> {
     let designs = DesignCost::of(&study);
     let existence = arguments.existence.then(|| Existence::of(&study));
     let warnings = warnings(&study);
+    let design = ExaminedDesign::of(&study);
     let end = if arguments.strict && !warnings.is_empty() { End::Warned } else { End::Well };
     if arguments.json {
         let mut report = json!({
@@ -96,7 +97,8 @@ pub fn check(arguments: &CheckArguments) -> Result<End, CliError> {
             report["precision"] = json!(precision.equilibrium_fraction);
         }
         report["machine"] = machine_json(&study);
-        report["closed_form"] = ClosedForms::of(&study, most_points(&study)).json();
+        report["closed_form"] =
+            ClosedForms::of(&study, design.as_ref(), most_points(&study)).json();
         report["warnings"] = warnings.iter().map(Warning::json).collect();
         if let Some(designs) = designs {
             report = merged(report, designs.json());
@@ -108,7 +110,8 @@ pub fn check(arguments: &CheckArguments) -> Result<End, CliError> {
         say_all(&warnings, arguments.strict);
         return Ok(end);
     }
-    let mut rows = rows(&study, &cost, designs.as_ref());
+    let described = design.as_ref().map_or(&study, |design| &design.study);
+    let mut rows = rows(&study, described.model(), &cost, designs.as_ref());
     rows.extend(existence.iter().flat_map(Existence::rows));
     let rows: Vec<Vec<String>> =
         rows.into_iter().map(|(key, text)| vec![key.to_owned(), text]).collect();
@@ -117,7 +120,8 @@ pub fn check(arguments: &CheckArguments) -> Result<End, CliError> {
         print(&existence.details())?;
     }
     print(&format!("\n{}", machine_text(&study)))?;
-    print(&format!("\n{}", ClosedForms::of(&study, most_printed(&study)).text()))?;
+    let closed_forms = ClosedForms::of(&study, design.as_ref(), most_printed(&study));
+    print(&format!("\n{}", closed_forms.text()))?;
     say_all(&warnings, arguments.strict);
     Ok(end)
 }
@@ -142,21 +146,25 @@ fn say_all(warnings: &[Warning], strict: bool) {
     }
 }
 
-/// Returns the rows of the plan: a key and its text.
-fn rows(study: &Study, cost: &Cost, designs: Option<&DesignCost>) -> Vec<(&'static str, String)> {
+/// Returns the rows of the plan: a key and its text. `model` is that of the examined design.
+fn rows(
+    study: &Study,
+    model: &Model,
+    cost: &Cost,
+    designs: Option<&DesignCost>,
+) -> Vec<(&'static str, String)> {
     let listed = |names: Vec<&str>| {
         if names.is_empty() { "nothing".to_owned() } else { names.join(", ") }
     };
     let names = |columns: &'_ [VariedParameter]| {
         listed(columns.iter().map(|column| column.name.as_str()).collect())
     };
-    let what = match study.model().balls() {
-        0 => study.model().kind().name.to_owned(),
+    let what = match model.balls() {
+        0 => model.kind().name.to_owned(),
         1 => "ball_balancer with 1 ball".to_owned(),
         balls => format!("ball_balancer with {balls} balls"),
     };
-    let (friction, natural) =
-        (study.model().friction().name(), study.model().natural_frequency_rad_s());
+    let (friction, natural) = (model.friction().name(), model.natural_frequency_rad_s());
     let (hash, seed) = (&study.hash()[..12], study.seed());
     let mut rows = vec![
         ("study", format!("{} (hash {hash}, seed {seed})", study.name())),

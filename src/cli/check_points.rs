@@ -2,11 +2,14 @@
 
 use serde_json::{Value, json};
 
+use super::check_legend::legend;
 use super::point_keys::point_keys;
 use crate::analysis::{Balance, Stability};
-use crate::check::{BalancerFacts, BallPositions, BlockFacts, RestFacts, points_to_examine, short};
+use crate::check::{
+    BalancerFacts, BallPositions, BlockFacts, ExaminedDesign, RestFacts, points_to_examine, short,
+};
 use crate::model::Model;
-use crate::study::{Point, Study};
+use crate::study::{DesignValue, Point, Study, Variable};
 use crate::text_table::text_table;
 
 /// The closed forms at some points of a sweep, with uncertain parameters at their medians.
@@ -16,7 +19,11 @@ pub(super) struct ClosedForms {
     points: u64,
     /// Whether any parameter is uncertain.
     uncertain: bool,
+    /// The design whose machine is described, in words and as JSON.
+    design: Option<(String, Value)>,
     at: Vec<(Point, Facts)>,
+    /// The values of the swept parameters of each of these points.
+    shown: Vec<Vec<String>>,
 }
 
 enum Facts {
@@ -33,7 +40,9 @@ fn is_friction(name: &str) -> bool {
 impl ClosedForms {
     /// Computes the closed forms at no more than `most` points, spread evenly over the sweep. Points at which the
     /// medians are impossible values are left out.
-    pub(super) fn of(study: &Study, most: u64) -> Self {
+    /// Of a study with variables, the machine is that of `design`.
+    pub(super) fn of(study: &Study, design: Option<&ExaminedDesign>, most: u64) -> Self {
+        let study = design.map_or(study, |design| &design.study);
         let positions = BallPositions::new(study.model().balls());
         let facts = |point_id: u64| {
             let facts = match study.median_model(point_id).ok()? {
@@ -46,11 +55,14 @@ impl ClosedForms {
             Some((study.point(point_id), facts))
         };
         let points = points_to_examine(study.point_count(), most);
+        let at: Vec<(Point, Facts)> = points.into_iter().filter_map(facts).collect();
         ClosedForms {
             names: study.swept().iter().map(|column| column.name.clone()).collect(),
             points: study.point_count(),
             uncertain: !study.uncertain().is_empty(),
-            at: points.into_iter().filter_map(facts).collect(),
+            design: design.map(|design| (design.words(), design_json(design))),
+            shown: at.iter().map(|(point, _)| study.shown(&point.swept)).collect(),
+            at,
         }
     }
 
@@ -64,19 +76,26 @@ impl ClosedForms {
             text += &format!(", at {} of {} points", self.at.len(), self.points);
         }
         text += "\n";
+        if let Some((words, _)) = &self.design {
+            text += &format!("the design is {words}\n");
+        }
         let balancers: Vec<(u64, &BalancerFacts)> = self.at.iter().filter_map(balancer).collect();
         if balancers.is_empty() {
             return text + &self.table(&BLOCK_COLUMNS);
         }
-        text + &self.table(&BALANCER_COLUMNS) + &legend(&balancers)
+        let mut text = text + &self.table(&BALANCER_COLUMNS) + &legend(&balancers);
+        if self.at.iter().any(|(_, facts)| facts.cells().iter().any(|cell| cell.contains(RANGE))) {
+            text += "(a .. b): the values at the quantiles 2.5 % (a) and 97.5 % (b) of uncertain friction\n";
+        }
+        text
     }
 
     fn table(&self, columns: &[&str]) -> String {
         let head = ["point"].into_iter().chain(self.names.iter().map(String::as_str));
         let head = head.chain(columns.iter().copied()).map(str::to_owned).collect();
-        let rows = self.at.iter().map(|(point, facts)| {
+        let rows = self.at.iter().zip(&self.shown).map(|((point, facts), shown)| {
             let mut row = vec![point.point_id.to_string()];
-            row.extend(point.swept.iter().map(ToString::to_string));
+            row.extend(shown.iter().cloned());
             row.extend(facts.cells());
             row
         });
@@ -92,12 +111,27 @@ impl ClosedForms {
             }
             object
         };
-        json!({
+        let mut object = json!({
             "points_examined": self.at.len(),
             "uncertain_at_medians": self.uncertain,
             "points": self.at.iter().map(point).collect::<Vec<_>>(),
-        })
+        });
+        if let Some((_, design)) = &self.design {
+            object["design"] = design.clone();
+        }
+        object
     }
+}
+
+/// Returns the values of a design by the names of the variables.
+fn design_json(design: &ExaminedDesign) -> Value {
+    let value = |value: &DesignValue, variable: &Variable| match value {
+        DesignValue::Number(number) => json!(number),
+        DesignValue::Choice(_) => json!(variable.describe(*value)),
+    };
+    let each = design.study.variables().iter().zip(&design.values);
+    let entries = each.map(|(variable, one)| (variable.name().to_owned(), value(one, variable)));
+    Value::Object(entries.collect())
 }
 
 /// Returns the positions of rest with friction at its quantiles 0.025 and 0.975, if friction is uncertain.
@@ -122,6 +156,9 @@ fn balancer((point, facts): &(Point, Facts)) -> Option<(u64, &BalancerFacts)> {
     }
 }
 
+/// The separator of the two values in parentheses.
+const RANGE: &str = " .. ";
+
 const BLOCK_COLUMNS: [&str; 3] = ["natural [rad/s]", "static reach [m]", "belt [m/s]"];
 
 const BALANCER_COLUMNS: [&str; 9] = [
@@ -135,36 +172,6 @@ const BALANCER_COLUMNS: [&str; 9] = [
     "overlap",
     "balance",
 ];
-
-/// Explains the columns, and states the worst rest and the points below the natural frequency in words.
-fn legend(balancers: &[(u64, &BalancerFacts)]) -> String {
-    let mut text = "set: fraction of all ball positions at which friction holds the balls; worst rest: the largest \
-                    amplitude there;\noverlap: fraction of these positions in which balls overlap; balance: stability \
-                    of the balancing position without friction\n"
-        .to_owned();
-    let ratio = |(point_id, facts): &(u64, &BalancerFacts)| {
-        let ratio = facts.rest?.max_amplitude_m? / facts.amplitude_without_balls_m?;
-        ratio.is_finite().then_some((ratio, *point_id))
-    };
-    let worst = balancers.iter().filter_map(ratio).max_by(|one, other| one.0.total_cmp(&other.0));
-    if let Some((ratio, point_id)) = worst {
-        let place =
-            if balancers.len() == 1 { String::new() } else { format!(" (point {point_id})") };
-        text += &format!(
-            "balls that rest in the worst position make the vibration {} times that without balls{place}\n",
-            short(ratio)
-        );
-    }
-    let below = balancers.iter().filter(|(_, facts)| facts.speed_ratio < 1.0).count();
-    if below > 0 {
-        let points = balancers.len();
-        text += &format!(
-            "at {below} of {points} points the disc is slower than the natural frequency; balls then move towards the \
-             imbalance\n"
-        );
-    }
-    text
-}
 
 impl Facts {
     /// Returns the cells of a row of the table.
@@ -181,7 +188,7 @@ impl Facts {
                     let ends = range.as_ref().map(|[low, high]| [value(low), value(high)]);
                     match ends.map(|ends| ends.map(|end| end.map_or_else(none, short))) {
                         Some([low, high]) if low != nominal || high != nominal => {
-                            format!("{nominal} ({low} .. {high})")
+                            format!("{nominal} ({low}{RANGE}{high})")
                         }
                         _ => nominal,
                     }

@@ -238,7 +238,7 @@ fn compute(
         } else {
             frictionless_equilibria(machine, damping).ok_or_else(unknown)?
         };
-        report.push_point(&row, &frictionless);
+        report.push_point(study, &row, &frictionless);
         tables.push_set(row)?;
         push_frictionless(&key, machine, frictionless, &mut report, tables)?;
         if tables.takes_positions() {

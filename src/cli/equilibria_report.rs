@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 use super::point_keys::{merged, point_keys};
 use super::points_table::MOST_LINES;
 use crate::analysis::{FrictionlessEquilibrium, FrictionlessKind, Stability};
-use crate::study::{ParameterValue, Study};
+use crate::study::Study;
 use crate::table::SetSummaryRow;
 use crate::text_table::text_table;
 
@@ -16,6 +16,8 @@ pub struct Report {
     study: String,
     names: Vec<String>,
     points: Vec<(SetSummaryRow, Vec<&'static str>)>,
+    /// The values of the swept parameters of each of these points.
+    shown: Vec<Vec<String>>,
     more: u64,
     keep_all: bool,
     own_speeds: bool,
@@ -39,6 +41,7 @@ impl Report {
             study: study.name().to_owned(),
             names: study.swept().iter().map(|column| column.name.clone()).collect(),
             points: Vec::new(),
+            shown: Vec::new(),
             more: 0,
             keep_all,
             own_speeds,
@@ -48,13 +51,19 @@ impl Report {
     }
 
     /// Adds a point of the sweep with its frictionless equilibria, if they are computed at the points.
-    pub fn push_point(&mut self, row: &SetSummaryRow, frictionless: &[FrictionlessEquilibrium]) {
+    pub fn push_point(
+        &mut self,
+        study: &Study,
+        row: &SetSummaryRow,
+        frictionless: &[FrictionlessEquilibrium],
+    ) {
         self.too_coarse += u64::from(row.set.unseen > Some(0));
         if !self.keep_all && self.points.len() >= MOST_LINES {
             self.more += 1;
             return;
         }
         let stable = frictionless.iter().filter(|one| one.stability == Stability::Stable);
+        self.shown.push(study.shown(&row.point.swept));
         self.points.push((row.clone(), stable.map(|one| one.kind.name()).collect()));
     }
 
@@ -89,10 +98,10 @@ impl Report {
         if !self.own_speeds {
             header.push("stable without friction".to_owned());
         }
-        let line = |(row, stable): &(SetSummaryRow, Vec<&str>)| {
+        let line = |((row, stable), shown): (&(SetSummaryRow, Vec<&str>), &Vec<String>)| {
             let SetSummaryRow { point, set, .. } = row;
             let mut cells = vec![point.point_id.to_string()];
-            cells.extend(point.swept.iter().map(ParameterValue::to_string));
+            cells.extend(shown.iter().cloned());
             cells.push(format!("{:.4}", set.fraction));
             match set.fraction_interval {
                 Some((low, high)) => cells.push(format!("{low:.4} .. {high:.4}")),
@@ -109,7 +118,7 @@ impl Report {
             cells
         };
         let mut lines = vec![header];
-        lines.extend(self.points.iter().take(MOST_LINES).map(line));
+        lines.extend(self.points.iter().zip(&self.shown).take(MOST_LINES).map(line));
         let mut text = text_table(&lines, &[]);
         if self.more > 0 {
             text +=

@@ -20,6 +20,7 @@ struct Failing {
     point_id: u64,
     names: Vec<String>,
     swept: Vec<ParameterValue>,
+    shown: Vec<String>,
     least_minor: f64,
     position: Vec<(usize, f64)>,
     friction_fraction: f64,
@@ -75,6 +76,7 @@ impl Existence {
             self.named.push(Failing {
                 point_id: point.point_id,
                 names: study.swept().iter().map(|column| column.name.clone()).collect(),
+                shown: study.shown(&point.swept),
                 swept: point.swept.clone(),
                 least_minor,
                 position,
@@ -151,7 +153,7 @@ impl Existence {
 
 impl Failing {
     fn text(&self) -> String {
-        let swept = swept_text(&self.names, &self.swept);
+        let swept = swept_text(&self.names, &self.shown);
         let position: Vec<String> = self
             .position
             .iter()

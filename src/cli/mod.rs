@@ -2,6 +2,7 @@
 
 mod arguments;
 mod check;
+mod check_legend;
 mod check_machine;
 mod check_points;
 mod completions;
@@ -27,6 +28,7 @@ mod point_words;
 mod points_table;
 mod printed_columns;
 mod range;
+mod remedies;
 mod replay;
 mod replay_animation;
 mod report;

@@ -16,9 +16,10 @@ pub fn point_keys(point_id: u64, names: &[String], swept: &[ParameterValue]) -> 
     object
 }
 
-/// Returns the values of the swept parameters for a message, each after a blank, as ` speed_rad_s=-160`.
-pub fn swept_text(names: &[String], swept: &[ParameterValue]) -> String {
-    names.iter().zip(swept).map(|(name, value)| format!(" {name}={value}")).collect()
+/// Returns the values of the swept parameters for a message, each after a blank, as ` speed_rad_s=-160`. The values are
+/// those of [`crate::study::Study::shown`].
+pub fn swept_text(names: &[String], shown: &[String]) -> String {
+    names.iter().zip(shown).map(|(name, value)| format!(" {name}={value}")).collect()
 }
 
 /// Returns the object `first` with the keys of the object `second` added.

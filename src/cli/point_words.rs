@@ -2,8 +2,10 @@
 //! vibrate less than without balls, and whether balls overlap.
 
 use super::point_keys::swept_text;
+use super::remedies::Remedies;
 use crate::classification::Label;
 use crate::report::{Fraction, PointFacts};
+use crate::study::Study;
 
 /// The largest number of points that a sentence names.
 const MOST_NAMED: usize = 10;
@@ -29,10 +31,10 @@ pub fn percent(fraction: f64) -> String {
     }
 }
 
-/// Returns a point as one line of text.
-pub fn point_line(names: &[String], point: &PointFacts) -> String {
+/// Returns a point as one line of text, with the values of its swept parameters as `shown`.
+pub fn point_line(names: &[String], shown: &[String], point: &PointFacts) -> String {
     let mut line =
-        format!("point {}{}: {} runs", point.point_id, swept_text(names, &point.swept), point.runs);
+        format!("point {}{}: {} runs", point.point_id, swept_text(names, shown), point.runs);
     if let Some([worse, ..]) = point.residual.worse_than_without_balls {
         let [_, median, p95] = point.amplitude_m.map(|metres| metres.map(micrometres));
         if let (Some(median), Some(p95)) = (median, p95) {
@@ -52,25 +54,80 @@ pub fn point_line(names: &[String], point: &PointFacts) -> String {
     }
 }
 
+/// Points of which the first ones are named.
+#[derive(Clone, Debug, Default)]
+pub struct NamedPoints {
+    /// The number of the points.
+    pub count: u64,
+    first: Vec<u64>,
+}
+
+impl NamedPoints {
+    /// Adds a point.
+    pub fn add(&mut self, point_id: u64) {
+        self.count += 1;
+        if self.first.len() < MOST_NAMED {
+            self.first.push(point_id);
+        }
+    }
+
+    /// Returns the points in words, as `points 1, 4 and 2 more`.
+    pub fn text(&self) -> String {
+        let named: Vec<String> = self.first.iter().map(u64::to_string).collect();
+        let plural = if self.count == 1 { "" } else { "s" };
+        let others = match self.count - self.first.len() as u64 {
+            0 => String::new(),
+            others => format!(" and {others} more"),
+        };
+        format!("point{plural} {}{others}", named.join(", "))
+    }
+}
+
+/// The uncertain parameters on which the amplitude of the machine without balls depends.
+const WITHOUT_BALLS: [&str; 6] = [
+    "table_mass_kg",
+    "stiffness_n_m",
+    "damping_n_s_m",
+    "imbalance_mass_kg",
+    "imbalance_radius_m",
+    "speed_rad_s",
+];
+
 /// Counts over all points, and what they say in words.
 #[derive(Clone, Debug, Default)]
 pub struct InWords {
     /// Points at which runs are compared with the machine without balls.
     compared: u64,
-    /// Points at which more than half of the runs vibrate more, and the numbers of the first ones.
-    mostly_more: u64,
-    named: Vec<u64>,
+    /// Points at which more than half of the runs vibrate more.
+    mostly_more: NamedPoints,
     /// Points at which more than half of the runs do not vibrate more.
     mostly_less: u64,
     /// The fraction of runs that vibrate more at the last point.
     more: f64,
     rests: u64,
     overlapping: u64,
+    /// Points at which less than half of the runs rest, although some do.
+    few_rests: NamedPoints,
+    /// Whether each run has its own machine without balls.
+    own_machines: bool,
+    remedies: Remedies,
 }
 
 impl InWords {
-    /// Adds a point.
-    pub fn add(&mut self, point: &PointFacts) {
+    /// Creates the counts of no points.
+    pub fn new(study: &Study) -> Self {
+        let mut uncertain = study.uncertain().iter();
+        let own_machines = uncertain.any(|one| WITHOUT_BALLS.contains(&one.name.as_str()));
+        InWords { own_machines, ..InWords::default() }
+    }
+
+    /// Adds a point of the study.
+    pub fn add(&mut self, study: &Study, point: &PointFacts) {
+        self.remedies.count(study, point);
+        let [grade, _] = point.residual.balance_quality_grade_mm_s;
+        if grade.is_some() && 2 * point.equilibrium.runs < point.runs {
+            self.few_rests.add(point.point_id);
+        }
         self.rests = self.rests.saturating_add(point.equilibrium.runs);
         self.overlapping = self.overlapping.saturating_add(point.overlapping_rests());
         let Some([more, ..]) = point.residual.worse_than_without_balls else { return };
@@ -78,22 +135,47 @@ impl InWords {
         self.more = more;
         self.mostly_less += u64::from(more < 0.5);
         if more > 0.5 {
-            self.mostly_more += 1;
-            if self.named.len() < MOST_NAMED {
-                self.named.push(point.point_id);
-            }
+            self.mostly_more.add(point.point_id);
+            self.remedies.add(study, point);
         }
     }
 
-    /// Returns the sentences, one per line; empty for a block.
+    /// Returns the sentences, one per line.
     pub fn text(&self) -> String {
-        let lines = [self.vibration(), self.overlaps()];
+        let lines = [
+            self.about_draws(),
+            self.about_grades(),
+            self.vibration(),
+            self.remedies.of_vibration(self.compared),
+            self.remedies.of_undecided(),
+            self.overlaps(),
+        ];
         lines.into_iter().flatten().map(|line| line + "\n").collect()
+    }
+
+    fn about_draws(&self) -> Option<String> {
+        (self.own_machines && self.compared > 0).then(|| {
+            "The amplitude without balls is that of the machine without draws; `worse` compares each run with its own \
+             machine without balls."
+                .to_owned()
+        })
+    }
+
+    fn about_grades(&self) -> Option<String> {
+        let few = &self.few_rests;
+        let at = match (few.count, self.compared) {
+            (0, _) => return None,
+            (_, 1) => String::new(),
+            _ => format!(" ({})", few.text()),
+        };
+        Some(format!(
+            "G is the median of the rests alone, which are less than half of the runs{at}."
+        ))
     }
 
     fn vibration(&self) -> Option<String> {
         let points = self.compared;
-        Some(match (points, self.mostly_more) {
+        Some(match (points, self.mostly_more.count) {
             (0, _) => return None,
             (1, _) => {
                 let less = percent(1.0 - self.more);
@@ -107,16 +189,10 @@ impl InWords {
                  balls."
             ),
             (_, more) => {
-                let named: Vec<String> = self.named.iter().map(u64::to_string).collect();
-                let plural = if more == 1 { "" } else { "s" };
-                let others = match more - self.named.len() as u64 {
-                    0 => String::new(),
-                    others => format!(" and {others} more"),
-                };
+                let named = self.mostly_more.text();
                 format!(
                     "At {more} of {points} points most runs vibrate more than the machine without \
-                     balls (point{plural} {}{others}).",
-                    named.join(", ")
+                     balls ({named})."
                 )
             }
         })
@@ -135,7 +211,7 @@ impl InWords {
 
 #[cfg(test)]
 mod tests {
-    use super::{InWords, percent, three_digits};
+    use super::{InWords, NamedPoints, percent, three_digits};
 
     #[test]
     fn numbers_have_three_digits() {
@@ -154,12 +230,22 @@ mod tests {
         // Exactly half of the runs of one point vibrate more.
         let half = InWords { mostly_less: 5, ..all };
         assert!(half.text().starts_with("At none of the 6 points do most runs vibrate more than "));
-        let some = InWords { mostly_more: 2, named: vec![1, 4], ..half };
+        let mut named = NamedPoints::default();
+        [1, 4].into_iter().for_each(|point| named.add(point));
+        let some = InWords { mostly_more: named, ..half };
         assert!(some.text().ends_with("without balls (points 1, 4).\n"), "{}", some.text());
-        let many = InWords { mostly_more: 12, named: (0..10).collect(), compared: 20, ..some };
+        let mut named = NamedPoints::default();
+        (0..12).for_each(|point| named.add(point));
+        let many = InWords { mostly_more: named, compared: 20, ..some };
         assert!(many.text().contains(", 9 and 2 more)."), "{}", many.text());
         let overlapping = InWords { rests: 9, overlapping: 2, ..InWords::default() };
         assert!(overlapping.text().starts_with("warning: balls overlap at 2 of 9 rests: "));
+        let mut few = NamedPoints::default();
+        few.add(3);
+        let text = InWords { few_rests: few, compared: 2, ..InWords::default() }.text();
+        assert!(text.starts_with(
+            "G is the median of the rests alone, which are less than half of the runs (point 3).\n"
+        ));
         assert_eq!(InWords::default().text(), "");
     }
 }

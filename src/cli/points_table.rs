@@ -22,6 +22,8 @@ pub const MOST_LINES: usize = 40;
 pub struct PointsTable {
     names: Vec<String>,
     rows: Vec<PointFacts>,
+    /// The values of the swept parameters of each of these points.
+    shown: Vec<Vec<String>>,
     most: usize,
     balls: bool,
     audit: bool,
@@ -39,6 +41,7 @@ impl PointsTable {
         PointsTable {
             names,
             rows: Vec::new(),
+            shown: Vec::new(),
             most,
             balls: study.model().kind().offers.vibration,
             audit: study.audit().is_some(),
@@ -46,7 +49,7 @@ impl PointsTable {
             precision: study.precision(),
             points: 0,
             not_precise: 0,
-            in_words: InWords::default(),
+            in_words: InWords::new(study),
         }
     }
 
@@ -56,25 +59,26 @@ impl PointsTable {
     /// Returns an error if the table cannot be read.
     pub fn read(study: &Study, table: &Table, most: usize) -> Result<Self, TableError> {
         let mut points = Self::new(study, most);
-        PointFacts::for_each(study, table, 1, |point| points.push(point))?;
+        PointFacts::for_each(study, table, 1, |point| points.push(study, point))?;
         Ok(points)
     }
 
     /// Returns a point as one line of text.
-    pub fn sentence(&self, point: &PointFacts) -> String {
-        point_line(&self.names, point)
+    pub fn sentence(&self, study: &Study, point: &PointFacts) -> String {
+        point_line(&self.names, &study.shown(&point.swept), point)
     }
 
-    /// Adds a point.
-    pub fn push(&mut self, point: PointFacts) {
+    /// Adds a point of the study.
+    pub fn push(&mut self, study: &Study, point: PointFacts) {
         self.points += 1;
-        self.in_words.add(&point);
+        self.in_words.add(study, &point);
         self.not_precise += u64::from(self.is_precise(&point) == Some(false));
         let AuditCounts { runs, flips, rest_flips } = point.audit;
         self.flips.runs = self.flips.runs.saturating_add(runs);
         self.flips.flips = self.flips.flips.saturating_add(flips);
         self.flips.rest_flips = self.flips.rest_flips.saturating_add(rest_flips);
         if self.rows.len() < self.most {
+            self.shown.push(study.shown(&point.swept));
             self.rows.push(point);
         }
     }
@@ -142,7 +146,7 @@ impl PointsTable {
     }
 
     fn columns(&self) -> Vec<PrintedColumn> {
-        printed_columns(&self.rows, &self.names, self.balls, self.audit)
+        printed_columns(&self.rows, &self.names, &self.shown, self.balls, self.audit)
     }
 
     /// Returns the cells of each point.

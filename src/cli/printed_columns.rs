@@ -5,7 +5,6 @@ use super::point_words::{micrometres, percent, three_digits};
 use crate::analysis::AuditCounts;
 use crate::classification::Label;
 use crate::report::{Fraction, PointFacts};
-use crate::study::ParameterValue;
 
 /// The cell of a value that a point does not have.
 const MISSING: &str = "-";
@@ -24,10 +23,11 @@ pub struct PrintedColumn {
     pub cells: Vec<String>,
 }
 
-/// Returns the columns of points, with the swept parameters of these names.
+/// Returns the columns of points, with the swept parameters of these names and their values as `shown` for each point.
 pub fn printed_columns(
     rows: &[PointFacts],
     names: &[String],
+    shown: &[Vec<String>],
     balls: bool,
     audit: bool,
 ) -> Vec<PrintedColumn> {
@@ -35,8 +35,10 @@ pub fn printed_columns(
     columns.add(["", "point"], "point", |row| row.point_id.to_string());
     for (index, name) in names.iter().enumerate() {
         let [top, bottom] = in_two_lines(name);
-        columns.add([top, bottom], name, |row| {
-            row.swept.get(index).map_or_else(String::new, ParameterValue::to_string)
+        columns.list.push(PrintedColumn {
+            header: [top, bottom].map(str::to_owned),
+            name: name.clone(),
+            cells: shown.iter().map(|row| row.get(index).cloned().unwrap_or_default()).collect(),
         });
     }
     if balls {

@@ -146,9 +146,9 @@ impl<S: Sink> Sink for Collector<'_, S> {
 
     fn point(&mut self, row: PointRow, detail: PointDetail) -> Result<(), S::Error> {
         let point = PointFacts::of(self.study, &row);
-        let (table, progress) = (&self.table, self.progress);
-        progress.point(|| table.sentence(&point), || table.point_json(&point));
-        self.table.push(point);
+        let (study, table, progress) = (self.study, &self.table, self.progress);
+        progress.point(|| table.sentence(study, &point), || table.point_json(&point));
+        self.table.push(self.study, point);
         self.sink.point(row, detail)
     }
 }

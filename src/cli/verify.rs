@@ -163,7 +163,7 @@ impl Findings<'_> {
         self.json.push(entry);
         let names: Vec<String> =
             self.study.swept().iter().map(|column| column.name.clone()).collect();
-        let swept = swept_text(&names, &point.swept);
+        let swept = swept_text(&names, &self.study.shown(&point.swept));
         self.lines += &format!(
             "{}  point {}{swept}: {what} {}, expected {low} to {high}\n",
             if met { "met    " } else { "NOT MET" },

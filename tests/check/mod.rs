@@ -2,4 +2,5 @@
 
 mod ball_fit;
 mod closed_form;
+mod obstacle;
 mod points;

@@ -90,7 +90,7 @@ fn slips_are_warnings_with_their_key_and_line() {
         ),
         (
             &[("coefficient: 2.75e-3", "coefficient: 3")],
-            &["friction_coefficient"],
+            &["friction_coefficient", "balls_held_everywhere"],
             "model.parameters.friction_coefficient",
             16,
             "0, or a value from 1e-6 to 2; about 1e-4 to 1e-2 for a hard ball that rolls",
@@ -105,7 +105,7 @@ fn slips_are_warnings_with_their_key_and_line() {
         (&[("coefficient: 2.75e-3", "coefficient: 0")], &[], "", 0, ""),
         (
             &[("speed_rad_s: -216.4", "speed_rad_s: 2.0e5")],
-            &["speed"],
+            &["speed", "balls_held_everywhere"],
             "model.parameters.speed_rad_s",
             17,
             "at most 1e5 rad/s",
@@ -115,7 +115,21 @@ fn slips_are_warnings_with_their_key_and_line() {
             &["subcritical_speed"],
             "model.parameters.speed_rad_s",
             17,
-            "a speed above the natural frequency",
+            "a speed above the natural frequency, or a softer suspension; 1 rpm is 0.10472 rad/s",
+        ),
+        (
+            &[("coefficient: 2.75e-3", "coefficient: 0.05")],
+            &["balls_held_everywhere"],
+            "model.parameters.friction_coefficient",
+            16,
+            "friction_coefficient below 0.0",
+        ),
+        (
+            &[("ball_diameter_m: 0.003", "ball_diameter: 60 mm")],
+            &["ball_beyond_ring", "ball_density"],
+            "model.parameters.ball_diameter",
+            15,
+            "ball_diameter below twice ring_radius_m",
         ),
         (
             &[("imbalance_mass_kg: 5.6e-5", "imbalance_mass_kg: 5.6e-4")],
@@ -126,7 +140,7 @@ fn slips_are_warnings_with_their_key_and_line() {
         ),
         (
             &[("balls: 2", "balls: [{mass_kg: 1.0e-4}]")],
-            &["balancing_capacity"],
+            &["balancing_capacity", "balls_held_everywhere"],
             "model.parameters.ball_mass_kg",
             14,
             "",
@@ -166,6 +180,18 @@ fn slips_are_warnings_with_their_key_and_line() {
         ),
         (
             MACHINE,
+            "sweep: [{grid: {speed: [1000 rpm, 1500 rpm]}}]\n",
+            "subcritical_speed",
+            "sweep[0].grid.speed",
+        ),
+        (
+            MACHINE,
+            "design: {stiffness_n_m: {from: 30000, to: 60000}}\nresponses: {half: median_time_to_rest}\n",
+            "subcritical_speed",
+            "model.parameters.speed_rad_s",
+        ),
+        (
+            MACHINE,
             "sweep: [{grid: {speed_rad_s: [-200, -216, -200]}}]\n",
             "repeated_point",
             "sweep[0]",
@@ -179,21 +205,21 @@ fn slips_are_warnings_with_their_key_and_line() {
         (
             MACHINE,
             "uncertain: {friction_coefficient: {uniform: {min: 1, max: 9}}}\n",
-            "friction_coefficient",
+            "friction_coefficient balls_held_everywhere",
             "uncertain.friction_coefficient",
         ),
         (
             MACHINE,
             "design: {balls: {from: 1, to: 8}, ball_diameter_m: {from: 0.002, to: 0.012}}\n\
              responses: {half: median_time_to_rest}\n",
-            "designs_without_room",
-            "design",
+            "overlapping_rests designs_without_room",
+            "design.ball_diameter_m",
         ),
         (
             "model: {kind: ball_balancer, parameters: {table_mass_kg: 3, speed_rad_s: 628}}\n",
             "",
-            "mostly_defaults",
-            "model.parameters",
+            "balls_held_everywhere mostly_defaults",
+            "model.parameters.friction_coefficient",
         ),
         (
             "model: {kind: block_on_belt, parameters: {friction_coefficient: 5}}\n",
@@ -210,7 +236,7 @@ fn slips_are_warnings_with_their_key_and_line() {
     ] {
         scratch.write("a.yaml", study(model, rest));
         let report = report(&scratch, "a.yaml");
-        assert_eq!(kinds(&report), [expected], "{rest}");
+        assert_eq!(kinds(&report).join(" "), expected, "{rest}");
         assert_eq!(report["warnings"][0]["key"], json!(key), "{rest}");
         assert!(report["warnings"][0]["line"].is_u64(), "{rest}");
     }
@@ -246,6 +272,105 @@ fn extreme_values_have_closed_forms() {
         (vec!["invalid_draws".into()], &json!([]))
     );
     assert_has(&scratch.well("check a.yaml"), &["at 0 of 1 points"]);
+}
+
+/// The remedy names units only to a study that writes none.
+#[test]
+fn a_remedy_repeats_no_unit_of_the_study() {
+    let scratch = Scratch::new();
+    let remedy = |model: &str, rest: &str| {
+        scratch.write("a.yaml", study(model, rest));
+        report(&scratch, "a.yaml")["warnings"][0]["remedy"].as_str().unwrap().to_owned()
+    };
+    for (from, to) in [
+        ("ball_diameter_m: 0.003", "ball_diameter: 60 mm"),
+        ("speed_rad_s: -216.4", "speed: 100 rpm"),
+        ("speed_rad_s: -216.4", "speed: 3000000 rpm"),
+    ] {
+        let remedy = remedy(&MACHINE.replace(from, to), "");
+        assert!(!remedy.contains("not in mm") && !remedy.contains("1 rpm"), "{remedy}");
+    }
+    assert!(remedy(MACHINE, "sweep: [{grid: {speed_rad_s: [100]}}]\n").contains("1 rpm"));
+}
+
+/// A study with variables describes a machine of the search, and examines the ends of the ranges.
+#[test]
+fn a_search_describes_a_machine_within_its_ranges() {
+    let scratch = Scratch::new();
+    let search = |speed: &str, compare: &str| {
+        let rest = format!(
+            "design:\n  stiffness_n_m: {{from: 60000, to: 90000}}\n  speed_rad_s: {speed}\n  \
+             ring: {{choices: {{steel: {{friction_coefficient: 1e-3}}, rubber: {{friction_coefficient: 2e-3}}}}}}\n\
+             responses: {{quiet: {{at_rest_by_s: 1.0e-6}}}}\noptimize: {{maximize: quiet, designs: 20{compare}}}\n"
+        );
+        scratch.write("a.yaml", study(MACHINE, &rest));
+        report(&scratch, "a.yaml")
+    };
+    let all = search("{from: -309, to: -300}", "");
+    assert_eq!(kinds(&all), ["subcritical_speed"]);
+    let warning = &all["warnings"][0];
+    assert_eq!(warning["key"], json!("design.speed_rad_s"));
+    assert_has(warning["problem"].as_str().unwrap(), &["the disc of all designs is slower"]);
+    let found = warning["found"].as_str().unwrap();
+    assert_has(found, &["at most 0.718 times", "with stiffness_n_m 60000, speed_rad_s -309"]);
+    assert_eq!(
+        all["closed_form"]["design"],
+        json!({"stiffness_n_m": 75000.0, "speed_rad_s": -304.5, "ring": "steel"})
+    );
+    let ratio = all["closed_form"]["points"][0]["speed_over_natural_frequency"].as_f64().unwrap();
+    assert!((ratio - 0.633).abs() < 1e-3, "{ratio}");
+    assert_has(
+        &scratch.well("check a.yaml"),
+        &[
+            "natural frequency 480.",
+            "the design is the middle of the ranges (stiffness_n_m 75000, speed_rad_s -304.5, ring steel)\n",
+        ],
+    );
+    let compare = ", compare_with: {stiffness_n_m: 60000, speed_rad_s: -600, ring: rubber}";
+    let some = search("{from: -600, to: -500}", compare);
+    let warning = &some["warnings"][0];
+    assert_has(warning["problem"].as_str().unwrap(), &["the disc of some designs is slower"]);
+    assert_has(
+        warning["found"].as_str().unwrap(),
+        &["0.949 times the natural frequency with stiffness_n_m 90000, speed_rad_s -500; 1.39"],
+    );
+    assert_has(&scratch.well("check a.yaml"), &["the design is optimize.compare_with ("]);
+    assert!(
+        !kinds(&search("{from: -700, to: -600}", "")).contains(&"subcritical_speed".to_owned())
+    );
+}
+
+/// Friction that holds the balls everywhere is a warning if it does so at all points and for all examined designs.
+#[test]
+fn friction_that_holds_the_balls_everywhere_is_a_warning() {
+    let scratch = Scratch::new();
+    let kind = "balls_held_everywhere".to_owned();
+    let text = study(MACHINE, "sweep: [{grid: {friction_coefficient: [0.05, 0.06]}}]\n");
+    scratch.write("a.yaml", text);
+    let all = report(&scratch, "a.yaml");
+    assert_eq!(kinds(&all), [kind.as_str()]);
+    assert_has(
+        all["warnings"][0]["found"].as_str().unwrap(),
+        &["0.05 to 0.06, where", "at all 2 points"],
+    );
+    assert_has(
+        &scratch.well("check a.yaml"),
+        &["at 2 of 2 points friction holds the balls in every position"],
+    );
+    scratch.write(
+        "a.yaml",
+        study(MACHINE, "sweep: [{grid: {friction_coefficient: [0.05, 1.0e-3]}}]\n"),
+    );
+    assert!(kinds(&report(&scratch, "a.yaml")).is_empty());
+    let search = |to: &str| {
+        let design = format!(
+            "design: {{friction_coefficient: {{from: 0.05, to: {to}}}}}\n\
+             responses: {{half: median_time_to_rest}}\n"
+        );
+        scratch.write("a.yaml", study(MACHINE, &design));
+        kinds(&report(&scratch, "a.yaml"))
+    };
+    assert_eq!(search("0.06"), [kind]);
 }
 
 /// Two points with the same parameters but with other start states are two points.
@@ -305,8 +430,10 @@ fn shipped_studies_have_no_false_warnings() {
             "no-unique-solution" => {
                 &["ball_density", "friction_coefficient", "subcritical_speed", "mostly_defaults"]
             }
-            // These two studies are about balls below the natural frequency.
-            "model-form" | "smooth-friction" => &["subcritical_speed"],
+            // These studies are about balls below the natural frequency, too.
+            "model-form" | "smooth-friction" | "design" => &["subcritical_speed"],
+            // These two studies are about motions that friction allows besides rests everywhere.
+            "cycles" | "side-by-side" => &["balls_held_everywhere"],
             _ => &[],
         };
         let report = report(&scratch, &path.display().to_string());
@@ -408,12 +535,15 @@ fn closed_forms_are_those_of_the_machine_that_is_drawn() {
     let text = scratch.well("check b.yaml");
     assert_has(
         &text,
-        &["without simulation, with uncertain parameters at their medians\n", " .. "],
+        &[
+            "without simulation, with uncertain parameters at their medians\n",
+            " .. ",
+            "(a .. b): the values at the quantiles 2.5 % (a) and 97.5 % (b) of uncertain friction\n",
+        ],
     );
-    assert_has(
-        &scratch.well("check a.yaml"),
-        &["times that without balls\n", "overlap", "  stable\n"],
-    );
+    let text = scratch.well("check a.yaml");
+    assert_has(&text, &["times that without balls\n", "overlap", "  stable\n"]);
+    assert!(!text.contains("(a .. b)"), "{text}");
 }
 
 /// At most 20 points are printed, and JSON has more.
@@ -479,6 +609,11 @@ fn designs_and_searches_have_a_price() {
             "search cost   100608 runs at most; about ",
             "one design    384 runs; about ",
         ],
+    );
+    let path = shipped("cd-rom.yaml");
+    assert_has(
+        &scratch.well(&format!("check {path}")),
+        &["the design is optimize.compare_with (balls 2, ball "],
     );
     let design = report(&scratch, &shipped("design.yaml"));
     assert_eq!(design["design_cost"]["runs"], json!(64));

@@ -25,6 +25,7 @@ mod network;
 mod new;
 mod optimize;
 mod progress;
+mod remedies;
 mod replay;
 mod report;
 mod resume;

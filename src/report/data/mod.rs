@@ -170,7 +170,10 @@ impl<'a> ReportData<'a> {
 
     /// Returns an axis of points by their names, made of all values that differ between points.
     pub fn axis_of_points(&self, points: &[&PointFacts]) -> Axis {
-        let names = points.iter().map(|point| names::short(point.point_id, &point.swept)).collect();
+        let names = points
+            .iter()
+            .map(|point| names::short(self.study, point.point_id, &point.swept))
+            .collect();
         let range = Some([-0.5, points.len() as f64 - 0.5]);
         Axis { kind: AxisKind::Names(names), range, ..names::short_axis(self.study) }
     }
@@ -226,7 +229,7 @@ impl<'a> ReportData<'a> {
     /// Returns the name of a point's curve: its title, or only the values if titles are long.
     pub fn curve_name(&self, point: &PointFacts) -> String {
         if self.has_short_names() {
-            return names::short(point.point_id, &point.swept);
+            return names::short(self.study, point.point_id, &point.swept);
         }
         point.title.clone()
     }

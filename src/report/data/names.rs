@@ -19,12 +19,14 @@ fn unit(parameter: &VariedParameter) -> &str {
     if parameter.unit == "1" { "" } else { parameter.unit }
 }
 
-/// Returns a value as text; a negative number has a minus sign, not a hyphen.
-pub fn said(value: &ParameterValue) -> String {
-    match value {
-        ParameterValue::Number(_) => value.to_string().replace('-', "\u{2212}"),
-        ParameterValue::Text(text) => (*text).to_owned(),
-    }
+/// Returns the values of the swept parameters of a point as text; a negative number has a minus sign, not a hyphen.
+pub fn said(study: &Study, values: &[ParameterValue]) -> Vec<String> {
+    let each = values.iter().zip(study.shown(values));
+    each.map(|(value, text)| match value {
+        ParameterValue::Number(_) => text.replace('-', "\u{2212}"),
+        ParameterValue::Text(_) => text,
+    })
+    .collect()
 }
 
 /// Returns the axis of a parameter.
@@ -49,19 +51,20 @@ pub fn short_axis(study: &Study) -> Axis {
 }
 
 /// Returns the values of a point, as `-216.3772, 0.00275`; `point` and its number if nothing is swept.
-pub fn short(point_id: u64, values: &[ParameterValue]) -> String {
-    let values: Vec<String> = values.iter().map(said).collect();
+pub fn short(study: &Study, point_id: u64, values: &[ParameterValue]) -> String {
+    let values = said(study, values);
     if values.is_empty() { format!("point {point_id}") } else { values.join(", ") }
 }
 
 /// Returns the parameters of a point in words, as `speed -216.3772 rad/s, friction coefficient 0.00275`; only those
 /// for which `wanted` returns true.
 pub fn heading(study: &Study, values: &[ParameterValue], wanted: impl Fn(usize) -> bool) -> String {
-    let parts = study.swept().iter().zip(values).enumerate();
-    let part = |(index, (parameter, value)): (usize, (&VariedParameter, &ParameterValue))| {
+    let values = said(study, values);
+    let parts = study.swept().iter().zip(&values).enumerate();
+    let part = |(index, (parameter, value)): (usize, (&VariedParameter, &String))| {
         let unit = unit(parameter);
         let space = if unit.is_empty() { "" } else { " " };
-        wanted(index).then(|| format!("{} {}{space}{unit}", words(parameter), said(value)))
+        wanted(index).then(|| format!("{} {}{space}{unit}", words(parameter), value))
     };
     parts.filter_map(part).collect::<Vec<_>>().join(", ")
 }

@@ -90,7 +90,7 @@ pub fn points(body: &mut Html, directory: &Path, data: &ReportData<'_>) {
         .collect();
     let row = |point: &PointFacts| {
         let mut cells = vec![point.point_id.to_string()];
-        cells.extend(point.swept.iter().map(|value| escaped(&said(value))));
+        cells.extend(said(study, &point.swept).iter().map(|value| escaped(value)));
         if balls {
             let [_, median, p95] = point.amplitude_m;
             cells.extend([median, p95, point.without_balls_m].map(micro));

@@ -12,6 +12,7 @@ pub(in crate::study) mod quantiles;
 pub(in crate::study) mod repeated_points;
 pub(in crate::study) mod resolved_study;
 pub(in crate::study) mod response;
+pub(in crate::study) mod shown_values;
 pub(in crate::study) mod sweep;
 pub(in crate::study) mod variable;
 pub(in crate::study) mod with_design;

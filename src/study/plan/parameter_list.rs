@@ -196,6 +196,9 @@ impl Study {
                 let listed = listed.into_iter().find(|key| self.has_key(key));
                 return listed.unwrap_or_else(|| format!("sweep[{block}].table"));
             }
+            if let Some(variable) = self.variables.iter().find(|variable| variable.sets(name)) {
+                return format!("design.{}", variable.name());
+            }
             if self.uncertain.iter().any(|column| column.name == *name) {
                 return format!("uncertain.{name}");
             }

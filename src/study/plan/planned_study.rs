@@ -1,7 +1,7 @@
 //! A resolved study and its plan: every point and every run is a function of its number.
 
 use std::ops::Range;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use crate::model::{Case, InvalidParameter, Model, Simulation, Start};
 use crate::study::file::resolved_yaml::ResolvedFile;
@@ -33,6 +33,8 @@ pub struct Study {
     pub(in crate::study) blocks: Vec<Block>,
     pub(in crate::study) swept_parameters: Vec<Parameter>,
     pub(in crate::study) swept: Vec<VariedParameter>,
+    /// The digits with which the values of each swept parameter are shown, once they are known.
+    pub(in crate::study) shown_digits: OnceLock<Vec<usize>>,
     pub(in crate::study) uncertain_parameters: Vec<Uncertain>,
     pub(in crate::study) uncertain: Vec<VariedParameter>,
     pub(in crate::study) expectations: Vec<Expectation>,

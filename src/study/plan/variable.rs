@@ -97,6 +97,18 @@ impl Variable {
         }
     }
 
+    /// Returns whether the variable sets the parameter of this name.
+    pub(in crate::study) fn sets(&self, name: &str) -> bool {
+        match &self.domain {
+            Domain::Parameter { parameter, .. } => parameter.name() == name,
+            Domain::Balls { .. } => name == "balls",
+            Domain::Choices(choices) => {
+                let mut set = choices.iter().flat_map(|(_, values)| values);
+                set.any(|(parameter, _)| parameter.name() == name)
+            }
+        }
+    }
+
     pub(in crate::study) fn ball_numbers(&self) -> Option<std::ops::RangeInclusive<u64>> {
         match self.domain {
             Domain::Balls { from, to } => Some(from..=to),

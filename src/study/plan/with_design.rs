@@ -47,6 +47,8 @@ impl Study {
             }
         }
         let mut study = balls.and_then(|index| self.by_balls.get(index)).unwrap_or(self).clone();
+        // The copies for the numbers of balls have no variables.
+        study.variables.clone_from(&self.variables);
         set.sort_by_key(|(parameter, _)| parameter.general().is_some());
         for (parameter, number) in set {
             parameter.set(&mut study.base.model, ParameterValue::Number(number));

@@ -1,4 +1,4 @@
-//! A study file as it is written: the places of its keys, and the parameters that it gives.
+//! A study file as it is written: the places and names of its keys, and the parameters that it gives.
 //!
 //! A resolved study has every default filled in and no places. Warnings need both.
 
@@ -9,7 +9,7 @@ use serde_json::Value;
 
 use crate::study::error::{Location, shorten};
 use crate::study::file::study_file::{ModelFile, StudyFile};
-use crate::study::file::yaml_tree::{Content, Node};
+use crate::study::file::yaml_tree::{Content, Node, Source};
 use crate::study::plan::planned_study::Study;
 
 /// The largest number of keys with a place; a study with more keys has no places for the others.
@@ -21,45 +21,61 @@ pub(in crate::study) struct Written {
     file: PathBuf,
     /// The place of each key path, such as `sweep[0].grid.speed_rad_s`.
     places: HashMap<String, Location>,
+    /// The key paths that the file writes with other keys, such as `speed` for `speed_rad_s`, with the written path.
+    renamed: HashMap<String, String>,
     /// The keys of `model.parameters`, and `friction` and `normal_force`, as far as the file contains them.
     given: HashSet<String>,
 }
 
 impl Written {
     /// Collects the keys of a study file.
-    pub fn of(file: &Path, root: &Node, study: &StudyFile) -> Written {
+    pub fn of(file: &Path, source: &Source, study: &StudyFile) -> Written {
         let given = given(&study.model);
-        let mut written = Written { file: file.to_path_buf(), places: HashMap::new(), given };
-        written.add("", root);
+        let mut written = Written { file: file.to_path_buf(), given, ..Written::default() };
+        let place = |place: &Location| [place.line, place.column];
+        let names =
+            source.renamed.iter().map(|(renamed, name)| (place(renamed), name.as_str())).collect();
+        written.add(&Keys { path: String::new(), written: String::new() }, &source.root, &names);
         written
     }
 
-    fn add(&mut self, path: &str, node: &Node) {
+    fn add(&mut self, keys: &Keys, node: &Node, names: &HashMap<[usize; 2], &str>) {
         match &node.content {
             Content::Map(entries) => {
                 for (key, value) in entries {
                     let name = shorten(key.name());
-                    let path = if path.is_empty() { name } else { format!("{path}.{name}") };
+                    let written = names.get(&[key.place.line, key.place.column]);
+                    let written = written.map_or_else(|| name.clone(), |name| shorten(name));
+                    let below = keys.below(&name, &written);
                     let nested = matches!(value.content, Content::Map(_) | Content::List(_));
                     let place = if nested { key.place } else { value.place };
-                    self.add_one(path, place, value);
+                    self.add_one(below, place, value, names);
                 }
             }
             Content::List(items) => {
                 // A list of numbers may be long, and its items have no keys.
                 let maps = |item: &&(usize, &Node)| matches!(item.1.content, Content::Map(_));
                 for (index, item) in items.iter().enumerate().take_while(|item| maps(&item)) {
-                    self.add_one(format!("{path}[{index}]"), item.place, item);
+                    self.add_one(keys.item(index), item.place, item, names);
                 }
             }
             _ => {}
         }
     }
 
-    fn add_one(&mut self, path: String, place: Location, value: &Node) {
+    fn add_one(
+        &mut self,
+        keys: Keys,
+        place: Location,
+        value: &Node,
+        names: &HashMap<[usize; 2], &str>,
+    ) {
         if self.places.len() < MOST_PLACES {
-            self.places.insert(path.clone(), place);
-            self.add(&path, value);
+            self.places.insert(keys.path.clone(), place);
+            if keys.path != keys.written {
+                self.renamed.insert(keys.path.clone(), keys.written.clone());
+            }
+            self.add(&keys, value, names);
         }
     }
 
@@ -72,6 +88,29 @@ impl Written {
             }
             key = &key[..key.rfind(['.', '['])?];
         }
+    }
+}
+
+/// A key path, and the same path as the file writes it.
+struct Keys {
+    path: String,
+    written: String,
+}
+
+impl Keys {
+    /// Returns the paths of a key below this one.
+    fn below(&self, name: &str, written: &str) -> Keys {
+        let joined = |path: &str, name: &str| match path {
+            "" => name.to_owned(),
+            path => format!("{path}.{name}"),
+        };
+        Keys { path: joined(&self.path, name), written: joined(&self.written, written) }
+    }
+
+    /// Returns the paths of an item of the list at this path.
+    fn item(&self, index: usize) -> Keys {
+        let item = |path: &str| format!("{path}[{index}]");
+        Keys { path: item(&self.path), written: item(&self.written) }
     }
 }
 
@@ -97,6 +136,12 @@ impl Study {
     /// around it that the file contains.
     pub fn place_of(&self, key: &str) -> Option<[usize; 2]> {
         self.written.place(key).map(|place| [place.line, place.column])
+    }
+
+    /// Returns the key path as the file writes it, if the file writes the key without the unit of its name, such as
+    /// `model.parameters.speed: 6000 rpm`.
+    pub fn key_with_unit(&self, key: &str) -> Option<&str> {
+        self.written.renamed.get(key).map(String::as_str)
     }
 
     /// Returns whether the study file contains this key of `model.parameters`, or `friction` or `normal_force`.

@@ -2,7 +2,7 @@
 //! runs.
 
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use indexmap::{IndexMap, IndexSet};
 
@@ -90,7 +90,7 @@ impl Study {
         check_parameter_names(&source)?;
         let written: StudyFile = decode(&source)?;
         let study = resolve(&source, &written, &folders)?;
-        Ok(Study { written: Arc::new(Written::of(file, &source.root, &written)), ..study })
+        Ok(Study { written: Arc::new(Written::of(file, &source, &written)), ..study })
     }
 }
 
@@ -178,6 +178,7 @@ fn resolve(
         blocks: number_runs(blocks, &designs, &start_box, written.seed, precision.as_ref())?,
         swept: swept_parameters.iter().map(column).collect(),
         swept_parameters,
+        shown_digits: OnceLock::new(),
         uncertain,
         uncertain_parameters,
         expectations: Vec::new(),

@@ -1,0 +1,170 @@
+//! Warnings of operating conditions that hold at all points: a disc below the natural frequency, and friction that
+//! holds the balls in every position.
+
+use super::ball_fit::BallPositions;
+use super::designs::{ExaminedDesign, ExtremeDesign, extreme_designs};
+use super::points::points_to_examine;
+use super::values::{RPM, short};
+use super::warning::Finding;
+use crate::analysis::set_fraction;
+use crate::model::{FrictionLaw, Machine, Model};
+use crate::optimize::Space;
+use crate::study::{ParameterValue, Study};
+
+/// The largest number of points whose values are examined.
+const MOST_POINTS: u64 = 50;
+/// The fraction of all positions above which friction holds the balls in practically every position. The estimated
+/// fraction of three or more balls has an error of 0.005.
+const HELD_EVERYWHERE: f64 = 0.99;
+/// The number of further designs that are examined before friction counts as too large for all of them.
+const DESIGNS: u32 = 8;
+
+/// Returns the models at the examined points, with uncertain parameters at their medians, without impossible models.
+pub(super) fn models(study: &Study) -> Vec<(u64, Model)> {
+    let points = points_to_examine(study.point_count(), MOST_POINTS);
+    let model = |point| Some((point, study.median_model(point).ok()?));
+    points.into_iter().filter_map(model).collect()
+}
+
+/// Returns whether friction holds the balls in practically every position, if this fraction of all positions is in the
+/// equilibrium set.
+pub fn is_held_everywhere(set_fraction: f64) -> bool {
+    set_fraction > HELD_EVERYWHERE
+}
+
+fn speed_ratio(machine: &Machine) -> f64 {
+    machine.speed_rad_s.abs() / machine.natural_frequency_rad_s()
+}
+
+/// Returns the largest ratio of speed to natural frequency at the examined points; `None` if there is no disc.
+fn fastest(study: &Study) -> Option<f64> {
+    let models = models(study);
+    let ratios: Option<Vec<f64>> =
+        models.iter().map(|(_, model)| model.ball_balancer().map(speed_ratio)).collect();
+    let ratios = ratios.filter(|ratios| !ratios.is_empty())?;
+    Some(ratios.into_iter().fold(0.0, f64::max))
+}
+
+/// Warns of a disc that is slower than the natural frequency at all points: of the study, or of some of its designs.
+pub(super) fn subcritical(study: &Study, design: Option<&ExaminedDesign>) -> Option<Finding> {
+    let (machines, found) = match design {
+        None => {
+            let most = fastest(study)?;
+            let (_, model) = models(study).into_iter().next()?;
+            let natural = model.natural_frequency_rad_s();
+            let found =
+                format!("at most {most:.3} times the natural frequency of {natural:.1} rad/s");
+            (most < 1.0).then_some(("the disc is", found))?
+        }
+        Some(design) => {
+            let [slow, fast] = extreme_designs(study, &design.values, fastest)?;
+            let at = |ExtremeDesign { value, words }: &ExtremeDesign| match words.as_str() {
+                "" => format!("{value:.3} times the natural frequency"),
+                words => format!("{value:.3} times the natural frequency with {words}"),
+            };
+            match (slow.value < 1.0, fast.value < 1.0) {
+                (_, true) => ("the disc of all designs is", format!("at most {}", at(&fast))),
+                (true, false) => {
+                    let found = format!("{}; {}", at(&slow), at(&fast));
+                    ("the disc of some designs is", found)
+                }
+                (false, false) => return None,
+            }
+        }
+    };
+    let key = study.key_of("speed_rad_s", None, 0);
+    let rpm = if study.key_with_unit(&key).is_some() { "" } else { RPM };
+    Some(Finding {
+        kind: "subcritical_speed",
+        key,
+        problem: format!(
+            "{machines} slower than the natural frequency, where the balancing position of the balls is not stable"
+        ),
+        found,
+        remedy: format!("a speed above the natural frequency, or a softer suspension{rpm}"),
+    })
+}
+
+/// Warns of friction that holds the balls in every position, at all points and for all examined designs. A disc that
+/// is slower than the natural frequency has a warning of its own.
+pub(super) fn held_everywhere(study: &Study, design: Option<&ExaminedDesign>) -> Option<Finding> {
+    let examined = design.map_or(study, |design| &design.study);
+    // The balancing position of a slow disc is not stable, whatever the friction is.
+    if fastest(examined)? < 1.0 {
+        return None;
+    }
+    let held = machines_held_everywhere(examined)?;
+    let space = Space::new(study);
+    let mut others =
+        (0..DESIGNS).filter_map(|index| study.set(&space.space_filling(index, 0)).ok());
+    if design.is_some() && others.any(|other| machines_held_everywhere(&other).is_none()) {
+        return None;
+    }
+    let positions = BallPositions::new(examined.model().balls());
+    let required: Vec<[f64; 2]> =
+        held.iter().filter_map(|machine| positions.required_friction(machine)).collect();
+    let largest = |index: usize| required.iter().map(|one| one[index]).fold(0.0, f64::max);
+    let [half, all] = [largest(0), largest(1)];
+    let name = match held.first()?.friction {
+        FrictionLaw::Stribeck { .. } => "static_friction_coefficient",
+        _ => "friction_coefficient",
+    };
+    let points = match held.len() {
+        1 => String::new(),
+        points => format!(" at all {points} points"),
+    };
+    let of_design = design.map_or_else(String::new, |_| ", for all examined designs".to_owned());
+    // At standstill, or without an imbalance and balls of any mass, no coefficient is small enough.
+    (all > 0.0).then(|| Finding {
+        kind: "balls_held_everywhere",
+        key: study.key_of(name, Some(1).filter(|_| name == "friction_coefficient"), 0),
+        problem: "friction holds the balls in every position, so that no force moves them to the balancing position"
+            .to_owned(),
+        found: format!(
+            "{}, where more than {:.0} % of all positions are positions of rest{points}{of_design}",
+            coefficients(&held),
+            100.0 * HELD_EVERYWHERE
+        ),
+        remedy: format!(
+            "{name} below {}, and below {} to hold the balls in less than half of all positions; heavier balls and a \
+             speed nearer to the natural frequency also help",
+            about(all),
+            about(half)
+        ),
+    })
+}
+
+/// Returns the smallest and the largest friction coefficient in words.
+fn coefficients(machines: &[Machine]) -> String {
+    let of = |machine: &Machine| {
+        let balls = machine.balls.iter().map(|ball| ball.friction_coefficient);
+        let law = machine.friction.clone();
+        balls.map(move |kinetic| law.largest_ratio(kinetic)).collect::<Vec<f64>>()
+    };
+    let all: Vec<f64> = machines.iter().flat_map(of).collect();
+    let (low, high) = (
+        all.iter().copied().fold(f64::INFINITY, f64::min),
+        all.iter().copied().fold(0.0, f64::max),
+    );
+    if low == high { short(low) } else { format!("{} to {}", short(low), short(high)) }
+}
+
+/// Returns the machines at the examined points, or `None` if friction leaves positions without rest at one of them.
+fn machines_held_everywhere(study: &Study) -> Option<Vec<Machine>> {
+    let models = models(study);
+    let held = |(_, model): &(u64, Model)| {
+        let machine = model.ball_balancer()?;
+        let held = machine.friction.can_stick()
+            && machine.speed_rad_s != 0.0
+            && is_held_everywhere(set_fraction(machine)?);
+        held.then(|| machine.clone())
+    };
+    let machines: Option<Vec<Machine>> = models.iter().map(held).collect();
+    machines.filter(|machines| !machines.is_empty())
+}
+
+/// Formats an estimate with two significant digits.
+fn about(number: f64) -> String {
+    // A formatted number can always be parsed.
+    ParameterValue::Number(format!("{number:.1e}").parse().unwrap_or(number)).to_string()
+}

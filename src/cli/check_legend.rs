@@ -1,0 +1,46 @@
+//! The lines below the closed forms of `check`: what the columns mean, and what the points have in common.
+
+use crate::check::{BalancerFacts, is_held_everywhere, short};
+
+/// Explains the columns, and states the worst rest, and the points below the natural frequency or with
+/// too much friction, in words.
+pub(super) fn legend(balancers: &[(u64, &BalancerFacts)]) -> String {
+    let mut text = "set: fraction of all ball positions at which friction holds the balls; worst rest: the largest \
+                    amplitude there;\noverlap: fraction of these positions in which balls overlap; balance: stability \
+                    of the balancing position without friction\n"
+        .to_owned();
+    let ratio = |(point_id, facts): &(u64, &BalancerFacts)| {
+        let ratio = facts.rest?.max_amplitude_m? / facts.amplitude_without_balls_m?;
+        ratio.is_finite().then_some((ratio, *point_id))
+    };
+    let worst = balancers.iter().filter_map(ratio).max_by(|one, other| one.0.total_cmp(&other.0));
+    if let Some((ratio, point_id)) = worst {
+        let place =
+            if balancers.len() == 1 { String::new() } else { format!(" (point {point_id})") };
+        text += &format!(
+            "balls that rest in the worst position make the vibration {} times that without balls{place}\n",
+            short(ratio)
+        );
+    }
+    let below = balancers.iter().filter(|(_, facts)| facts.speed_ratio < 1.0).count();
+    if below > 0 {
+        let points = balancers.len();
+        text += &format!(
+            "at {below} of {points} points the disc is slower than the natural frequency, where the balancing position \
+             is not stable\n"
+        );
+    }
+    let is_held = |(_, facts): &&(u64, &BalancerFacts)| {
+        facts.speed_ratio > 0.0
+            && facts.rest.is_some_and(|rest| is_held_everywhere(rest.set_fraction))
+    };
+    let held = balancers.iter().filter(is_held).count();
+    if held > 0 {
+        let points = balancers.len();
+        text += &format!(
+            "at {held} of {points} points friction holds the balls in every position, so that no force moves them to \
+             the balancing position\n"
+        );
+    }
+    text
+}
