@@ -29,6 +29,7 @@ mod printed_columns;
 mod range;
 mod replay;
 mod replay_animation;
+mod replay_text;
 mod report;
 mod results_study;
 mod resume;
