@@ -44,7 +44,7 @@ pub struct EvaluateArguments {
     #[arg(long, value_name = "FILE")]
     designs: PathBuf,
 
-    /// Parquet file to write; required unless --designs is -
+    /// Parquet file to write, such as responses.parquet; required unless --designs is -
     #[arg(long, short, value_name = "FILE")]
     out: Option<PathBuf>,
 

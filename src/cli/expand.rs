@@ -30,8 +30,8 @@ pub struct ExpandArguments {
     #[command(flatten)]
     study: StudyArgument,
 
-    /// Parquet file to write, or a directory of files above 524,288 cases; without --out the cases go to
-    /// standard output as CSV
+    /// Parquet file to write, such as cases.parquet, or a directory of files above 524,288 cases; without --out the
+    /// cases go to standard output as CSV
     #[arg(long, short, value_name = "FILE")]
     out: Option<PathBuf>,
 

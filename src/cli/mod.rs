@@ -31,6 +31,7 @@ mod range;
 mod remedies;
 mod replay;
 mod replay_animation;
+mod replay_text;
 mod report;
 mod results_study;
 mod resume;

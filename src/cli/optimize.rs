@@ -16,9 +16,9 @@ use crate::counted::counted;
 use crate::engine::{Lock, Parts, Planned, Progress, Show, say, stop_on_signals};
 use crate::optimize::{
     Evaluation, FinalistRole, Finalists, Origin, QuantitySurrogate, Search, SearchEnd,
-    evaluation_columns, final_runs, finalist_columns, finalists, optimum_json, pareto_columns,
-    read_evaluations, result_in_words, search, search_facts, search_line, sensitivities,
-    sensitivity_columns, surrogates,
+    evaluation_columns, final_runs, finalist_columns, finalists, nearest_unmet, optimum_json,
+    pareto_columns, read_evaluations, result_in_words, search, search_facts, search_line,
+    sensitivities, sensitivity_columns, surrogates,
 };
 use crate::responses::check_answerable;
 use crate::sanitize::shell_word;
@@ -158,7 +158,7 @@ pub fn optimize(arguments: &OptimizeArguments) -> Result<End, CliError> {
         print(&result_in_words(&what, &finalists))?;
     }
     report(format!("results in {}", directory.display()));
-    Ok(how_it_ends(&evaluations, &finalists))
+    Ok(how_it_ends(&what, &evaluations, &finalists))
 }
 
 /// Continues the search up to a number of designs and shows its progress.
@@ -197,10 +197,11 @@ fn interrupted(directory: &Path) -> End {
     End::Interrupted
 }
 
-fn how_it_ends(evaluations: &[Evaluation], finalists: &Finalists) -> End {
+fn how_it_ends(what: &Search, evaluations: &[Evaluation], finalists: &Finalists) -> End {
     let met = |role| finalists.of(role).is_some_and(|one| one.met);
     if !met(FinalistRole::Best) && !finalists.all.iter().any(|one| one.on_front == Some(true)) {
-        say("no design meets all limits");
+        let unmet = nearest_unmet(what.study, what.optimization, evaluations, finalists);
+        say(&format!("no design meets all limits; the nearest one: {}", unmet.join("; ")));
         return End::ExpectationNotMet;
     }
     let of_search = evaluations.iter().flat_map(|one| &one.answers);

@@ -41,10 +41,13 @@ fn write(text: &str) -> io::Result<Reader> {
     }
 }
 
-/// Starts a table in a new file, which the user has named.
+/// Endings of names whose files are expected to have another format than Parquet.
+const OTHER_FORMATS: [&str; 5] = ["csv", "tsv", "json", "xlsx", "xls"];
+
+/// Starts a table in a new Parquet file, which the user has named.
 ///
 /// # Errors
-/// Returns an error if the file exists or cannot be created.
+/// Returns an error if the name is one of another format, or if the file exists or cannot be created.
 pub fn new_table<R>(
     path: &Path,
     columns: Vec<Column<R>>,
@@ -55,6 +58,16 @@ pub fn new_table<R>(
     if path.exists() {
         let problem = format!("{}: exists already", path.display());
         return Err(refused(problem, "the name of a new file"));
+    }
+    let ending = path.extension().and_then(|ending| ending.to_str()).unwrap_or_default();
+    if OTHER_FORMATS.iter().any(|other| ending.eq_ignore_ascii_case(other)) {
+        let problem = format!("{}: the file is written as Parquet", path.display());
+        let found = format!("a name that ends in .{ending}");
+        let allowed = format!(
+            "a name that ends in .parquet, such as {}",
+            path.with_extension("parquet").display()
+        );
+        return Err(CliError::refusal(problem, found, allowed));
     }
     let allowed = "the name of a new file in a directory that can be written to";
     TableWriter::create(path, columns, provenance)

@@ -9,6 +9,7 @@ use super::point_words::{InWords, point_line};
 use super::printed_columns::{PrintedColumn, printed_columns};
 use crate::analysis::{AuditCounts, is_narrow};
 use crate::classification::Label;
+use crate::counted::counted;
 use crate::report::{Fraction, PointFacts};
 use crate::study::{Precision, Study};
 use crate::table::{Table, TableError};
@@ -32,6 +33,8 @@ pub struct PointsTable {
     points: u64,
     not_precise: u64,
     in_words: InWords,
+    /// Whether the directory of the results has a `points.parquet` with these points.
+    pub is_saved: bool,
 }
 
 impl PointsTable {
@@ -50,6 +53,7 @@ impl PointsTable {
             points: 0,
             not_precise: 0,
             in_words: InWords::new(study),
+            is_saved: true,
         }
     }
 
@@ -141,7 +145,14 @@ impl PointsTable {
     fn more_line(&self, before: &str) -> String {
         match self.points - self.rows.len() as u64 {
             0 => String::new(),
-            more => format!("{before}... and {more} more points in points.parquet\n"),
+            more => {
+                let points = counted(more, "more point");
+                let place = match self.is_saved {
+                    true => "in points.parquet",
+                    false => "with finished runs; `--points all` prints them",
+                };
+                format!("{before}... and {points} {place}\n")
+            }
         }
     }
 

@@ -1,5 +1,6 @@
 //! `stickslip replay`: computes one run again with its motion.
 
+use std::io::{self, IsTerminal};
 use std::path::{Path, PathBuf};
 
 use clap::Args;
@@ -11,17 +12,17 @@ use super::output::{print, print_json};
 use super::overwrite::beside;
 use super::range::{MOST_TIMES, Times};
 use super::replay_animation::{ANIMATION, animate};
+use super::replay_text::{switch_log, terminal_text};
 use super::results_study::results_study;
-use crate::classification::{Recording, Switch};
-use crate::engine::{record, say};
+use crate::classification::Recording;
+use crate::engine::{finished_run, record, say};
 use crate::sanitize::{one_line, shorten};
 use crate::study::Study;
 use crate::table::column::Column;
 use crate::table::{
-    Difference, FILES, FileList, Kind, Manifest, RunRecord, StoredRun, Table, TableWriter, Units,
-    phase_name, provenance_with, switch_columns, trajectory_columns,
+    Difference, FILES, FileList, Kind, Manifest, RunRecord, StoredRun, Table, TableWriter,
+    provenance_with, switch_columns, trajectory_columns,
 };
-use crate::text_table::text_table;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -29,11 +30,12 @@ Examples:
   stickslip replay results/night 17 --times 0:5:2001 --out figure-3
   stickslip replay results/night 17 | head
 
-Computes the run again with the same engine and compares it with its row in runs.parquet: all columns, to the \
+Computes the run again with the same engine and compares it with its stored row: all columns, to the \
 last bit. If they differ, for example on another kind of processor, it prints the differences and ends with exit \
 code 1. Writes trajectory.parquet (angle and speed of table and balls, phase, friction and friction limit of \
-each ball), switches.parquet (each change between stick and slip, also on standard output) and replay.html (an \
-animation for any browser). The Python package's `stickslip-figures` draws figures for papers from these tables.";
+each ball), switches.parquet (each change between stick and slip) and replay.html (an animation for any browser). \
+Prints all changes between stick and slip to a pipe or a file; a terminal shows a summary and the first of \
+them. The Python package's `stickslip-figures` draws figures for papers from these tables.";
 
 /// The number of characters of a run's error message that are printed.
 const LONGEST_ERROR: usize = 400;
@@ -124,7 +126,7 @@ pub fn replay(arguments: &ReplayArguments) -> Result<End, CliError> {
     Ok(if same { End::Well } else { End::NotReproduced })
 }
 
-/// Returns the row of a run; `None` if the results are incomplete and lack it.
+/// Returns the row of a run, from the table or from the finished runs; `None` if the results are incomplete and lack it.
 fn stored_run(
     directory: &Path,
     study: &Study,
@@ -144,8 +146,14 @@ fn stored_run(
         return refused(format!("run {run_id} of a study with {runs} runs"), allowed);
     }
     let stored = StoredRun::find(directory, manifest, run_id)?;
-    if stored.is_some() || !manifest.complete {
+    if stored.is_some() {
         return Ok(stored);
+    }
+    if !manifest.complete {
+        // The study is running or was killed, or its last tables are older than its finished runs.
+        let finished = finished_run(study, directory, run_id)?;
+        let stored = finished.map(|record| StoredRun::of_record(directory, study, &record));
+        return Ok(stored.transpose()?);
     }
     if study.precision().is_some() {
         let point = study.point(study.planned_run(run_id).point_id);
@@ -243,10 +251,9 @@ impl Report<'_> {
         if let Some(error) = &record.outcome.error {
             say(&format!("  {}", one_line(error, LONGEST_ERROR)));
         }
-        if let Some(Manifest { runs_finished, runs_planned, .. }) = unfinished {
+        if let Some(Manifest { runs_planned, .. }) = unfinished {
             say(&format!(
-                "warning: not compared, because {} has {runs_finished} of {runs_planned} runs and no row of \
-                 this one",
+                "warning: not compared, because {} has not finished this run yet (the study has {runs_planned} runs)",
                 directory.display()
             ));
         }
@@ -276,27 +283,14 @@ impl Report<'_> {
         say(&format!("motion in {}", out.display()));
     }
 
-    /// Returns the switches as a table.
+    /// Returns all switches, or a summary if a terminal shows it.
     fn text(&self) -> String {
-        let Report { study, record, recording, .. } = self;
+        let Report { out, study, record, recording, .. } = self;
         let model = record.planned.case.as_ref().map_or(study.model(), |case| &case.model);
-        let units = Units::of(model);
-        let header = ["time_s", "ball", "from", "to", "friction_n", "friction_limit_n", "normal_n"];
-        let mut rows = vec![header.map(String::from).to_vec()];
-        rows.extend(recording.switches.iter().map(|Switch { time, contact, before, after }| {
-            let newtons =
-                |force| format!("{:.6e}", units.newtons(*contact, force).unwrap_or(f64::NAN));
-            vec![
-                format!("{:.9}", units.seconds(*time)),
-                if model.balls() > 0 { format!("{}", contact + 1) } else { "-".to_owned() },
-                phase_name(before.phase).to_owned(),
-                phase_name(after.phase).to_owned(),
-                newtons(before.friction),
-                newtons(before.limit),
-                newtons(before.normal),
-            ]
-        }));
-        text_table(&rows, &[2, 3])
+        match io::stdout().is_terminal() {
+            true => terminal_text(model, &record.outcome, recording, &out.join(SWITCHES)),
+            false => switch_log(model, recording, usize::MAX),
+        }
     }
 
     fn json(&self) -> Value {

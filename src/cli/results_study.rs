@@ -46,6 +46,10 @@ pub fn begun_study(directory: &Path) -> Result<(Study, Manifest), CliError> {
     if directory.is_file() {
         return Err(not_a_directory(directory));
     }
+    if !directory.as_os_str().is_empty() && !directory.exists() {
+        let what = format!("{}: this directory does not exist", shown_path(directory));
+        return Err(CliError::refusal(what, "no such directory", allowed_directory()));
+    }
     let Some(manifest) = manifest_of(directory)? else {
         let reason = "this directory holds no results of `stickslip run`";
         let (found, allowed) =
@@ -57,10 +61,7 @@ pub fn begun_study(directory: &Path) -> Result<(Study, Manifest), CliError> {
                         reader.replace("DIR", &shell_word(directory))
                     ),
                 ),
-                None => (
-                    format!("no {MANIFEST}"),
-                    "a directory that `stickslip run` has written to".to_owned(),
-                ),
+                None => (format!("no {MANIFEST}"), allowed_directory()),
             };
         return Err(occupied(reason, found, allowed).into());
     };
@@ -94,6 +95,10 @@ pub fn begun_study(directory: &Path) -> Result<(Study, Manifest), CliError> {
     Ok((study, manifest))
 }
 
+fn allowed_directory() -> String {
+    "a directory that `stickslip run` has written to".to_owned()
+}
+
 /// Returns the error for a file in place of a directory of results.
 fn not_a_directory(file: &Path) -> CliError {
     let what = format!("{}: this is a file, not a directory of results", shown_path(file));
@@ -107,8 +112,6 @@ fn not_a_directory(file: &Path) -> CliError {
             );
             CliError::refusal(what, format!("the study {}", study.name()), allowed)
         }
-        Err(_) => {
-            CliError::refusal(what, "a file", "a directory that `stickslip run` has written to")
-        }
+        Err(_) => CliError::refusal(what, "a file", allowed_directory()),
     }
 }

@@ -62,7 +62,8 @@ enum Format {
 
 fn points(text: &str) -> Result<usize, String> {
     let number = if text == "all" { Some(usize::MAX) } else { text.parse().ok() };
-    number.ok_or_else(|| format!("found {text:?}, allowed: all, or a whole number from 0"))
+    let number = number.filter(|number| *number > 0);
+    number.ok_or_else(|| format!("found {text:?}, allowed: all, or a whole number from 1"))
 }
 
 /// Prints the summary of a directory of results.
@@ -78,7 +79,8 @@ pub fn summary(arguments: &SummaryArguments) -> Result<End, CliError> {
         Format::Table | Format::Markdown => arguments.points.unwrap_or(MOST_LINES),
         Format::Csv | Format::Json => 0,
     };
-    let points = PointsTable::read(study, &table, printed)?;
+    let mut points = PointsTable::read(study, &table, printed)?;
+    points.is_saved = !results.is_from_chunks();
     let incomplete = IncompletePoints::read(study, manifest, &table)?;
     let title = title(&results, &points, &incomplete, directory);
     let most = arguments.points.unwrap_or(usize::MAX);

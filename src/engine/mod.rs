@@ -27,7 +27,7 @@ pub use message::say;
 pub use options::EngineOptions;
 pub use output_dir::{OutputDir, OutputDirError, Ready};
 pub use progress::{Parts, Planned, Progress, Show};
-pub use read_finished::read_finished;
+pub use read_finished::{finished_run, read_finished};
 pub use record_motion::record;
 pub use run_study::{EngineError, RunTotals, Sink, run_study, run_study_with};
 pub use shard::{Shard, ShardError};

@@ -1,4 +1,4 @@
-//! Reads the finished runs of a directory to which another process may be writing.
+//! Reads finished runs of a directory to which another process may be writing: all runs, or one.
 
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
@@ -7,9 +7,10 @@ use std::time::Instant;
 
 use super::{
     EngineError, EngineOptions, Parts, Planned, Progress, RunTotals, Shard, Show, Sink, Store,
-    run_study,
+    StoreError, run_study,
 };
 use crate::study::Study;
+use crate::table::RunRecord;
 
 /// Passes the finished runs of a study's shard and their points to `sink`. Computes no run, takes no lock, and changes
 /// nothing in the directory. Chunks that another process finishes in the meantime are not read.
@@ -33,4 +34,22 @@ pub fn read_finished<S: Sink>(
     let planned = Planned { study: study_name, runs, at_most: true, parts };
     let progress = Progress::begin(planned, Show::Nothing);
     run_study(study, options, &AtomicBool::new(false), &progress, Some(&mut store), sink)
+}
+
+/// Returns a finished run of a directory; `None` if it is not among the finished runs. Takes no lock and changes nothing
+/// in the directory.
+///
+/// # Errors
+/// Returns [`StoreError::Unusable`] if the list of chunks cannot be read.
+///
+/// # Panics
+/// If `run_id` is not below [`Study::run_count`].
+pub fn finished_run(
+    study: &Study,
+    directory: &Path,
+    run_id: u64,
+) -> Result<Option<RunRecord>, StoreError> {
+    let mut store = Store::open_shared(directory, study)?;
+    let found = store.chunk_index.window(run_id, run_id).remove(&run_id);
+    Ok(found.and_then(|found| found.of_run(study, study.planned_run(run_id))))
 }

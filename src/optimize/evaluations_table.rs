@@ -13,7 +13,7 @@ use crate::analysis::LabelCounts;
 use crate::classification::Label;
 use crate::responses::columns::answer_columns;
 use crate::responses::{Answer, Estimate};
-use crate::study::{DesignValue, Study};
+use crate::study::{DesignValue, Study, changed_keys};
 use crate::table::column::{Column, Columns};
 use crate::table::{Batch, Kind, Table, TableError};
 
@@ -30,12 +30,15 @@ pub fn evaluation_columns(study: &Study) -> Vec<Column<(Origin, Answer)>> {
     list.finish()
 }
 
+/// The keys of `optimize` that do not determine the next design.
+const FREE: [&str; 4] = ["designs", "finalists", "final_samples", "sensitivity"];
+
 /// Returns the parts of a study that determine the next design. The number of designs and the finalists do not.
 pub fn search_facts(study: &Study) -> Value {
     let file = study.resolved_file();
     let mut optimize = file["optimize"].clone();
     if let Some(fields) = optimize.as_object_mut() {
-        for key in ["designs", "finalists", "final_samples", "sensitivity"] {
+        for key in FREE {
             fields.remove(key);
         }
         let start = study.optimization().map(|one| one.start_designs);
@@ -72,10 +75,15 @@ pub fn read_evaluations(
         error
     })?;
     let other = |what: &str| {
+        let mut differences = differences(study, &about);
+        if differences.is_empty() {
+            differences.push(format!("another {what}"));
+        }
         EvaluationsError::Other(format!(
-            "{}: evaluations of another search\n  found:   another {what}\n  allowed: another directory with \
-             --out, or the study of these evaluations",
-            path.display()
+            "{}: evaluations of another search\n  found:   a search that differs in\n    {}\n  allowed: another \
+             directory with --out, or the study of these evaluations",
+            path.display(),
+            differences.join("\n    ")
         ))
     };
     if about["study_hash"] != study.hash() {
@@ -112,6 +120,33 @@ pub fn read_evaluations(
             path.display()
         ))
     })
+}
+
+/// The largest number of differences that a message lists.
+const MOST_DIFFERENCES: usize = 20;
+
+/// Returns the keys, with the values of the earlier search and of this one, because of which the search cannot continue.
+/// It is empty if the study of the earlier search cannot be read.
+fn differences(study: &Study, about: &Value) -> Vec<String> {
+    let text = about["study_yaml"].as_str().unwrap_or_default().to_owned();
+    let Ok(before) = Study::parse(Path::new("study.yaml"), text) else { return Vec::new() };
+    let free = ["name", "expect"].map(str::to_owned).into_iter();
+    let free: Vec<String> = free.chain(FREE.map(|key| format!("optimize.{key}"))).collect();
+    let is_free = |line: &String| {
+        let key = line.split(':').next().unwrap_or_default();
+        free.iter().any(|free| {
+            key.strip_prefix(free.as_str())
+                .is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '[']))
+        })
+    };
+    let mut lines = changed_keys(&before, study);
+    lines.retain(|line| !is_free(line));
+    let more = lines.len().saturating_sub(MOST_DIFFERENCES);
+    lines.truncate(MOST_DIFFERENCES);
+    if more > 0 {
+        lines.push(format!("and {more} more"));
+    }
+    lines
 }
 
 /// Groups the rows of each design; returns `None` if they are not complete designs in order.

@@ -50,32 +50,74 @@ pub fn notes(study: &Study, best: &Finalist) -> Vec<String> {
         let Bound { variable, which, range: [from, to] } = bound;
         format!(
             "`{variable}` lies on the {which} bound of its range ({from} to {to}); a wider range may contain a \
-             better design"
+             better design."
         )
     };
     let mut notes: Vec<String> = on_bounds(study, &best.values).into_iter().map(on_bound).collect();
-    notes.extend(use_of_balls(&best.relative_amplitudes).map(str::to_owned));
+    notes.extend(use_of_balls(&best.relative_amplitudes));
     notes
 }
 
-/// Returns a sentence if the mean amplitudes, divided by those without balls, show no use of the balls at some point.
-fn use_of_balls(relative_amplitudes: &[Estimate]) -> Option<&'static str> {
-    let reaches = |estimate: &Estimate| Some(estimate.high.unwrap_or(estimate.value?) >= 1.0);
-    let almost = |estimate: &Estimate| Some(estimate.value? >= ALMOST_NO_EFFECT);
-    let any = |of: &dyn Fn(&Estimate) -> Option<bool>| {
-        relative_amplitudes.iter().filter_map(of).any(|one| one)
+/// Returns a sentence if the mean amplitudes at the points of the sweep, divided by those without balls, show that the
+/// balls increase the amplitude at some point, or do not show that they decrease it.
+pub fn use_of_balls(relative_amplitudes: &[Estimate]) -> Option<String> {
+    let several = relative_amplitudes.len() > 1;
+    let worst = |of: &dyn Fn(&Estimate) -> Option<f64>| {
+        let known = relative_amplitudes.iter().filter_map(|one| Some((of(one)?, one)));
+        known.max_by(|one, other| one.0.total_cmp(&other.0)).map(|(_, one)| one)
     };
-    match () {
-        () if any(&reaches) => Some(
-            "the mean amplitude at some point of the sweep is not demonstrably below that of the same machine \
-             without balls",
-        ),
-        () if any(&almost) => Some(
-            "the balls have almost no effect at some point of the sweep: the mean amplitude is above 95 % of that of \
-             the same machine without balls",
-        ),
-        () => None,
+    let increased = relative_amplitudes.iter().filter(|one| one.low.is_some_and(|low| low > 1.0));
+    let increased = increased.count();
+    if increased > 0 {
+        let by = percents_above_one(worst(&|one| one.value.filter(|_| one.low > Some(1.0)))?)?;
+        return Some(match several {
+            false => format!(
+                "The balls increase the mean amplitude by {by}: the machine is better without them."
+            ),
+            true => format!(
+                "The balls increase the mean amplitude at {increased} of {} points of the sweep, by up to {by}: there \
+                 the machine is better without them.",
+                relative_amplitudes.len()
+            ),
+        });
     }
+    let place = if several { " at some point of the sweep" } else { "" };
+    let largest = worst(&|one| one.high.or(one.value))?;
+    let value = largest.value?;
+    if largest.high.unwrap_or(value) >= 1.0 {
+        let interval = match (largest.low, largest.high) {
+            (Some(low), Some(high)) => format!(" ({low:.3} to {high:.3})"),
+            _ => String::new(),
+        };
+        return Some(format!(
+            "The mean amplitude{place} cannot be distinguished from that of the same machine without balls: their ratio \
+             is {value:.3}{interval}."
+        ));
+    }
+    let closest = worst(&|one| one.value)?.value?;
+    (closest >= ALMOST_NO_EFFECT).then(|| {
+        format!(
+            "The balls have almost no effect{place}: the mean amplitude is {} % of that of the same machine without \
+             balls.",
+            percent(closest)
+        )
+    })
+}
+
+/// Returns by how much an estimate exceeds one, such as `7.0 % (4.5 % to 9.6 %)`.
+fn percents_above_one(estimate: &Estimate) -> Option<String> {
+    let above = |value: f64| percent(value - 1.0);
+    let value = above(estimate.value?);
+    Some(match (estimate.low, estimate.high) {
+        (Some(low), Some(high)) => format!("{value} % ({} to {} %)", above(low), above(high)),
+        _ => format!("{value} %"),
+    })
+}
+
+/// Returns a fraction as a number of percent, with two significant digits if it is small.
+fn percent(fraction: f64) -> String {
+    let percent = 100.0 * fraction;
+    if percent.abs() < 9.95 { format!("{percent:.1}") } else { format!("{percent:.0}") }
 }
 
 #[cfg(test)]
@@ -110,14 +152,25 @@ mod tests {
 
     #[test]
     fn balls_without_use() {
-        let at = |value: f64, high: f64| {
-            Estimate::with_interval(value, Some(0.01), [Some(value), Some(high)], "none")
+        let at = |value: f64, half: f64| {
+            let ends = [Some(value - half), Some(value + half)];
+            Estimate::with_interval(value, Some(0.01), ends, "none")
         };
-        assert_eq!(use_of_balls(&[at(0.5, 0.6), at(0.9, 0.94)]), None);
-        assert!(use_of_balls(&[at(0.5, 0.6), at(0.96, 0.98)]).unwrap().contains("almost no"));
-        assert!(
-            use_of_balls(&[at(0.5, 0.6), at(0.98, 1.01)]).unwrap().contains("not demonstrably")
-        );
+        let said = |estimates: &[Estimate]| use_of_balls(estimates).unwrap();
+        assert_eq!(use_of_balls(&[at(0.5, 0.1), at(0.9, 0.04)]), None);
         assert_eq!(use_of_balls(&[Estimate::unknown("no balls")]), None);
+        let almost = "The balls have almost no effect at some point of the sweep: the mean amplitude is 96 % of that of \
+            the same machine without balls.";
+        assert_eq!(said(&[at(0.5, 0.1), at(0.96, 0.02)]), almost);
+        let unclear = "The mean amplitude cannot be distinguished from that of the same machine without balls: their \
+            ratio is 0.980 (0.950 to 1.010).";
+        assert_eq!(said(&[at(0.98, 0.03)]), unclear);
+        let unclear = unclear.replace("amplitude", "amplitude at some point of the sweep");
+        assert_eq!(said(&[at(0.5, 0.1), at(0.98, 0.03)]), unclear);
+        let harm = "The balls increase the mean amplitude by 7.0 % (4.5 to 9.5 %): the machine is better without them.";
+        assert_eq!(said(&[at(1.07, 0.025)]), harm);
+        let harm = "The balls increase the mean amplitude at 2 of 3 points of the sweep, by up to 62 % (60 to 64 %): \
+            there the machine is better without them.";
+        assert_eq!(said(&[at(1.62, 0.02), at(1.3, 0.1), at(1.0, 2.0)]), harm);
     }
 }

@@ -8,11 +8,12 @@ use super::comparison::{estimate_difference, estimate_ratio};
 use super::evaluation::Evaluation;
 use super::finalists::{Finalist, FinalistRole, Finalists};
 use super::goal::Goal;
+use super::in_words::{estimate_in_words, short, unmet_limits, value_in_words};
 use super::notes::{notes, on_bounds};
 use super::search::{Search, SearchEnd};
 use super::sensitivity::Sensitivity;
 use crate::responses::{Estimate, estimate_json};
-use crate::study::{DesignValue, Study};
+use crate::study::{DesignValue, Optimization, Study};
 use crate::text_table::text_table;
 
 /// Returns the contents of `optimum.json`.
@@ -99,6 +100,7 @@ fn final_json(study: &Study, goal: &Goal, one: &Finalist) -> Value {
             .map(|bound| json!({"variable": bound.variable, "bound": bound.which}))
             .collect::<Vec<_>>(),
         "limits_met": one.met,
+        "unmet_limits": unmet_limits(study, goal, &one.estimates),
         "runs": one.runs(),
         "failed": one.failed_runs(),
     })
@@ -113,27 +115,6 @@ fn design_json(study: &Study, values: &[DesignValue]) -> Value {
         (variable.name().to_owned(), value)
     };
     study.variables().iter().zip(values).map(entry).collect::<serde_json::Map<_, _>>().into()
-}
-
-/// Returns a number with four significant digits.
-fn short(number: f64) -> String {
-    let size = number.abs();
-    if number == 0.0 || (1e-3..1e5).contains(&size) {
-        let digits = if number == 0.0 { 0 } else { (3 - size.log10().floor() as i32).max(0) };
-        return format!("{number:.*}", digits as usize);
-    }
-    format!("{number:.3e}")
-}
-
-/// Returns an estimate in words, such as `2.310e-6 m (2.100e-6 to 2.500e-6)`.
-fn in_words(estimate: &Estimate, unit: &str) -> String {
-    let Some(value) = estimate.value else {
-        let reason = estimate.reason.as_deref().unwrap_or("not known");
-        return format!("none: {reason}");
-    };
-    let unit = if unit == "1" { String::new() } else { format!(" {unit}") };
-    let end = |end: Option<f64>| end.map_or_else(|| "?".to_owned(), short);
-    format!("{}{unit} ({} to {})", short(value), end(estimate.low), end(estimate.high))
 }
 
 /// Returns design values in words.
@@ -163,7 +144,10 @@ pub fn search_line(search: &Search, evaluations: &[Evaluation]) -> String {
         if let Some(index) = best {
             let (grade, _) = goal.rank(&all[index]);
             let value = goal.objectives().first().and_then(|(quantity, _)| all[index][*quantity]);
-            let value = value.map_or_else(|| "no value".to_owned(), short);
+            let unit = |index: usize| study.responses().get(index).map_or("1", |one| one.unit());
+            let unit = goal.objectives().first().map_or("1", |(_, one)| unit(one.response));
+            let value =
+                value.map_or_else(|| "no value".to_owned(), |value| value_in_words(value, unit));
             let what = if grade == 0 { "best so far" } else { "limits not met yet; nearest" };
             // Writing to a string cannot fail.
             let _ = write!(line, "; {what}: {value} (design {index})");
@@ -175,7 +159,7 @@ pub fn search_line(search: &Search, evaluations: &[Evaluation]) -> String {
 fn estimates_in_words(study: &Study, goal: &Goal, estimates: &[Estimate]) -> String {
     let each = goal.quantities().iter().zip(estimates).filter_map(|(quantity, estimate)| {
         let response = study.responses().get(quantity.response)?;
-        Some(format!("{} {}", response.name, in_words(estimate, response.unit())))
+        Some(format!("{} {}", response.name, estimate_in_words(estimate, response.unit())))
     });
     each.collect::<Vec<_>>().join(", ")
 }
@@ -191,15 +175,17 @@ pub fn result_in_words(search: &Search, finalists: &Finalists) -> String {
         let estimates = goal.quantities().iter().zip(&one.estimates);
         let rows = estimates.filter_map(|(quantity, estimate)| {
             let response = study.responses().get(quantity.response)?;
-            Some(vec![format!("  {}", response.name), in_words(estimate, response.unit())])
+            Some(vec![format!("  {}", response.name), estimate_in_words(estimate, response.unit())])
         });
         text += &text_table(&rows.collect::<Vec<_>>(), &[0, 1]);
-        let met = if one.met { "" } else { "; a limit is not met" };
         let failed = match one.failed_runs() {
             0 => String::new(),
             failed => format!(", {failed} of them failed"),
         };
-        let _ = writeln!(text, "  {} further runs{failed}{met}", one.runs());
+        let _ = writeln!(text, "  {} further runs{failed}", one.runs());
+        for limit in unmet_limits(study, &goal, &one.estimates) {
+            let _ = writeln!(text, "  a limit is not met: {limit}");
+        }
         if let Some((least, most)) = range(&one.relative_amplitudes) {
             let range = if least == most { least } else { format!("{least} to {most}") };
             let _ = writeln!(text, "  mean amplitude divided by that without balls: {range}");
@@ -221,8 +207,9 @@ pub fn result_in_words(search: &Search, finalists: &Finalists) -> String {
             let both = best.estimates.get(*quantity).zip(other.estimates.get(*quantity));
             let response = study.responses().get(objective.response);
             if let Some(((best, other), response)) = both.zip(response) {
-                let difference = in_words(&estimate_difference(best, other), response.unit());
-                let ratio = in_words(&estimate_ratio(best, other), "1");
+                let difference =
+                    estimate_in_words(&estimate_difference(best, other), response.unit());
+                let ratio = estimate_in_words(&estimate_ratio(best, other), "1");
                 let _ = writeln!(text, "{}: difference {difference}", response.name);
                 let _ = writeln!(text, "{}: ratio {ratio}", response.name);
             }
@@ -234,6 +221,30 @@ pub fn result_in_words(search: &Search, finalists: &Finalists) -> String {
         }
     }
     text
+}
+
+/// Returns the limits that the best design does not meet. If there are no final runs, it is the design of the search
+/// that is nearest to the limits.
+pub fn nearest_unmet(
+    study: &Study,
+    optimization: &Optimization,
+    evaluations: &[Evaluation],
+    finalists: &Finalists,
+) -> Vec<String> {
+    let goal = Goal::new(study, optimization);
+    let rank = |estimates: &[Estimate]| {
+        let values: Vec<Option<f64>> = estimates.iter().map(|one| one.value).collect();
+        goal.rank(&values)
+    };
+    let own = finalists.all.iter().filter(|one| one.role != FinalistRole::CompareWith);
+    let own = own.filter(|one| one.role == FinalistRole::Best || one.on_front.is_some());
+    let mut all: Vec<Vec<Estimate>> = own.map(|one| one.estimates.clone()).collect();
+    if all.is_empty() {
+        all = evaluations.iter().map(|one| goal.estimates(&one.answers)).collect();
+    }
+    let nearest = super::finalists::best(all.iter().map(|estimates| rank(estimates)));
+    let nearest = nearest.and_then(|index| all.get(index));
+    nearest.map_or_else(Vec::new, |estimates| unmet_limits(study, &goal, estimates))
 }
 
 /// Returns the smallest and the largest known value.

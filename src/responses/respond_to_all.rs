@@ -18,12 +18,12 @@ use crate::study::{DesignValue, Study};
 pub fn check_answerable(study: &Study, file: &Path) -> Result<(), String> {
     let file = file.display();
     if study.responses().is_empty() {
-        let allowed = "a response in the study, such as responses: vibration: {amplitude_mean: {relative: true}}";
+        let allowed = "a response in the study, such as responses: {vibration: {amplitude_mean: {relative: true}}}";
         return Err(format!("{file}: `responses` is missing\n  allowed: {allowed}"));
     }
     if study.variables().is_empty() {
         let allowed =
-            "a variable in the study, such as design: speed_rad_s: {from: -260, to: -180}";
+            "a variable in the study, such as design: {speed_rad_s: {from: -260, to: -180}}";
         return Err(format!("{file}: `design` is missing\n  allowed: {allowed}"));
     }
     if study.precision().is_some() {

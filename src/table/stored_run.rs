@@ -1,4 +1,4 @@
-//! Compares a replayed run with its row in `runs.parquet`.
+//! Compares a replayed run with its stored row, in `runs.parquet` or among the finished runs of an unfinished study.
 
 use std::path::{Path, PathBuf};
 
@@ -68,6 +68,21 @@ impl StoredRun {
             }
         }
         Ok(None)
+    }
+
+    /// Returns the row of a finished run that is not in a table yet.
+    ///
+    /// # Errors
+    /// Returns an error if the values do not form a row.
+    pub fn of_record(
+        directory: &Path,
+        study: &Study,
+        record: &RunRecord,
+    ) -> Result<Self, TableError> {
+        let row = batch(&run_columns(study), std::slice::from_ref(record)).map_err(|error| {
+            unusable(directory, "a finished run forms no row", &error.to_string())
+        })?;
+        Ok(StoredRun { path: directory.to_owned(), row })
     }
 
     /// Returns the columns in which a replayed run differs from the stored row; none if they are identical to the last bit.

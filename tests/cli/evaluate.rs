@@ -315,6 +315,10 @@ fn tables_and_studies_that_make_no_sense_are_refused() {
     scratch.refused("evaluate balls.yaml --designs none.csv --out r.parquet", &["none.csv"]);
     scratch.refused("evaluate balls.yaml --designs d.csv", &["--out is missing"]);
     scratch.refused("evaluate balls.yaml --designs d.csv --out d.csv", &["exists already"]);
+    for name in ["r.csv", "r.JSON", "r.xlsx"] {
+        let arguments = format!("evaluate balls.yaml --designs d.csv --out {name}");
+        scratch.refused(&arguments, &[name, "written as Parquet", "such as r.parquet"]);
+    }
     scratch.refused("evaluate balls.yaml --designs - --out r.parquet", &["standard output"]);
     for (from, to, parts) in [
         ("from: -260", "from: -100", ["design.speed_rad_s", "reversed range"]),

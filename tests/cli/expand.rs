@@ -114,3 +114,11 @@ fn a_file_is_never_overwritten() {
         scratch.refused(&format!("expand a.yaml --out {out}"), &message);
     }
 }
+
+#[test]
+fn a_file_that_is_named_csv_is_refused() {
+    let scratch = Scratch::new();
+    scratch.write("a.yaml", study());
+    let parts = ["cases.csv: the file is written as Parquet", "such as cases.parquet"];
+    scratch.refused("expand a.yaml --out cases.csv", &parts);
+}

@@ -58,8 +58,7 @@ fn incompatible_shards_are_named() {
     assert_eq!(stopped.code, Some(130), "{}", stopped.err);
     let unfinished = ["stopped: shard 2/3 is not finished", "`stickslip resume stopped`"];
     scratch.refused("merge 1 stopped 3 --out merged", &unfinished);
-    scratch
-        .refused("merge 1 nowhere 3 --out merged", &["nowhere: this directory holds no results"]);
+    scratch.refused("merge 1 nowhere 3 --out merged", &["nowhere: this directory does not exist"]);
     scratch
         .refused("merge 1 2 3 --out 1", &["1: this directory holds the results of another shard"]);
     let older = of_older_model(&scratch.manifest("3").to_string());

@@ -4,7 +4,7 @@ use std::fs;
 
 use serde_json::Value;
 
-use super::support::{Scratch, numbers, table, words};
+use super::support::{Scratch, assert_has, numbers, table, words};
 
 /// A block on a spring that starts at rest at 45 mm: after `n` half swings of `π √(m / k)` it stops
 /// within `1 N / k`. The time jumps up with every further half swing; from 30 to 200 N/m its
@@ -164,6 +164,7 @@ fn no_design_of_the_front_dominates_another() {
     scratch.write("two.yaml", format!("{BALLS}{block}"));
     let said = scratch.well("optimize two.yaml --out two --quiet");
     assert!(said.contains("on the Pareto front") && said.contains("compared with"), "{said}");
+    assert!(said.contains(" µm (") && !said.contains(" m ("), "{said}");
     let pareto = scratch.table("two", "pareto");
     let (mean, most) = (numbers(&pareto, "mean"), numbers(&pareto, "most"));
     assert!(!mean.is_empty() && mean.len() <= 4);
@@ -195,8 +196,15 @@ fn limits_that_no_design_meets() {
     scratch.write("never.yaml", format!("{BLOCK}{block}"));
     let ended = scratch.stickslip("optimize never.yaml --out never --quiet");
     assert_eq!(ended.code, Some(4), "{}", ended.err);
-    assert!(ended.err.contains("no design meets all limits"), "{}", ended.err);
-    assert!(ended.out.contains("a limit is not met"), "{}", ended.out);
+    let stop = optimum(&scratch, "never")["best"]["responses"]["stop"]["value"].as_f64().unwrap();
+    let unmet = format!("stop is {stop:.4} s (");
+    assert_has(&ended.err, &["no design meets all limits; the nearest one: ", &unmet]);
+    assert_has(&ended.out, &["  a limit is not met: ", &unmet, ", allowed: at most 0.1 s\n"]);
+    let listed = &optimum(&scratch, "never")["best"]["unmet_limits"];
+    assert!(listed[0].as_str().unwrap().starts_with(&unmet), "{listed}");
+    scratch.well("report never");
+    let page = fs::read_to_string(scratch.path("never-report.html")).unwrap();
+    assert_has(&page, &["does not meet all limits in its final runs: ", "at most 0.1 s."]);
 }
 
 /// Errors are reported before anything is computed, or as soon as they are detected.
@@ -233,9 +241,20 @@ fn refusals() {
     scratch.well("optimize block.yaml --out there --quiet");
     let text = fs::read_to_string(scratch.path("block.yaml")).unwrap();
     scratch.write("other.yaml", text.replace("from: 30", "from: 40"));
-    scratch.refused("optimize other.yaml --out there", &["another search", "another `design`"]);
+    scratch.refused(
+        "optimize other.yaml --out there",
+        &["another search", "design.stiffness_n_m.from: 30.0 -> 40.0"],
+    );
     scratch.write("other.yaml", text.replace("seed: 1", "seed: 2"));
-    scratch.refused("optimize other.yaml --out there", &["another machine, sampling"]);
+    scratch.refused("optimize other.yaml --out there", &["    seed: 1 -> 2\n"]);
+    let changed =
+        text.replace("minimize: stop", "maximize: stop, subject_to: {stop: {at_most: 2}}");
+    scratch.write("other.yaml", changed.replace("designs: 24", "designs: 30"));
+    let ended = scratch.stickslip("optimize other.yaml --out there");
+    let changed =
+        ["optimize.minimize: \"stop\" -> not given", "optimize.subject_to: not given -> "];
+    assert_has(&ended.err, &changed);
+    assert!(!ended.err.contains("optimize.designs"), "{}", ended.err);
     scratch.write("there/evaluations.parquet", "PAR1");
     scratch.refused("optimize block.yaml --out there", &["evaluations.parquet"]);
     fs::create_dir(scratch.path("full")).unwrap();

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use arrow::array::{ArrayRef, RecordBatch, UInt64Array};
 use parquet::arrow::ArrowWriter;
 
+use super::summary::kill;
 use super::support::{Scratch, assert_has, column, counts, numbers, study_text, words};
 
 /// Studies of all kinds, with the runs to replay: both methods, one ball and three, a law without
@@ -221,7 +222,7 @@ fn what_cannot_be_replayed() {
     fs::create_dir(scratch.path("empty")).unwrap();
     let example = "as in 0:5:2001 (FROM:TO:N in s)";
     for (arguments, parts) in [
-        ("replay nowhere 0".to_owned(), ["nowhere: this directory holds no results", "allowed: "]),
+        ("replay nowhere 0".to_owned(), ["nowhere: this directory does not exist", "allowed: "]),
         (
             "replay empty 0".to_owned(),
             ["empty: this directory holds no results", "no manifest.json"],
@@ -261,8 +262,23 @@ fn a_run_that_is_not_there_yet() {
     assert_eq!(scratch.stickslip("run a.yaml --out a --max-seconds 0").code, Some(130));
     let ended = scratch.stickslip("replay a 3 --json");
     assert_eq!(ended.code, Some(0), "{}", ended.err);
-    assert_has(&ended.err, &["not compared, because a has ", " of 9 runs"]);
+    let said = ["not compared, because a has not finished this run yet (the study has 9 runs)"];
+    assert_has(&ended.err, &said);
     let report: serde_json::Value = serde_json::from_str(&ended.out).unwrap();
     assert!(report["same_as_row"].is_null());
     assert!(column(&scratch.table("a-replay-3", "trajectory"), "x_m").len() > 3);
+}
+
+/// A killed study has no tables, but its finished runs are in `chunks/`.
+#[test]
+fn a_run_of_a_killed_study() {
+    let scratch = Scratch::new();
+    scratch.write("a.yaml", study_text("a", "{monte_carlo: {samples: 9}}", 0.02, ""));
+    scratch.well("run a.yaml --out out");
+    kill(&scratch);
+    let ended = scratch.stickslip("replay out 3 --json");
+    assert_eq!(ended.code, Some(0), "{}", ended.err);
+    assert_has(&ended.err, &["equal to its row in all "]);
+    let report: serde_json::Value = serde_json::from_str(&ended.out).unwrap();
+    assert_eq!(report["same_as_row"], true);
 }

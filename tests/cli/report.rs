@@ -206,7 +206,7 @@ fn results_that_are_not_complete_say_how_much_is_missing() {
 #[test]
 fn what_cannot_be_shown_is_refused() {
     let (scratch, _) = finished();
-    scratch.refused("report nowhere", &["nowhere: this directory holds no results", "allowed: "]);
+    scratch.refused("report nowhere", &["nowhere: this directory does not exist", "allowed: "]);
     scratch.refused("report a.yaml", &["a.yaml: this is a file", "allowed: "]);
     // Only a page is replaced by a page.
     scratch.well("report out");

@@ -187,7 +187,7 @@ fn a_run_of_another_case_is_not_taken() {
 #[test]
 fn what_cannot_be_resumed_is_refused() {
     let scratch = stopped();
-    scratch.refused("resume nowhere", &["nowhere: this directory holds no results", "allowed: "]);
+    scratch.refused("resume nowhere", &["nowhere: this directory does not exist", "allowed: "]);
     scratch.refused(
         "resume a.yaml",
         &["a.yaml: this is a file, not a directory of results", "allowed: "],

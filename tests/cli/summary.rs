@@ -206,10 +206,14 @@ fn as_many_points_as_are_asked_for() {
     // A remedy and the number of undecided runs follow.
     assert_eq!(sentence.lines().count(), 3);
     assert!(scratch.well("summary out").ends_with(&format!("\n\n{printed}")));
-    for (points, lines) in [("all", 45), ("45", 45), ("44", 44), ("0", 0)] {
+    for (points, lines) in [("all", 45), ("45", 45), ("44", 44), ("1", 1)] {
         for (format, around) in [("table", 7), ("markdown", 10), ("csv", 1)] {
             let text = scratch.well(&format!("summary out --format {format} --points {points}"));
-            let more = text.contains(&format!("... and {} more points", 45 - lines));
+            let others = match 45 - lines {
+                1 => "1 more point in".to_owned(),
+                others => format!("{others} more points in"),
+            };
+            let more = text.contains(&format!("... and {others} points.parquet"));
             assert_eq!(more, lines < 45 && format != "csv", "{format}\n{text}");
             let note = match (more, format) {
                 (false, _) => 0,
@@ -223,8 +227,11 @@ fn as_many_points_as_are_asked_for() {
         assert_eq!(document["points"].as_array().map(Vec::len), Some(lines));
     }
     assert_eq!(scratch.well("summary out --format csv").lines().count(), 1 + 45);
-    let wrong = ["--points", "found \"-1\"", "allowed: all, or a whole number from 0"];
-    scratch.refused("summary out --points -1", &wrong);
+    for number in ["-1", "0"] {
+        let found = format!("found \"{number}\"");
+        let wrong = ["--points", &found, "allowed: all, or a whole number from 1"];
+        scratch.refused(&format!("summary out --points {number}"), &wrong);
+    }
     scratch.refused("summary out --format html", &["--format", "csv", "markdown"]);
 }
 
@@ -338,8 +345,13 @@ fn a_running_study_is_summarised() {
     let of_points: Vec<&Value> =
         json["points"].as_array().unwrap().iter().map(|point| &point["runs"]).collect();
     assert_eq!(of_points, [&json!(700), &json!(324)]);
+    // The directory has no table of points.
+    let first = scratch.well("summary out --points 1");
+    let more = "... and 1 more point with finished runs; `--points all` prints them";
+    assert!(first.contains(more) && !first.contains("parquet"), "{first}");
     scratch.well("report out --out a.html");
     let page = fs::read_to_string(scratch.path("a.html")).unwrap();
+    assert!(!page.contains(" threads, in"), "a killed study does not know its threads");
     assert_has(&page, &["1076 of 2100 runs are missing (51.2 %); points 1 and 2 are incomplete"]);
     fs::remove_file(scratch.path("a.html")).unwrap();
     assert_eq!(scratch.files(), before);
@@ -349,7 +361,7 @@ fn a_running_study_is_summarised() {
 #[test]
 fn what_holds_no_results_is_refused() {
     let (scratch, _) = finished();
-    scratch.refused("summary nowhere", &["nowhere: this directory holds no results", "allowed: "]);
+    scratch.refused("summary nowhere", &["nowhere: this directory does not exist", "allowed: "]);
     let said = ["a.yaml: this is a file, not a directory of results", "found:   the study short"];
     scratch.refused("summary a.yaml", &said);
     scratch.refused("report a.yaml", &["`stickslip run a.yaml`", "results/short"]);

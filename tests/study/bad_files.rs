@@ -119,3 +119,81 @@ fn a_message_shows_file_line_key_finding_remedy_and_source() {
     assert!(!lines[2].contains("belt_speed_m_s"), "a balancer has no belt: {}", lines[2]);
     assert_eq!(lines[3], "  7 |     table_mas_kg: 0.3");
 }
+
+/// Returns a study with units, whose parameters are in lines 7 to 9.
+fn with_units() -> String {
+    "schema: 1\nname: a\nseed: 5\nmodel:\n  kind: ball_balancer\n  parameters:\n    speed: 6000 rpm\n    \
+     damping: 60 N s/m\n    stiffness: 100 N/mm\ninitial_conditions:\n  design: {monte_carlo: {samples: 10}}\n"
+        .to_owned()
+}
+
+#[track_caller]
+fn remedied(text: &str, line: usize, problem: &str, found: &str, allowed: &str) {
+    let error = parse(text).err().unwrap_or_else(|| panic!("accepted: {text}"));
+    assert!(error.problem().contains(problem), "{error}");
+    assert_eq!(error.line(), Some(line), "{error}");
+    assert!(error.found().unwrap_or_default().contains(found), "{error}");
+    assert!(error.allowed().unwrap_or_default().contains(allowed), "{error}");
+}
+
+/// The faults that occur most have their own line and remedy.
+#[test]
+fn frequent_yaml_errors_have_a_remedy() {
+    assert!(parse(&with_units()).is_ok());
+    let changed = |from: &str, to: &str| {
+        let text = with_units();
+        assert!(text.contains(from));
+        text.replace(from, to)
+    };
+    let tab = ["a tab in the indentation", "a tab", "replace the tab by spaces"];
+    for (from, to, line) in [
+        ("    damping", "\tdamping", 8),
+        ("    stiffness", "\t    stiffness", 9),
+        ("    stiffness", "    \tstiffness", 9),
+        ("  kind", "\tkind", 5),
+    ] {
+        remedied(&changed(from, to), line, tab[0], tab[1], tab[2]);
+    }
+    let colon = "a space is missing after the colon";
+    remedied(&changed("damping: ", "damping:"), 8, colon, "damping:60 N s/m", "damping: 60 N s/m");
+    remedied(&changed("speed: ", "speed:"), 7, colon, "speed:6000 rpm", "speed: 6000 rpm");
+    remedied(&changed("seed: ", "seed:"), 3, colon, "seed:5", "seed: 5");
+    let indentation = "wrong indentation";
+    let same = "the same indentation";
+    remedied(&changed("    damping", "   damping"), 8, indentation, "3 spaces", same);
+    remedied(&changed("    damping", "     damping"), 8, indentation, "5 spaces", same);
+    remedied(&changed("    stiffness", "      stiffness"), 9, indentation, "6 spaces", same);
+    remedied(&changed("name: a", "name: b: c"), 2, "a second colon", "b: c", "quotes around");
+}
+
+#[test]
+fn a_duplicate_key_names_its_path_and_its_first_line() {
+    let text = with_units().replace("    stiffness", "    speed: 1 rpm\n    stiffness");
+    let error = parse(&text).unwrap_err();
+    assert_eq!((error.key(), error.line()), ("model.parameters.speed", Some(9)));
+    assert!(error.found().unwrap().ends_with("; the first is in line 7"), "{error}");
+    let flow = good().replace("{samples: 10}", "{samples: 10, samples: 11}");
+    let error = parse(&flow).unwrap_err();
+    assert_eq!(error.key(), "initial_conditions.design.monte_carlo.samples");
+    let top = format!("{}\"seed\": 6\n", good());
+    let error = parse(&top).unwrap_err();
+    assert!(error.key() == "seed" && error.found().unwrap().ends_with("in line 3"), "{error}");
+}
+
+/// One missing key has the same example as several.
+#[test]
+fn a_missing_key_has_an_example() {
+    for (part, key, example) in [
+        ("seed: 5\n", "seed", "such as seed: 1"),
+        ("  kind: ball_balancer\n", "model.kind", "such as model: {kind: ball_balancer}"),
+        (
+            "initial_conditions:\n  design: {monte_carlo: {samples: 10}}\n",
+            "initial_conditions",
+            "such as initial_conditions: {design: {monte_carlo: {samples: 100}}}",
+        ),
+    ] {
+        let error = parse(&with_units().replace(part, "")).unwrap_err();
+        assert_eq!(error.key(), key);
+        assert!(error.allowed().unwrap().ends_with(example), "{error}");
+    }
+}

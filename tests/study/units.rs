@@ -168,6 +168,20 @@ fn wrong_units_are_refused_with_the_remedy() {
     line("speed: 6000", "speed", "6000", "`speed_rad_s` for a number in rad/s, or a speed of rot");
     line("speed: \"6000\"", "speed", "6000", "`speed_rad_s` for a number in rad/s");
     line("speed: fast", "speed", "fast", rotation);
+    line(
+        "speed: 6000 RPM",
+        "speed",
+        "RPM",
+        "6000 rpm; the units are rpm (did you mean this?), rad/s",
+    );
+    line("speed: 100 Hz", "speed", "Hz", "the units are rev/s (did you mean this?), rpm");
+    line("damping: 3 Ns/m", "damping", "Ns", "the units are N s/m (did you mean this?), N s/mm");
+    line("ball_mass: 3 KG", "ball_mass", "KG", "the units are kg (did you mean this?), g, mg");
+    line("ball_mass: \"6,5 g\"", "ball_mass", "6,5 g", "a decimal point, as in 6.5 g");
+    line("ball_mass: \"1,000 g\"", "ball_mass", "1,000 g", "no comma between digits");
+    line("ball_mass_kg: \"6,5\"", "ball_mass_kg", "6,5", "a decimal point, as in 6.5");
+    line("damping:", "damping", "nothing", "a viscous damping, such as 1.28 N s/m");
+    line("damping_n_s_m: null", "damping_n_s_m", "nothing", "or `damping` with a viscous damping");
     line("speed: 6000 rmp", "speed", "rmp", rotation);
     line("ball_mass: 3 N", "ball_mass", "3 N", "a mass, such as 0.056 kg or 56 g");
     line("damping: 3 N s/m s", "damping", "N s/m s", "a quotient `N/m`");

@@ -4,8 +4,10 @@ use std::collections::HashMap;
 
 use super::chunk::Chunk;
 use super::folder::{Folder, Listed, what_follows};
-use super::record::CaseKey;
+use super::record::{CaseKey, StoredOutcome};
 use crate::engine::say;
+use crate::study::{PlannedRun, Study};
+use crate::table::RunRecord;
 
 /// The largest size of chunks that stay in memory between windows, in bytes.
 const MEMORY: usize = 1 << 27;
@@ -19,6 +21,18 @@ pub(in crate::engine) struct StoredResult {
     pub content: Vec<u8>,
     /// Whether the run is in the output directory, not in a shard's.
     pub own: bool,
+}
+
+impl StoredResult {
+    /// Returns the row of a run if this is the complete result of its case.
+    pub fn of_run(&self, study: &Study, planned: PlannedRun) -> Option<RunRecord> {
+        let finished = StoredOutcome::decode(&self.content, study.model().contacts())?;
+        let StoredOutcome { outcome, audit } = finished;
+        let is_complete =
+            self.key == CaseKey::of(&planned) && (!planned.audited || audit.is_some());
+        let audit = audit.filter(|_| planned.audited);
+        is_complete.then_some(RunRecord { planned, outcome, audit })
+    }
 }
 
 /// The folders of a study: first that of the output directory, then those of its shards.

@@ -2,7 +2,7 @@
 
 use super::data::OptimumData;
 use super::indices::indices;
-use crate::optimize::Evaluation;
+use crate::optimize::{Evaluation, shown_unit};
 use crate::report::chart::{
     Axis, Colour, Figure, Layer, Mark, Panel, Symbol, TooltipColumn, TooltipValues, Tooltips,
 };
@@ -15,15 +15,6 @@ const NOT_MET: &str = "does not meet all limits";
 /// Returns all figures of a search, in reading order.
 pub fn of_search(data: &OptimumData) -> Vec<Figure> {
     [convergence(data), front(data), indices(data)].into_iter().flatten().collect()
-}
-
-/// Returns the unit in figures and the factor to it: micrometres instead of metres.
-pub fn shown_unit(unit: &str) -> (&str, f64) {
-    match unit {
-        "m" => ("µm", 1e6),
-        "1" => ("", 1.0),
-        other => (other, 1.0),
-    }
 }
 
 /// An evaluated design with its values of the objectives.

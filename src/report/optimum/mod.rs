@@ -6,5 +6,5 @@ mod indices;
 mod notes;
 
 pub use data::OptimumData;
-pub use figures::{of_search, shown_unit};
+pub use figures::of_search;
 pub use notes::notes;

@@ -1,7 +1,12 @@
 //! What a reader of an optimum should know: bounds of ranges, limits, and the comparison with the machine without balls.
 
+use serde_json::Value;
+
 use super::data::OptimumData;
+use crate::counted::counted;
+use crate::optimize::use_of_balls;
 use crate::report::figures::significant;
+use crate::responses::Estimate;
 use crate::study::Measure;
 
 /// The distance to a bound, relative to the range, below which an optimum lies on the bound: designs are rounded to six
@@ -11,19 +16,35 @@ const ON_BOUND: f64 = 1e-5;
 /// Returns sentences about the best design; empty if nothing is remarkable.
 pub fn notes(data: &OptimumData) -> Vec<String> {
     let mut notes = Vec::new();
-    let designs = data.evaluations.len();
     if data.optimum.is_none() {
-        notes.push(format!(
-            "The search is not finished: {designs} of {} designs are evaluated. The same command continues it.",
-            data.optimization.designs
-        ));
+        notes.push(unfinished(data));
     }
-    if data.design("best").is_some_and(|best| best["limits_met"] == false) {
-        notes.push("The best design does not meet all limits in its final runs.".to_owned());
+    if let Some(best) = data.design("best").filter(|best| best["limits_met"] == false) {
+        let unmet = best["unmet_limits"].as_array().into_iter().flatten();
+        let unmet: Vec<&str> = unmet.filter_map(Value::as_str).collect();
+        let unmet =
+            if unmet.is_empty() { String::new() } else { format!(": {}", unmet.join("; ")) };
+        notes.push(format!("The best design does not meet all limits in its final runs{unmet}."));
     }
     notes.extend(on_bounds(data));
-    notes.extend(no_better_than_without_balls(data));
+    notes.extend(compared_with_no_balls(data));
     notes
+}
+
+/// Says what an unfinished search lacks.
+fn unfinished(data: &OptimumData) -> String {
+    let (done, all) = (data.evaluations.len() as u64, data.optimization.designs);
+    let continues = "The same command continues it.";
+    if done >= all {
+        let designs = counted(all, "design");
+        return format!(
+            "The search is not finished: all {designs} are evaluated, and the final runs are missing. {continues}"
+        );
+    }
+    format!(
+        "The search is not finished: {done} of {} are evaluated, and the final runs are missing. {continues}",
+        counted(all, "design")
+    )
 }
 
 /// Names the variables whose best value lies on a bound of its range.
@@ -52,15 +73,16 @@ fn on_bounds(data: &OptimumData) -> Vec<String> {
     data.study.variables().iter().filter_map(sentence).collect()
 }
 
-/// Says whether a response that is relative to the amplitude without balls shows no improvement at some point.
-fn no_better_than_without_balls(data: &OptimumData) -> Vec<String> {
+/// Says whether the amplitudes of the best design, relative to those without balls, show no improvement at some point.
+fn compared_with_no_balls(data: &OptimumData) -> Vec<String> {
+    let means = data.design("best").and_then(|best| best["relative_amplitudes"].as_array());
+    let means: Vec<Estimate> = means.into_iter().flatten().map(estimate).collect();
+    let mut notes = Vec::from_iter(use_of_balls(&means));
     let several = data.study.point_count() > 1;
-    let mut notes = Vec::new();
     for (index, response) in data.study.responses().iter().enumerate() {
         // An amplitude is no better from 1 on. A probability of more than that amplitude is no better from 1/2 on.
         let (limit, what) = match response.measure {
             _ if !response.relative => continue,
-            Measure::Mean => (1.0, "mean amplitude"),
             Measure::Quantile(_) => (1.0, "quantile of the amplitude"),
             Measure::Worst => (1.0, "largest amplitude"),
             Measure::Above(1.0) => (0.5, "probability of a larger amplitude"),
@@ -74,10 +96,10 @@ fn no_better_than_without_balls(data: &OptimumData) -> Vec<String> {
                 (Some(low), Some(high)) => format!(" ({low:.3} to {high:.3})"),
                 _ => String::new(),
             };
-            let verdict = if value >= limit {
-                "is no better than the machine without balls"
-            } else if estimate.high.is_none_or(|high| high >= limit) {
-                "is not clearly better than the machine without balls"
+            let verdict = if estimate.low.is_some_and(|low| low > limit) {
+                "is worse than the machine without balls"
+            } else if estimate.high.unwrap_or(value) >= limit {
+                "cannot be distinguished from the machine without balls"
             } else {
                 continue;
             };
@@ -88,4 +110,10 @@ fn no_better_than_without_balls(data: &OptimumData) -> Vec<String> {
         }
     }
     notes
+}
+
+/// Reads an estimate of `optimum.json`.
+fn estimate(json: &Value) -> Estimate {
+    let [value, low, high] = ["value", "low", "high"].map(|key| json[key].as_f64());
+    Estimate { value, low, high, ..Estimate::default() }
 }

@@ -6,6 +6,8 @@ use serde_json::Value;
 
 use super::html::{Html, escaped};
 use super::{assembled, drawn_figures, study_section};
+use crate::counted::counted;
+use crate::optimize::shown_unit;
 use crate::report::chart::Figure;
 use crate::report::figures::significant;
 use crate::report::optimum::{OptimumData, notes};
@@ -47,9 +49,10 @@ fn facts(body: &mut Html, data: &OptimumData) {
     let limits = data.optimization.limits.iter().map(|limit| {
         let relation = if limit.least { "at least" } else { "at most" };
         let (_, unit) = data.response(limit.response);
-        let unit = if unit == "1" { String::new() } else { format!(" {unit}") };
-        let value = significant(limit.value);
-        format!("{} {relation} {value}{unit}", described(data, limit.response))
+        let (unit, factor) = shown_unit(unit);
+        let value = significant(factor * limit.value);
+        let what = described(data, limit.response);
+        format!("{what} {relation} {value} {unit}").trim_end().to_owned()
     });
     let limits: Vec<String> = limits.collect();
     let ended = data.optimum.as_ref().and_then(|optimum| optimum["search"]["ended"].as_str());
@@ -60,9 +63,9 @@ fn facts(body: &mut Html, data: &OptimumData) {
         (
             "Search",
             format!(
-                "{} designs at {} points each; {}",
-                data.evaluations.len(),
-                data.study.point_count(),
+                "{} at {} each; {}",
+                counted(data.evaluations.len() as u64, "design"),
+                counted(data.study.point_count(), "point"),
                 ended.unwrap_or("not finished")
             ),
         ),
@@ -110,7 +113,7 @@ fn best(body: &mut Html, data: &OptimumData) {
             continue;
         }
         let (name, unit) = data.response(index);
-        let (unit, factor) = crate::report::optimum::shown_unit(unit);
+        let (unit, factor) = shown_unit(unit);
         let title = if unit.is_empty() { name.to_owned() } else { format!("{name} [{unit}]") };
         let mut row = cells(title, &|design| estimate(&design["responses"][name], factor));
         row.extend(ratios.map(|ratios| {

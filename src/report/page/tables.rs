@@ -53,16 +53,21 @@ pub fn facts(body: &mut Html, data: &ReportData<'_>) {
     for (name, text) in facts {
         body.line(&format!("<dt>{name}</dt><dd>{}</dd>", escaped(&text)));
     }
+    let mut computed = vec![format!("on {}", escaped(&manifest.host))];
+    // The tables of a study that was killed lack the number of threads and the time that it took.
+    if manifest.threads > 0 {
+        computed.push(counted(manifest.threads, "thread"));
+    }
+    if manifest.wall_s > 0.0 {
+        computed.push(format!("in {:.1} s", manifest.wall_s));
+    }
     let shard = match manifest.shard.as_str() {
         "1/1" => String::new(),
         shard => format!("; shard {}", escaped(shard)),
     };
     body.line(&format!(
-        "<dt>Computed</dt><dd>on {}, {}, in {:.1} s, begun <time \
-         data-unix=\"{:.0}\">at {:.0} s (Unix time)</time>{shard}</dd>",
-        escaped(&manifest.host),
-        counted(manifest.threads, "thread"),
-        manifest.wall_s,
+        "<dt>Computed</dt><dd>{}, begun <time data-unix=\"{:.0}\">at {:.0} s (Unix time)</time>{shard}</dd>",
+        computed.join(", "),
         manifest.started_unix_s,
         manifest.started_unix_s,
     ));

@@ -28,7 +28,7 @@ pub(crate) fn decode<T: DeserializeOwned>(source: &Source) -> Result<T, StudyErr
         Err((Some(key), error)) => (key, error),
     };
     // Each missing key becomes a placeholder, and the next reading finds the next missing key.
-    let (mut missing, mut root) = (vec![key], source.root.clone());
+    let (mut missing, mut root) = (vec![key.clone()], source.root.clone());
     while missing.len() < MOST_MISSING {
         if let Some(path) = missing.last() {
             root.insert(path, Node { place: root.place, content: Content::Placeholder });
@@ -44,7 +44,14 @@ pub(crate) fn decode<T: DeserializeOwned>(source: &Source) -> Result<T, StudyErr
         !all.iter().any(|other| other.0.len() < path.0.len() && path.0.starts_with(&other.0))
     });
     if missing.len() == 1 {
-        return Err(error);
+        return Err(match EXAMPLES.iter().find(|(name, _)| *name == key.to_string()) {
+            Some((name, example)) => {
+                let name = name.rsplit('.').next().unwrap_or(name);
+                let allowed = format!("a value for `{name}`, such as {example}");
+                error.with_fault(Fault::new("missing key", "no such key", allowed))
+            }
+            None => error,
+        });
     }
     let names: Vec<String> =
         missing.iter().map(|path| format!("`{}`", source.as_written(path))).collect();

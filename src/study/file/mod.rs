@@ -22,4 +22,5 @@ pub(in crate::study) mod table_folders;
 pub(in crate::study) mod table_input;
 pub(in crate::study) mod unit_keys;
 pub mod values;
+pub(in crate::study) mod yaml_fault;
 pub(in crate::study) mod yaml_tree;

@@ -123,7 +123,10 @@ pub(crate) fn convert(text: &str, si_unit: &str) -> Result<f64, Fault> {
     if unit.is_empty() {
         return Err(Fault::new("a number without a unit", found(), allowed));
     }
-    let factors = factors(unit).map_err(|symbol| unknown(unit, &symbol, allowed))?;
+    if let Some(fault) = decimal_comma(text) {
+        return Err(fault);
+    }
+    let factors = factors(unit).map_err(|symbol| unknown(unit, &symbol, si_unit))?;
     let wanted = factors_of_si(si_unit);
     if dimension_of(&factors) != dimension_of(&wanted) {
         let same = |(known, _): &&(&str, &str)| {
@@ -144,15 +147,59 @@ fn factors_of_si(unit: &str) -> Vec<(Symbol, i32)> {
     factors(unit).unwrap_or_default()
 }
 
-fn unknown(unit: &str, symbol: &str, allowed: &str) -> Fault {
+/// Returns the fault of a number with a decimal comma, such as `6,5 mm`.
+pub(crate) fn decimal_comma(text: &str) -> Option<Fault> {
+    let (number, rest) = split_number(text)?;
+    let fraction = rest.strip_prefix(',')?;
+    let digits = fraction.bytes().take_while(u8::is_ascii_digit).count();
+    let is_number = digits > 0 && !number.contains(['.', 'e', 'E']);
+    is_number.then(|| {
+        let found = format!("text {:?}", shorten(text));
+        // Three digits after a comma may be thousands.
+        let allowed = match digits {
+            3 => "a decimal point, and no comma between digits".to_owned(),
+            _ => format!("a decimal point, as in {number}.{}", shorten(fraction)),
+        };
+        Fault::new("a comma in a number", found, allowed)
+    })
+}
+
+/// Units of each quantity that consist of several symbols.
+const COMPOUND: [(&str, &[&str]); 5] = [
+    ("N/m", &["N/m", "N/mm", "kN/m", "kg/s^2"]),
+    ("N s/m", &["N s/m", "N s/mm", "kg/s", "g/s"]),
+    ("rad/s", &["rpm", "rad/s", "deg/s", "rev/s", "rev/min"]),
+    ("m/s", &["m/s", "mm/s", "cm/s", "km/h"]),
+    ("N", &["kg m/s^2"]),
+];
+
+/// Returns the units of the same quantity as an SI unit.
+fn units_like(si_unit: &str) -> Vec<&'static str> {
+    let wanted = dimension_of(&factors_of_si(si_unit));
+    let single = symbols().into_iter().filter(|(_, dimension, _)| *dimension == wanted);
+    let mut units: Vec<&str> = single.map(|(name, ..)| name).collect();
+    let compound = COMPOUND.iter().find(|(unit, _)| *unit == si_unit);
+    units.extend(compound.map_or(&[][..], |(_, units)| units));
+    units
+}
+
+fn unknown(unit: &str, symbol: &str, si_unit: &str) -> Fault {
+    let allowed = measured(si_unit);
     if symbol.is_empty() {
         let allowed = format!("{allowed}; a product is `N s`, a quotient `N/m`, a power `s^2`");
         return Fault::new("not a unit", shorten(unit), allowed);
     }
-    let symbols = symbols();
-    let names: Vec<&str> = symbols.iter().map(|(name, ..)| *name).collect();
-    let units = list_names(symbol, &names);
-    Fault::new("unknown unit", shorten(symbol), format!("{allowed}; the units are {units}, rpm"))
+    let units = units_like(si_unit);
+    // Units that differ in case only, such as RPM, or in blanks only, such as Ns/m, are the nearest.
+    let plain = |text: &str| text.to_lowercase().replace([' ', '*', '·', '⋅'], "");
+    let same = units.iter().find(|known| plain(known) == plain(unit));
+    let frequency = || (si_unit == "rad/s" && unit.eq_ignore_ascii_case("hz")).then_some(&"rev/s");
+    let units = match same.or_else(frequency) {
+        Some(nearest) => list_names(nearest, &units),
+        None => list_names(unit, &units),
+    };
+    let allowed = format!("{allowed}; the units are {units}, and products or quotients of units");
+    Fault::new("unknown unit", shorten(symbol), allowed)
 }
 
 /// Parses a unit such as `N s/m` into symbols with powers.

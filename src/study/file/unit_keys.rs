@@ -3,7 +3,7 @@
 
 use crate::study::error::{Fault, Location, StudyError};
 use crate::study::file::key_path::{KeyPath, Segment};
-use crate::study::file::quantity::{convert, measured, split_number};
+use crate::study::file::quantity::{convert, decimal_comma, measured, split_number};
 use crate::study::file::schema_parts::parameters_of;
 use crate::study::file::yaml_tree::{Content, Node, Source};
 
@@ -179,6 +179,10 @@ impl Reading {
     fn convert(&mut self, node: &mut Node, key: &UnitKey<'_>) -> Result<(), Wrong> {
         let number = match &node.content {
             Content::Text(text) => Some(convert(text, key.unit)),
+            Content::Nothing => {
+                let allowed = measured(key.unit);
+                Some(Err(Fault::new("a value is missing", node.describe(), allowed)))
+            }
             Content::Natural(_) | Content::Number(_) => {
                 let problem = "a number without a unit";
                 Some(Err(Fault::new(problem, node.describe(), String::new())))
@@ -204,7 +208,16 @@ impl Reading {
 
     /// Checks that no value below an SI key has a unit.
     fn check_numbers(&mut self, node: &mut Node, key: &UnitKey<'_>) -> Result<(), Wrong> {
+        if let Content::Nothing = &node.content {
+            let UnitKey { short, unit, .. } = key;
+            let allowed = format!("a number in {unit}, or `{short}` with {}", measured(unit));
+            let fault = Fault::new("a value is missing", node.describe(), allowed);
+            return Err(Wrong { place: node.place, fault });
+        }
         if let Content::Text(text) = &node.content {
+            if let Some(fault) = decimal_comma(text) {
+                return Err(Wrong { place: node.place, fault });
+            }
             return match split_number(text) {
                 Some((_, unit)) if !unit.is_empty() => {
                     let UnitKey { short, unit, .. } = key;

@@ -12,15 +12,16 @@ use serde_saphyr::options::{DuplicateKeyPolicy, MergeKeyPolicy, NonFiniteFloatPo
 
 use crate::study::error::{Fault, Location, StudyError, shorten};
 use crate::study::file::key_path::{KeyPath, Segment};
+use crate::study::file::yaml_fault::reader_error;
 
 /// The largest study file, and the largest table that a study names, in bytes.
 pub(crate) const MAX_FILE_BYTES: u64 = 64 * 1024 * 1024;
 
 /// The largest number of values in one study file.
-const MAX_NODES: usize = 3_000_000;
+pub(super) const MAX_NODES: usize = 3_000_000;
 
 /// The deepest nesting of maps and lists; a study needs eight levels.
-const MAX_DEPTH: usize = 24;
+pub(super) const MAX_DEPTH: usize = 24;
 
 /// A value and its place.
 #[derive(Clone, Debug)]
@@ -69,28 +70,7 @@ impl Source {
     /// Returns an error if the text is empty, is not YAML, contains more than one document, is too
     /// deep or too large, repeats a key, or contains a number that is not finite.
     pub fn new(file: &Path, text: String) -> Result<Source, StudyError> {
-        let options = serde_saphyr::options! {
-            budget: serde_saphyr::budget! {
-                max_depth: MAX_DEPTH,
-                flow_nesting_limit: MAX_DEPTH,
-                max_nodes: MAX_NODES,
-                max_events: 2 * MAX_NODES,
-                max_aliases: 1_000,
-                max_anchors: 1_000,
-                max_recorded_anchor_events: 100_000,
-                max_documents: 2,
-            },
-            alias_limits: serde_saphyr::alias_limits! {
-                max_total_replayed_events: 100_000,
-            },
-            duplicate_keys: DuplicateKeyPolicy::Error,
-            merge_keys: MergeKeyPolicy::Error,
-            non_finite_float_policy: NonFiniteFloatPolicy::PassThrough,
-            strict_booleans: true,
-            with_snippet: false,
-        };
-        let parsed: Result<Node, _> = serde_saphyr::from_str_with_options(&text, options);
-        match parsed {
+        match parsed(&text, DuplicateKeyPolicy::Error) {
             Ok(root) => {
                 let file = file.to_path_buf();
                 let source = Source { file, text, root, renamed: Vec::new() };
@@ -149,39 +129,32 @@ impl Source {
     }
 }
 
-fn reader_error(file: &Path, text: &str, error: &serde_saphyr::Error) -> StudyError {
-    use serde_saphyr::Error;
-    let place = error.location().map(|location| Location {
-        line: usize::try_from(location.line()).unwrap_or(1).max(1),
-        column: usize::try_from(location.column()).unwrap_or(1).max(1),
-    });
-    let mut key = String::new();
-    let said = error.to_string();
-    let said = shorten(said.split(" at line ").next().unwrap_or_default());
-    let fault = match error {
-        Error::DuplicateMappingKey { key: name, .. } => {
-            key = name.as_deref().map(shorten).unwrap_or_default();
-            Fault::new("the key is given twice", "a second value for the same key", "each key once")
-        }
-        Error::MultipleDocuments { .. } => {
-            Fault::new("more than one YAML document", "a further document", "one study per file")
-        }
-        Error::MergeKeyNotAllowed { .. } => {
-            Fault::new("merge keys are not supported", "<<", "every key written out")
-        }
-        _ if ["budget", "recursion limit", "alias replay", "alias expansion"]
-            .iter()
-            .any(|limit| said.contains(limit)) =>
-        {
-            let allowed = format!(
-                "at most {MAX_NODES} values, {MAX_DEPTH} levels of nesting and few, small aliases"
-            );
-            Fault::new("too large or too deep a file, or too many aliases", said, allowed)
-        }
-        _ => Fault::new("not valid YAML", said, "a study in YAML"),
+/// Parses a text within the limits of a study file.
+pub(super) fn parsed(
+    text: &str,
+    duplicates: DuplicateKeyPolicy,
+) -> Result<Node, serde_saphyr::Error> {
+    let options = serde_saphyr::options! {
+        budget: serde_saphyr::budget! {
+            max_depth: MAX_DEPTH,
+            flow_nesting_limit: MAX_DEPTH,
+            max_nodes: MAX_NODES,
+            max_events: 2 * MAX_NODES,
+            max_aliases: 1_000,
+            max_anchors: 1_000,
+            max_recorded_anchor_events: 100_000,
+            max_documents: 2,
+        },
+        alias_limits: serde_saphyr::alias_limits! {
+            max_total_replayed_events: 100_000,
+        },
+        duplicate_keys: duplicates,
+        merge_keys: MergeKeyPolicy::Error,
+        non_finite_float_policy: NonFiniteFloatPolicy::PassThrough,
+        strict_booleans: true,
+        with_snippet: false,
     };
-    let line = place.and_then(|place| text.lines().nth(place.line - 1));
-    StudyError::new(file, place, key, fault, line)
+    serde_saphyr::from_str_with_options(text, options)
 }
 
 impl Node {

@@ -41,14 +41,14 @@ pub(crate) fn resolve_optimization(
     let Some(file) = written else { return Ok(None) };
     let setting = Setting { study, path: source.path("optimize") };
     for (empty, key, example) in [
-        (study.variables.is_empty(), "design", "speed_rad_s: {from: -260, to: -140}"),
-        (study.responses.is_empty(), "responses", "vibration: {amplitude_mean: {}}"),
+        (study.variables.is_empty(), "design", "{speed_rad_s: {from: -260, to: -140}}"),
+        (study.responses.is_empty(), "responses", "{vibration: {amplitude_mean: {}}}"),
     ] {
         if empty {
             let fault = Fault::new(
                 format!("`optimize` without `{key}`"),
                 format!("no `{key}`"),
-                format!("`{key}` in the study, such as {example}"),
+                format!("`{key}` in the study, such as {key}: {example}"),
             );
             return Err(setting.path.refuse_key(fault));
         }

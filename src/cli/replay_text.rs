@@ -1,0 +1,114 @@
+//! The printed output of a replay: the log of all switches for a pipe or a file, and a summary with the first switches
+//! for a terminal.
+
+use std::path::Path;
+
+use super::point_words::micrometres;
+use crate::classification::{Outcome, Recording, Switch};
+use crate::counted::counted;
+use crate::model::Model;
+use crate::table::{Units, phase_name};
+use crate::text_table::text_table;
+
+/// The number of switches that are printed to a terminal.
+const MOST_ON_TERMINAL: usize = 20;
+
+/// Returns the first `most` switches as a table.
+pub fn switch_log(model: &Model, recording: &Recording, most: usize) -> String {
+    let units = Units::of(model);
+    let header = ["time_s", "ball", "from", "to", "friction_n", "friction_limit_n", "normal_n"];
+    let mut rows = vec![header.map(String::from).to_vec()];
+    let switches = recording.switches.iter().take(most);
+    rows.extend(switches.map(|Switch { time, contact, before, after }| {
+        let newtons = |force| format!("{:.6e}", units.newtons(*contact, force).unwrap_or(f64::NAN));
+        vec![
+            format!("{:.9}", units.seconds(*time)),
+            if model.balls() > 0 { format!("{}", contact + 1) } else { "-".to_owned() },
+            phase_name(before.phase).to_owned(),
+            phase_name(after.phase).to_owned(),
+            newtons(before.friction),
+            newtons(before.limit),
+            newtons(before.normal),
+        ]
+    }));
+    text_table(&rows, &[2, 3])
+}
+
+/// Returns the summary for a terminal: the ending, the final positions, the vibration, and the first switches; `file` is
+/// the table of all switches.
+pub fn terminal_text(
+    model: &Model,
+    outcome: &Outcome,
+    recording: &Recording,
+    file: &Path,
+) -> String {
+    let (label, evidence) = (outcome.label().name(), outcome.evidence.name());
+    let end = outcome.end_time_s.map(|end| format!(" at {end:.4} s")).unwrap_or_default();
+    let mut rows = vec![("ending", format!("{label} ({evidence}){end}"))];
+    if let Some(positions) = &outcome.position {
+        let (name, unit) = match model.balls() {
+            0 => ("final position", "m"),
+            1 => ("final angle", "°"),
+            _ => ("final angles", "°"),
+        };
+        let shown = positions.iter().map(|position| match model.balls() {
+            0 => format!("{position:.6} {unit}"),
+            _ => format!("{:.1}{unit}", position.to_degrees()),
+        });
+        rows.push((name, shown.collect::<Vec<_>>().join(", ")));
+    }
+    rows.extend(outcome.amplitude_m.map(|metres| ("vibration", micrometres(metres) + " µm")));
+    let all = recording.switches.len();
+    rows.push(("switches", counted(all as u64, "change") + " between stick and slip"));
+    let rows: Vec<Vec<String>> =
+        rows.into_iter().map(|(name, value)| vec![name.to_owned(), value]).collect();
+    let mut text = text_table(&rows, &[0, 1]);
+    if all > 0 {
+        text += "\n";
+        text += &switch_log(model, recording, MOST_ON_TERMINAL);
+    }
+    let more = all.saturating_sub(MOST_ON_TERMINAL);
+    if more > 0 {
+        text += &format!("... and {more} more; pipe the output or see {}\n", file.display());
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::{switch_log, terminal_text};
+    use crate::engine::record;
+    use crate::study::Study;
+
+    #[test]
+    fn a_terminal_shows_the_first_switches() {
+        let text = "schema: 1\nname: a\nseed: 5\nmodel: {kind: ball_balancer}\n\
+            initial_conditions: {design: {monte_carlo: {samples: 2}}}\nsimulation: {end_time_s: 2}\n";
+        let study = Study::parse(Path::new("a.yaml"), text.to_owned()).unwrap();
+        let (record, mut recording) = record(&study, 1, None, 1_000_000);
+        let one = recording.switches[0].clone();
+        recording.switches.resize(25, one);
+        let text = |recording| {
+            terminal_text(
+                study.model(),
+                &record.outcome,
+                recording,
+                Path::new("b/switches.parquet"),
+            )
+        };
+        let shown = text(&recording);
+        let ending = format!("ending        {}", record.outcome.label().name());
+        for part in [&*ending, "\nfinal angles  ", "\nvibration     ", " µm\n", "25 changes"] {
+            assert!(shown.contains(part), "{part}: {shown}");
+        }
+        let more = "\n... and 5 more; pipe the output or see b/switches.parquet\n";
+        assert!(shown.ends_with(more), "{shown}");
+        let log = switch_log(study.model(), &recording, 20);
+        assert!(log.lines().count() == 21 && shown.contains(&log), "{shown}");
+        recording.switches.truncate(1);
+        let shown = text(&recording);
+        assert!(shown.contains(" 1 change between") && !shown.contains("more"), "{shown}");
+    }
+}

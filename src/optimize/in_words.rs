@@ -1,0 +1,70 @@
+//! Estimates and limits as text: amplitudes in µm, and every number with its unit.
+
+use super::goal::Goal;
+use crate::responses::Estimate;
+use crate::study::{Limit, Study};
+
+/// Returns the unit in which a quantity is shown, empty for a pure number, and the factor from the SI unit.
+pub fn shown_unit(unit: &str) -> (&str, f64) {
+    match unit {
+        "m" => ("µm", 1e6),
+        "1" => ("", 1.0),
+        other => (other, 1.0),
+    }
+}
+
+/// Returns a number with four significant digits.
+pub(super) fn short(number: f64) -> String {
+    let size = number.abs();
+    if number == 0.0 || (1e-3..1e5).contains(&size) {
+        let digits = if number == 0.0 { 0 } else { (3 - size.log10().floor() as i32).max(0) };
+        return format!("{number:.*}", digits as usize);
+    }
+    format!("{number:.3e}")
+}
+
+/// Returns a number with at most four significant digits, without zeros at the end of a fraction.
+fn significant_digits(number: f64) -> String {
+    let text = short(number);
+    match text.contains('.') && !text.contains('e') {
+        true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
+        false => text,
+    }
+}
+
+/// Returns a value with its unit, such as `2.310 µm`.
+pub(super) fn value_in_words(value: f64, unit: &str) -> String {
+    let (unit, factor) = shown_unit(unit);
+    let blank = if unit.is_empty() { "" } else { " " };
+    format!("{}{blank}{unit}", short(factor * value))
+}
+
+/// Returns an estimate in words, such as `2.310 µm (2.100 to 2.500)`.
+pub(super) fn estimate_in_words(estimate: &Estimate, unit: &str) -> String {
+    let Some(value) = estimate.value else {
+        let reason = estimate.reason.as_deref().unwrap_or("not known");
+        return format!("none: {reason}");
+    };
+    let (_, factor) = shown_unit(unit);
+    let end = |end: Option<f64>| end.map_or_else(|| "?".to_owned(), |end| short(factor * end));
+    format!("{} ({} to {})", value_in_words(value, unit), end(estimate.low), end(estimate.high))
+}
+
+/// Returns the limits that estimates of the goal's quantities do not meet, such as
+/// `quiet is 0.8500 (0.8300 to 0.8700), allowed: at least 0.9`.
+pub fn unmet_limits(study: &Study, goal: &Goal, estimates: &[Estimate]) -> Vec<String> {
+    let unmet = |(quantity, limit): &(usize, Limit)| {
+        let estimate = estimates.get(*quantity)?;
+        let is_met = |value| if limit.least { value >= limit.value } else { value <= limit.value };
+        if estimate.value.is_some_and(is_met) {
+            return None;
+        }
+        let response = study.responses().get(limit.response)?;
+        let found = estimate_in_words(estimate, response.unit());
+        let relation = if limit.least { "at least" } else { "at most" };
+        let (unit, factor) = shown_unit(response.unit());
+        let bound = format!("{} {unit}", significant_digits(factor * limit.value));
+        Some(format!("{} is {found}, allowed: {relation} {}", response.name, bound.trim_end()))
+    };
+    goal.limits().iter().filter_map(unmet).collect()
+}
