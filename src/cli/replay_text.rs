@@ -79,6 +79,7 @@ mod tests {
     use std::path::Path;
 
     use super::{switch_log, terminal_text};
+    use crate::classification::Recording;
     use crate::engine::record;
     use crate::study::Study;
 
@@ -90,7 +91,7 @@ mod tests {
         let (record, mut recording) = record(&study, 1, None, 1_000_000);
         let one = recording.switches[0].clone();
         recording.switches.resize(25, one);
-        let text = |recording| {
+        let text = |recording: &Recording| {
             terminal_text(
                 study.model(),
                 &record.outcome,
