@@ -138,7 +138,7 @@ pub(super) fn held_everywhere(study: &Study, design: Option<&ExaminedDesign>) ->
 fn coefficients(machines: &[Machine]) -> String {
     let of = |machine: &Machine| {
         let balls = machine.balls.iter().map(|ball| ball.friction_coefficient);
-        let law = machine.friction.clone();
+        let law = machine.friction;
         balls.map(move |kinetic| law.largest_ratio(kinetic)).collect::<Vec<f64>>()
     };
     let all: Vec<f64> = machines.iter().flat_map(of).collect();

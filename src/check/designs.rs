@@ -2,7 +2,7 @@
 //! quantity is smallest and largest.
 
 use crate::optimize::Space;
-use crate::study::{DesignValue, Study, Values};
+use crate::study::{DesignValue, Study, Values, Variable};
 
 /// Passes over the variables in the search for an extreme design; a second one finds what depends on a choice.
 const PASSES: usize = 2;
@@ -51,7 +51,7 @@ impl ExaminedDesign {
 /// Returns the values of a design in words, as `stiffness_n_m 9500, ring steel`.
 pub(super) fn described(study: &Study, values: &[DesignValue]) -> String {
     let each = study.variables().iter().zip(values);
-    let text = |(variable, value): (&crate::study::Variable, &DesignValue)| {
+    let text = |(variable, value): (&Variable, &DesignValue)| {
         format!("{} {}", variable.name(), variable.describe(*value))
     };
     each.map(text).collect::<Vec<_>>().join(", ")
