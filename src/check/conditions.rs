@@ -7,7 +7,7 @@ use super::points::points_to_examine;
 use super::values::{RPM, short};
 use super::warning::Finding;
 use crate::analysis::set_fraction;
-use crate::model::{FrictionLaw, Machine, Model};
+use crate::model::{Machine, Model};
 use crate::optimize::Space;
 use crate::study::{ParameterValue, Study};
 
@@ -105,10 +105,7 @@ pub(super) fn held_everywhere(study: &Study, design: Option<&ExaminedDesign>) ->
         held.iter().filter_map(|machine| positions.required_friction(machine)).collect();
     let largest = |index: usize| required.iter().map(|one| one[index]).fold(0.0, f64::max);
     let [half, all] = [largest(0), largest(1)];
-    let name = match held.first()?.friction {
-        FrictionLaw::Stribeck { .. } => "static_friction_coefficient",
-        _ => "friction_coefficient",
-    };
+    let name = held.first()?.friction.limiting_coefficient();
     let points = match held.len() {
         1 => String::new(),
         points => format!(" at all {points} points"),

@@ -114,13 +114,18 @@ fn equal_expressions_are_one_node() {
     assert_eq!(neutral.nodes.len(), 1);
 }
 
+/// The derivative in a state.
+type Derivative = dyn Fn(&[f64]) -> Vec<f64>;
+/// The derivative of a displacement in a state.
+type Linearised = dyn Fn(&[f64], &[f64]) -> Vec<f64>;
+
 /// A system with modes of its contacts, and its derivative by the hand-written equations.
 struct Example {
     graph: Graph,
     inputs: Vec<f64>,
     state: Vec<f64>,
-    derivative: Box<dyn Fn(&[f64]) -> Vec<f64>>,
-    along: Box<dyn Fn(&[f64], &[f64]) -> Vec<f64>>,
+    derivative: Box<Derivative>,
+    along: Box<Linearised>,
 }
 
 fn graph_of(system: &impl RecordedSystem) -> Graph {

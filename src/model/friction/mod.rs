@@ -83,6 +83,13 @@ impl FrictionLaw {
         self.law.can_stick()
     }
 
+    /// Returns the name of the coefficient that limits friction in stick.
+    pub fn limiting_coefficient(&self) -> &'static str {
+        let is_limit = |one: &&LawParameter| one.lowest == Lowest::FrictionCoefficient;
+        let own = self.law.parameters().iter().find(is_limit);
+        own.map_or("friction_coefficient", |parameter| parameter.name)
+    }
+
     /// Whether friction in slip is a fixed part of the normal force and a drag in proportion to speed, for
     /// a contact with this (kinetic) coefficient.
     pub fn is_linear(&self, friction_coefficient: f64) -> bool {
