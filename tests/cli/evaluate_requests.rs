@@ -10,7 +10,7 @@ use super::support::Ended;
 /// Returns the answers to these bytes.
 fn answers(input: &[u8]) -> Vec<Value> {
     let scratch = scratch();
-    let mut child = server(&scratch, "evaluate balls.yaml --designs -");
+    let mut child = server(&scratch, "evaluate balls.yaml --designs - --quiet");
     let mut stdin = child.stdin.take().unwrap();
     let input = input.to_vec();
     // Written by another thread, because the pipe may fill before answers are read.
@@ -163,7 +163,7 @@ fn hanging_up_at_any_point() {
     let request = format!("{RIGHT}\n");
     for sent in ["", "{\"id\":", RIGHT, &request, &request.repeat(50)] {
         for reads in [false, true] {
-            let mut child = server(&scratch, "evaluate long.yaml --designs -");
+            let mut child = server(&scratch, "evaluate long.yaml --designs - --quiet");
             let mut input = child.stdin.take().unwrap();
             let mut output = BufReader::new(child.stdout.take().unwrap());
             input.write_all(sent.as_bytes()).unwrap();
