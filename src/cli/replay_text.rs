@@ -7,7 +7,7 @@ use super::point_words::micrometres;
 use crate::classification::{Outcome, Recording, Switch};
 use crate::counted::counted;
 use crate::model::Model;
-use crate::table::{Units, phase_name};
+use crate::table::phase_name;
 use crate::text_table::text_table;
 
 /// The number of switches that are printed to a terminal.
@@ -15,7 +15,7 @@ const MOST_ON_TERMINAL: usize = 20;
 
 /// Returns the first `most` switches as a table.
 pub fn switch_log(model: &Model, recording: &Recording, most: usize) -> String {
-    let units = Units::of(model);
+    let units = model.units();
     let header = ["time_s", "ball", "from", "to", "friction_n", "friction_limit_n", "normal_n"];
     let mut rows = vec![header.map(String::from).to_vec()];
     let switches = recording.switches.iter().take(most);

@@ -27,17 +27,6 @@ impl From<Block> for Model {
     }
 }
 
-/// A coordinate of a start state.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Coordinate {
-    /// Name, as in a study file.
-    pub name: String,
-    /// Unit; `None` for a non-dimensional value.
-    pub unit: Option<&'static str>,
-    /// What it means.
-    pub meaning: &'static str,
-}
-
 impl Model {
     /// The model's kind.
     pub fn kind(&self) -> &'static ModelKind {
@@ -119,48 +108,6 @@ impl Model {
                 let friction = machine.balls.iter().map(|ball| machine.ball_friction(ball));
                 friction.map(|one| one.damping_rate(weight)).fold(0.0, f64::max)
             }
-        }
-    }
-
-    /// The coordinates of a start state, in order.
-    pub fn coordinates(&self) -> Vec<Coordinate> {
-        let scalar =
-            |name: &str, unit, meaning| Coordinate { name: name.to_owned(), unit, meaning };
-        match self {
-            Model::BallBalancer(machine) => {
-                let balls = 1..=machine.balls.len();
-                let own = |stem: &'static str, unit, meaning| {
-                    balls.clone().map(move |ball| scalar(&format!("{stem}_{ball}"), unit, meaning))
-                };
-                let table = [
-                    scalar("x", None, "start position of the ring's centre towards the imbalance"),
-                    scalar(
-                        "y",
-                        None,
-                        "start position of the ring's centre at right angles to that",
-                    ),
-                ];
-                let velocity = [
-                    scalar("x_dot", None, "start velocity along x"),
-                    scalar("y_dot", None, "start velocity along y"),
-                ];
-                let angle = "start angle of the ball from the imbalance";
-                let speed = "start speed of the ball relative to the ring";
-                table
-                    .into_iter()
-                    .chain(own("beta", Some("rad"), angle))
-                    .chain(velocity)
-                    .chain(own("beta_dot", None, speed))
-                    .collect()
-            }
-            Model::Block(_) => vec![
-                scalar(
-                    "position_m",
-                    Some("m"),
-                    "start position of the block, from where the spring is free",
-                ),
-                scalar("velocity_m_s", Some("m/s"), "start velocity of the block"),
-            ],
         }
     }
 }

@@ -5,7 +5,6 @@ use serde_json::json;
 use crate::classification::Sample;
 use crate::model::{Machine, Model};
 use crate::motion::Phase;
-use crate::table::Units;
 
 /// Markup, style and script of the page, with marks for title and data.
 const PAGE: &str = include_str!("animation.html");
@@ -27,7 +26,7 @@ pub fn frames(model: &Model, seconds: f64) -> Option<u32> {
 /// Returns the animation of a balancer from equally spaced samples; `title` is the heading.
 pub fn animation(machine: &Machine, samples: &[Sample], title: &str) -> String {
     let model = Model::from(machine.clone());
-    let units = Units::of(&model);
+    let units = model.units();
     let rounded = |value: f64, digits: i32| {
         let scale = 10.0_f64.powi(digits);
         (value * scale).round() / scale

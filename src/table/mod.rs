@@ -69,7 +69,7 @@ pub use points::{PointRow, point_columns};
 pub use previous_results::{EARLIER, close_earlier, put_aside};
 pub use provenance::{COMMIT, FORMAT, VERSION, provenance, provenance_with};
 pub use read::{Batches, Table};
-pub use replay::{Units, phase_name, switch_columns, trajectory_columns};
+pub use replay::{phase_name, switch_columns, trajectory_columns};
 pub use results::{Results, ResultsError};
 pub use run_record::RunRecord;
 pub use runs::{planned_columns, run_columns};

@@ -3,55 +3,10 @@
 
 use super::column::{Column, Columns, NON_DIMENSIONAL};
 use crate::classification::{ContactSample, Sample, Switch};
-use crate::model::{Ground, Model, wrap_to_two_pi};
+use crate::model::{Model, Units, wrap_to_two_pi};
 use crate::motion::Phase;
 
-/// Conversion of non-dimensional values of a model to SI units.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Units {
-    /// Natural frequency, rad/s: the reciprocal of the unit of time.
-    pub natural_rad_s: f64,
-    /// Unit of length, m.
-    pub length_m: f64,
-    /// Unit of a contact's position: 1 rad for a ball, the unit of length for a block.
-    pub position: f64,
-    /// Unit of force of each contact, N.
-    pub force_n: Vec<f64>,
-    /// Speed of the disc, rad/s; 0 without a disc.
-    pub disc_rad_s: f64,
-    /// Speed of the ground of a block, m/s; 0 for a ball.
-    pub ground_m_s: f64,
-}
-
 impl Units {
-    /// Returns the units of a model.
-    pub fn of(model: &Model) -> Self {
-        let natural = model.natural_frequency_rad_s();
-        match model {
-            Model::BallBalancer(machine) => Units {
-                natural_rad_s: natural,
-                length_m: machine.ring_radius_m,
-                position: 1.0,
-                force_n: (machine.balls.iter())
-                    .map(|ball| ball.mass_kg * natural * natural * machine.ring_radius_m)
-                    .collect(),
-                disc_rad_s: machine.speed_rad_s,
-                ground_m_s: 0.0,
-            },
-            Model::Block(block) => Units {
-                natural_rad_s: natural,
-                length_m: block.unit_length_m(),
-                position: block.unit_length_m(),
-                force_n: vec![block.normal_force_n],
-                disc_rad_s: 0.0,
-                ground_m_s: match block.ground {
-                    Ground::Fixed => 0.0,
-                    Ground::Belt { speed_m_s } => speed_m_s,
-                },
-            },
-        }
-    }
-
     /// Converts a time to s.
     pub fn seconds(&self, time: f64) -> f64 {
         time / self.natural_rad_s
@@ -105,7 +60,7 @@ const LIMIT: &str = "friction limit: static coefficient times normal force";
 
 /// Returns the columns of `trajectory.parquet`.
 pub fn trajectory_columns(model: &Model) -> Vec<Column<Sample>> {
-    let units = Units::of(model);
+    let units = model.units();
     let natural = units.natural_rad_s;
     let mut list = Columns::<Sample>::new();
     list.number("time_s", "s", move |row| row.time / natural).meaning("time since the start");
@@ -238,7 +193,7 @@ fn add_non_dimensional(list: &mut Columns<Sample>, contact: usize, speed: &str, 
 
 /// Returns the columns of `switches.parquet`.
 pub fn switch_columns(model: &Model) -> Vec<Column<Switch>> {
-    let units = Units::of(model);
+    let units = model.units();
     let natural = units.natural_rad_s;
     let has_balls = model.balls() > 0;
     let mut list = Columns::<Switch>::new();

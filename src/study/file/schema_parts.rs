@@ -14,7 +14,7 @@ use crate::model::{
     NormalForce,
 };
 use crate::study::plan::parameter::Parameter;
-use crate::study::sampling::initial_box::{GENERAL_AXES, axes_in_words, axis_names};
+use crate::study::sampling::initial_box::{axes_in_words, axis_names, general_axes};
 
 /// The labels of runs that can be continued.
 pub(crate) const EXTENDED_LABELS: [&str; 2] = ["undecided", "irregular"];
@@ -179,9 +179,9 @@ pub(in crate::study) fn uncertain(generator: &mut SchemaGenerator) -> Schema {
 pub(in crate::study) fn axes_of(kind: &str) -> Vec<String> {
     let mut models = all_models();
     models.retain(|model| model.kind().name == kind);
-    let general = GENERAL_AXES.iter().filter(|_| models.iter().any(|model| model.balls() > 0));
+    let general = models.first().map(general_axes).unwrap_or_default().into_iter();
     let own = models.iter().take(1).flat_map(axis_names);
-    general.map(|&name| name.to_owned()).chain(own).collect()
+    general.map(str::to_owned).chain(own).collect()
 }
 
 /// Returns the schema of ranges by start coordinate.

@@ -9,7 +9,7 @@ use crate::study::error::StudyError;
 use crate::study::file::resolved_yaml::{to_value, to_yaml};
 use crate::study::file::study_file::StudyFile;
 use crate::study::plan::planned_study::Study;
-use crate::study::sampling::initial_box::GENERAL_AXES;
+use crate::study::sampling::initial_box::general_axes;
 
 impl Study {
     /// Returns this study with another master seed; everything else is unchanged.
@@ -48,7 +48,8 @@ impl Study {
             };
             // Ranges of all balls concern designs; the balls of this study have their own ranges.
             if let Some(ranges) = &mut determining.initial_conditions.start_box {
-                ranges.retain(|name, _| !GENERAL_AXES.contains(&name.as_str()));
+                let general = general_axes(&self.base.model);
+                ranges.retain(|name, _| !general.contains(&name.as_str()));
             }
             let mut digest = Sha256::new();
             digest.update(b"stickslip study 1\n");

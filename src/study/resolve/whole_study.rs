@@ -38,7 +38,7 @@ use crate::study::resolve::simulation::{resolve_simulation, simulation_to_file};
 use crate::study::resolve::sweep::{ResolvedBlock, resolve_block};
 use crate::study::resolve::uncertain::resolve_uncertain;
 use crate::study::resolve::variables::resolve_variables;
-use crate::study::sampling::initial_box::{GENERAL_AXES, InitialBox};
+use crate::study::sampling::initial_box::InitialBox;
 
 /// The version of the study file's format that this program reads.
 const SCHEMA: u64 = 1;
@@ -245,7 +245,8 @@ fn box_to_file(start_box: &InitialBox, written: &StudyFile) -> IndexMap<String, 
     let mut file = start_box.to_file();
     let chosen = written.design.as_ref().is_some_and(|design| design.get("balls").is_some());
     if let (true, Some(ranges)) = (chosen, &written.initial_conditions.start_box) {
-        let general = ranges.iter().filter(|(name, _)| GENERAL_AXES.contains(&name.as_str()));
+        let is_axis = |name: &str| start_box.axes.iter().any(|axis| axis.name == name);
+        let general = ranges.iter().filter(|(name, _)| !is_axis(name));
         file.extend(general.map(|(name, range)| (name.clone(), *range)));
     }
     file

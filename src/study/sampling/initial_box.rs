@@ -1,7 +1,5 @@
 //! The box of start states: one range per coordinate.
 
-use std::f64::consts::TAU;
-
 use indexmap::IndexMap;
 
 use crate::model::{Coordinate, Model};
@@ -9,16 +7,6 @@ use crate::study::error::{Fault, StudyError, list_names};
 use crate::study::file::source_path::SourcePath;
 use crate::study::file::values::Range;
 use crate::study::file::yaml_tree::describe_number;
-
-/// Default half width of positions and table speeds. Like the ball speed below, it is
-/// *reconstructed*: the thesis's box is illegible, and this box reproduces its six counts.
-const DEFAULT_HALF_WIDTH: f64 = 0.05;
-
-/// Default largest ball speed divided by the natural frequency (reconstructed).
-const DEFAULT_BALL_SPEED: f64 = 1.0;
-
-/// Names that stand for a coordinate of every ball.
-pub(crate) const GENERAL_AXES: [&str; 2] = ["beta", "beta_dot"];
 
 /// Returns the names of the coordinates of a start state, in their order.
 pub(crate) fn axis_names(model: &Model) -> Vec<String> {
@@ -29,29 +17,33 @@ pub(crate) fn axis_names(model: &Model) -> Vec<String> {
 /// meaning, unit and default range.
 pub(crate) fn axes_in_words(model: &Model) -> Vec<(String, String)> {
     let mut axes: Vec<(String, String)> = Vec::new();
-    for Coordinate { name, unit, meaning } in model.coordinates() {
-        let general = general_name(&name);
-        let unit = match general {
-            "x" | "y" => "in ring radii",
-            "x_dot" | "y_dot" => "in ring radii, with time multiplied by the natural frequency",
-            "beta_dot" => "divided by the natural frequency",
-            _ => unit.unwrap_or_default(),
+    for coordinate in model.coordinates() {
+        let Coordinate { meaning, unit_in_words: unit, default_range: [low, high], .. } =
+            coordinate;
+        let range = match coordinate.default_in_words {
+            Some(words) => words.to_owned(),
+            None => format!("[{}, {}]", describe_number(low), describe_number(high)),
         };
-        let range = match (general, default_range(general, model)) {
-            ("beta", _) => "[0, 2π]".to_owned(),
-            ("position_m", _) => "± `normal_force_n` / `stiffness_n_m`".to_owned(),
-            (_, [low, high]) => {
-                format!("[{}, {}]", describe_number(low), describe_number(high))
-            }
+        let Some(general) = coordinate.of_every_ball else {
+            axes.push((coordinate.name, format!("{meaning}, {unit}; default {range}.")));
+            continue;
         };
-        if general != name && !axes.iter().any(|(known, _)| known == general) {
+        if !axes.iter().any(|(known, _)| known == general) {
             let of_all = meaning.replace("the ball", "every ball");
             axes.push((general.to_owned(), format!("{of_all}, {unit}; default {range}.")));
         }
-        let range = if general == name { range } else { format!("that of `{general}`") };
-        axes.push((name, format!("{meaning}, {unit}; default {range}.")));
+        let words = format!("{meaning}, {unit}; default that of `{general}`.");
+        axes.push((coordinate.name, words));
     }
     axes
+}
+
+/// Returns the names that stand for a coordinate of every ball.
+pub(crate) fn general_axes(model: &Model) -> Vec<&'static str> {
+    let mut names: Vec<&str> =
+        model.coordinates().iter().filter_map(|coordinate| coordinate.of_every_ball).collect();
+    names.dedup();
+    names
 }
 
 /// One coordinate of the box.
@@ -96,7 +88,7 @@ impl InitialBox {
         model: &Model,
     ) -> Result<InitialBox, StudyError> {
         let names = axis_names(model);
-        let general_names: &[&str] = if model.balls() > 0 { &GENERAL_AXES } else { &[] };
+        let general_names = general_axes(model);
         for (name, Range([low, high])) in written.into_iter().flatten() {
             if !names.contains(name) && !general_names.contains(&name.as_str()) {
                 let mut allowed: Vec<String> =
@@ -117,18 +109,18 @@ impl InitialBox {
                 return Err(path.key(name).refuse_value(fault));
             }
         }
-        let range = |name: &str| {
-            let general = general_name(name);
-            let given = written.and_then(|ranges| ranges.get(name).or_else(|| ranges.get(general)));
-            given.map_or_else(|| default_range(general, model), |range| range.0)
+        let range = |coordinate: &Coordinate| {
+            let given = written.and_then(|ranges| {
+                let own = ranges.get(&coordinate.name);
+                own.or_else(|| ranges.get(coordinate.of_every_ball?))
+            });
+            given.map_or(coordinate.default_range, |range| range.0)
         };
-        let axes = names
-            .into_iter()
-            .map(|name| {
-                let [low, high] = range(&name);
-                BoxAxis { name, low, high }
-            })
-            .collect();
+        let axis = |coordinate: Coordinate| {
+            let [low, high] = range(&coordinate);
+            BoxAxis { name: coordinate.name, low, high }
+        };
+        let axes = model.coordinates().into_iter().map(axis).collect();
         Ok(InitialBox { axes })
     }
 
@@ -136,20 +128,5 @@ impl InitialBox {
     pub fn to_file(&self) -> IndexMap<String, Range> {
         let ranges = self.axes.iter().map(|axis| (axis.name.clone(), Range([axis.low, axis.high])));
         ranges.collect()
-    }
-}
-
-fn general_name(name: &str) -> &str {
-    ["beta_dot", "beta"].into_iter().find(|stem| name.starts_with(stem)).unwrap_or(name)
-}
-
-fn default_range(general: &str, model: &Model) -> [f64; 2] {
-    let either_way = |half: f64| [-half, half];
-    match (general, model) {
-        ("beta", _) => [0.0, TAU],
-        ("beta_dot", _) => either_way(DEFAULT_BALL_SPEED),
-        ("velocity_m_s", _) => [0.0, 0.0],
-        ("position_m", Model::Block(block)) => either_way(block.unit_length_m()),
-        _ => either_way(DEFAULT_HALF_WIDTH),
     }
 }

@@ -1,0 +1,122 @@
+//! The coordinates of a start state, with their default ranges.
+
+use std::f64::consts::TAU;
+
+use super::Model;
+
+/// Default half width of positions and table speeds. Like the ball speed below, it is
+/// *reconstructed*: the thesis's box is illegible, and this box reproduces its six counts.
+const HALF_WIDTH: f64 = 0.05;
+
+/// Default largest ball speed divided by the natural frequency (reconstructed).
+const BALL_SPEED: f64 = 1.0;
+
+/// A coordinate of a start state.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Coordinate {
+    /// Name, as in a study file.
+    pub name: String,
+    /// The name of this coordinate of every ball, for a coordinate of one ball.
+    pub of_every_ball: Option<&'static str>,
+    /// Unit; `None` for a non-dimensional value.
+    pub unit: Option<&'static str>,
+    /// The unit in words.
+    pub unit_in_words: &'static str,
+    /// What it means.
+    pub meaning: &'static str,
+    /// The default range, lowest value first.
+    pub default_range: [f64; 2],
+    /// The default range in words, where numbers are not clear.
+    pub default_in_words: Option<&'static str>,
+}
+
+impl Coordinate {
+    fn non_dimensional(
+        name: impl Into<String>,
+        meaning: &'static str,
+        unit_in_words: &'static str,
+        half_width: f64,
+    ) -> Self {
+        Coordinate {
+            name: name.into(),
+            of_every_ball: None,
+            unit: None,
+            unit_in_words,
+            meaning,
+            default_range: [-half_width, half_width],
+            default_in_words: None,
+        }
+    }
+}
+
+impl Model {
+    /// The coordinates of a start state, in order.
+    pub fn coordinates(&self) -> Vec<Coordinate> {
+        match self {
+            Model::BallBalancer(machine) => of_balancer(machine.balls.len()),
+            Model::Block(block) => {
+                let of_block = |name: &str, unit, meaning| Coordinate {
+                    name: name.to_owned(),
+                    of_every_ball: None,
+                    unit: Some(unit),
+                    unit_in_words: unit,
+                    meaning,
+                    default_range: [0.0, 0.0],
+                    default_in_words: None,
+                };
+                let half = block.unit_length_m();
+                vec![
+                    Coordinate {
+                        default_range: [-half, half],
+                        default_in_words: Some("± `normal_force_n` / `stiffness_n_m`"),
+                        ..of_block(
+                            "position_m",
+                            "m",
+                            "start position of the block, from where the spring is free",
+                        )
+                    },
+                    of_block("velocity_m_s", "m/s", "start velocity of the block"),
+                ]
+            }
+        }
+    }
+}
+
+fn of_balancer(balls: usize) -> Vec<Coordinate> {
+    let table =
+        |name: &str, meaning, unit| Coordinate::non_dimensional(name, meaning, unit, HALF_WIDTH);
+    let each = |stem: &'static str, of_one: &dyn Fn(String) -> Coordinate| -> Vec<Coordinate> {
+        let of_ball = |ball: usize| Coordinate {
+            of_every_ball: Some(stem),
+            ..of_one(format!("{stem}_{ball}"))
+        };
+        (1..=balls).map(of_ball).collect()
+    };
+    let angle = |name: String| Coordinate {
+        unit: Some("rad"),
+        default_range: [0.0, TAU],
+        default_in_words: Some("[0, 2π]"),
+        ..Coordinate::non_dimensional(
+            name,
+            "start angle of the ball from the imbalance",
+            "rad",
+            0.0,
+        )
+    };
+    let speed = |name: String| {
+        let meaning = "start speed of the ball relative to the ring";
+        Coordinate::non_dimensional(name, meaning, "divided by the natural frequency", BALL_SPEED)
+    };
+    const LENGTH: &str = "in ring radii";
+    const VELOCITY: &str = "in ring radii, with time multiplied by the natural frequency";
+    let across = "start position of the ring's centre at right angles to that";
+    let mut all = vec![
+        table("x", "start position of the ring's centre towards the imbalance", LENGTH),
+        table("y", across, LENGTH),
+    ];
+    all.extend(each("beta", &angle));
+    all.push(table("x_dot", "start velocity along x", VELOCITY));
+    all.push(table("y_dot", "start velocity along y", VELOCITY));
+    all.extend(each("beta_dot", &speed));
+    all
+}
