@@ -3,5 +3,6 @@ pub mod closed_forms;
 mod dual;
 mod existence;
 mod extended_lagrange;
+mod registry;
 mod rest;
 mod thesis_matrices;

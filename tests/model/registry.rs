@@ -1,0 +1,121 @@
+//! The tables of kinds of models and of friction laws are complete: an entry that is forgotten or wrong fails here.
+
+use stickslip::model::{
+    FRICTION_LAWS, FrictionLaw, Law, MAX_LAW_PARAMETERS, MODEL_KINDS, SlidingSpeed,
+};
+
+/// The default of each kind is of that kind, is valid, and has a value of each number among the parameters.
+#[test]
+fn defaults_have_all_parameters() {
+    for kind in MODEL_KINDS {
+        let mut model = (kind.default)();
+        assert_eq!(model.kind(), kind);
+        assert_eq!(model.validate(), Ok(()), "{kind:?}");
+        for parameter in kind.parameters.iter().filter(|parameter| parameter.is_number()) {
+            let numbers = parameter.numbers(&mut model, None);
+            assert_eq!(numbers.len(), 1, "{kind:?}: {parameter:?}");
+        }
+    }
+}
+
+/// Each parameter has its own field: a new value changes one parameter and no other.
+#[test]
+fn parameters_have_fields_of_their_own() {
+    for kind in MODEL_KINDS {
+        let numbers = || kind.parameters.iter().filter(|parameter| parameter.is_number());
+        for changed in numbers() {
+            let mut model = (kind.default)();
+            *changed.numbers(&mut model, None)[0] = 1234.5;
+            let is_changed = |name: &str| {
+                let own = numbers().find(|parameter| parameter.name == name).expect("a number");
+                *own.numbers(&mut model.clone(), None)[0] == 1234.5
+            };
+            let all: Vec<&str> =
+                numbers().map(|one| one.name).filter(|name| is_changed(name)).collect();
+            assert_eq!(all, [changed.name], "{kind:?}");
+        }
+    }
+}
+
+/// Names are unique, and end with their units.
+#[test]
+fn names_are_unique_and_have_units() {
+    let endings = [
+        ("kg", "_kg"),
+        ("m", "_m"),
+        ("N/m", "_n_m"),
+        ("N s/m", "_n_s_m"),
+        ("N", "_n"),
+        ("rad/s", "_rad_s"),
+        ("m/s", "_m_s"),
+    ];
+    for kind in MODEL_KINDS {
+        for law in FRICTION_LAWS {
+            let own = kind.parameters.iter().map(|one| (one.name, one.unit));
+            let of_law = law.parameters().iter();
+            let of_law =
+                of_law.map(|one| (one.name(kind.sliding_speed), one.unit(kind.sliding_speed)));
+            let mut all: Vec<(&str, &str)> = own.chain(of_law).collect();
+            for (name, unit) in &all {
+                let ending = endings.iter().find(|(known, _)| known == unit);
+                match ending {
+                    Some((_, ending)) => assert!(name.ends_with(ending), "{name} has {unit}"),
+                    None => assert!(["1", ""].contains(unit), "{name} has {unit}"),
+                }
+            }
+            let count = all.len();
+            all.sort_unstable();
+            all.dedup();
+            assert_eq!(all.len(), count, "{kind:?} with {}", law.name());
+        }
+    }
+}
+
+fn example(law: &'static dyn Law, unit: usize) -> FrictionLaw {
+    let values: Vec<f64> = law.parameters().iter().map(|one| one.examples[unit]).collect();
+    FrictionLaw::new(law, &values)
+}
+
+/// The example of each law is valid in each kind of model, and its force has the properties that the law states.
+#[test]
+fn laws_are_what_they_state() {
+    for law in FRICTION_LAWS {
+        assert!(law.parameters().len() <= MAX_LAW_PARAMETERS);
+        for kind in MODEL_KINDS {
+            let unit = usize::from(kind.sliding_speed == SlidingSpeed::MS);
+            let mut model = (kind.default)();
+            *model.friction_mut() = example(law, unit);
+            assert_eq!(model.validate(), Ok(()), "{kind:?} with {}", law.name());
+        }
+        let values = example(law, 1);
+        let friction = values.contact(0.1, 1.0, 1.0);
+        let name = law.name();
+        assert_eq!(law.can_stick(), friction.limit > 0.0, "{name}");
+        assert!(friction.limit <= friction.largest_ratio(), "{name}");
+        for direction in [-1.0, 1.0] {
+            let force = |speed: f64| friction.slip(direction, direction * speed);
+            let slow = force(1e-9);
+            assert!(
+                slow.signed_friction.abs() <= friction.largest_ratio() * (1.0 + 1e-12),
+                "{name}"
+            );
+            // Friction takes energy, and is odd.
+            let at = force(0.02);
+            assert!(direction * (at.signed_friction + at.drag) >= 0.0, "{name}");
+            let opposite = friction.slip(-direction, -direction * 0.02);
+            assert_eq!(at.signed_friction, -opposite.signed_friction, "{name}");
+            assert_eq!(at.drag, -opposite.drag, "{name}");
+            // A linear law is a fixed ratio and a drag in proportion to speed.
+            let [one, two] = [0.01, 0.02].map(force);
+            let linear = one.signed_friction == two.signed_friction
+                && (2.0 * one.drag - two.drag).abs() <= 1e-15;
+            assert_eq!(values.is_linear(0.1), linear, "{name}");
+            if law.is_constant() {
+                assert!(linear && one.drag == 0.0, "{name}");
+            }
+        }
+        let unused = values.contact(0.3, 1.0, 1.0);
+        let depends = friction.slip(1.0, 0.02) != unused.slip(1.0, 0.02);
+        assert_eq!(law.uses_friction_coefficient(), depends, "{name}");
+    }
+}
