@@ -18,8 +18,8 @@ pub struct Expansion<'g, T> {
 }
 
 impl<'g, T: Elementary> Expansion<'g, T> {
-    /// Expands a recorded system up to an order, from the values of its inputs and its state at a time. `None` if a
-    /// linear system is singular.
+    /// Expands a recorded system up to an order, from the values of its inputs and its state at a time. Missing
+    /// values are 0. `None` if a linear system is singular.
     pub fn new(graph: &'g Graph, order: usize, inputs: &[T], state: &[T], time: T) -> Option<Self> {
         let length = order + 1;
         let zero = T::constant(0.0);
@@ -27,7 +27,7 @@ impl<'g, T: Elementary> Expansion<'g, T> {
             graph,
             order,
             terms: vec![zero; graph.nodes.len() * length],
-            state: vec![zero; state.len() * length],
+            state: vec![zero; state.len().max(graph.derivative.len()) * length],
         };
         for (component, value) in state.iter().enumerate() {
             expansion.state[component * length] = *value;
@@ -86,7 +86,10 @@ impl<'g, T: Elementary> Expansion<'g, T> {
                 1 => T::constant(1.0),
                 _ => zero,
             },
-            Node::State(component) => self.state[component as usize * (self.order + 1) + k],
+            Node::State(component) => {
+                let place = component as usize * (self.order + 1) + k;
+                self.state.get(place).copied().unwrap_or(zero)
+            }
             Node::Sum(one, other) => self.at(one, k) + self.at(other, k),
             Node::Difference(one, other) => self.at(one, k) - self.at(other, k),
             Node::Negation(one) => -self.at(one, k),
