@@ -7,6 +7,9 @@
 
 use crate::model::{Elementary, Graph, Node, NodeId, Solve};
 
+/// The orders `j` of a sum over products of coefficients.
+type Orders = std::ops::RangeInclusive<usize>;
+
 /// The power series of all nodes of a graph.
 pub struct Expansion<'g, T> {
     graph: &'g Graph,
@@ -121,28 +124,26 @@ impl<'g, T: Elementary> Expansion<'g, T> {
     }
 
     /// Returns the sum of `one_j other_(k-j)` over `j`.
-    fn convolution(
-        &self,
-        one: NodeId,
-        other: NodeId,
-        range: std::ops::RangeInclusive<usize>,
-        k: usize,
-    ) -> T {
-        let (one, other) = (self.series(one), self.series(other));
-        range.fold(T::constant(0.0), |sum, j| sum + one[j] * other[k - j])
+    fn convolution(&self, one: NodeId, other: NodeId, orders: Orders, k: usize) -> T {
+        self.sum(one, other, orders, k, |_, product| product)
     }
 
     /// Returns the sum of `j/k one_j other_(k-j)` over `j`: a coefficient of the integral of `one' other`.
-    fn weighted(
+    fn weighted(&self, one: NodeId, other: NodeId, orders: Orders, k: usize) -> T {
+        let weight = |j: usize, product: T| T::constant(j as f64 / k as f64) * product;
+        self.sum(one, other, orders, k, weight)
+    }
+
+    fn sum(
         &self,
         one: NodeId,
         other: NodeId,
-        range: std::ops::RangeInclusive<usize>,
+        orders: Orders,
         k: usize,
+        term: impl Fn(usize, T) -> T,
     ) -> T {
         let (one, other) = (self.series(one), self.series(other));
-        let weight = |j: usize| T::constant(j as f64 / k as f64);
-        range.fold(T::constant(0.0), |sum, j| sum + weight(j) * one[j] * other[k - j])
+        orders.fold(T::constant(0.0), |sum, j| sum + term(j, one[j] * other[k - j]))
     }
 
     /// Returns the coefficients of order `k` of the solution of a linear system, which is factored at order zero. `None`
