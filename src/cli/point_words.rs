@@ -54,7 +54,7 @@ pub fn point_line(names: &[String], shown: &[String], point: &PointFacts) -> Str
     }
 }
 
-/// Points of which the first ones are named.
+/// A list of points that counts all of them and names only the first ones.
 #[derive(Clone, Debug, Default)]
 pub struct NamedPoints {
     /// The number of the points.

@@ -87,7 +87,7 @@ mod tests {
     fn a_terminal_shows_the_first_switches() {
         let text = "schema: 1\nname: a\nseed: 5\nmodel: {kind: ball_balancer}\n\
             initial_conditions: {design: {monte_carlo: {samples: 2}}}\nsimulation: {end_time_s: 2}\n";
-        let study = Study::parse(Path::new("a.yaml"), text.to_owned()).unwrap();
+        let study = Study::parse(Path::new("a.yaml"), text.to_owned()).expect("a valid study");
         let (record, mut recording) = record(&study, 1, None, 1_000_000);
         let one = recording.switches[0].clone();
         recording.switches.resize(25, one);

@@ -94,7 +94,12 @@ fn page_of_results(directory: &Path, results: &Readable) -> Result<String, CliEr
     }
 }
 
-/// The number of attempts to read a search, which may be replacing its tables at the moment.
+/// The number of attempts to read the tables of a search.
+///
+/// A report reads the list of files first and the tables after it. A running search may replace or remove a table in
+/// between, so that list and table disagree although both are sound; the next attempt reads the new list. A running
+/// search replaces its tables at most once for each batch of designs, which takes longer than an attempt. Damage is
+/// permanent: the last attempt reports it, less than half a second later.
 const ATTEMPTS: u32 = 5;
 /// The time between attempts.
 const BETWEEN: Duration = Duration::from_millis(100);
@@ -110,6 +115,7 @@ fn page_of_search(directory: &Path) -> Result<String, CliError> {
     let mut attempt = 1;
     let data = loop {
         match OptimumData::read(directory) {
+            // The search may have replaced a table during the reading.
             Err(_) if attempt < ATTEMPTS => thread::sleep(BETWEEN),
             Err(EvaluationsError::Table(error)) => return Err(error.into()),
             Err(EvaluationsError::Other(error)) => return Err(CliError::Usage(error)),

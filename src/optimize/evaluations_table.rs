@@ -125,8 +125,8 @@ pub fn read_evaluations(
 /// The largest number of differences that a message lists.
 const MOST_DIFFERENCES: usize = 20;
 
-/// Returns the keys, with the values of the earlier search and of this one, because of which the search cannot continue.
-/// It is empty if the study of the earlier search cannot be read.
+/// Returns the changed keys that prevent the search from continuing. Each line has a key, its value in the earlier
+/// search and its value in this search. The list is empty if the study of the earlier search cannot be read.
 fn differences(study: &Study, about: &Value) -> Vec<String> {
     let text = about["study_yaml"].as_str().unwrap_or_default().to_owned();
     let Ok(before) = Study::parse(Path::new("study.yaml"), text) else { return Vec::new() };

@@ -122,32 +122,26 @@ fn percent(fraction: f64) -> String {
 
 #[cfg(test)]
 mod tests {
-    use std::path::Path;
-
     use super::{Bound, on_bounds, use_of_balls};
+    use crate::optimize::space::study_with_four_variables;
     use crate::responses::Estimate;
-    use crate::study::{DesignValue, Study};
+    use crate::study::DesignValue;
 
     #[test]
     fn values_on_bounds() {
-        let text = "schema: 1\nname: one\nseed: 7\nmodel: {kind: ball_balancer}\n\
-            initial_conditions: {design: {monte_carlo: {samples: 2}}}\n\
-            design:\n  speed_rad_s: {from: -260, to: -160}\n  balls: {from: 1, to: 3}\n  \
-            stiffness_n_m: {from: 900, to: 900}\n  \
-            material: {choices: {a: {ball_mass_kg: 1e-4}, b: {ball_mass_kg: 2e-4}}}\n";
-        let study = Study::parse(Path::new("a.yaml"), text.to_owned()).unwrap();
+        let study = study_with_four_variables();
         let found = |speed: f64, balls: f64| {
             let numbers = [speed, balls, 900.0].map(DesignValue::Number);
             let mut values = numbers.to_vec();
             values.push(DesignValue::Choice(0));
             on_bounds(&study, &values)
         };
-        assert_eq!(found(-259.0, 2.0), []);
-        let range = [-260.0, -160.0];
+        assert_eq!(found(-258.0, 2.0), []);
+        let range = [-260.0, -140.0];
         let speed = |which| Bound { variable: "speed_rad_s".to_owned(), which, range };
         let balls = Bound { variable: "balls".to_owned(), which: "upper", range: [1.0, 3.0] };
         assert_eq!(found(-259.95, 1.0), [speed("lower")]);
-        assert_eq!(found(-160.0, 3.0), [speed("upper"), balls]);
+        assert_eq!(found(-140.0, 3.0), [speed("upper"), balls]);
     }
 
     #[test]
@@ -156,7 +150,7 @@ mod tests {
             let ends = [Some(value - half), Some(value + half)];
             Estimate::with_interval(value, Some(0.01), ends, "none")
         };
-        let said = |estimates: &[Estimate]| use_of_balls(estimates).unwrap();
+        let said = |estimates: &[Estimate]| use_of_balls(estimates).expect("a note");
         assert_eq!(use_of_balls(&[at(0.5, 0.1), at(0.9, 0.04)]), None);
         assert_eq!(use_of_balls(&[Estimate::unknown("no balls")]), None);
         let almost = "The balls have almost no effect at some point of the sweep: the mean amplitude is 96 % of that of \

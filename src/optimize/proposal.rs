@@ -91,7 +91,7 @@ mod tests {
              balls: {{from: 1, to: 6}}\n  mass: {{choices: {{{}}}}}\n",
             choices.join(", ")
         );
-        let study = Study::parse(Path::new("a.yaml"), text).unwrap();
+        let study = Study::parse(Path::new("a.yaml"), text).expect("a valid study");
         let value = |design: &Design| match design[..] {
             [
                 DesignValue::Number(speed),

@@ -120,12 +120,22 @@ fn rounded(number: f64) -> f64 {
     format!("{number:.*e}", DIGITS - 1).parse().unwrap_or(number)
 }
 
+/// A study with a continuous variable, a number of balls, a variable with one value, and choices, for tests.
+#[cfg(test)]
+pub(super) fn study_with_four_variables() -> Study {
+    let text = "schema: 1\nname: one\nseed: 7\nmodel: {kind: ball_balancer}\n\
+        initial_conditions: {design: {monte_carlo: {samples: 2}}}\n\
+        design:\n  speed_rad_s: {from: -260, to: -140}\n  balls: {from: 1, to: 3}\n  \
+        stiffness_n_m: {from: 900, to: 900}\n  \
+        material: {choices: {a: {ball_mass_kg: 1e-4}, b: {ball_mass_kg: 2e-4}}}\n";
+    let file = std::path::Path::new("a.yaml");
+    Study::parse(file, text.to_owned()).expect("a valid study")
+}
+
 #[cfg(test)]
 mod tests {
-    use std::path::Path;
-
-    use super::{Space, rounded};
-    use crate::study::{DesignValue, Study};
+    use super::{Space, rounded, study_with_four_variables};
+    use crate::study::DesignValue;
 
     #[test]
     fn numbers_have_six_digits() {
@@ -136,12 +146,7 @@ mod tests {
 
     #[test]
     fn designs_and_their_neighbours() {
-        let text = "schema: 1\nname: one\nseed: 7\nmodel: {kind: ball_balancer}\n\
-            initial_conditions: {design: {monte_carlo: {samples: 2}}}\n\
-            design:\n  speed_rad_s: {from: -260, to: -140}\n  balls: {from: 1, to: 3}\n  \
-            stiffness_n_m: {from: 900, to: 900}\n  \
-            material: {choices: {a: {ball_mass_kg: 1e-4}, b: {ball_mass_kg: 2e-4}}}\n";
-        let study = Study::parse(Path::new("a.yaml"), text.to_owned()).unwrap();
+        let study = study_with_four_variables();
         let space = Space::new(&study);
         assert_eq!(space.dimensions(), 4);
         let mut found = [0; 3];

@@ -43,13 +43,14 @@ fn equal_balls_balance_opposite_each_other() {
     ] {
         let machine = rotor(&balls, 1.28);
         machine.validate().expect("a balanced rotor is a machine");
-        let form = RestForm::new(&machine).unwrap();
+        let form = RestForm::new(&machine).expect("a rotor with balls");
         let Balance::Family { example, dimension: found } = Balance::of(&form) else {
             panic!("{balls:?}: {:?}", Balance::of(&form))
         };
         assert_eq!(found, dimension, "{balls:?}");
         assert!(sum(&machine, &example) < 1e-15 * 1e-3, "{balls:?}: {example:?}");
-        let found = frictionless_equilibria(&machine, 1e4).unwrap();
+        let found =
+            frictionless_equilibria(&machine, 1e4).expect("a number of balls that has equilibria");
         let balanced = found.iter().find(|one| one.kind == Kind::B1).expect("balanced");
         assert_eq!(balanced.amplitude_m(), 0.0);
         // The example of four equal balls has all of them on one line, where the linearisation is marginal.
@@ -58,7 +59,7 @@ fn equal_balls_balance_opposite_each_other() {
         }
     }
     for balls in [vec![1.4e-4], vec![1.4e-4, 1.5e-4], vec![1e-4, 1e-4, 3e-4]] {
-        let form = RestForm::new(&rotor(&balls, 1.28)).unwrap();
+        let form = RestForm::new(&rotor(&balls, 1.28)).expect("a rotor with balls");
         assert_eq!(Balance::of(&form), Balance::Nowhere, "{balls:?}");
     }
 }
@@ -66,9 +67,11 @@ fn equal_balls_balance_opposite_each_other() {
 /// With damping, nothing holds unbalanced balls without friction. Without damping, one ball rests at any angle.
 #[test]
 fn lines_without_friction() {
-    let none = frictionless_equilibria(&rotor(&[1.4e-4], 1.28), 1e4).unwrap();
+    let none = frictionless_equilibria(&rotor(&[1.4e-4], 1.28), 1e4)
+        .expect("a number of balls that has equilibria");
     assert!(none.is_empty(), "{none:?}");
-    let found = frictionless_equilibria(&rotor(&[1.4e-4], 0.0), 1e4).unwrap();
+    let found = frictionless_equilibria(&rotor(&[1.4e-4], 0.0), 1e4)
+        .expect("a number of balls that has equilibria");
     assert_eq!(found.len(), 1);
     assert_eq!((found[0].kind, found[0].family_dimension), (Kind::A1Plus, 1));
     // The table moves by g m, where g = ω² / (1 - ω²) and masses are over the whole mass.
@@ -86,7 +89,7 @@ fn all_directions_are_equivalent() {
     for friction_coefficient in [1e-6, 2.75e-3, 1.0] {
         let mut machine = rotor(&[1.4e-4], 1.28);
         machine.balls[0].friction_coefficient = friction_coefficient;
-        let form = RestForm::new(&machine).unwrap();
+        let form = RestForm::new(&machine).expect("a rotor with balls");
         let held = |angle: f64| form.at_rest(&[angle]).in_set();
         let angles: Vec<bool> = (0..8).map(|eighth| held(f64::from(eighth) * PI / 4.0)).collect();
         assert!(angles.iter().all(|one| *one == angles[0]), "{angles:?}");
@@ -111,7 +114,7 @@ responses:
   above: {amplitude_above: {limit: 1.0, relative: true}}
 design: {speed_rad_s: {from: -220, to: -200}}
 ";
-    let study = Study::parse(Path::new("a.yaml"), text.to_owned()).unwrap();
+    let study = Study::parse(Path::new("a.yaml"), text.to_owned()).expect("a valid study");
     let design = [DesignValue::Number(-210.0)];
     let set = study.set(&design).expect("a design");
     let stop = AtomicBool::new(false);
