@@ -1,4 +1,4 @@
-//! Cost of the motion of runs, one by one and in lockstep.
+//! Cost of the motion of runs, by the kernel that is written for the balancer and by the general one.
 //!
 //! `cargo bench --bench motion`, or `-- --quick` in a few minutes, or `-- NAME` for some of it.
 //! W1 (`w1.yaml`) and W2 (`w2.yaml`) are those of `scripts/compare`; beside them 256 runs at -160.8103
@@ -7,14 +7,17 @@
 use std::convert::Infallible;
 use std::hint::black_box;
 use std::path::Path;
+use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use stickslip::analysis::PointDetail;
-use stickslip::classification::{Outcome, Runs, simulate_in_lockstep, simulate_one_by_one};
+use stickslip::classification::{
+    Outcome, Runs, simulate_by_recorded_equations, simulate_in_lockstep,
+};
 use stickslip::engine::{EngineOptions, Progress, Sink, run_study};
 use stickslip::model::{Balancer, Case, Machine, State};
-use stickslip::motion::{Phase, SimdLevel, Step, Tolerance, derivative};
+use stickslip::motion::{Evaluator, Phase, SimdLevel};
 use stickslip::study::Study;
 use stickslip::table::{PointRow, RunRecord};
 
@@ -61,28 +64,24 @@ fn in_lockstep(level: SimdLevel, cases: &[Case]) {
     simulate_in_lockstep(level, &mut Listed { cases: cases.iter().enumerate() });
 }
 
-/// The components of one-by-one integration, for two balls.
+/// The evaluation of the recorded equations at an instant, for two balls.
 fn pieces(criterion: &mut Criterion) {
     let balancer = Balancer::<2>::new(&Machine::default()).expect("two balls");
+    let evaluator = Evaluator::new(Arc::new(balancer));
     let state = State {
         position: [0.01, -0.02],
         velocity: [0.0, 0.02],
         beta: [1.0, 4.0],
         beta_dot: [0.5, -0.3],
     };
+    let components = state.components();
     let phases = [Phase::Slip(1.0), Phase::Slip(-1.0)];
-    let tolerance = Tolerance { relative: 1e-6, absolute: 1e-8 };
-    let mut group = criterion.benchmark_group("one by one");
-    group.bench_function("right-hand side", |bencher| {
-        bencher.iter(|| derivative(&balancer, &phases, black_box(&state)));
+    let mut group = criterion.benchmark_group("an instant");
+    group.bench_function("rates", |bencher| {
+        bencher.iter(|| evaluator.rates(&phases, black_box(&components)));
     });
-    group.bench_function("step with its error", |bencher| {
-        let first = derivative(&balancer, &phases, &state);
-        let right_hand_side = |state: &State<2>| derivative(&balancer, &phases, state);
-        bencher.iter(|| {
-            let step = Step::attempt(right_hand_side, black_box(&state), &first, 0.5);
-            (step.error(tolerance, true), step)
-        });
+    group.bench_function("forces", |bencher| {
+        bencher.iter(|| evaluator.forces(&phases, black_box(&components)));
     });
 }
 
@@ -96,9 +95,10 @@ fn runs(criterion: &mut Criterion) {
                 bencher.iter(|| in_lockstep(level, cases));
             });
         }
-        group.bench_function("one by one", |bencher| {
+        group.bench_function("general kernel, a lane", |bencher| {
             bencher.iter(|| {
-                cases.iter().for_each(|case| drop(black_box(simulate_one_by_one(case))));
+                let simulate = |case| drop(black_box(simulate_by_recorded_equations(case)));
+                cases.iter().for_each(simulate);
             });
         });
     };

@@ -1,7 +1,7 @@
 //! Error and cost of runs by method, tolerance and engine, as lines of CSV:
 //! `scripts/work-precision` makes a table and a plot of them.
 //!
-//! The reference is the exact motion (`event`), one by one, at 1e-11. The error of a run is the
+//! The reference is the exact motion (`event`) by the general kernel at 1e-11. The error of a run is the
 //! largest distance along the ring between the rest positions of a ball in the two computations, if
 //! both come to rest. Different labels are counted over all runs. Time is the CPU time of this
 //! thread.
@@ -10,7 +10,9 @@ use std::f64::consts::TAU;
 use std::path::Path;
 use std::time::Instant;
 
-use stickslip::classification::{Label, Outcome, Runs, simulate_in_lockstep, simulate_one_by_one};
+use stickslip::classification::{
+    Label, Outcome, Runs, simulate_by_recorded_equations, simulate_in_lockstep,
+};
 use stickslip::model::{Case, Method, Simulation};
 use stickslip::motion::SimdLevel;
 use stickslip::study::Study;
@@ -40,12 +42,12 @@ fn main() {
             };
             cases.iter().map(|case| Case { simulation: settings(case), ..case.clone() }).collect()
         };
-        let reference = one_by_one(&with(Method::Event, 1e-11));
+        let reference = general(&with(Method::Event, 1e-11));
         for (method, name) in [(Method::Switch, "switch"), (Method::Event, "event")] {
             for tolerance in [1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9] {
                 let cases = with(method, tolerance);
                 let ways: [(&str, Compute, usize); 2] =
-                    [("lockstep", in_lockstep, 3), ("one by one", one_by_one, 1)];
+                    [("tuned", in_lockstep, 3), ("general", general, 1)];
                 for (way, compute, times) in ways {
                     let (mut outcomes, mut spent) = (Vec::new(), Vec::new());
                     for _ in 0..times {
@@ -89,8 +91,8 @@ fn cases(speed_rad_s: f64, runs: u32) -> Vec<Case> {
     (0..study.run_count()).map(|run| study.planned_run(run).case.expect("valid")).collect()
 }
 
-fn one_by_one(cases: &[Case]) -> Vec<Outcome> {
-    cases.iter().map(simulate_one_by_one).collect()
+fn general(cases: &[Case]) -> Vec<Outcome> {
+    cases.iter().map(simulate_by_recorded_equations).collect()
 }
 
 struct Listed<'a> {

@@ -1,31 +1,108 @@
-//! One period of the limit cycle of a block on a belt: its motion from one break-away to the next.
+//! The limit cycle of a single contact on a belt: its motion from one break-away to the next.
 //!
-//! The state at break-away is the same each time, so that a disturbance vanishes within one period:
-//! the only multiplier other than that along the motion is 0, and no direction is neutral.
+//! On a belt a block is carried along until it breaks away, always at the same position, so that its
+//! state there is the same each time: two successive break-aways close a cycle, and a disturbance
+//! vanishes within one period. The only multiplier other than that along the motion is 0, and no
+//! direction is neutral. This requires a static coefficient above the kinetic one.
+//!
+//! With equal coefficients, the block reaches the belt's speed only on the orbit that starts at its
+//! break-away, the outermost of the orbits on which it slides permanently. This orbit preserves
+//! every inward disturbance, so that no cycle is claimed. A block that slides permanently on a belt
+//! is not stopped by dry friction; unless its law damps the motion, so that it settles, it
+//! oscillates with constant amplitude.
 
 use super::cycle::{Cycle, CyclePhase};
-use crate::model::{Slider, SliderState};
-use crate::motion::{Motion, Phase, derivative};
+use super::extremes::{Extremes, Passed};
+use super::lane_step::LaneStep;
+use super::system_view::{SystemView, all_stick};
+use crate::model::Units;
+use crate::motion::Phase;
 
-/// The motion of a block since it broke away.
+/// Detects the cycle of a single contact, whose position and speed are the whole state.
 #[derive(Clone, Debug, Default)]
-pub(super) struct BlockCycleRecorder {
+pub(super) struct BreakAwayWatch {
+    last: Option<BreakAway>,
+}
+
+/// The latest break-away and the motion since then.
+#[derive(Clone, Debug)]
+struct BreakAway {
+    time: f64,
+    position: f64,
+    extremes: Extremes,
     /// The sequence of phases; neighbours differ.
     cycle_phases: Vec<CyclePhase>,
-    /// Least and greatest speed relative to the belt, non-dimensional; 0 at break-away.
+    /// Least and greatest sliding speed; 0 at break-away.
     speeds: [f64; 2],
 }
 
-impl BlockCycleRecorder {
-    /// Adds the latest step of the motion, in which the block was in this phase.
-    pub(super) fn extend(
-        &mut self,
-        slider: &Slider,
-        motion: &mut Motion<Slider, 1, 0>,
-        in_step: Phase,
-    ) {
-        let speed = motion.state().beta_dot[0];
-        let cycle_phase = CyclePhase::of(in_step, speed);
+impl BreakAwayWatch {
+    /// Returns whether break-aways of this system can show a cycle.
+    pub(super) fn suits(view: &SystemView) -> bool {
+        let friction = view.system().friction(0);
+        view.contacts.len() == 1 && view.dimension() == 2 && friction.limit > friction.coefficient
+    }
+
+    /// Returns whether there was a break-away, after which each step must be added.
+    pub(super) fn has_begun(&self) -> bool {
+        self.last.is_some()
+    }
+
+    /// Adds the latest step, evaluated as `passed`, after the first break-away.
+    pub(super) fn take_in(&mut self, step: &LaneStep, passed: &Passed) {
+        if let Some(last) = &mut self.last {
+            last.extend(step);
+            last.extremes.take_in(step, passed);
+        }
+    }
+
+    /// Records a break-away at the end of the latest step, if there is one. Returns the period if it
+    /// closes a cycle.
+    pub(super) fn closes(&mut self, step: &LaneStep) -> Option<f64> {
+        if !all_stick(step.during()) || all_stick(step.phases()) {
+            return None;
+        }
+        let (time, positions) = (step.time(), step.unwrapped());
+        let position = positions[0];
+        if let Some(last) = &self.last
+            && (position - last.position).abs() <= 1e-6 * position.abs().max(1.0)
+        {
+            return Some(time - last.time);
+        }
+        let extremes = Extremes::from_place(time, &positions);
+        let (cycle_phases, speeds) = (Vec::new(), [0.0; 2]);
+        self.last = Some(BreakAway { time, position, extremes, cycle_phases, speeds });
+        None
+    }
+
+    /// Returns half of the distance between the extremes since the last break-away.
+    pub(super) fn amplitude(&self) -> Option<f64> {
+        self.last.as_ref()?.extremes.amplitude()
+    }
+
+    /// Returns the cycle since the last break-away.
+    pub(super) fn cycle(&self, units: &Units) -> Option<Cycle> {
+        let last = self.last.as_ref()?;
+        let speed_unit = units.position * units.natural_rad_s;
+        Some(Cycle {
+            turns: vec![0],
+            configurations: last.cycle_phases.iter().map(|&phase| vec![phase]).collect(),
+            speed_extremes: vec![last.speeds.map(|speed| speed * speed_unit)],
+            angle_extremes: vec![None],
+            peak_amplitude_m: last.extremes.amplitude()? * units.position,
+            multipliers: vec![0.0],
+            neutral_directions: 0,
+        })
+    }
+}
+
+impl BreakAway {
+    /// Adds the phase and the speeds of the latest step.
+    fn extend(&mut self, step: &LaneStep) {
+        let (view, during) = (step.view, step.during());
+        let speed = |state: &[f64]| view.speed(during, state, 0);
+        let at_end = speed(&step.end());
+        let cycle_phase = CyclePhase::of(during.first().copied().unwrap_or(Phase::Free), at_end);
         if self.cycle_phases.last() != Some(&cycle_phase) {
             self.cycle_phases.push(cycle_phase);
         }
@@ -33,33 +110,12 @@ impl BlockCycleRecorder {
             return;
         }
         // It is fastest where its acceleration passes through zero, or at the end of the step.
-        let fastest = [1.0, -1.0].map(|direction| {
-            let acceleration =
-                |state: &SliderState| direction * derivative(slider, &[in_step], state).beta_dot[0];
-            motion.falls_through_zero(acceleration).map(|(_, state)| state.beta_dot[0])
-        });
+        let fastest = step.passes_through_zero(|state| view.acceleration(during, state, 0));
+        let within = |time: f64| speed(&step.group.state_within(step.lane, time - step.began()));
         let [low, high] = &mut self.speeds;
-        for speed in fastest.into_iter().flatten().chain([speed]) {
+        for speed in fastest.map(within).into_iter().chain([at_end]) {
             *low = low.min(speed);
             *high = high.max(speed);
-        }
-    }
-
-    /// Returns the completed cycle, given the unit of speed and half of the distance between the
-    /// block's extreme positions.
-    pub(super) fn cycle(&self, unit_speed_m_s: f64, amplitude_m: f64) -> Cycle {
-        Cycle {
-            turns: vec![0],
-            configurations: self
-                .cycle_phases
-                .iter()
-                .map(|&cycle_phase| vec![cycle_phase])
-                .collect(),
-            speed_extremes: vec![self.speeds.map(|speed| speed * unit_speed_m_s)],
-            angle_extremes: vec![None],
-            peak_amplitude_m: amplitude_m,
-            multipliers: vec![0.0],
-            neutral_directions: 0,
         }
     }
 }

@@ -10,7 +10,8 @@ use nalgebra::{DMatrix, Dyn, LU, Schur};
 use super::cycle::CyclePhase;
 use super::period::Period;
 use super::return_map::{Return, ReturnMap};
-use crate::model::State;
+use super::system_view::ContactPlace;
+use crate::model::Components;
 
 /// Largest distance of the closed orbit from the run, non-dimensional.
 pub(super) const REACH: f64 = 1e-2;
@@ -36,57 +37,54 @@ const MULTIPLIER_DOUBT: f64 = 1e-4;
 
 /// A closed orbit.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Orbit<const N: usize> {
+pub struct Orbit {
     /// Period, non-dimensional.
     pub period: f64,
-    /// Net number of turns of each ball per period, with sign.
-    pub turns: [i32; N],
-    /// The sequence of phases of the balls.
-    pub configurations: Vec<[CyclePhase; N]>,
-    /// Mean speed of each ball relative to the ring, non-dimensional.
-    pub speed: [f64; N],
-    /// Least and greatest speed of each ball.
-    pub speed_extremes: [[f64; 2]; N],
-    /// Least and greatest angle of each ball, starting in [0, 2π).
-    pub angle_extremes: [[f64; 2]; N],
-    /// Root mean square over the period of the table's displacement, over `L`.
+    /// Net number of turns of each contact per period, with sign; 0 if its position is no angle.
+    pub turns: Vec<i32>,
+    /// The sequence of phases of the contacts.
+    pub configurations: Vec<Vec<CyclePhase>>,
+    /// Mean speed of each contact, non-dimensional.
+    pub speed: Vec<f64>,
+    /// Least and greatest speed of each contact.
+    pub speed_extremes: Vec<[f64; 2]>,
+    /// Least and greatest position of each contact, an angle starting in [0, 2π).
+    pub angle_extremes: Vec<[f64; 2]>,
+    /// Root mean square over the period of the displacement, over the unit of length; 0 for a
+    /// system without a displacement that is measured.
     pub amplitude: f64,
-    /// Greatest displacement of the table, over `L`.
+    /// Greatest displacement, over the unit of length.
     pub peak: f64,
     /// The smallest friction margin of a resting ball; `None` if no ball rests.
     pub margin: Option<f64>,
     /// Moduli of the multipliers, without those of neutral directions, descending.
     pub multipliers: Vec<f64>,
-    /// Number of balls that rest throughout, each anywhere in an interval: one neutral direction
+    /// Number of contacts that rest throughout, each anywhere in an interval: one neutral direction
     /// each.
     pub neutral_directions: usize,
 }
 
 /// The result of examining an orbit.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Verdict<const N: usize> {
+pub enum Verdict {
     /// A limit cycle that attracts the run.
-    Stable(Orbit<N>),
+    Stable(Orbit),
     /// A closed orbit from which disturbances grow.
-    Unstable(Orbit<N>),
+    Unstable(Orbit),
     /// Neither could be shown.
     Open,
 }
 
 /// An orbit that closes after `map.turns` turns, represented by one of its states on the section.
-struct Closed<'a, const N: usize> {
-    map: ReturnMap<'a, N>,
-    state: State<N>,
+struct Closed<'a> {
+    map: ReturnMap<'a>,
+    state: Components,
     slope: DMatrix<f64>,
 }
 
 /// Refines the orbit near `run`, a state on the section, and classifies it. An orbit counts as
 /// closed if its closing error is at most `closure`; the refinement aims for less.
-pub(super) fn examine<const N: usize>(
-    map: ReturnMap<N>,
-    run: &State<N>,
-    closure: f64,
-) -> Option<Verdict<N>> {
+pub(super) fn examine(map: ReturnMap, run: &[f64], closure: f64) -> Option<Verdict> {
     let closed = in_fewest_turns(shoot(map, run, closure)?, closure);
     let multipliers = moduli(closed.slope.clone())?;
     let (end, period) = closed.map.follow_closely(&closed.state)?;
@@ -104,11 +102,7 @@ pub(super) fn examine<const N: usize>(
 /// Finds a fixed point of the return map by Newton's method. The derivative is reused while the
 /// iteration converges quickly, because the map has kinks near an orbit on which a ball barely
 /// sticks.
-fn shoot<'a, const N: usize>(
-    map: ReturnMap<'a, N>,
-    run: &State<N>,
-    closure: f64,
-) -> Option<Closed<'a, N>> {
+fn shoot<'a>(map: ReturnMap<'a>, run: &[f64], closure: f64) -> Option<Closed<'a>> {
     let first = map.section.coordinates(run);
     let mut centre = first.clone();
     let mut newton: Option<LU<f64, Dyn, Dyn>> = None;
@@ -143,7 +137,7 @@ fn shoot<'a, const N: usize>(
 /// Returns the same orbit over its minimal number of turns. An orbit that closes after six turns
 /// may close after two; and an orbit approached in a spiral of five turns appears to close after
 /// five long before it appears to close after one.
-fn in_fewest_turns<const N: usize>(closed: Closed<N>, closure: f64) -> Closed<N> {
+fn in_fewest_turns(closed: Closed, closure: f64) -> Closed {
     let all = closed.map.turns;
     let once = (1..all).filter(|turns| all.is_multiple_of(*turns)).find_map(|turns| {
         let longest = closed.map.longest * turns as f64 / all as f64;
@@ -157,15 +151,10 @@ fn in_fewest_turns<const N: usize>(closed: Closed<N>, closure: f64) -> Closed<N>
 /// Returns whether the run approaches the orbit. An orbit with multipliers inside the unit circle
 /// may have a small basin; and a run in which a ball slowly swings about its place in the orbit,
 /// sticking at every turn, may never approach it.
-fn attracts<const N: usize>(
-    closed: &Closed<N>,
-    run: &State<N>,
-    largest_multiplier: f64,
-    closure: f64,
-) -> bool {
+fn attracts(closed: &Closed, run: &[f64], largest_multiplier: f64, closure: f64) -> bool {
     let map = &closed.map;
     let nearer = largest_multiplier.powi(50).clamp(NEARER.0, NEARER.1);
-    let mut state = *run;
+    let mut state = Components::from_slice(run);
     let (mut first, mut spell) = (0.0_f64, Vec::with_capacity(SPELL));
     for returns in 0..MOST_RETURNS {
         let now = map.section.difference(&state, &closed.state).amax();
@@ -186,28 +175,31 @@ fn attracts<const N: usize>(
     false
 }
 
-fn orbit<const N: usize>(
-    closed: &Closed<N>,
-    end: &Return<N>,
-    period: Period<N>,
-    multipliers: Vec<f64>,
-) -> Orbit<N> {
-    let section = &closed.map.section;
-    let turned: [f64; N] = std::array::from_fn(|ball| {
-        if ball == section.reference {
-            let direction = closed.state.beta_dot[ball].signum();
-            direction * closed.map.turns as f64 * std::f64::consts::TAU
-        } else {
-            end.state.beta[ball] - closed.state.beta[ball]
-        }
-    });
+fn orbit(closed: &Closed, end: &Return, period: Period, multipliers: Vec<f64>) -> Orbit {
+    let ReturnMap { section, view, turns, .. } = closed.map;
+    let contacts = view.contacts.iter().enumerate();
+    let turned: Vec<f64> = contacts
+        .clone()
+        .map(|(index, contact)| {
+            if index == section.reference {
+                let direction = view.speed(&section.phases, &closed.state, index).signum();
+                direction * turns as f64 * std::f64::consts::TAU
+            } else {
+                end.state[contact.position] - closed.state[contact.position]
+            }
+        })
+        .collect();
+    let whole = |(index, contact): (usize, &ContactPlace)| {
+        let turns = if contact.angular { turned[index] / std::f64::consts::TAU } else { 0.0 };
+        turns.round() as i32
+    };
     Orbit {
         period: end.time,
-        turns: turned.map(|angle| (angle / std::f64::consts::TAU).round() as i32),
+        turns: contacts.map(whole).collect(),
         configurations: period.configurations,
-        speed: turned.map(|angle| angle / end.time),
+        speed: turned.iter().map(|angle| angle / end.time).collect(),
         speed_extremes: period.speeds,
-        angle_extremes: period.angles,
+        angle_extremes: period.positions,
         amplitude: (period.square_time / end.time).sqrt(),
         peak: period.peak,
         margin: period.margin.is_finite().then_some(period.margin),

@@ -1,74 +1,76 @@
-//! The least and the greatest position of a block after a given time.
+//! The least and the greatest position of each contact after a given time.
 
-use crate::model::{Slider, SliderState};
-use crate::motion::Motion;
+use smallvec::SmallVec;
+
+use super::lane_step::LaneStep;
+use super::system_view::ContactPlace;
+use crate::motion::PerContact;
 
 /// Extremes after a given time, which may lie within a step.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Extremes {
     start: f64,
-    range: Option<[f64; 2]>,
+    /// Of each contact; empty before the start.
+    ranges: SmallVec<[[f64; 2]; 1]>,
 }
 
-/// A step: the block's positions at selected times in it, including its turning points and its end.
+/// A step: the contacts' positions at its end, and at their turning points in it.
 pub(super) struct Passed {
-    before: f64,
-    points: [Option<(f64, f64)>; 3],
+    /// Time, contact, and the contact's position.
+    turns: SmallVec<[(f64, usize, f64); 1]>,
+    end: PerContact,
 }
 
 impl Passed {
-    /// Evaluates the motion's latest step, which began at the time `before`, with the block `stuck`
-    /// or not: it turns back only while it slides.
-    pub(super) fn of(
-        slider: &Slider,
-        motion: &mut Motion<Slider, 1, 0>,
-        before: f64,
-        stuck: bool,
-    ) -> Self {
-        let [forward, backward] = [1.0, -1.0].map(|direction| {
-            let velocity =
-                |state: &SliderState| direction * (slider.belt_speed + state.beta_dot[0]);
-            let turn = if stuck { None } else { motion.falls_through_zero(velocity) };
-            turn.map(|(time, state)| (time, state.beta[0]))
-        });
-        let end = (motion.time(), motion.state().beta[0]);
-        Passed { before, points: [forward, backward, Some(end)] }
+    /// Evaluates a step.
+    pub(super) fn of(step: &LaneStep) -> Self {
+        let rates = |state: &[f64]| step.view.evaluator.rates(step.during(), state);
+        let turn = |(index, contact): (usize, &ContactPlace)| {
+            let time = step.passes_through_zero(|state| rates(state)[contact.position])?;
+            Some((time, index, step.unwrapped_at(time)[index]))
+        };
+        let turns = step.view.contacts.iter().enumerate().filter_map(turn).collect();
+        Passed { turns, end: step.unwrapped() }
     }
 }
 
 impl Extremes {
     /// Starts at a time.
     pub(super) fn from(start: f64) -> Self {
-        Extremes { start, range: None }
+        Extremes { start, ranges: SmallVec::new() }
     }
 
-    /// Starts at a time and position.
-    pub(super) fn from_place(start: f64, position: f64) -> Self {
-        Extremes { start, range: Some([position; 2]) }
+    /// Starts at a time and the positions then.
+    pub(super) fn from_place(start: f64, positions: &[f64]) -> Self {
+        Extremes { start, ranges: positions.iter().map(|position| [*position; 2]).collect() }
     }
 
-    /// Adds the motion's latest step.
-    pub(super) fn take_in(&mut self, passed: &Passed, motion: &mut Motion<Slider, 1, 0>) {
-        if passed.before < self.start
-            && let Some(state) = motion.within_last_step(self.start)
-        {
-            self.extend(state.beta[0]);
+    /// Returns the time from which on the extremes are taken.
+    pub(super) fn start(&self) -> f64 {
+        self.start
+    }
+
+    /// Adds a step.
+    pub(super) fn take_in(&mut self, step: &LaneStep, passed: &Passed) {
+        if step.time() < self.start {
+            return;
         }
-        for (time, position) in passed.points.into_iter().flatten() {
-            if time >= self.start {
-                self.extend(position);
-            }
+        if self.ranges.is_empty() {
+            let first = step.unwrapped_at(self.start.max(step.began()));
+            *self = Extremes::from_place(self.start, &first);
+        }
+        let turns = passed.turns.iter().filter(|(time, ..)| *time >= self.start);
+        let turns = turns.map(|(_, contact, position)| (*contact, *position));
+        for (contact, position) in turns.chain(passed.end.iter().copied().enumerate()) {
+            let [low, high] = &mut self.ranges[contact];
+            *low = low.min(position);
+            *high = high.max(position);
         }
     }
 
-    fn extend(&mut self, position: f64) {
-        let [low, high] = self.range.get_or_insert([position; 2]);
-        *low = low.min(position);
-        *high = high.max(position);
-    }
-
-    /// Returns half of the distance between the extremes; `None` if no step was added.
+    /// Returns the largest of the contacts' half distances between their extremes; `None` if no
+    /// step was added.
     pub(super) fn amplitude(&self) -> Option<f64> {
-        self.range.map(|[low, high]| 0.5 * (high - low))
+        self.ranges.iter().map(|[low, high]| 0.5 * (high - low)).reduce(f64::max)
     }
 }

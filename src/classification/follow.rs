@@ -1,83 +1,13 @@
-//! Follows a run until it ends, and continues it to the later end time if the study extends it.
+//! The end time of a run, and the later one to which it is continued if the study extends it.
 //!
 //! A continued run gives bit for bit the outcome of a run with the later end time from the start.
 //! Before the step that the end time may shorten, only the statistics over the last part of the
-//! time depend on the end time. The whole run is therefore saved before that step and continued
-//! from there, and the statistics are collected for both end times, each from its own start. The
-//! effort limit is that of the longer run throughout.
+//! time depend on the end time. The whole run is therefore saved before that step, and before the
+//! statistics for the later end time begin, and continued from there. The effort limit is that of
+//! the longer run throughout.
 
-use super::outcome::{Label, Outcome};
-use super::recorder::Recorder;
+use super::outcome::Label;
 use crate::model::{Extend, Simulation};
-
-/// A run in progress.
-pub(super) trait Run: Clone {
-    /// How the run ended.
-    type Ending;
-
-    /// Returns whether the end time may shorten the next step.
-    fn reaches_end(&self) -> bool;
-
-    /// Advances by one step, at most to the end time. Returns the ending if the run has ended.
-    fn advance(&mut self) -> Option<Self::Ending>;
-
-    /// Replaces the end time by the later one.
-    fn extend(&mut self);
-
-    /// Returns the outcome of the ended run.
-    fn outcome(&self, ending: Self::Ending) -> Outcome;
-
-    /// Passes the latest step to a recorder.
-    fn show(&mut self, recorder: &mut Recorder);
-
-    /// Notifies a recorder that the run continues from its current state.
-    fn goes_on(&self, recorder: &mut Recorder);
-}
-
-/// Follows a run until it ends; the recorder, if any, receives every step.
-pub(super) fn follow<R: Run>(
-    mut run: R,
-    extend: Option<Extend>,
-    mut recorder: Option<&mut Recorder>,
-) -> Outcome {
-    show(&mut run, &mut recorder);
-    let Some(extend) = extend else { return to_the_end(run, &mut recorder) };
-    while !run.reaches_end() {
-        if let Some(ending) = advance(&mut run, &mut recorder) {
-            return run.outcome(ending);
-        }
-    }
-    let mut kept = run.clone();
-    let outcome = to_the_end(run, &mut recorder);
-    if !continues(extend, outcome.label()) {
-        return outcome;
-    }
-    kept.extend();
-    if let Some(recorder) = &mut recorder {
-        kept.goes_on(recorder);
-    }
-    Outcome { extended: true, ..to_the_end(kept, &mut recorder) }
-}
-
-fn to_the_end<R: Run>(mut run: R, recorder: &mut Option<&mut Recorder>) -> Outcome {
-    loop {
-        if let Some(ending) = advance(&mut run, recorder) {
-            return run.outcome(ending);
-        }
-    }
-}
-
-fn advance<R: Run>(run: &mut R, recorder: &mut Option<&mut Recorder>) -> Option<R::Ending> {
-    let ending = run.advance();
-    show(run, recorder);
-    ending
-}
-
-fn show<R: Run>(run: &mut R, recorder: &mut Option<&mut Recorder>) {
-    if let Some(recorder) = recorder {
-        run.show(recorder);
-    }
-}
 
 /// Returns whether a run with a label is continued.
 pub(super) fn continues(extend: Extend, label: Label) -> bool {
@@ -137,11 +67,6 @@ impl<W> Horizons<W> {
     /// Returns the statistics for the later end time; `None` without one.
     pub(super) fn later_window(&self) -> Option<&W> {
         self.later.as_ref().map(|later| &later.window)
-    }
-
-    /// Returns the statistics for each end time.
-    pub(super) fn windows(&mut self) -> impl Iterator<Item = &mut W> {
-        std::iter::once(&mut self.now).chain(&mut self.later).map(|horizon| &mut horizon.window)
     }
 
     /// Replaces the end time by the later one.

@@ -5,16 +5,13 @@
 //! neighbours, so that the order of the work does not affect the results.
 
 use std::collections::VecDeque;
+use std::sync::Arc;
 
-use fearless_simd::Simd;
-
-use super::balancer::{Prepared, other_number_of_balls};
 use super::lane_run::{LaneRun, Next};
-use super::one_by_one::one_by_one;
 use super::outcome::{Evidence, Outcome};
 use super::recorder::Recorder;
-use crate::model::{Ball, Case, Model};
-use crate::motion::lockstep::{Group, Happened, LANES, Room, Saved, advance};
+use crate::model::{Case, Components, Model, Recorded, System};
+use crate::motion::lockstep::{Happened, LANES, LaneGroup, Saved};
 use crate::motion::{SimdLevel, unwind_if_cancelled};
 
 /// Source of runs and sink of outcomes.
@@ -31,115 +28,119 @@ pub trait Runs {
     }
 }
 
-/// Simulates runs until there are none left, in lockstep if their models allow it (see
-/// [`goes_in_lockstep`]). Each outcome is bit for bit that of [`super::simulate`].
+/// Simulates runs in lockstep until there are none left. Each outcome is bit for bit that of
+/// [`super::simulate`].
 pub fn simulate_in_lockstep(level: SimdLevel, runs: &mut dyn Runs) {
-    let mut upcoming = runs.next();
-    while let Some((number, case)) = upcoming.take() {
-        upcoming = match lanes_for(&case) {
-            0 => {
-                let outcome = one_by_one(&case, runs.recorder());
-                runs.ended(number, outcome);
-                runs.next()
+    simulate_with(KernelChoice::Fastest, level, runs);
+}
+
+/// Simulates runs like [`simulate_in_lockstep`] with the general kernel, also where a tuned one exists. Outcomes agree
+/// within the tolerances.
+pub fn simulate_by_recorded_equations_in_lockstep(level: SimdLevel, runs: &mut dyn Runs) {
+    simulate_with(KernelChoice::General, level, runs);
+}
+
+/// Which kernel computes a run.
+#[derive(Clone, Copy)]
+pub(super) enum KernelChoice {
+    /// The tuned one, if there is one for the system.
+    Fastest,
+    /// The general one.
+    General,
+}
+
+/// Simulates runs in lockstep with kernels of this choice.
+pub(super) fn simulate_with(kernel: KernelChoice, level: SimdLevel, runs: &mut dyn Runs) {
+    let mut upcoming = next_sound(kernel, runs);
+    while let Some(first) = upcoming {
+        upcoming = Lockstep::new((kernel, level), runs, first).go();
+    }
+}
+
+/// A run that has not begun.
+struct Upcoming {
+    number: u64,
+    case: Case,
+    system: Arc<dyn System>,
+    start: Components,
+}
+
+/// Returns the next run that is physically valid; all others end at once.
+fn next_sound(kernel: KernelChoice, runs: &mut dyn Runs) -> Option<Upcoming> {
+    loop {
+        let (number, case) = runs.next()?;
+        match prepared(&case) {
+            Ok((system, start)) => {
+                let system: Arc<dyn System> = match kernel {
+                    KernelChoice::Fastest => system,
+                    KernelChoice::General => Arc::new(Recorded(system)),
+                };
+                return Some(Upcoming { number, case, system, start });
             }
-            1 => at::<1>(level, runs, (number, case)),
-            2 => at::<2>(level, runs, (number, case)),
-            3 => at::<3>(level, runs, (number, case)),
-            4 => at::<4>(level, runs, (number, case)),
-            5 => at::<5>(level, runs, (number, case)),
-            6 => at::<6>(level, runs, (number, case)),
-            7 => at::<7>(level, runs, (number, case)),
-            _ => at::<8>(level, runs, (number, case)),
-        };
+            Err(error) => {
+                runs.ended(number, Outcome::failed(Evidence::InvalidParameters, error));
+            }
+        }
     }
 }
 
-/// Returns the number of balls of the lanes for a case; 0 if the case is computed alone.
-fn lanes_for(case: &Case) -> usize {
-    let sound = case.model.validate().is_ok() && goes_in_lockstep(&case.model);
-    if sound { case.model.balls() } else { 0 }
+/// Returns system and start state of a case, or what is invalid about it.
+fn prepared(case: &Case) -> Result<(Arc<dyn System>, Components), String> {
+    let Case { model, start, .. } = case;
+    model.validate().map_err(|invalid| invalid.to_string())?;
+    let system = model.system().ok_or_else(|| format!("{} balls", model.balls()))?;
+    let other_coordinates = || match model {
+        Model::BallBalancer(_) => {
+            "the start state has another number of balls than the machine".to_owned()
+        }
+        Model::Block(_) => "the start state of a block is its position and its velocity".to_owned(),
+    };
+    Ok((system, model.start_state(start).ok_or_else(other_coordinates)?))
 }
 
-/// Returns whether runs of this model are computed in lockstep: balancers whose friction is
-/// independent of speed or proportional to it.
-pub fn goes_in_lockstep(model: &Model) -> bool {
-    let Model::BallBalancer(machine) = model else { return false };
-    let is_linear = |ball: &Ball| machine.friction.is_linear(ball.friction_coefficient);
-    machine.balls.iter().all(is_linear)
-}
-
-fn at<const N: usize>(
-    level: SimdLevel,
-    runs: &mut dyn Runs,
-    first: (u64, Case),
-) -> Option<(u64, Case)> {
-    #[cfg(target_arch = "x86_64")]
-    if let Some(simd) = level.avx512() {
-        return Lockstep::<_, N>::new(simd, runs, first).go();
-    }
-    #[cfg(target_arch = "x86_64")]
-    if let Some(simd) = level.avx2() {
-        return Lockstep::<_, N>::new(simd, runs, first).go();
-    }
-    #[cfg(target_arch = "aarch64")]
-    if let Some(simd) = level.neon() {
-        return Lockstep::<_, N>::new(simd, runs, first).go();
-    }
-    let (number, case) = first;
-    let outcome = one_by_one(&case, runs.recorder());
-    runs.ended(number, outcome);
-    runs.next()
-}
-
-/// Runs with `N` balls in progress.
-struct Lockstep<'a, S: Simd, const N: usize> {
-    simd: S,
+/// Runs in progress whose systems share lanes.
+struct Lockstep<'a> {
+    kernel: KernelChoice,
     runs: &'a mut dyn Runs,
-    /// The next run, with this number of balls or another.
-    upcoming: Option<(u64, Case)>,
+    /// The next run, whose system may need other lanes.
+    upcoming: Option<Upcoming>,
     /// Without displacements and with them.
-    teams: [Team<S, N>; 2],
-    room: Box<Room<S, N>>,
+    teams: [Team; 2],
     /// Whether steps are recorded.
     recorded: bool,
 }
 
 /// A group of lanes with the monitors of each run.
-struct Team<S: Simd, const N: usize> {
-    group: Box<Group<S, N>>,
-    members: [Option<Box<LaneRun<N>>>; LANES],
-    cases: [Option<Case>; LANES],
-    waiting: VecDeque<Waiting<N>>,
+struct Team {
+    group: Box<dyn LaneGroup>,
+    members: [Option<Box<LaneRun>>; LANES],
+    waiting: VecDeque<Waiting>,
 }
 
 /// A run that waits for a lane.
-struct Waiting<const N: usize> {
-    saved: Saved<N>,
-    run: Box<LaneRun<N>>,
-    case: Case,
+struct Waiting {
+    saved: Saved,
+    run: Box<LaneRun>,
 }
 
-impl<'a, S: Simd, const N: usize> Lockstep<'a, S, N> {
-    fn new(simd: S, runs: &'a mut dyn Runs, first: (u64, Case)) -> Self {
+impl<'a> Lockstep<'a> {
+    fn new(
+        (kernel, level): (KernelChoice, SimdLevel),
+        runs: &'a mut dyn Runs,
+        first: Upcoming,
+    ) -> Self {
         let team = || Team {
-            group: Box::new(Group::new(simd)),
+            group: level.lanes(&first.system),
             members: std::array::from_fn(|_| None),
-            cases: std::array::from_fn(|_| None),
             waiting: VecDeque::new(),
         };
-        Lockstep {
-            simd,
-            recorded: runs.recorder().is_some(),
-            runs,
-            upcoming: Some(first),
-            teams: [team(), team()],
-            room: Box::new(Room::new(simd)),
-        }
+        let teams = [team(), team()];
+        let recorded = runs.recorder().is_some();
+        Lockstep { kernel, recorded, runs, upcoming: Some(first), teams }
     }
 
-    /// Computes runs until none with this number of balls is left. Returns the next run after
-    /// those.
-    fn go(mut self) -> Option<(u64, Case)> {
+    /// Computes runs until none is left that fits the lanes. Returns the next run after those.
+    fn go(mut self) -> Option<Upcoming> {
         loop {
             self.fill(0);
             self.fill(1);
@@ -156,35 +157,27 @@ impl<'a, S: Simd, const N: usize> Lockstep<'a, S, N> {
         while let Some(lane) = self.teams[team].group.empty_lane() {
             let next = self.teams[team].waiting.pop_front();
             let next = if team == 0 { next.or_else(|| self.start_next()) } else { next };
-            let Some(Waiting { saved, run, case }) = next else { return };
-            let Team { group, members, cases, .. } = &mut self.teams[team];
+            let Some(Waiting { saved, run }) = next else { return };
+            let Team { group, members, .. } = &mut self.teams[team];
             group.put(lane, &saved, run.end());
             if let Some(recorder) = self.runs.recorder() {
-                run.show_start(recorder, group, lane);
+                run.show(recorder, group.as_ref(), lane);
             }
             let number = run.number;
-            let (next, run) = run.begins(group, lane);
-            (members[lane], cases[lane]) = (run, Some(case));
+            let (next, run) = run.begins(group.as_mut(), lane);
+            members[lane] = run;
             self.goes_on(team, lane, number, next);
         }
     }
 
-    /// Returns the next run of this number of balls that can be started.
-    fn start_next(&mut self) -> Option<Waiting<N>> {
+    /// Returns the next run that fits the lanes and can be started.
+    fn start_next(&mut self) -> Option<Waiting> {
         loop {
-            let (number, case) = self.upcoming.take()?;
-            if lanes_for(&case) != N {
-                self.upcoming = Some((number, case));
-                return None;
-            }
-            self.upcoming = self.runs.next();
-            let Model::BallBalancer(machine) = &case.model else { continue };
-            let Some(prepared) = Prepared::<N>::new(machine, &case.start, &case.simulation) else {
-                self.runs.ended(number, other_number_of_balls());
-                continue;
-            };
-            match LaneRun::start(number, prepared, &case.simulation) {
-                Ok((saved, run)) => return Some(Waiting { saved, run: Box::new(run), case }),
+            let fits = |next: &mut Upcoming| self.teams[0].group.fits(&next.system);
+            let Upcoming { number, case, system, start } = self.upcoming.take_if(fits)?;
+            self.upcoming = next_sound(self.kernel, self.runs);
+            match LaneRun::start(number, &case, &system, &start) {
+                Ok((saved, run)) => return Some(Waiting { saved, run: Box::new(run) }),
                 Err(failure) => {
                     let evidence = Evidence::Failure(failure);
                     self.runs.ended(number, Outcome::failed(evidence, failure.to_string()));
@@ -196,8 +189,7 @@ impl<'a, S: Simd, const N: usize> Lockstep<'a, S, N> {
     /// Takes a step in all lanes of a team.
     fn step(&mut self, team: usize) {
         unwind_if_cancelled();
-        let group = &mut self.teams[team].group;
-        let happened = advance(self.simd, group, &mut self.room, team == 1);
+        let happened = self.teams[team].group.advance(team == 1);
         if self.recorded {
             self.record(team, &happened);
         }
@@ -208,7 +200,7 @@ impl<'a, S: Simd, const N: usize> Lockstep<'a, S, N> {
             let Team { group, members, .. } = &mut self.teams[team];
             let Some(run) = &mut members[lane] else { continue };
             let number = run.number;
-            let next = run.look(group, &self.room, lane, &happened);
+            let next = run.look(group.as_mut(), lane, &happened);
             self.goes_on(team, lane, number, next);
         }
     }
@@ -219,44 +211,38 @@ impl<'a, S: Simd, const N: usize> Lockstep<'a, S, N> {
         let Team { group, members, .. } = &self.teams[team];
         let Some(recorder) = self.runs.recorder() else { return };
         for (lane, run) in members.iter().enumerate() {
-            let bit = 1 << lane;
             if let Some(run) = run
-                && happened.taken & bit != 0
+                && happened.taken & 1 << lane != 0
             {
-                run.show(recorder, group, &self.room, lane, happened.event & bit != 0);
+                run.show(recorder, group.as_ref(), lane);
             }
         }
     }
 
     /// Continues, moves or ends a run in a lane.
-    fn goes_on(&mut self, team: usize, lane: usize, number: u64, next: Next<N>) {
+    fn goes_on(&mut self, team: usize, lane: usize, number: u64, next: Next) {
         if matches!(next, Next::Stay) {
             return;
         }
-        let Team { group, members, cases, .. } = &mut self.teams[team];
+        let Team { group, members, .. } = &mut self.teams[team];
         let saved = group.take(lane);
-        let (run, case) = (members[lane].take(), cases[lane].take());
-        match (next, case) {
-            (Next::Done(outcome), _) => self.runs.ended(number, *outcome),
-            (Next::Continue(kept), Some(case)) => {
+        let run = members[lane].take();
+        match next {
+            Next::Stay => {}
+            Next::Done(outcome) => self.runs.ended(number, *outcome),
+            Next::Continue(kept) => {
                 let (saved, run) = *kept;
                 if let Some(recorder) = self.runs.recorder() {
                     recorder.rewind(saved.time(), saved.effort());
                 }
                 let team = usize::from(run.is_displaced(saved.time()));
-                let waiting = Waiting { saved, run: Box::new(run), case };
-                self.teams[team].waiting.push_back(waiting);
+                self.teams[team].waiting.push_back(Waiting { saved, run: Box::new(run) });
             }
-            (Next::Move, Some(case)) => {
+            Next::Move => {
                 if let (Some(saved), Some(run)) = (saved, run) {
-                    self.teams[1 - team].waiting.push_back(Waiting { saved, run, case });
+                    self.teams[1 - team].waiting.push_back(Waiting { saved, run });
                 }
             }
-            (_, Some(case)) => {
-                let outcome = one_by_one(&case, self.runs.recorder());
-                self.runs.ended(number, outcome);
-            }
-            (_, None) => {}
         }
     }
 }

@@ -1,78 +1,85 @@
 //! One of the runs in lockstep, with its monitors, step by step until its ending is known.
 //!
-//! The endings are those of a run computed alone (`classification::balancer`). A lane is inspected
-//! only after an event, a section crossing, near rest, or at a requested time.
+//! A lane is inspected only after an event, a section crossing, near rest, or at a requested time.
 
-use fearless_simd::Simd;
+use std::sync::Arc;
 
-use super::balancer::{BalancerRun, Ending, Late, Prepared, Units};
-use super::certificate::certified;
-use super::follow::{Horizons, Run, continues};
-use super::orbit::{GoneRound, OrbitWatch};
+use super::cycle_watch::CycleWatch;
+use super::extremes::Passed;
+use super::follow::{Horizons, continues};
+use super::lane_step::LaneStep;
+use super::late::Late;
+use super::lyapunov;
 use super::outcome::Outcome;
 use super::recorder::Recorder;
+use super::run_outcome::Ending;
 use super::settled::SettledWatch;
-use super::window::{NODES, Taken};
-use crate::model::{Balancer, Extend, Simulation};
-use crate::motion::lockstep::{Group, Happened, Room, Saved, Trouble};
-use crate::motion::{Failure, Settings};
+use super::step_limit::effort_limit;
+use super::system_view::{SystemView, all_stick};
+use crate::model::{Case, Components, Extend, System, Units};
+use crate::motion::lockstep::{Happened, LaneGroup, Saved};
+use crate::motion::{Evaluator, Failure, Settings};
 
 /// Sizes of a displacement that need no renormalisation.
 const HANDY: std::ops::Range<f64> = 1e-99..1e99;
 
 /// A run in a lane.
 #[derive(Clone, Debug)]
-pub(super) struct LaneRun<const N: usize> {
+pub(super) struct LaneRun {
     /// The run's number, which identifies it to the caller.
     pub(super) number: u64,
-    balancer: Balancer<N>,
+    pub(super) view: Arc<SystemView>,
+    pub(super) units: Units,
     settings: Settings,
-    units: Units,
     extend: Option<Extend>,
-    horizons: Horizons<Late<N>>,
-    /// `None` if limit cycles are not sought.
-    watch: Option<OrbitWatch<N>>,
-    settled: SettledWatch,
+    pub(super) horizons: Horizons<Late>,
+    pub(super) watch: CycleWatch,
+    pub(super) settled: SettledWatch,
     still: bool,
     /// The saved run before its end time had any effect, if the run may be continued.
-    kept: Option<Box<(Saved<N>, LaneRun<N>)>>,
-    extended: bool,
+    kept: Option<Box<(Saved, LaneRun)>>,
+    pub(super) extended: bool,
 }
 
 /// The action on a run after a step.
-pub(super) enum Next<const N: usize> {
+pub(super) enum Next {
     /// The run stays in its lane.
     Stay,
     /// The run moves to the group with displacements, or back.
     Move,
     /// The run continues later from this saved state.
-    Continue(Box<(Saved<N>, LaneRun<N>)>),
+    Continue(Box<(Saved, LaneRun)>),
     /// The run has ended.
     Done(Box<Outcome>),
-    /// The run must be computed alone.
-    Fallback,
 }
 
-impl<const N: usize> LaneRun<N> {
+impl LaneRun {
     /// Creates a run at its start.
     ///
     /// # Errors
     /// If the motion cannot be started from the start state.
     pub(super) fn start(
         number: u64,
-        prepared: Prepared<N>,
-        simulation: &Simulation,
-    ) -> Result<(Saved<N>, Self), Failure> {
-        let Prepared { balancer, state, settings, units, horizons, watch } = prepared;
-        let saved = Saved::start(&balancer, settings, state)?;
+        case: &Case,
+        system: &Arc<dyn System>,
+        state: &Components,
+    ) -> Result<(Saved, Self), Failure> {
+        let simulation = &case.simulation;
+        let units = case.model.units();
+        let view = Arc::new(SystemView::new(Evaluator::new(Arc::clone(system))));
+        let late = |end: f64| Late::until(end, simulation.endings, &view);
+        let horizons = Horizons::new(simulation, units.natural_rad_s, late);
+        let limit = effort_limit(system.as_ref(), horizons.latest_end());
+        let settings = Settings::new(simulation, limit);
+        let saved = Saved::start(system, settings, state)?;
         let run = LaneRun {
             number,
-            balancer,
-            settings,
+            watch: CycleWatch::new(simulation.endings, &settings, &view),
+            view,
             units,
+            settings,
             extend: simulation.extend,
             horizons,
-            watch,
             settled: SettledWatch::default(),
             still: false,
             kept: None,
@@ -93,149 +100,110 @@ impl<const N: usize> LaneRun<N> {
     }
 
     /// Must be called when the run has been put into a lane: it may be at rest already.
-    pub(super) fn begins<S: Simd>(
+    pub(super) fn begins(
         mut self: Box<Self>,
-        group: &mut Group<S, N>,
+        group: &mut dyn LaneGroup,
         lane: usize,
-    ) -> (Next<N>, Option<Box<Self>>) {
-        if let Some(ending) = self.rests(group, lane) {
-            return (self.ends(group, lane, ending), None);
+    ) -> (Next, Option<Box<Self>>) {
+        if self.rests(group, lane) {
+            return (self.ends(group, lane, Ending::Rest), None);
         }
-        group.set_told(lane, self.watch.is_some());
+        group.set_told(lane, !matches!(self.watch, CycleWatch::None));
         self.plan(group, lane);
         (Next::Stay, Some(self))
     }
 
-    /// Passes the start of the run to a recorder.
-    pub(super) fn show_start<S: Simd>(
-        &self,
-        recorder: &mut Recorder,
-        group: &Group<S, N>,
-        lane: usize,
-    ) {
-        if let Some(mut motion) = group.motion(lane, &self.balancer) {
-            recorder.take_in(&self.balancer, &mut motion);
-        }
-    }
-
-    /// Passes the latest step to a recorder.
-    pub(super) fn show<S: Simd>(
-        &self,
-        recorder: &mut Recorder,
-        group: &Group<S, N>,
-        room: &Room<S, N>,
-        lane: usize,
-        had_event: bool,
-    ) {
-        if let Some(mut motion) = group.motion_with_step(room, lane, had_event, &self.balancer) {
-            recorder.take_in(&self.balancer, &mut motion);
-        }
+    /// Passes the latest step, or the start of the run, to a recorder.
+    pub(super) fn show(&self, recorder: &mut Recorder, group: &dyn LaneGroup, lane: usize) {
+        recorder.take_in(&LaneStep { group, lane, view: &self.view });
     }
 
     /// Evaluates the latest step.
-    pub(super) fn look<S: Simd>(
+    pub(super) fn look(
         &mut self,
-        group: &mut Group<S, N>,
-        room: &Room<S, N>,
+        group: &mut dyn LaneGroup,
         lane: usize,
         happened: &Happened,
-    ) -> Next<N> {
+    ) -> Next {
         let bit = 1 << lane;
-        match happened.trouble[lane] {
-            Some(Trouble::Failure(failure)) => {
-                return self.ends(group, lane, Ending::Failure(failure));
-            }
-            Some(Trouble::Fallback) => return Next::Fallback,
-            None => {}
+        if let Some(failure) = happened.trouble[lane] {
+            return self.ends(group, lane, Ending::Failure(failure));
         }
         let time = group.time(lane);
         let displaced = self.is_displaced(time);
-        let late = self.horizons.window_mut();
-        if time > late.means.start() {
-            late.means.take_in(LaneStep { group, room, lane });
-        }
+        self.measure(&*group, lane);
+        let separation = &mut self.horizons.window_mut().separation;
         if displaced {
             self.separate(group, lane, time, happened.attention & bit != 0);
-        } else if late.separation.follows(time) && !late.separation.has_begun() {
-            group.displace(lane);
-            late.separation.begin(time, group.courses(lane));
+        } else if separation.follows(time) && !separation.has_begun() {
+            group.displace(lane, &lyapunov::displacement(&self.view));
+            separation.begin(time, lyapunov::courses(&LaneStep { group, lane, view: &self.view }));
         }
-        if happened.still & bit != 0 || self.still {
-            self.still = happened.still & bit != 0;
-            if let Some(motion) = group.motion(lane, &self.balancer)
-                && self.settled.look(&self.balancer, &motion, self.horizons.end())
-            {
+        let still = happened.still & bit != 0;
+        if still || self.still {
+            self.still = still;
+            let since = if still { group.time_before(lane) } else { time };
+            let at = (group.phases(lane), &*group.state(lane));
+            if self.settled.look(&self.view, at, [since, time, self.horizons.end()]) {
                 return self.ends(group, lane, Ending::Settled);
             }
         }
-        if (happened.event | happened.round | happened.turned) & bit != 0
-            && let Some(orbit) = self.closes(group, room, lane, happened.event & bit != 0)
-        {
-            return self.ends(group, lane, Ending::Cycle(orbit));
+        if (happened.event | happened.round | happened.turned) & bit != 0 {
+            let step = LaneStep { group: &*group, lane, view: &self.view };
+            if let Some(ending) = self.watch.closes(&self.settings, &step) {
+                return self.ends(group, lane, ending);
+            }
         }
         if time >= self.horizons.end() {
             return self.ends_in_time(group, lane);
         }
-        if happened.rest & bit != 0
-            && let Some(ending) = self.rests(group, lane)
-        {
-            return self.ends(group, lane, ending);
+        if happened.rest & bit != 0 && self.rests(group, lane) {
+            return self.ends(group, lane, Ending::Rest);
         }
         self.plan(group, lane);
         if self.is_displaced(time) == displaced { Next::Stay } else { Next::Move }
     }
 
+    /// Adds the latest step to the statistics that have begun.
+    fn measure(&mut self, group: &dyn LaneGroup, lane: usize) {
+        let step = LaneStep { group, lane, view: &self.view };
+        let passed = self.watch.takes_each_step().then(|| Passed::of(&step));
+        if let Some(passed) = &passed {
+            self.watch.take_in(&step, passed);
+        }
+        self.horizons.window_mut().vibration.take_in(&step, passed.as_ref());
+    }
+
     /// Records the growth of the displacement when that is due or its size is out of range. Other
     /// inspections of the run do not affect the result.
-    fn separate<S: Simd>(&mut self, group: &mut Group<S, N>, lane: usize, time: f64, asked: bool) {
+    fn separate(&mut self, group: &mut dyn LaneGroup, lane: usize, time: f64, asked: bool) {
         if !asked {
             return;
         }
-        let displaced = group.displaced(lane);
+        let (mut displacement, grazed) = group.displacement(lane);
+        let size = lyapunov::size(&self.view, &displacement);
         let due = time >= self.horizons.window().separation.next_mark();
-        if !due && HANDY.contains(&displaced.size) {
+        if !due && HANDY.contains(&size) {
             return;
         }
-        group.normalise(lane, displaced.size);
-        let courses = group.courses(lane);
-        let separation = &mut self.horizons.window_mut().separation;
-        separation.grow(time, displaced.size, displaced.grazed, courses);
+        displacement.iter_mut().for_each(|component| *component *= 1.0 / size);
+        group.displace(lane, &displacement);
+        let courses = lyapunov::courses(&LaneStep { group, lane, view: &self.view });
+        self.horizons.window_mut().separation.grow(time, size, grazed, courses);
     }
 
-    /// Returns the limit cycle that the run has been shown to be on.
-    fn closes<S: Simd>(
-        &mut self,
-        group: &Group<S, N>,
-        room: &Room<S, N>,
-        lane: usize,
-        had_event: bool,
-    ) -> Option<super::Orbit<N>> {
-        let watch = self.watch.as_mut()?;
-        let (phases, end) = group.at_end_of_step(room, lane)?;
-        let reference = watch.goes_round(&phases, &end)?;
-        let passage = group.passage(room, lane, reference);
-        let last_switches = group.last_switches(lane)?;
-        let direction = end.beta_dot[reference].signum();
-        let phases = group.phases_during_step(lane, had_event)?;
-        let round = GoneRound { reference, direction, passage, phases, last_switches };
-        watch.take_in(&self.balancer, &self.settings, round)
-    }
-
-    /// Returns whether all balls stick and can never break loose again.
-    fn rests<S: Simd>(&self, group: &Group<S, N>, lane: usize) -> Option<Ending<N>> {
-        if !group.all_stick(lane) {
-            return None;
-        }
-        let state = group.state(lane);
-        let rest = self.balancer.rest_point(&state.beta);
-        certified(&self.balancer, &rest, &state).then_some(Ending::Rest(rest))
+    /// Returns whether all contacts stick and can never break loose again.
+    fn rests(&self, group: &dyn LaneGroup, lane: usize) -> bool {
+        let forms = || self.view.system().rest_forms();
+        all_stick(group.phases(lane))
+            && forms().is_some_and(|forms| forms.surely_rests(&group.state(lane)))
     }
 
     /// Schedules the next inspection of the run, and saves the run if its end time may affect the
     /// next step.
-    fn plan<S: Simd>(&mut self, group: &mut Group<S, N>, lane: usize) {
-        let Late { means, separation } = self.horizons.window();
-        let mut attention = means.start();
+    fn plan(&mut self, group: &mut dyn LaneGroup, lane: usize) {
+        let Late { vibration, separation } = self.horizons.window();
+        let mut attention = if self.watch.takes_each_step() { 0.0 } else { vibration.start() };
         if !separation.has_begun() {
             attention = attention.min(separation.start());
         } else if self.is_displaced(group.time(lane)) {
@@ -244,8 +212,7 @@ impl<const N: usize> LaneRun<N> {
         if let Some(later) = self.horizons.later_window()
             && self.kept.is_none()
         {
-            let depends =
-                later.separation.start().min(later.means.start()).min(self.horizons.end());
+            let depends = later.start().min(self.horizons.end());
             if group.reaches(lane, depends) {
                 let run = self.clone();
                 self.kept = group.copy(lane).map(|saved| Box::new((saved, run)));
@@ -257,10 +224,12 @@ impl<const N: usize> LaneRun<N> {
     }
 
     /// Ends the run at its end time, or continues it to the later one.
-    fn ends_in_time<S: Simd>(&mut self, group: &Group<S, N>, lane: usize) -> Next<N> {
-        let Some(mut run) = self.by_itself(group, lane) else { return Next::Fallback };
-        let ending = run.at_end_time();
-        let outcome = run.outcome(ending);
+    fn ends_in_time(&mut self, group: &dyn LaneGroup, lane: usize) -> Next {
+        let forms = || self.view.system().rest_forms();
+        let rests = all_stick(group.phases(lane))
+            && forms().is_some_and(|forms| forms.rests(&group.state(lane)));
+        let ending = if rests { Ending::Rest } else { Ending::EndTime };
+        let outcome = self.outcome(group, lane, ending);
         if let (Some(extend), Some(mut kept)) = (self.extend, self.kept.take())
             && continues(extend, outcome.label())
         {
@@ -268,50 +237,10 @@ impl<const N: usize> LaneRun<N> {
             kept.1.extended = true;
             return Next::Continue(kept);
         }
-        Next::Done(Box::new(Outcome { extended: self.extended, ..outcome }))
+        Next::Done(Box::new(outcome))
     }
 
-    fn ends<S: Simd>(&self, group: &Group<S, N>, lane: usize, ending: Ending<N>) -> Next<N> {
-        match self.by_itself(group, lane) {
-            Some(run) => {
-                let outcome = run.outcome(ending);
-                Next::Done(Box::new(Outcome { extended: self.extended, ..outcome }))
-            }
-            None => Next::Fallback,
-        }
-    }
-
-    fn by_itself<S: Simd>(&self, group: &Group<S, N>, lane: usize) -> Option<BalancerRun<'_, N>> {
-        Some(BalancerRun {
-            balancer: &self.balancer,
-            settings: self.settings,
-            units: self.units,
-            motion: group.motion(lane, &self.balancer)?,
-            horizons: self.horizons.clone(),
-            watch: self.watch.clone(),
-            settled: self.settled,
-            rest: None,
-        })
-    }
-}
-
-/// The latest step of a lane.
-struct LaneStep<'a, S: Simd, const N: usize> {
-    group: &'a Group<S, N>,
-    room: &'a Room<S, N>,
-    lane: usize,
-}
-
-impl<S: Simd, const N: usize> Taken<N> for LaneStep<'_, S, N> {
-    fn ends(&self) -> [f64; 2] {
-        [self.group.time_before(self.lane), self.group.time(self.lane)]
-    }
-
-    fn angles(&mut self, after: f64) -> [f64; N] {
-        self.group.angles_within(self.room, self.lane, after)
-    }
-
-    fn squares(&mut self, after: [f64; NODES.len()]) -> [f64; NODES.len()] {
-        self.group.squares_within(self.room, self.lane, after)
+    fn ends(&self, group: &dyn LaneGroup, lane: usize, ending: Ending) -> Next {
+        Next::Done(Box::new(self.outcome(group, lane, ending)))
     }
 }

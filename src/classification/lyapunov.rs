@@ -1,10 +1,10 @@
 //! Irregular motion: neighbouring motions separate exponentially.
 //!
-//! A small displacement is carried along the motion by the linearised flow, through stick and slip
-//! ([`crate::motion::Variational`]), and rescaled whenever it has grown (G. Benettin, L. Galgani,
-//! A. Giorgilli, J.-M. Strelcyn, Meccanica 15 (1980) 9, doi:10.1007/BF02128236; with saltation: P.
-//! C. Müller, Chaos Solitons Fractals 5 (1995) 1671, doi:10.1016/0960-0779(94)00170-U). The mean
-//! rate of growth over a window at the end of the run is the largest finite-time Lyapunov exponent.
+//! A small displacement is carried along the motion by the linearised flow, through stick and slip,
+//! and rescaled whenever it has grown (G. Benettin, L. Galgani, A. Giorgilli, J.-M. Strelcyn,
+//! Meccanica 15 (1980) 9, doi:10.1007/BF02128236; with saltation: P. C. Müller, Chaos Solitons
+//! Fractals 5 (1995) 1671, doi:10.1016/0960-0779(94)00170-U). The mean rate of growth over a window
+//! at the end of the run is the largest finite-time Lyapunov exponent.
 //! Its confidence interval comes from the scatter of the rates in [`BATCHES`] equal parts of the
 //! window.
 //!
@@ -18,9 +18,10 @@
 //! - the motion has recurred often: at least [`COURSES`] turns of balls and switches. This excludes
 //!   a slow passage by an unstable equilibrium, where neighbours separate only once.
 
+use super::lane_step::LaneStep;
 use super::outcome::LyapunovExponent;
-use crate::model::{State, System};
-use crate::motion::{Motion, Variational};
+use super::system_view::SystemView;
+use crate::model::Components;
 
 /// The part of the time at the end of a run over which separation is measured.
 pub(super) const SEPARATION_WINDOW: f64 = 0.75;
@@ -47,8 +48,7 @@ const COURSES: f64 = 20.0;
 
 /// Measures how fast neighbours of a motion separate between two times.
 #[derive(Clone, Debug)]
-pub(super) struct Separation<const N: usize, const FREE: usize> {
-    variation: Variational<N, FREE>,
+pub(super) struct Separation {
     start: f64,
     end: f64,
     /// Logarithm of the growth so far.
@@ -56,6 +56,8 @@ pub(super) struct Separation<const N: usize, const FREE: usize> {
     /// The growth at the start and at the end of each batch.
     marks: Vec<Mark>,
     given_up: bool,
+    /// Whether a switch was met by grazing, so that the displacement is undefined.
+    grazed: bool,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -66,53 +68,10 @@ struct Mark {
     courses: f64,
 }
 
-impl<const N: usize, const FREE: usize> Separation<N, FREE> {
+impl Separation {
     /// Creates a measurement from `start` to `end`.
     pub(super) fn new(start: f64, end: f64) -> Self {
-        // All contacts are displaced equally: exchanging two of them exchanges only the
-        // displacements. Balls that are exactly side by side stay so; the instability of their
-        // orbit shows in the multipliers. (Displaced speeds would separate contacts in proportion
-        // to time for a long period.)
-        let displaced = State { beta: [1.0; N], ..State::zero() };
-        Separation {
-            variation: Variational::new(vec![displaced]),
-            start,
-            end,
-            growth: 0.0,
-            marks: Vec::new(),
-            given_up: false,
-        }
-    }
-
-    /// Adds the motion's latest step if it lies in the window.
-    pub(super) fn follow<S: System<N, FREE>>(&mut self, motion: &Motion<S, N, FREE>) {
-        let time = motion.time();
-        if time <= self.start || self.given_up {
-            return;
-        }
-        if self.marks.is_empty() {
-            // The first step extends into the window and is excluded.
-            self.normalise();
-            self.growth = 0.0;
-            self.mark(time, courses(motion));
-            return;
-        }
-        self.variation.follow(motion);
-        self.normalise();
-        self.mark_if_due(time, || courses(motion));
-    }
-
-    fn normalise(&mut self) {
-        for direction in &mut self.variation.directions {
-            let State { position, velocity, beta, beta_dot } = &*direction;
-            let square = |values: &[f64]| values.iter().map(|value| value * value).sum::<f64>();
-            let size =
-                (square(position) + square(velocity) + square(beta) + square(beta_dot)).sqrt();
-            self.growth += size.ln();
-            let mut unit = State::zero();
-            unit.add_scaled(1.0 / size, direction);
-            *direction = unit;
-        }
+        Separation { start, end, growth: 0.0, marks: Vec::new(), given_up: false, grazed: false }
     }
 
     /// Returns the start of the window.
@@ -131,19 +90,17 @@ impl<const N: usize, const FREE: usize> Separation<N, FREE> {
         !self.marks.is_empty()
     }
 
-    /// Begins at the end of the first step that extends into the window, where the externally
-    /// stored displacement has the size 1. `courses` counts turns of balls and switches since the
-    /// start.
+    /// Begins at the end of the first step that extends into the window, where the displacement has
+    /// the size 1. `courses` counts turns of balls and switches since the start.
     pub(super) fn begin(&mut self, time: f64, courses: f64) {
-        self.growth = 0.0;
         self.mark(time, courses);
     }
 
-    /// Adds the growth of the externally stored displacement since the last call.
+    /// Adds the growth of the displacement since the last call.
     pub(super) fn grow(&mut self, time: f64, factor: f64, grazed: bool, courses: f64) {
         self.growth += factor.ln();
-        self.variation.grazed |= grazed;
-        self.mark_if_due(time, || courses);
+        self.grazed |= grazed;
+        self.mark_if_due(time, courses);
         self.given_up |= !self.growth.is_finite();
     }
 
@@ -156,9 +113,9 @@ impl<const N: usize, const FREE: usize> Separation<N, FREE> {
         (self.end - self.start) / BATCHES as f64
     }
 
-    fn mark_if_due(&mut self, time: f64, courses: impl FnOnce() -> f64) {
+    fn mark_if_due(&mut self, time: f64, courses: f64) {
         if time >= self.start + self.batch() * self.marks.len() as f64 || time >= self.end {
-            self.mark(time, courses());
+            self.mark(time, courses);
             self.given_up = self.marks.len() == PILOT + 1 && self.growth < 0.0;
         }
     }
@@ -172,7 +129,7 @@ impl<const N: usize, const FREE: usize> Separation<N, FREE> {
     /// not be measured, because a switch was met by grazing or there were too few steps.
     pub(super) fn exponent(&self) -> Option<LyapunovExponent> {
         let (first, last) = (self.marks.first()?, self.marks.last()?);
-        if self.variation.grazed || !last.growth.is_finite() || self.marks.len() <= PILOT {
+        if self.grazed || !last.growth.is_finite() || self.marks.len() <= PILOT {
             return None;
         }
         let rates: Vec<f64> = self
@@ -205,11 +162,38 @@ impl<const N: usize, const FREE: usize> Separation<N, FREE> {
     }
 }
 
-/// Turns of balls and switches since the start of a motion.
-fn courses<S: System<N, FREE>, const N: usize, const FREE: usize>(
-    motion: &Motion<S, N, FREE>,
-) -> f64 {
-    let turns = |ball: usize| (motion.unwrapped_angle(ball) / std::f64::consts::TAU).abs();
-    let turns: f64 = if S::ANGULAR { (0..N).map(turns).sum() } else { 0.0 };
-    turns + motion.effort().switches as f64
+/// Returns the initial displacement, of size 1. All contacts are displaced equally: exchanging two of
+/// them exchanges only the displacements. Balls that are exactly side by side stay so; the instability
+/// of their orbit shows in the multipliers. (Displaced speeds would separate contacts in proportion to
+/// time for a long period.)
+pub(super) fn displacement(view: &SystemView) -> Components {
+    let mut displaced = Components::from_elem(0.0, view.dimension());
+    for contact in &view.contacts {
+        displaced[contact.position] = 1.0 / (view.contacts.len() as f64).sqrt();
+    }
+    displaced
+}
+
+/// Returns the size of a displacement.
+pub(super) fn size(view: &SystemView, displacement: &[f64]) -> f64 {
+    let square = |components: &mut dyn Iterator<Item = usize>| {
+        components.map(|place| displacement[place] * displacement[place]).sum::<f64>()
+    };
+    let (positions, velocities) = view.free.split_at(view.free.len() / 2);
+    let contacts = &view.contacts;
+    (square(&mut positions.iter().copied())
+        + square(&mut velocities.iter().copied())
+        + square(&mut contacts.iter().map(|contact| contact.position))
+        + square(&mut contacts.iter().filter_map(|contact| contact.speed)))
+    .sqrt()
+}
+
+/// Returns the number of turns of balls, in both directions, and switches since the start of a run.
+pub(super) fn courses(step: &LaneStep) -> f64 {
+    let LaneStep { group, lane, view } = *step;
+    let (state, turns) = (group.state(lane), group.turns(lane));
+    let balls = view.contacts.iter().zip(&turns).filter(|(contact, _)| contact.angular);
+    let turned = balls
+        .map(|(contact, turns)| (turns + state[contact.position] / std::f64::consts::TAU).abs());
+    turned.sum::<f64>() + step.effort().switches as f64
 }

@@ -15,41 +15,42 @@
 //!
 //! A run with no such ending at its end time may be continued to a later one (`follow`).
 
-mod balancer;
-mod block;
 mod block_cycle;
-mod certificate;
 mod closed_orbit;
 mod creep;
 mod cycle;
+mod cycle_watch;
 mod extremes;
 mod follow;
 mod in_lockstep;
 mod lane_run;
+mod lane_step;
+mod late;
 mod lyapunov;
-mod one_by_one;
 mod orbit;
 mod outcome;
 mod period;
 mod recorder;
 mod return_map;
+mod run_outcome;
 mod section;
 mod settled;
 mod simulate;
 mod step_limit;
+mod system_view;
 mod window;
 
 /// Version of the computed outcomes, incremented with every change that alters an outcome; cached
 /// results of other versions are not reused. A test pins the outcomes of each version.
-pub const MODEL_VERSION: u32 = 4;
+pub const MODEL_VERSION: u32 = 5;
 
-pub use certificate::{certified, certified_by_closed_form};
 pub use closed_orbit::Orbit;
 pub use cycle::{Cycle, CyclePhase};
-pub use in_lockstep::{Runs, goes_in_lockstep, simulate_in_lockstep};
-pub use one_by_one::simulate_one_by_one;
+pub use in_lockstep::{Runs, simulate_by_recorded_equations_in_lockstep, simulate_in_lockstep};
 pub use orbit::OrbitWatch;
 pub use outcome::{Evidence, Label, LyapunovExponent, Outcome};
 pub use recorder::{ContactSample, Instants, Recorder, Recording, Sample, Switch};
-pub use simulate::{simulate, simulate_recorded};
-pub use step_limit::{most_steps_of_a_run, most_steps_of_any_run, seconds_per_step};
+pub use simulate::{simulate, simulate_by_recorded_equations, simulate_recorded};
+pub use step_limit::{
+    has_tuned_kernel, most_steps_of_a_run, most_steps_of_any_run, seconds_per_step,
+};

@@ -16,13 +16,15 @@
 
 use std::cell::Cell;
 use std::collections::VecDeque;
+use std::sync::Arc;
 
 use super::closed_orbit::{Orbit, REACH, Verdict, examine};
 use super::return_map::ReturnMap;
 use super::section::Section;
 use super::step_limit::{MOST_LOOKS, MOST_STEPS_OF_A_LOOK};
-use crate::model::{Balancer, State, wrap_to_pi};
-use crate::motion::{Motion, Phase, Settings, Tolerance};
+use super::system_view::SystemView;
+use crate::model::{Components, wrap_to_pi};
+use crate::motion::{Evaluator, Motion, Phase, Phases, Settings, Tolerance};
 
 /// Maximum number of turns of the running ball after which an orbit may close.
 const MOST_TURNS: usize = 12;
@@ -45,49 +47,55 @@ fn near(turns: usize) -> f64 {
 
 /// A passage of the running ball through the section.
 #[derive(Clone, Debug)]
-struct Passage<const N: usize> {
+struct Passage {
     time: f64,
-    state: State<N>,
-    phases: [Phase; N],
+    state: Components,
+    phases: Phases,
     /// Distance from the passage `turns` turns earlier.
     differences: [f64; MOST_TURNS + 1],
 }
 
 /// A step in which a ball has gone round.
-pub(super) struct GoneRound<'a, const N: usize> {
+pub(super) struct GoneRound<'a> {
     /// The ball.
     pub(super) reference: usize,
     /// The ball's direction at the step's end.
     pub(super) direction: f64,
     /// Time and state at which it went through the angle 0.
-    pub(super) passage: Option<(f64, State<N>)>,
+    pub(super) passage: Option<(f64, Components)>,
     /// The balls' phases in the step, before a switch at its end.
-    pub(super) phases: &'a [Phase; N],
+    pub(super) phases: &'a [Phase],
     /// When each ball last changed its phase.
-    pub(super) last_switches: &'a [f64; N],
+    pub(super) last_switches: &'a [f64],
 }
 
 /// Detects closing orbits in a motion.
 #[derive(Clone, Debug)]
-pub struct OrbitWatch<const N: usize> {
+pub struct OrbitWatch {
+    view: Arc<SystemView>,
     closure: f64,
     /// The ball whose passages mark the section, and its direction.
     ball: Option<(usize, f64)>,
-    passages: VecDeque<Passage<N>>,
+    passages: VecDeque<Passage>,
     near_in_a_row: [usize; MOST_TURNS + 1],
     close_in_a_row: [usize; MOST_TURNS + 1],
     attempts: u32,
     wait_until: f64,
     /// An unstable closed orbit that the run has approached, and the number of turns after which it
     /// appeared to close.
-    unstable: Option<(usize, Box<Orbit<N>>)>,
+    unstable: Option<(usize, Box<Orbit>)>,
 }
 
-impl<const N: usize> OrbitWatch<N> {
-    /// Creates a watch for motions computed with `settings`.
-    pub fn new(settings: &Settings) -> Self {
+impl OrbitWatch {
+    /// Creates a watch for motions of a system computed with `settings`.
+    pub fn new(settings: &Settings, evaluator: &Evaluator) -> Self {
+        OrbitWatch::of(settings, Arc::new(SystemView::new(evaluator.clone())))
+    }
+
+    pub(super) fn of(settings: &Settings, view: Arc<SystemView>) -> Self {
         let Tolerance { relative, absolute } = settings.tolerance;
         OrbitWatch {
+            view,
             closure: 100.0 * (relative + absolute),
             ball: None,
             passages: VecDeque::with_capacity(MOST_TURNS + 2),
@@ -101,45 +109,46 @@ impl<const N: usize> OrbitWatch<N> {
 
     /// Examines the motion's latest step. Returns the limit cycle that the run has been shown to be
     /// on, which is `None` after most steps.
-    pub fn look(
-        &mut self,
-        balancer: &Balancer<N>,
-        settings: &Settings,
-        motion: &mut Motion<Balancer<N>, N>,
-    ) -> Option<Orbit<N>> {
-        let reference = self.goes_round(motion.phases(), motion.state())?;
+    pub fn look(&mut self, settings: &Settings, motion: &Motion) -> Option<Orbit> {
+        let mut end = motion.state();
+        let within = motion.within_last_step(motion.time())?;
+        for contact in &self.view.contacts {
+            end[contact.position] = within[contact.position];
+        }
+        let reference = self.goes_round(motion.phases(), &end)?;
         let passage = motion.passage(reference);
         let (phases, last_switches) = (motion.phases_during_step(), motion.last_switches());
-        let direction = motion.state().beta_dot[reference].signum();
+        let direction = self.view.speed(motion.phases(), &end, reference).signum();
         let round = GoneRound { reference, direction, passage, phases, last_switches };
-        self.take_in(balancer, settings, round)
+        self.take_in(settings, round)
     }
 
-    /// Returns the ball that has gone round in a step, if it marks the section or may do so.
+    /// Returns the contact that has gone round in a step, if it marks the section or may do so.
     /// `phases` and `state` are those at the step's end, with angles not yet reduced to one turn.
-    pub(super) fn goes_round(&mut self, phases: &[Phase; N], state: &State<N>) -> Option<usize> {
-        let State { beta, beta_dot, .. } = state;
+    pub(super) fn goes_round(&mut self, phases: &[Phase], state: &[f64]) -> Option<usize> {
+        let view = &self.view;
         let has_stopped = |(ball, direction): (usize, f64)| {
-            phases[ball].in_band() || direction * beta_dot[ball] <= 0.0
+            phases[ball].in_band() || direction * view.speed(phases, state, ball) <= 0.0
         };
-        if self.ball.is_some_and(has_stopped) {
+        let gone_round = |index: usize| {
+            let contact = view.contacts[index];
+            let once = 0.0..std::f64::consts::TAU;
+            contact.angular && !once.contains(&state[contact.position])
+        };
+        let ball = self.ball.filter(|ball| !has_stopped(*ball));
+        let found = match ball {
+            Some((ball, _)) => gone_round(ball).then_some(ball),
+            None => (0..view.contacts.len()).find(|&ball| gone_round(ball)),
+        };
+        if ball.is_none() && self.ball.is_some() {
             self.restart();
         }
-        let gone_round = |angle: f64| !(0.0..std::f64::consts::TAU).contains(&angle);
-        match self.ball {
-            Some((ball, _)) => gone_round(beta[ball]).then_some(ball),
-            None => (0..N).find(|&ball| gone_round(beta[ball])),
-        }
+        found
     }
 
     /// Adds the latest step of a motion, in which a ball has gone round. Returns the limit cycle
     /// that the run has been shown to be on.
-    pub(super) fn take_in(
-        &mut self,
-        balancer: &Balancer<N>,
-        settings: &Settings,
-        round: GoneRound<N>,
-    ) -> Option<Orbit<N>> {
+    pub(super) fn take_in(&mut self, settings: &Settings, round: GoneRound) -> Option<Orbit> {
         let GoneRound { reference, direction, passage, phases, last_switches } = round;
         let Some((time, state)) = passage else {
             self.restart();
@@ -147,7 +156,8 @@ impl<const N: usize> OrbitWatch<N> {
         };
         self.ball = Some((reference, direction));
         let differences = [f64::INFINITY; MOST_TURNS + 1];
-        let passage = Passage { time, state, phases: *phases, differences };
+        let phases = phases.iter().copied().collect();
+        let passage = Passage { time, state, phases, differences };
         let turns = self.record(reference, passage)?;
         if self.attempts >= MOST_LOOKS || time < self.wait_until {
             return None;
@@ -156,7 +166,7 @@ impl<const N: usize> OrbitWatch<N> {
         // After an inconclusive examination the motion gets time to settle, longer each time.
         let looked_at = time - self.passages.front()?.time;
         self.wait_until = time + f64::from(1 << self.attempts) * looked_at;
-        match self.examine(balancer, settings, reference, turns, last_switches) {
+        match self.examine(settings, reference, turns, last_switches) {
             Verdict::Stable(orbit) => return Some(orbit),
             Verdict::Unstable(orbit) => self.unstable = Some((turns, Box::new(orbit))),
             Verdict::Open => {}
@@ -166,7 +176,7 @@ impl<const N: usize> OrbitWatch<N> {
 
     /// Returns the unstable orbit on which the run nearly closes at its latest passage: only a
     /// symmetry or too short a run has prevented its departure.
-    pub fn unstable_orbit(&self) -> Option<&Orbit<N>> {
+    pub fn unstable_orbit(&self) -> Option<&Orbit> {
         let (turns, orbit) = self.unstable.as_ref()?;
         let closes = self.passages.back()?.differences[*turns] <= near(*turns);
         closes.then_some(orbit)
@@ -183,11 +193,11 @@ impl<const N: usize> OrbitWatch<N> {
     /// Records a passage. Returns the least number of turns after which the orbit appears to close:
     /// several successive returns are near, and nearer than an earlier return or as near as the
     /// tolerances allow; or many are near.
-    fn record(&mut self, reference: usize, mut passage: Passage<N>) -> Option<usize> {
+    fn record(&mut self, reference: usize, mut passage: Passage) -> Option<usize> {
         let mut closing = None;
         for turns in 1..=MOST_TURNS.min(self.passages.len()) {
             let earlier = &self.passages[self.passages.len() - turns];
-            let distance = difference(earlier, &passage, reference);
+            let distance = difference(&self.view, earlier, &passage, reference);
             passage.differences[turns] = distance;
             let before = earlier.differences[turns];
             // If the approach is so slow that the limit of its geometric series is out of reach,
@@ -216,17 +226,19 @@ impl<const N: usize> OrbitWatch<N> {
     /// Examines the orbit that appears to close after this number of turns.
     fn examine(
         &self,
-        balancer: &Balancer<N>,
         settings: &Settings,
         reference: usize,
         turns: usize,
-        last_switches: &[f64; N],
-    ) -> Verdict<N> {
+        last_switches: &[f64],
+    ) -> Verdict {
         let Some(passage) = self.passages.back() else { return Verdict::Open };
         let earlier = self.passages[self.passages.len() - 1 - turns].time;
         let steps_left = Cell::new(MOST_STEPS_OF_A_LOOK);
+        let rests = passage.phases.iter().zip(last_switches);
+        let rests = rests.map(|(phase, last)| *phase == Phase::Stick && *last < earlier).collect();
+        let section = Section::new(&self.view, reference, &passage.phases, rests);
         let map = ReturnMap {
-            balancer,
+            view: &self.view,
             steps_left: &steps_left,
             settings: Settings {
                 tolerance: Tolerance {
@@ -236,13 +248,7 @@ impl<const N: usize> OrbitWatch<N> {
                 effort_limit: 1_000_000,
                 ..*settings
             },
-            section: Section {
-                reference,
-                phases: passage.phases,
-                rests: std::array::from_fn(|ball| {
-                    passage.phases[ball] == Phase::Stick && last_switches[ball] < earlier
-                }),
-            },
+            section: &section,
             turns,
             longest: 2.0 * (passage.time - earlier),
         };
@@ -252,20 +258,22 @@ impl<const N: usize> OrbitWatch<N> {
 
 /// Returns the largest difference of two passages, angles modulo 2π. The residual speed of a
 /// sticking ball does not count.
-fn difference<const N: usize>(a: &Passage<N>, b: &Passage<N>, reference: usize) -> f64 {
-    let phases = &a.phases;
-    let (a, b) = (&a.state, &b.state);
+fn difference(view: &SystemView, a: &Passage, b: &Passage, reference: usize) -> f64 {
+    let change = |place: usize| a.state[place] - b.state[place];
     let mut largest: f64 = 0.0;
-    for axis in 0..2 {
-        largest = largest.max((a.position[axis] - b.position[axis]).abs());
-        largest = largest.max((a.velocity[axis] - b.velocity[axis]).abs());
+    for &place in &view.free {
+        largest = largest.max(change(place).abs());
     }
-    for (ball, phase) in phases.iter().enumerate() {
-        if *phase != Phase::Stick {
-            largest = largest.max((a.beta_dot[ball] - b.beta_dot[ball]).abs());
+    for (index, contact) in view.contacts.iter().enumerate() {
+        if a.phases[index] != Phase::Stick
+            && let Some(speed) = contact.speed
+        {
+            largest = largest.max(change(speed).abs());
         }
-        if ball != reference {
-            largest = largest.max(wrap_to_pi(a.beta[ball] - b.beta[ball]).abs());
+        if index != reference {
+            let change = change(contact.position);
+            let change = if contact.angular { wrap_to_pi(change) } else { change };
+            largest = largest.max(change.abs());
         }
     }
     largest

@@ -1,29 +1,32 @@
 //! Properties of one period of a cycle: sequence of stick and slip, extremes, means, margins.
 
 use super::cycle::CyclePhase;
+use super::return_map::FollowedStep;
 use super::section::Section;
-use crate::model::{Balancer, State};
-use crate::motion::{Motion, Phase, derivative, forces};
+use super::system_view::SystemView;
+use super::window::{NODES, WEIGHTS};
+use crate::model::Components;
+use crate::motion::Phase;
 
-/// Number of instants inside a step at which a resting ball's margin is evaluated.
+/// Number of instants inside a step at which a resting contact's margin is evaluated.
 const LOOKS: usize = 8;
 
 /// One period, accumulated step by step.
-pub(super) struct Period<const N: usize> {
-    rests: [bool; N],
+pub(super) struct Period {
+    /// The contacts that rest throughout.
+    rests: Vec<usize>,
     time: f64,
-    state: State<N>,
-    /// The sequence of phases of the balls.
-    pub(super) configurations: Vec<[CyclePhase; N]>,
-    /// Least and greatest speed of each ball.
-    pub(super) speeds: [[f64; 2]; N],
-    /// Least and greatest angle of each ball.
-    pub(super) angles: [[f64; 2]; N],
-    /// Greatest displacement of the table.
+    /// The sequence of phases of the contacts.
+    pub(super) configurations: Vec<Vec<CyclePhase>>,
+    /// Least and greatest speed of each contact.
+    pub(super) speeds: Vec<[f64; 2]>,
+    /// Least and greatest position of each contact.
+    pub(super) positions: Vec<[f64; 2]>,
+    /// Greatest displacement.
     pub(super) peak: f64,
     /// Integral over time of its square.
     pub(super) square_time: f64,
-    /// The smallest friction margin of a resting ball.
+    /// The smallest friction margin of a resting contact.
     pub(super) margin: f64,
 }
 
@@ -31,80 +34,77 @@ fn widen([low, high]: &mut [f64; 2], value: f64) {
     (*low, *high) = (low.min(value), high.max(value));
 }
 
-fn square<const N: usize>(state: &State<N>) -> f64 {
-    state.position.iter().map(|p| p * p).sum()
-}
-
-/// Half of the rate of change of the square.
-fn outward<const N: usize>(state: &State<N>) -> f64 {
-    state.position.iter().zip(&state.velocity).map(|(p, v)| p * v).sum()
-}
-
-impl<const N: usize> Period<N> {
-    pub(super) fn new(balancer: &Balancer<N>, section: &Section<N>, start: &State<N>) -> Self {
+impl Period {
+    pub(super) fn new(view: &SystemView, section: &Section, start: &[f64]) -> Self {
+        let phases = &section.phases;
+        let contacts = 0..view.contacts.len();
         let mut period = Period {
-            rests: section.rests,
+            rests: contacts.clone().filter(|&contact| section.rests[contact]).collect(),
             time: 0.0,
-            state: *start,
-            configurations: vec![cycle_phases(&section.phases, start)],
-            speeds: start.beta_dot.map(|speed| [speed; 2]),
-            angles: start.beta.map(|angle| [angle.rem_euclid(std::f64::consts::TAU); 2]),
-            peak: square(start).sqrt(),
+            configurations: vec![cycle_phases(view, phases, start)],
+            speeds: contacts.map(|contact| [view.speed(phases, start, contact); 2]).collect(),
+            positions: view.wrapped(start).iter().map(|position| [*position; 2]).collect(),
+            peak: view.square(start).sqrt(),
             square_time: 0.0,
             margin: f64::INFINITY,
         };
-        period.look_at_margin(balancer, &section.phases, start);
+        period.look_at_margin(view, phases, start);
         period
     }
 
-    /// Adds a step with the phases `during` it; if the period ends inside the step, with time and
-    /// state there.
-    pub(super) fn take_in(
-        &mut self,
-        balancer: &Balancer<N>,
-        motion: &mut Motion<'_, Balancer<N>, N>,
-        during: &[Phase; N],
-        end: Option<(f64, State<N>)>,
-    ) {
-        let ends = end.is_some();
-        let (time, state) = end.unwrap_or((motion.time(), *motion.state()));
+    /// Adds a step, until the end of the period if that is inside the step.
+    pub(super) fn take_in(&mut self, view: &SystemView, step: &FollowedStep) {
+        let motion = &step.motion;
+        let during = motion.phases_during_step();
+        // The state at the step's end, with angles not reduced to one turn.
+        let at_end = || {
+            let mut state = motion.state();
+            let unwrapped = motion.unwrapped();
+            for (index, contact) in view.contacts.iter().enumerate() {
+                state[contact.position] = unwrapped[index] - step.whole_turns[index];
+            }
+            (motion.time(), state)
+        };
+        let returned = step.end.map(|(time, state)| (time, Components::from_slice(state)));
+        let (time, state) = returned.unwrap_or_else(at_end);
         let length = time - self.time;
-        // The trapezoidal rule with end corrections (Euler and Maclaurin), of order 4.
-        self.square_time += 0.5 * length * (square(&self.state) + square(&state))
-            + length * length / 6.0 * (outward(&self.state) - outward(&state));
-        self.peak = self.peak.max(square(&state).sqrt());
-        if let Some((_, outermost)) = motion.falls_through_zero(outward) {
-            self.peak = self.peak.max(square(&outermost).sqrt());
+        for (node, weight) in NODES.iter().zip(WEIGHTS) {
+            let inside = motion.within_last_step(self.time + node * length);
+            self.square_time += inside.map_or(0.0, |state| weight * length * view.square(&state));
         }
-        for ball in 0..N {
+        self.peak = self.peak.max(view.square(&state).sqrt());
+        if let Some((_, outermost)) = motion.falls_through_zero(|state| view.outward(state)) {
+            self.peak = self.peak.max(view.square(&outermost).sqrt());
+        }
+        for (index, contact) in view.contacts.iter().enumerate() {
+            let speed = |state: &[f64]| view.speed(during, state, index);
             let turns = [1.0, -1.0].map(|sign| {
-                let acceleration =
-                    |state: &State<N>| sign * derivative(balancer, during, state).beta_dot[ball];
-                motion.falls_through_zero(acceleration).map(|(_, state)| state.beta_dot[ball])
+                let acceleration = |state: &[f64]| sign * view.acceleration(during, state, index);
+                motion.falls_through_zero(acceleration).map(|(_, state)| speed(&state))
             });
-            for speed in turns.into_iter().flatten().chain([state.beta_dot[ball]]) {
-                widen(&mut self.speeds[ball], speed);
+            for speed in turns.into_iter().flatten().chain([speed(&state)]) {
+                widen(&mut self.speeds[index], speed);
             }
             // It turns back where it stops, usually at a switch at the step's end.
             let stops = [1.0, -1.0].map(|sign| {
-                let stop = motion.falls_through_zero(|state| sign * state.beta_dot[ball]);
-                stop.map(|(_, state)| state.beta[ball])
+                let stop = motion.falls_through_zero(|state| sign * speed(state));
+                stop.map(|(_, state)| state[contact.position])
             });
-            let whole_turns = motion.unwrapped_angle(ball) - motion.state().beta[ball];
-            for angle in stops.into_iter().flatten().chain([state.beta[ball]]) {
-                widen(&mut self.angles[ball], angle + whole_turns);
+            for position in stops.into_iter().flatten().chain([state[contact.position]]) {
+                widen(&mut self.positions[index], position + step.whole_turns[index]);
             }
         }
-        if self.rests.contains(&true) {
+        if !self.rests.is_empty() {
             for look in 1..=LOOKS {
                 let inside = self.time + look as f64 / LOOKS as f64 * length;
                 if let Some(state) = motion.within_last_step(inside) {
-                    self.look_at_margin(balancer, during, &state);
+                    self.look_at_margin(view, during, &state);
                 }
             }
         }
         // At its end the period returns to its start.
-        let now = cycle_phases(motion.phases(), &state);
+        let now = cycle_phases(view, motion.phases(), &state);
+        let ends = step.end.is_some();
         if !ends && self.configurations.last() != Some(&now) {
             self.configurations.push(now);
         }
@@ -114,21 +114,25 @@ impl<const N: usize> Period<N> {
         {
             self.configurations.pop();
         }
-        (self.time, self.state) = (time, state);
+        self.time = time;
     }
 
-    fn look_at_margin(&mut self, balancer: &Balancer<N>, phases: &[Phase; N], state: &State<N>) {
-        if !self.rests.contains(&true) {
+    fn look_at_margin(&mut self, view: &SystemView, phases: &[Phase], state: &[f64]) {
+        if self.rests.is_empty() {
             return;
         }
-        let forces = forces(balancer, phases, state);
-        for ball in (0..N).filter(|&ball| self.rests[ball]) {
-            let limit = balancer.balls[ball].friction.limit * forces.normal[ball];
-            self.margin = self.margin.min(1.0 - forces.friction[ball].abs() / limit);
+        let forces = view.evaluator.forces(phases, state);
+        for &contact in &self.rests {
+            let limit = view.system().friction(contact).limit * forces[contact].normal;
+            self.margin = self.margin.min(1.0 - forces[contact].friction.abs() / limit);
         }
     }
 }
 
-fn cycle_phases<const N: usize>(phases: &[Phase; N], state: &State<N>) -> [CyclePhase; N] {
-    std::array::from_fn(|ball| CyclePhase::of(phases[ball], state.beta_dot[ball]))
+fn cycle_phases(view: &SystemView, phases: &[Phase], state: &[f64]) -> Vec<CyclePhase> {
+    let phases_by_contact = phases.iter().enumerate();
+    let of = |(contact, phase): (usize, &Phase)| {
+        CyclePhase::of(*phase, view.speed(phases, state, contact))
+    };
+    phases_by_contact.map(of).collect()
 }

@@ -5,8 +5,9 @@
 //! restarts from the state saved before its end time had an effect; the record is rewound to the
 //! same state.
 
-use crate::model::System;
-use crate::motion::{Effort, Instant, Motion, Phase};
+use super::lane_step::LaneStep;
+use super::system_view::SystemView;
+use crate::motion::{Effort, Instant, Phase};
 
 /// The recorded instants.
 #[derive(Clone, Debug, PartialEq)]
@@ -122,12 +123,8 @@ impl Recorder {
     }
 
     /// Adds the start of a run, or its latest step; a step that was added before is ignored.
-    pub(super) fn take_in<S: System<N, FREE>, const N: usize, const FREE: usize>(
-        &mut self,
-        system: &S,
-        motion: &mut Motion<'_, S, N, FREE>,
-    ) {
-        let effort = motion.effort();
+    pub(super) fn take_in(&mut self, step: &LaneStep) {
+        let (view, effort) = (step.view, step.effort());
         if !self.begun {
             self.begun = true;
             let first = match &self.instants {
@@ -135,50 +132,46 @@ impl Recorder {
                 Instants::At(times) => times.first() == Some(&0.0),
             };
             if first {
-                self.push(system, 0, &motion.now());
+                self.push(view, 0, &step.now());
             }
         }
         if effort.steps == self.effort.steps {
             return;
         }
-        let Some(began) = motion.last_step_began() else { return };
+        let began = step.began();
         match &self.instants {
             Instants::EveryStep { inside } => {
-                let (parts, length) = (inside + 1, motion.time() - began);
+                let (parts, length) = (inside + 1, step.time() - began);
                 for part in 1..parts {
                     let time = began + length * f64::from(part) / f64::from(parts);
-                    if let Some(instant) = motion.inside_last_step(time) {
-                        self.push(system, effort.steps, &instant);
+                    if let Some(instant) = step.inside(time) {
+                        self.push(view, effort.steps, &instant);
                     }
                 }
-                if let Some(before) = motion.before_switch() {
-                    self.push(system, effort.steps, &before);
+                if let Some(before) = step.before_switch() {
+                    self.push(view, effort.steps, &before);
                 }
-                self.push(system, effort.steps, &motion.now());
+                self.push(view, effort.steps, &step.now());
             }
             Instants::At(times) => {
                 let first = times.partition_point(|time| *time <= self.time);
-                let end = times.partition_point(|time| *time <= motion.time());
+                let end = times.partition_point(|time| *time <= step.time());
                 let due: Vec<f64> = times.get(first..end).unwrap_or_default().to_vec();
                 for time in due {
-                    let instant = motion.inside_last_step(time).unwrap_or_else(|| motion.now());
-                    self.push(system, effort.steps, &instant);
+                    let instant = step.inside(time).unwrap_or_else(|| step.now());
+                    self.push(view, effort.steps, &instant);
                 }
             }
         }
-        if let Some(before) = motion.before_switch() {
-            self.switches(system, &before, &motion.now());
+        if let Some(before) = step.before_switch() {
+            self.switches(view, &before, &step.now());
         }
-        (self.time, self.effort) = (motion.time(), effort);
+        (self.time, self.effort) = (step.time(), effort);
     }
 
-    fn switches<S: System<N, FREE>, const N: usize, const FREE: usize>(
-        &mut self,
-        system: &S,
-        before: &Instant<N, FREE>,
-        after: &Instant<N, FREE>,
-    ) {
-        for contact in (0..N).filter(|&contact| before.phases[contact] != after.phases[contact]) {
+    fn switches(&mut self, view: &SystemView, before: &Instant, after: &Instant) {
+        let contacts = 0..before.phases.len();
+        for contact in contacts.filter(|&one| before.phases[one] != after.phases[one]) {
             if self.recording.switches.len() >= self.most {
                 self.recording.cut_off = true;
                 return;
@@ -186,49 +179,35 @@ impl Recorder {
             self.recording.switches.push(Switch {
                 time: after.time,
                 contact,
-                before: contact_sample(system, before, contact),
-                after: contact_sample(system, after, contact),
+                before: contact_sample(view, before, contact),
+                after: contact_sample(view, after, contact),
             });
         }
     }
 
-    fn push<S: System<N, FREE>, const N: usize, const FREE: usize>(
-        &mut self,
-        system: &S,
-        step: u64,
-        instant: &Instant<N, FREE>,
-    ) {
+    fn push(&mut self, view: &SystemView, step: u64, instant: &Instant) {
         if self.recording.samples.len() >= self.most {
             self.recording.cut_off = true;
             return;
         }
-        let Instant { time, state, .. } = instant;
-        let table = || {
-            Some([*state.position.first()?, *state.position.get(1)?])
-                .zip(Some([*state.velocity.first()?, *state.velocity.get(1)?]))
-                .map(|([x, y], [x_dot, y_dot])| [x, y, x_dot, y_dot])
-        };
+        let contacts = 0..view.contacts.len();
         self.recording.samples.push(Sample {
-            time: *time,
+            time: instant.time,
             step,
-            table: table(),
-            contacts: (0..N).map(|contact| contact_sample(system, instant, contact)).collect(),
+            table: view.vibration.map(|places| places.map(|place| instant.state[place])),
+            contacts: contacts.map(|contact| contact_sample(view, instant, contact)).collect(),
         });
     }
 }
 
-fn contact_sample<S: System<N, FREE>, const N: usize, const FREE: usize>(
-    system: &S,
-    instant: &Instant<N, FREE>,
-    contact: usize,
-) -> ContactSample {
-    let normal = instant.forces.normal[contact];
+fn contact_sample(view: &SystemView, instant: &Instant, contact: usize) -> ContactSample {
+    let forces = instant.forces[contact];
     ContactSample {
         position: instant.unwrapped[contact],
-        speed: instant.state.beta_dot[contact],
+        speed: forces.speed,
         phase: instant.phases[contact],
-        friction: instant.forces.friction[contact],
-        limit: system.friction(contact).limit * normal,
-        normal,
+        friction: forces.friction,
+        limit: view.system().friction(contact).limit * forces.normal,
+        normal: forces.normal,
     }
 }

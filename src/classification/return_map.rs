@@ -1,8 +1,8 @@
 //! The return map of a running ball: from one passage through the section to one some turns later,
 //! through all stick and slip, with its derivative and the properties of the period.
 //!
-//! The derivative is the linearised flow, corrected at each switch by the saltation matrix
-//! ([`crate::motion::Variational`]), and projected on the section.
+//! The derivative is the linearised flow, corrected at each switch by the saltation matrix, and
+//! projected on the section.
 
 use std::cell::Cell;
 
@@ -10,15 +10,16 @@ use nalgebra::DMatrix;
 
 use super::period::Period;
 use super::section::Section;
-use crate::model::{Balancer, State};
-use crate::motion::{Motion, Phase, Settings, Variational, derivative};
+use super::system_view::SystemView;
+use crate::model::Components;
+use crate::motion::{Motion, PerContact, Phase, Settings};
 
 /// The map from one passage of the section to a later one.
 #[derive(Clone, Copy)]
-pub(super) struct ReturnMap<'a, const N: usize> {
-    pub(super) balancer: &'a Balancer<N>,
+pub(super) struct ReturnMap<'a> {
+    pub(super) view: &'a SystemView,
     pub(super) settings: Settings,
-    pub(super) section: Section<N>,
+    pub(super) section: &'a Section,
     pub(super) turns: usize,
     /// Time after which the computation of the map ends without a result.
     pub(super) longest: f64,
@@ -27,62 +28,69 @@ pub(super) struct ReturnMap<'a, const N: usize> {
 }
 
 /// The result of the return map.
-pub(super) struct Return<const N: usize> {
+pub(super) struct Return {
     /// The final state, with angles that include the turns made.
-    pub(super) state: State<N>,
+    pub(super) state: Components,
     /// The duration.
     pub(super) time: f64,
 }
 
-impl<const N: usize> ReturnMap<'_, N> {
-    /// Returns one return; `None` if a ball that should rest moves, or the marking ball stops or
-    /// does not return.
-    pub(super) fn follow(&self, start: &State<N>) -> Option<Return<N>> {
-        self.go(start, 0, |_, _, _| {})
+/// The latest step of the followed motion.
+pub(super) struct FollowedStep<'a> {
+    pub(super) motion: &'a mut Motion,
+    /// The difference between the contacts' positions with whole turns and those of the states
+    /// within the step.
+    pub(super) whole_turns: PerContact,
+    /// Time and state of the return, if it is in this step.
+    pub(super) end: Option<(f64, &'a [f64])>,
+}
+
+impl ReturnMap<'_> {
+    /// Returns one return; `None` if a contact that should rest moves, or the marking contact stops
+    /// or does not return.
+    pub(super) fn follow(&self, start: &[f64]) -> Option<Return> {
+        self.go(start, &[], |_| {})
     }
 
     /// Returns one return with the derivative of the map.
-    pub(super) fn follow_with_slope(&self, start: &State<N>) -> Option<(Return<N>, DMatrix<f64>)> {
-        let mut variation = Variational::new(self.section.directions());
+    pub(super) fn follow_with_slope(&self, start: &[f64]) -> Option<(Return, DMatrix<f64>)> {
         let mut columns = Vec::new();
-        let neighbours = self.section.directions().len() as u64;
-        let end = self.go(start, neighbours, |motion, phases, end| match end {
-            None => variation.follow(motion),
+        let mut grazed = false;
+        let end = self.go(start, &self.section.directions(), |step| match step.end {
+            None => grazed = step.motion.grazed(),
             Some((time, state)) => {
-                let rate = derivative(self.balancer, phases, state);
-                let there = variation.followed_to(motion, time);
+                let rate = self.view.evaluator.rates(step.motion.phases_during_step(), state);
+                let there = step.motion.displacements_within(time);
                 columns = there.iter().map(|one| self.section.on_section(one, &rate)).collect();
             }
         })?;
         let slope = DMatrix::from_columns(&columns);
-        let sound = !variation.grazed && slope.iter().all(|value| value.is_finite());
+        let sound = !grazed && slope.iter().all(|value| value.is_finite());
         sound.then_some((end, slope))
     }
 
     /// Returns one return with the properties of the period.
-    pub(super) fn follow_closely(&self, start: &State<N>) -> Option<(Return<N>, Period<N>)> {
-        let mut period = Period::new(self.balancer, &self.section, start);
-        let end = self.go(start, 0, |motion, phases, end| {
-            period.take_in(self.balancer, motion, phases, end.map(|(time, state)| (time, *state)));
-        })?;
+    pub(super) fn follow_closely(&self, start: &[f64]) -> Option<(Return, Period)> {
+        let mut period = Period::new(self.view, self.section, start);
+        let end = self.go(start, &[], |step| period.take_in(self.view, step))?;
         Some((end, period))
     }
 
-    /// Follows the motion with this number of displaced motions. `watch` receives each step with
-    /// the phases during it, and for the last step the time and state of the return.
+    /// Follows the motion with displaced motions. `watch` receives each step.
     fn go(
         &self,
-        start: &State<N>,
-        neighbours: u64,
-        watch: impl FnMut(&mut Motion<'_, Balancer<N>, N>, &[Phase; N], Option<(f64, &State<N>)>),
-    ) -> Option<Return<N>> {
-        let mut start = *start;
-        start.beta[self.section.reference] = 0.0;
+        start: &[f64],
+        directions: &[Components],
+        watch: impl FnMut(&mut FollowedStep),
+    ) -> Option<Return> {
+        let mut start = Components::from_slice(start);
+        start[self.view.contacts[self.section.reference].position] = 0.0;
         let left = self.steps_left.get();
-        let cost = 1 + neighbours;
+        let cost = 1 + directions.len() as u64;
         let effort_limit = self.settings.effort_limit.min(left / cost);
         let settings = Settings { effort_limit, ..self.settings };
-        let mut motion = Motion::new(self.balancer, settings, start).ok()?;
+        let system = self.view.evaluator.system();
+        let mut motion = Motion::with_directions(system, settings, &start, directions).ok()?;
         let end = self.come_back(&mut motion, &start, watch);
         let taken = motion.effort().total().saturating_mul(cost);
         self.steps_left.set(left.saturating_sub(taken));
@@ -92,42 +100,52 @@ impl<const N: usize> ReturnMap<'_, N> {
     /// Follows a motion from its start until it comes back to the section.
     fn come_back(
         &self,
-        motion: &mut Motion<'_, Balancer<N>, N>,
-        start: &State<N>,
-        mut watch: impl FnMut(&mut Motion<'_, Balancer<N>, N>, &[Phase; N], Option<(f64, &State<N>)>),
-    ) -> Option<Return<N>> {
-        let Section { reference, phases, rests } = self.section;
+        motion: &mut Motion,
+        start: &[f64],
+        mut watch: impl FnMut(&mut FollowedStep),
+    ) -> Option<Return> {
+        let Section { reference, phases, rests, .. } = self.section;
+        let contacts = &self.view.contacts;
         // Angles are relative to those of the start, including the whole turns that the motion
         // subtracts.
-        let taken_off: [f64; N] =
-            std::array::from_fn(|ball| start.beta[ball] - motion.unwrapped_angle(ball));
+        let begun = motion.unwrapped();
+        let taken_off = |index: usize| start[contacts[index].position] - begun[index];
         let mut passed = 0;
         while motion.time() < self.longest {
-            let stays = |ball: usize| {
-                let phase = motion.phases()[ball];
-                (!rests[ball] || phase == Phase::Stick) && (ball != reference || !phase.in_band())
+            let stays = |(index, phase): (usize, &Phase)| {
+                (!rests[index] || *phase == Phase::Stick)
+                    && (index != *reference || !phase.in_band())
             };
-            if !(0..N).all(stays) {
+            if !motion.phases().iter().enumerate().all(stays) {
                 return None;
             }
-            let during = *motion.phases();
+            let whole_turns = self.whole_turns(motion);
             motion.advance(self.longest).ok()?;
-            let passage = motion.passage(reference);
+            let passage = motion.passage(*reference);
             passed += usize::from(passage.is_some());
             let Some((time, mut state)) = passage.filter(|_| passed == self.turns) else {
-                watch(motion, &during, None);
+                watch(&mut FollowedStep { motion, whole_turns, end: None });
                 continue;
             };
-            if during != phases {
+            if motion.phases_during_step() != phases.as_slice() {
                 return None;
             }
-            watch(motion, &during, Some((time, &state)));
-            for (ball, taken_off) in taken_off.into_iter().enumerate() {
-                let turns = motion.unwrapped_angle(ball) - motion.state().beta[ball];
-                state.beta[ball] += turns + taken_off;
+            let end = Some((time, state.as_slice()));
+            let mut step = FollowedStep { motion, whole_turns, end };
+            watch(&mut step);
+            let turns = step.whole_turns;
+            for (index, contact) in contacts.iter().enumerate() {
+                state[contact.position] += turns[index] + taken_off(index);
             }
             return Some(Return { state, time });
         }
         None
+    }
+
+    /// Returns the difference between the contacts' positions with whole turns and those of the
+    /// state.
+    fn whole_turns(&self, motion: &Motion) -> PerContact {
+        let positions = self.view.positions(&motion.state());
+        motion.unwrapped().iter().zip(&positions).map(|(all, within)| all - within).collect()
     }
 }

@@ -1,88 +1,103 @@
 //! The section of a running ball's passages through the angle 0, with coordinates on it.
 //!
-//! The coordinates are the table's position and velocity and the variables of the balls that vary:
-//! not the angle of the ball that marks the section, the speed of a ball that sticks there, or the
-//! angle of a ball that rests throughout. Such a ball may rest anywhere in an interval; each such
-//! angle is a neutral direction of a continuous family of cycles, with a multiplier of exactly 1.
+//! The coordinates are the free components (position and velocity of the table) and the variables
+//! of the contacts that vary: not the angle of the ball that marks the section, the speed of a
+//! contact that sticks there, or the position of a contact that rests throughout. Such a contact may
+//! rest anywhere in an interval; each such position is a neutral direction of a continuous family of
+//! cycles, with a multiplier of exactly 1.
 
 use nalgebra::DVector;
+use smallvec::{SmallVec, smallvec};
 
-use crate::model::{State, wrap_to_pi};
-use crate::motion::Phase;
+use super::system_view::SystemView;
+use crate::model::{Components, wrap_to_pi};
+use crate::motion::{Phase, Phases};
 
-/// A section and the balls' phases there.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Section<const N: usize> {
-    /// The ball whose passages mark it.
+/// A section and the contacts' phases there.
+#[derive(Clone, Debug)]
+pub(super) struct Section {
+    /// The contact whose passages mark it.
     pub(super) reference: usize,
-    /// The phases of the balls there.
-    pub(super) phases: [Phase; N],
-    /// Which balls rest throughout the orbit.
-    pub(super) rests: [bool; N],
+    /// The phases of the contacts there.
+    pub(super) phases: Phases,
+    /// Which contacts rest throughout the orbit.
+    pub(super) rests: SmallVec<[bool; 8]>,
+    /// The component that is the position of the reference.
+    place: usize,
+    /// The components that are the coordinates, and whether they are angles.
+    coordinates: Vec<(usize, bool)>,
+    /// Number of components of a state.
+    dimension: usize,
 }
 
-impl<const N: usize> Section<N> {
-    fn acts_on_speed(&self, ball: usize) -> bool {
-        self.phases[ball] != Phase::Stick
-    }
-
-    fn acts_on_angle(&self, ball: usize) -> bool {
-        ball != self.reference && !self.rests[ball]
+impl Section {
+    pub(super) fn new(
+        view: &SystemView,
+        reference: usize,
+        phases: &[Phase],
+        rests: SmallVec<[bool; 8]>,
+    ) -> Self {
+        let mut coordinates: Vec<_> = view.free.iter().map(|place| (*place, false)).collect();
+        for (index, contact) in view.contacts.iter().enumerate() {
+            if phases[index] != Phase::Stick {
+                coordinates.extend(contact.speed.map(|place| (place, false)));
+            }
+            if index != reference && !rests[index] {
+                coordinates.push((contact.position, contact.angular));
+            }
+        }
+        Section {
+            reference,
+            phases: phases.iter().copied().collect(),
+            rests,
+            place: view.contacts[reference].position,
+            coordinates,
+            dimension: view.dimension(),
+        }
     }
 
     /// The coordinates of a state, or of a displacement.
-    pub(super) fn coordinates(&self, state: &State<N>) -> DVector<f64> {
-        let mut values = [state.position, state.velocity].concat();
-        for ball in 0..N {
-            if self.acts_on_speed(ball) {
-                values.push(state.beta_dot[ball]);
-            }
-            if self.acts_on_angle(ball) {
-                values.push(state.beta[ball]);
-            }
-        }
-        DVector::from_vec(values)
+    pub(super) fn coordinates(&self, state: &[f64]) -> DVector<f64> {
+        let values = self.coordinates.iter().map(|(place, _)| state[*place]);
+        DVector::from_iterator(self.coordinates.len(), values)
     }
 
     /// Returns the state with these coordinates; the other variables are those of `like`, and the
-    /// marking ball is at the angle 0.
-    pub(super) fn state(&self, like: &State<N>, coordinates: &DVector<f64>) -> State<N> {
-        let mut state = *like;
-        let mut values = coordinates.iter().copied();
-        let mut next = || values.next().unwrap_or(0.0);
-        state.position = [next(), next()];
-        state.velocity = [next(), next()];
-        for ball in 0..N {
-            if self.acts_on_speed(ball) {
-                state.beta_dot[ball] = next();
-            }
-            if self.acts_on_angle(ball) {
-                state.beta[ball] = next();
-            }
+    /// marking contact is at the angle 0.
+    pub(super) fn state(&self, like: &[f64], coordinates: &DVector<f64>) -> Components {
+        let mut state = Components::from_slice(like);
+        for ((place, _), value) in self.coordinates.iter().zip(coordinates.iter()) {
+            state[*place] = *value;
         }
-        state.beta[self.reference] = 0.0;
+        state[self.place] = 0.0;
         state
     }
 
     /// Unit displacements along the coordinates.
-    pub(super) fn directions(&self) -> Vec<State<N>> {
-        let dimension = self.coordinates(&State::zero()).len();
-        let unit =
-            |axis: usize| DVector::from_fn(dimension, |row, _| if row == axis { 1.0 } else { 0.0 });
-        (0..dimension).map(|axis| self.state(&State::zero(), &unit(axis))).collect()
+    pub(super) fn directions(&self) -> Vec<Components> {
+        let unit = |(place, _): &(usize, bool)| {
+            let mut direction: Components = smallvec![0.0; self.dimension];
+            direction[*place] = 1.0;
+            direction
+        };
+        self.coordinates.iter().map(unit).collect()
     }
 
     /// Returns the projection on the section of a displacement of the motion, in a state with this
     /// time derivative: neighbours reach the section slightly earlier or later.
-    pub(super) fn on_section(&self, displacement: &State<N>, rate: &State<N>) -> DVector<f64> {
-        let mut displacement = *displacement;
-        let late = displacement.beta[self.reference] / rate.beta[self.reference];
-        displacement.add_scaled(-late, rate);
-        self.coordinates(&displacement)
+    pub(super) fn on_section(&self, displacement: &[f64], rate: &[f64]) -> DVector<f64> {
+        let late = displacement[self.place] / rate[self.place];
+        self.coordinates(displacement) + self.coordinates(rate) * -late
     }
 
     /// The difference of two states' coordinates, angles modulo 2π.
-    pub(super) fn difference(&self, one: &State<N>, other: &State<N>) -> DVector<f64> {
-        (self.coordinates(one) - self.coordinates(other)).map(wrap_to_pi)
+    pub(super) fn difference(&self, one: &[f64], other: &[f64]) -> DVector<f64> {
+        let mut difference = self.coordinates(one) - self.coordinates(other);
+        for ((_, angular), value) in self.coordinates.iter().zip(difference.iter_mut()) {
+            if *angular {
+                *value = wrap_to_pi(*value);
+            }
+        }
+        difference
     }
 }

@@ -13,8 +13,9 @@
 
 use nalgebra::{Complex, DMatrix, DVector, SVD, Schur};
 
-use crate::model::{Friction, State, System};
-use crate::motion::{Motion, Phase, derivative};
+use super::system_view::SystemView;
+use crate::model::Friction;
+use crate::motion::Phase;
 
 /// Largest component of the time derivative, non-dimensional, at which the motion is examined.
 const SLOW: f64 = 1e-6;
@@ -46,26 +47,25 @@ pub(super) struct SettledWatch {
 }
 
 impl SettledWatch {
-    /// Returns whether a motion that lasts until `end` has settled; after most steps nothing is
-    /// examined.
-    pub(super) fn look<S: System<N, FREE>, const N: usize, const FREE: usize>(
+    /// Returns whether a motion in a state that lasts until `end` has settled; after most steps
+    /// nothing is examined. If everything is slow, it is so since `since` at the latest.
+    pub(super) fn look(
         &mut self,
-        system: &S,
-        motion: &Motion<S, N, FREE>,
-        end: f64,
+        view: &SystemView,
+        (phases, state): (&[Phase], &[f64]),
+        [since, time, end]: [f64; 3],
     ) -> bool {
-        if !(may_settle(motion) && coordinates(motion.derivative()).all(|rate| rate.abs() <= SLOW))
-        {
+        let slow = || view.evaluator.rates(phases, state).iter().all(|rate| rate.abs() <= SLOW);
+        if !(may_settle(view, phases, state) && slow()) {
             self.slow_since = None;
             return false;
         }
-        let time = motion.time();
-        self.slow_since.get_or_insert(time);
+        self.slow_since.get_or_insert(since);
         if time < self.next.min(end) {
             return false;
         }
         self.next = 1.5 * time;
-        has_settled(system, motion).unwrap_or(false)
+        has_settled(view, phases, state).unwrap_or(false)
     }
 
     /// Returns the time since which everything is slow, if it is.
@@ -75,30 +75,25 @@ impl SettledWatch {
 }
 
 /// Returns whether every contact slides without dry friction or far from stopping.
-fn may_settle<S: System<N, FREE>, const N: usize, const FREE: usize>(
-    motion: &Motion<S, N, FREE>,
-) -> bool {
-    motion.phases().iter().zip(motion.state().beta_dot).all(|(phase, speed)| match phase {
+fn may_settle(view: &SystemView, phases: &[Phase], state: &[f64]) -> bool {
+    let slides = |(contact, phase): (usize, &Phase)| match phase {
         Phase::Free => true,
-        Phase::Slip(_) => speed.abs() > SLIDES,
+        Phase::Slip(_) => view.speed(phases, state, contact).abs() > SLIDES,
         Phase::Stick | Phase::Transition(_) => false,
-    })
+    };
+    phases.iter().enumerate().all(slides)
 }
 
-/// Returns whether a motion is near a stable equilibrium; `None` if that cannot be computed.
-fn has_settled<S: System<N, FREE>, const N: usize, const FREE: usize>(
-    system: &S,
-    motion: &Motion<S, N, FREE>,
-) -> Option<bool> {
-    let rate = |point: &DVector<f64>| {
-        flat(&derivative(system, motion.phases(), &state_of::<N, FREE>(point)))
-    };
-    let steps = steps::<S, N, FREE>(system);
-    let start = flat(motion.state());
+/// Returns whether a state is near a stable equilibrium; `None` if that cannot be computed.
+fn has_settled(view: &SystemView, phases: &[Phase], state: &[f64]) -> Option<bool> {
+    let flat = |values: &[f64]| DVector::from_column_slice(values);
+    let rate = |point: &DVector<f64>| flat(&view.evaluator.rates(phases, point.as_slice()));
+    let steps = steps(view);
+    let start = flat(state);
     let (mut equilibrium, mut last) = (start.clone(), f64::INFINITY);
     for _ in 0..5 {
         let slope = jacobian(rate, &equilibrium, &steps)?;
-        let family = family_dimension::<N, FREE>(&slope)?;
+        let family = family_dimension(view, &slope)?;
         let step = newton_step(slope, -rate(&equilibrium), family)?;
         last = step.amax();
         equilibrium += step;
@@ -112,7 +107,7 @@ fn has_settled<S: System<N, FREE>, const N: usize, const FREE: usize>(
         return Some(false);
     }
     let slope = jacobian(rate, &equilibrium, &steps)?;
-    let family = family_dimension::<N, FREE>(&slope)?;
+    let family = family_dimension(view, &slope)?;
     let eigenvalues = Schur::try_new(slope, f64::EPSILON, 10_000)?.complex_eigenvalues();
     let stay: Vec<_> = eigenvalues.iter().filter(|value| value.re >= -NEUTRAL).collect();
     let is_zero = |value: &Complex<f64>| value.norm() <= NEUTRAL.sqrt() && value.re <= NEUTRAL;
@@ -140,8 +135,10 @@ fn newton_step(
 
 /// Returns the number of independent displacements of bodies without any force; `None` if the
 /// displacement of some body hardly changes the forces, so that differences cannot decide.
-fn family_dimension<const N: usize, const FREE: usize>(slope: &DMatrix<f64>) -> Option<usize> {
-    let places = (0..FREE).chain(2 * FREE..2 * FREE + N);
+fn family_dimension(view: &SystemView, slope: &DMatrix<f64>) -> Option<usize> {
+    let velocities = &view.evaluator.graph().layout.velocities;
+    let is_position = |place: &usize| !velocities.iter().any(|group| group.contains(place));
+    let places = (0..view.dimension()).filter(is_position);
     let columns: Option<Vec<DVector<f64>>> =
         places.map(|place| slope.column(place).into_owned().try_normalize(LEAST_FORCE)).collect();
     let decomposed =
@@ -171,34 +168,17 @@ fn jacobian(
     slope.iter().all(|entry| entry.is_finite()).then_some(slope)
 }
 
-/// Steps of the differences, one for each coordinate.
-fn steps<S: System<N, FREE>, const N: usize, const FREE: usize>(system: &S) -> Vec<f64> {
+/// Steps of the differences, one for each component.
+fn steps(view: &SystemView) -> Vec<f64> {
     let speed = |friction: &Friction| match friction.speed_scale() {
         Some(scale) => DIFFERENCE.min(SPEED_DIFFERENCE * scale),
         None => DIFFERENCE,
     };
-    let mut steps = vec![DIFFERENCE; 2 * FREE + N];
-    steps.extend((0..N).map(|contact| speed(system.friction(contact))));
-    steps
-}
-
-/// Positions and velocities of the free coordinates, then positions and speeds of the contacts.
-fn coordinates<const N: usize, const FREE: usize>(
-    state: &State<N, f64, FREE>,
-) -> impl Iterator<Item = f64> {
-    let State { position, velocity, beta, beta_dot } = *state;
-    position.into_iter().chain(velocity).chain(beta).chain(beta_dot)
-}
-
-fn flat<const N: usize, const FREE: usize>(state: &State<N, f64, FREE>) -> DVector<f64> {
-    DVector::from_iterator(2 * (FREE + N), coordinates(state))
-}
-
-fn state_of<const N: usize, const FREE: usize>(values: &DVector<f64>) -> State<N, f64, FREE> {
-    State {
-        position: std::array::from_fn(|i| values[i]),
-        velocity: std::array::from_fn(|i| values[FREE + i]),
-        beta: std::array::from_fn(|i| values[2 * FREE + i]),
-        beta_dot: std::array::from_fn(|i| values[2 * FREE + N + i]),
+    let mut steps = vec![DIFFERENCE; view.dimension()];
+    for (index, contact) in view.contacts.iter().enumerate() {
+        if let Some(place) = contact.speed {
+            steps[place] = speed(view.system().friction(index));
+        }
     }
+    steps
 }

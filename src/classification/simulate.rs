@@ -1,7 +1,6 @@
 //! Simulation of a case: the function from a case to its outcome.
 
-use super::in_lockstep::{Runs, simulate_in_lockstep};
-use super::one_by_one::one_by_one;
+use super::in_lockstep::{KernelChoice, Runs, simulate_with};
 use super::outcome::Outcome;
 use super::recorder::Recorder;
 use crate::model::Case;
@@ -10,20 +9,25 @@ use crate::motion::SimdLevel;
 /// Simulates a case until its ending is known. This is a pure function: equal cases give equal
 /// outcomes, also in [`super::simulate_in_lockstep`].
 pub fn simulate(case: &Case) -> Outcome {
-    single(case, None)
+    single(case, KernelChoice::Fastest, None)
+}
+
+/// Simulates a case like [`simulate`] with the general kernel, also where a tuned one exists. The outcomes of both agree
+/// within the tolerances.
+pub fn simulate_by_recorded_equations(case: &Case) -> Outcome {
+    single(case, KernelChoice::General, None)
 }
 
 /// Simulates a case like [`simulate`], with bit for bit the same outcome, and records its motion.
 pub fn simulate_recorded(case: &Case, recorder: &mut Recorder) -> Outcome {
     recorder.restart();
-    single(case, Some(recorder))
+    single(case, KernelChoice::Fastest, Some(recorder))
 }
 
-fn single(case: &Case, recorder: Option<&mut Recorder>) -> Outcome {
+fn single(case: &Case, kernel: KernelChoice, recorder: Option<&mut Recorder>) -> Outcome {
     let mut runs = Single { case: Some(case.clone()), outcome: None, recorder };
-    simulate_in_lockstep(SimdLevel::best(), &mut runs);
-    let Single { outcome, recorder, .. } = runs;
-    outcome.unwrap_or_else(|| one_by_one(case, recorder))
+    simulate_with(kernel, SimdLevel::best(), &mut runs);
+    runs.outcome.expect("every run ends")
 }
 
 struct Single<'a> {

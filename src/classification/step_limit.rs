@@ -6,7 +6,7 @@
 //! corresponds to [`LONGEST_S`] of computing, or to one second if it cannot reach its end time within
 //! that limit.
 
-use crate::model::{Balancer, Machine, Model, Simulation, System};
+use crate::model::{Ball, Model, Simulation, Slider, System};
 use crate::motion::most_steps_by;
 
 /// Longest computing time of a run that can reach its end time, s.
@@ -20,9 +20,8 @@ pub(super) const MOST_STEPS_OF_A_LOOK: u64 = 5_000_000;
 pub(super) const MOST_LOOKS: u32 = 4;
 
 /// Returns an upper bound of the time per step of a run that is computed alone, s on a core of the
-/// year 2024. In the one-by-one engine, a step with a displacement takes 2.3 µs per ball; in
-/// lockstep with one of eight lanes in use and an event in every step it takes up to 4 µs per ball.
-/// A step of a block takes 0.6 µs.
+/// year 2024. With one of eight lanes in use and an event in every step, a step takes up to 4 µs per
+/// ball.
 pub fn seconds_per_step(model: &Model) -> f64 {
     seconds_per_step_with(model.balls())
 }
@@ -40,11 +39,8 @@ pub fn most_steps_of_any_run(balls: usize) -> u64 {
 
 /// Returns the maximum number of steps (tried or accepted) and switches in the motion of a run
 /// until the non-dimensional time `end`.
-pub(super) fn effort_limit<S: System<N, FREE>, const N: usize, const FREE: usize>(
-    system: &S,
-    end: f64,
-) -> u64 {
-    let balls = if FREE == 0 { 0 } else { N };
+pub(super) fn effort_limit(system: &dyn System, end: f64) -> u64 {
+    let balls = if system.as_any().is::<Slider>() { 0 } else { system.contacts() };
     let steps_in = |seconds: f64| seconds / seconds_per_step_with(balls);
     let in_vain = end * system.fewest_steps() > steps_in(LONGEST_S);
     let most = steps_in(if in_vain { IN_VAIN_S } else { LONGEST_S });
@@ -57,23 +53,14 @@ pub(super) fn effort_limit<S: System<N, FREE>, const N: usize, const FREE: usize
 pub fn most_steps_of_a_run(model: &Model, simulation: &Simulation) -> Option<u64> {
     let [_, latest_end_time_s] = simulation.end_times_s();
     let end = latest_end_time_s * model.natural_frequency_rad_s();
-    let motion = match model {
-        Model::Block(block) => effort_limit(&block.slider(), end),
-        Model::BallBalancer(machine) => match machine.balls.len() {
-            1 => of_balls::<1>(machine, end)?,
-            2 => of_balls::<2>(machine, end)?,
-            3 => of_balls::<3>(machine, end)?,
-            4 => of_balls::<4>(machine, end)?,
-            5 => of_balls::<5>(machine, end)?,
-            6 => of_balls::<6>(machine, end)?,
-            7 => of_balls::<7>(machine, end)?,
-            8 => of_balls::<8>(machine, end)?,
-            _ => return None,
-        },
-    };
+    let motion = effort_limit(model.system()?.as_ref(), end);
     Some(motion.saturating_add(u64::from(MOST_LOOKS) * MOST_STEPS_OF_A_LOOK))
 }
 
-fn of_balls<const N: usize>(machine: &Machine, end: f64) -> Option<u64> {
-    Some(effort_limit(&Balancer::<N>::new(machine)?, end))
+/// Returns whether the kernel written for ball balancers computes runs of this model: those whose
+/// friction is independent of speed or proportional to it.
+pub fn has_tuned_kernel(model: &Model) -> bool {
+    let Model::BallBalancer(machine) = model else { return false };
+    let is_linear = |ball: &Ball| machine.friction.is_linear(ball.friction_coefficient);
+    machine.balls.iter().all(is_linear)
 }

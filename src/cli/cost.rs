@@ -1,7 +1,7 @@
 //! The cost of a study: an estimate for runs that do not end early, and an upper bound.
 
 use crate::classification::{
-    goes_in_lockstep, most_steps_of_a_run, most_steps_of_any_run, seconds_per_step,
+    has_tuned_kernel, most_steps_of_a_run, most_steps_of_any_run, seconds_per_step,
 };
 use crate::model::{Model, Simulation};
 use crate::study::Study;
@@ -98,10 +98,8 @@ impl Cost {
         runs: u64,
         known: bool,
     ) {
-        // A lockstep run whose event cannot be located is computed a second time on its own, and a run that is
-        // continued to a later end time restarts before the first end time.
-        let lockstep = if goes_in_lockstep(model) { 2.0 } else { 1.0 };
-        let times = if simulation.extend.is_some() { 2.0 * lockstep } else { lockstep };
+        // A run that is continued to a later end time restarts before the first end time.
+        let times = if simulation.extend.is_some() { 2.0 } else { 1.0 };
         let of_a_run = |simulation: &Simulation| {
             let own = if known { most_steps_of_a_run(model, simulation) } else { None };
             let most = own.unwrap_or_else(|| most_steps_of_any_run(model.balls()));
@@ -126,34 +124,32 @@ impl Cost {
 /// Estimates the steps of a run that lasts until its latest end time. The estimate assumes that every ball sticks
 /// twice and slips twice per turn, as balls do where the damping is weak.
 ///
-/// The constants hold at a relative tolerance of 1e-8. At a stricter tolerance, the number of steps grows by a root of
-/// the ratio of the tolerances: the sixteenth root for power series of order 16, and the eighth root for DOP853.
+/// The constants hold at a relative tolerance of 1e-8. At a stricter tolerance, the number of steps grows by the
+/// sixteenth root of the ratio of the tolerances, because the power series have the order 16.
 fn steps_to_the_end(model: &Model, simulation: &Simulation) -> f64 {
     let natural = model.natural_frequency_rad_s();
     let [_, latest_end_time_s] = simulation.end_times_s();
     let speed = model.ball_balancer().map_or(0.0, |machine| machine.speed_rad_s.abs() / natural);
     let balls = model.balls() as f64;
     let strictness = 1e-8 / simulation.relative_tolerance;
-    let steps = if goes_in_lockstep(model) {
-        (0.6 * (1.0 + speed) + 0.5 * balls * speed) * strictness.max(1.0).powf(1.0 / 16.0)
-    } else {
-        (2.2 * (1.0 + speed) + 3.8 * balls * speed) * strictness.powf(0.125)
-    };
+    let tuned = 0.6 * (1.0 + speed) + 0.5 * balls * speed;
+    // The general kernel takes shorter steps, and friction that depends on speed bends the motion at every switch.
+    let steps = if has_tuned_kernel(model) { tuned } else { 1.5 * tuned };
+    let steps = steps * strictness.max(1.0).powf(1.0 / 16.0);
     latest_end_time_s * natural * steps.max(model.damping_rate() / STABLE)
 }
 
 /// Returns the seconds per step on a core of the year 2024 with vectors of four numbers if all lanes are in use.
 fn usual_seconds_per_step(model: &Model) -> f64 {
     let balls = model.balls() as f64;
-    if goes_in_lockstep(model) {
-        0.25e-6 * balls * (1.0 + balls / 20.0)
-    } else if model.balls() == 0 {
-        0.6e-6
-    } else {
-        2.4e-6 * balls
+    let tuned = 0.25e-6 * balls * (1.0 + balls / 20.0);
+    match model.balls() {
+        0 => 0.9e-6,
+        _ if has_tuned_kernel(model) => tuned,
+        _ => 4.5 * tuned,
     }
 }
 
 /// The largest product of step and damping rate at which the integrator is stable: about the length of the
-/// stability region of a Runge-Kutta method of order 8 on the negative real axis.
+/// stability region of Taylor's method of order 16 on the negative real axis.
 const STABLE: f64 = 6.0;

@@ -16,10 +16,9 @@ use serde::Serialize;
 
 use super::invalid_parameter::{not_negative, positive};
 use super::kind::{Capabilities, Field, ModelKind, ParameterDescriptor};
-use super::system::stiff_pace;
 use super::{
-    Contact, Dual, Forces, Friction, FrictionLaw, InvalidParameter, Model, Number, SlidingSpeed,
-    State, System,
+    Contact, Forces, Friction, FrictionLaw, InvalidParameter, Model, Number, RestAmplitude,
+    RestForms, SlidingSpeed, State,
 };
 
 /// The support of a block.
@@ -216,54 +215,21 @@ impl Slider {
     }
 }
 
-impl System<1, 0> for Slider {
-    const ANGULAR: bool = false;
-
-    fn forces(&self, state: &SliderState, contacts: &[Contact; 1]) -> Forces<1, f64, 0> {
-        Slider::forces_of(state, contacts)
+/// A block that sticks on rigid ground stays there; on a belt it is carried along.
+impl RestForms for Slider {
+    fn surely_rests(&self, _state: &[f64]) -> bool {
+        self.belt_speed == 0.0
     }
 
-    fn derivative(
-        &self,
-        state: &SliderState,
-        contacts: &[Contact; 1],
-        forces: &Forces<1, f64, 0>,
-    ) -> SliderState {
-        Slider::derivative_of(self.belt_speed, state, contacts, forces)
+    /// On the very edge of the interval only the slack of the conditions is missing.
+    fn at_rest(&self, state: &[f64]) -> RestAmplitude {
+        let position = state.first().map_or(0.0, |position| position.abs());
+        let friction_margin = 1.0 - position / self.friction.limit;
+        RestAmplitude { amplitude: 0.0, friction_margin: friction_margin.max(0.0) }
     }
 
-    fn along(
-        &self,
-        state: &State<1, Dual, 0>,
-        contacts: &[Contact<Dual>; 1],
-    ) -> (Forces<1, Dual, 0>, State<1, Dual, 0>) {
-        let forces = Slider::forces_of(state, contacts);
-        (forces, Slider::derivative_of(Dual::constant(self.belt_speed), state, contacts, &forces))
-    }
-
-    fn friction(&self, _contact: usize) -> &Friction {
-        &self.friction
-    }
-
-    /// A quarter of a period.
-    fn longest_step(&self) -> f64 {
-        std::f64::consts::FRAC_PI_2
-    }
-
-    fn pace(&self) -> f64 {
-        1.0 + stiff_pace(self.friction.damping_rate(1.0))
-    }
-
-    /// The normal force does not depend on the acceleration.
-    fn surely_one_solution(&self) -> bool {
-        true
-    }
-
-    fn one_solution_at(&self, _state: &SliderState) -> bool {
-        true
-    }
-
-    fn force_scale(&self) -> f64 {
-        1.0
+    /// A block does not creep: the force on it does not depend on its speed.
+    fn nearly_rests(&self, _state: &[f64], _excess: f64) -> bool {
+        false
     }
 }

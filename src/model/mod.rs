@@ -10,6 +10,7 @@ mod balancer;
 mod ball_balancer;
 mod block;
 mod case;
+mod certificate;
 mod contact;
 mod coordinate;
 mod dual;
@@ -31,24 +32,26 @@ pub use angle::{wrap_to_pi, wrap_to_two_pi};
 pub use balancer::{Balancer, BalancerBall, State};
 pub use block::{Block, Ground, Slider, SliderState};
 pub use case::{Case, Endings, Extend, Method, Simulation, Start};
+pub use certificate::{certified, certified_by_closed_form};
 pub use contact::Contact;
 pub use coordinate::Coordinate;
 pub use dual::Dual;
 pub use equations::Forces;
 pub use existence::{ExistenceVerdict, SAFE_FRICTION};
 pub use friction::{
-    Dimension, FRICTION_LAWS, Friction, FrictionLaw, Law, LawParameter, Lowest, MAX_LAW_PARAMETERS,
-    Sliding, SlidingForce, SlidingSpeed,
+    Dimension, FRICTION_LAWS, Friction, FrictionLaw, Law, LawInputs, LawParameter, Lowest,
+    MAX_LAW_PARAMETERS, Sliding, SlidingForce, SlidingSpeed,
 };
 pub use graph::{
-    ContactEquations, Expression, Graph, Node, NodeId, Recorder, Solve, SystemEquations,
+    ContactEquations, ContactLayout, Expression, Graph, Layout, Node, NodeId, Recorder, Solve,
+    SystemEquations,
 };
 pub use invalid_parameter::InvalidParameter;
 pub use kind::{Capabilities, Field, MODEL_KINDS, ModelKind, ParameterDescriptor};
 pub use machine::{Ball, MAX_BALLS, Machine, NormalForce, ball_parameter_name};
 pub use modelled::Model;
 pub use number::{Elementary, Number};
-pub use recorded::{ContactMode, RecordedSystem};
+pub use recorded::ContactMode;
 pub use rest::RestPoint;
-pub use system::System;
+pub use system::{Components, Recorded, RestAmplitude, RestForms, Structure, System};
 pub use units::Units;

@@ -1,9 +1,12 @@
 //! The mechanical systems that a study can simulate, in SI units.
 
+use std::sync::Arc;
+
 use serde::Serialize;
 
 use super::{
-    Block, FrictionLaw, Ground, InvalidParameter, Machine, ModelKind, ball_balancer, block,
+    Balancer, Block, Components, FrictionLaw, Ground, InvalidParameter, Machine, ModelKind, Start,
+    System, ball_balancer, block,
 };
 
 /// One of the mechanical systems with its parameters.
@@ -45,6 +48,47 @@ impl Model {
         match self {
             Model::BallBalancer(machine) => machine.validate(),
             Model::Block(block) => block.validate(),
+        }
+    }
+
+    /// Returns the system without dimensions; `None` for a machine with an unsupported number of balls.
+    pub fn system(&self) -> Option<Arc<dyn System>> {
+        let machine = match self {
+            Model::BallBalancer(machine) => machine,
+            Model::Block(block) => return Some(Arc::new(block.slider())),
+        };
+        match machine.balls.len() {
+            1 => balancer::<1>(machine),
+            2 => balancer::<2>(machine),
+            3 => balancer::<3>(machine),
+            4 => balancer::<4>(machine),
+            5 => balancer::<5>(machine),
+            6 => balancer::<6>(machine),
+            7 => balancer::<7>(machine),
+            8 => balancer::<8>(machine),
+            _ => None,
+        }
+    }
+
+    /// Returns a start state in the components of [`Model::system`]; `None` for another number of coordinates.
+    pub fn start_state(&self, start: &Start) -> Option<Components> {
+        match (self, start.0.as_slice()) {
+            // Both have position, angles, velocity, angular speeds; components end with angles and their speeds.
+            (Model::BallBalancer(machine), values)
+                if values.len() == 4 + 2 * machine.balls.len() =>
+            {
+                let (position, rest) = values.split_at(2);
+                let (beta, rest) = rest.split_at(machine.balls.len());
+                let (velocity, beta_dot) = rest.split_at(2);
+                Some([position, velocity, beta, beta_dot].concat().into())
+            }
+            (Model::Block(block), &[position_m, velocity_m_s]) => {
+                let length = block.unit_length_m();
+                let speed_unit = length * block.natural_frequency_rad_s();
+                let relative = velocity_m_s / speed_unit - block.slider().belt_speed;
+                Some([position_m / length, relative].into_iter().collect())
+            }
+            _ => None,
         }
     }
 
@@ -110,4 +154,8 @@ impl Model {
             }
         }
     }
+}
+
+fn balancer<const N: usize>(machine: &Machine) -> Option<Arc<dyn System>> {
+    Some(Arc::new(Balancer::<N>::new(machine)?))
 }

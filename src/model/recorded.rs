@@ -1,9 +1,13 @@
 //! The systems as graphs of expressions. Parameters, laws and modes are inputs of the graph, so that runs with other
 //! parameters in other modes share it.
 
+use std::any::{Any, TypeId};
+
+use super::system::stiff_pace;
 use super::{
-    Balancer, BalancerBall, Contact, ContactEquations, Expression, Forces, Friction, Number,
-    Recorder, Slider, State, SystemEquations,
+    Balancer, BalancerBall, Components, Contact, ContactEquations, ContactLayout, Expression,
+    Forces, Friction, Layout, Number, Recorder, RestForms, Slider, State, Structure, System,
+    SystemEquations,
 };
 
 /// How a contact moves during a step.
@@ -13,24 +17,18 @@ pub enum ContactMode {
     Stick,
     /// It slips in a direction, 1 or -1; a law that cannot stick ignores the direction.
     Slip(f64),
+    /// It sets off in a direction: its friction is that at the speed 0, whatever its residual speed.
+    SetOff(f64),
 }
 
-/// A system whose equations can be recorded.
-pub trait RecordedSystem {
-    /// Records the equations.
-    fn record<'r>(&self, recorder: &'r Recorder) -> SystemEquations<'r>;
-
-    /// Returns the values of the inputs, in their order, for modes of all contacts.
-    fn inputs(&self, modes: &[ContactMode]) -> Vec<f64>;
-}
-
-/// The values of the inputs of a contact: its mode and the numbers of its law.
-fn contact_inputs(mode: ContactMode, friction: &Friction) -> Vec<f64> {
-    let [free, direction] = match mode {
-        ContactMode::Stick => [0.0, 0.0],
-        ContactMode::Slip(direction) => [1.0, direction],
-    };
-    [free, direction].into_iter().chain(friction.expression_inputs()).collect()
+/// Adds the values of the inputs of a contact: its mode and the numbers of its law.
+fn add_contact_inputs(inputs: &mut Vec<f64>, mode: ContactMode, friction: &Friction) {
+    inputs.extend_from_slice(&match mode {
+        ContactMode::Stick => [0.0, 0.0, 0.0],
+        ContactMode::Slip(direction) => [1.0, direction, 1.0],
+        ContactMode::SetOff(direction) => [1.0, direction, 0.0],
+    });
+    inputs.extend_from_slice(&friction.expression_inputs());
 }
 
 fn record_contact<'r>(
@@ -38,14 +36,15 @@ fn record_contact<'r>(
     friction: &Friction,
     speed: Expression<'r>,
 ) -> Contact<Expression<'r>> {
-    let mode = ["free", "direction"].map(|name| recorder.input(name));
-    friction.record(recorder, mode, speed)
+    let [free, direction, slips] = ["free", "direction", "slips"].map(|name| recorder.input(name));
+    friction.record(recorder, [free, direction], slips * speed)
 }
 
 fn equations<'r, const N: usize, const FREE: usize>(
     state: &State<N, Expression<'r>, FREE>,
     derivative: &State<N, Expression<'r>, FREE>,
     forces: &Forces<N, Expression<'r>, FREE>,
+    angular: bool,
 ) -> SystemEquations<'r> {
     let State { position, velocity, beta, beta_dot } = *derivative;
     let components = position.into_iter().chain(velocity).chain(beta).chain(beta_dot);
@@ -55,7 +54,19 @@ fn equations<'r, const N: usize, const FREE: usize>(
         normal: forces.normal[i],
         friction: forces.friction[i],
     };
-    SystemEquations { derivative: components.collect(), contacts: (0..N).map(contact).collect() }
+    // The direction of the free coordinates' velocity is arbitrary: one group.
+    let free = (FREE..2 * FREE).collect::<Vec<_>>();
+    let speeds = (2 * FREE + N..2 * (FREE + N)).map(|speed| vec![speed]);
+    let layout = Layout {
+        contacts: (0..N).map(|i| ContactLayout { position: 2 * FREE + i, angular }).collect(),
+        velocities: (FREE > 0).then_some(free).into_iter().chain(speeds).collect(),
+        vibration: (FREE == 2).then_some([0, 1]),
+    };
+    SystemEquations {
+        derivative: components.collect(),
+        contacts: (0..N).map(contact).collect(),
+        layout,
+    }
 }
 
 /// The components of the state, in the order position, velocity, contacts' positions, contacts' speeds.
@@ -70,7 +81,7 @@ fn record_state<const N: usize, const FREE: usize>(
     }
 }
 
-impl<const N: usize> RecordedSystem for Balancer<N> {
+impl<const N: usize> System for Balancer<N> {
     fn record<'r>(&self, recorder: &'r Recorder) -> SystemEquations<'r> {
         let state = record_state(recorder);
         let [speed, damping_ratio, imbalance] =
@@ -95,42 +106,150 @@ impl<const N: usize> RecordedSystem for Balancer<N> {
             record_contact(recorder, &self.balls[i].friction, state.beta_dot[i])
         });
         let forces = balancer.forces(&state, &contacts);
-        equations(&state, &balancer.derivative(&state, &contacts, &forces), &forces)
+        equations(&state, &balancer.derivative(&state, &contacts, &forces), &forces, true)
     }
 
     fn inputs(&self, modes: &[ContactMode]) -> Vec<f64> {
-        let machine = [self.speed, self.damping_ratio, self.imbalance].into_iter();
-        let ball = |ball: &BalancerBall| {
-            [ball.mass, ball.mobility, ball.rolling_linear, ball.rolling_quadratic]
-        };
-        let contacts = self.balls.iter().zip(modes);
-        machine
-            .chain(self.balls.iter().flat_map(ball))
-            .chain(contacts.flat_map(|(ball, mode)| contact_inputs(*mode, &ball.friction)))
-            .collect()
+        let mut inputs = Vec::with_capacity(3 + 10 * N);
+        inputs.extend_from_slice(&[self.speed, self.damping_ratio, self.imbalance]);
+        for ball in &self.balls {
+            let BalancerBall { mass, mobility, rolling_linear, rolling_quadratic, .. } = *ball;
+            inputs.extend_from_slice(&[mass, mobility, rolling_linear, rolling_quadratic]);
+        }
+        for (ball, mode) in self.balls.iter().zip(modes) {
+            add_contact_inputs(&mut inputs, *mode, &ball.friction);
+        }
+        inputs
+    }
+
+    fn structure(&self) -> Option<Structure> {
+        let laws = self.balls.iter().map(|ball| ball.friction.law_name());
+        Some((TypeId::of::<Self>(), laws.collect()))
+    }
+
+    fn contacts(&self) -> usize {
+        N
+    }
+
+    fn friction(&self, contact: usize) -> &Friction {
+        &self.balls[contact].friction
+    }
+
+    /// A quarter of the shortest period of the table in the turning frame.
+    fn longest_step(&self) -> f64 {
+        0.5 * std::f64::consts::PI / (self.speed.abs() + 1.0)
+    }
+
+    fn pace(&self) -> f64 {
+        let weight = self.speed * self.speed;
+        let rates = self.balls.iter().map(|ball| ball.friction.damping_rate(weight));
+        1.0 + self.speed.abs() + self.damping_ratio + stiff_pace(rates.fold(0.0, f64::max))
+    }
+
+    /// The number of steps of an explicit method is about a tenth of the table's damping rate.
+    fn fewest_steps(&self) -> f64 {
+        1.0 / self.longest_step() + 0.2 * self.damping_ratio
+    }
+
+    fn surely_one_solution(&self) -> bool {
+        Balancer::surely_one_solution(self)
+    }
+
+    fn one_solution_at(&self, state: &[f64]) -> bool {
+        let state: Option<State<N>> = State::of_components(state);
+        state.is_some_and(|state| Balancer::one_solution_at(self, &state.beta))
+    }
+
+    fn force_scale(&self) -> f64 {
+        1.0 + self.speed * self.speed
+    }
+
+    fn rest_forms(&self) -> Option<&dyn RestForms> {
+        Some(self)
+    }
+
+    fn as_any(&self) -> &dyn Any {
+        self
     }
 }
 
-impl RecordedSystem for Slider {
+impl System for Slider {
     fn record<'r>(&self, recorder: &'r Recorder) -> SystemEquations<'r> {
         let state: State<1, Expression<'r>, 0> = record_state(recorder);
         let belt_speed = recorder.input("belt_speed");
         let contacts = [record_contact(recorder, &self.friction, state.beta_dot[0])];
         let forces = Slider::forces_of(&state, &contacts);
         let derivative = Slider::derivative_of(belt_speed, &state, &contacts, &forces);
-        equations(&state, &derivative, &forces)
+        equations(&state, &derivative, &forces, false)
     }
 
     fn inputs(&self, modes: &[ContactMode]) -> Vec<f64> {
-        let contact = modes.iter().flat_map(|mode| contact_inputs(*mode, &self.friction));
-        std::iter::once(self.belt_speed).chain(contact).collect()
+        let mut inputs = vec![self.belt_speed];
+        for mode in modes {
+            add_contact_inputs(&mut inputs, *mode, &self.friction);
+        }
+        inputs
+    }
+
+    fn structure(&self) -> Option<Structure> {
+        Some((TypeId::of::<Self>(), vec![self.friction.law_name()]))
+    }
+
+    fn contacts(&self) -> usize {
+        1
+    }
+
+    fn friction(&self, _contact: usize) -> &Friction {
+        &self.friction
+    }
+
+    /// A quarter of a period.
+    fn longest_step(&self) -> f64 {
+        std::f64::consts::FRAC_PI_2
+    }
+
+    fn pace(&self) -> f64 {
+        1.0 + stiff_pace(self.friction.damping_rate(1.0))
+    }
+
+    /// The normal force does not depend on the acceleration.
+    fn surely_one_solution(&self) -> bool {
+        true
+    }
+
+    fn one_solution_at(&self, _state: &[f64]) -> bool {
+        true
+    }
+
+    fn force_scale(&self) -> f64 {
+        1.0
+    }
+
+    fn rest_forms(&self) -> Option<&dyn RestForms> {
+        Some(self)
+    }
+
+    fn as_any(&self) -> &dyn Any {
+        self
     }
 }
 
 impl<const N: usize, const FREE: usize> State<N, f64, FREE> {
     /// Returns the components in the order of a recorded system.
-    pub fn components(&self) -> Vec<f64> {
-        let State { position, velocity, beta, beta_dot } = *self;
-        position.into_iter().chain(velocity).chain(beta).chain(beta_dot).collect()
+    pub fn components(&self) -> Components {
+        let mut components = Components::new();
+        for part in [&self.position[..], &self.velocity, &self.beta, &self.beta_dot] {
+            components.extend_from_slice(part);
+        }
+        components
+    }
+
+    /// Returns the state with these components; `None` for another number of components.
+    pub fn of_components(components: &[f64]) -> Option<Self> {
+        let (position, rest) = components.split_first_chunk()?;
+        let (velocity, rest) = rest.split_first_chunk()?;
+        let (beta, rest) = rest.split_first_chunk()?;
+        let beta_dot = rest.try_into().ok()?;
+        Some(State { position: *position, velocity: *velocity, beta: *beta, beta_dot })
     }
 }

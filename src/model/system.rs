@@ -1,33 +1,37 @@
-//! The interface of a mechanical system with dry friction.
+//! The interface of a mechanical system with dry friction, without dimensions.
 
-use super::{Balancer, Contact, Dual, Forces, Friction, State};
+use std::any::{Any, TypeId};
+use std::fmt::Debug;
+use std::sync::Arc;
 
-/// A system with `N` contacts that stick or slip and `FREE` other coordinates, without dimensions.
-pub trait System<const N: usize, const FREE: usize> {
-    /// Whether the contacts' coordinates are angles with a period of one turn.
-    const ANGULAR: bool;
+use smallvec::SmallVec;
 
-    /// Accelerations and contact forces in a state, for given contacts.
-    fn forces(&self, state: &State<N, f64, FREE>, contacts: &[Contact; N]) -> Forces<N, f64, FREE>;
+use super::{ContactMode, Friction, Recorder, SystemEquations};
 
-    /// Returns the time derivative of the state, from the forces in it. A sticking contact rests on
-    /// its support, and its residual speed decays (switch model, thesis section 4.2: `β' = 0`,
-    /// `(β̇)' = -β̇`).
-    fn derivative(
-        &self,
-        state: &State<N, f64, FREE>,
-        contacts: &[Contact; N],
-        forces: &Forces<N, f64, FREE>,
-    ) -> State<N, f64, FREE>;
+/// The components of a state, or of its rate of change, in the order in which the system records them.
+pub type Components = SmallVec<[f64; 20]>;
 
-    /// The forces and the time derivative to first order along a direction.
-    fn along(
-        &self,
-        state: &State<N, Dual, FREE>,
-        contacts: &[Contact<Dual>; N],
-    ) -> (Forces<N, Dual, FREE>, State<N, Dual, FREE>);
+/// The type of a system, and what its equations depend on besides the values of the inputs.
+pub type Structure = (TypeId, Vec<&'static str>);
 
-    /// The friction of a contact, counted from 0.
+/// A mechanical system. Its recorded equations define the motion, its tangents, forces and events.
+pub trait System: Any + Debug + Send + Sync {
+    /// Records the equations. Systems whose equations are equal expressions share lanes, with other inputs.
+    fn record<'r>(&self, recorder: &'r Recorder) -> SystemEquations<'r>;
+
+    /// Returns the values of the inputs, in their order, for modes of all contacts.
+    fn inputs(&self, modes: &[ContactMode]) -> Vec<f64>;
+
+    /// Returns a key that only systems with equal equations share, so that these are recorded once; `None` if each
+    /// system must be recorded.
+    fn structure(&self) -> Option<Structure> {
+        None
+    }
+
+    /// Returns the number of contacts.
+    fn contacts(&self) -> usize;
+
+    /// Returns the friction of a contact, counted from 0.
     fn friction(&self, contact: usize) -> &Friction;
 
     /// Returns the longest step within which a friction force cannot rise and fall undetected.
@@ -47,10 +51,47 @@ pub trait System<const N: usize, const FREE: usize> {
     fn surely_one_solution(&self) -> bool;
 
     /// Returns whether stick and slip are decided in exactly one way in this state, for any forces.
-    fn one_solution_at(&self, state: &State<N, f64, FREE>) -> bool;
+    fn one_solution_at(&self, state: &[f64]) -> bool;
 
     /// Returns the size of the forces, to which rounding errors are relative.
     fn force_scale(&self) -> f64;
+
+    /// Returns the closed forms with all contacts at rest, if there are any.
+    fn rest_forms(&self) -> Option<&dyn RestForms> {
+        None
+    }
+
+    /// Returns this system, for kernels that are written for one type.
+    fn as_any(&self) -> &dyn Any;
+}
+
+/// The closed forms of a system with all contacts sticking, for states of the system.
+pub trait RestForms {
+    /// Returns whether no contact can ever break loose, by a bound of negligible cost.
+    fn surely_rests(&self, state: &[f64]) -> bool;
+
+    /// Returns whether no contact can ever break loose, by following the motion in closed form. `false` means that a
+    /// contact breaks loose or that the margin is too small for a decision.
+    fn rests(&self, state: &[f64]) -> bool {
+        self.surely_rests(state)
+    }
+
+    /// Returns amplitude and friction margin at the rest point.
+    fn at_rest(&self, state: &[f64]) -> RestAmplitude;
+
+    /// Returns whether the friction forces at the rest point and on the way there exceed their limits by at most this
+    /// fraction of the limits.
+    fn nearly_rests(&self, state: &[f64], excess: f64) -> bool;
+}
+
+/// A system at rest.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RestAmplitude {
+    /// The amplitude of the vibration, over the unit of length.
+    pub amplitude: f64,
+    /// The smallest friction margin of a contact: 1 if none needs friction, 0 on the edge of the equilibrium set;
+    /// infinite without friction.
+    pub friction_margin: f64,
 }
 
 /// Returns the contribution of friction with this damping rate to the pace: the number of steps per
@@ -60,66 +101,60 @@ pub(super) fn stiff_pace(damping_rate: f64) -> f64 {
     1e-3 * damping_rate.min(1e5)
 }
 
-impl<const N: usize> System<N, 2> for Balancer<N> {
-    const ANGULAR: bool = true;
+/// A system of which only the recorded equations are known, so that no kernel written for its type computes it.
+#[derive(Clone, Debug)]
+pub struct Recorded(pub Arc<dyn System>);
 
-    #[inline]
-    fn forces(&self, state: &State<N>, contacts: &[Contact; N]) -> Forces<N> {
-        Balancer::forces(self, state, contacts)
+impl System for Recorded {
+    fn record<'r>(&self, recorder: &'r Recorder) -> SystemEquations<'r> {
+        self.0.record(recorder)
     }
 
-    #[inline]
-    fn derivative(
-        &self,
-        state: &State<N>,
-        contacts: &[Contact; N],
-        forces: &Forces<N>,
-    ) -> State<N> {
-        Balancer::derivative(self, state, contacts, forces)
+    fn inputs(&self, modes: &[ContactMode]) -> Vec<f64> {
+        self.0.inputs(modes)
     }
 
-    #[inline]
-    fn along(
-        &self,
-        state: &State<N, Dual>,
-        contacts: &[Contact<Dual>; N],
-    ) -> (Forces<N, Dual>, State<N, Dual>) {
-        let balancer = self.lifted();
-        let forces = balancer.forces(state, contacts);
-        (forces, balancer.derivative(state, contacts, &forces))
+    fn structure(&self) -> Option<Structure> {
+        self.0.structure()
     }
 
-    #[inline]
+    fn contacts(&self) -> usize {
+        self.0.contacts()
+    }
+
     fn friction(&self, contact: usize) -> &Friction {
-        &self.balls[contact].friction
+        self.0.friction(contact)
     }
 
-    /// A quarter of the shortest period of the table in the turning frame.
     fn longest_step(&self) -> f64 {
-        0.5 * std::f64::consts::PI / (self.speed.abs() + 1.0)
+        self.0.longest_step()
     }
 
     fn pace(&self) -> f64 {
-        let weight = self.speed * self.speed;
-        let rates = self.balls.iter().map(|ball| ball.friction.damping_rate(weight));
-        1.0 + self.speed.abs() + self.damping_ratio + stiff_pace(rates.fold(0.0, f64::max))
+        self.0.pace()
     }
 
-    /// The number of steps of an explicit method is about a tenth of the table's damping rate.
     fn fewest_steps(&self) -> f64 {
-        1.0 / self.longest_step() + 0.2 * self.damping_ratio
+        self.0.fewest_steps()
     }
 
-    #[inline]
     fn surely_one_solution(&self) -> bool {
-        Balancer::surely_one_solution(self)
+        self.0.surely_one_solution()
     }
 
-    fn one_solution_at(&self, state: &State<N>) -> bool {
-        Balancer::one_solution_at(self, &state.beta)
+    fn one_solution_at(&self, state: &[f64]) -> bool {
+        self.0.one_solution_at(state)
     }
 
     fn force_scale(&self) -> f64 {
-        1.0 + self.speed * self.speed
+        self.0.force_scale()
+    }
+
+    fn rest_forms(&self) -> Option<&dyn RestForms> {
+        self.0.rest_forms()
+    }
+
+    fn as_any(&self) -> &dyn Any {
+        self
     }
 }

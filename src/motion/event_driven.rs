@@ -21,9 +21,9 @@
 //!   the same step.
 
 use super::Failure;
-use super::contact::{Phase, derivative, forces, look_ahead, stick_reserve};
-use super::resolve_modes::resolve_modes;
-use crate::model::{Forces, State, System};
+use super::evaluator::Forces;
+use super::modes::{InState, Open, resolve_modes, stick_reserve};
+use super::{Phase, Phases};
 
 /// Rounding tolerance of a condition, over the size of the forces.
 const TIE: f64 = 1e-14;
@@ -32,21 +32,8 @@ const TIE: f64 = 1e-14;
 const RELEASE: f64 = 10.0;
 
 /// Returns the slack of the condition for rest, as a force.
-pub(super) fn release_slack<S: System<N, FREE>, const N: usize, const FREE: usize>(
-    system: &S,
-) -> f64 {
-    RELEASE * TIE * system.force_scale()
-}
-
-/// Returns the initial phase of a contact, from its speed alone.
-pub(super) fn first_phase(can_stick: bool, speed: f64) -> Phase {
-    if !can_stick {
-        Phase::Free
-    } else if speed == 0.0 {
-        Phase::Stick
-    } else {
-        Phase::Slip(speed.signum())
-    }
+pub(super) fn release_slack(force_scale: f64) -> f64 {
+    RELEASE * TIE * force_scale
 }
 
 /// Decides jointly for all contacts `at_rest` whether they stick or in which direction they set
@@ -54,27 +41,26 @@ pub(super) fn first_phase(can_stick: bool, speed: f64) -> Phase {
 ///
 /// # Errors
 /// [`Failure::NoSolution`] if no combination meets all conditions.
-pub(super) fn decide<S: System<N, FREE>, const N: usize, const FREE: usize>(
-    system: &S,
-    state: &State<N, f64, FREE>,
-    phases: &mut [Phase; N],
-    at_rest: [bool; N],
-) -> Result<Forces<N, f64, FREE>, Failure> {
+pub(super) fn decide(
+    system: &dyn InState,
+    phases: &mut Phases,
+    at_rest: &Open,
+) -> Result<Forces, Failure> {
     let tie = TIE * system.force_scale();
     let choices = [Phase::Stick, Phase::Slip(1.0), Phase::Slip(-1.0)];
-    resolve_modes(system, state, phases, at_rest, choices, |forces, phases, ball| {
-        match phases[ball] {
+    resolve_modes(system, phases, at_rest, choices, |forces, phases, contact| {
+        match phases[contact] {
             Phase::Transition(_) | Phase::Free => None,
             Phase::Stick => {
-                let reserve = stick_reserve(system, forces, ball);
-                (!rests_with(system, state, phases, ball, (reserve, tie)))
-                    .then(|| Phase::Slip(forces.friction[ball].signum()))
+                let reserve = stick_reserve(system, forces, contact);
+                (!rests_with(system, phases, contact, (reserve, tie)))
+                    .then(|| Phase::Slip(forces[contact].friction.signum()))
             }
             Phase::Slip(direction) => {
-                let acceleration = direction * forces.beta_ddot[ball];
+                let acceleration = direction * forces[contact].acceleration;
                 // If the acceleration is zero up to rounding, the condition for rest decides.
                 let sets_off = acceleration > tie
-                    || (acceleration >= -tie && !rests(system, state, phases, ball, tie));
+                    || (acceleration >= -tie && !rests(system, phases, contact, tie));
                 (!sets_off).then_some(Phase::Stick)
             }
         }
@@ -83,75 +69,45 @@ pub(super) fn decide<S: System<N, FREE>, const N: usize, const FREE: usize>(
 
 /// Returns whether a contact would rest if it stuck, with the assumed phases of the others: by the
 /// value of the condition, and within rounding of zero by its rate of change.
-fn rests<S: System<N, FREE>, const N: usize, const FREE: usize>(
-    system: &S,
-    state: &State<N, f64, FREE>,
-    phases: &[Phase; N],
-    ball: usize,
-    tie: f64,
-) -> bool {
-    let mut stuck = *phases;
-    stuck[ball] = Phase::Stick;
-    let reserve = stick_reserve(system, &forces(system, &stuck, state), ball);
-    rests_with(system, state, &stuck, ball, (reserve, tie))
+fn rests(system: &dyn InState, phases: &[Phase], contact: usize, tie: f64) -> bool {
+    let mut stuck = Phases::from(phases);
+    stuck[contact] = Phase::Stick;
+    let reserve = stick_reserve(system, &system.forces(&stuck), contact);
+    rests_with(system, &stuck, contact, (reserve, tie))
 }
 
 /// Returns whether a contact would rest like [`rests`], given its remaining friction in stick.
-fn rests_with<S: System<N, FREE>, const N: usize, const FREE: usize>(
-    system: &S,
-    state: &State<N, f64, FREE>,
-    phases: &[Phase; N],
-    ball: usize,
+fn rests_with(
+    system: &dyn InState,
+    phases: &[Phase],
+    contact: usize,
     (value, tie): (f64, f64),
 ) -> bool {
     if value.abs() > tie {
         return value > 0.0;
     }
-    let ahead = look_ahead(state, &derivative(system, phases, state));
-    stick_reserve(system, &forces(system, phases, &ahead), ball) - value >= -tie
+    stick_reserve(system, &system.forces_ahead(phases), contact) - value >= -tie
 }
 
-/// Decides the phases after an event in this state. `stopped_at_once` is a contact that came to
-/// rest at the instant at which it had set off; it stays at rest.
-///
-/// # Errors
-/// [`Failure::NoSolution`] if no combination meets all conditions.
-pub(super) fn switch<S: System<N, FREE>, const N: usize, const FREE: usize>(
-    system: &S,
-    state: &mut State<N, f64, FREE>,
-    phases: &mut [Phase; N],
+/// Stops the contacts whose speeds have reached zero. Returns which contacts are at rest and open to a decision, and
+/// which have stopped. `stopped_at_once` is a contact that came to rest at the instant at which it had set off; it
+/// stays at rest.
+pub(super) fn stop(
+    phases: &mut Phases,
+    speed: impl Fn(usize) -> f64,
     stopped_at_once: Option<usize>,
-) -> Result<Forces<N, f64, FREE>, Failure> {
-    let mut at_rest = [false; N];
-    for ball in 0..N {
-        match phases[ball] {
-            Phase::Slip(direction) if direction * state.beta_dot[ball] <= 0.0 => {
-                state.beta_dot[ball] = 0.0;
-                phases[ball] = Phase::Stick;
-                at_rest[ball] = stopped_at_once != Some(ball);
-            }
-            Phase::Stick => at_rest[ball] = true,
-            _ => {}
+) -> (Open, Open) {
+    let (mut at_rest, mut stopped) = (Open::new(), Open::new());
+    for (contact, phase) in phases.iter_mut().enumerate() {
+        let stops = match *phase {
+            Phase::Slip(direction) => direction * speed(contact) <= 0.0,
+            _ => false,
+        };
+        if stops {
+            *phase = Phase::Stick;
         }
+        stopped.push(stops);
+        at_rest.push(*phase == Phase::Stick && !(stops && stopped_at_once == Some(contact)));
     }
-    decide(system, state, phases, at_rest)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::switch;
-    use crate::model::{Friction, Slider, State};
-    use crate::motion::Phase;
-
-    /// A block that its spring pulls loose sets off, unless it has just stopped where it set off.
-    #[test]
-    fn what_stops_at_once_stays() {
-        let slider = Slider { friction: Friction::coulomb(1.0), belt_speed: 0.0 };
-        let state = State { position: [], velocity: [], beta: [1.0 + 1e-9], beta_dot: [0.0] };
-        for (stopped_at_once, expected) in [(None, Phase::Slip(-1.0)), (Some(0), Phase::Stick)] {
-            let (mut state, mut phases) = (state, [Phase::Slip(-1.0)]);
-            switch(&slider, &mut state, &mut phases, stopped_at_once).unwrap();
-            assert_eq!(phases, [expected]);
-        }
-    }
+    (at_rest, stopped)
 }

@@ -1,39 +1,38 @@
 //! How the system moves: integration of smooth phases, stick and slip, switches between them.
 
 mod cancellation;
-mod contact;
-mod dop853;
-mod dop853_tableau;
-mod driver;
+mod condition;
+mod evaluator;
 mod event_driven;
-mod first_switch;
-mod guard;
 mod instant;
-mod interpolant;
 pub(crate) mod lockstep;
-mod resolve_modes;
+mod modes;
+mod phase;
 mod root;
+mod saltation;
 mod settings;
+mod single;
 mod switch_model;
 mod taylor;
-mod variational;
 
 pub(crate) use cancellation::unwind_if_cancelled;
 pub use cancellation::{Cancellation, is_cancelled};
-pub use contact::{Phase, contacts, derivative, forces, stick_reserve};
-pub use dop853::{Step, Tolerance};
-pub use driver::{Motion, SLOW};
+pub use evaluator::{ContactForces, Evaluator, Forces};
 pub use instant::Instant;
-pub use interpolant::Interpolant;
 pub use lockstep::SimdLevel;
+pub use modes::decide;
+pub use phase::{PerContact, Phase, Phases};
 pub use root::fall_through_zero;
-pub use settings::{Effort, Settings, most_steps_by};
-pub use switch_model::{SLACK, decide};
+pub use settings::{Effort, Settings, Tolerance, most_steps_by};
+pub use single::Motion;
+pub use switch_model::SLACK;
 pub use taylor::Expansion;
-pub use variational::Variational;
 
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
+
+/// Speed, over `ω_n`, below which a contact counts as slow.
+pub const SLOW: f64 = 1e-6;
 
 /// The reason why a motion could not be continued.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error, Serialize, Deserialize)]
@@ -52,7 +51,7 @@ pub enum Failure {
     #[error("more steps than the limit, or a step length below the smallest possible one")]
     StepLimit,
     /// Stick and slip cannot be decided: no combination meets all conditions, or several do.
-    #[error("{} all conditions", resolve_modes::combinations_meet(*.solutions))]
+    #[error("{} all conditions", modes::combinations_meet(*.solutions))]
     NoSolution {
         /// Number of combinations with different accelerations that meet all conditions.
         solutions: usize,

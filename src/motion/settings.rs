@@ -2,8 +2,16 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::dop853::Tolerance;
 use crate::model::{Method, Simulation};
+
+/// Errors allowed per step: `absolute + relative · |component|`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tolerance {
+    /// Relative part.
+    pub relative: f64,
+    /// Absolute part, non-dimensional.
+    pub absolute: f64,
+}
 
 /// Settings of the computation of a motion.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -9,9 +9,9 @@
 //! the method keeps its order.
 
 use super::Failure;
-use super::contact::{Phase, stick_reserve};
-use super::resolve_modes::resolve_modes;
-use crate::model::{Forces, State, System};
+use super::evaluator::Forces;
+use super::modes::{InState, resolve_modes, stick_reserve};
+use super::{Phase, Phases};
 
 /// Slack of the conditions for stick and transition, as an acceleration over `L ω_n²`: a phase ends
 /// when its condition fails by more than this.
@@ -23,55 +23,33 @@ use crate::model::{Forces, State, System};
 /// million times larger.
 pub const SLACK: f64 = 1e-9;
 
-/// Returns the initial phase of a contact, from its speed alone.
-pub(super) fn first_phase(can_stick: bool, speed: f64, band: f64) -> Phase {
-    if !can_stick {
-        Phase::Free
-    } else if speed.abs() > band {
-        Phase::Slip(speed.signum())
-    } else {
-        Phase::Stick
-    }
-}
-
 /// Decides stick or transition jointly for all contacts in the band and returns the corresponding
 /// forces. Slipping contacts are unchanged.
 ///
 /// # Errors
 /// [`Failure::NoSolution`] if no combination meets all conditions.
-pub fn decide<S: System<N, FREE>, const N: usize, const FREE: usize>(
-    system: &S,
-    state: &State<N, f64, FREE>,
-    phases: &mut [Phase; N],
-) -> Result<Forces<N, f64, FREE>, Failure> {
-    let open = phases.map(Phase::in_band);
+pub(super) fn decide(system: &dyn InState, phases: &mut Phases) -> Result<Forces, Failure> {
+    let open = phases.iter().map(|phase| phase.in_band()).collect();
     let choices = [Phase::Stick, Phase::Transition(1.0), Phase::Transition(-1.0)];
-    resolve_modes(system, state, phases, open, choices, |forces, phases, ball| match phases[ball] {
+    resolve_modes(system, phases, &open, choices, |forces, phases, contact| match phases[contact] {
         Phase::Slip(_) | Phase::Free => None,
-        Phase::Stick => (stick_reserve(system, forces, ball) < -SLACK)
-            .then(|| Phase::Transition(forces.friction[ball].signum())),
+        Phase::Stick => (stick_reserve(system, forces, contact) < -SLACK)
+            .then(|| Phase::Transition(forces[contact].friction.signum())),
         Phase::Transition(direction) => {
-            (direction * forces.beta_ddot[ball] < -SLACK).then_some(Phase::Stick)
+            (direction * forces[contact].acceleration < -SLACK).then_some(Phase::Stick)
         }
     })
 }
 
-/// Decides the phases after a switch in this state.
-///
-/// # Errors
-/// [`Failure::NoSolution`] if no combination meets all conditions.
-pub(super) fn switch<S: System<N, FREE>, const N: usize, const FREE: usize>(
-    system: &S,
-    band: f64,
-    state: &State<N, f64, FREE>,
-    phases: &mut [Phase; N],
-) -> Result<Forces<N, f64, FREE>, Failure> {
-    for (phase, speed) in phases.iter_mut().zip(state.beta_dot) {
+/// Enters or leaves the band where the speeds have reached its edge.
+pub(super) fn cross_band(band: f64, phases: &mut Phases, speed: impl Fn(usize) -> f64) {
+    for (contact, phase) in phases.iter_mut().enumerate() {
         *phase = match *phase {
-            Phase::Slip(direction) if direction * speed <= band => Phase::Stick,
-            Phase::Transition(direction) if direction * speed >= band => Phase::Slip(direction),
+            Phase::Slip(direction) if direction * speed(contact) <= band => Phase::Stick,
+            Phase::Transition(direction) if direction * speed(contact) >= band => {
+                Phase::Slip(direction)
+            }
             _ => *phase,
         };
     }
-    decide(system, state, phases)
 }

@@ -4,7 +4,9 @@ use proptest::prelude::*;
 use stickslip::analysis::{CycleClass, Role, groups_of_identical};
 use stickslip::classification::{Cycle, CyclePhase, Evidence, Outcome};
 use stickslip::model::{Balancer, Ball, Block, Machine, Model, State};
-use stickslip::motion::{Phase, derivative};
+use stickslip::motion::Phase;
+
+use crate::support::reference::derivative;
 
 /// A ball's part in a random cycle.
 #[derive(Clone, Debug)]

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use rayon::prelude::*;
 use stickslip::classification::{Evidence, Outcome};
-use stickslip::model::{Balancer, Case, Method, Simulation};
+use stickslip::model::{Case, Method, Simulation};
 use stickslip::motion::{Motion, Settings};
 use stickslip::study::Study;
 
@@ -32,10 +32,10 @@ fn with(case: &Case, method: Method) -> Case {
 fn drawn(case: &Case, outcome: &Outcome) -> ([f64; 2], f64) {
     let machine = case.model.ball_balancer().expect("a balancer");
     let natural = machine.natural_frequency_rad_s();
-    let balancer = Balancer::<2>::new(machine).expect("two balls");
+    let system = case.model.system().expect("two balls");
     let settings = Settings::new(&case.simulation, u64::MAX);
-    let start = case.start.of_balls().expect("two balls");
-    let mut motion = Motion::new(&balancer, settings, start).expect("starts");
+    let start = case.model.start_state(&case.start).expect("two balls");
+    let mut motion = Motion::new(&system, settings, &start).expect("starts");
     let period = outcome.period_s.expect("a cycle") * natural;
     let speeds = outcome.mean_speed.as_ref().expect("a cycle");
     let runs = usize::from(speeds[1].abs() > speeds[0].abs());
@@ -48,8 +48,8 @@ fn drawn(case: &Case, outcome: &Outcome) -> ([f64; 2], f64) {
         if motion.time() > claimed - 1.5 * period
             && let Some((time, state)) = motion.passage(runs)
         {
-            let [[x, y], [x_dot, y_dot]] = [state.position, state.velocity];
-            passages.push((time, [x, y, x_dot, y_dot, state.beta_dot[runs]]));
+            let [x, y, x_dot, y_dot] = [0, 1, 2, 3].map(|component| state[component]);
+            passages.push((time, [x, y, x_dot, y_dot, state[6 + runs]]));
         }
     }
     let apart = |later: usize| {

@@ -7,9 +7,8 @@
 use std::fmt::Write;
 use std::path::Path;
 
-use stickslip::classification::{Outcome, simulate, simulate_one_by_one};
+use stickslip::classification::{Outcome, simulate, simulate_by_recorded_equations};
 use stickslip::model::{Ball, Case, FrictionLaw, Machine, Method, Simulation, Start};
-use stickslip::motion::SimdLevel;
 
 const VISCOUS: FrictionLaw = FrictionLaw::viscous(2e-4);
 
@@ -99,10 +98,10 @@ const RUNS: [Pinned; 9] = [
     },
 ];
 
-fn row(name: &str, way: &str, outcome: &Outcome) -> String {
+fn row(name: &str, kernel: &str, outcome: &Outcome) -> String {
     let effort = outcome.effort;
     format!(
-        "{name:<20}  {way:<10}  {:>6}  {:>9}  {:>8}  {:<11}  {}\n",
+        "{name:<20}  {kernel:<7}  {:>6}  {:>9}  {:>8}  {:<11}  {}\n",
         effort.steps,
         effort.rejected_steps,
         effort.switches,
@@ -116,15 +115,15 @@ fn efforts_are_those_pinned() {
     let mut found = String::new();
     writeln!(
         found,
-        "{:<20}  {:<10}  {:>6}  {:>9}  {:>8}  {:<11}  evidence",
-        "run", "way", "steps", "not taken", "switches", "label"
+        "{:<20}  {:<7}  {:>6}  {:>9}  {:>8}  {:<11}  evidence",
+        "run", "kernel", "steps", "not taken", "switches", "label"
     )
     .unwrap();
     for pinned in &RUNS {
         let case = pinned.case();
-        let alone = simulate_one_by_one(&case);
-        found += &row(pinned.name, "lockstep", &simulate(&case));
-        found += &row(pinned.name, "one by one", &alone);
+        let general = simulate_by_recorded_equations(&case);
+        found += &row(pinned.name, "tuned", &simulate(&case));
+        found += &row(pinned.name, "general", &general);
     }
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/effort.txt");
     if std::env::var_os("STICKSLIP_PIN_EFFORT").is_some() {
@@ -132,12 +131,8 @@ fn efforts_are_those_pinned() {
         return;
     }
     let pinned = std::fs::read_to_string(path).expect("the pinned table");
-    // Without vector instructions, all runs are computed one by one.
-    let has_lanes = SimdLevel::best().name() != "none";
-    let counts = |line: &&str| has_lanes || !line.contains("  lockstep  ");
-    let differs = found.lines().filter(counts).ne(pinned.lines().filter(counts));
     assert!(
-        !differs,
+        found == pinned,
         "costs have changed; see the head of this file. Pinned:\n{pinned}\nNow:\n{found}"
     );
 }

@@ -1,7 +1,9 @@
 //! Runs with rest as the only detected ending: runs that come to rest are unchanged, and all others
 //! are undecided.
 
-use stickslip::classification::{Evidence, Label, Outcome, simulate, simulate_one_by_one};
+use stickslip::classification::{
+    Evidence, Label, Outcome, simulate, simulate_by_recorded_equations,
+};
 use stickslip::model::{
     Block, Case, Endings, Extend, FrictionLaw, Machine, Method, Model, Simulation, Start,
 };
@@ -62,7 +64,7 @@ fn balls_come_to_rest_as_with_all_endings() {
                 let case = Case { model, start, simulation };
                 seen[compare(both(&case, simulate)) as usize] += 1;
                 if number < 2 {
-                    compare(both(&case, simulate_one_by_one));
+                    compare(both(&case, simulate_by_recorded_equations));
                 }
             }
         }

@@ -1,11 +1,16 @@
 //! Runs in lockstep: equal bits in any lane, beside any neighbours and with any vectors, and the
-//! endings of runs computed alone.
+//! endings of both kernels.
 
-use stickslip::classification::{Label, simulate, simulate_one_by_one};
+use std::path::Path;
+
+use stickslip::classification::{Label, simulate, simulate_by_recorded_equations};
 use stickslip::model::{Case, Method};
 use stickslip::motion::SimdLevel;
+use stickslip::study::Study;
 
-use super::simulate_all::in_lockstep;
+use super::simulate_all::{
+    cases_of, in_lockstep, simulate_all, simulate_all_by_recorded_equations,
+};
 use crate::cli::support::parse;
 use crate::support::angular_distance;
 
@@ -61,10 +66,10 @@ fn bits_depend_neither_on_lanes_nor_on_neighbours_nor_on_vectors() {
     }
 }
 
-/// Endings, positions and times of regular motions in lockstep agree with those of runs computed
-/// alone, which use different code, steps and event location.
+/// Endings, positions and times of regular motions agree with those of the general kernel, which uses different
+/// code, steps and event location.
 #[test]
-fn endings_are_those_of_runs_computed_alone() {
+fn endings_are_those_of_the_general_kernel() {
     for method in [Method::Switch, Method::Event] {
         let sweep = "sweep: [{grid: {speed_rad_s: [-160.8103, -173.0, 150.0]}}]\n";
         let of = |balls| cases(6, "{end_time_s: 16.5}", balls, sweep);
@@ -74,15 +79,15 @@ fn endings_are_those_of_runs_computed_alone() {
             case.simulation.method = method;
         }
         for case in &cases {
-            let (lanes, alone) = (simulate(case), simulate_one_by_one(case));
-            assert_eq!(lanes.label(), alone.label(), "{case:?}");
-            if lanes.label() != Label::Equilibrium {
+            let (tuned, general) = (simulate(case), simulate_by_recorded_equations(case));
+            assert_eq!(tuned.label(), general.label(), "{case:?}");
+            if tuned.label() != Label::Equilibrium {
                 continue;
             }
             at_rest += 1;
-            let positions = lanes.position.iter().flatten().zip(alone.position.iter().flatten());
-            for (lane, alone) in positions {
-                let apart = angular_distance(*lane, *alone);
+            let positions = tuned.position.iter().flatten().zip(general.position.iter().flatten());
+            for (tuned, general) in positions {
+                let apart = angular_distance(*tuned, *general);
                 assert!(apart < 1e-3, "{apart} in {case:?}");
             }
         }
@@ -90,8 +95,24 @@ fn endings_are_those_of_runs_computed_alone() {
     }
 }
 
+/// The thesis's study below the natural frequency gets the same labels from the recorded equations.
+#[test]
+fn labels_of_all_subcritical_runs_are_those_of_the_general_kernel() {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/studies/preferred-equilibria.yaml");
+    let study = Study::load(Path::new(path)).expect("a valid study");
+    let mut cases = cases_of(&study);
+    cases.retain(|case| {
+        let machine = case.model.ball_balancer().expect("a balancer");
+        machine.speed_rad_s.abs() < machine.natural_frequency_rad_s()
+    });
+    assert_eq!(cases.len(), 2304);
+    let [tuned, general] = [simulate_all(&cases), simulate_all_by_recorded_equations(&cases)];
+    let flips = tuned.iter().zip(&general).filter(|(one, other)| one.label() != other.label());
+    assert_eq!(flips.count(), 0);
+}
+
 /// Without dry friction no condition detects that a ball turns back; an orbit with a reversal is
-/// not a cycle of a running ball, in lockstep and alone.
+/// not a cycle of a running ball, with either kernel.
 #[test]
 fn reversals_without_a_switch_are_detected() {
     let mut cases = cases(24, "{end_time_s: 16.5, method: event}", 1, "");
@@ -100,9 +121,9 @@ fn reversals_without_a_switch_are_detected() {
         let machine = case.model.ball_balancer_mut().unwrap();
         machine.speed_rad_s = -191.6372;
         machine.friction = stickslip::model::FrictionLaw::viscous(2e-4);
-        let (lanes, alone) = (simulate(case), simulate_one_by_one(case));
-        assert_eq!(lanes.evidence, alone.evidence, "{case:?}");
-        match lanes.label() {
+        let (tuned, general) = (simulate(case), simulate_by_recorded_equations(case));
+        assert_eq!(tuned.evidence, general.evidence, "{case:?}");
+        match tuned.label() {
             Label::LimitCycle => cycles += 1,
             _ => others += 1,
         }

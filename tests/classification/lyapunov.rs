@@ -2,16 +2,20 @@
 //! with slow separation.
 
 use std::path::Path;
+use std::sync::Arc;
 
 use nalgebra::DVector;
 use rayon::prelude::*;
 use stickslip::analysis::{RestForm, Stability, frictionless_equilibria, state_matrix};
 use stickslip::classification::{Evidence, Label, simulate};
-use stickslip::model::{Balancer, Case, FrictionLaw, Machine, Method, Simulation, Start, State};
-use stickslip::motion::{Motion, Phase, Settings, Tolerance};
+use stickslip::model::{
+    Balancer, Case, FrictionLaw, Machine, Method, Simulation, Start, State, System,
+};
+use stickslip::motion::{Phase, Settings, Tolerance};
 use stickslip::study::Study;
 
 use super::simulate_all::{cases_of, simulate_all};
+use crate::support::{for_each_kernel, started, state_of};
 
 /// At an unstable equilibrium with viscous drag only, neighbours separate at the rate of the
 /// equations linearised there, an independent formulation (`exp(A t)`). Nothing else happens, so
@@ -83,13 +87,13 @@ fn size<const N: usize>(state: &State<N>) -> f64 {
 /// Returns the mean rate at which a second motion leaves the first between two times, when it is
 /// repeatedly put back near it.
 fn side_by_side(
-    balancer: &Balancer<2>,
+    system: &Arc<dyn System>,
     settings: Settings,
     start: State<2>,
     [begin, end]: [f64; 2],
 ) -> f64 {
     const NEAR: f64 = 1e-7;
-    let mut first = Motion::new(balancer, settings, start).expect("starts");
+    let mut first = started(system, settings, &start);
     while first.time() < begin {
         first.advance(begin).expect("continues");
     }
@@ -97,29 +101,30 @@ fn side_by_side(
     let mut growth = 0.0;
     let stretches = 400;
     for stretch in 1..=stretches {
-        let mut from = add(first.state(), NEAR / size(&apart), &apart);
+        let now = state_of(&first);
+        let mut from = add(&now, NEAR / size(&apart), &apart);
         for ball in 0..2 {
             if first.phases()[ball] == Phase::Stick {
                 from.beta_dot[ball] = 0.0;
             }
         }
-        let before = size(&add(&from, -1.0, first.state()));
-        let mut second = Motion::new(balancer, settings, from).expect("starts");
-        let (begins, turned) = (first.time(), [0, 1].map(|ball| first.unwrapped_angle(ball)));
-        let began = [0, 1].map(|ball| second.unwrapped_angle(ball));
+        let before = size(&add(&from, -1.0, &now));
+        let mut second = started(system, settings, &from);
+        let (begins, turned) = (first.time(), first.unwrapped());
+        let began = second.unwrapped();
         let until = begin + f64::from(stretch) / f64::from(stretches) * (end - begin);
         let displaced = from.beta;
-        let placed = first.state().beta;
+        let placed = now.beta;
         while first.time() < until {
             first.advance(until).expect("continues");
         }
         while second.time() < until - begins {
             second.advance(until - begins).expect("continues");
         }
-        apart = add(second.state(), -1.0, first.state());
+        apart = add(&state_of(&second), -1.0, &state_of(&first));
         for ball in 0..2 {
-            let one = first.unwrapped_angle(ball) - turned[ball];
-            let other = second.unwrapped_angle(ball) - began[ball];
+            let one = first.unwrapped()[ball] - turned[ball];
+            let other = second.unwrapped()[ball] - began[ball];
             apart.beta[ball] = displaced[ball] - placed[ball] + other - one;
         }
         growth += (size(&apart) / before).ln();
@@ -129,7 +134,7 @@ fn side_by_side(
 
 /// At an irregular speed, exponents from the linearised flow and from two neighbouring motions
 /// agree over the same window, which begins at the end of a step and is short enough for both
-/// engines to follow the same motion.
+/// kernels to follow the same motion: the neighbours are computed by the other kernel than the run.
 #[test]
 fn exponents_are_those_of_two_motions_side_by_side() {
     let text = "
@@ -160,7 +165,8 @@ simulation: {method: event, end_time_s: 5, tolerance: {relative: 1.0e-12, absolu
             let start = case.start.of_balls().expect("two balls");
             let end = case.simulation.end_time_s * natural;
             let window = [end - window_s * natural, end];
-            Some((exponent, side_by_side(&balancer, settings, start, window) * natural))
+            let [_, general] = for_each_kernel(balancer);
+            Some((exponent, side_by_side(&general, settings, start, window) * natural))
         })
         .collect();
     let mut errors: Vec<f64> = compared.iter().map(|(a, b)| (a - b).abs()).collect();

@@ -2,7 +2,7 @@
 
 use stickslip::classification::{Evidence, simulate_recorded};
 use stickslip::classification::{
-    Instants, Outcome, Recorder, Recording, simulate, simulate_one_by_one,
+    Instants, Outcome, Recorder, Recording, simulate, simulate_by_recorded_equations,
 };
 use stickslip::model::Case;
 
@@ -73,22 +73,22 @@ fn means_are_of_the_whole_last_tenth() {
     assert!(compared > 12, "{compared}");
 }
 
-/// Both engines give equal means for equal motions.
+/// Both kernels give equal means for equal motions.
 #[test]
-fn both_engines_have_the_same_means() {
+fn both_kernels_have_the_same_means() {
     let model = "{kind: ball_balancer, parameters: {speed_rad_s: -216.3772}}";
     let simulation =
         "{end_time_s: 0.7, endings: rest, tolerance: {relative: 1.0e-11, absolute: 1.0e-13}}";
     let mut compared = 0;
     for case in cases(model, 12, simulation) {
-        let (together, alone) = (simulate(&case), simulate_one_by_one(&case));
-        if together.evidence != Evidence::EndTime {
+        let (tuned, general) = (simulate(&case), simulate_by_recorded_equations(&case));
+        if tuned.evidence != Evidence::EndTime {
             continue;
         }
-        let [one, other] = [&together, &alone].map(|outcome| outcome.amplitude_m.unwrap());
+        let [one, other] = [&tuned, &general].map(|outcome| outcome.amplitude_m.unwrap());
         assert!((one / other - 1.0).abs() < 1e-6, "{one} {other}");
         for (one, other) in
-            together.mean_speed.iter().flatten().zip(alone.mean_speed.iter().flatten())
+            tuned.mean_speed.iter().flatten().zip(general.mean_speed.iter().flatten())
         {
             assert!((one - other).abs() < 1e-5, "{one} {other}");
         }

@@ -12,7 +12,6 @@ use rayon::prelude::*;
 use sha2::{Digest, Sha256};
 use stickslip::classification::{MODEL_VERSION, simulate};
 use stickslip::engine::compute;
-use stickslip::motion::SimdLevel;
 use stickslip::study::Study;
 
 use crate::cli::support::parse;
@@ -68,9 +67,6 @@ fn studies() -> Vec<(&'static str, Study)> {
 
 #[test]
 fn outcomes_are_those_of_the_version() {
-    if SimdLevel::best().name() == "none" {
-        return;
-    }
     let mut found = format!("version {MODEL_VERSION}\n");
     for (name, study) in studies() {
         let outcomes: Vec<String> = (0..study.run_count())

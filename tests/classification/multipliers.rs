@@ -1,11 +1,14 @@
 //! Floquet multipliers against finite differences of a return map computed from whole motions.
 
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVector};
 use stickslip::classification::{Evidence, Outcome, simulate};
-use stickslip::model::{Balancer, Case, Machine, Method, Simulation, Start, State};
-use stickslip::motion::{Motion, Phase, Settings, Tolerance};
+use stickslip::model::{Balancer, Case, Machine, Method, Simulation, Start, State, System};
+use stickslip::motion::{Phase, Settings, Tolerance};
+
+use crate::support::{shared, started};
 
 const FINE: Settings = Settings {
     method: Method::Event,
@@ -29,17 +32,18 @@ fn state(values: &DVector<f64>) -> State<2> {
 
 /// Returns the state at the next passage of a ball through the angle 0, with angles that include
 /// turns.
-fn passage(balancer: &Balancer<2>, start: &State<2>, ball: usize) -> (f64, State<2>) {
+fn passage(system: &Arc<dyn System>, start: &State<2>, ball: usize) -> (f64, State<2>) {
     let mut start = *start;
     start.beta = start.beta.map(|beta| beta.rem_euclid(TAU));
     start.beta[ball] = 0.0;
-    let mut motion = Motion::new(balancer, FINE, start).expect("starts");
+    let mut motion = started(system, FINE, &start);
     loop {
         motion.advance(1e3).expect("continues");
-        if let Some((time, mut state)) = motion.passage(ball) {
-            state.beta = std::array::from_fn(|i| {
-                state.beta[i] + motion.unwrapped_angle(i) - motion.state().beta[i]
-            });
+        if let Some((time, state)) = motion.passage(ball) {
+            let mut state = State::of_components(&state).expect("two balls");
+            let end = motion.within_last_step(motion.time()).expect("the step's end");
+            let unwrapped = motion.unwrapped();
+            state.beta = std::array::from_fn(|i| state.beta[i] + unwrapped[i] - end[4 + i]);
             return (time, state);
         }
     }
@@ -47,10 +51,14 @@ fn passage(balancer: &Balancer<2>, start: &State<2>, ball: usize) -> (f64, State
 
 /// Returns the state on the section of the running ball after many turns of a cycle, and the
 /// period.
-fn settled(balancer: &Balancer<2>, outcome: &Outcome, start: &State<2>) -> (State<2>, usize, f64) {
+fn settled(
+    system: &Arc<dyn System>,
+    outcome: &Outcome,
+    start: &State<2>,
+) -> (State<2>, usize, f64) {
     let turns = &outcome.cycle.as_ref().expect("a cycle").turns;
     let ball = turns.iter().position(|&turns| turns != 0).expect("a ball runs");
-    let mut motion = Motion::new(balancer, FINE, *start).expect("starts");
+    let mut motion = started(system, FINE, start);
     let (end, mut last) = (1e5, None);
     while motion.time() < end || last.is_none() {
         motion.advance(f64::INFINITY).expect("continues");
@@ -58,10 +66,11 @@ fn settled(balancer: &Balancer<2>, outcome: &Outcome, start: &State<2>) -> (Stat
             last = motion.passage(ball);
         }
     }
-    let (_, mut state) = last.expect("a passage");
+    let (_, state) = last.expect("a passage");
+    let mut state = State::of_components(&state).expect("two balls");
     let mut period = 0.0;
     for _ in 0..200 {
-        (period, state) = passage(balancer, &state, ball);
+        (period, state) = passage(system, &state, ball);
     }
     (state, ball, period)
 }
@@ -69,7 +78,7 @@ fn settled(balancer: &Balancer<2>, outcome: &Outcome, start: &State<2>) -> (Stat
 /// Returns the moduli of the multipliers by central differences of the return map in the given
 /// coordinates.
 fn by_differences(
-    balancer: &Balancer<2>,
+    system: &Arc<dyn System>,
     orbit: &State<2>,
     ball: usize,
     coordinates: &[usize],
@@ -80,7 +89,7 @@ fn by_differences(
         let shifted = |step: f64| {
             let mut values = flat(orbit);
             values[coordinate] += step;
-            flat(&passage(balancer, &state(&values), ball).1)
+            flat(&passage(system, &state(&values), ball).1)
         };
         let change = (shifted(step) - shifted(-step)) / (2.0 * step);
         for (row, &coordinate) in coordinates.iter().enumerate() {
@@ -123,9 +132,9 @@ fn multipliers_are_those_of_the_return_map() {
         assert_eq!(cycle.neutral_directions, neutral);
         let machine = case.model.ball_balancer().expect("a balancer");
         let natural = machine.natural_frequency_rad_s();
-        let balancer = Balancer::<2>::new(machine).expect("two balls");
+        let system = shared(Balancer::<2>::new(machine).expect("two balls"));
         let start = case.start.of_balls().expect("two balls");
-        let (orbit, ball, period) = settled(&balancer, &outcome, &start);
+        let (orbit, ball, period) = settled(&system, &outcome, &start);
         let period_s = outcome.period_s.expect("a period");
         // With a neutral direction the period depends on where the other ball rests.
         assert!(
@@ -133,7 +142,7 @@ fn multipliers_are_those_of_the_return_map() {
             "{} {period_s}",
             period / natural
         );
-        let mut motion = Motion::new(&balancer, FINE, orbit).expect("starts");
+        let mut motion = started(&system, FINE, &orbit);
         motion.advance(1e-3).expect("continues");
         // The running ball's angle is excluded; the other ball's speed is included if it moves, and
         // its angle always.
@@ -145,7 +154,7 @@ fn multipliers_are_those_of_the_return_map() {
         let mut expected = cycle.multipliers.clone();
         expected.extend(std::iter::repeat_n(1.0, neutral.into()));
         expected.sort_by(|one, other| other.total_cmp(one));
-        let found = by_differences(&balancer, &orbit, ball, &coordinates);
+        let found = by_differences(&system, &orbit, ball, &coordinates);
         println!("{speed} rad/s, {friction:?}: {found:.7?}");
         assert_eq!(found.len(), expected.len());
         for (found, expected) in found.iter().zip(&expected) {

@@ -7,11 +7,11 @@ use rayon::prelude::*;
 use stickslip::analysis::{FrictionlessEquilibrium, Stability, frictionless_equilibria};
 use stickslip::classification::{Evidence, Outcome, simulate};
 use stickslip::model::{
-    Balancer, Ball, Block, Case, FrictionLaw, Ground, Machine, Model, Simulation, Start,
+    Balancer, Ball, Block, Case, FrictionLaw, Ground, Machine, Model, Simulation, Start, State,
 };
-use stickslip::motion::{Motion, Settings};
+use stickslip::motion::Settings;
 
-use crate::support::angular_distance;
+use crate::support::{angular_distance, shared, started, state_of};
 
 fn run(model: impl Into<Model>, start: &Start, end_time_s: f64) -> Outcome {
     let simulation = Simulation { end_time_s, ..Simulation::default() };
@@ -60,14 +60,14 @@ fn resting<const N: usize>(machine: &Machine, beta: [f64; N]) -> Start {
 fn later<const N: usize>(machine: &Machine, start: &Start, time_s: f64) -> ([f64; N], f64) {
     let balancer = Balancer::<N>::new(machine).expect("balls");
     let settings = Settings::new(&Simulation::default(), u64::MAX);
-    let state = start.of_balls().expect("balls");
-    let mut motion = Motion::new(&balancer, settings, state).expect("starts");
+    let state: State<N> = start.of_balls().expect("balls");
+    let mut motion = started(&shared(balancer), settings, &state);
     let end = time_s * machine.natural_frequency_rad_s();
     while motion.time() < end {
         motion.advance(end).expect("continues");
     }
-    let speeds = motion.state().beta_dot.map(f64::abs);
-    (motion.state().beta, speeds.into_iter().fold(0.0, f64::max))
+    let State { beta, beta_dot, .. }: State<N> = state_of(&motion);
+    (beta, beta_dot.map(f64::abs).into_iter().fold(0.0, f64::max))
 }
 
 /// Returns start states distributed over the box.

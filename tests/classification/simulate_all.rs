@@ -1,7 +1,9 @@
 //! Outcomes of many cases, computed side by side in vector lanes: ten times as fast as one by one.
 
 use rayon::prelude::*;
-use stickslip::classification::{Outcome, Runs, simulate_in_lockstep};
+use stickslip::classification::{
+    Outcome, Runs, simulate_by_recorded_equations_in_lockstep, simulate_in_lockstep,
+};
 use stickslip::model::Case;
 use stickslip::motion::SimdLevel;
 use stickslip::study::Study;
@@ -13,6 +15,17 @@ const TOGETHER: usize = 128;
 /// Returns the outcome of each case, bit for bit that of `simulate`.
 pub fn simulate_all(cases: &[Case]) -> Vec<Outcome> {
     let together = |cases: &[Case]| in_lockstep(SimdLevel::best(), cases, 0..cases.len());
+    cases.par_chunks(TOGETHER).flat_map_iter(together).collect()
+}
+
+/// Returns the outcome of each case, computed by the general kernel.
+pub fn simulate_all_by_recorded_equations(cases: &[Case]) -> Vec<Outcome> {
+    let together = |cases: &[Case]| {
+        let order = (0..cases.len()).rev().collect();
+        let mut runs = Listed { cases, order, outcomes: vec![None; cases.len()] };
+        simulate_by_recorded_equations_in_lockstep(SimdLevel::best(), &mut runs);
+        runs.outcomes.into_iter().map(|outcome| outcome.expect("every run has ended"))
+    };
     cases.par_chunks(TOGETHER).flat_map_iter(together).collect()
 }
 

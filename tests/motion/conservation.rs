@@ -12,10 +12,13 @@
 //! τ = m_I e a_y + Σ m [ c a_y - s a_x + β̈ - 2 J d β̈ ]
 //! ```
 
-use stickslip::model::{Balancer, Contact, Machine, Method, State};
-use stickslip::motion::{Failure, Motion, Phase, Step, contacts};
+use std::sync::Arc;
+
+use stickslip::model::{Balancer, Contact, Machine, Method, State, System};
+use stickslip::motion::{Failure, Motion, Phase};
 
 use super::samples::{Sampler, settings};
+use crate::support::{for_each_kernel, reference, state_of};
 
 fn energy<const N: usize>(machine: &Machine, balancer: &Balancer<N>, state: &State<N>) -> f64 {
     let omega = balancer.speed;
@@ -76,34 +79,38 @@ fn gauss() -> [(f64, f64); 4] {
 /// Returns the change of energy, and the work of dampers, friction and motor along a motion.
 fn balance<const N: usize>(
     machine: &Machine,
-    balancer: &Balancer<N>,
+    (balancer, system): (&Balancer<N>, &Arc<dyn System>),
     method: Method,
     start: State<N>,
 ) -> Result<(f64, [f64; 3]), Failure> {
     let settings = settings(method, 1e-11);
     let slowest = if method == Method::Switch { settings.band } else { 0.0 };
-    let mut motion = Motion::new(balancer, settings, start)?;
+    let mut motion = Motion::new(system, settings, &start.components())?;
     let mut work = [0.0; 3];
     while motion.time() < 20.0 {
-        let (time, state, phases) = (motion.time(), *motion.state(), *motion.phases());
+        let (time, state) = (motion.time(), state_of(&motion));
+        let phases = motion.phases().to_vec();
         motion.advance(20_f64.min(time + 0.2))?;
         let length = motion.time() - time;
-        let contacts = contacts(balancer, &phases, &state);
+        let contacts = reference::contacts(balancer, &phases, &state);
         let f = |s: &State<N>| balancer.derivative(s, &contacts, &balancer.forces(s, &contacts));
         for (node, weight) in gauss() {
-            let inside = Step::attempt(f, &state, &f(&state), node * length).end;
+            let inside = reference::step(f, &state, node * length);
             let powers = powers(machine, balancer, &inside, &contacts);
             for (work, power) in work.iter_mut().zip(powers) {
                 *work += weight * length * power;
             }
             // Friction never does positive work, and none in stick, ball by ball.
             let forces = balancer.forces(&inside, &contacts);
-            for (ball, phase) in phases.into_iter().enumerate() {
+            for (ball, &phase) in phases.iter().enumerate() {
                 let power = -forces.friction[ball] * inside.beta_dot[ball];
                 let limit = balancer.balls[ball].friction.limit * forces.normal[ball];
                 match phase {
-                    // At the instant of setting off the speed is zero up to rounding.
-                    Phase::Slip(_) => assert!(power <= 1e-18, "{power:e} {phase:?}"),
+                    // At the instant of setting off the speed is zero up to rounding; a stop is located where the
+                    // speed is beyond zero by 5e-13.
+                    Phase::Slip(_) => {
+                        assert!(power <= 1e-18 + 5.01e-13 * limit, "{power:e} {phase:?}");
+                    }
                     Phase::Stick => assert!(power.abs() <= 1.001 * slowest * limit, "{power:e}"),
                     // Friction opposes the acceleration while the speed changes its sign inside the
                     // band.
@@ -113,7 +120,7 @@ fn balance<const N: usize>(
         }
     }
     let before = energy(machine, balancer, &start);
-    Ok((energy(machine, balancer, motion.state()) - before, work))
+    Ok((energy(machine, balancer, &state_of(&motion)) - before, work))
 }
 
 #[test]
@@ -125,8 +132,11 @@ fn energy_changes_by_the_work() {
         let balancer = Balancer::<3>::new(&machine).expect("three balls");
         let start = sampler.state(&balancer);
         let scale = energy(&machine, &balancer, &start).max(1e-6);
-        for (method, allowed) in [(Method::Event, 1e-9), (Method::Switch, 1e-7)] {
-            match balance(&machine, &balancer, method, start) {
+        let ways = [(Method::Event, 1e-9), (Method::Switch, 1e-7)];
+        let kernels = for_each_kernel(balancer);
+        let ways = ways.iter().flat_map(|way| kernels.iter().map(move |kernel| (*way, kernel)));
+        for ((method, allowed), system) in ways {
+            match balance(&machine, (&balancer, system), method, start) {
                 Ok((change, [damping, friction, motor])) => {
                     let open = change - (damping + friction + motor);
                     assert!(open.abs() < allowed * scale, "{seed}: {method:?} {open:e} {scale:e}");
@@ -141,5 +151,5 @@ fn energy_changes_by_the_work() {
             }
         }
     }
-    assert!(balanced > 300 && rubbed > 100, "{balanced} {rubbed}");
+    assert!(balanced > 600 && rubbed > 200, "{balanced} {rubbed}");
 }

@@ -5,10 +5,12 @@ use std::path::Path;
 
 use stickslip::classification::{Evidence, simulate};
 use stickslip::model::{Balancer, Case, Contact, Machine, Method, Simulation, State};
-use stickslip::motion::{Motion, Phase, Settings, stick_reserve};
+use stickslip::motion::{Phase, Settings};
 use stickslip::study::Study;
 
 use super::samples::{Sampler, difference, go_on, moved, settings};
+use crate::support::reference::stick_reserve;
+use crate::support::{for_each_kernel, started, state_of};
 
 fn two_balls(speed_rad_s: f64) -> Balancer<2> {
     let machine = Machine { speed_rad_s, ..Machine::default() };
@@ -56,21 +58,23 @@ fn break_away_within_rounding() {
         let direction = forces(&edge).friction[0].signum();
         seen[usize::from(rate > 0.0) + 2 * usize::from(direction > 0.0)] += 1;
         let expected = if rate > 0.0 { Phase::Stick } else { Phase::Slip(direction) };
-        let reference = moved(&balancer, tight(), edge, 1e-3);
-        for far in [held.next_down(), held, loose, loose.next_up(), held - 1e-15, loose + 1e-15] {
-            let mut motion = Motion::new(&balancer, tight(), at(far)).expect("starts");
-            assert_eq!(motion.phases(), &[expected, Phase::Stick], "{seed}: {far:e}");
-            go_on(&mut motion, 1e-3);
-            assert!(difference(&motion, &reference) < 1e-12, "{seed}");
-            let speed = direction * motion.state().beta_dot[0];
-            assert!(if rate > 0.0 { speed == 0.0 } else { speed > 0.0 }, "{seed}: {speed:e}");
+        for system in for_each_kernel(balancer) {
+            let reference = moved(&system, tight(), edge, 1e-3);
+            let beside = [held.next_down(), held, loose, loose.next_up()];
+            for far in beside.into_iter().chain([held - 1e-15, loose + 1e-15]) {
+                let mut motion = started(&system, tight(), &at(far));
+                assert_eq!(motion.phases(), [expected, Phase::Stick], "{seed}: {far:e}");
+                go_on(&mut motion, 1e-3);
+                assert!(difference(&motion, &reference) < 1e-12, "{seed}");
+                let speed = direction * state_of::<2, 2>(&motion).beta_dot[0];
+                assert!(if rate > 0.0 { speed == 0.0 } else { speed > 0.0 }, "{seed}: {speed:e}");
+            }
+            // Outside of rounding the value decides, not the rate.
+            let phases = [-1e-11, 1e-11]
+                .map(|off| started(&system, tight(), &at(held + off)).phases().to_vec());
+            let expected = [[Phase::Stick; 2], [Phase::Slip(direction), Phase::Stick]];
+            assert_eq!(phases, expected, "{seed}");
         }
-        // Outside of rounding the value decides, not the rate.
-        let phases = [-1e-11, 1e-11].map(|off| {
-            let start = at(held + off);
-            *Motion::new(&balancer, tight(), start).expect("starts").phases()
-        });
-        assert_eq!(phases, [[Phase::Stick; 2], [Phase::Slip(direction), Phase::Stick]], "{seed}");
     }
     assert!(seen.iter().all(|&count| count > 10), "{seen:?}");
 }
@@ -96,16 +100,19 @@ fn creep_does_not_chatter() {
             let beta = [one + offset; 2];
             let position = balancer.rest_point(&beta).position;
             let state = State { position, velocity: [0.0; 2], beta, beta_dot: [0.0; 2] };
-            let motion = moved(&balancer, settings(Method::Event, 1e-8), state, 3000.0);
-            let effort = motion.effort();
-            assert!(effort.switches < 1000 && effort.steps < 30_000, "{offset:e}: {effort:?}");
-            assert_eq!(motion.state().beta[0].to_bits(), motion.state().beta[1].to_bits());
-            // From the other edges they leave permanently once they are outside.
-            creeping += i32::from((motion.unwrapped_angle(0) - beta[0]).abs() < 1e-2);
+            for system in for_each_kernel(balancer) {
+                let motion = moved(&system, settings(Method::Event, 1e-8), state, 3000.0);
+                let effort = motion.effort();
+                assert!(effort.switches < 1000 && effort.steps < 30_000, "{offset:e}: {effort:?}");
+                let then = state_of::<2, 2>(&motion);
+                assert_eq!(then.beta[0].to_bits(), then.beta[1].to_bits());
+                // From the other edges they leave permanently once they are outside.
+                creeping += i32::from((motion.unwrapped()[0] - beta[0]).abs() < 1e-2);
+            }
         }
     }
     println!("{edges} edges, {creeping} motions that stay");
-    assert!(edges >= 2 && creeping >= 7, "{edges} {creeping}");
+    assert!(edges >= 2 && creeping >= 14, "{edges} {creeping}");
 }
 
 /// The shipped study's creeping runs are labelled as such, after a bounded number of events.
@@ -138,28 +145,30 @@ fn a_ball_barely_pulled_loose_hardly_moves() {
             let position = [rest[0] + far * angle.cos(), rest[1] + far * angle.sin()];
             State { position, velocity: [0.0; 2], beta, beta_dot: [0.0; 2] }
         };
-        let end = |far: f64| moved(&balancer, tight(), start(far), 20.0);
-        let (mut held, mut loose) = (0.0, 0.03);
-        for _ in 0..60 {
-            let middle = 0.5 * (held + loose);
-            if end(middle).effort().switches == 0 { held = middle } else { loose = middle }
-        }
-        // The first pull must come later than the start.
-        if end(loose).last_switches().iter().all(|&time| time < 0.1) {
-            continue;
-        }
-        tried += 1;
-        for over in [0.0, 1e-15, 1e-13, 1e-11, 1e-9, 1e-7, 1e-5] {
-            let motion = end(loose * (1.0 + over));
-            let way = (0..2).map(|ball| (motion.unwrapped_angle(ball) - beta[ball]).abs());
-            let way = way.fold(0.0, f64::max);
-            // The time during which the force exceeds the limit is proportional to the root of the
-            // excess.
-            assert!(way < 1e-15 + over, "{seed}: {way:e} for {over:e}");
-            assert!(motion.effort().switches < 40, "{seed}: {:?}", motion.effort());
+        for system in for_each_kernel(balancer) {
+            let end = |far: f64| moved(&system, tight(), start(far), 20.0);
+            let (mut held, mut loose) = (0.0, 0.03);
+            for _ in 0..60 {
+                let middle = 0.5 * (held + loose);
+                if end(middle).effort().switches == 0 { held = middle } else { loose = middle }
+            }
+            // The first pull must come later than the start.
+            if end(loose).last_switches().iter().all(|&time| time < 0.1) {
+                continue;
+            }
+            tried += 1;
+            for over in [0.0, 1e-15, 1e-13, 1e-11, 1e-9, 1e-7, 1e-5] {
+                let motion = end(loose * (1.0 + over));
+                let way = (0..2).map(|ball| (motion.unwrapped()[ball] - beta[ball]).abs());
+                let way = way.fold(0.0, f64::max);
+                // The time during which the force exceeds the limit is proportional to the root of the
+                // excess.
+                assert!(way < 1e-15 + over, "{seed}: {way:e} for {over:e}");
+                assert!(motion.effort().switches < 40, "{seed}: {:?}", motion.effort());
+            }
         }
     }
-    assert!(tried > 10, "{tried}");
+    assert!(tried > 20, "{tried}");
 }
 
 /// From exactly zero speed or a tiny speed, a ball that friction holds stays or stops immediately;
@@ -171,33 +180,35 @@ fn starts_near_zero_speed_follow_the_force() {
     for seed in 0..200 {
         let mut sampler = Sampler::new(seed);
         let state = State { beta_dot: [0.0; 2], ..sampler.state(&balancer) };
-        let start = Motion::new(&balancer, tight(), state).expect("starts");
         let stuck = balancer.forces(&state, &[Contact::STICK; 2]);
         let clear = |ball| stick_reserve(&balancer, &stuck, ball).abs() > 1e-5;
         if !(clear(0) && clear(1)) {
             continue;
         }
-        for ball in 0..2 {
-            let held = stick_reserve(&balancer, &stuck, ball) > 0.0;
-            let direction = stuck.friction[ball].signum();
-            let expected = if held { Phase::Stick } else { Phase::Slip(direction) };
-            assert_eq!(start.phases()[ball], expected);
-            if held { stays += 1 } else { goes += 1 }
-        }
-        let reference = moved(&balancer, tight(), state, 1.0);
-        for hair in [1e-300, 1e-18, 1e-12] {
-            for signs in [[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]] {
-                let beside = State { beta_dot: signs.map(|sign| sign * hair), ..state };
-                let mut motion = Motion::new(&balancer, tight(), beside).expect("starts");
-                go_on(&mut motion, 1e-6);
-                assert_eq!(motion.phases(), start.phases(), "{seed}: {beside:?}");
-                go_on(&mut motion, 1.0);
-                let apart = difference(&motion, &reference);
-                assert!(apart < 1e-11 + 10.0 * hair, "{seed}: {apart:e} from {hair:e}");
+        for system in for_each_kernel(balancer) {
+            let start = started(&system, tight(), &state);
+            for ball in 0..2 {
+                let held = stick_reserve(&balancer, &stuck, ball) > 0.0;
+                let direction = stuck.friction[ball].signum();
+                let expected = if held { Phase::Stick } else { Phase::Slip(direction) };
+                assert_eq!(start.phases()[ball], expected);
+                if held { stays += 1 } else { goes += 1 }
+            }
+            let reference = moved(&system, tight(), state, 1.0);
+            for hair in [1e-300, 1e-18, 1e-12] {
+                for signs in [[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]] {
+                    let beside = State { beta_dot: signs.map(|sign| sign * hair), ..state };
+                    let mut motion = started(&system, tight(), &beside);
+                    go_on(&mut motion, 1e-6);
+                    assert_eq!(motion.phases(), start.phases(), "{seed}: {beside:?}");
+                    go_on(&mut motion, 1.0);
+                    let apart = difference(&motion, &reference);
+                    assert!(apart < 1e-11 + 10.0 * hair, "{seed}: {apart:e} from {hair:e}");
+                }
             }
         }
     }
-    assert!(stays > 50 && goes > 50, "{stays} {goes}");
+    assert!(stays > 100 && goes > 100, "{stays} {goes}");
 }
 
 /// A ball that reverses turns at one instant, without resting; when the speed of a ball that sets
@@ -210,20 +221,22 @@ fn reversal_is_one_switch() {
         let balancer = two_balls(-216.3772);
         let mut state = sampler.state(&balancer);
         state.beta_dot = [0.02, -1.0];
-        let mut motion = Motion::new(&balancer, tight(), state).expect("starts");
-        while !motion.advance(3.0).expect("continues") && motion.time() < 3.0 {}
-        if motion.phases()[0] != Phase::Slip(-1.0) {
-            continue;
+        for system in for_each_kernel(balancer) {
+            let mut motion = started(&system, tight(), &state);
+            while !motion.advance(3.0).expect("continues") && motion.time() < 3.0 {}
+            if motion.phases()[0] != Phase::Slip(-1.0) {
+                continue;
+            }
+            reversed += 1;
+            assert_eq!((motion.effort().switches, state_of::<2, 2>(&motion).beta_dot[0]), (1, 0.0));
+            assert!(motion.now().forces[0].acceleration < 0.0);
+            let time = motion.time();
+            // The next step starts from speed zero: a condition that rises through zero is not an
+            // event.
+            assert_eq!(motion.advance(time + 1e-3), Ok(false));
+            assert_eq!((motion.time(), motion.effort().switches), (time + 1e-3, 1));
+            assert!(state_of::<2, 2>(&motion).beta_dot[0] < 0.0);
         }
-        reversed += 1;
-        assert_eq!((motion.effort().switches, motion.state().beta_dot[0]), (1, 0.0));
-        assert!(motion.forces().beta_ddot[0] < 0.0);
-        let time = motion.time();
-        // The next step starts from speed zero: a condition that rises through zero is not an
-        // event.
-        assert_eq!(motion.advance(time + 1e-3), Ok(false));
-        assert_eq!((motion.time(), motion.effort().switches), (time + 1e-3, 1));
-        assert!(motion.state().beta_dot[0] < 0.0);
     }
-    assert!(reversed > 30, "{reversed}");
+    assert!(reversed > 60, "{reversed}");
 }

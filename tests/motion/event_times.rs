@@ -1,9 +1,14 @@
 //! The accuracy of the exact motion's event times, for any steps around them.
 
 use stickslip::model::{Balancer, Contact, Machine, Method, State};
-use stickslip::motion::{Motion, Phase, Step, contacts, fall_through_zero, stick_reserve};
+use stickslip::motion::{Phase, fall_through_zero};
 
 use super::samples::{Sampler, difference, go_on, moved, settings, stuck_table};
+use crate::support::reference::{contacts, step, stick_reserve};
+use crate::support::{for_each_kernel, started, state_of};
+
+/// With the finest tolerance, an event is located where its condition has failed by this.
+const HALF_WIDTH: f64 = 5e-13;
 
 fn tight() -> stickslip::motion::Settings {
     settings(Method::Event, 1e-13)
@@ -40,15 +45,19 @@ fn break_away_is_located_to_1e_12() {
         if rate > -1e-3 {
             continue;
         }
-        let mut motion = Motion::new(&balancer, tight(), state).expect("starts");
-        while !motion.advance(30.0).expect("continues") {}
-        let error = motion.time() - expected;
-        // The force's rounding error and the slack of a resting ball, as a time.
-        let allowed = 1e-12 + 2e-13 * (1.0 + balancer.speed * balancer.speed) / rate.abs();
-        assert!(error.abs() < allowed, "{seed}: {error:e} at {expected}, rate {rate:e}");
-        located += 1;
+        for system in for_each_kernel(balancer) {
+            let mut motion = started(&system, tight(), &state);
+            while !motion.advance(30.0).expect("continues") {}
+            let error = motion.time() - expected;
+            // The force's rounding error, the slack of a resting ball, and the part of the condition by which it has
+            // failed where the event is located, as a time.
+            let slack = 2e-13 * (1.0 + balancer.speed * balancer.speed);
+            let allowed = 1e-12 + (HALF_WIDTH + slack) / rate.abs();
+            assert!(error.abs() < allowed, "{seed}: {error:e} at {expected}, rate {rate:e}");
+            located += 1;
+        }
     }
-    assert!(located > 30, "{located}");
+    assert!(located > 60, "{located}");
 }
 
 /// The time at which a ball stops agrees with a bisection of steps of a fixed small length.
@@ -65,7 +74,7 @@ fn stops_are_located_to_1e_12() {
         let contacts = contacts(&balancer, &phases, &state);
         let f = |s: &State<2>| balancer.derivative(s, &contacts, &balancer.forces(s, &contacts));
         let slowest = |s: &State<2>| s.beta_dot[0].min(-s.beta_dot[1]);
-        let ahead = |s: &State<2>, length: f64| Step::attempt(f, s, &f(s), length).end;
+        let ahead = |s: &State<2>, length: f64| step(f, s, length);
         let (mut now, mut ticks) = (state, 0);
         while slowest(&now) > 0.0 && ticks < 600 {
             now = ahead(&now, 0.005);
@@ -83,51 +92,65 @@ fn stops_are_located_to_1e_12() {
         if rate > -1e-3 {
             continue;
         }
-        let mut motion = Motion::new(&balancer, tight(), state).expect("starts");
-        while !motion.advance(30.0).expect("continues") {}
-        let error = motion.time() - expected;
-        assert!(error.abs() < 1e-12 + 1e-14 / rate.abs(), "{seed}: {error:e}, rate {rate:e}");
-        assert!(motion.state().beta_dot.contains(&0.0), "exactly at rest or turning");
-        located += 1;
+        for system in for_each_kernel(balancer) {
+            let mut motion = started(&system, tight(), &state);
+            while !motion.advance(30.0).expect("continues") {}
+            let error = motion.time() - expected;
+            let allowed = 1e-12 + (HALF_WIDTH + 1e-14) / rate.abs();
+            assert!(error.abs() < allowed, "{seed}: {error:e}, rate {rate:e}");
+            let State { beta_dot, .. } = state_of::<2, 2>(&motion);
+            assert!(beta_dot.contains(&0.0), "exactly at rest or turning");
+            located += 1;
+        }
     }
-    assert!(located > 50, "{located}");
+    assert!(located > 100, "{located}");
 }
 
-/// A motion continues in the same way if a step ends exactly on an event or one ulp beside it.
+/// A motion continues in the same way if a step ends exactly on an event or one ulp beside it. Where a speed only grazes
+/// zero, an event is located with the square root of the width of its condition, 1e-12.
 #[test]
 fn steps_may_end_on_an_event() {
-    let mut events = 0;
+    let (mut events, mut stops, mut grazed) = (0, 0, 0);
     for seed in 0..60 {
         let mut sampler = Sampler::new(seed);
         let machine = Machine { speed_rad_s: -216.3772, ..Machine::default() };
         let balancer = Balancer::<2>::new(&machine).expect("two balls");
         let state = sampler.state(&balancer);
-        let straight = moved(&balancer, tight(), state, 6.0);
-        let mut motion = Motion::new(&balancer, tight(), state).expect("starts");
-        while motion.time() < 5.0 {
-            if !motion.advance(5.0).expect("continues") {
-                continue;
-            }
-            events += 1;
-            let at = motion.time();
-            let beside = [at.next_down(), at, at.next_up(), at - 1e-13, at + 1e-13, at - 1e-10];
-            for until in beside.into_iter().filter(|until| *until > 0.0) {
-                let mut stopped = moved(&balancer, tight(), state, until);
-                assert_eq!(stopped.time(), until);
-                // A second call for the same time must change nothing.
-                assert_eq!(stopped.advance(until), Ok(false));
-                go_on(&mut stopped, 6.0);
-                let apart = difference(&straight, &stopped);
-                assert!(apart < 1e-9, "{seed}: {apart:e} after a stop at {until}");
-                assert_eq!(straight.phases(), stopped.phases());
+        for system in for_each_kernel(balancer) {
+            let straight = moved(&system, tight(), state, 6.0);
+            let mut motion = started(&system, tight(), &state);
+            while motion.time() < 5.0 {
+                if !motion.advance(5.0).expect("continues") {
+                    continue;
+                }
+                events += 1;
+                let at = motion.time();
+                let beside = [at.next_down(), at, at.next_up(), at - 1e-13, at + 1e-13, at - 1e-10];
+                for until in beside.into_iter().filter(|until| *until > 0.0) {
+                    let mut stopped = moved(&system, tight(), state, until);
+                    assert_eq!(stopped.time(), until);
+                    // A second call for the same time must change nothing.
+                    assert_eq!(stopped.advance(until), Ok(false));
+                    go_on(&mut stopped, 6.0);
+                    let apart = difference(&straight, &stopped);
+                    assert!(
+                        apart < 1e-5,
+                        "{seed}: {apart:e} after a stop at {until:?}, event at {at:?}"
+                    );
+                    stops += 1;
+                    grazed += usize::from(apart >= 1e-9);
+                    assert_eq!(straight.phases(), stopped.phases());
+                }
             }
         }
     }
-    assert!(events > 50, "{events}");
+    assert!(events > 100, "{events}");
+    assert!(grazed * 100 <= stops, "{grazed} of {stops}");
 }
 
 /// For two balls' events in one step, at the same instant and barely apart, in both orders, the
-/// result depends only on the interval between them.
+/// result depends only on the interval between them: to the bit in the tuned kernel, which sums over the balls apart
+/// from everything else, and to rounding in the general one.
 #[test]
 fn two_events_in_one_step_may_come_in_either_order() {
     let mut switches = 0;
@@ -138,25 +161,38 @@ fn two_events_in_one_step_may_come_in_either_order() {
         let mut state = sampler.state(&balancer);
         let speed = sampler.one_of(&[0.0, 0.01, 0.1]);
         (state.beta, state.beta_dot) = ([state.beta[0]; 2], [speed; 2]);
-        let together = moved(&balancer, tight(), state, 4.0);
-        assert_eq!(together.state().beta[0].to_bits(), together.state().beta[1].to_bits());
-        assert_eq!(together.last_switches()[0].to_bits(), together.last_switches()[1].to_bits());
-        switches += together.effort().switches;
-        for apart in [1e-14, 1e-12, 1e-9] {
-            let ends = [0, 1].map(|ball| {
-                let mut shifted = state;
-                shifted.beta_dot[ball] += apart;
-                let end = moved(&balancer, tight(), shifted, 4.0);
-                let off = difference(&end, &together);
-                assert!(off < 1e-10 + 100.0 * apart, "{seed}: {off:e} from {apart:e}");
-                end
-            });
-            let [first, second] = ends.each_ref().map(Motion::state);
-            assert_eq!(first.beta[0].to_bits(), second.beta[1].to_bits(), "whichever is first");
-            assert_eq!(first.beta_dot[1].to_bits(), second.beta_dot[0].to_bits());
+        for (kernel, system) in for_each_kernel(balancer).into_iter().enumerate() {
+            let together = moved(&system, tight(), state, 4.0);
+            let angles = state_of::<2, 2>(&together).beta;
+            assert_eq!(angles[0].to_bits(), angles[1].to_bits());
+            assert_eq!(
+                together.last_switches()[0].to_bits(),
+                together.last_switches()[1].to_bits()
+            );
+            switches += together.effort().switches;
+            for apart in [1e-14, 1e-12, 1e-9] {
+                let ends = [0, 1].map(|ball| {
+                    let mut shifted = state;
+                    shifted.beta_dot[ball] += apart;
+                    let end = moved(&system, tight(), shifted, 4.0);
+                    let off = difference(&end, &together);
+                    assert!(off < 1e-10 + 100.0 * apart, "{seed}: {off:e} from {apart:e}");
+                    end
+                });
+                let [first, second] = ends.each_ref().map(state_of::<2, 2>);
+                let pairs =
+                    [(first.beta[0], second.beta[1]), (first.beta_dot[1], second.beta_dot[0])];
+                for (one, other) in pairs {
+                    let same = match kernel {
+                        0 => one.to_bits() == other.to_bits(),
+                        _ => (one - other).abs() < 1e-12,
+                    };
+                    assert!(same, "{seed} {apart:e}: {one:?} {other:?} {system:?}");
+                }
+            }
         }
     }
-    assert!(switches > 100, "{switches}");
+    assert!(switches > 200, "{switches}");
 }
 
 /// A ball whose speed touches zero tangentially continues in the same way whether or not it stops
@@ -169,32 +205,34 @@ fn a_speed_may_touch_zero() {
         let machine = Machine { speed_rad_s: -216.3772, ..Machine::default() };
         let balancer = Balancer::<2>::new(&machine).expect("two balls");
         let state = sampler.state(&balancer);
-        let end = |speed: f64| {
-            let start = State { beta_dot: [speed, -1.0], ..state };
-            moved(&balancer, tight(), start, 2.0)
-        };
-        let (mut stops, mut passes) = (1e-3, 0.3);
-        if end(stops).effort().switches == 0 || end(passes).effort().switches > 0 {
-            continue;
-        }
-        for _ in 0..60 {
-            let middle = 0.5 * (stops + passes);
-            if end(middle).effort().switches > 0 { stops = middle } else { passes = middle }
-        }
-        let reference = end(passes);
-        // Excludes a ball that stops just at the end.
-        if end(stops).last_switches()[0] > 1.9 {
-            continue;
-        }
-        touched += 1;
-        for off in [0.0, 1e-15, 1e-12, 1e-9, 1e-6] {
-            for speed in [stops - off, passes + off] {
-                let motion = end(speed);
-                let apart = difference(&motion, &reference);
-                assert!(apart < 1e-9 + 20.0 * off, "{seed}: {apart:e} from {off:e}");
-                assert!(motion.effort().switches < 8, "{seed}: {:?}", motion.effort());
+        for system in for_each_kernel(balancer) {
+            let end = |speed: f64| {
+                let start = State { beta_dot: [speed, -1.0], ..state };
+                moved(&system, tight(), start, 2.0)
+            };
+            let (mut stops, mut passes) = (1e-3, 0.3);
+            if end(stops).effort().switches == 0 || end(passes).effort().switches > 0 {
+                continue;
+            }
+            for _ in 0..60 {
+                let middle = 0.5 * (stops + passes);
+                if end(middle).effort().switches > 0 { stops = middle } else { passes = middle }
+            }
+            let reference = end(passes);
+            // Excludes a ball that stops just at the end.
+            if end(stops).last_switches()[0] > 1.9 {
+                continue;
+            }
+            touched += 1;
+            for off in [0.0, 1e-15, 1e-12, 1e-9, 1e-6] {
+                for speed in [stops - off, passes + off] {
+                    let motion = end(speed);
+                    let apart = difference(&motion, &reference);
+                    assert!(apart < 1e-9 + 20.0 * off, "{seed}: {apart:e} from {off:e}");
+                    assert!(motion.effort().switches < 8, "{seed}: {:?}", motion.effort());
+                }
             }
         }
     }
-    assert!(touched > 10, "{touched}");
+    assert!(touched > 20, "{touched}");
 }

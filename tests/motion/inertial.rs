@@ -3,9 +3,10 @@
 
 use nalgebra::{DMatrix, DVector};
 use stickslip::model::{Balancer, Machine, Method, NormalForce, State};
-use stickslip::motion::{Motion, Phase, contacts};
+use stickslip::motion::{Evaluator, Motion, Phase};
 
 use super::samples::{Sampler, difference, go_on, settings, stuck_table};
+use crate::support::{for_each_kernel, reference, shared, started, state_of};
 
 /// Position and velocity of the ring's centre, angle and rate of each ball, in inertial space, and
 /// the direction of the imbalance.
@@ -143,7 +144,10 @@ fn forces_agree_in_every_frame() {
             Phase::Slip(direction) => Some(direction),
             _ => None,
         });
-        let forces = balancer.forces(&state, &contacts(&balancer, &phases, &state));
+        let forces = reference::forces(&balancer, &phases, &state);
+        let evaluator = Evaluator::new(shared(balancer));
+        let recorded = evaluator.forces(&phases, &state.components());
+        let rates = evaluator.rates(&phases, &state.components());
         let imbalance = sampler.between(-10.0, 10.0);
         let solved =
             newton(&machine, &balancer, &in_space(&balancer, &state, imbalance), &direction);
@@ -155,6 +159,13 @@ fn forces_agree_in_every_frame() {
         };
         close(solved.acceleration[0], c * a_x - s * a_y);
         close(solved.acceleration[1], s * a_x + c * a_y);
+        // The rates are those of the turning frame.
+        let (omega, [x, y]) = (balancer.speed, state.position);
+        let [x_dot, y_dot] = state.velocity;
+        let r_x = rates[2] - 2.0 * omega * y_dot - omega * omega * x;
+        let r_y = rates[3] + 2.0 * omega * x_dot - omega * omega * y;
+        close(solved.acceleration[0], c * r_x - s * r_y);
+        close(solved.acceleration[1], s * r_x + c * r_y);
         for ball in 0..3 {
             // Light balls are ill-scaled beside a table 2000 times as heavy.
             close(solved.angular[ball], forces.beta_ddot[ball]);
@@ -168,6 +179,11 @@ fn forces_agree_in_every_frame() {
             };
             close(solved.normal[ball] - rolling, forces.normal[ball]);
             close(solved.friction[ball], forces.friction[ball]);
+            let of_ball = recorded[ball];
+            close(solved.angular[ball], of_ball.acceleration);
+            close(solved.normal[ball] - rolling, of_ball.normal);
+            close(solved.friction[ball], of_ball.friction);
+            assert_eq!(of_ball.speed, slip);
         }
     }
 }
@@ -234,11 +250,14 @@ fn motion_agrees_with_one_integrated_in_space() {
         }
     }
     let end = f64::from(steps) * length;
-    for method in [Method::Switch, Method::Event] {
-        let mut motion = Motion::new(&balancer, settings(method, 1e-12), start).expect("starts");
+    for (method, system) in [Method::Switch, Method::Event]
+        .into_iter()
+        .flat_map(|method| for_each_kernel(balancer).map(|system| (method, system)))
+    {
+        let mut motion = started(&system, settings(method, 1e-12), &start);
         go_on(&mut motion, end);
         assert_eq!(motion.effort().switches, 0, "one smooth stretch");
-        let turned = in_space(&balancer, motion.state(), 0.7 + balancer.speed * end);
+        let turned = in_space(&balancer, &state_of(&motion), 0.7 + balancer.speed * end);
         let pairs = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - b).abs()).sum::<f64>();
         assert!(pairs(&turned.centre, &space.centre) < 1e-10);
         assert!(pairs(&turned.velocity, &space.velocity) < 1e-10);
@@ -262,14 +281,19 @@ fn stuck_balls_follow_the_closed_form() {
         for axis in 0..2 {
             state.position[axis] = rest.position[axis] + 0.2 * state.velocity[axis];
         }
-        for method in [Method::Switch, Method::Event] {
-            let Ok(mut motion) = Motion::new(&balancer, settings(method, 1e-13), state) else {
+        let kernels = for_each_kernel(balancer);
+        let methods = [Method::Switch, Method::Event];
+        for (method, system) in
+            methods.iter().flat_map(|method| kernels.iter().map(move |system| (*method, system)))
+        {
+            let start = state.components();
+            let Ok(mut motion) = Motion::new(system, settings(method, 1e-13), &start) else {
                 continue;
             };
             go_on(&mut motion, 1000.0);
             assert_eq!(motion.effort().switches, 0);
             let expected = stuck_table(&balancer, &rest, &state, 1000.0);
-            let closed = Motion::new(&balancer, settings(method, 1e-13), expected).expect("ok");
+            let closed = started(system, settings(method, 1e-13), &expected);
             let apart = difference(&motion, &closed);
             assert!(apart < 1e-9, "{seed}: {apart:e}");
         }

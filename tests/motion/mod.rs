@@ -6,6 +6,7 @@ mod event;
 mod event_limit;
 mod event_times;
 mod inertial;
+mod kernels;
 mod mode_selection;
 mod samples;
 mod smooth;

@@ -1,9 +1,14 @@
 //! Random machines and states, and motions from them, for several tests.
 
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
-use stickslip::model::{Balancer, Machine, Method, NormalForce, RestPoint, State};
+use stickslip::model::{
+    Balancer, Components, Machine, Method, NormalForce, RestPoint, State, System,
+};
 use stickslip::motion::{Effort, Motion, Settings, Tolerance};
+
+use crate::support::started;
 
 /// Pseudo-random numbers (xorshift), the same in every run.
 pub struct Sampler(u64);
@@ -77,35 +82,38 @@ pub fn settings(method: Method, relative: f64) -> Settings {
 
 /// Returns the motion from a state until a time.
 pub fn moved<const N: usize>(
-    balancer: &Balancer<N>,
+    system: &Arc<dyn System>,
     settings: Settings,
     state: State<N>,
     until: f64,
-) -> Motion<'_, Balancer<N>, N> {
-    let mut motion = Motion::new(balancer, settings, state).expect("starts");
+) -> Motion {
+    let mut motion = started(system, settings, &state);
     go_on(&mut motion, until);
     motion
 }
 
 /// Advances until a time and returns the effort.
-pub fn go_on<const N: usize>(motion: &mut Motion<Balancer<N>, N>, until: f64) -> Effort {
+pub fn go_on(motion: &mut Motion, until: f64) -> Effort {
     while motion.time() < until {
         motion.advance(until).expect("continues");
     }
     motion.effort()
 }
 
-/// Returns the largest difference between two motions' states.
-pub fn difference<const N: usize>(
-    one: &Motion<Balancer<N>, N>,
-    other: &Motion<Balancer<N>, N>,
-) -> f64 {
-    let all = |motion: &Motion<Balancer<N>, N>| {
-        let State { position, velocity, beta_dot, .. } = *motion.state();
-        let angles: [f64; N] = std::array::from_fn(|ball| motion.unwrapped_angle(ball));
-        [position.as_slice(), &velocity, &angles, &beta_dot].concat()
-    };
-    all(one).iter().zip(all(other)).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+/// Returns the components of a motion's state, with whole turns.
+pub fn unwrapped(motion: &Motion) -> Components {
+    let mut state = motion.state();
+    let contacts = &motion.evaluator().graph().layout.contacts;
+    for (contact, position) in contacts.iter().zip(motion.unwrapped()) {
+        state[contact.position] = position;
+    }
+    state
+}
+
+/// Returns the largest difference between two motions' states, with whole turns.
+pub fn difference(one: &Motion, other: &Motion) -> f64 {
+    let pairs = unwrapped(one).into_iter().zip(unwrapped(other));
+    pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
 }
 
 /// Returns the table's state after a time with all balls stuck: the damped oscillator in inertial

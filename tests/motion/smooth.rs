@@ -1,7 +1,10 @@
-//! Smooth phases: order of the method and of its dense output, and a conserved quantity.
+//! Smooth phases: steps and states within them against an independent integration, and a conserved quantity.
 
 use stickslip::model::{Balancer, Machine, Method, State};
-use stickslip::motion::{Motion, Settings, Step, Tolerance};
+use stickslip::motion::{Phase, Settings, Tolerance};
+
+use crate::support::reference::{derivative, step};
+use crate::support::{for_each_kernel, started, state_of};
 
 fn settings(relative: f64) -> Settings {
     let tolerance = Tolerance { relative, absolute: 1e-2 * relative };
@@ -50,59 +53,76 @@ fn jacobi_integral_is_constant_without_friction() {
         beta_dot: [0.5, -0.7],
     };
     let before = jacobi_integral(&machine, &balancer, &start);
-    let mut motion = Motion::new(&balancer, settings(1e-11), start).expect("starts");
-    while motion.time() < 300.0 {
-        motion.advance(300.0).expect("continues");
-    }
-    let after = jacobi_integral(&machine, &balancer, motion.state());
-    let moved = motion.unwrapped_angle(0) - 1.0;
-    assert!(moved.abs() > 1.0, "a motion worth the name: {moved}");
-    assert!((after - before).abs() < 1e-9 * before.abs(), "{before} {after}");
-}
-
-/// Returns the error of the state after one unit of time in `count` equal steps, against very many
-/// steps, and of the dense output in the middle of the first step.
-fn errors(count: u32) -> (f64, f64) {
-    let balancer = Balancer::<2>::new(&Machine::default()).expect("two balls");
-    let start = State {
-        position: [0.03, -0.02],
-        velocity: [0.01, 0.04],
-        beta: [1.0, 4.0],
-        beta_dot: [0.9, 0.8],
-    };
-    let phases = [stickslip::motion::Phase::Slip(1.0); 2];
-    let contacts = stickslip::motion::contacts(&balancer, &phases, &start);
-    let f = |state: &State<2>| {
-        balancer.derivative(state, &contacts, &balancer.forces(state, &contacts))
-    };
-    let integrate = |time: f64, count: u32| {
-        let mut state = start;
-        for _ in 0..count {
-            state = Step::attempt(f, &state, &f(&state), time / f64::from(count)).end;
+    for system in for_each_kernel(balancer) {
+        let mut motion = started(&system, settings(1e-11), &start);
+        while motion.time() < 300.0 {
+            motion.advance(300.0).expect("continues");
         }
-        state
-    };
-    let distance = |a: &State<2>, b: &State<2>| {
-        let flat = |s: &State<2>| [s.position, s.velocity, s.beta, s.beta_dot].concat();
-        flat(a).iter().zip(flat(b)).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
-    };
-    let time = 8.0;
-    let length = time / f64::from(count);
-    let exact = integrate(time, 400);
-    let first = Step::attempt(f, &start, &f(&start), length);
-    let middle = first.interpolant(f, &f(&first.end)).at(0.5);
-    let exact_middle = integrate(0.5 * length, 100);
-    (distance(&integrate(time, count), &exact), distance(&middle, &exact_middle))
+        let after = jacobi_integral(&machine, &balancer, &state_of(&motion));
+        let moved = motion.unwrapped()[0] - 1.0;
+        assert!(moved.abs() > 1.0, "a motion worth the name: {moved}");
+        assert!((after - before).abs() < 1e-9 * before.abs(), "{before} {after}");
+    }
 }
 
+fn balancer() -> Balancer<2> {
+    Balancer::new(&Machine::default()).expect("two balls")
+}
+
+/// Both balls slip forwards for some time.
+const START: State<2> = State {
+    position: [0.03, -0.02],
+    velocity: [0.01, 0.04],
+    beta: [1.0, 4.0],
+    beta_dot: [0.9, 0.8],
+};
+
+/// Returns the state after a time in equal steps of the independent integration, both balls in slip.
+fn integrated(start: &State<2>, time: f64, count: u32) -> State<2> {
+    let balancer = balancer();
+    let f = |state: &State<2>| derivative(&balancer, &[Phase::Slip(1.0); 2], state);
+    (0..count).fold(*start, |state, _| step(f, &state, time / f64::from(count)))
+}
+
+fn distance(a: &State<2>, b: &State<2>) -> f64 {
+    let pairs = a.components().into_iter().zip(b.components());
+    pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+}
+
+/// The independent integration, on which other tests rest, has its order.
 #[test]
-fn order_eight_and_dense_output_of_order_seven() {
-    let (coarse, coarse_middle) = errors(8);
-    let (fine, fine_middle) = errors(16);
+fn the_independent_integration_has_order_eight() {
+    let exact = integrated(&START, 8.0, 400);
+    let [coarse, fine] = [8, 16].map(|count| distance(&integrated(&START, 8.0, count), &exact));
     let order = (coarse / fine).log2();
-    let middle_order = (coarse_middle / fine_middle).log2();
     assert!((7.3..9.5).contains(&order), "order {order}, errors {coarse:e} {fine:e}");
-    // The local error of an interpolant of order 7 decreases as the eighth power of the step.
-    assert!((7.0..9.5).contains(&middle_order), "order {middle_order}");
     assert!(fine < 1e-7, "{fine:e}");
+}
+
+/// In a step of any length, the state at its end and within it is that of the independent integration; the error of a
+/// step falls with its tolerance.
+#[test]
+fn steps_are_those_of_the_independent_integration() {
+    for system in for_each_kernel(balancer()) {
+        for (relative, allowed) in [(1e-5, 1e-6), (1e-8, 1e-9), (1e-11, 2e-12), (1e-13, 1e-13)] {
+            let mut motion = started(&system, settings(relative), &START);
+            let (mut steps, mut worst) = (0, 0.0_f64);
+            while motion.time() < 8.0 {
+                let before: State<2> = state_of(&motion);
+                assert_eq!(motion.advance(8.0), Ok(false), "one smooth stretch");
+                let (began, ended) = (motion.last_step_began(), motion.time());
+                for part in [0.2, 0.5, 0.9, 1.0] {
+                    let time = if part < 1.0 { began + part * (ended - began) } else { ended };
+                    let found = motion.within_last_step(time).expect("within");
+                    let found = State::of_components(&found).expect("two balls");
+                    let apart = distance(&found, &integrated(&before, time - began, 40));
+                    worst = worst.max(apart);
+                }
+                steps += 1;
+            }
+            println!("{relative:e}: {steps} steps, largest error {worst:e}");
+            assert!(worst < allowed, "{relative:e}: {worst:e}");
+            assert!(steps > 4, "{steps}");
+        }
+    }
 }

@@ -3,8 +3,8 @@
 
 use stickslip::model::{
     Balancer, Ball, Block, Contact, ContactMode, Dual, Elementary, Expression, FRICTION_LAWS,
-    Friction, FrictionLaw, Graph, Law, Machine, Number, RecordedSystem, Recorder, Slider, State,
-    System, SystemEquations,
+    Friction, FrictionLaw, Graph, Law, Layout, Machine, Number, Recorder, Slider, State, System,
+    SystemEquations,
 };
 use stickslip::motion::Expansion;
 
@@ -29,7 +29,11 @@ fn between(rng: &mut TestRng, low: f64, high: f64) -> f64 {
 fn record(expression: impl for<'r> Fn(Expression<'r>) -> Vec<Expression<'r>>) -> Graph {
     let recorder = Recorder::default();
     let derivative = expression(recorder.time());
-    recorder.finish(&SystemEquations { derivative, contacts: Vec::new() })
+    recorder.finish(&SystemEquations {
+        derivative,
+        contacts: Vec::new(),
+        layout: Layout::default(),
+    })
 }
 
 #[test]
@@ -80,7 +84,11 @@ fn series_of_the_solution_of_a_linear_system() {
         vec![t.exp(), number(1.0), number(3.0) - t],
     ];
     let derivative = recorder.solve(&matrix, &[cosine, number(1.0), t]);
-    let graph = recorder.finish(&SystemEquations { derivative, contacts: Vec::new() });
+    let graph = recorder.finish(&SystemEquations {
+        derivative,
+        contacts: Vec::new(),
+        layout: Layout::default(),
+    });
     let expansion = Expansion::new(&graph, 20, &[], &[], 0.3).expect("regular");
     let (matrix, right) = rows(0.3 + 0.04);
     let solution: Vec<f64> =
@@ -96,7 +104,11 @@ fn a_singular_system_has_no_expansion() {
     let recorder = Recorder::default();
     let t = recorder.time();
     let derivative = recorder.solve(&[vec![t, t], vec![t, t]], &[t, t]);
-    let graph = recorder.finish(&SystemEquations { derivative, contacts: Vec::new() });
+    let graph = recorder.finish(&SystemEquations {
+        derivative,
+        contacts: Vec::new(),
+        layout: Layout::default(),
+    });
     assert!(Expansion::new(&graph, 3, &[], &[], 1.0).is_none());
 }
 
@@ -128,24 +140,20 @@ struct Example {
     along: Box<Linearised>,
 }
 
-fn graph_of(system: &impl RecordedSystem) -> Graph {
+fn graph_of(system: &impl System) -> Graph {
     let recorder = Recorder::default();
     recorder.finish(&system.record(&recorder))
 }
 
-fn state<const N: usize, const FREE: usize>(components: &[f64]) -> State<N, f64, FREE> {
-    State {
-        position: std::array::from_fn(|i| components[i]),
-        velocity: std::array::from_fn(|i| components[FREE + i]),
-        beta: std::array::from_fn(|i| components[2 * FREE + i]),
-        beta_dot: std::array::from_fn(|i| components[2 * FREE + N + i]),
-    }
+fn state<const N: usize>(components: &[f64]) -> State<N> {
+    State::of_components(components).expect("as many components")
 }
 
 fn contact(mode: ContactMode, friction: &Friction, speed: f64) -> Contact {
     match mode {
         ContactMode::Stick => Contact::STICK,
         ContactMode::Slip(direction) => friction.slip(direction, speed),
+        ContactMode::SetOff(direction) => friction.slip(direction, 0.0),
     }
 }
 
@@ -153,36 +161,22 @@ fn contact_along(mode: ContactMode, friction: &Friction, speed: Dual) -> Contact
     match mode {
         ContactMode::Stick => Contact::STICK.lifted(),
         ContactMode::Slip(direction) => friction.slip_along(direction, speed),
+        ContactMode::SetOff(direction) => friction.slip_along(direction, Dual::constant(0.0)),
     }
 }
 
-fn example<S, const N: usize, const FREE: usize>(
-    system: S,
-    modes: [ContactMode; N],
-    components: Vec<f64>,
-) -> Example
-where
-    S: System<N, FREE> + RecordedSystem + Clone + 'static,
-{
-    let other = system.clone();
-    Example {
-        graph: graph_of(&system),
-        inputs: system.inputs(&modes),
-        state: components,
-        derivative: Box::new(move |components| {
-            let state = state::<N, FREE>(components);
-            let of = |i: usize| contact(modes[i], system.friction(i), state.beta_dot[i]);
-            let contacts = std::array::from_fn(of);
-            let forces = system.forces(&state, &contacts);
-            system.derivative(&state, &contacts, &forces).components()
-        }),
-        along: Box::new(move |components, direction| {
-            let moving = state::<N, FREE>(components).along(&state(direction));
-            let of = |i: usize| contact_along(modes[i], other.friction(i), moving.beta_dot[i]);
-            let contacts = std::array::from_fn(of);
-            other.along(&moving, &contacts).1.slope().components()
-        }),
-    }
+/// Returns the rates of the hand-written equations of a balancer.
+fn rates_of_balls<const N: usize, T: Number>(
+    balancer: &Balancer<N, T>,
+    state: &State<N, T>,
+    contacts: &[Contact<T>; N],
+) -> State<N, T> {
+    balancer.derivative(state, contacts, &balancer.forces(state, contacts))
+}
+
+/// Returns the rates of position and speed of a slipping block: ẋ = v + belt speed, v̇ = -x - friction.
+fn rates_of_block<T: Number>(belt_speed: f64, [x, v]: [T; 2], contact: Contact<T>) -> [T; 2] {
+    [T::constant(belt_speed) + v, -x - (contact.signed_friction + contact.drag)]
 }
 
 const LAWS: [FrictionLaw; 5] = [
@@ -202,22 +196,55 @@ fn of_balls<const N: usize>(law: FrictionLaw, rng: &mut TestRng) -> Example {
     };
     let mut components: Vec<f64> = (0..4).map(|_| between(rng, -0.05, 0.05)).collect();
     components.extend((0..N).map(|_| between(rng, 0.0, 6.0)));
-    let modes = std::array::from_fn(|_| match rng.below(3) {
+    let modes: [_; N] = std::array::from_fn(|_| match rng.below(4) {
         0 if law.can_stick() => ContactMode::Stick,
+        3 if law.can_stick() => ContactMode::SetOff(-1.0),
         direction => ContactMode::Slip(if direction == 1 { 1.0 } else { -1.0 }),
     });
     components.extend(modes.map(|mode| match mode {
         ContactMode::Stick => 0.0,
         ContactMode::Slip(direction) => direction * between(rng, 0.01, 1.0),
+        ContactMode::SetOff(direction) => direction * between(rng, -1e-3, 1e-3),
     }));
     let balancer = Balancer::<N>::new(&machine).expect("this number of balls");
-    example(balancer, modes, components)
+    let friction = balancer.balls.map(|ball| ball.friction);
+    Example {
+        graph: graph_of(&balancer),
+        inputs: balancer.inputs(&modes),
+        state: components,
+        derivative: Box::new(move |components| {
+            let state = state::<N>(components);
+            let of = |i: usize| contact(modes[i], &friction[i], state.beta_dot[i]);
+            rates_of_balls(&balancer, &state, &std::array::from_fn(of)).components().to_vec()
+        }),
+        along: Box::new(move |components, direction| {
+            let moving = state::<N>(components).along(&state(direction));
+            let of = |i: usize| contact_along(modes[i], &friction[i], moving.beta_dot[i]);
+            let rates = rates_of_balls(&balancer.lifted(), &moving, &std::array::from_fn(of));
+            rates.slope().components().to_vec()
+        }),
+    }
 }
 
 fn of_block(law: FrictionLaw, rng: &mut TestRng) -> Example {
     let slider: Slider = Block { friction: law, ..Block::on_belt() }.slider();
-    let components = vec![between(rng, -2.0, 2.0), between(rng, 0.01, 1.0)];
-    example(slider, [ContactMode::Slip(1.0)], components)
+    let mode = ContactMode::Slip(1.0);
+    Example {
+        graph: graph_of(&slider),
+        inputs: slider.inputs(&[mode]),
+        state: vec![between(rng, -2.0, 2.0), between(rng, 0.01, 1.0)],
+        derivative: Box::new(move |components| {
+            let &[x, v] = components else { panic!("two components") };
+            let contact = contact(mode, &slider.friction, v);
+            rates_of_block(slider.belt_speed, [x, v], contact).to_vec()
+        }),
+        along: Box::new(move |components, direction| {
+            let [x, v] = [0, 1].map(|i| Dual { value: components[i], slope: direction[i] });
+            let contact = contact_along(mode, &slider.friction, v);
+            let rates = rates_of_block(slider.belt_speed, [x, v], contact);
+            rates.map(|rate| rate.slope).to_vec()
+        }),
+    }
 }
 
 /// Returns the examples of all laws, for balls and for blocks.

@@ -1,9 +1,12 @@
 //! The linearised flow against finite differences of whole motions, through stick and slip.
 
-use stickslip::model::{Balancer, FrictionLaw, Machine, Method, Model, State};
-use stickslip::motion::{Motion, Phase, Settings, Tolerance, Variational};
+use std::sync::Arc;
 
-use super::samples::Sampler;
+use stickslip::model::{Balancer, Components, FrictionLaw, Machine, Method, Model, State, System};
+use stickslip::motion::{Motion, Phases, Settings, Tolerance};
+
+use super::samples::{Sampler, unwrapped};
+use crate::support::for_each_kernel;
 
 fn fine(method: Method) -> Settings {
     Settings {
@@ -14,67 +17,50 @@ fn fine(method: Method) -> Settings {
     }
 }
 
-fn values<const N: usize>(state: &State<N>) -> Vec<f64> {
-    [&state.position[..], &state.velocity, &state.beta, &state.beta_dot].concat()
-}
-
-fn state_of<const N: usize>(values: &[f64]) -> State<N> {
-    State {
-        position: [values[0], values[1]],
-        velocity: [values[2], values[3]],
-        beta: std::array::from_fn(|ball| values[4 + ball]),
-        beta_dot: std::array::from_fn(|ball| values[4 + N + ball]),
-    }
-}
-
 /// Returns the state at `end`, with whole turns, and the phases on the way.
-fn flow<const N: usize>(
-    balancer: &Balancer<N>,
-    settings: Settings,
-    start: State<N>,
-    end: f64,
-    mut watch: impl FnMut(&Motion<Balancer<N>, N>),
-) -> (State<N>, Vec<[Phase; N]>) {
-    let mut motion = Motion::new(balancer, settings, start).expect("starts");
-    let mut phases = vec![*motion.phases()];
+fn flow(motion: &mut Motion, end: f64) -> (Components, Vec<Phases>) {
+    let mut phases = vec![Phases::from_slice(motion.phases())];
     while motion.time() < end {
-        motion.advance(end).expect("continues");
-        watch(&motion);
-        if phases.last() != Some(motion.phases()) {
-            phases.push(*motion.phases());
+        if let Err(failure) = motion.advance(end) {
+            let system = motion.evaluator().system();
+            let (time, state, phases) = (motion.time(), motion.state(), motion.phases());
+            panic!("{failure} at {time}: {phases:?} {state:?} {system:?}");
+        }
+        if phases.last().is_some_and(|last| last[..] != *motion.phases()) {
+            phases.push(Phases::from_slice(motion.phases()));
         }
     }
-    let mut state = *motion.state();
-    state.beta = std::array::from_fn(|ball| motion.unwrapped_angle(ball));
-    (state, phases)
+    (unwrapped(motion), phases)
 }
 
-fn compare<const N: usize>(
-    balancer: &Balancer<N>,
+fn compare(
+    system: &Arc<dyn System>,
     settings: Settings,
-    start: State<N>,
+    start: &[f64],
     end: f64,
-    direction: State<N>,
+    direction: &Components,
 ) -> Option<(f64, usize)> {
-    let mut variation = Variational::new(vec![direction]);
-    let (_, phases) = flow(balancer, settings, start, end, |motion| variation.follow(motion));
+    let directions = std::slice::from_ref(direction);
+    let mut motion = Motion::with_directions(system, settings, start, directions).expect("starts");
+    let (_, phases) = flow(&mut motion, end);
     let shifted = |step: f64| {
-        let mut from = start;
-        from.add_scaled(step, &direction);
-        flow(balancer, settings, from, end, |_| {})
+        let from: Components =
+            start.iter().zip(direction).map(|(value, by)| value + step * by).collect();
+        flow(&mut Motion::new(system, settings, &from).expect("starts"), end)
     };
     // Both neighbours must have the same sequence of stick and slip for a comparison.
     let step = 1e-6;
     let (low, high) = (shifted(-step), shifted(step));
-    if low.1 != phases || high.1 != phases || variation.grazed {
+    if low.1 != phases || high.1 != phases || motion.grazed() {
         return None;
     }
-    let carried = values(&variation.directions[0]);
+    let carried = &motion.displacements()[0];
     let size = carried.iter().fold(0.0_f64, |largest, value| largest.max(value.abs()));
-    let difference = values(&low.0)
+    let difference = low
+        .0
         .iter()
-        .zip(values(&high.0))
-        .zip(&carried)
+        .zip(&high.0)
+        .zip(carried)
         .map(|((low, high), carried)| ((high - low) / (2.0 * step) - carried).abs())
         .fold(0.0, f64::max);
     Some((difference / size.max(1.0), phases.len() - 1))
@@ -108,20 +94,25 @@ fn carried_displacements_are_those_of_neighbours() {
             let (mut start, direction) = (numbers(0.05), numbers(1.0));
             start[4..6].iter_mut().for_each(|beta| *beta = 60.0 * *beta + 3.0);
             start[6..].iter_mut().for_each(|speed| *speed *= 8.0);
-            let (start, mut direction) = (state_of(&start), state_of(&direction));
+            let [start, mut direction] = [start, direction]
+                .map(|values| State::<2>::of_components(&values).expect("eight components"));
             if method == Method::Event {
                 // A resting ball has no neighbours with arbitrarily small speed.
                 direction.beta_dot = [0, 1].map(|ball| {
                     if start.beta_dot[ball] == 0.0 { 0.0 } else { direction.beta_dot[ball] }
                 });
             }
-            if let Some((error, met)) = compare(&balancer, fine(method), start, 40.0, direction) {
-                compared += 1;
-                switches += met;
-                assert!(error < 3e-5, "{method:?} {machine:?}: {error} after {met} switches");
+            let (start, direction) = (start.components(), direction.components());
+            for system in for_each_kernel(balancer) {
+                let found = compare(&system, fine(method), &start, 40.0, &direction);
+                if let Some((error, met)) = found {
+                    compared += 1;
+                    switches += met;
+                    assert!(error < 3e-5, "{method:?} {machine:?}: {error} after {met} switches");
+                }
             }
         }
         println!("{method:?}: {compared} compared, {switches} switches met");
-        assert!(compared >= 40 && switches >= 100, "{method:?}: {compared}, {switches}");
+        assert!(compared >= 80 && switches >= 200, "{method:?}: {compared}, {switches}");
     }
 }

@@ -1,8 +1,12 @@
 //! Friction dissipates energy under every law; constant dry friction dissipates exactly force times
 //! distance.
 
+use std::sync::Arc;
+
 use stickslip::model::{Balancer, Block, FrictionLaw, Machine, Method, SliderState, State, System};
-use stickslip::motion::{Motion, Settings, Tolerance};
+use stickslip::motion::{Settings, Tolerance};
+
+use crate::support::{for_each_kernel, shared, started, state_of};
 
 const METHODS: [Method; 2] = [Method::Event, Method::Switch];
 const BAND: f64 = 1e-8;
@@ -16,19 +20,19 @@ fn settings(method: Method) -> Settings {
 /// inside the switch model's band, where a contact in transition has the friction of its
 /// acceleration.
 #[track_caller]
-fn follow<S: System<N, FREE>, const N: usize, const FREE: usize>(
-    system: &S,
+fn follow<const N: usize, const FREE: usize>(
+    system: &Arc<dyn System>,
     method: Method,
     start: State<N, f64, FREE>,
     end: f64,
 ) -> f64 {
-    let mut motion = Motion::new(system, settings(method), start).expect("starts");
+    let mut motion = started(system, settings(method), &start);
     let mut most = 0.0_f64;
     while motion.time() < end {
         motion.advance(end).expect("continues");
-        for contact in 0..N {
-            let speed = motion.state().beta_dot[contact];
-            let power = motion.forces().friction[contact] * speed;
+        let speeds = state_of::<N, FREE>(&motion).beta_dot;
+        for (speed, forces) in speeds.into_iter().zip(motion.now().forces) {
+            let power = forces.friction * speed;
             let least = if speed.abs() <= BAND { -system.force_scale() * BAND } else { 0.0 };
             assert!(power >= least, "{power:e} at speed {speed:e}");
             most = most.max(power);
@@ -56,9 +60,11 @@ fn friction_never_does_positive_work_on_balls() {
                 beta: [3.0 + 3.0 * spread(3.1), 3.0 + 3.0 * spread(4.7)],
                 beta_dot: [spread(8.9), spread(10.7)],
             };
-            for method in METHODS {
-                let most = follow(&balancer, method, start, 200.0);
-                assert!(most > 1e-6, "{friction:?}: friction that does anything: {most:e}");
+            for system in for_each_kernel(balancer) {
+                for method in METHODS {
+                    let most = follow(&system, method, start, 200.0);
+                    assert!(most > 1e-6, "{friction:?}: friction that does anything: {most:e}");
+                }
             }
         }
     }
@@ -69,19 +75,19 @@ fn friction_never_does_positive_work_on_balls() {
 #[test]
 fn dry_friction_dissipates_force_times_distance() {
     for method in METHODS {
-        let slider = Block::on_spring().slider();
+        let slider = shared(Block::on_spring().slider());
         let start = SliderState { position: [], velocity: [], beta: [0.0], beta_dot: [1.7] };
-        let mut motion = Motion::new(&slider, settings(method), start).expect("starts");
+        let mut motion = started(&slider, settings(method), &start);
         let (mut way, mut energy) = (0.0, 0.5 * 1.7 * 1.7);
         while !motion.all_stick() {
-            let before = motion.state().beta[0];
+            let before = motion.state()[0];
             let turn = motion.advance(1000.0).map(|_| {
-                let velocity = |direction: f64| move |s: &SliderState| direction * s.beta_dot[0];
+                let velocity = |direction: f64| move |s: &[f64]| direction * s[1];
                 let forth = motion.falls_through_zero(velocity(1.0));
                 forth.or_else(|| motion.falls_through_zero(velocity(-1.0)))
             });
-            let turn = turn.expect("continues").map_or(before, |(_, state)| state.beta[0]);
-            let SliderState { beta: [x], beta_dot: [v], .. } = *motion.state();
+            let turn = turn.expect("continues").map_or(before, |(_, state)| state[0]);
+            let SliderState { beta: [x], beta_dot: [v], .. } = state_of(&motion);
             way += (turn - before).abs() + (x - turn).abs();
             let now = 0.5 * (x * x + v * v);
             assert!(now <= energy + 1e-11, "{now} {energy}");
@@ -96,14 +102,14 @@ fn dry_friction_dissipates_force_times_distance() {
 #[test]
 fn viscous_friction_dissipates_all_energy() {
     let friction = FrictionLaw::viscous(1.0);
-    let slider = Block { friction, ..Block::on_spring() }.slider();
+    let slider = shared(Block { friction, ..Block::on_spring() }.slider());
     let start = SliderState { position: [], velocity: [], beta: [0.5], beta_dot: [-1.7] };
     follow(&slider, Method::Event, start, 400.0);
-    let mut motion = Motion::new(&slider, settings(Method::Event), start).expect("starts");
+    let mut motion = started(&slider, settings(Method::Event), &start);
     let mut energy = f64::MAX;
     while motion.time() < 400.0 {
         motion.advance(400.0).expect("continues");
-        let now = motion.state().beta[0].powi(2) + motion.state().beta_dot[0].powi(2);
+        let now = motion.state()[0].powi(2) + motion.state()[1].powi(2);
         assert!(now <= energy);
         energy = now;
     }

@@ -1,7 +1,10 @@
-//! Random numbers and angles for tests of several folders.
+//! Random numbers, angles, systems and an independent integration for tests of several folders.
 
 mod angle;
+pub mod reference;
+mod systems;
 mod test_rng;
 
 pub use angle::angular_distance;
+pub use systems::{for_each_kernel, shared, started, state_of};
 pub use test_rng::TestRng;

@@ -4,7 +4,6 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
 use crate::classification::{Evidence, MODEL_VERSION, Outcome};
-use crate::motion::SimdLevel;
 use crate::study::PlannedRun;
 use crate::table::RunRecord;
 
@@ -18,10 +17,8 @@ impl CaseKey {
     /// Returns the key of a planned run.
     pub fn of(planned: &PlannedRun) -> Self {
         let case = planned.case.as_ref().map_err(ToString::to_string);
-        // The last digits differ between lockstep runs and single runs.
-        let in_lockstep = SimdLevel::best().name() != "none";
         // Serializing numbers and names into memory cannot fail.
-        let bytes = postcard::to_stdvec(&(MODEL_VERSION, in_lockstep, case)).unwrap_or_default();
+        let bytes = postcard::to_stdvec(&(MODEL_VERSION, case)).unwrap_or_default();
         let digest = Sha256::digest(&bytes);
         let mut key = [0; Self::BYTES];
         key.copy_from_slice(&digest[..Self::BYTES]);

@@ -1,6 +1,8 @@
 //! Coulomb friction: one coefficient for rest and motion.
 
-use super::{Friction, FrictionLaw, Law, Sliding, SlidingForce};
+use smallvec::smallvec;
+
+use super::{Friction, FrictionLaw, Law, LawInputs, Sliding, SlidingForce};
 use crate::model::{Expression, Number};
 
 /// In slip `μ f_n`, in stick at most that.
@@ -40,8 +42,8 @@ impl Law for Coulomb {
         SlidingForce { ratio: sliding.direction * friction.coefficient, drag: 0.0 }
     }
 
-    fn expression_inputs(&self, friction: &Friction) -> Vec<f64> {
-        vec![friction.coefficient]
+    fn expression_inputs(&self, friction: &Friction) -> LawInputs {
+        smallvec![friction.coefficient]
     }
 
     fn expression<'r>(

@@ -2,8 +2,13 @@
 
 use std::fmt;
 
+use smallvec::SmallVec;
+
 use super::Friction;
 use crate::model::Expression;
+
+/// The numbers of a law's recorded expression.
+pub type LawInputs = SmallVec<[f64; 4]>;
 
 /// A friction law: the force as a function of sliding speed and normal force, and its parameters.
 ///
@@ -48,7 +53,7 @@ pub trait Law: Sync {
     fn slope(&self, friction: &Friction, sliding: Sliding) -> SlidingForce;
 
     /// The numbers that [`Law::expression`] takes, such as an inverse speed.
-    fn expression_inputs(&self, friction: &Friction) -> Vec<f64>;
+    fn expression_inputs(&self, friction: &Friction) -> LawInputs;
 
     /// The force in slip in a direction, as ratio to the normal force and drag, in a recorded system. `inputs` are those
     /// of [`Law::expression_inputs`]. The speed has the direction of the motion, or is negligible.

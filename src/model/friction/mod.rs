@@ -16,7 +16,9 @@ use serde::{Serialize, Serializer};
 
 use super::InvalidParameter;
 use super::invalid_parameter::{invalid, not_negative, positive};
-pub use law::{Dimension, Law, LawParameter, Lowest, Sliding, SlidingForce, SlidingSpeed};
+pub use law::{
+    Dimension, Law, LawInputs, LawParameter, Lowest, Sliding, SlidingForce, SlidingSpeed,
+};
 pub use non_dimensional::Friction;
 
 /// All friction laws, in the order of the documentation.

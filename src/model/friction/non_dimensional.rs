@@ -1,6 +1,6 @@
 //! Friction of one contact without dimensions, as the motion uses it.
 
-use super::{FrictionLaw, Sliding, SlidingForce};
+use super::{FrictionLaw, LawInputs, Sliding, SlidingForce};
 use crate::model::{Contact, Dual, Expression, Number, Recorder};
 
 /// Non-dimensional friction of one contact.
@@ -38,9 +38,19 @@ impl Friction {
         self.limit.max(self.coefficient)
     }
 
+    /// The name of the law.
+    pub fn law_name(&self) -> &'static str {
+        self.law.name()
+    }
+
     /// Whether friction in slip does not depend on speed.
     pub fn is_constant(&self) -> bool {
         self.law.law().is_constant()
+    }
+
+    /// Whether the force in slip is a fixed part of the normal force and a drag in proportion to speed.
+    pub fn is_linear(&self) -> bool {
+        self.law.is_linear(self.coefficient)
     }
 
     /// Whether the contact can stick.
@@ -69,7 +79,7 @@ impl Friction {
     }
 
     /// Returns the numbers of the law's expression in a recorded system.
-    pub fn expression_inputs(&self) -> Vec<f64> {
+    pub fn expression_inputs(&self) -> LawInputs {
         self.law.law().expression_inputs(self)
     }
 

@@ -2,7 +2,11 @@
 
 use std::f64::consts::FRAC_2_PI;
 
-use super::{Dimension, Friction, FrictionLaw, Law, LawParameter, Lowest, Sliding, SlidingForce};
+use smallvec::smallvec;
+
+use super::{
+    Dimension, Friction, FrictionLaw, Law, LawInputs, LawParameter, Lowest, Sliding, SlidingForce,
+};
 use crate::model::{Expression, Number};
 
 /// `μ f_n (2/π) atan(v / v_0)`: without a force at rest, so that nothing ever sticks.
@@ -68,8 +72,8 @@ impl Law for Smooth {
         SlidingForce { ratio: friction.coefficient * bend, drag: 0.0 }
     }
 
-    fn expression_inputs(&self, friction: &Friction) -> Vec<f64> {
-        vec![friction.coefficient * FRAC_2_PI, 1.0 / scale(friction)]
+    fn expression_inputs(&self, friction: &Friction) -> LawInputs {
+        smallvec![friction.coefficient * FRAC_2_PI, 1.0 / scale(friction)]
     }
 
     fn expression<'r>(

@@ -1,6 +1,10 @@
 //! Stribeck friction: the coefficient falls from a static to a kinetic value with speed (thesis figure 3.3).
 
-use super::{Dimension, Friction, FrictionLaw, Law, LawParameter, Lowest, Sliding, SlidingForce};
+use smallvec::smallvec;
+
+use super::{
+    Dimension, Friction, FrictionLaw, Law, LawInputs, LawParameter, Lowest, Sliding, SlidingForce,
+};
 use crate::model::{Expression, Number};
 
 /// `μ(v) = μ + (μ_s - μ) e^{-|v|/v_s}`: at most `μ_s f_n` in stick, tending to `μ f_n` with growing speed.
@@ -87,13 +91,13 @@ impl Law for Stribeck {
     }
 
     /// The excess `μ_s - μ` decays with the rate `1 / v_s`; both are 0 where the coefficient jumps.
-    fn expression_inputs(&self, friction: &Friction) -> Vec<f64> {
+    fn expression_inputs(&self, friction: &Friction) -> LawInputs {
         let (_, scale) = parameters(friction.values());
         let [excess, rate] = match scale > 0.0 {
             true => [friction.limit - friction.coefficient, 1.0 / scale],
             false => [0.0; 2],
         };
-        vec![friction.coefficient, excess, rate]
+        smallvec![friction.coefficient, excess, rate]
     }
 
     fn expression<'r>(

@@ -1,6 +1,10 @@
 //! Viscous drag without dry friction (thesis section 5.1).
 
-use super::{Dimension, Friction, FrictionLaw, Law, LawParameter, Lowest, Sliding, SlidingForce};
+use smallvec::smallvec;
+
+use super::{
+    Dimension, Friction, FrictionLaw, Law, LawInputs, LawParameter, Lowest, Sliding, SlidingForce,
+};
 use crate::model::{Expression, Number};
 
 /// A drag in proportion to speed and independent of the normal force.
@@ -63,8 +67,8 @@ impl Law for Viscous {
         SlidingForce { ratio: 0.0, drag: drag(friction) }
     }
 
-    fn expression_inputs(&self, friction: &Friction) -> Vec<f64> {
-        vec![drag(friction)]
+    fn expression_inputs(&self, friction: &Friction) -> LawInputs {
+        smallvec![drag(friction)]
     }
 
     fn expression<'r>(

@@ -10,4 +10,4 @@ mod recorder;
 
 pub use expression::Expression;
 pub use node::{Node, NodeId, Solve};
-pub use recorder::{ContactEquations, Graph, Recorder, SystemEquations};
+pub use recorder::{ContactEquations, ContactLayout, Graph, Layout, Recorder, SystemEquations};

@@ -2,8 +2,10 @@
 
 use std::cell::RefCell;
 use std::collections::HashMap;
+use std::sync::{Arc, LazyLock, Mutex, PoisonError};
 
 use super::{Expression, Node, NodeId, Solve};
+use crate::model::{Structure, System};
 
 /// A graph that is being recorded.
 #[derive(Default)]
@@ -25,6 +27,29 @@ pub struct SystemEquations<'r> {
     pub derivative: Vec<Expression<'r>>,
     /// The contacts.
     pub contacts: Vec<ContactEquations<'r>>,
+    /// The meaning of the components.
+    pub layout: Layout,
+}
+
+/// The meaning of the components of a state.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Layout {
+    /// The contacts, in their order.
+    pub contacts: Vec<ContactLayout>,
+    /// The components that are velocities, which determine the length of a step. Of each group, the largest counts.
+    pub velocities: Vec<Vec<usize>>,
+    /// The components that are the displacement whose amplitude is measured, if the system has such a displacement;
+    /// otherwise the positions of the contacts are measured.
+    pub vibration: Option<[usize; 2]>,
+}
+
+/// The coordinate of a contact.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ContactLayout {
+    /// The component that is its position.
+    pub position: usize,
+    /// Whether the position is an angle, with a period of one turn.
+    pub angular: bool,
 }
 
 /// What the mode of a contact is decided by.
@@ -53,6 +78,36 @@ pub struct Graph {
     pub derivative: Vec<NodeId>,
     /// Sliding speed, sliding acceleration, normal force and friction force of each contact.
     pub contacts: Vec<[NodeId; 4]>,
+    /// The meaning of the components.
+    pub layout: Layout,
+}
+
+impl Graph {
+    /// Returns the recorded equations of a system.
+    pub fn of(system: &dyn System) -> Arc<Self> {
+        static RECORDED: LazyLock<Mutex<HashMap<Structure, Arc<Graph>>>> =
+            LazyLock::new(Mutex::default);
+        let record = || {
+            let recorder = Recorder::default();
+            Arc::new(recorder.finish(&system.record(&recorder)))
+        };
+        match system.structure() {
+            // A panic while the graphs are locked leaves them complete.
+            Some(structure) => {
+                let mut recorded = RECORDED.lock().unwrap_or_else(PoisonError::into_inner);
+                Arc::clone(recorded.entry(structure).or_insert_with(record))
+            }
+            None => record(),
+        }
+    }
+
+    /// Returns the component that is the sliding speed of a contact, if it is one component.
+    pub fn speed_component(&self, contact: usize) -> Option<usize> {
+        match self.nodes[self.contacts[contact][0] as usize] {
+            Node::State(component) => Some(component as usize),
+            _ => None,
+        }
+    }
 }
 
 impl Recorder {
@@ -117,6 +172,7 @@ impl Recorder {
             inputs: inputs.clone(),
             derivative,
             contacts,
+            layout: equations.layout.clone(),
         }
     }
 

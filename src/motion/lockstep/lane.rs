@@ -1,108 +1,124 @@
 //! One of the runs in lockstep: its scalar part, and the complete run outside of a lane.
 
+use std::f64::consts::TAU;
+use std::sync::Arc;
+
+use smallvec::{SmallVec, smallvec};
+
 use super::root_isolation::width;
-use crate::model::{Balancer, RestPoint, State, System};
-use crate::motion::contact::Phase;
-use crate::motion::driver::Motion;
-use crate::motion::guard::Margins;
-use crate::motion::{Effort, Failure, Settings};
+use super::tuned;
+use crate::model::{Components, Method, System};
+use crate::motion::condition::Margins;
+use crate::motion::modes::{Evaluated, InState, decide_first, first_phases};
+use crate::motion::{Effort, Evaluator, Failure, PerContact, Phases, SLOW, Settings};
 
 /// The scalar part of a run.
 #[derive(Clone, Debug)]
-pub(crate) struct Lane<const N: usize> {
-    pub(crate) balancer: Balancer<N>,
-    pub(crate) settings: Settings,
+pub(crate) struct Lane {
+    pub(super) system: Arc<dyn System>,
+    pub(super) settings: Settings,
     pub(super) margins: Margins,
-    /// Whether stick and slip have a unique decision for all positions of the balls.
+    /// Whether stick and slip have a unique decision in all states.
     pub(super) surely_one_solution: bool,
     pub(super) slow: f64,
     /// Width within which events are located.
     pub(super) width: f64,
-    pub(super) phases: [Phase; N],
-    /// The phases of the balls in the latest step, if an event has ended it.
-    pub(super) during: [Phase; N],
-    pub(super) last_switches: [f64; N],
+    pub(super) longest_step: f64,
+    pub(super) pace: f64,
+    pub(super) phases: Phases,
+    /// The phases in the latest step, before an event at its end.
+    pub(super) during: Phases,
+    pub(super) last_switches: PerContact,
     pub(super) switches: u64,
     /// Whether a displacement met a switch by grazing.
     pub(super) grazed: bool,
 }
 
-impl<const N: usize> Lane<N> {
+impl Lane {
     /// Returns the effort of the run for this number of steps.
     pub(super) fn effort(&self, taken: f64) -> Effort {
         Effort { steps: taken as u64, rejected_steps: 0, switches: self.switches }
     }
 }
 
-/// The reason why a run cannot continue in lockstep.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Trouble {
-    /// It cannot continue at all.
-    Failure(Failure),
-    /// An event could not be located: the run is computed alone from its start.
-    Fallback,
-}
-
-impl From<Failure> for Trouble {
-    fn from(failure: Failure) -> Self {
-        Trouble::Failure(failure)
-    }
-}
-
 /// A run taken out of its lane, which can be put into any lane.
 #[derive(Clone, Debug)]
-pub(crate) struct Saved<const N: usize> {
-    pub(super) lane: Lane<N>,
+pub(crate) struct Saved {
+    pub(super) lane: Lane,
     pub(super) time: f64,
-    pub(super) state: State<N>,
-    pub(super) turns: [f64; N],
-    pub(super) slow_since: [f64; N],
+    pub(super) state: Components,
+    pub(super) turns: PerContact,
+    pub(super) slow_since: PerContact,
     pub(super) next: f64,
     pub(super) taken: f64,
-    pub(super) displacement: State<N>,
+    pub(super) displacement: Components,
 }
 
-impl<const N: usize> Saved<N> {
+impl Saved {
     /// Creates a run at its start.
     ///
     /// # Errors
     /// [`Failure`] if the motion cannot be continued from the start state.
     pub(crate) fn start(
-        balancer: &Balancer<N>,
+        system: &Arc<dyn System>,
         settings: Settings,
-        state: State<N>,
+        state: &[f64],
     ) -> Result<Self, Failure> {
-        let motion = Motion::new(balancer, settings, state)?;
-        let margins = motion.margins();
-        let state = *motion.state();
-        let phases = *motion.phases();
+        let mut start: Components = state.into();
+        let force_scale = system.force_scale();
+        let surely_one_solution = system.surely_one_solution();
+        let started = tuned::in_state(system, surely_one_solution, state, |at| {
+            start_phases(system.as_ref(), settings, at)
+        });
+        let contacts = system.contacts();
+        let (phases, angles): (_, SmallVec<[usize; 8]>) = match started {
+            Some(phases) => (phases?, tuned::angles(contacts).collect()),
+            None => {
+                let evaluator = Evaluator::new(Arc::clone(system));
+                let at = Evaluated::new(&evaluator, state);
+                let phases = start_phases(system.as_ref(), settings, &at)?;
+                let layout = evaluator.graph().layout.contacts.iter();
+                let angles = layout.filter(|contact| contact.angular);
+                (phases, angles.map(|contact| contact.position).collect())
+            }
+        };
+        for component in angles {
+            let angle = &mut start[component];
+            if !(0.0..TAU).contains(angle) {
+                *angle -= (*angle / TAU).floor() * TAU;
+            }
+        }
         let lane = Lane {
-            balancer: *balancer,
+            margins: Margins::new(&settings, force_scale),
             settings,
-            margins,
-            surely_one_solution: balancer.surely_one_solution(),
-            slow: motion.slow(),
+            surely_one_solution,
+            slow: match settings.method {
+                Method::Switch => SLOW.max(settings.band),
+                Method::Event => SLOW,
+            },
             width: width(settings.tolerance.relative),
+            longest_step: system.longest_step(),
+            pace: system.pace(),
+            during: phases.clone(),
             phases,
-            during: phases,
-            last_switches: [0.0; N],
+            last_switches: smallvec![0.0; contacts],
             switches: 0,
             grazed: false,
+            system: Arc::clone(system),
         };
+        let next = lane.longest_step;
         Ok(Saved {
             lane,
             time: 0.0,
-            state,
-            turns: [0.0; N],
-            slow_since: [0.0; N],
-            next: balancer.longest_step(),
+            displacement: smallvec![0.0; start.len()],
+            state: start,
+            turns: smallvec![0.0; contacts],
+            slow_since: smallvec![0.0; contacts],
+            next,
             taken: 0.0,
-            displacement: State::zero(),
         })
     }
-}
 
-impl<const N: usize> Saved<N> {
     /// Returns the time.
     pub(crate) fn time(&self) -> f64 {
         self.time
@@ -112,23 +128,25 @@ impl<const N: usize> Saved<N> {
     pub(crate) fn effort(&self) -> Effort {
         self.lane.effort(self.taken)
     }
+
+    /// Returns the settings.
+    pub(crate) fn settings(&self) -> Settings {
+        self.lane.settings
+    }
+
+    /// Returns the system.
+    pub(crate) fn system(&self) -> &Arc<dyn System> {
+        &self.lane.system
+    }
 }
 
-/// Returns the square of the distance from rest below which no ball can break loose, apart from the
-/// residual speeds of sticking balls in the switch model; negative if there is no such distance.
-pub(super) fn rest_radius_squared<const N: usize>(
-    balancer: &Balancer<N>,
-    rest: &RestPoint<N>,
-) -> f64 {
-    let mut least = f64::INFINITY;
-    for (i, ball) in balancer.balls.iter().enumerate() {
-        let limit = ball.friction.limit;
-        least = least.min((limit * rest.normal[i] - rest.friction[i].abs()) / (1.0 + limit));
-    }
-    if least < 0.0 || least.is_nan() {
-        return -1.0;
-    }
-    // Slightly larger, so that rounding leaves the decision to the certificate itself.
-    let radius = least / balancer.acceleration_bound(1.0) * (1.0 + 1e-9);
-    radius * radius
+fn start_phases(
+    system: &dyn System,
+    settings: Settings,
+    at: &dyn InState,
+) -> Result<Phases, Failure> {
+    let contacts = (0..system.contacts()).map(|i| (system.friction(i), at.speed(i)));
+    let mut phases = first_phases(settings.method, settings.band, contacts);
+    decide_first(settings.method, at, &mut phases)?;
+    Ok(phases)
 }

@@ -1,43 +1,44 @@
 //! Motions in lockstep: eight runs side by side in the lanes of SIMD vectors.
 //!
 //! Each lane has its own parameters, time, step and phases. From the states in all lanes the motion
-//! is expanded into power series (`series`). The series determine how far they are accurate
-//! (`step`) and where a ball first changes its phase (`event_functions`, `event_location`). Each
-//! lane then advances to that point: no step is rejected, no step crosses an event, and only rare
-//! work (locating an event, deciding stick and slip there, endings) is done lane by lane.
+//! is expanded into power series. The series determine how far they are accurate and where a contact first changes its
+//! phase. Each lane then advances to that point (`advance`): no step is rejected, no step crosses an event, and only
+//! rare work (locating an event, deciding stick and slip there, endings) is done lane by lane.
+//!
+//! Two kernels expand a motion: `general` evaluates the recorded equations of any system, and `tuned` is the recurrence
+//! of the balancer at constant speed with friction that is constant or linear in speed.
 //!
 //! A lane depends only on its own values: no operation mixes lanes, and all operations are
 //! correctly rounded (`+ - * /`, square root, fused multiply-add). A run is therefore the same bit
 //! for bit in any lane, beside any neighbours, and in vectors of any width.
 
 mod advance;
-#[cfg(all(test, target_arch = "x86_64"))]
-mod compared_with_one_run;
-mod equations;
-mod event_functions;
-mod event_location;
+mod curve;
+mod general;
 mod group;
+mod kernel;
 mod lane;
-mod lane_states;
-mod mode_selection;
-mod recurrence;
+mod lane_group;
+#[cfg(all(test, target_arch = "x86_64"))]
+mod leaving_the_ring;
 mod root_isolation;
-mod section_crossing;
-mod series;
 mod simd_level;
-mod step;
-mod tail_terms;
-mod tangent;
-mod terms;
+mod step_length;
+mod step_states;
 mod trigonometry;
+mod tuned;
+mod vector;
 
-pub(crate) use advance::{Happened, advance};
-pub(crate) use group::{Group, Room};
-pub(crate) use lane::{Saved, Trouble};
-pub use simd_level::SimdLevel;
-pub(super) use terms::TERMS;
+use std::sync::Arc;
 
 use fearless_simd::f64x8;
+
+use crate::model::System;
+use crate::motion::lockstep::vector::Vector;
+use group::Group;
+pub(crate) use lane::Saved;
+pub(crate) use lane_group::{Happened, LaneGroup};
+pub use simd_level::SimdLevel;
 
 /// Runs side by side.
 pub(crate) const LANES: usize = 8;
@@ -45,46 +46,25 @@ pub(crate) const LANES: usize = 8;
 /// One number of each run.
 pub(crate) type Lanes<S> = f64x8<S>;
 
-/// The components of a state, or of its rate of change, of each run.
-#[derive(Clone, Copy)]
-pub(crate) struct Flow<S: fearless_simd::Simd, const N: usize> {
-    /// x, y, ẋ, ẏ.
-    pub(crate) table: [Lanes<S>; 4],
-    /// Angles of the balls.
-    pub(crate) angle: [Lanes<S>; N],
-    /// Their speeds.
-    pub(crate) speed: [Lanes<S>; N],
+/// The highest power of time in the series of speeds.
+const ORDER: usize = 16;
+
+/// Returns empty lanes for a system, computed with these instructions.
+fn lanes_with<S: Vector>(simd: S, system: &Arc<dyn System>) -> Box<dyn LaneGroup> {
+    macro_rules! tuned {
+        ($($balls:literal)*) => {
+            $(
+                if tuned::Tuned::<S, $balls>::computes(system) {
+                    return Box::new(Group::new(simd, tuned::Tuned::<S, $balls>::new(simd)));
+                }
+            )*
+        };
+    }
+    tuned!(1 2 3 4 5 6 7 8);
+    general_lanes(simd, system)
 }
 
-impl<S: fearless_simd::Simd, const N: usize> Flow<S, N> {
-    /// Zero in all lanes.
-    #[inline(always)]
-    pub(crate) fn zero(simd: S) -> Self {
-        use fearless_simd::SimdBase;
-        let zero = Lanes::splat(simd, 0.0);
-        Flow { table: [zero; 4], angle: [zero; N], speed: [zero; N] }
-    }
-
-    /// Returns one run's components.
-    pub(crate) fn lane(&self, lane: usize) -> crate::model::State<N> {
-        let [x, y, x_dot, y_dot] = self.table.each_ref().map(|of_all| of_all[lane]);
-        crate::model::State {
-            position: [x, y],
-            velocity: [x_dot, y_dot],
-            beta: self.angle.each_ref().map(|of_all| of_all[lane]),
-            beta_dot: self.speed.each_ref().map(|of_all| of_all[lane]),
-        }
-    }
-
-    /// Sets one run's components.
-    pub(crate) fn set_lane(&mut self, lane: usize, state: &crate::model::State<N>) {
-        for axis in 0..2 {
-            self.table[axis][lane] = state.position[axis];
-            self.table[2 + axis][lane] = state.velocity[axis];
-        }
-        for ball in 0..N {
-            self.angle[ball][lane] = state.beta[ball];
-            self.speed[ball][lane] = state.beta_dot[ball];
-        }
-    }
+/// Returns empty lanes for a system, computed with these instructions by the general kernel.
+fn general_lanes<S: Vector>(simd: S, system: &Arc<dyn System>) -> Box<dyn LaneGroup> {
+    Box::new(Group::new(simd, general::General::new(simd, system)))
 }

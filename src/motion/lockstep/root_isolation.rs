@@ -6,7 +6,7 @@
 //! coefficient. If no coefficient is negative, the polynomial is not negative; if the coefficients
 //! change their sign once, it falls through zero once. Parts with neither property are halved.
 
-use super::terms::ORDER;
+use super::ORDER;
 
 /// An event is located where its condition is negative by half of this width, a fraction of the
 /// relative tolerance within these bounds. The condition has then certainly failed, and one that is

@@ -5,7 +5,8 @@
 //! below 1.5 units in the last place. Every operation is correctly rounded and independent for each
 //! lane, so that the result does not depend on the machine or on other lanes.
 
-use fearless_simd::{Simd, f64x8, prelude::*};
+use crate::motion::lockstep::vector::{Fused, Vector};
+use fearless_simd::{f64x8, prelude::*};
 
 const TWO_OVER_PI: f64 = std::f64::consts::FRAC_2_PI;
 const HALF_PI_HIGH: f64 = std::f64::consts::FRAC_PI_2;
@@ -33,31 +34,31 @@ const COSINE: [f64; 6] = [
 
 /// Sine and cosine of each lane.
 #[inline(always)]
-pub(super) fn sin_cos<S: Simd>(angle: f64x8<S>) -> (f64x8<S>, f64x8<S>) {
+pub(super) fn sin_cos<S: Vector>(angle: f64x8<S>) -> (f64x8<S>, f64x8<S>) {
     let simd = angle.simd;
     macro_rules! c {
         ($value:expr) => {
             f64x8::splat(simd, $value)
         };
     }
-    let shifted = angle.mul_add_precise(c!(TWO_OVER_PI), c!(ROUNDER));
+    let shifted = angle.fused(c!(TWO_OVER_PI), c!(ROUNDER));
     let quarter = shifted - c!(ROUNDER);
-    let r = quarter.mul_add_precise(c!(-HALF_PI_HIGH), angle);
-    let r = quarter.mul_add_precise(c!(-HALF_PI_LOW), r);
+    let r = quarter.fused(c!(-HALF_PI_HIGH), angle);
+    let r = quarter.fused(c!(-HALF_PI_LOW), r);
     let z = r * r;
     // Two polynomials in z, by Estrin's scheme: short chains.
     let z2 = z * z;
     let z4 = z2 * z2;
-    let s01 = z.mul_add_precise(c!(SINE[1]), c!(SINE[0]));
-    let s23 = z.mul_add_precise(c!(SINE[3]), c!(SINE[2]));
-    let s45 = z.mul_add_precise(c!(SINE[5]), c!(SINE[4]));
-    let s = z4.mul_add_precise(s45, z2.mul_add_precise(s23, s01));
-    let sine = (r * z).mul_add_precise(s, r);
-    let c01 = z.mul_add_precise(c!(COSINE[1]), c!(COSINE[0]));
-    let c23 = z.mul_add_precise(c!(COSINE[3]), c!(COSINE[2]));
-    let c45 = z.mul_add_precise(c!(COSINE[5]), c!(COSINE[4]));
-    let k = z4.mul_add_precise(c45, z2.mul_add_precise(c23, c01));
-    let cosine = z2.mul_add_precise(k, z.mul_add_precise(c!(-0.5), c!(1.0)));
+    let s01 = z.fused(c!(SINE[1]), c!(SINE[0]));
+    let s23 = z.fused(c!(SINE[3]), c!(SINE[2]));
+    let s45 = z.fused(c!(SINE[5]), c!(SINE[4]));
+    let s = z4.fused(s45, z2.fused(s23, s01));
+    let sine = (r * z).fused(s, r);
+    let c01 = z.fused(c!(COSINE[1]), c!(COSINE[0]));
+    let c23 = z.fused(c!(COSINE[3]), c!(COSINE[2]));
+    let c45 = z.fused(c!(COSINE[5]), c!(COSINE[4]));
+    let k = z4.fused(c45, z2.fused(c23, c01));
+    let cosine = z2.fused(k, z.fused(c!(-0.5), c!(1.0)));
     // Quarter turns: odd ones exchange the two, bit 1 turns signs.
     let bits: fearless_simd::u64x8<S> = shifted.bitcast();
     let one = fearless_simd::u64x8::splat(simd, 1);
@@ -70,7 +71,7 @@ pub(super) fn sin_cos<S: Simd>(angle: f64x8<S>) -> (f64x8<S>, f64x8<S>) {
 
 /// Changes the sign where the highest bit of `sign` is set.
 #[inline(always)]
-fn flip<S: Simd>(value: f64x8<S>, sign: fearless_simd::u64x8<S>) -> f64x8<S> {
+fn flip<S: Vector>(value: f64x8<S>, sign: fearless_simd::u64x8<S>) -> f64x8<S> {
     let bits: fearless_simd::u64x8<S> = value.bitcast();
     (bits ^ sign).bitcast()
 }

@@ -1,0 +1,73 @@
+//! The search for the limit cycle of a run, by the kind of its system.
+
+use std::sync::Arc;
+
+use super::block_cycle::BreakAwayWatch;
+use super::extremes::Passed;
+use super::lane_step::LaneStep;
+use super::orbit::{GoneRound, OrbitWatch};
+use super::run_outcome::Ending;
+use super::system_view::SystemView;
+use crate::model::Endings;
+use crate::motion::Settings;
+
+/// Detects limit cycles.
+#[derive(Clone, Debug)]
+pub(super) enum CycleWatch {
+    /// None are sought.
+    None,
+    /// Those of revolving contacts.
+    Orbits(Box<OrbitWatch>),
+    /// Those of a single contact that breaks away again and again.
+    BreakAways(BreakAwayWatch),
+}
+
+impl CycleWatch {
+    /// Creates the watch that suits a system.
+    pub(super) fn new(endings: Endings, settings: &Settings, view: &Arc<SystemView>) -> Self {
+        match endings {
+            Endings::All if view.revolves() => {
+                CycleWatch::Orbits(Box::new(OrbitWatch::of(settings, Arc::clone(view))))
+            }
+            Endings::All if BreakAwayWatch::suits(view) => {
+                CycleWatch::BreakAways(BreakAwayWatch::default())
+            }
+            Endings::All | Endings::Rest => CycleWatch::None,
+        }
+    }
+
+    /// Returns whether each step must be added.
+    pub(super) fn takes_each_step(&self) -> bool {
+        matches!(self, CycleWatch::BreakAways(watch) if watch.has_begun())
+    }
+
+    /// Adds the latest step, evaluated as `passed`.
+    pub(super) fn take_in(&mut self, step: &LaneStep, passed: &Passed) {
+        if let CycleWatch::BreakAways(watch) = self {
+            watch.take_in(step, passed);
+        }
+    }
+
+    /// Evaluates the end of a step with an event or a completed turn. Returns the ending if the run
+    /// has been shown to be on a limit cycle.
+    pub(super) fn closes(&mut self, settings: &Settings, step: &LaneStep) -> Option<Ending> {
+        let watch = match self {
+            CycleWatch::None => return None,
+            CycleWatch::BreakAways(watch) => {
+                return watch.closes(step).map(|period| Ending::BreakAways { period });
+            }
+            CycleWatch::Orbits(watch) => watch,
+        };
+        let end = step.end();
+        let reference = watch.goes_round(step.phases(), &end)?;
+        let round = GoneRound {
+            reference,
+            direction: step.view.speed(step.phases(), &end, reference).signum(),
+            passage: step.group.passage(step.lane, reference),
+            phases: step.during(),
+            last_switches: step.group.last_switches(step.lane),
+        };
+        let orbit = watch.take_in(settings, round)?;
+        Some(Ending::Orbit(Box::new(orbit)))
+    }
+}

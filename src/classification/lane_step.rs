@@ -1,0 +1,109 @@
+//! The latest step of a run in a lane.
+
+use super::system_view::SystemView;
+use crate::model::Components;
+use crate::motion::lockstep::LaneGroup;
+use crate::motion::{Effort, Instant, PerContact, Phase, fall_through_zero};
+
+/// Width within which an instant is located, over the length of the step.
+const WIDTH: f64 = 1e-13;
+
+/// The latest step of a run in a lane; before the first step, its start.
+#[derive(Clone, Copy)]
+pub(super) struct LaneStep<'a> {
+    pub(super) group: &'a dyn LaneGroup,
+    pub(super) lane: usize,
+    pub(super) view: &'a SystemView,
+}
+
+impl<'a> LaneStep<'a> {
+    /// Returns the start time of the step.
+    pub(super) fn began(&self) -> f64 {
+        self.group.time_before(self.lane)
+    }
+
+    /// Returns the end time of the step.
+    pub(super) fn time(&self) -> f64 {
+        self.group.time(self.lane)
+    }
+
+    /// Returns the effort of the run so far.
+    pub(super) fn effort(&self) -> Effort {
+        self.group.effort(self.lane)
+    }
+
+    /// Returns the phases in the step, before an event at its end.
+    pub(super) fn during(&self) -> &'a [Phase] {
+        self.group.phases_during_step(self.lane)
+    }
+
+    /// Returns the phases after the step.
+    pub(super) fn phases(&self) -> &'a [Phase] {
+        self.group.phases(self.lane)
+    }
+
+    /// Returns the state after an event at the step's end, with angles not reduced to one turn.
+    pub(super) fn end(&self) -> Components {
+        self.group.end_of_step(self.lane)
+    }
+
+    /// Returns the positions of the contacts after the step, with whole turns.
+    pub(super) fn unwrapped(&self) -> PerContact {
+        self.view.unwrapped(&self.group.state(self.lane), &self.group.turns(self.lane))
+    }
+
+    /// Returns the positions of the contacts at a time within the step, with whole turns.
+    pub(super) fn unwrapped_at(&self, time: f64) -> PerContact {
+        self.group.unwrapped_within(self.lane, time - self.began())
+    }
+
+    /// Returns the time at which a function of the state passed through zero in the step, in either
+    /// direction; `None` if its signs at the two ends show no passage.
+    pub(super) fn passes_through_zero(&self, value: impl Fn(&[f64]) -> f64) -> Option<f64> {
+        let start = value(&self.group.state_within(self.lane, 0.0));
+        let falls = |value: f64| if start > 0.0 { value } else { -value };
+        let (from, to) = (falls(start), falls(value(&self.end())));
+        if !(from > 0.0 && to <= 0.0) {
+            return None;
+        }
+        let length = self.time() - self.began();
+        let at = |part: f64| falls(value(&self.group.state_within(self.lane, part * length)));
+        let part = fall_through_zero(at, (0.0, from), (1.0, to), WIDTH);
+        Some(self.began() + part * length)
+    }
+
+    /// Returns the current instant, after a switch at the end of the step.
+    pub(super) fn now(&self) -> Instant {
+        let state = self.group.state(self.lane);
+        self.instant(self.time(), state, self.unwrapped(), self.phases())
+    }
+
+    /// Returns the current instant before the switch at the end of the step; `None` without a
+    /// switch.
+    pub(super) fn before_switch(&self) -> Option<Instant> {
+        let during = self.during();
+        let switched = during != self.phases();
+        switched.then(|| self.instant(self.time(), self.end(), self.unwrapped(), during))
+    }
+
+    /// Returns the instant at a time from the start of the step until before its end; `None` for
+    /// any other time.
+    pub(super) fn inside(&self, time: f64) -> Option<Instant> {
+        if time < self.began() || time >= self.time() {
+            return None;
+        }
+        let state = self.group.state_within(self.lane, time - self.began());
+        Some(self.instant(time, state, self.unwrapped_at(time), self.during()))
+    }
+
+    fn instant(
+        &self,
+        time: f64,
+        state: Components,
+        unwrapped: PerContact,
+        phases: &[Phase],
+    ) -> Instant {
+        let forces = self.view.evaluator.forces(phases, &state);
+        Instant { time, state, unwrapped, phases: phases.iter().copied().collect(), forces }
+    }
+}

@@ -1,0 +1,228 @@
+//! The outcome of a run in a lane, in SI units.
+
+use super::closed_orbit::Orbit;
+use super::creep::{creeps, may_creep};
+use super::cycle::Cycle;
+use super::cycle_watch::CycleWatch;
+use super::lane_run::LaneRun;
+use super::lane_step::LaneStep;
+use super::late::{Late, Vibration};
+use super::outcome::{Evidence, LyapunovExponent, Outcome};
+use crate::model::Units;
+use crate::motion::lockstep::LaneGroup;
+use crate::motion::{Failure, Motion};
+
+/// How the simulation ended.
+pub(super) enum Ending {
+    /// All contacts stick for good.
+    Rest,
+    /// An equilibrium without dry friction is near.
+    Settled,
+    /// The run is on a cycle of revolving contacts.
+    Orbit(Box<Orbit>),
+    /// The run is on a cycle between break-aways of its single contact.
+    BreakAways { period: f64 },
+    /// The end time was reached.
+    EndTime,
+    /// The motion could not be continued.
+    Failure(Failure),
+}
+
+/// Returns the latest of some times.
+fn latest(times: &[f64]) -> f64 {
+    times.iter().copied().fold(0.0, f64::max)
+}
+
+impl LaneRun {
+    /// Returns the outcome of a run that ends after its latest step.
+    pub(super) fn outcome(&self, group: &dyn LaneGroup, lane: usize, ending: Ending) -> Outcome {
+        let natural = self.units.natural_rad_s;
+        let step = LaneStep { group, lane, view: &self.view };
+        let position = self.view.wrapped(&group.state(lane));
+        let position = position.iter().map(|position| position * self.units.position);
+        let base = Outcome {
+            evidence: Evidence::EndTime,
+            balls_running: None,
+            time_to_rest_s: None,
+            end_time_s: Some(step.time() / natural),
+            extended: self.extended,
+            position: Some(position.collect()),
+            amplitude_m: None,
+            friction_margin: None,
+            period_s: None,
+            mean_speed: None,
+            cycle: None,
+            lyapunov: None,
+            effort: step.effort(),
+            error: None,
+        };
+        match ending {
+            Ending::Rest => Outcome {
+                time_to_rest_s: Some(latest(group.last_switches(lane)) / natural),
+                ..self.at_rest(&step, Evidence::RestCertified, base)
+            },
+            Ending::Settled => Outcome {
+                time_to_rest_s: self.slow_since(&step).map(|since| since / natural),
+                friction_margin: None,
+                ..self.at_rest(&step, Evidence::Settled, base)
+            },
+            Ending::Orbit(orbit) => Outcome {
+                evidence: Evidence::ClosedOrbit,
+                balls_running: Some(orbit.turns.iter().filter(|&&turns| turns != 0).count() as u8),
+                amplitude_m: self.view.vibration.map(|_| orbit.amplitude * self.units.length_m),
+                friction_margin: orbit.margin,
+                period_s: Some(orbit.period / natural),
+                mean_speed: Some(self.speeds(&orbit.speed)),
+                cycle: Some(Box::new(cycle(&orbit, &self.units))),
+                ..base
+            },
+            Ending::BreakAways { period } => Outcome {
+                evidence: Evidence::ClosedOrbit,
+                period_s: Some(period / natural),
+                amplitude_m: self.amplitude_m(),
+                cycle: self.break_away_cycle().map(Box::new),
+                ..base
+            },
+            Ending::EndTime if self.creeps(&step) => {
+                // Without a rest certificate, rest begins when the contacts are slow. The contacts
+                // are on the edge of the set, approached from outside.
+                let slow = self.at_rest(&step, Evidence::Creep, base);
+                Outcome {
+                    time_to_rest_s: Some(latest(&group.slow_since(lane)) / natural),
+                    friction_margin: slow.friction_margin.map(|margin| margin.max(0.0)),
+                    ..slow
+                }
+            }
+            Ending::EndTime => self.at_end_time(&step, base),
+            Ending::Failure(failure) => Outcome {
+                evidence: Evidence::Failure(failure),
+                error: Some(failure.to_string()),
+                ..base
+            },
+        }
+    }
+
+    /// Returns the outcome of a run at rest, except for the time at which the rest began.
+    fn at_rest(&self, step: &LaneStep, evidence: Evidence, base: Outcome) -> Outcome {
+        let state = step.group.state(step.lane);
+        let rest = self.view.system().rest_forms().map(|forms| forms.at_rest(&state));
+        let amplitude = rest.map_or_else(|| self.view.square(&state).sqrt(), |rest| rest.amplitude);
+        let revolves = self.view.revolves();
+        Outcome {
+            evidence,
+            balls_running: revolves.then_some(0),
+            amplitude_m: Some(amplitude * self.units.length_m),
+            friction_margin: rest
+                .map(|rest| rest.friction_margin)
+                .filter(|margin| margin.is_finite()),
+            mean_speed: revolves.then(|| vec![0.0; self.view.contacts.len()]),
+            ..base
+        }
+    }
+
+    /// Returns the outcome of a run at its end time without another ending.
+    fn at_end_time(&self, step: &LaneStep, base: Outcome) -> Outcome {
+        let natural = self.units.natural_rad_s;
+        let Late { vibration, separation } = self.horizons.window();
+        let lyapunov = separation.exponent().map(|exponent| in_seconds(exponent, natural));
+        let base = Outcome { lyapunov, ..base };
+        let unstable = match &self.watch {
+            CycleWatch::Orbits(watch) => watch.unstable_orbit(),
+            CycleWatch::BreakAways(_) | CycleWatch::None => None,
+        };
+        let base = Outcome {
+            evidence: if unstable.is_some() {
+                Evidence::UnstableOrbit
+            } else if separation.is_irregular() {
+                Evidence::Lyapunov
+            } else {
+                Evidence::EndTime
+            },
+            cycle: unstable.map(|orbit| Box::new(cycle(orbit, &self.units))),
+            ..base
+        };
+        let Vibration::Means(window) = vibration else {
+            return Outcome { amplitude_m: self.amplitude_m(), ..base };
+        };
+        let Some(means) = window.means(step) else { return base };
+        let revolves = self.view.revolves();
+        let contacts = self.view.contacts.iter().zip(&means.moved);
+        let runs = contacts
+            .filter(|(contact, moved)| contact.angular && moved.abs() >= std::f64::consts::TAU);
+        Outcome {
+            balls_running: revolves.then(|| runs.count() as u8),
+            amplitude_m: Some(means.amplitude * self.units.length_m),
+            mean_speed: revolves.then(|| self.speeds(&means.speed)),
+            ..base
+        }
+    }
+
+    /// Returns speeds of contacts in SI units.
+    fn speeds(&self, speeds: &[f64]) -> Vec<f64> {
+        let unit = self.units.position * self.units.natural_rad_s;
+        speeds.iter().map(|speed| speed * unit).collect()
+    }
+
+    /// Returns the time since which a settled run is at rest: if a displacement is measured, since
+    /// the contacts are slow, otherwise since everything is slow.
+    fn slow_since(&self, step: &LaneStep) -> Option<f64> {
+        match self.view.vibration {
+            Some(_) => Some(latest(&step.group.slow_since(step.lane))),
+            None => self.settled.slow_since(),
+        }
+    }
+
+    /// Returns whether all contacts creep.
+    fn creeps(&self, step: &LaneStep) -> bool {
+        let LaneStep { group, lane, view } = *step;
+        let slow = group.slow_since(lane).iter().all(|since| *since < step.time());
+        slow && may_creep(view.system(), &group.state(lane))
+            && group.copy(lane).is_some_and(|saved| creeps(Motion::resume(&saved)))
+    }
+
+    /// Returns half of the distance between the extremes of the positions since the last break-away,
+    /// or in the last part of the time if there was none.
+    fn amplitude_m(&self) -> Option<f64> {
+        let since = match &self.watch {
+            CycleWatch::BreakAways(watch) => watch.amplitude(),
+            CycleWatch::Orbits(_) | CycleWatch::None => None,
+        };
+        let amplitude = since.or_else(|| match &self.horizons.window().vibration {
+            Vibration::Extremes(extremes) => extremes.amplitude(),
+            Vibration::Means(_) => None,
+        });
+        amplitude.map(|amplitude| amplitude * self.units.position)
+    }
+
+    fn break_away_cycle(&self) -> Option<Cycle> {
+        match &self.watch {
+            CycleWatch::BreakAways(watch) => watch.cycle(&self.units),
+            CycleWatch::Orbits(_) | CycleWatch::None => None,
+        }
+    }
+}
+
+/// An exponent per unit of non-dimensional time as one per second.
+fn in_seconds(exponent: LyapunovExponent, natural: f64) -> LyapunovExponent {
+    LyapunovExponent {
+        exponent_1_s: exponent.exponent_1_s * natural,
+        interval_1_s: exponent.interval_1_s.map(|rate| rate * natural),
+        window_s: exponent.window_s / natural,
+    }
+}
+
+fn cycle(orbit: &Orbit, units: &Units) -> Cycle {
+    let angles = orbit.turns.iter().zip(&orbit.angle_extremes);
+    let angles = angles.map(|(&turns, extremes)| (turns == 0).then_some(*extremes));
+    let speed_unit = units.position * units.natural_rad_s;
+    let speeds = orbit.speed_extremes.iter().map(|two| two.map(|speed| speed * speed_unit));
+    Cycle {
+        turns: orbit.turns.clone(),
+        configurations: orbit.configurations.clone(),
+        speed_extremes: speeds.collect(),
+        angle_extremes: angles.collect(),
+        peak_amplitude_m: orbit.peak * units.length_m,
+        multipliers: orbit.multipliers.clone(),
+        neutral_directions: orbit.neutral_directions as u8,
+    }
+}

@@ -1,0 +1,123 @@
+//! A system with its recorded equations and the places of its coordinates in a state.
+
+use crate::model::{System, wrap_to_two_pi};
+use crate::motion::{Evaluator, PerContact, Phase};
+
+/// A system as the classification sees it.
+#[derive(Clone, Debug)]
+pub(super) struct SystemView {
+    pub(super) evaluator: Evaluator,
+    /// The components that belong to no contact, in their order.
+    pub(super) free: Vec<usize>,
+    /// The components of the contacts.
+    pub(super) contacts: Vec<ContactPlace>,
+    /// The displacement whose amplitude is measured, and its velocity, if the system has one.
+    pub(super) vibration: Option<[usize; 4]>,
+}
+
+/// The components of a contact.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ContactPlace {
+    /// The component that is its position.
+    pub(super) position: usize,
+    /// The component that is its sliding speed, if that is one component.
+    pub(super) speed: Option<usize>,
+    /// Whether the position is an angle.
+    pub(super) angular: bool,
+}
+
+impl SystemView {
+    pub(super) fn new(evaluator: Evaluator) -> Self {
+        let graph = evaluator.graph();
+        let layout = &graph.layout;
+        let place = |(contact, layout): (usize, &crate::model::ContactLayout)| ContactPlace {
+            position: layout.position,
+            speed: graph.speed_component(contact),
+            angular: layout.angular,
+        };
+        let contacts: Vec<_> = layout.contacts.iter().enumerate().map(place).collect();
+        let is_free = |component: &usize| {
+            let has =
+                |one: &ContactPlace| one.position == *component || one.speed == Some(*component);
+            !contacts.iter().any(has)
+        };
+        let free = (0..graph.derivative.len()).filter(is_free).collect();
+        let velocity = layout.velocities.first();
+        let vibration = layout
+            .vibration
+            .zip(velocity)
+            .and_then(|([x, y], velocity)| Some([x, y, *velocity.first()?, *velocity.get(1)?]));
+        SystemView { free, contacts, vibration, evaluator }
+    }
+
+    /// Returns the system.
+    pub(super) fn system(&self) -> &dyn System {
+        self.evaluator.system().as_ref()
+    }
+
+    /// Returns the number of components of a state.
+    pub(super) fn dimension(&self) -> usize {
+        self.evaluator.graph().derivative.len()
+    }
+
+    /// Returns whether a contact revolves on a ring, as a ball does.
+    pub(super) fn revolves(&self) -> bool {
+        self.contacts.iter().any(|contact| contact.angular)
+    }
+
+    /// Returns the positions of the contacts in a state.
+    pub(super) fn positions(&self, state: &[f64]) -> PerContact {
+        self.contacts.iter().map(|contact| state[contact.position]).collect()
+    }
+
+    /// Returns the positions of the contacts in a state, angles in [0, 2π).
+    pub(super) fn wrapped(&self, state: &[f64]) -> PerContact {
+        let wrapped = |contact: &ContactPlace| {
+            let position = state[contact.position];
+            if contact.angular { wrap_to_two_pi(position) } else { position }
+        };
+        self.contacts.iter().map(wrapped).collect()
+    }
+
+    /// Returns the positions of the contacts, angles with whole turns.
+    pub(super) fn unwrapped(&self, state: &[f64], turns: &[f64]) -> PerContact {
+        let contacts = self.contacts.iter().zip(turns);
+        let unwrapped = |(contact, turns): (&ContactPlace, &f64)| {
+            let position = state[contact.position];
+            if contact.angular { position + turns * std::f64::consts::TAU } else { position }
+        };
+        contacts.map(unwrapped).collect()
+    }
+
+    /// Returns the sliding speed of a contact.
+    pub(super) fn speed(&self, phases: &[Phase], state: &[f64], contact: usize) -> f64 {
+        match self.contacts[contact].speed {
+            Some(component) => state[component],
+            None => self.evaluator.forces(phases, state)[contact].speed,
+        }
+    }
+
+    /// Returns the rate of change of the sliding speed of a contact.
+    pub(super) fn acceleration(&self, phases: &[Phase], state: &[f64], contact: usize) -> f64 {
+        match self.contacts[contact].speed {
+            Some(component) => self.evaluator.rates(phases, state)[component],
+            None => self.evaluator.forces(phases, state)[contact].acceleration,
+        }
+    }
+
+    /// Returns the square of the displacement whose amplitude is measured; 0 without one.
+    pub(super) fn square(&self, state: &[f64]) -> f64 {
+        self.vibration.map_or(0.0, |[x, y, ..]| state[x] * state[x] + state[y] * state[y])
+    }
+
+    /// Returns half of the rate of change of the square.
+    pub(super) fn outward(&self, state: &[f64]) -> f64 {
+        self.vibration
+            .map_or(0.0, |[x, y, x_dot, y_dot]| state[x] * state[x_dot] + state[y] * state[y_dot])
+    }
+}
+
+/// Returns whether all contacts stick.
+pub(super) fn all_stick(phases: &[Phase]) -> bool {
+    phases.iter().all(|phase| *phase == Phase::Stick)
+}

@@ -1,0 +1,154 @@
+//! Rates and forces of a system in one state.
+
+use std::sync::Arc;
+
+use smallvec::SmallVec;
+
+use super::Phase;
+use crate::model::{Components, Dual, Elementary, Graph, Node, NodeId, Number, System};
+
+/// Speed, acceleration and forces of one contact.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ContactForces<T = f64> {
+    /// Sliding speed.
+    pub speed: T,
+    /// Sliding acceleration.
+    pub acceleration: T,
+    /// Normal force, compression positive.
+    pub normal: T,
+    /// Friction force, acting against positive speed; in stick, the force required to stick.
+    pub friction: T,
+}
+
+/// The forces of all contacts.
+pub type Forces<T = f64> = SmallVec<[ContactForces<T>; 8]>;
+
+/// Evaluates the recorded equations of a system for one run.
+#[derive(Clone, Debug)]
+pub struct Evaluator {
+    system: Arc<dyn System>,
+    graph: Arc<Graph>,
+}
+
+impl Evaluator {
+    /// Records a system.
+    pub fn new(system: Arc<dyn System>) -> Self {
+        let graph = Graph::of(system.as_ref());
+        Evaluator { system, graph }
+    }
+
+    /// Returns the equations of a system, which are already recorded.
+    pub(super) fn of_graph(system: Arc<dyn System>, graph: Arc<Graph>) -> Self {
+        Evaluator { system, graph }
+    }
+
+    /// Returns the system.
+    pub fn system(&self) -> &Arc<dyn System> {
+        &self.system
+    }
+
+    /// Returns the recorded equations.
+    pub fn graph(&self) -> &Arc<Graph> {
+        &self.graph
+    }
+
+    /// Returns the time derivative of a state.
+    pub fn rates(&self, phases: &[Phase], state: &[f64]) -> Components {
+        let values = self.values::<f64>(phases, |component| state[component]);
+        self.graph.derivative.iter().map(|&node| values[node as usize]).collect()
+    }
+
+    /// Returns the sliding speeds of all contacts, which do not depend on their phases.
+    pub fn speeds(&self, state: &[f64]) -> SmallVec<[f64; 8]> {
+        let contacts = 0..self.graph.contacts.len();
+        let components: Option<_> =
+            contacts.map(|contact| Some(state[self.graph.speed_component(contact)?])).collect();
+        components.unwrap_or_else(|| {
+            let phases = vec![Phase::Stick; self.graph.contacts.len()];
+            self.forces(&phases, state).iter().map(|contact| contact.speed).collect()
+        })
+    }
+
+    /// Returns speeds, accelerations and forces of all contacts in a state.
+    pub fn forces(&self, phases: &[Phase], state: &[f64]) -> Forces {
+        forces(&self.graph, &self.values::<f64>(phases, |component| state[component]))
+    }
+
+    /// Returns speeds, accelerations and forces of all contacts in a state and their changes along a direction.
+    pub fn forces_along(&self, phases: &[Phase], state: &[f64], direction: &[f64]) -> Forces<Dual> {
+        let component = |i: usize| Dual { value: state[i], slope: direction[i] };
+        forces(&self.graph, &self.values(phases, component))
+    }
+
+    /// Returns the values of all nodes.
+    fn values<T: Elementary>(
+        &self,
+        phases: &[Phase],
+        state: impl Fn(usize) -> T,
+    ) -> SmallVec<[T; 128]> {
+        let modes: SmallVec<[_; 8]> = phases.iter().map(|phase| phase.mode()).collect();
+        let inputs = self.system.inputs(&modes);
+        let mut values = SmallVec::with_capacity(self.graph.nodes.len());
+        let mut solution: (u32, Vec<T>) = (u32::MAX, Vec::new());
+        for node in &self.graph.nodes {
+            let at = |node: NodeId| -> T { values[node as usize] };
+            let value = match *node {
+                Node::Constant(value) => T::constant(value),
+                Node::Input(index) => T::constant(inputs[index as usize]),
+                Node::Time => T::constant(0.0),
+                Node::State(component) => state(component as usize),
+                Node::Sum(one, other) => at(one) + at(other),
+                Node::Difference(one, other) => at(one) - at(other),
+                Node::Negation(one) => -at(one),
+                Node::Product(one, other) => at(one) * at(other),
+                Node::Quotient(one, other) => at(one) * at(other).reciprocal(),
+                Node::Sine(angle) => at(angle).sin_cos().0,
+                Node::Cosine(angle) => at(angle).sin_cos().1,
+                Node::SquareRoot(one) => at(one).sqrt(),
+                Node::Exponential(one) => at(one).exp(),
+                Node::ArcTangent(one, _) => at(one).atan(),
+                Node::Solution { solve, row } => {
+                    if solution.0 != solve {
+                        let system = &self.graph.solves[solve as usize];
+                        let all = |nodes: &[NodeId]| nodes.iter().map(|&node| at(node)).collect();
+                        solution = (solve, solved(all(&system.matrix), all(&system.right)));
+                    }
+                    solution.1[row as usize]
+                }
+            };
+            values.push(value);
+        }
+        values
+    }
+}
+
+fn forces<T: Number>(graph: &Graph, values: &[T]) -> Forces<T> {
+    let contact = |nodes: &[NodeId; 4]| {
+        let [speed, acceleration, normal, friction] = nodes.map(|node| values[node as usize]);
+        ContactForces { speed, acceleration, normal, friction }
+    };
+    graph.contacts.iter().map(contact).collect()
+}
+
+/// Returns the solution of a linear system by elimination in the order of its unknowns, as in lanes.
+fn solved<T: Number>(mut matrix: Vec<T>, mut right: Vec<T>) -> Vec<T> {
+    let size = right.len();
+    for column in 0..size {
+        let inverse = matrix[column * size + column].reciprocal();
+        for row in column + 1..size {
+            let factor = matrix[row * size + column] * inverse;
+            for j in column + 1..size {
+                matrix[row * size + j] =
+                    matrix[row * size + j] - factor * matrix[column * size + j];
+            }
+            right[row] = right[row] - factor * right[column];
+        }
+    }
+    for row in (0..size).rev() {
+        for column in row + 1..size {
+            right[row] = right[row] - matrix[row * size + column] * right[column];
+        }
+        right[row] = right[row] * matrix[row * size + row].reciprocal();
+    }
+    right
+}

@@ -1,0 +1,50 @@
+//! Bounds of a condition over a step, from its values and slopes at both ends.
+
+use fearless_simd::prelude::*;
+
+use super::Lanes;
+use super::root_isolation::{Bounds, PolynomialPoint};
+use crate::motion::lockstep::vector::{Fused, Vector};
+
+/// Values of a polynomial at both ends of a step, its slopes there times the step's length, and a
+/// bound of its fourth derivative times the fourth power of the length.
+#[derive(Clone, Copy)]
+pub(super) struct Curve<S: Vector> {
+    pub(super) values: [Lanes<S>; 2],
+    pub(super) changes: [Lanes<S>; 2],
+    pub(super) bound: Lanes<S>,
+}
+
+impl<S: Vector> Curve<S> {
+    #[inline(always)]
+    pub(super) fn zero(simd: S) -> Self {
+        let zero = Lanes::splat(simd, 0.0);
+        Curve { values: [zero; 2], changes: [zero; 2], bound: zero }
+    }
+
+    /// Returns the bounds of one lane.
+    #[inline(always)]
+    pub(super) fn outline(&self, lane: usize) -> Bounds {
+        let end = |which: usize| PolynomialPoint {
+            at: which as f64,
+            value: self.values[which][lane],
+            slope: self.changes[which][lane],
+        };
+        Bounds { ends: [end(0), end(1)], fourth_derivative: self.bound[lane] }
+    }
+
+    /// Returns where it is certainly positive: no coefficient of its Bernstein form of degree four
+    /// is negative (`root_isolation`).
+    #[inline(always)]
+    pub(super) fn holds(&self) -> fearless_simd::mask64x8<S> {
+        let simd = self.bound.simd;
+        let number = |value: f64| Lanes::splat(simd, value);
+        let ([a, b], [p, q]) = (self.values, self.changes);
+        let fourth = number(0.25);
+        let early = p.fused(fourth, a);
+        let late = q.fused(-fourth, b);
+        let middle = (p - q).fused(number(1.0 / 3.0), a + b) * number(0.5);
+        let middle = self.bound.fused(number(-1.0 / 144.0), middle);
+        a.min(b).min(early.min(late)).min(middle).simd_ge(number(0.0))
+    }
+}

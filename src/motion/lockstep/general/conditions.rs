@@ -1,0 +1,224 @@
+//! The conditions of the phases as power series over a step:
+//!
+//! | | first | second | third |
+//! |---|---|---|---|
+//! | slip | out of the band | | closed |
+//! | stick | held against a forward force | held against a backward force | closed |
+//! | transition | in the band | accelerating in its direction | closed |
+//! | free | | | closed |
+//!
+//! For all lanes it is first shown which conditions obviously hold; the remaining lanes are examined one at a time.
+
+use fearless_simd::prelude::*;
+
+use super::expansion::Series;
+use super::program::Slot;
+use crate::motion::Phase;
+use crate::motion::lockstep::curve::Curve;
+use crate::motion::lockstep::kernel::Ends;
+use crate::motion::lockstep::lane::Lane;
+use crate::motion::lockstep::root_isolation::{FOURTH, Polynomial};
+use crate::motion::lockstep::vector::{Fused, Vector};
+use crate::motion::lockstep::{Lanes, ORDER};
+use crate::motion::saltation::Condition;
+
+/// The coefficients of a contact's conditions. A condition is satisfied while it is not negative.
+#[derive(Clone, Copy)]
+pub(super) struct Watched<S: Vector> {
+    /// The first condition of a contact that does not stick is `sign v + offset` with its sliding speed `v`.
+    sign: Lanes<S>,
+    offset: Lanes<S>,
+    /// 1 if it sticks, else 0.
+    stuck: Lanes<S>,
+    /// Static coefficient of friction.
+    limit: Lanes<S>,
+    /// Slack of the conditions on forces.
+    slack: Lanes<S>,
+    /// Half of the width within which events are located.
+    aim: Lanes<S>,
+}
+
+impl<S: Vector> Watched<S> {
+    /// Conditions that cannot fail.
+    pub(super) fn nothing(simd: S) -> Self {
+        let zero = Lanes::splat(simd, 0.0);
+        let one = Lanes::splat(simd, 1.0);
+        Watched { sign: zero, offset: one, stuck: zero, limit: zero, slack: zero, aim: zero }
+    }
+
+    /// Sets the conditions of a lane. A condition counts as failed if it is negative by `aim`.
+    pub(super) fn set(
+        &mut self,
+        lane: usize,
+        phase: Phase,
+        limit: f64,
+        [band, slack, aim]: [f64; 3],
+    ) {
+        let (sign, offset, stuck) = match phase {
+            Phase::Slip(direction) => (direction, aim - band, 0.0),
+            // A contact is in the band only briefly: always examined.
+            Phase::Transition(direction) => (-direction, -1.0, 0.0),
+            Phase::Stick => (0.0, 1.0, 1.0),
+            Phase::Free => (0.0, 1.0, 0.0),
+        };
+        self.sign[lane] = sign;
+        self.offset[lane] = offset;
+        self.stuck[lane] = stuck;
+        self.limit[lane] = limit;
+        self.slack[lane] = slack + aim;
+        self.aim[lane] = aim;
+    }
+}
+
+/// Returns the bounds of a series over a step of this length.
+#[inline(always)]
+fn curve<S: Vector>(terms: &[Lanes<S>], highest: usize, length: Lanes<S>) -> Curve<S> {
+    let zero = Lanes::splat(length.simd, 0.0);
+    let (mut bound, mut value, mut slope) = (zero, zero, zero);
+    for k in (0..=highest).rev() {
+        slope = slope.fused(length, value);
+        value = value.fused(length, terms[k]);
+        if k >= 4 {
+            let weight = Lanes::splat(length.simd, FOURTH[k]);
+            bound = bound.fused(length, weight * terms[k].abs());
+        }
+    }
+    let square = length * length;
+    Curve {
+        values: [terms[0], value],
+        changes: [terms[1] * length, slope * length],
+        bound: bound * (square * square),
+    }
+}
+
+/// Reports the lanes in which a condition may fail in a step of this length.
+#[inline(always)]
+pub(super) fn look_over<S: Vector>(
+    series: &Series<S>,
+    contacts: &[[Slot; 4]],
+    watched: &[Watched<S>],
+    length: Lanes<S>,
+    doubts: &mut [u64],
+) -> u64 {
+    let zero = Lanes::splat(length.simd, 0.0);
+    let mut any = 0;
+    for (contact, (watched, doubt)) in contacts.iter().zip(watched.iter().zip(doubts)) {
+        let Watched { sign, offset, stuck, limit, slack, aim } = *watched;
+        let [speed, _, normal, friction] = *contact;
+        let speed = curve(series.of(speed), ORDER, length);
+        let [early, late] = speed.values;
+        let slips = Curve {
+            values: [sign.fused(early, offset), sign.fused(late, offset)],
+            changes: speed.changes.map(|change| sign * change),
+            bound: sign.abs() * speed.bound,
+        };
+        let normal = curve(series.of(normal), ORDER - 1, length);
+        let closed = Curve { values: normal.values.map(|value| value + aim), ..normal };
+        let mut holds = slips.holds() & closed.holds();
+        let sticks = stuck.simd_gt(zero);
+        if sticks.any_true() {
+            let friction = curve(series.of(friction), ORDER - 1, length);
+            let bound = limit.fused(normal.bound, friction.bound);
+            for sign in [1.0, -1.0] {
+                let sign = Lanes::splat(length.simd, -sign);
+                let mut held = Curve { bound, ..normal };
+                for end in 0..2 {
+                    let value = sign.fused(friction.values[end], limit * normal.values[end]);
+                    held.values[end] = value + slack;
+                    let change = limit * normal.changes[end];
+                    held.changes[end] = sign.fused(friction.changes[end], change);
+                }
+                holds &= held.holds() | !sticks;
+            }
+        }
+        *doubt = !holds.to_bitmask();
+        any |= *doubt;
+    }
+    any
+}
+
+/// Returns the end of a step of one lane.
+#[inline(never)]
+pub(super) fn first_event<S: Vector>(
+    simd: S,
+    series: &Series<S>,
+    contacts: &[[Slot; 4]],
+    in_lane: (&Lane, usize, f64),
+    doubts: &[u64],
+    ignored: &[Condition],
+) -> Ends {
+    // The fused multiply-add is an instruction in this closure.
+    simd.vectorize(
+        #[inline(always)]
+        || first_of_all(series, contacts, in_lane, doubts, ignored),
+    )
+}
+
+#[inline(always)]
+fn first_of_all<S: Vector>(
+    series: &Series<S>,
+    contacts: &[[Slot; 4]],
+    (own, lane, length): (&Lane, usize, f64),
+    doubts: &[u64],
+    ignored: &[Condition],
+) -> Ends {
+    let mut first = Ends::Nothing;
+    let band = own.margins.band;
+    let aim = 0.5 * own.width;
+    let slack = own.margins.slack + aim;
+    for (contact, slots) in contacts.iter().enumerate() {
+        if doubts[contact] & 1 << lane == 0 {
+            continue;
+        }
+        let [speed, acceleration, normal, friction] =
+            slots.map(|slot| move |k: usize| series.of(slot)[k][lane]);
+        // A macro, because the fused multiply-add must be inlined.
+        macro_rules! examine {
+            ($which:expr, $condition:expr) => {
+                let failed = Condition { contact, which: $which };
+                let condition: Polynomial = $condition;
+                if !ignored.contains(&failed) {
+                    first.or(&condition, &condition.outline(), failed);
+                }
+            };
+        }
+        match own.phases[contact] {
+            Phase::Slip(direction) => {
+                let out = polynomial(length, aim - band, ORDER, |k| direction * speed(k));
+                examine!(0, out);
+            }
+            Phase::Transition(direction) => {
+                let inside = polynomial(length, aim + band, ORDER, |k| -direction * speed(k));
+                examine!(0, inside);
+                let forwards = |k| direction * acceleration(k);
+                examine!(1, polynomial(length, slack, ORDER - 1, forwards));
+            }
+            Phase::Stick => {
+                let limit = own.system.friction(contact).limit;
+                for (which, sign) in [1.0, -1.0].into_iter().enumerate() {
+                    let held = |k| limit * normal(k) - sign * friction(k);
+                    examine!(which, polynomial(length, slack, ORDER - 1, held));
+                }
+            }
+            Phase::Free => {}
+        }
+        examine!(2, polynomial(length, aim, ORDER - 1, normal));
+    }
+    first
+}
+
+/// Returns a polynomial of a degree, plus an offset.
+#[inline(always)]
+fn polynomial(
+    length: f64,
+    offset: f64,
+    degree: usize,
+    coefficient: impl Fn(usize) -> f64,
+) -> Polynomial {
+    let mut coefficients = [0.0; ORDER + 1];
+    for (k, of_power) in coefficients[..=degree].iter_mut().enumerate() {
+        *of_power = coefficient(k);
+    }
+    coefficients[0] += offset;
+    Polynomial { coefficients, length }
+}

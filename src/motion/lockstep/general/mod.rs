@@ -1,0 +1,339 @@
+//! The kernel of any recorded system: its expressions are evaluated order by order.
+//!
+//! Modes of contacts and parameters are inputs of the expressions, so that lanes with other parameters in other modes
+//! share the operations.
+
+mod conditions;
+mod expansion;
+mod program;
+
+use std::sync::Arc;
+
+use fearless_simd::{mask64x8, prelude::*};
+
+use super::kernel::{Ends, Kernel, POWERS, Powers};
+use super::lane::Lane;
+use super::step_length::{longest_step, reciprocal};
+use super::{LANES, Lanes, ORDER};
+use crate::model::{Components, Graph, System};
+use crate::motion::Phase;
+use crate::motion::evaluator::Evaluator;
+use crate::motion::lockstep::vector::{Fused, Vector};
+use crate::motion::modes::{Evaluated, InState};
+use crate::motion::saltation::Condition;
+use conditions::Watched;
+use expansion::{Series, TERMS};
+use program::{Program, Slot};
+
+/// Bound on every component of the rate of change if everything is slow.
+const STILL: f64 = 1e-6;
+
+/// The equations of a recorded system in all lanes.
+pub(super) struct General<S: Vector> {
+    simd: S,
+    graph: Arc<Graph>,
+    program: Program,
+    /// The component that is the sliding speed of each contact, if it is one.
+    speeds: Vec<Option<usize>>,
+    /// The static numbers of the program.
+    constants: Vec<Lanes<S>>,
+    watched: Vec<Watched<S>>,
+    evaluators: [Option<Evaluator>; LANES],
+    /// Bit mask of lanes in which all contacts stick.
+    stuck: u64,
+    values: Vec<f64>,
+}
+
+/// The components of a state in all lanes, with the sliding speeds.
+#[derive(Clone)]
+pub(super) struct Flow<S: Vector> {
+    components: Vec<Lanes<S>>,
+    speeds: Vec<Lanes<S>>,
+}
+
+/// Work space of a step, with the results of the latest step.
+pub(super) struct Room<S: Vector> {
+    series: Series<S>,
+    displaced: Series<S>,
+    /// The lanes in which a condition of each contact may fail.
+    doubts: Vec<u64>,
+}
+
+impl<S: Vector> General<S> {
+    /// Empty lanes for systems with these equations.
+    pub(super) fn new(simd: S, system: &Arc<dyn System>) -> Self {
+        let graph = Graph::of(system.as_ref());
+        let program = Program::new(&graph);
+        let contacts = graph.contacts.len();
+        General {
+            simd,
+            speeds: (0..contacts).map(|contact| graph.speed_component(contact)).collect(),
+            constants: vec![Lanes::splat(simd, 0.0); program.statics.len()],
+            watched: vec![Watched::nothing(simd); contacts],
+            evaluators: std::array::from_fn(|_| None),
+            stuck: 0,
+            values: Vec::new(),
+            graph,
+            program,
+        }
+    }
+
+    /// Returns the value of a series a time after the start of its step.
+    #[inline(always)]
+    fn sum(&self, series: &Series<S>, slot: Slot, time: Lanes<S>) -> Lanes<S> {
+        let mut sum = Lanes::splat(self.simd, 0.0);
+        for term in series.of(slot).iter().rev() {
+            sum = sum.fused(time, *term);
+        }
+        sum
+    }
+
+    #[inline(always)]
+    fn flow_at(&self, series: &Series<S>, time: Lanes<S>) -> Flow<S> {
+        let mut flow = self.flow(self.simd);
+        // Loops, not closures: the fused multiply-add must be inlined.
+        for component in 0..flow.components.len() {
+            flow.components[component] = self.sum(series, component as Slot, time);
+        }
+        for (contact, component) in self.speeds.iter().enumerate() {
+            flow.speeds[contact] = match component {
+                Some(component) => flow.components[*component],
+                None => self.sum(series, self.program.contacts[contact][0], time),
+            };
+        }
+        flow
+    }
+}
+
+impl<S: Vector> Kernel<S> for General<S> {
+    /// 3.5 over the highest frequency: the terms of a displacement that are left out are below 1e-5 of it.
+    const LONGEST: f64 = 3.5 / std::f64::consts::FRAC_PI_2;
+    type Flow = Flow<S>;
+    type Room = Room<S>;
+
+    fn fits(&self, system: &Arc<dyn System>) -> bool {
+        let graph = Graph::of(system.as_ref());
+        Arc::ptr_eq(&graph, &self.graph) || graph == self.graph
+    }
+
+    fn contacts(&self) -> usize {
+        self.speeds.len()
+    }
+
+    fn is_angular(&self, contact: usize) -> bool {
+        self.graph.layout.contacts[contact].angular
+    }
+
+    fn flow(&self, simd: S) -> Flow<S> {
+        let zero = Lanes::splat(simd, 0.0);
+        Flow {
+            components: vec![zero; self.graph.derivative.len()],
+            speeds: vec![zero; self.speeds.len()],
+        }
+    }
+
+    fn room(&self, simd: S) -> Room<S> {
+        Room {
+            series: Series::zero(simd, self.program.slots),
+            displaced: Series::zero(simd, self.program.slots),
+            doubts: vec![0; self.speeds.len()],
+        }
+    }
+
+    fn set_system(&mut self, lane: usize, own: &Lane) {
+        let graph = Arc::clone(&self.graph);
+        self.evaluators[lane] = Some(Evaluator::of_graph(Arc::clone(&own.system), graph));
+    }
+
+    fn set_phases(&mut self, lane: usize, own: &Lane) {
+        let modes: Vec<_> = own.phases.iter().map(|phase| phase.mode()).collect();
+        self.program.statics(&own.system.inputs(&modes), &mut self.values);
+        for (constant, value) in self.constants.iter_mut().zip(&self.values) {
+            constant[lane] = *value;
+        }
+        let margins = [own.margins.band, own.margins.slack, 0.5 * own.width];
+        for (contact, watched) in self.watched.iter_mut().enumerate() {
+            let limit = own.system.friction(contact).limit;
+            watched.set(lane, own.phases[contact], limit, margins);
+        }
+    }
+
+    fn set_rest(&mut self, lane: usize, own: &Lane, _state: &[f64]) {
+        let bit = 1 << lane;
+        let sticks = own.phases.iter().all(|phase| *phase == Phase::Stick);
+        self.stuck = self.stuck & !bit | if sticks { bit } else { 0 };
+    }
+
+    fn clear(&mut self, lane: usize) {
+        self.evaluators[lane] = None;
+        self.stuck &= !(1 << lane);
+    }
+
+    fn lane(&self, flow: &Flow<S>, lane: usize) -> Components {
+        flow.components.iter().map(|of_all| of_all[lane]).collect()
+    }
+
+    fn set_lane(&self, flow: &mut Flow<S>, lane: usize, components: &[f64]) {
+        for (of_all, value) in flow.components.iter_mut().zip(components) {
+            of_all[lane] = *value;
+        }
+        let direct = self.speeds.iter().all(Option::is_some);
+        let evaluated = self.evaluators[lane].as_ref().filter(|_| !direct);
+        let speeds = evaluated.map(|evaluator| evaluator.speeds(components));
+        for (contact, speed) in flow.speeds.iter_mut().enumerate() {
+            let own = self.speeds[contact].map(|component| components[component]);
+            let other = || speeds.as_ref().map_or(0.0, |speeds| speeds[contact]);
+            speed[lane] = own.unwrap_or_else(other);
+        }
+    }
+
+    #[inline(always)]
+    fn select(&self, into: &mut Flow<S>, from: &Flow<S>, mask: mask64x8<S>) {
+        let all = into.components.iter_mut().chain(&mut into.speeds);
+        for (into, from) in all.zip(from.components.iter().chain(&from.speeds)) {
+            *into = mask.select(*from, *into);
+        }
+    }
+
+    #[inline(always)]
+    fn finite(&self, flow: &Flow<S>, start: Lanes<S>) -> Lanes<S> {
+        let zero = Lanes::splat(self.simd, 0.0);
+        let mut nought = start;
+        for value in &flow.components {
+            nought = value.fused(zero, nought);
+        }
+        nought
+    }
+
+    #[inline(always)]
+    fn square(&self, flow: &Flow<S>) -> Lanes<S> {
+        let mut sum = Lanes::splat(self.simd, 0.0);
+        for value in &flow.components {
+            sum = value.fused(*value, sum);
+        }
+        sum
+    }
+
+    #[inline(always)]
+    fn position(&self, flow: &Flow<S>, contact: usize) -> Lanes<S> {
+        flow.components[self.graph.layout.contacts[contact].position]
+    }
+
+    #[inline(always)]
+    fn set_position(&self, flow: &mut Flow<S>, contact: usize, position: Lanes<S>) {
+        flow.components[self.graph.layout.contacts[contact].position] = position;
+    }
+
+    #[inline(always)]
+    fn speed(&self, flow: &Flow<S>, contact: usize) -> Lanes<S> {
+        flow.speeds[contact]
+    }
+
+    #[inline(always)]
+    fn expand(&self, room: &mut Room<S>, start: &Flow<S>) {
+        room.series.start(&start.components);
+        room.series.expand(&self.program, &self.constants, Lanes::splat(self.simd, 0.0));
+    }
+
+    #[inline(always)]
+    fn within_tolerance(
+        &self,
+        room: &Room<S>,
+        [relative, absolute]: [Lanes<S>; 2],
+        before: Lanes<S>,
+    ) -> Lanes<S> {
+        let zero = Lanes::splat(self.simd, 0.0);
+        let (mut last, mut last_but_one) = (zero, zero);
+        for group in &self.graph.layout.velocities {
+            let [mut size, mut ultimate, mut penultimate] = [zero; 3];
+            for &component in group {
+                let terms = room.series.of(component as Slot);
+                size = size.max(terms[0].abs());
+                ultimate = ultimate.max(terms[ORDER].abs());
+                penultimate = penultimate.max(terms[ORDER - 1].abs());
+            }
+            let scale = reciprocal(relative.fused(size, absolute));
+            last = last.max(ultimate * scale);
+            last_but_one = last_but_one.max(penultimate * scale);
+        }
+        longest_step([last, last_but_one], before)
+    }
+
+    #[inline(always)]
+    fn look_over(&self, room: &mut Room<S>, length: Lanes<S>) -> u64 {
+        let Room { series, doubts, .. } = room;
+        conditions::look_over(series, &self.program.contacts, &self.watched, length, doubts)
+    }
+
+    fn first_event(
+        &self,
+        room: &Room<S>,
+        own: &Lane,
+        lane: usize,
+        length: f64,
+        ignored: &[Condition],
+    ) -> Ends {
+        let Room { series, doubts, .. } = room;
+        let in_lane = (own, lane, length);
+        conditions::first_event(self.simd, series, &self.program.contacts, in_lane, doubts, ignored)
+    }
+
+    #[inline(always)]
+    fn at(&self, room: &Room<S>, _start: &Flow<S>, time: Lanes<S>) -> Flow<S> {
+        self.flow_at(&room.series, time)
+    }
+
+    #[inline(always)]
+    fn carry(&self, room: &mut Room<S>, displacement: &Flow<S>, length: Lanes<S>) -> Flow<S> {
+        let Room { series, displaced, .. } = room;
+        displaced.start(&displacement.components);
+        displaced.expand_displacement(&self.program, &self.constants, series);
+        self.flow_at(displaced, length)
+    }
+
+    fn rest(&self, _state: &Flow<S>) -> u64 {
+        self.stuck
+    }
+
+    #[inline(always)]
+    fn still(&self, room: &Room<S>) -> u64 {
+        let mut most = Lanes::splat(self.simd, 0.0);
+        for &rate in &self.program.rates {
+            most = most.max(room.series.of(rate)[0].abs());
+        }
+        most.simd_le(Lanes::splat(self.simd, STILL)).to_bitmask() & !self.stuck
+    }
+
+    fn component(&self, room: &Room<S>, lane: usize, component: usize, _start: f64) -> Powers {
+        let mut powers = [0.0; POWERS];
+        for (power, term) in powers.iter_mut().zip(room.series.of(component as Slot)) {
+            *power = term[lane];
+        }
+        const { assert!(TERMS <= POWERS) };
+        powers
+    }
+
+    fn components(&self) -> usize {
+        self.graph.derivative.len()
+    }
+
+    fn coordinates(&self, contact: usize) -> (usize, Option<usize>) {
+        (self.graph.layout.contacts[contact].position, self.speeds[contact])
+    }
+
+    fn vibration(&self) -> Option<[usize; 2]> {
+        self.graph.layout.vibration
+    }
+
+    fn in_state<R>(
+        &self,
+        lane: usize,
+        _own: &Lane,
+        state: &[f64],
+        with: impl FnOnce(&dyn InState) -> R,
+    ) -> R {
+        let evaluator = self.evaluators[lane].as_ref();
+        let evaluator = evaluator.expect("only lanes with a run are decided");
+        with(&Evaluated::new(evaluator, state))
+    }
+}

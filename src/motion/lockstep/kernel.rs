@@ -1,0 +1,144 @@
+//! What a kernel computes for the equations of its systems in all lanes.
+
+use std::sync::Arc;
+
+use fearless_simd::mask64x8;
+
+use super::Lanes;
+use super::lane::Lane;
+use super::root_isolation::{Bounds, ConditionFate, Polynomial};
+use crate::model::{Components, System};
+use crate::motion::lockstep::vector::Vector;
+use crate::motion::modes::InState;
+use crate::motion::saltation::Condition;
+
+/// The equations of motion of one kind of system, expanded into power series in all lanes.
+pub(super) trait Kernel<S: Vector>: Sized {
+    /// Ratio of the longest step to a system's own limit. The tolerance would allow longer steps, because errors become
+    /// visible in the next step, but displacements are not subject to the tolerance, and the terms of their series are
+    /// accurate up to this length.
+    const LONGEST: f64;
+    /// The components of a state of each lane.
+    type Flow: Clone;
+    /// The series of a step, of the motion and of a displacement.
+    type Room;
+
+    /// Returns whether it computes a system.
+    fn fits(&self, system: &Arc<dyn System>) -> bool;
+    /// Returns the number of contacts.
+    fn contacts(&self) -> usize;
+    /// Returns whether the position of a contact is an angle.
+    fn is_angular(&self, contact: usize) -> bool;
+    /// Returns the components of a state, zero in all lanes.
+    fn flow(&self, simd: S) -> Self::Flow;
+    /// Returns the work space of a step.
+    fn room(&self, simd: S) -> Self::Room;
+
+    /// Sets the parameters of a lane, without those that depend on phases.
+    fn set_system(&mut self, lane: usize, own: &Lane);
+    /// Sets the parameters of a lane that depend on its phases.
+    fn set_phases(&mut self, lane: usize, own: &Lane);
+    /// Prepares the detection of rest from a state in which a lane begins a phase.
+    fn set_rest(&mut self, lane: usize, own: &Lane, state: &[f64]);
+    /// Forgets a lane.
+    fn clear(&mut self, lane: usize);
+
+    /// Returns the components of one lane.
+    fn lane(&self, flow: &Self::Flow, lane: usize) -> Components;
+    /// Sets the components of one lane.
+    fn set_lane(&self, flow: &mut Self::Flow, lane: usize, components: &[f64]);
+    /// Replaces the components in the lanes of a mask.
+    fn select(&self, into: &mut Self::Flow, from: &Self::Flow, mask: mask64x8<S>);
+    /// Returns zero in the lanes in which all components are finite.
+    fn finite(&self, flow: &Self::Flow, start: Lanes<S>) -> Lanes<S>;
+    /// Returns the sum of the squares of all components.
+    fn square(&self, flow: &Self::Flow) -> Lanes<S>;
+    /// Returns the position of a contact.
+    fn position(&self, flow: &Self::Flow, contact: usize) -> Lanes<S>;
+    /// Replaces the position of a contact.
+    fn set_position(&self, flow: &mut Self::Flow, contact: usize, position: Lanes<S>);
+    /// Returns the sliding speed of a contact.
+    fn speed(&self, flow: &Self::Flow, contact: usize) -> Lanes<S>;
+
+    /// Expands the motion from a state.
+    fn expand(&self, room: &mut Self::Room, start: &Self::Flow);
+    /// Returns the longest step within the tolerance; `before` is that of the previous step.
+    fn within_tolerance(
+        &self,
+        room: &Self::Room,
+        tolerance: [Lanes<S>; 2],
+        before: Lanes<S>,
+    ) -> Lanes<S>;
+    /// Returns the lanes in which a condition may fail in a step of this length.
+    fn look_over(&self, room: &mut Self::Room, length: Lanes<S>) -> u64;
+    /// Returns the end of a step of one lane; a condition that `ignored` names is not examined.
+    fn first_event(
+        &self,
+        room: &Self::Room,
+        own: &Lane,
+        lane: usize,
+        length: f64,
+        ignored: &[Condition],
+    ) -> Ends;
+    /// Returns the state a time later.
+    fn at(&self, room: &Self::Room, start: &Self::Flow, time: Lanes<S>) -> Self::Flow;
+    /// Propagates displacements over a step of this length.
+    fn carry(
+        &self,
+        room: &mut Self::Room,
+        displacement: &Self::Flow,
+        length: Lanes<S>,
+    ) -> Self::Flow;
+    /// Returns the lanes that may rest for good.
+    fn rest(&self, state: &Self::Flow) -> u64;
+    /// Returns the lanes in which everything is slow at the start of the step.
+    fn still(&self, room: &Self::Room) -> u64;
+
+    /// Returns the coefficients of a component in one lane, from order zero, as the series of the state in time. Missing
+    /// coefficients are 0.
+    fn component(&self, room: &Self::Room, lane: usize, component: usize, start: f64) -> Powers;
+    /// Returns the number of components.
+    fn components(&self) -> usize;
+    /// Returns the components that are the position of a contact and, if it is one, its sliding speed.
+    fn coordinates(&self, contact: usize) -> (usize, Option<usize>);
+    /// Returns the components whose displacement is measured.
+    fn vibration(&self) -> Option<[usize; 2]>;
+
+    /// Calls `with` with the system in one state, for deciding its modes.
+    fn in_state<R>(
+        &self,
+        lane: usize,
+        own: &Lane,
+        state: &[f64],
+        with: impl FnOnce(&dyn InState) -> R,
+    ) -> R;
+}
+
+/// Coefficients of a power series in time.
+pub(super) type Powers = [f64; POWERS];
+
+/// The largest number of coefficients of a series.
+pub(super) const POWERS: usize = super::ORDER + 2;
+
+/// The end of a step of a lane.
+pub(super) enum Ends {
+    /// Nothing.
+    Nothing,
+    /// A condition fails at this part of the step.
+    At(f64, Condition),
+    /// A condition fails from the start.
+    AtOnce(Condition),
+}
+
+impl Ends {
+    /// Returns the earlier one of this end and the failure of another condition.
+    #[inline(always)]
+    pub(super) fn or(&mut self, condition: &Polynomial, outline: &Bounds, failed: Condition) {
+        match (condition.first_fall(outline), &self) {
+            (ConditionFate::Holds, _) | (_, Ends::AtOnce(_)) => {}
+            (ConditionFate::FailsAtOnce, _) => *self = Ends::AtOnce(failed),
+            (ConditionFate::Fails(at), Ends::At(earlier, _)) if *earlier <= at => {}
+            (ConditionFate::Fails(at), _) => *self = Ends::At(at, failed),
+        }
+    }
+}

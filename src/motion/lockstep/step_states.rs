@@ -1,0 +1,121 @@
+//! States of a lane inside its latest step, from the step's series.
+
+use std::f64::consts::TAU;
+
+use super::group::Group;
+use super::kernel::{Kernel, POWERS, Powers};
+use super::root_isolation::{PolynomialPoint, guess};
+use crate::model::Components;
+use crate::motion::lockstep::vector::Vector;
+use crate::motion::root::fall_of_smooth;
+
+/// Returns the value of a series and its rate at a time.
+#[inline(always)]
+fn value_and_rate(powers: &Powers, time: f64) -> (f64, f64) {
+    let (mut value, mut rate) = (0.0_f64, 0.0_f64);
+    for coefficient in powers.iter().rev() {
+        rate = rate.mul_add(time, value);
+        value = value.mul_add(time, *coefficient);
+    }
+    (value, rate)
+}
+
+/// Returns how far an angle is from a mark at a part of the step, and the slope of that.
+#[inline(always)]
+fn ahead(powers: &Powers, part: f64, length: f64, (mark, sign): (f64, f64)) -> (f64, f64) {
+    let (angle, rate) = value_and_rate(powers, part * length);
+    (sign * (mark - angle), -sign * rate * length)
+}
+
+#[inline(always)]
+fn value(powers: &Powers, time: f64) -> f64 {
+    powers.iter().rev().fold(0.0_f64, |sum, coefficient| sum.mul_add(time, *coefficient))
+}
+
+impl<S: Vector, K: Kernel<S>> Group<S, K> {
+    /// Returns a component at a time after the start of the latest step; `start` is the state there.
+    pub(super) fn component_at(
+        &self,
+        lane: usize,
+        component: usize,
+        start: &[f64],
+        after: f64,
+    ) -> f64 {
+        let powers = self.kernel.component(&self.room, lane, component, start[component]);
+        self.simd.vectorize(
+            #[inline(always)]
+            || value(&powers, after),
+        )
+    }
+
+    /// Returns the state at a time after the start of the latest step.
+    #[inline(never)]
+    pub(super) fn state_at(&self, lane: usize, after: f64) -> Components {
+        let start = self.kernel.lane(&self.before, lane);
+        let components = 0..self.kernel.components();
+        components.map(|component| self.component_at(lane, component, &start, after)).collect()
+    }
+
+    /// Returns the squares of the measured displacement at times after the start of the latest step.
+    #[inline(never)]
+    pub(super) fn squares_at<const P: usize>(&self, lane: usize, after: [f64; P]) -> [f64; P] {
+        let Some(components) = self.kernel.vibration() else { return [0.0; P] };
+        let [x, y] =
+            components.map(|component| self.kernel.component(&self.room, lane, component, 0.0));
+        // The fused multiply-add is an instruction in this closure.
+        self.simd.vectorize(
+            #[inline(always)]
+            || {
+                let (mut sum_x, mut sum_y) = ([0.0_f64; P], [0.0_f64; P]);
+                for k in (0..POWERS).rev() {
+                    for place in 0..P {
+                        sum_x[place] = sum_x[place].mul_add(after[place], x[k]);
+                        sum_y[place] = sum_y[place].mul_add(after[place], y[k]);
+                    }
+                }
+                std::array::from_fn(|place| {
+                    sum_x[place] * sum_x[place] + sum_y[place] * sum_y[place]
+                })
+            },
+        )
+    }
+
+    /// Returns time and state at which the angle of a contact completed a turn, through the angle 0, in the latest
+    /// step of a lane; `None` if it did not.
+    #[inline(never)]
+    pub(super) fn passage_in_step(&self, lane: usize, contact: usize) -> Option<(f64, Components)> {
+        if !self.kernel.is_angular(contact) {
+            return None;
+        }
+        let (component, _) = self.kernel.coordinates(contact);
+        let start = self.kernel.position(&self.before, contact)[lane];
+        let end = self.kernel.position(&self.end, contact)[lane];
+        let (mark, sign) = if start < TAU && end >= TAU {
+            (TAU, 1.0)
+        } else if start > 0.0 && end <= 0.0 {
+            (0.0, -1.0)
+        } else {
+            return None;
+        };
+        let length = self.length[lane];
+        let powers = self.kernel.component(&self.room, lane, component, start);
+        let part = self.simd.vectorize(
+            #[inline(always)]
+            || {
+                let [low, high] = [0.0, 1.0].map(|at| {
+                    let (value, slope) = ahead(&powers, at, length, (mark, sign));
+                    PolynomialPoint { at, value, slope }
+                });
+                fall_of_smooth(
+                    #[inline(always)]
+                    |part| ahead(&powers, part, length, (mark, sign)),
+                    (0.0, 1.0),
+                    guess(low, high),
+                    1e-13,
+                )
+            },
+        );
+        let after = part * length;
+        Some((self.time_before[lane] + after, self.state_at(lane, after)))
+    }
+}

@@ -1,0 +1,241 @@
+//! Tests of the series of eight different machines side by side against the equations of motion, integrated by another
+//! method.
+
+use std::sync::Arc;
+
+use fearless_simd::SimdBase;
+
+use super::mode_selection::contact_along;
+use super::step::within_tolerance;
+use super::tangent::carry;
+use super::{Flow, LANES, Lanes, Room, Tuned};
+use crate::model::{Balancer, Dual, FrictionLaw, Machine, Method, Number, State, System};
+use crate::motion::lockstep::group::Group;
+use crate::motion::lockstep::kernel::Kernel;
+use crate::motion::lockstep::lane_group::LaneGroup;
+use crate::motion::lockstep::vector::Vector;
+use crate::motion::lockstep::{Saved, SimdLevel};
+use crate::motion::{Phase, Settings, Tolerance};
+
+/// Length of the step.
+const LENGTH: f64 = 0.5;
+/// Number of intervals in the tableau of extrapolation: Gragg's method has an expansion in even powers, so that eight
+/// of them give order 16.
+const INTERVALS: [u32; 8] = [2, 4, 6, 8, 10, 12, 14, 16];
+
+/// Returns a balancer's state and a displacement after a time: Gragg's extrapolated midpoint rule on the hand-written
+/// equations in dual numbers (E. Hairer, S. P. Nørsett, G. Wanner, *Solving Ordinary Differential Equations I*, 2nd
+/// ed., Springer 1993, section II.9).
+fn integrated<const N: usize>(
+    balancer: &Balancer<N>,
+    phases: &[Phase],
+    start: &State<N, Dual>,
+    (time, parts): (f64, u32),
+) -> State<N, Dual> {
+    let dual = balancer.lifted::<Dual>();
+    let rate = |state: &State<N, Dual>| {
+        let contacts = std::array::from_fn(|ball| {
+            let friction = &balancer.balls[ball].friction;
+            contact_along(phases[ball], friction, state.beta_dot[ball])
+        });
+        dual.derivative(state, &contacts, &dual.forces(state, &contacts))
+    };
+    let length = time / f64::from(parts);
+    (0..parts).fold(*start, |state, _| extrapolated(rate, &state, length))
+}
+
+fn extrapolated<const N: usize>(
+    rate: impl Fn(&State<N, Dual>) -> State<N, Dual>,
+    start: &State<N, Dual>,
+    length: f64,
+) -> State<N, Dual> {
+    let ahead = |from: &State<N, Dual>, by: f64, rate: &State<N, Dual>| {
+        let mut state = *from;
+        state.add_scaled(Dual::constant(by), rate);
+        state
+    };
+    // Changes from the start state, which have smaller rounding errors than states.
+    let first = rate(start);
+    let at = |change: &State<N, Dual>| rate(&ahead(start, 1.0, change));
+    let mut row: Vec<State<N, Dual>> = Vec::new();
+    for (index, &intervals) in INTERVALS.iter().enumerate() {
+        let step = length / f64::from(intervals);
+        let (mut before, mut now) = (State::zero(), ahead(&State::zero(), step, &first));
+        for _ in 1..intervals {
+            (before, now) = (now, ahead(&before, 2.0 * step, &at(&now)));
+        }
+        let mut next = vec![now];
+        for (column, coarser) in row.iter().enumerate() {
+            let ratio = f64::from(intervals) / f64::from(INTERVALS[index - 1 - column]);
+            let mut better = next[column];
+            let mut change = better;
+            change.add_scaled(Dual::constant(-1.0), coarser);
+            better.add_scaled(Dual::constant(1.0 / (ratio * ratio - 1.0)), &change);
+            next.push(better);
+        }
+        row = next;
+    }
+    ahead(start, 1.0, &row[INTERVALS.len() - 1])
+}
+
+fn machine(lane: usize, balls: usize) -> Machine {
+    let mut machine = Machine::default();
+    machine.balls.resize(balls, machine.balls[0]);
+    machine.speed_rad_s = -150.0 - 20.0 * lane as f64;
+    for (index, ball) in machine.balls.iter_mut().enumerate() {
+        ball.mass_kg *= 1.0 + 0.3 * index as f64;
+        ball.friction_coefficient *= 1.0 + lane as f64;
+    }
+    if lane == 5 {
+        machine.friction = FrictionLaw::viscous(3e-3);
+    }
+    machine
+}
+
+fn state<const N: usize>(lane: usize, stuck: impl Fn(usize) -> f64) -> State<N> {
+    let value = |k: usize| libm::sin((7 * lane + 3 * k) as f64);
+    State {
+        position: [0.02 * value(0), 0.03 * value(1)],
+        velocity: [0.04 * value(2), 0.05 * value(3)],
+        beta: std::array::from_fn(|ball| 3.0 + 3.0 * value(4 + ball)),
+        // Every other ball rests, or has a residual speed.
+        beta_dot: std::array::from_fn(|ball| {
+            if (ball + lane).is_multiple_of(3) { stuck(ball) } else { 0.4 + 0.3 * value(9 + ball) }
+        }),
+    }
+}
+
+/// A state in dual numbers without its slope.
+fn value<const N: usize>(state: &State<N, Dual>) -> State<N> {
+    State {
+        position: state.position.map(|dual| dual.value),
+        velocity: state.velocity.map(|dual| dual.value),
+        beta: state.beta.map(|dual| dual.value),
+        beta_dot: state.beta_dot.map(|dual| dual.value),
+    }
+}
+
+fn largest<const N: usize>(state: &State<N>) -> f64 {
+    let State { position, velocity, beta, beta_dot } = state;
+    let all = position.iter().chain(velocity).chain(beta).chain(beta_dot);
+    all.fold(0.0, |most: f64, value| most.max(value.abs()))
+}
+
+/// Displacements over the longest steps of a coarse tolerance agree with the equations. The table moves
+/// slowly, as after some time, and is displaced in proportion to the balls.
+fn over_longest_steps<const N: usize>(simd: impl Vector) {
+    let settings = Settings {
+        method: Method::Event,
+        band: 0.0,
+        tolerance: Tolerance { relative: 1e-6, absolute: 1e-8 },
+        effort_limit: 1000,
+    };
+    let mut group = Group::new(simd, Tuned::<_, N>::new(simd));
+    let balancers: Vec<Balancer<N>> =
+        (0..LANES).map(|lane| Balancer::new(&machine(lane, N)).unwrap()).collect();
+    let mut longest = Lanes::splat(simd, 0.0);
+    for (lane, balancer) in balancers.iter().enumerate() {
+        let mut start = state::<N>(lane, |_| 0.0);
+        let rest = balancer.rest_point(&start.beta);
+        let [x, y] = rest.position;
+        (start.position, start.velocity) = ([x, y], [balancer.speed * y, -balancer.speed * x]);
+        let system: Arc<dyn System> = Arc::new(*balancer);
+        let saved = Saved::start(&system, settings, &start.components()).unwrap();
+        group.put(lane, &saved, 100.0);
+        let mut displaced: State<N> = state(lane + 100, |_| 0.3);
+        for axis in 0..2 {
+            displaced.position[axis] *= 1e-2;
+            displaced.velocity[axis] *= 1e-2;
+        }
+        displaced.beta = displaced.beta.map(|angle| angle / 6.0);
+        group.displace(lane, &displaced.components());
+        longest[lane] = group.longest(lane);
+    }
+    let Group { kernel, room, state, displacement, tolerance, next, .. } = &mut group;
+    kernel.expand(room, state);
+    let lengths = within_tolerance(&room.series, *tolerance, *next).min(longest);
+    let Room { series, displaced, .. } = &mut **room;
+    let moved = carry(series, &kernel.equations, displacement, lengths, displaced);
+    for (lane, balancer) in balancers.iter().enumerate() {
+        let start = group.state.lane(lane).along(&group.displacement.lane(lane));
+        let along = integrated(balancer, group.phases(lane), &start, (lengths[lane], 16));
+        let mut difference = along.slope();
+        difference.add_scaled(-1.0, &moved.lane(lane));
+        assert!(largest(&difference) < 1e-8, "{difference:?} in lane {lane}");
+    }
+}
+
+#[test]
+fn longest_steps() {
+    let Some(simd) = SimdLevel::best().avx2() else { return };
+    over_longest_steps::<1>(simd);
+    over_longest_steps::<2>(simd);
+    over_longest_steps::<4>(simd);
+}
+
+fn against_equations<const N: usize>(simd: impl Vector) {
+    // A wide band, so that the residual speed of a sticking ball is significant.
+    let settings = Settings {
+        method: Method::Switch,
+        band: 1e-3,
+        tolerance: Tolerance { relative: 1e-8, absolute: 1e-10 },
+        effort_limit: 1000,
+    };
+    let mut group = Group::new(simd, Tuned::<_, N>::new(simd));
+    let balancers: Vec<Balancer<N>> =
+        (0..LANES).map(|lane| Balancer::new(&machine(lane, N)).unwrap()).collect();
+    for (lane, balancer) in balancers.iter().enumerate() {
+        let start = state(lane, |ball| 1e-4 * (ball + 1) as f64);
+        let start: State<N> = start;
+        let system: Arc<dyn System> = Arc::new(*balancer);
+        let saved = Saved::start(&system, settings, &start.components()).unwrap();
+        group.put(lane, &saved, 1.0);
+        let displaced: State<N> = state(lane + 100, |_| 0.3);
+        group.displace(lane, &displaced.components());
+    }
+    let length = Lanes::splat(simd, LENGTH);
+    let Group { kernel, room, state, displacement, .. } = &mut group;
+    kernel.expand(room, state);
+    let end: Flow<_, N> = kernel.at(room, state, length);
+    let Room { series, displaced, .. } = &mut **room;
+    let moved = carry(series, &kernel.equations, displacement, length, displaced);
+    let mut sticks = 0;
+    for (lane, balancer) in balancers.iter().enumerate() {
+        let phases = group.phases(lane);
+        sticks += phases.iter().filter(|phase| **phase == Phase::Stick).count();
+        let start = group.state.lane(lane).along(&group.displacement.lane(lane));
+        let along = integrated(balancer, phases, &start, (LENGTH, 8));
+        let mut difference = value(&along);
+        difference.add_scaled(-1.0, &end.lane(lane));
+        assert!(largest(&difference) < 1e-13, "{difference:?} in lane {lane}");
+        let mut difference = along.slope();
+        difference.add_scaled(-1.0, &moved.lane(lane));
+        assert!(largest(&difference) < 1e-11, "{difference:?} in lane {lane}");
+        // The series of each component sum up to the end.
+        let start = group.state.lane(lane).components();
+        for (component, end) in end.lane(lane).components().into_iter().enumerate() {
+            let powers = group.kernel.component(&group.room, lane, component, start[component]);
+            let sum = powers.iter().rev().fold(0.0, |sum, power| sum * LENGTH + power);
+            assert!((sum - end).abs() < 1e-13, "{sum} {end}: {component} in lane {lane}");
+        }
+    }
+    assert!(sticks > 0);
+}
+
+#[test]
+fn one_ball() {
+    let Some(simd) = SimdLevel::best().avx2() else { return };
+    against_equations::<1>(simd);
+}
+
+#[test]
+fn two_balls() {
+    let Some(simd) = SimdLevel::best().avx2() else { return };
+    against_equations::<2>(simd);
+}
+
+#[test]
+fn four_balls() {
+    let Some(simd) = SimdLevel::best().avx2() else { return };
+    against_equations::<4>(simd);
+}

@@ -1,0 +1,189 @@
+//! The condition that fails first in a step of one lane, located on the series.
+
+use super::event_functions::Doubts;
+use super::mode_selection::contact;
+use super::recurrence::DYING;
+use super::series::Series;
+use crate::model::Balancer;
+use crate::motion::Phase;
+use crate::motion::lockstep::ORDER;
+use crate::motion::lockstep::kernel::Ends;
+use crate::motion::lockstep::lane::Lane;
+use crate::motion::lockstep::root_isolation::Polynomial;
+use crate::motion::lockstep::vector::Vector;
+use crate::motion::saltation::Condition;
+
+/// Returns the end of a step of one lane.
+#[inline(never)]
+pub(super) fn first_event<S: Vector, const N: usize>(
+    series: &Series<S, N>,
+    (own, balancer): (&Lane, &Balancer<N>),
+    (lane, length): (usize, f64),
+    doubts: &Doubts<S, N>,
+    ignored: &[Condition],
+) -> Ends {
+    // The fused multiply-add is an instruction in this closure.
+    series.terms[0].table[0].simd.vectorize(
+        #[inline(always)]
+        || first_of_all(series, (own, balancer), (lane, length), doubts, ignored),
+    )
+}
+
+#[inline(always)]
+fn first_of_all<S: Vector, const N: usize>(
+    series: &Series<S, N>,
+    (own, balancer): (&Lane, &Balancer<N>),
+    (lane, length): (usize, f64),
+    doubts: &Doubts<S, N>,
+    ignored: &[Condition],
+) -> Ends {
+    let mut first = Ends::Nothing;
+    let is_watched =
+        |contact, which| ignored.is_empty() || !ignored.contains(&Condition { contact, which });
+    let band = own.margins.band;
+    let aim = 0.5 * own.width;
+    let slack = own.margins.slack + aim;
+    for (ball, phase) in own.phases.iter().enumerate() {
+        let loose = doubts.loose & 1 << lane != 0;
+        if !loose && doubts.of_balls[ball] & 1 << lane == 0 {
+            continue;
+        }
+        let speed = |k: usize| series.terms[k].balls[ball].speed[lane];
+        match *phase {
+            Phase::Slip(direction) => {
+                let out = polynomial(length, aim - band, |k| direction * speed(k));
+                if is_watched(ball, 0) {
+                    first.or(
+                        &out,
+                        &doubts.slips[ball].outline(lane),
+                        Condition { contact: ball, which: 0 },
+                    );
+                }
+            }
+            Phase::Transition(direction) => {
+                let inside = polynomial(length, aim + band, |k| -direction * speed(k));
+                if is_watched(ball, 0) {
+                    first.or(&inside, &inside.outline(), Condition { contact: ball, which: 0 });
+                }
+                let accelerating = polynomial(length, slack, |k| match k {
+                    ORDER => 0.0,
+                    _ => direction * ((k + 1) as f64 * speed(k + 1)),
+                });
+                if is_watched(ball, 1) {
+                    first.or(
+                        &accelerating,
+                        &accelerating.outline(),
+                        Condition { contact: ball, which: 1 },
+                    );
+                }
+            }
+            Phase::Stick => {
+                for (which, sign) in [1.0, -1.0].into_iter().enumerate() {
+                    let outline = doubts.held[ball][which].outline(lane);
+                    if !outline.holds() {
+                        let left = held(series, balancer, lane, ball, sign);
+                        if is_watched(ball, which) {
+                            first.or(
+                                &polynomial(length, slack, left),
+                                &outline,
+                                Condition { contact: ball, which },
+                            );
+                        }
+                    }
+                }
+            }
+            Phase::Free => {}
+        }
+        if loose {
+            let normal = normal_force(series, (balancer, own.phases[ball]), lane, ball);
+            let normal = polynomial(length, aim, |k| normal[k]);
+            if is_watched(ball, 2) {
+                first.or(&normal, &normal.outline(), Condition { contact: ball, which: 2 });
+            }
+        }
+    }
+    first
+}
+
+#[inline(always)]
+fn polynomial(length: f64, offset: f64, of: impl Fn(usize) -> f64) -> Polynomial {
+    let mut coefficients = [0.0; ORDER + 1];
+    for (k, coefficient) in coefficients.iter_mut().enumerate() {
+        *coefficient = of(k);
+    }
+    coefficients[0] += offset;
+    Polynomial { coefficients, length }
+}
+
+/// Returns the series of the remaining friction of a sticking ball against a force in this
+/// direction: μ times the normal force minus the force required to stick.
+#[inline(always)]
+fn held<S: Vector, const N: usize>(
+    series: &Series<S, N>,
+    balancer: &Balancer<N>,
+    lane: usize,
+    ball: usize,
+    sign: f64,
+) -> impl Fn(usize) -> f64 {
+    let [c, s] = &series.solver.trigonometry[ball];
+    let (c, s) = (c[lane], s[lane]);
+    let limit = balancer.balls[ball].friction.limit;
+    let left = series.solver.residual[ball][lane] != 0.0;
+    move |k| {
+        if k == ORDER {
+            return 0.0;
+        }
+        let [x, y] = &series.terms[k].pull;
+        let (x, y) = (x[lane], y[lane]);
+        let pressed = if k == 0 || left { pressed(series, balancer, lane, ball, k) } else { 0.0 };
+        let normal = pressed - (c * x + s * y);
+        limit * normal - sign * (s * x - c * y)
+    }
+}
+
+/// Returns the normal force on a ball without the table's acceleration.
+#[inline(always)]
+fn pressed<S: Vector, const N: usize>(
+    series: &Series<S, N>,
+    balancer: &Balancer<N>,
+    lane: usize,
+    ball: usize,
+    k: usize,
+) -> f64 {
+    let parameters = &balancer.balls[ball];
+    let speed = balancer.speed;
+    let of_ball = &series.terms[k].balls[ball];
+    let constant = if k == 0 { speed * speed } else { 0.0 };
+    // One of the two is zero.
+    let left = series.solver.residual[ball][lane];
+    let linear = of_ball.speed[lane] + DYING[k][0] * left;
+    let quadratic = of_ball.squared[lane] + DYING[k][1] * (left * left);
+    constant
+        + ((2.0 * speed - parameters.rolling_linear) * linear
+            + (1.0 - parameters.rolling_quadratic) * quadratic)
+}
+
+/// Returns the series of the normal force on a ball of a lane.
+#[inline(never)]
+fn normal_force<S: Vector, const N: usize>(
+    series: &Series<S, N>,
+    (balancer, phase): (&Balancer<N>, Phase),
+    lane: usize,
+    ball: usize,
+) -> [f64; ORDER + 1] {
+    let contact = contact(phase, &balancer.balls[ball].friction, 1.0);
+    let friction = contact.signed_friction;
+    let share = 1.0 / balancer.balls[ball].mass;
+    let along = |k: usize, j: usize| {
+        let [real, imaginary] = series.terms[j].balls[ball].direction.map(|of_all| of_all[lane]);
+        let [x, y] = series.terms[k - j].pull.map(|of_all| of_all[lane]);
+        (real + friction * imaginary) * x + (imaginary - friction * real) * y
+    };
+    std::array::from_fn(|k| {
+        if k == ORDER {
+            return 0.0;
+        }
+        let pulled: f64 = (0..=k).map(|j| along(k, j)).sum();
+        pressed(series, balancer, lane, ball, k) - share * pulled
+    })
+}

@@ -1,0 +1,44 @@
+//! The components of a balancer's state in all lanes.
+
+use fearless_simd::SimdBase;
+
+use crate::model::State;
+use crate::motion::lockstep::Lanes;
+use crate::motion::lockstep::vector::Vector;
+
+/// The components of a state, or of its rate of change, of each run.
+#[derive(Clone, Copy)]
+pub(in crate::motion::lockstep) struct Flow<S: Vector, const N: usize> {
+    /// x, y, ẋ, ẏ.
+    pub(super) table: [Lanes<S>; 4],
+    /// Angles of the balls.
+    pub(super) angle: [Lanes<S>; N],
+    /// Their speeds.
+    pub(super) speed: [Lanes<S>; N],
+}
+
+impl<S: Vector, const N: usize> Flow<S, N> {
+    /// Zero in all lanes.
+    #[inline(always)]
+    pub(super) fn zero(simd: S) -> Self {
+        let zero = Lanes::splat(simd, 0.0);
+        Flow { table: [zero; 4], angle: [zero; N], speed: [zero; N] }
+    }
+
+    /// Returns one run's components.
+    pub(super) fn lane(&self, lane: usize) -> State<N> {
+        let [x, y, x_dot, y_dot] = self.table.each_ref().map(|of_all| of_all[lane]);
+        State {
+            position: [x, y],
+            velocity: [x_dot, y_dot],
+            beta: self.angle.each_ref().map(|of_all| of_all[lane]),
+            beta_dot: self.speed.each_ref().map(|of_all| of_all[lane]),
+        }
+    }
+
+    /// Sets one run's components, which must be those of `N` balls.
+    pub(super) fn set_lane(&mut self, lane: usize, components: &[f64]) {
+        let flow = self.table.iter_mut().chain(&mut self.angle).chain(&mut self.speed);
+        flow.zip(components).for_each(|(of_all, value)| of_all[lane] = *value);
+    }
+}

@@ -1,0 +1,363 @@
+//! The recurrence of the balancer at constant speed, with friction that is constant or linear in speed.
+//!
+//! It gives the same series as the recorded equations (`general`) several times as fast: the products are chosen so
+//! that few remain, everything has a size known to the compiler, and bounds of the conditions come from few numbers.
+
+#[cfg(all(test, target_arch = "x86_64"))]
+mod compared_with_equations;
+mod equations;
+mod event_functions;
+mod event_location;
+mod flow;
+mod mode_selection;
+mod recurrence;
+mod series;
+mod step;
+mod tail_terms;
+mod tangent;
+mod terms;
+
+use std::sync::Arc;
+
+use fearless_simd::{mask64x8, prelude::*};
+
+use super::kernel::{Ends, Kernel, Powers};
+use super::lane::Lane;
+use super::{LANES, Lanes};
+use crate::model::{Balancer, Components, RestPoint, State, System};
+use crate::motion::Phase;
+use crate::motion::lockstep::vector::{Fused, Vector};
+use crate::motion::modes::InState;
+use crate::motion::saltation::Condition;
+use equations::Equations;
+use event_functions::{Doubts, Watched};
+use flow::Flow;
+use mode_selection::InPlace;
+use series::Series;
+
+/// Bound on every component of the rate of change if everything is slow.
+const STILL: f64 = 1e-6;
+
+/// The balancer's equations in all lanes.
+pub(super) struct Tuned<S: Vector, const N: usize> {
+    equations: Equations<S, N>,
+    watched: [Watched<S>; N],
+    /// The rest point, and the square of the distance from it below which no ball can break loose; negative if there
+    /// is no such distance.
+    rest: [Lanes<S>; 2],
+    rest_radius_squared: Lanes<S>,
+    balancers: [Option<Balancer<N>>; LANES],
+    /// Bit mask of lanes with a ball that cannot stick.
+    sliding: u64,
+}
+
+/// Work space of a step, with the results of the latest step.
+pub(super) struct Room<S: Vector, const N: usize> {
+    series: Series<S, N>,
+    displaced: Series<S, N>,
+    doubts: Doubts<S, N>,
+}
+
+impl<S: Vector, const N: usize> Tuned<S, N> {
+    /// Empty lanes.
+    pub(super) fn new(simd: S) -> Self {
+        let zero = Lanes::splat(simd, 0.0);
+        Tuned {
+            equations: Equations::blank(simd),
+            watched: [Watched::nothing(simd); N],
+            rest: [zero; 2],
+            rest_radius_squared: Lanes::splat(simd, -1.0),
+            balancers: [None; LANES],
+            sliding: 0,
+        }
+    }
+
+    /// Returns whether a system is a balancer with this number of balls whose friction is independent of speed or
+    /// proportional to it.
+    pub(super) fn computes(system: &Arc<dyn System>) -> bool {
+        let balancer = system.as_any().downcast_ref::<Balancer<N>>();
+        balancer.is_some_and(|own| own.balls.iter().all(|ball| ball.friction.is_linear()))
+    }
+}
+
+impl<S: Vector, const N: usize> Kernel<S> for Tuned<S, N> {
+    /// 5 over the highest frequency of the table in the turning frame, `1 + |ω|`. Hardly any step is as long.
+    const LONGEST: f64 = 5.0 / std::f64::consts::FRAC_PI_2;
+    type Flow = Flow<S, N>;
+    type Room = Room<S, N>;
+
+    fn fits(&self, system: &Arc<dyn System>) -> bool {
+        Self::computes(system)
+    }
+
+    #[inline(always)]
+    fn contacts(&self) -> usize {
+        N
+    }
+
+    #[inline(always)]
+    fn is_angular(&self, _contact: usize) -> bool {
+        true
+    }
+
+    fn flow(&self, simd: S) -> Flow<S, N> {
+        Flow::zero(simd)
+    }
+
+    fn room(&self, simd: S) -> Room<S, N> {
+        Room {
+            series: Series::zero(simd),
+            displaced: Series::zero(simd),
+            doubts: Doubts::none(simd),
+        }
+    }
+
+    fn set_system(&mut self, lane: usize, own: &Lane) {
+        let Some(balancer) = own.system.as_any().downcast_ref::<Balancer<N>>() else { return };
+        self.equations.set_machine(lane, balancer);
+        for (watched, ball) in self.watched.iter_mut().zip(&balancer.balls) {
+            watched.limit[lane] = ball.friction.limit;
+        }
+        let bit = 1 << lane;
+        let slides = balancer.balls.iter().any(|ball| !ball.friction.can_stick());
+        self.sliding = self.sliding & !bit | if slides { bit } else { 0 };
+        self.balancers[lane] = Some(*balancer);
+    }
+
+    fn set_phases(&mut self, lane: usize, own: &Lane) {
+        let Some(balancer) = &self.balancers[lane] else { return };
+        self.equations.set_phases(lane, balancer, &own.phases);
+        let margins = [own.margins.band, own.margins.slack, 0.5 * own.width];
+        for (watched, phase) in self.watched.iter_mut().zip(&own.phases) {
+            watched.set(lane, *phase, margins);
+        }
+    }
+
+    fn set_rest(&mut self, lane: usize, own: &Lane, state: &[f64]) {
+        self.rest_radius_squared[lane] = -1.0;
+        if own.phases.iter().all(|phase| *phase == Phase::Stick)
+            && let Some(balancer) = &self.balancers[lane]
+            && let Some(state) = State::<N>::of_components(state)
+        {
+            let rest = balancer.rest_point(&state.beta);
+            self.rest[0][lane] = rest.position[0];
+            self.rest[1][lane] = rest.position[1];
+            self.rest_radius_squared[lane] = rest_radius_squared(balancer, &rest);
+        }
+    }
+
+    fn clear(&mut self, lane: usize) {
+        self.sliding &= !(1 << lane);
+        self.rest_radius_squared[lane] = -1.0;
+        self.balancers[lane] = None;
+    }
+
+    fn lane(&self, flow: &Flow<S, N>, lane: usize) -> Components {
+        flow.lane(lane).components()
+    }
+
+    fn set_lane(&self, flow: &mut Flow<S, N>, lane: usize, components: &[f64]) {
+        flow.set_lane(lane, components);
+    }
+
+    #[inline(always)]
+    fn select(&self, into: &mut Flow<S, N>, from: &Flow<S, N>, mask: mask64x8<S>) {
+        for i in 0..4 {
+            into.table[i] = mask.select(from.table[i], into.table[i]);
+        }
+        for i in 0..N {
+            into.angle[i] = mask.select(from.angle[i], into.angle[i]);
+            into.speed[i] = mask.select(from.speed[i], into.speed[i]);
+        }
+    }
+
+    #[inline(always)]
+    fn finite(&self, flow: &Flow<S, N>, start: Lanes<S>) -> Lanes<S> {
+        let zero = Lanes::splat(start.simd, 0.0);
+        let all = flow.table.iter().chain(&flow.angle).chain(&flow.speed);
+        let mut nought = start;
+        for value in all {
+            nought = value.fused(zero, nought);
+        }
+        nought
+    }
+
+    #[inline(always)]
+    fn square(&self, flow: &Flow<S, N>) -> Lanes<S> {
+        let mut size = Lanes::splat(flow.table[0].simd, 0.0);
+        for value in flow.table {
+            size = value.fused(value, size);
+        }
+        for i in 0..N {
+            size = flow.angle[i].fused(flow.angle[i], size);
+            size = flow.speed[i].fused(flow.speed[i], size);
+        }
+        size
+    }
+
+    #[inline(always)]
+    fn position(&self, flow: &Flow<S, N>, contact: usize) -> Lanes<S> {
+        flow.angle[contact]
+    }
+
+    #[inline(always)]
+    fn set_position(&self, flow: &mut Flow<S, N>, contact: usize, position: Lanes<S>) {
+        flow.angle[contact] = position;
+    }
+
+    #[inline(always)]
+    fn speed(&self, flow: &Flow<S, N>, contact: usize) -> Lanes<S> {
+        flow.speed[contact]
+    }
+
+    #[inline(always)]
+    fn expand(&self, room: &mut Room<S, N>, start: &Flow<S, N>) {
+        room.series.expand(&self.equations, start);
+    }
+
+    #[inline(always)]
+    fn within_tolerance(
+        &self,
+        room: &Room<S, N>,
+        tolerance: [Lanes<S>; 2],
+        before: Lanes<S>,
+    ) -> Lanes<S> {
+        step::within_tolerance(&room.series, tolerance, before)
+    }
+
+    #[inline(always)]
+    fn look_over(&self, room: &mut Room<S, N>, length: Lanes<S>) -> u64 {
+        let Room { series, doubts, .. } = room;
+        event_functions::look_over(series, &self.equations, &self.watched, length, doubts);
+        doubts.any()
+    }
+
+    fn first_event(
+        &self,
+        room: &Room<S, N>,
+        own: &Lane,
+        lane: usize,
+        length: f64,
+        ignored: &[Condition],
+    ) -> Ends {
+        let Some(balancer) = &self.balancers[lane] else { return Ends::Nothing };
+        let at = (lane, length);
+        event_location::first_event(&room.series, (own, balancer), at, &room.doubts, ignored)
+    }
+
+    #[inline(always)]
+    fn at(&self, room: &Room<S, N>, start: &Flow<S, N>, time: Lanes<S>) -> Flow<S, N> {
+        room.series.at(&self.equations, start, time)
+    }
+
+    #[inline(always)]
+    fn carry(
+        &self,
+        room: &mut Room<S, N>,
+        displacement: &Flow<S, N>,
+        length: Lanes<S>,
+    ) -> Flow<S, N> {
+        let Room { series, displaced, .. } = room;
+        tangent::carry(series, &self.equations, displacement, length, displaced)
+    }
+
+    #[inline(always)]
+    fn rest(&self, state: &Flow<S, N>) -> u64 {
+        let speed = self.equations.speed;
+        let u_x = state.table[0] - self.rest[0];
+        let u_y = state.table[1] - self.rest[1];
+        let v_x = state.table[2] - speed * u_y;
+        let v_y = state.table[3] + speed * u_x;
+        let distance = u_x * u_x + u_y * u_y + (v_x * v_x + v_y * v_y);
+        distance.simd_le(self.rest_radius_squared).to_bitmask()
+    }
+
+    #[inline(always)]
+    fn still(&self, room: &Room<S, N>) -> u64 {
+        if self.sliding == 0 {
+            return 0;
+        }
+        let [first, second, third, ..] = &room.series.terms;
+        let simd = self.equations.speed.simd;
+        let two = Lanes::splat(simd, 2.0);
+        let mut most = Lanes::splat(simd, 0.0);
+        for axis in 0..2 {
+            most = most.max(second.table[axis].abs()).max((two * third.table[axis]).abs());
+        }
+        for i in 0..N {
+            most = most.max(first.balls[i].speed.abs()).max(second.balls[i].speed.abs());
+        }
+        most.simd_le(Lanes::splat(simd, STILL)).to_bitmask() & self.sliding
+    }
+
+    fn component(&self, room: &Room<S, N>, lane: usize, component: usize, start: f64) -> Powers {
+        room.series.component(lane, component, start)
+    }
+
+    fn components(&self) -> usize {
+        4 + 2 * N
+    }
+
+    fn coordinates(&self, contact: usize) -> (usize, Option<usize>) {
+        (4 + contact, Some(4 + N + contact))
+    }
+
+    fn vibration(&self) -> Option<[usize; 2]> {
+        Some([0, 1])
+    }
+
+    fn in_state<R>(
+        &self,
+        lane: usize,
+        own: &Lane,
+        state: &[f64],
+        with: impl FnOnce(&dyn InState) -> R,
+    ) -> R {
+        let balancer = self.balancers[lane].as_ref();
+        let balancer = balancer.expect("only lanes with a run are decided");
+        let state = State::of_components(state).expect("the components are those of the lanes");
+        with(&InPlace::new(balancer, own.surely_one_solution, state))
+    }
+}
+
+/// Returns the components of a balancer that are angles.
+pub(super) fn angles(balls: usize) -> std::ops::Range<usize> {
+    4..4 + balls
+}
+
+/// Calls `with` with a balancer in one state; `None` for another system.
+pub(super) fn in_state<R>(
+    system: &Arc<dyn System>,
+    surely_one_solution: bool,
+    state: &[f64],
+    with: impl FnOnce(&dyn InState) -> R,
+) -> Option<R> {
+    macro_rules! of_balls {
+        ($($balls:literal)*) => {
+            $(
+                if let Some(balancer) = system.as_any().downcast_ref::<Balancer<$balls>>() {
+                    let state = State::of_components(state)?;
+                    return Some(with(&InPlace::new(balancer, surely_one_solution, state)));
+                }
+            )*
+        };
+    }
+    of_balls!(1 2 3 4 5 6 7 8);
+    None
+}
+
+/// Returns the square of the distance from rest below which no ball can break loose, apart from the
+/// residual speeds of sticking balls in the switch model; negative if there is no such distance.
+fn rest_radius_squared<const N: usize>(balancer: &Balancer<N>, rest: &RestPoint<N>) -> f64 {
+    let mut least = f64::INFINITY;
+    for (i, ball) in balancer.balls.iter().enumerate() {
+        let limit = ball.friction.limit;
+        least = least.min((limit * rest.normal[i] - rest.friction[i].abs()) / (1.0 + limit));
+    }
+    if least < 0.0 || least.is_nan() {
+        return -1.0;
+    }
+    // Slightly larger, so that rounding leaves the decision to the certificate itself.
+    let radius = least / balancer.acceleration_bound(1.0) * (1.0 + 1e-9);
+    radius * radius
+}

@@ -1,0 +1,206 @@
+//! The recurrence from the lower coefficients of all series to the next: products of series, and
+//! the linear equations for the accelerations (`series`).
+
+use fearless_simd::prelude::*;
+
+use super::equations::Equations;
+use super::terms::{ResidualForce, Solver, TERMS, Term};
+use crate::motion::lockstep::Lanes;
+use crate::motion::lockstep::vector::{Fused, Vector};
+
+/// 1/k.
+pub(super) const RECIPROCALS: [f64; TERMS + 1] = {
+    let mut all = [1.0; TERMS + 1];
+    let mut k = 1;
+    while k <= TERMS {
+        all[k] = 1.0 / k as f64;
+        k += 1;
+    }
+    all
+};
+
+/// Coefficient `k` of exp(-t) and of exp(-2t).
+pub(super) const DYING: [[f64; 2]; TERMS] = {
+    let mut all = [[1.0; 2]; TERMS];
+    let mut k = 1;
+    while k < TERMS {
+        all[k] = [-all[k - 1][0] / k as f64, -2.0 * all[k - 1][1] / k as f64];
+        k += 1;
+    }
+    all
+};
+
+/// The sums of products of lower orders, for one ball.
+#[derive(Clone, Copy)]
+pub(super) struct Sums<S: Vector> {
+    /// Of Σ β̇_j U_{k+1-j}, U being the direction.
+    pub(super) turning: [Lanes<S>; 2],
+    /// Of u·a.
+    pub(super) drawn: Lanes<S>,
+    /// Of the speed's square.
+    pub(super) squared: Lanes<S>,
+}
+
+/// The constants that enter the equations at order 0 only.
+#[derive(Clone, Copy, PartialEq)]
+pub(super) enum Constants {
+    /// The imbalance and the resistance at speed 0.
+    Whole,
+    /// None: the equations for displacements.
+    None,
+}
+
+/// Computes coefficient `k + 1` of the products of the speeds of one series and the directions of
+/// another, and coefficient `k` of the products of its pull and the directions, without the terms
+/// that have the directions at order 0.
+#[inline(always)]
+pub(super) fn products<S: Vector, const N: usize>(
+    of: &[Term<S, N>; TERMS],
+    with: &[Term<S, N>; TERMS],
+    k: usize,
+) -> [Sums<S>; N] {
+    let zero = Lanes::splat(of[0].table[0].simd, 0.0);
+    let nothing = Sums { turning: [zero; 2], drawn: zero, squared: zero };
+    let mut sums = [nothing; N];
+    let mut along = [zero; N];
+    let mut across = [zero; N];
+    // The latest results are used last, to avoid waiting for them.
+    let mut before = [[zero; 2]; N];
+    for (before, ball) in before.iter_mut().zip(&with[k].balls) {
+        *before = ball.direction;
+    }
+    if k > 0 {
+        let [x, y] = of[0].pull;
+        for i in 0..N {
+            along[i] = before[i][1] * x;
+            across[i] = before[i][0] * y;
+        }
+        let others = with[1..k].iter().rev();
+        for (low, high) in of[1..k].iter().zip(others) {
+            let [x, y] = low.pull;
+            for i in 0..N {
+                let speed = low.balls[i].speed;
+                let [real, imaginary] = &mut sums[i].turning;
+                *real = speed.fused(before[i][0], *real);
+                *imaginary = speed.fused(before[i][1], *imaginary);
+                before[i] = high.balls[i].direction;
+                along[i] = before[i][1].fused(x, along[i]);
+                across[i] = before[i][0].fused(y, across[i]);
+            }
+        }
+        for (i, sums) in sums.iter_mut().enumerate() {
+            let speed = of[k].balls[i].speed;
+            let [real, imaginary] = with[1].balls[i].direction;
+            let [turning_real, turning_imaginary] = &mut sums.turning;
+            *turning_real = speed.fused(real, *turning_real);
+            *turning_imaginary = speed.fused(imaginary, *turning_imaginary);
+        }
+    }
+    for (i, sums) in sums.iter_mut().enumerate() {
+        let speed = of[0].balls[i].speed;
+        let [real, imaginary] = with[k + 1].balls[i].direction;
+        let [turning_real, turning_imaginary] = &mut sums.turning;
+        *turning_real = speed.fused(real, *turning_real);
+        *turning_imaginary = speed.fused(imaginary, *turning_imaginary);
+        sums.drawn = along[i] - across[i];
+    }
+    sums
+}
+
+/// The constants of all orders of a series.
+pub(super) struct Solving<'a, S: Vector, const N: usize> {
+    pub(super) solver: &'a Solver<S, N>,
+    /// Directions at the start.
+    pub(super) start: [[Lanes<S>; 2]; N],
+    pub(super) residual: Option<&'a ResidualForce<S>>,
+}
+
+/// Solves the equations for coefficient `k` of the accelerations, and stores the dependent
+/// coefficients.
+#[inline(always)]
+pub(super) fn solve<S: Vector, const N: usize>(
+    terms: &mut [Term<S, N>; TERMS],
+    equations: &Equations<S, N>,
+    by: &Solving<S, N>,
+    k: usize,
+    sums: [Sums<S>; N],
+    constants: Constants,
+) {
+    let simd = equations.speed.simd;
+    let number = |value: f64| Lanes::splat(simd, value);
+    let (of_next, of_after) = (RECIPROCALS[k + 1], RECIPROCALS[k + 2]);
+    let (factor, minus) = (number((k + 1) as f64), number(-((k + 1) as f64)));
+    let (lower, higher) = terms.split_at_mut(k + 1);
+    let (now, [next, after, ..]) = (&mut lower[k], higher) else { return };
+    let solver = by.solver;
+    let whole = constants == Constants::Whole && k == 0;
+    let [x, y] = now.table;
+    let [x_dot, y_dot] = [next.table[0] * factor, next.table[1] * factor];
+    // Avoids a signed zero, which residual speeds in other lanes would change.
+    let zero = number(0.0);
+    let mut force_x = equations.drag_speed.fused(y, zero - x);
+    let mut force_y = equations.minus_drag_speed.fused(x, zero - y);
+    if whole {
+        force_x += equations.imbalance;
+    }
+    force_x = equations.minus_drag.fused(x_dot, force_x);
+    force_y = equations.minus_drag.fused(y_dot, force_y);
+    if let Some(residual) = by.residual {
+        for (force, dying) in residual.iter().zip(DYING[k]) {
+            force_x = number(dying).fused(force[0], force_x);
+            force_y = number(dying).fused(force[1], force_y);
+        }
+    }
+    let mut own = [zero; N];
+    let (mut push_x, mut push_y) = (zero, zero);
+    for i in 0..N {
+        let ball = &equations.balls[i];
+        let Sums { turning, drawn, squared } = sums[i];
+        let speed = now.balls[i].speed;
+        let [c, s] = now.balls[i].direction;
+        let [c_next, s_next] = next.balls[i].direction;
+        let mut held = ball.held[1].fused(speed, ball.held[2] * squared);
+        if whole {
+            held += ball.held[0];
+        }
+        own[i] = ball.drawing.fused(drawn, -held);
+        // -(ë + 2iω ė - ω² e) without the contribution of the acceleration itself, times 1 + ip.
+        let real = equations.double_speed.fused(c_next, turning[0]);
+        let imaginary = equations.double_speed.fused(s_next, turning[1]);
+        let around_x = factor.fused(imaginary, equations.speed_squared * c);
+        let around_y = minus.fused(real, equations.speed_squared * s);
+        // The sum times 1 only, with the contribution of the acceleration.
+        let [along, across] = solver.reaction[i];
+        let of_ball_x = ball.friction.fused(around_y, around_x);
+        let of_ball_x = along.fused(own[i], of_ball_x);
+        let of_ball_y = ball.minus_friction.fused(around_x, around_y);
+        let of_ball_y = across.fused(own[i], of_ball_y);
+        if i == 0 {
+            (push_x, push_y) = (of_ball_x, of_ball_y);
+        } else {
+            (push_x, push_y) = (push_x + of_ball_x, push_y + of_ball_y);
+        }
+    }
+    force_x += push_x;
+    force_y += push_y;
+    let [a, b, c, d] = solver.inverse;
+    let pull_x = a.fused(force_x, b * force_y);
+    let pull_y = d.fused(force_y, c * force_x);
+    now.pull = [pull_x, pull_y];
+    let frame_x = equations.double_speed.fused(y_dot, equations.speed_squared * x);
+    let frame_y = equations.minus_double_speed.fused(x_dot, equations.speed_squared * y);
+    let twice = number(of_next * of_after);
+    after.table = [twice * (pull_x + frame_x), twice * (pull_y + frame_y)];
+    for i in 0..N {
+        let [along, across] = solver.drawn[i];
+        let acceleration = along.fused(pull_x, across.fused(pull_y, own[i]));
+        let speed = number(of_next) * acceleration;
+        next.balls[i].speed = speed;
+        let [real, imaginary] = by.start[i];
+        let turning = sums[i].turning;
+        after.balls[i].direction = [
+            number(-of_after) * speed.fused(imaginary, turning[1]),
+            number(of_after) * speed.fused(real, turning[0]),
+        ];
+    }
+}

@@ -1,0 +1,110 @@
+//! Small displacements from the motions in lockstep: propagated by the linearised flow in vectors.
+
+use fearless_simd::prelude::*;
+
+use super::equations::Equations;
+use super::flow::Flow;
+use super::recurrence::{Constants, Solving, products, solve};
+use super::series::Series;
+use crate::motion::lockstep::Lanes;
+use crate::motion::lockstep::vector::{Fused, Vector};
+
+/// The highest power of time in the series of a displacement's speeds.
+pub(super) const LINEAR: usize = 14;
+
+impl<S: Vector, const N: usize> Series<S, N> {
+    /// Expands a displacement from the expanded motion: the same equations to first order.
+    #[inline(always)]
+    pub(super) fn expand_displacement(
+        &self,
+        equations: &Equations<S, N>,
+        start: &Flow<S, N>,
+        displaced: &mut Self,
+    ) {
+        let [x, y, x_dot, y_dot] = start.table;
+        let [first, second, ..] = &mut displaced.terms;
+        first.table = [x, y];
+        second.table = [x_dot, y_dot];
+        let zero = Lanes::splat(x.simd, 0.0);
+        let two = Lanes::splat(x.simd, 2.0);
+        let mut residual = [[zero; 2]; 2];
+        let mut left_over = zero;
+        for i in 0..N {
+            let ball = &equations.balls[i];
+            let [real, imaginary] = self.terms[0].balls[i].direction;
+            let own = self.terms[0].balls[i].speed;
+            let angle = start.angle[i];
+            let speed = ball.free * start.speed[i];
+            let turned = [-(imaginary * angle), real * angle];
+            first.balls[i].speed = speed;
+            first.balls[i].direction = turned;
+            second.balls[i].direction =
+                [-own.fused(turned[1], speed * imaginary), own.fused(turned[0], speed * real)];
+            // The residual speed of a sticking ball: (2ω r + r²) e, to first order.
+            let [c, s] = self.solver.trigonometry[i];
+            let left = self.solver.residual[i];
+            let displaced_left = start.speed[i] - speed;
+            left_over = left_over.max(left.abs()).max(displaced_left.abs());
+            let forces = [
+                [equations.double_speed * displaced_left, equations.double_speed * left],
+                [two * left * displaced_left, left * left],
+            ];
+            for ([speed, turned], residual) in forces.into_iter().zip(&mut residual) {
+                let turned = turned * angle;
+                residual[0] += ball.mass * (speed * c - turned * s);
+                residual[1] += ball.mass * (speed * s + turned * c);
+            }
+        }
+        displaced.residual = (!left_over.simd_eq(zero).all_true()).then_some(residual);
+        for k in 0..LINEAR {
+            self.order_of_displacement(equations, displaced, k);
+        }
+    }
+
+    #[inline(never)]
+    fn order_of_displacement(&self, equations: &Equations<S, N>, displaced: &mut Self, k: usize) {
+        equations.speed.simd.vectorize(
+            #[inline(always)]
+            || self.linear_order(equations, displaced, k),
+        );
+    }
+
+    #[inline(always)]
+    fn linear_order(&self, equations: &Equations<S, N>, displaced: &mut Self, k: usize) {
+        let mut sums = products(&self.terms, &displaced.terms, k);
+        let others = products(&displaced.terms, &self.terms, k);
+        let [pull_x, pull_y] = self.terms[k].pull;
+        for i in 0..N {
+            let [real, imaginary] = displaced.terms[0].balls[i].direction;
+            let next = self.terms[k + 1].balls[i].speed;
+            let sums = &mut sums[i];
+            sums.turning[0] += next.fused(real, others[i].turning[0]);
+            sums.turning[1] += next.fused(imaginary, others[i].turning[1]);
+            sums.drawn += others[i].drawn + (imaginary * pull_x - real * pull_y);
+            let mut squared = sums.squared;
+            let along = displaced.terms[..=k].iter().rev();
+            for (own, along) in self.terms[..=k].iter().zip(along) {
+                squared = own.balls[i].speed.fused(along.balls[i].speed, squared);
+            }
+            sums.squared = squared + squared;
+        }
+        let start: [[Lanes<S>; 2]; N] = self.directions();
+        let Series { terms, residual, .. } = displaced;
+        let by = Solving { solver: &self.solver, start, residual: residual.as_ref() };
+        solve(terms, equations, &by, k, sums, Constants::None);
+    }
+}
+
+/// Propagates displacements over a step of this length, in all lanes; `displaced` is work space.
+#[inline(always)]
+pub(super) fn carry<S: Vector, const N: usize>(
+    series: &Series<S, N>,
+    equations: &Equations<S, N>,
+    displacement: &Flow<S, N>,
+    length: Lanes<S>,
+    displaced: &mut Series<S, N>,
+) -> Flow<S, N> {
+    series.expand_displacement(equations, displacement, displaced);
+    let higher = series.beyond(equations, displaced, length);
+    displaced.at_with(equations, displacement, length, LINEAR, higher)
+}

@@ -1,0 +1,47 @@
+//! What a power series of the motion consists of: its terms, and what all of its terms are solved with.
+
+use crate::motion::lockstep::vector::Vector;
+use crate::motion::lockstep::{Lanes, ORDER};
+
+/// Coefficients of the series of positions.
+pub(super) const TERMS: usize = ORDER + 2;
+
+/// The coefficients of one power of time for one ball.
+#[derive(Clone, Copy)]
+pub(super) struct BallTerm<S: Vector> {
+    /// Speed.
+    pub(super) speed: Lanes<S>,
+    /// Its square.
+    pub(super) squared: Lanes<S>,
+    /// m (1 + ip) e^{iβ} / (1 + p²): real and imaginary part.
+    pub(super) direction: [Lanes<S>; 2],
+}
+
+/// The coefficients of one power of time.
+#[derive(Clone, Copy)]
+pub(super) struct Term<S: Vector, const N: usize> {
+    /// Position of the table.
+    pub(super) table: [Lanes<S>; 2],
+    /// Its absolute acceleration.
+    pub(super) pull: [Lanes<S>; 2],
+    pub(super) balls: [BallTerm<S>; N],
+}
+
+/// Solver of the equations of a power of time for the accelerations.
+#[derive(Clone, Copy)]
+pub(super) struct Solver<S: Vector, const N: usize> {
+    /// The inverse of the table's 2×2 system: first row, second row.
+    pub(super) inverse: [Lanes<S>; 4],
+    /// Reaction of a ball's acceleration on the table: m s and -m c.
+    pub(super) reaction: [[Lanes<S>; 2]; N],
+    /// Effect of the table's acceleration on a ball's.
+    pub(super) drawn: [[Lanes<S>; 2]; N],
+    /// Cosine and sine of the angles at the start.
+    pub(super) trigonometry: [[Lanes<S>; 2]; N],
+    /// The residual speeds of sticking balls at the start.
+    pub(super) residual: [Lanes<S>; N],
+}
+
+/// The contribution of residual speeds to the force on the table: coefficients of exp(-t) and of
+/// exp(-2t).
+pub(super) type ResidualForce<S> = [[Lanes<S>; 2]; 2];

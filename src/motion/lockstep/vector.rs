@@ -1,0 +1,71 @@
+//! Vector instructions with a fused multiply-add.
+
+use fearless_simd::Simd;
+
+use super::{LANES, Lanes};
+
+/// A level of vector instructions whose fused multiply-add is correctly rounded.
+pub(super) trait Vector: Simd {
+    /// Returns `a b + c`, rounded once.
+    fn fused_multiply_add(a: Lanes<Self>, b: Lanes<Self>, c: Lanes<Self>) -> Lanes<Self>;
+}
+
+/// The fused multiply-add as a method.
+pub(super) trait Fused {
+    /// Returns `self b + c`, rounded once.
+    fn fused(self, b: Self, c: Self) -> Self;
+}
+
+impl<S: Vector> Fused for Lanes<S> {
+    #[inline(always)]
+    fn fused(self, b: Self, c: Self) -> Self {
+        S::fused_multiply_add(self, b, c)
+    }
+}
+
+macro_rules! with_instruction {
+    ($($level:ty)*) => {
+        $(
+            impl Vector for $level {
+                #[inline(always)]
+                fn fused_multiply_add(
+                    a: Lanes<Self>,
+                    b: Lanes<Self>,
+                    c: Lanes<Self>,
+                ) -> Lanes<Self> {
+                    fearless_simd::prelude::SimdFloat::mul_add_precise(a, b, c)
+                }
+            }
+        )*
+    };
+}
+
+#[cfg(target_arch = "x86_64")]
+with_instruction!(fearless_simd::Avx2 fearless_simd::Avx512);
+#[cfg(target_arch = "aarch64")]
+with_instruction!(fearless_simd::Neon);
+
+/// The instructions of every processor of its kind.
+#[cfg(target_arch = "x86_64")]
+pub(super) type Baseline = fearless_simd::Sse2;
+/// The instructions of every processor of its kind.
+#[cfg(not(target_arch = "x86_64"))]
+pub(super) type Baseline = fearless_simd::Fallback;
+
+/// Processors without the instruction compute it one number at a time, in a function of its own, because the vectors'
+/// emulation of the instruction would make the program many times as large.
+impl Vector for Baseline {
+    #[inline(always)]
+    fn fused_multiply_add(a: Lanes<Self>, b: Lanes<Self>, c: Lanes<Self>) -> Lanes<Self> {
+        let mut result = c;
+        one_at_a_time(&a, &b, &mut result);
+        result
+    }
+}
+
+#[inline(never)]
+fn one_at_a_time(a: &Lanes<Baseline>, b: &Lanes<Baseline>, c: &mut Lanes<Baseline>) {
+    for lane in 0..LANES {
+        c[lane] = a[lane].mul_add(b[lane], c[lane]);
+    }
+}

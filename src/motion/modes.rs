@@ -1,0 +1,286 @@
+//! The joint decision between stick and slip for several contacts.
+
+use smallvec::SmallVec;
+
+use super::evaluator::{ContactForces, Forces};
+use super::{Evaluator, Failure, Phase, Phases, event_driven, switch_model};
+use crate::model::{Components, Dual, Friction, Method};
+
+/// A system in one state, for which the phases of its contacts are decided.
+pub(super) trait InState {
+    /// Returns the friction of a contact.
+    fn friction(&self, contact: usize) -> &Friction;
+    /// Returns the sliding speed of a contact.
+    fn speed(&self, contact: usize) -> f64;
+    /// Returns the forces for assumed phases.
+    fn forces(&self, phases: &[Phase]) -> Forces;
+    /// Returns the time derivative of the state for assumed phases.
+    fn rates(&self, phases: &[Phase]) -> Components;
+    /// Returns the forces at the time [`AHEAD`] later, to first order, if the phases last.
+    fn forces_ahead(&self, phases: &[Phase]) -> Forces;
+    /// Returns the forces with their changes along a direction.
+    fn forces_along(&self, phases: &[Phase], direction: &[f64]) -> Forces<Dual>;
+    /// Returns whether the phases are decided in exactly one way for any forces.
+    fn has_one_solution(&self) -> bool;
+    /// Returns the size of the forces, to which rounding errors are relative.
+    fn force_scale(&self) -> f64;
+}
+
+/// Time interval for the rate of change of a condition, non-dimensional.
+pub(super) const AHEAD: f64 = 1e-6;
+
+/// Which contacts' phases are open.
+pub(super) type Open = SmallVec<[bool; 8]>;
+
+/// Returns the initial phases, from the friction laws and the sliding speeds alone.
+pub(super) fn first_phases<'f>(
+    method: Method,
+    band: f64,
+    contacts: impl Iterator<Item = (&'f Friction, f64)>,
+) -> Phases {
+    let first = |(friction, speed): (&Friction, f64)| match method {
+        _ if !friction.can_stick() => Phase::Free,
+        Method::Switch if speed.abs() > band => Phase::Slip(speed.signum()),
+        Method::Event if speed != 0.0 => Phase::Slip(speed.signum()),
+        _ => Phase::Stick,
+    };
+    contacts.map(first).collect()
+}
+
+/// Decides the phases at the start of a motion; those of contacts at rest are open.
+///
+/// # Errors
+/// [`Failure`] if no combination meets all conditions, or if the forces are not sound.
+pub(super) fn decide_first(
+    method: Method,
+    system: &dyn InState,
+    phases: &mut Phases,
+) -> Result<Forces, Failure> {
+    let forces = match method {
+        Method::Switch => switch_model::decide(system, phases)?,
+        Method::Event => {
+            let at_rest = phases.iter().map(|phase| *phase == Phase::Stick).collect();
+            event_driven::decide(system, phases, &at_rest)?
+        }
+    };
+    check_forces(&forces)?;
+    Ok(forces)
+}
+
+/// Decides stick or transition jointly for all contacts in the band of the switch model, in one state, and returns the
+/// corresponding forces. Slipping contacts are unchanged.
+///
+/// # Errors
+/// [`Failure::NoSolution`] if no combination meets all conditions, or if several different ones do.
+pub fn decide(
+    evaluator: &Evaluator,
+    state: &[f64],
+    phases: &mut Phases,
+) -> Result<Forces, Failure> {
+    switch_model::decide(&Evaluated::new(evaluator, state), phases)
+}
+
+/// A system in one state, by its recorded equations.
+pub(super) struct Evaluated<'a> {
+    pub(super) evaluator: &'a Evaluator,
+    pub(super) state: &'a [f64],
+    pub(super) speeds: SmallVec<[f64; 8]>,
+}
+
+impl<'a> Evaluated<'a> {
+    pub(super) fn new(evaluator: &'a Evaluator, state: &'a [f64]) -> Self {
+        Evaluated { evaluator, state, speeds: evaluator.speeds(state) }
+    }
+}
+
+impl InState for Evaluated<'_> {
+    fn friction(&self, contact: usize) -> &Friction {
+        self.evaluator.system().friction(contact)
+    }
+
+    fn speed(&self, contact: usize) -> f64 {
+        self.speeds[contact]
+    }
+
+    fn forces(&self, phases: &[Phase]) -> Forces {
+        self.evaluator.forces(phases, self.state)
+    }
+
+    fn rates(&self, phases: &[Phase]) -> Components {
+        self.evaluator.rates(phases, self.state)
+    }
+
+    fn forces_ahead(&self, phases: &[Phase]) -> Forces {
+        let rates = self.rates(phases);
+        let ahead = self.state.iter().zip(&rates).map(|(value, rate)| value + AHEAD * rate);
+        self.evaluator.forces(phases, &ahead.collect::<Components>())
+    }
+
+    fn forces_along(&self, phases: &[Phase], direction: &[f64]) -> Forces<Dual> {
+        self.evaluator.forces_along(phases, self.state, direction)
+    }
+
+    fn has_one_solution(&self) -> bool {
+        let system = self.evaluator.system();
+        system.surely_one_solution() || system.one_solution_at(self.state)
+    }
+
+    fn force_scale(&self) -> f64 {
+        self.evaluator.system().force_scale()
+    }
+}
+
+/// Decides the phases of the open contacts so that all conditions hold, in one state.
+///
+/// Returns the corresponding forces; the other contacts are unchanged. `better` returns the phase that a
+/// contact should have instead if the assumed one fails its condition.
+///
+/// The conditions are a linear complementarity problem. For light balls its matrix is nearly
+/// diagonal; exchanging all failing phases simultaneously then solves it in one or two iterations.
+/// If this does not converge, all `3^k` combinations of `choices` are tried. If the balls are so
+/// heavy and the friction so large that several solutions may exist, all of them are computed, and
+/// none is chosen silently ([`crate::model::ExistenceVerdict`]).
+///
+/// # Errors
+/// [`Failure::NoSolution`] if no combination meets all conditions, or if several different ones do.
+pub(super) fn resolve_modes(
+    system: &dyn InState,
+    phases: &mut Phases,
+    open: &Open,
+    choices: [Phase; 3],
+    better: impl Fn(&Forces, &[Phase], usize) -> Option<Phase>,
+) -> Result<Forces, Failure> {
+    if !system.has_one_solution() {
+        return unique_or_refused(system, phases, open, choices, better);
+    }
+    let open: SmallVec<[usize; 8]> = (0..open.len()).filter(|&contact| open[contact]).collect();
+    for _ in 0..phases.len() + 3 {
+        let forces = system.forces(phases);
+        let before = phases.clone();
+        for &contact in &open {
+            if let Some(other) = better(&forces, &before, contact) {
+                phases[contact] = other;
+            }
+        }
+        if *phases == before {
+            return Ok(forces);
+        }
+    }
+    for mut combination in 0..combinations(open.len())? {
+        for &contact in &open {
+            phases[contact] = choices[combination % 3];
+            combination /= 3;
+        }
+        let forces = system.forces(phases);
+        if open.iter().all(|&contact| better(&forces, phases, contact).is_none()) {
+            return Ok(forces);
+        }
+    }
+    Err(Failure::NoSolution { solutions: 0 })
+}
+
+/// The largest number of open contacts of which all combinations are tried.
+const MOST_OPEN: usize = 12;
+
+/// Returns the number of combinations of three phases.
+///
+/// # Errors
+/// [`Failure::NoSolution`] for so many contacts that the combinations cannot be tried.
+fn combinations(contacts: usize) -> Result<usize, Failure> {
+    let tried = contacts <= MOST_OPEN;
+    tried.then(|| 3_usize.pow(contacts as u32)).ok_or(Failure::NoSolution { solutions: 0 })
+}
+
+/// Accelerations that differ by no more than this, over 1 and the largest of them, are the same
+/// motion: on the boundary between stick and transition both hold, to rounding or to the slack.
+const SAME: f64 = 1e-6;
+
+/// Decides the phases like [`resolve_modes`], by trying all `3^k` combinations of
+/// the open contacts. The current phases are preferred if they are among the solutions.
+///
+/// # Errors
+/// [`Failure::NoSolution`] unless all combinations that meet the conditions, with every contact
+/// closed, have the same accelerations. If all of them need a normal force that pulls,
+/// they are returned unchanged: contact is lost.
+fn unique_or_refused(
+    system: &dyn InState,
+    phases: &mut Phases,
+    open: &Open,
+    choices: [Phase; 3],
+    better: impl Fn(&Forces, &[Phase], usize) -> Option<Phase>,
+) -> Result<Forces, Failure> {
+    let mut solutions: Vec<(Phases, Forces)> = Vec::new();
+    let mut unsound = None;
+    let given = phases.clone();
+    let number = open.iter().filter(|open| **open).count();
+    let combination = |mut combination: usize| -> Phases {
+        let phase = |(open, given): (&bool, &Phase)| {
+            if !open {
+                return *given;
+            }
+            let choice = choices[combination % 3];
+            combination /= 3;
+            choice
+        };
+        open.iter().zip(&given).map(phase).collect()
+    };
+    let all = (0..combinations(number)?).map(combination);
+    for candidate in std::iter::once(given.clone()).chain(all) {
+        let forces = system.forces(&candidate);
+        let finite = forces.iter().all(is_finite);
+        let fits =
+            |contact: usize| !open[contact] || better(&forces, &candidate, contact).is_none();
+        if finite && !(0..candidate.len()).all(fits) {
+            continue;
+        }
+        if !finite || forces.iter().any(|contact| contact.normal <= 0.0) {
+            unsound.get_or_insert((candidate, forces));
+        } else if !solutions.iter().any(|(_, other)| same(other, &forces)) {
+            solutions.push((candidate, forces));
+        }
+    }
+    let (decided, forces) = match (solutions.len(), unsound) {
+        (1, _) => solutions.swap_remove(0),
+        (0, Some(unsound)) => unsound,
+        (several, _) => return Err(Failure::NoSolution { solutions: several }),
+    };
+    *phases = decided;
+    Ok(forces)
+}
+
+/// Returns whether two solutions are the same motion.
+fn same(one: &Forces, other: &Forces) -> bool {
+    let pairs = || one.iter().zip(other).map(|(a, b)| (a.acceleration, b.acceleration));
+    let scale = pairs().fold(1.0, |most: f64, (a, b)| most.max(a.abs()).max(b.abs()));
+    pairs().all(|(a, b)| (a - b).abs() <= SAME * scale)
+}
+
+fn is_finite(contact: &ContactForces) -> bool {
+    contact.acceleration.is_finite() && contact.normal.is_finite()
+}
+
+/// Returns the remaining friction of a sticking contact, `μ_s f_n - |f_w|`.
+pub(super) fn stick_reserve(system: &dyn InState, forces: &Forces, contact: usize) -> f64 {
+    let ContactForces { normal, friction, .. } = forces[contact];
+    system.friction(contact).limit * normal - friction.abs()
+}
+
+/// Returns an error for forces that are not finite and for normal forces that pull.
+pub(super) fn check_forces(forces: &Forces) -> Result<(), Failure> {
+    if !forces.iter().all(is_finite) {
+        return Err(Failure::NotFinite);
+    }
+    match forces.iter().position(|contact| contact.normal <= 0.0) {
+        Some(contact) => Err(Failure::ContactLost { ball: contact + 1 }),
+        None => Ok(()),
+    }
+}
+
+/// Returns the number of combinations that meet the conditions as the start of a message.
+pub(super) fn combinations_meet(solutions: usize) -> String {
+    match solutions {
+        0 => "no combination of stick and slip meets".to_owned(),
+        1 => "one combination of stick and slip meets".to_owned(),
+        _ => format!("{solutions} different combinations of stick and slip meet"),
+    }
+}

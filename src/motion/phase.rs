@@ -1,0 +1,42 @@
+//! The phase of a contact.
+
+use smallvec::SmallVec;
+
+use crate::model::ContactMode;
+
+/// The phase of a ball (thesis table 4.2) or a block.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Phase {
+    /// It moves, faster than the band, in the direction 1 or -1. In the exact motion, which has no
+    /// band, this phase starts when the contact breaks away.
+    Slip(f64),
+    /// It rests on its support: friction holds it.
+    Stick,
+    /// It is in the band but friction does not hold it: it accelerates in the direction 1 or -1.
+    Transition(f64),
+    /// Its law has no stick: it moves in either direction.
+    Free,
+}
+
+/// The phases of all contacts.
+pub type Phases = SmallVec<[Phase; 8]>;
+
+/// A number for each contact.
+pub type PerContact = SmallVec<[f64; 8]>;
+
+impl Phase {
+    /// Returns how the contact moves in the equations of motion.
+    pub fn mode(self) -> ContactMode {
+        match self {
+            Phase::Stick => ContactMode::Stick,
+            Phase::Slip(direction) => ContactMode::Slip(direction),
+            Phase::Transition(direction) => ContactMode::SetOff(direction),
+            Phase::Free => ContactMode::Slip(0.0),
+        }
+    }
+
+    /// Returns whether it sticks, or may stick at any moment.
+    pub fn in_band(self) -> bool {
+        matches!(self, Phase::Stick | Phase::Transition(_))
+    }
+}

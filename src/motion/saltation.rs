@@ -1,0 +1,73 @@
+//! The conditions of a phase, and the jump of neighbouring motions where one of them fails.
+//!
+//! In a smooth phase a small displacement follows the linearised equations. At a switch, which a neighbour meets
+//! slightly earlier or later, it jumps by the saltation matrix
+//!
+//! ```text
+//! S = 1 + (f⁺ - f⁻) ∇hᵀ / (∇hᵀ f⁻)
+//! ```
+//!
+//! with the time derivatives `f⁻`, `f⁺` before and after and the condition `h` that fails (M. A.
+//! Aizerman, F. R. Gantmakher, Quart. J. Mech. Appl. Math. 11 (1958) 433,
+//! doi:10.1093/qjmam/11.4.433; R. I. Leine, H. Nijmeijer, *Dynamics and Bifurcations of Non-Smooth
+//! Mechanical Systems*, Springer 2004, chapter 7, doi:10.1007/978-3-540-44398-8). A ball that comes
+//! to rest thereby loses its speed in every direction; where it breaks loose against friction that
+//! does not jump, nothing happens.
+//!
+//! If several contacts switch at the same instant (balls side by side by symmetry), the motion of a
+//! neighbour depends on which of its contacts comes first; the condition that the motion itself has
+//! met first is then used for all of them.
+
+use super::Phase;
+use super::modes::InState;
+
+/// A condition whose rate is below this fraction of the largest possible rate is grazed: there the
+/// neighbours' motions differ by more than first order.
+const GRAZING: f64 = 1e-12;
+
+/// Jumps of the rate of change up to this, over the size of the forces, count as zero: a ball
+/// breaks loose against friction that does not jump, within the width in which the instant is
+/// located.
+const NO_JUMP: f64 = 1e-8;
+
+/// A condition of a contact: its first, its second, or that the contact is closed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Condition {
+    pub(super) contact: usize,
+    pub(super) which: usize,
+}
+
+/// Propagates a displacement over a switch at which the phases `before` ended because a condition
+/// failed and the phases `after` began. Returns whether the switch was met by grazing.
+pub(super) fn saltation(
+    system: &dyn InState,
+    [before, after]: [&[Phase]; 2],
+    failed: Condition,
+    direction: &mut [f64],
+) -> bool {
+    let rate_before = system.rates(before);
+    let mut jump = system.rates(after);
+    jump.iter_mut().zip(&rate_before).for_each(|(jump, before)| *jump -= before);
+    let largest = jump.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
+    if largest <= NO_JUMP * system.force_scale() {
+        return false;
+    }
+    let change = |direction: &[f64]| {
+        let forces = system.forces_along(before, direction)[failed.contact];
+        match (before[failed.contact], failed.which) {
+            (Phase::Slip(sign), 0) => sign * forces.speed.slope,
+            (Phase::Transition(sign), 0) => -sign * forces.speed.slope,
+            (Phase::Transition(sign), 1) => sign * forces.acceleration.slope,
+            (Phase::Stick, which @ (0 | 1)) => {
+                let sign = if which == 0 { 1.0 } else { -1.0 };
+                let limit = system.friction(failed.contact).limit;
+                limit * forces.normal.slope - sign * forces.friction.slope
+            }
+            _ => forces.normal.slope,
+        }
+    };
+    let rate = change(&rate_before);
+    let factor = change(direction) / rate;
+    direction.iter_mut().zip(&jump).for_each(|(value, jump)| *value += factor * jump);
+    rate.is_nan() || rate.abs() <= GRAZING * system.force_scale()
+}

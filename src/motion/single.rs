@@ -1,0 +1,266 @@
+//! One motion alone, in a lane, with neighbouring motions to first order in the other lanes.
+
+use std::f64::consts::TAU;
+use std::sync::Arc;
+
+use super::cancellation::unwind_if_cancelled;
+use super::lockstep::{LANES, LaneGroup, Saved};
+use super::root::fall_through_zero;
+use super::{Effort, Evaluator, Failure, Instant, PerContact, Phase, SLOW, Settings, SimdLevel};
+use crate::model::{Components, Method, System};
+
+/// A motion in progress.
+pub struct Motion {
+    /// Lanes with the same run, each with a displacement of its own.
+    groups: Vec<Box<dyn LaneGroup>>,
+    directions: usize,
+    evaluator: Evaluator,
+    /// Speed below which a contact counts as slow.
+    slow: f64,
+    /// Whether the latest call of [`Motion::advance`] took a step.
+    stepped: bool,
+}
+
+impl Motion {
+    /// Starts a motion from `state` at time 0.
+    ///
+    /// # Errors
+    /// [`Failure`] if the motion cannot be continued from the start state.
+    pub fn new(
+        system: &Arc<dyn System>,
+        settings: Settings,
+        state: &[f64],
+    ) -> Result<Self, Failure> {
+        Motion::with_directions(system, settings, state, &[])
+    }
+
+    /// Starts a motion with small displacements in these directions, which it propagates by the linearised equations
+    /// and the saltation matrices of the switches.
+    ///
+    /// # Errors
+    /// [`Failure`] if the motion cannot be continued from the start state.
+    pub fn with_directions(
+        system: &Arc<dyn System>,
+        settings: Settings,
+        state: &[f64],
+        directions: &[Components],
+    ) -> Result<Self, Failure> {
+        Ok(Motion::of(&Saved::start(system, settings, state)?, directions))
+    }
+
+    /// Continues a saved run.
+    pub(crate) fn resume(saved: &Saved) -> Self {
+        Motion::of(saved, &[])
+    }
+
+    fn of(saved: &Saved, directions: &[Components]) -> Self {
+        let system = saved.system();
+        let group = |directions: &[Components]| {
+            let mut group = SimdLevel::best().lanes(system);
+            for lane in 0..directions.len().max(1) {
+                group.put(lane, saved, saved.time());
+                if let Some(direction) = directions.get(lane) {
+                    group.displace(lane, direction);
+                }
+            }
+            group
+        };
+        let groups = match directions {
+            [] => vec![group(&[])],
+            directions => directions.chunks(LANES).map(group).collect(),
+        };
+        let Settings { method, band, .. } = saved.settings();
+        Motion {
+            groups,
+            directions: directions.len(),
+            evaluator: Evaluator::new(Arc::clone(system)),
+            slow: if method == Method::Switch { SLOW.max(band) } else { SLOW },
+            stepped: false,
+        }
+    }
+
+    fn lane(&self) -> &dyn LaneGroup {
+        self.groups[0].as_ref()
+    }
+
+    /// Non-dimensional time.
+    pub fn time(&self) -> f64 {
+        self.lane().time(0)
+    }
+
+    /// Returns the present state, with angles in [0, 2π); whole turns are counted apart.
+    pub fn state(&self) -> Components {
+        self.lane().state(0)
+    }
+
+    /// Returns the equations of the system.
+    pub fn evaluator(&self) -> &Evaluator {
+        &self.evaluator
+    }
+
+    /// Returns the positions of the contacts, angles with the whole turns made since the start.
+    pub fn unwrapped(&self) -> PerContact {
+        self.with_turns(&self.lane().state(0))
+    }
+
+    /// Returns the positions of the contacts in a state with reduced angles, with the whole turns made.
+    fn with_turns(&self, state: &[f64]) -> PerContact {
+        let layout = &self.evaluator.graph().layout;
+        let turns = self.lane().turns(0);
+        let contacts = layout.contacts.iter().zip(turns);
+        contacts.map(|(contact, turns)| state[contact.position] + turns * TAU).collect()
+    }
+
+    /// Returns the phases of the contacts.
+    pub fn phases(&self) -> &[Phase] {
+        self.lane().phases(0)
+    }
+
+    /// Returns the phases in the latest step, before a switch at its end.
+    pub fn phases_during_step(&self) -> &[Phase] {
+        self.lane().phases_during_step(0)
+    }
+
+    /// Returns the start time of the latest step.
+    pub fn last_step_began(&self) -> f64 {
+        self.lane().time_before(0)
+    }
+
+    /// Returns when each contact last changed its phase; 0 if it has not.
+    pub fn last_switches(&self) -> &[f64] {
+        self.lane().last_switches(0)
+    }
+
+    /// Returns the last time at which each contact was faster than [`SLOW`], or than the band if that is wider: 0 if
+    /// it never was, and the current time if it is now.
+    pub fn slow_since(&self) -> PerContact {
+        self.lane().slow_since(0)
+    }
+
+    /// Returns whether all contacts stick.
+    pub fn all_stick(&self) -> bool {
+        self.phases().iter().all(|phase| *phase == Phase::Stick)
+    }
+
+    /// Returns whether all contacts are slow in the sense of [`Motion::slow_since`].
+    pub fn all_slow(&self) -> bool {
+        let speeds = self.evaluator.speeds(&self.lane().state(0));
+        speeds.iter().all(|speed| speed.abs() <= self.slow)
+    }
+
+    /// Returns the effort so far.
+    pub fn effort(&self) -> Effort {
+        self.lane().effort(0)
+    }
+
+    /// Advances by one step, which ends at the next switch or at time `until` at the latest. If
+    /// that time has passed, nothing happens. Returns whether a contact changed its phase.
+    ///
+    /// # Errors
+    /// [`Failure`]; the motion then stays at its last valid state.
+    pub fn advance(&mut self, until: f64) -> Result<bool, Failure> {
+        unwind_if_cancelled();
+        self.stepped = until > self.time();
+        if !self.stepped {
+            return Ok(false);
+        }
+        let displaced = self.directions > 0;
+        for group in &mut self.groups {
+            for lane in 0..LANES {
+                group.set_until(lane, until);
+            }
+            if let Some(failure) = group.advance(displaced).trouble[0] {
+                return Err(failure);
+            }
+        }
+        Ok(self.phases() != self.phases_during_step())
+    }
+
+    /// Returns time and state at which the angle of a contact completed a turn, through the angle 0, in the latest
+    /// step; `None` if it did not.
+    pub fn passage(&self, contact: usize) -> Option<(f64, Components)> {
+        self.stepped.then(|| self.lane().passage(0, contact))?
+    }
+
+    /// Returns the state at a time within the latest step, with angles not reduced to one turn; `None` for any other
+    /// time.
+    pub fn within_last_step(&self, time: f64) -> Option<Components> {
+        if time == self.time() {
+            let lane = self.lane();
+            return Some(if self.stepped { lane.end_of_step(0) } else { lane.state(0) });
+        }
+        let after = time - self.last_step_began();
+        let within = self.stepped && after >= 0.0 && time < self.time();
+        within.then(|| self.lane().state_within(0, after))
+    }
+
+    /// Returns time and state at which a function of the state fell from above zero to zero or
+    /// below in the latest step; `None` if its signs at the two ends show no fall.
+    pub fn falls_through_zero(&self, value: impl Fn(&[f64]) -> f64) -> Option<(f64, Components)> {
+        let (began, length) = (self.last_step_began(), self.time() - self.last_step_began());
+        if !self.stepped || length <= 0.0 {
+            return None;
+        }
+        let at = |part: f64| self.lane().state_within(0, part * length);
+        let [start, end] = [value(&at(0.0)), value(&at(1.0))];
+        if start <= 0.0 || end > 0.0 {
+            return None;
+        }
+        let part = fall_through_zero(|part| value(&at(part)), (0.0, start), (1.0, end), 1e-12);
+        Some((began + part * length, at(part)))
+    }
+
+    /// Returns the displacements, in the order of their directions.
+    pub fn displacements(&self) -> Vec<Components> {
+        let lanes = (0..self.directions).map(|i| (&self.groups[i / LANES], i % LANES));
+        lanes.map(|(group, lane)| group.displacement(lane).0).collect()
+    }
+
+    /// Returns the displacements at a time within the latest step.
+    pub fn displacements_within(&mut self, time: f64) -> Vec<Components> {
+        let after = time - self.last_step_began();
+        let all = self.groups.iter_mut().flat_map(|group| group.displacements_within(after));
+        all.take(self.directions).collect()
+    }
+
+    /// Returns whether a displacement met a switch by grazing and is undefined since.
+    pub fn grazed(&self) -> bool {
+        let mut lanes = (0..self.directions).map(|i| (&self.groups[i / LANES], i % LANES));
+        lanes.any(|(group, lane)| group.displacement(lane).1)
+    }
+
+    /// Returns the current instant, after a switch at the end of the latest step.
+    pub fn now(&self) -> Instant {
+        self.instant(self.time(), self.state(), self.unwrapped(), self.phases())
+    }
+
+    /// Returns the current instant before the switch at the end of the latest step; `None` without
+    /// a switch.
+    pub fn before_switch(&self) -> Option<Instant> {
+        let during = self.phases_during_step();
+        let switched = self.stepped && during != self.phases();
+        switched.then(|| self.instant(self.time(), self.state(), self.unwrapped(), during))
+    }
+
+    /// Returns the instant at a time from the start of the latest step until before its end; `None`
+    /// for any other time.
+    pub fn inside_last_step(&self, time: f64) -> Option<Instant> {
+        if time == self.time() {
+            return None;
+        }
+        let state = self.within_last_step(time)?;
+        let unwrapped = self.lane().unwrapped_within(0, time - self.last_step_began());
+        Some(self.instant(time, state, unwrapped, self.phases_during_step()))
+    }
+
+    fn instant(
+        &self,
+        time: f64,
+        state: Components,
+        unwrapped: PerContact,
+        phases: &[Phase],
+    ) -> Instant {
+        let forces = self.evaluator.forces(phases, &state);
+        Instant { time, state, unwrapped, phases: phases.into(), forces }
+    }
+}
