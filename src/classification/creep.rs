@@ -85,7 +85,8 @@ mod tests {
             }
             let [x, y] = rest.position;
             let state = [x, y, 0.0, 0.0, beta[0], beta[1], 0.0, 0.0];
-            let start = || Motion::new(&system, settings[(k % 2) as usize], &state).unwrap();
+            let start =
+                || Motion::new(&system, settings[(k % 2) as usize], &state).expect("starts");
             let mut motion = start();
             let creeping = may_creep(system.as_ref(), &state) && creeps(start());
             while motion.time() < 500.0 {

@@ -101,7 +101,7 @@ pub(super) fn stiff_pace(damping_rate: f64) -> f64 {
     1e-3 * damping_rate.min(1e5)
 }
 
-/// A system of which only the recorded equations are known, so that no kernel written for its type computes it.
+/// A system that hides its type: the general kernel computes it from its recorded equations.
 #[derive(Clone, Debug)]
 pub struct Recorded(pub Arc<dyn System>);
 

@@ -179,7 +179,7 @@ pub(super) fn resolve_modes(
     Err(Failure::NoSolution { solutions: 0 })
 }
 
-/// The largest number of open contacts of which all combinations are tried.
+/// The largest number of open contacts for which all combinations are tried.
 const MOST_OPEN: usize = 12;
 
 /// Returns the number of combinations of three phases.

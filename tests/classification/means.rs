@@ -85,7 +85,7 @@ fn both_kernels_have_the_same_means() {
         if tuned.evidence != Evidence::EndTime {
             continue;
         }
-        let [one, other] = [&tuned, &general].map(|outcome| outcome.amplitude_m.unwrap());
+        let [one, other] = [&tuned, &general].map(|outcome| outcome.amplitude_m.expect("a cycle"));
         assert!((one / other - 1.0).abs() < 1e-6, "{one} {other}");
         for (one, other) in
             tuned.mean_speed.iter().flatten().zip(general.mean_speed.iter().flatten())

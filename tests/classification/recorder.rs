@@ -172,7 +172,7 @@ fn times_agree_with_motions_at_tighter_tolerances() {
         let tight =
             Simulation { relative_tolerance: 1e-11, absolute_tolerance: 1e-13, ..case.simulation };
         let settings = Settings::new(&tight, 1_000_000);
-        let start: State<2> = case.start.of_balls().unwrap();
+        let start: State<2> = case.start.of_balls().expect("two balls");
         assert_eq!(recording.samples.len(), times.len());
         let kernels = for_each_kernel(balancer);
         let mut motions = kernels.each_ref().map(|system| started(system, settings, &start));

@@ -36,7 +36,7 @@ fn dragged() -> Machine {
 
 /// Returns whether a normal force is negative by the hand-written equations.
 fn leaves(balancer: &Balancer<2>, phases: &[Phase], state: &[f64]) -> bool {
-    let state: State<2> = State::of_components(state).unwrap();
+    let state: State<2> = State::of_components(state).expect("two balls");
     let contacts = std::array::from_fn(|ball| match phases[ball].mode() {
         ContactMode::Stick => Contact::STICK,
         ContactMode::Slip(direction) => {
@@ -53,7 +53,7 @@ fn seen_in<S: Vector, K: Kernel<S>>(
     machine: &Machine,
     moved: f64,
 ) {
-    let balancer = Balancer::<2>::new(machine).unwrap();
+    let balancer = Balancer::<2>::new(machine).expect("two balls");
     let system: Arc<dyn System> = Arc::new(balancer);
     let settings = Settings {
         method: Method::Event,

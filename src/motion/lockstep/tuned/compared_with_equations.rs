@@ -132,7 +132,7 @@ fn over_longest_steps<const N: usize>(simd: impl Vector) {
     };
     let mut group = Group::new(simd, Tuned::<_, N>::new(simd));
     let balancers: Vec<Balancer<N>> =
-        (0..LANES).map(|lane| Balancer::new(&machine(lane, N)).unwrap()).collect();
+        (0..LANES).map(|lane| Balancer::new(&machine(lane, N)).expect("N balls")).collect();
     let mut longest = Lanes::splat(simd, 0.0);
     for (lane, balancer) in balancers.iter().enumerate() {
         let mut start = state::<N>(lane, |_| 0.0);
@@ -140,7 +140,7 @@ fn over_longest_steps<const N: usize>(simd: impl Vector) {
         let [x, y] = rest.position;
         (start.position, start.velocity) = ([x, y], [balancer.speed * y, -balancer.speed * x]);
         let system: Arc<dyn System> = Arc::new(*balancer);
-        let saved = Saved::start(&system, settings, &start.components()).unwrap();
+        let saved = Saved::start(&system, settings, &start.components()).expect("starts");
         group.put(lane, &saved, 100.0);
         let mut displaced: State<N> = state(lane + 100, |_| 0.3);
         for axis in 0..2 {
@@ -183,12 +183,12 @@ fn against_equations<const N: usize>(simd: impl Vector) {
     };
     let mut group = Group::new(simd, Tuned::<_, N>::new(simd));
     let balancers: Vec<Balancer<N>> =
-        (0..LANES).map(|lane| Balancer::new(&machine(lane, N)).unwrap()).collect();
+        (0..LANES).map(|lane| Balancer::new(&machine(lane, N)).expect("N balls")).collect();
     for (lane, balancer) in balancers.iter().enumerate() {
         let start = state(lane, |ball| 1e-4 * (ball + 1) as f64);
         let start: State<N> = start;
         let system: Arc<dyn System> = Arc::new(*balancer);
-        let saved = Saved::start(&system, settings, &start.components()).unwrap();
+        let saved = Saved::start(&system, settings, &start.components()).expect("starts");
         group.put(lane, &saved, 1.0);
         let displaced: State<N> = state(lane + 100, |_| 0.3);
         group.displace(lane, &displaced.components());
