@@ -3,9 +3,11 @@
 //! Modes of contacts and parameters are inputs of the expressions, so that lanes with other parameters in other modes
 //! share the operations.
 
+mod compiler;
 mod conditions;
 mod expansion;
 mod program;
+mod schedule;
 
 use std::sync::Arc;
 
